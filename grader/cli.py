@@ -84,7 +84,7 @@ def build_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog=PROGRAM,
         description="Build the course, release it to students and grade a class.",
-        epilog=f"a term in five commands:\n{_lines(TERM)}",
+        epilog=f"a term in five commands:\n{_format_calls(TERM)}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"{course_title()} {version()}")
@@ -120,14 +120,14 @@ def add_command(
         name,
         help=f"{first[0].lower()}{first[1:]}".rstrip("."),
         description=textwrap.fill(description, WIDTH),
-        epilog=f"examples:\n{_lines(f'{name} {example}'.strip() for example in examples)}",
+        epilog=f"examples:\n{_format_calls(f'{name} {example}'.strip() for example in examples)}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     command.set_defaults(run=run)
     return command
 
 
-def _lines(calls: Iterable[str]) -> str:
+def _format_calls(calls: Iterable[str]) -> str:
     return "\n".join(f"  {PROGRAM} {call}" for call in calls)
 
 
@@ -573,14 +573,16 @@ def _positive_number(text: str) -> int:
     return int(text)
 
 
-def add_workers_option(command: argparse.ArgumentParser, what: str = "notebooks judged") -> None:
+def add_workers_option(
+    command: argparse.ArgumentParser, description: str = "notebooks judged"
+) -> None:
     """Add the option for the number of parallel processes."""
     command.add_argument(
         "--workers",
         type=_positive_number,
         default=processors(),
         metavar="N",
-        help=f"number of {what} at the same time (default: one per core)",
+        help=f"number of {description} at the same time (default: one per core)",
     )
 
 

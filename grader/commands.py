@@ -317,7 +317,7 @@ def run_report(options: argparse.Namespace) -> int:
     from grader.lms.standings import class_results
 
     course = Course()
-    judged = _verdicts_on_disk(course)
+    judged = _read_verdicts(course)
     if not judged:
         print("Nothing has been graded yet. Run: python -m grader grade", file=sys.stderr)
         return USAGE_ERROR
@@ -326,7 +326,7 @@ def run_report(options: argparse.Namespace) -> int:
     return SUCCESS
 
 
-def _verdicts_on_disk(course: Course) -> JudgedSubmissions:
+def _read_verdicts(course: Course) -> JudgedSubmissions:
     """Return all submissions that have a verdict, each with its verdict."""
     from grader.classroom.submissions import find_submissions
     from grader.judging.verdict import read_verdict
@@ -586,7 +586,7 @@ def _grade_with_lock(
     status = _enter_marks(course, judged, wanted or stages(), student)
     left = unaccounted_files(course)
     # If a student or a stage is named, `judged` contains only part of the class.
-    reported = _verdicts_on_disk(course) if student or wanted else judged
+    reported = _read_verdicts(course) if student or wanted else judged
     results, now = class_results(course), len(judged) - stored_count
     label = "" if scheduler else sandbox.label()
     run = GradingRun(now, len(reported) - now, seconds, label)
@@ -614,15 +614,17 @@ def _judge_all(
 
     counts = []
     with (
-        executors(scheduler, sandbox) as open_executor,
+        executor_factory(scheduler, sandbox) as open_executor,
         console.progress_bar("Judging") as advance,
     ):
 
-        def count(done: int, total: int, what: object) -> None:
+        def record_progress(done: int, total: int, item: object) -> None:
             counts.append(done)
-            advance(done, total, what)
+            advance(done, total, item)
 
-        judged = judge_class(course, wanted, seed, sandbox, open_executor, workers, count, student)
+        judged = judge_class(
+            course, wanted, seed, sandbox, open_executor, workers, record_progress, student
+        )
     return judged, counts[0]
 
 
@@ -691,19 +693,21 @@ def _print_summary(
 
 
 @contextlib.contextmanager
-def executors(scheduler: str | None, sandbox: Sandbox) -> Iterator[Callable[[int], Executor]]:
+def executor_factory(
+    scheduler: str | None, sandbox: Sandbox
+) -> Iterator[Callable[[int], Executor]]:
     """Yield a function that opens an executor; all executors share one cluster connection."""
     from grader.classroom.executors import EXECUTORS
 
     with contextlib.ExitStack() as stack:
 
         @functools.cache
-        def cluster() -> Executor:
+        def open_cluster() -> Executor:
             return stack.enter_context(
                 EXECUTORS["scheduler"](scheduler, sandbox.name, console.tell)
             )
 
         if scheduler:
-            yield lambda workers: contextlib.nullcontext(cluster())
+            yield lambda workers: contextlib.nullcontext(open_cluster())
         else:
             yield EXECUTORS["processes"]

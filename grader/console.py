@@ -41,9 +41,9 @@ LEGEND = {
 
 @contextlib.contextmanager
 def progress_bar(title: str) -> Iterator[Callable[[int, int, object], None]]:
-    """Show a progress bar on stderr; yield a function that updates it with (done, total, what).
+    """Show a progress bar on stderr; yield a function that updates it with (done, total, item).
 
-    Until the total is known, `what` is a sentence about the work. The bar appears only when work
+    Until the total is known, `item` is a sentence about the work. The bar appears only when work
     begins, so that an error before that does not look like an interruption.
     """
     columns = (
@@ -55,8 +55,8 @@ def progress_bar(title: str) -> Iterator[Callable[[int, int, object], None]]:
     progress = Progress(*columns, console=Console(stderr=True))
     task = progress.add_task(title, total=None)
 
-    def advance(done: int, total: int, what: object) -> None:
-        text = f"{title}: {what}" if isinstance(what, str) and what else title
+    def advance(done: int, total: int, item: object) -> None:
+        text = f"{title}: {item}" if isinstance(item, str) and item else title
         progress.update(task, completed=done, total=total, description=text)
         if total or text != title:
             progress.start()
@@ -159,7 +159,7 @@ def print_class(
             scores = [_mark_text(results.notebook(student, lesson)) for lesson in lessons]
             first_fault = _first_fault(verdicts.values())
         else:
-            scores = [_score(verdicts.get(lesson)) for lesson in lessons]
+            scores = [_score_text(verdicts.get(lesson)) for lesson in lessons]
             first_fault = "not on the roster, so no mark was entered" if results else ""
             first_fault = first_fault or _first_fault(verdicts.values())
         cells += scores
@@ -393,7 +393,7 @@ def _mark_text(result: NotebookResult) -> str:
     return f"{result.score:.3g}{'*' * (result.standing == 'waiting')}"
 
 
-def _score(verdict: Verdict | None) -> str:
+def _score_text(verdict: Verdict | None) -> str:
     if verdict is None:
         return "-"
     return f"{verdict.score:.3g}" if verdict.status == "judged" else "?"

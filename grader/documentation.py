@@ -26,31 +26,31 @@ _SECTION = re.compile(r"(<!-- (\w+) -->)(.*?)(<!-- end -->)", re.S)
 _OUTCOMES = re.compile(r"\*\*After this lesson you can\*\*\n((?:- .*\n)+)")
 
 
-def files(parser: argparse.ArgumentParser) -> dict[Path, bytes]:
+def generated_pages(parser: argparse.ArgumentParser) -> dict[Path, bytes]:
     """Return the existing pages with generated content, by path.
 
     The numbers come from the built notebooks, and the commands from the parser.
     """
     sections = {
-        "hours": f"{round(sum(map(_minutes, all_lessons())) / 60)}",
-        "stages": f"\n{_stages()}",
-        "lessons": f"\n{_lessons()}",
-        "outcomes": f"\n{_outcomes()}",
-        "work": f"\n{_work()}",
+        "hours": f"{round(sum(map(_stated_minutes, all_lessons())) / 60)}",
+        "stages": f"\n{_stages_table()}",
+        "lessons": f"\n{_lessons_table()}",
+        "outcomes": f"\n{_outcomes_section()}",
+        "work": f"\n{_work_section()}",
     }
 
-    def with_section(mark: re.Match) -> str:
+    def fill_section(mark: re.Match) -> str:
         return mark[1] + sections[mark[2]] + mark[4]
 
-    pages = {COMMANDS: _commands(parser)} if COMMANDS.is_file() else {}
+    pages = {COMMANDS: _commands_page(parser)} if COMMANDS.is_file() else {}
     for path in filter(Path.is_file, PAGES_WITH_SECTIONS):
-        pages[path] = _SECTION.sub(with_section, path.read_text("utf-8"))
+        pages[path] = _SECTION.sub(fill_section, path.read_text("utf-8"))
     return {path: text.encode() for path, text in pages.items()}
 
 
 def write(parser: argparse.ArgumentParser) -> list[tuple[str, Path]]:
     """Write the pages that have changed; see `grader.course.build.build`."""
-    changed = _changed(parser)
+    changed = _changed_pages(parser)
     for path, text in changed.items():
         path.write_bytes(text)
     return [("wrote", path) for path in changed]
@@ -58,18 +58,20 @@ def write(parser: argparse.ArgumentParser) -> list[tuple[str, Path]]:
 
 def check(parser: argparse.ArgumentParser) -> list[str]:
     """Return a sentence for each page that is out of date."""
-    stale = [path.relative_to(PROJECT) for path in _changed(parser)]
+    stale = [path.relative_to(PROJECT) for path in _changed_pages(parser)]
     return [f"{path} is stale. Run: python -m grader build" for path in stale]
 
 
-def _changed(parser: argparse.ArgumentParser) -> dict[Path, bytes]:
-    return {path: text for path, text in files(parser).items() if path.read_bytes() != text}
+def _changed_pages(parser: argparse.ArgumentParser) -> dict[Path, bytes]:
+    return {
+        path: text for path, text in generated_pages(parser).items() if path.read_bytes() != text
+    }
 
 
 # ---- syllabus ------------------------------------------------------------------------------------
 
 
-def _minutes(lesson: Lesson) -> int:
+def _stated_minutes(lesson: Lesson) -> int:
     return durations.stated_minutes(nbformat.read(lesson.solved, as_version=4))
 
 
@@ -79,34 +81,34 @@ def lesson_title(lesson: Lesson) -> str:
     return re.sub(r"^# (\d\d · )?", "", heading)
 
 
-def _writes(lesson: Lesson) -> str:
+def _exercise_names(lesson: Lesson) -> str:
     return ", ".join(f"`{exercise.name}`" for exercise in lesson.machine_graded)
 
 
-def _stages() -> str:
+def _stages_table() -> str:
     rows = []
     for week, stage in enumerate(stages(), start=1):
         lessons = [lesson for lesson in all_lessons() if lesson.stage == stage]
         titles = ", ".join(f"{lesson.number} {lesson_title(lesson)}" for lesson in lessons)
-        hours = sum(map(_minutes, lessons)) / 60
+        hours = sum(map(_stated_minutes, lessons)) / 60
         points = sum(exercise.points for lesson in lessons for exercise in lesson.exercises)
         rows.append(f"| {week} | {stage_title(stage)} | {titles} | {hours:.1f} | {points:g} |\n")
     return "| week | stage | lessons | hours | points |\n|---|---|---|---:|---:|\n" + "".join(rows)
 
 
-def _lessons() -> str:
+def _lessons_table() -> str:
     rows = [
         f"| {lesson.number} "
         f"| [{lesson_title(lesson)}](../notebooks/{lesson.stage}/{lesson.name}.ipynb) "
-        f"| {_minutes(lesson)} | {sum(exercise.points for exercise in lesson.exercises):g} "
-        f"| {_writes(lesson)} |\n"
+        f"| {_stated_minutes(lesson)} | {sum(exercise.points for exercise in lesson.exercises):g} "
+        f"| {_exercise_names(lesson)} |\n"
         for lesson in all_lessons()
     ]
     heading = "| | lesson | minutes | points | students write |\n|---|---|---:|---:|---|\n"
     return heading + "".join(rows)
 
 
-def _outcomes() -> str:
+def _outcomes_section() -> str:
     parts = []
     for stage, lessons in itertools.groupby(all_lessons(), key=lambda lesson: lesson.stage):
         parts.append(f"**{stage_title(stage)}.** After this stage, students can\n\n")
@@ -120,7 +122,7 @@ def _outcomes() -> str:
     return "".join(parts)
 
 
-def _work() -> str:
+def _work_section() -> str:
     """Return the steps for students, from the README in the students' zips."""
     path = PROJECT / "solutions" / "student_readme.md"
     if not path.is_file():
@@ -131,18 +133,18 @@ def _work() -> str:
 # ---- commands ------------------------------------------------------------------------------------
 
 
-def _commands(parser: argparse.ArgumentParser) -> str:
+def _commands_page(parser: argparse.ArgumentParser) -> str:
     (action,) = parser._subparsers._group_actions
     parts = [
         "# Commands\n\nThis page is generated from the command line. "
         "`python -m grader COMMAND --help` shows the same text.\n"
     ]
     for name, command in action.choices.items():
-        parts.append("\n".join(_command(name, command)) + "\n")
+        parts.append("\n".join(_command_section(name, command)) + "\n")
     return "\n".join(parts)
 
 
-def _command(name: str, command: argparse.ArgumentParser) -> Iterator[str]:
+def _command_section(name: str, command: argparse.ArgumentParser) -> Iterator[str]:
     usage = " ".join(command.format_usage().removeprefix("usage: ").split())
     yield f"## {name}\n\n{command.description or ''}\n"
     yield f"```\n{usage}\n```\n"
@@ -151,13 +153,13 @@ def _command(name: str, command: argparse.ArgumentParser) -> Iterator[str]:
         yield "| argument | meaning |\n|---|---|"
     for option in options:
         help_text = command._get_formatter()._expand_help(option) if option.help else ""
-        yield f"| {_invocation(option)} | {help_text} |".replace("  |", " |")
+        yield f"| {_format_argument(option)} | {help_text} |".replace("  |", " |")
     if command.epilog:
         calls = "\n".join(map(str.strip, command.epilog.splitlines()[1:]))
         yield f"\nExamples:\n\n```sh\n{calls}\n```"
 
 
-def _invocation(option: argparse.Action) -> str:
+def _format_argument(option: argparse.Action) -> str:
     value = option.metavar or (option.choices and "{" + ",".join(option.choices) + "}") or ""
     if not option.option_strings:
         return f"`{value}`"

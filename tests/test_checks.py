@@ -14,7 +14,7 @@ from scipy.sparse import coo_array
 
 from grader.course.lessons import all_lessons, load_reference
 from grader.course.paths import PROJECT
-from grader.judging.messages import message_of, shareable
+from grader.judging.messages import message_of, shareable_outcome
 from grader.judging.runner import run_checks
 from grader.sandbox import Limits
 from utils.checks import CheckFailed, check, checks_of, core
@@ -679,7 +679,7 @@ def test_messages_of_hidden_tests_contain_no_words_of_the_student(lesson, name):
         if not outcome.check.is_shown:
             assert isinstance(outcome.failure, CheckFailed), outcome
             assert SECRET not in outcome.failure.message
-            assert SECRET not in message_of(shareable(outcome, open_to_all=True)).text
+            assert SECRET not in message_of(shareable_outcome(outcome, open_to_all=True)).text
 
 
 # ---- exercises that share a class ----------------------------------------------------------------

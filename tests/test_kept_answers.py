@@ -3,7 +3,7 @@
 import pytest
 
 from grader.course import kept_answers
-from grader.course.kept_answers import answers_to, edited
+from grader.course.kept_answers import answers_to, apply_edits
 
 SOURCE = "def f(a):\n    b = a + 1\n\n    for c in b:\n        print(c)\n    return b"
 
@@ -31,7 +31,7 @@ def test_an_edit_changes_only_its_lines(edits, becomes):
     if becomes.startswith("…"):
         first, _, _ = becomes[1:].partition("\n")
         becomes = SOURCE.replace(first, becomes[1:])
-    assert edited(SOURCE, edits, "an answer") == becomes
+    assert apply_edits(SOURCE, edits, "an answer") == becomes
 
 
 @pytest.mark.parametrize(
@@ -39,7 +39,7 @@ def test_an_edit_changes_only_its_lines(edits, becomes):
 )
 def test_lines_that_do_not_occur_exactly_once_are_named(edits, count):
     with pytest.raises(ValueError, match=f"^voxels: .* {count} times"):
-        edited(SOURCE + "\n1\n1", edits, "voxels")
+        apply_edits(SOURCE + "\n1\n1", edits, "voxels")
 
 
 def test_an_answer_may_be_an_edit_of_a_later_one(tmp_path, monkeypatch):

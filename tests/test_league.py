@@ -20,7 +20,7 @@ from extension.league.drives import (
     from_json,
     repeat_drive,
 )
-from extension.league.page import events_of, write_league
+from extension.league.page import problem_sentences, write_league
 from extension.league.pseudonyms import pseudonyms
 from extension.league.ranking import counted_metres, standings
 from extension.league.season import (
@@ -31,7 +31,7 @@ from extension.league.season import (
     drive_class,
     lesson_of_league,
 )
-from extension.league.streets import streets_of
+from extension.league.streets import draw_streets
 from grader import cli
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.paths import PROJECT, Course
@@ -85,7 +85,7 @@ def drive_with(sandbox, source, street=FREE, seconds=2.0, **limits):
 
 
 def test_streets_depend_only_on_the_seed():
-    once, again, others = streets_of(SEED), streets_of.__wrapped__(SEED), streets_of(SEED + 1)
+    once, again, others = draw_streets(SEED), draw_streets.__wrapped__(SEED), draw_streets(SEED + 1)
     assert [street.number for street in once] == [1, 2, 3, 4, 5, 6]
     for first, second, other in zip(once, again, others, strict=True):
         assert first.seed == second.seed != other.seed
@@ -180,7 +180,7 @@ def test_a_few_failed_scans_are_reported_but_do_not_stop_a_drive(sandbox):
     source = returning("calls.append(0) or ([] if len(calls) % 5 else 1 / 0)", "calls = []")
     driven = drive_with(sandbox, source, seconds=2.0)
     assert not driven.stopped and driven.failed == 4
-    (sentence,) = events_of(driven)
+    (sentence,) = problem_sentences(driven)
     assert sentence == (
         "It returned no boxes for 4 of the scans. detect_obstacles raised ZeroDivisionError."
     )
@@ -204,7 +204,7 @@ def test_a_detector_that_never_answers_stops_only_its_own_drive(line, words, san
 
 def test_the_message_about_an_unreadable_notebook_does_not_quote_it():
     submitted_files = drives.SubmittedFiles("<b>mine</b>.ipynb", b"{", "")
-    driven = drives.drive_one(submitted_files, LESSON.name, 1, SEED, "process")
+    driven = drives.drive_submission(submitted_files, LESSON.name, 1, SEED, "process")
     assert driven.stopped == "The notebook cannot be read."
 
 
@@ -219,7 +219,7 @@ def test_the_key_of_a_drive_covers_the_files_that_decide_it(monkeypatch):
     } <= names
     read = set()
     monkeypatch.setattr(drives, "key_of_files", lambda about, files: read.update(files) or "key")
-    drives._rules.__wrapped__(LESSON)
+    drives._rules_fingerprint.__wrapped__(LESSON)
     assert {LESSON.source, LESSON.solved, LESSON.released} <= read
     assert not names & {
         "extension/league/page.py",
@@ -264,21 +264,21 @@ CHEAP = {
 
 def cheap_points(street, boxes):
     result = drive(street, lambda cloud: boxes, clock=on_time, sensor=BLINKERED)
-    return counted_metres(street, drives._result_of(result, ""))
+    return counted_metres(street, drives._summarize_drive(result, ""))
 
 
 @pytest.mark.parametrize("name", ("no boxes", "boxes everywhere", "one box 4 m ahead"))
 def test_cheap_detectors_earn_hardly_any_points(name):
     """True boxes earn about 100 points; the next test covers all cheap detectors and streets."""
-    assert cheap_points(streets_of(SEED)[1], CHEAP[name]) <= 20
+    assert cheap_points(draw_streets(SEED)[1], CHEAP[name]) <= 20
 
 
 @pytest.mark.proof
 @pytest.mark.parametrize("number", range(6))
 @pytest.mark.parametrize("seed", (SEED, SEED + 1))
 def test_true_boxes_beat_cheap_detectors_in_every_street(number, seed):
-    street = streets_of(seed)[number]
-    assert counted_metres(street, drives._result_of(drive(street), "")) > 50
+    street = draw_streets(seed)[number]
+    assert counted_metres(street, drives._summarize_drive(drive(street), "")) > 50
     assert max(cheap_points(street, boxes) for boxes in CHEAP.values()) <= 20
 
 
@@ -337,12 +337,12 @@ def jobs(monkeypatch):
     """Replace driving with a function that records each job; return the list of recorded jobs."""
     calls = []
 
-    def drive_one(submitted_files, lesson, number, seed, sandbox):
+    def drive_submission(submitted_files, lesson, number, seed, sandbox):
         calls.append((submitted_files and submitted_files.name, number))
-        key = drives.key_of(submitted_files, streets_of(seed)[number - 1], LESSON)
+        key = drives.drive_key(submitted_files, draw_streets(seed)[number - 1], LESSON)
         return DriveResult(number, 100.0 + number, key=key)
 
-    monkeypatch.setattr(season, "drive_one", drive_one)
+    monkeypatch.setattr(season, "drive_submission", drive_submission)
     return calls
 
 
@@ -387,7 +387,7 @@ def test_a_drive_with_a_damaged_file_is_repeated(course, jobs, sandbox):
 
 
 def test_a_drive_that_kills_its_process_twice_is_a_fault(course, jobs, sandbox, monkeypatch):
-    original, tries = season.drive_one, []
+    original, tries = season.drive_submission, []
 
     def deadly(submitted_files, lesson, number, seed, sandbox):
         if submitted_files and b"[[]]" in submitted_files.data and number == 2:
@@ -397,7 +397,7 @@ def test_a_drive_that_kills_its_process_twice_is_a_fault(course, jobs, sandbox, 
 
     course, submit = course
     submit("eve", {DETECTOR: returning("[[]]")})
-    monkeypatch.setattr(season, "drive_one", deadly)
+    monkeypatch.setattr(season, "drive_submission", deadly)
     result = drive_the_class(course, sandbox)
     assert len(tries) == 2
     assert result.faults == [f"eve, street 2: {season.PROCESS_DIED}"]
@@ -407,7 +407,7 @@ def test_a_drive_that_kills_its_process_twice_is_a_fault(course, jobs, sandbox, 
 
 
 def test_a_starved_detector_drives_again_alone(course, jobs, sandbox, monkeypatch):
-    original, tries = season.drive_one, []
+    original, tries = season.drive_submission, []
 
     def starved(submitted_files, *about):
         driven = original(submitted_files, *about)
@@ -416,20 +416,20 @@ def test_a_starved_detector_drives_again_alone(course, jobs, sandbox, monkeypatc
             return replace(driven, starved=len(tries) == 1)
         return driven
 
-    monkeypatch.setattr(season, "drive_one", starved)
+    monkeypatch.setattr(season, "drive_submission", starved)
     result = drive_the_class(course[0], sandbox)
     assert len(tries) == 2 and not result.faults and not result.left_out
 
 
 def test_a_street_that_stops_the_true_boxes_does_not_count(course, jobs, sandbox, monkeypatch):
-    original = season.drive_one
+    original = season.drive_submission
 
     def unfair(submitted_files, lesson, number, seed, sandbox):
         driven = original(submitted_files, lesson, number, seed, sandbox)
         hit = submitted_files is None and number == 4
         return replace(driven, collision="The car hits a person.") if hit else driven
 
-    monkeypatch.setattr(season, "drive_one", unfair)
+    monkeypatch.setattr(season, "drive_submission", unfair)
     result = drive_the_class(course[0], sandbox)
     assert [street.number for street in result.streets] == [1, 2, 3, 5, 6]
     assert [street.number for street in result.left_out] == [4]
@@ -454,7 +454,7 @@ HOSTILE = "<script>alert(1)</script>"
 
 @pytest.fixture
 def league_files(tmp_path, monkeypatch):
-    monkeypatch.setattr(page, "_film", lambda *about: None)
+    monkeypatch.setattr(page, "_film_best_drive", lambda *about: None)
     drives = {
         "ada": DriveResult(1, 90.0, needless=(True,), near_misses=1,
                            brakings=("road mistaken for an obstacle, 9 m ahead, frame 31",)),
@@ -488,7 +488,7 @@ def test_the_page_has_results_but_no_names(league_files):
 
 
 def test_shared_places_are_in_the_order_of_pseudonyms(tmp_path, monkeypatch):
-    monkeypatch.setattr(page, "_film", lambda *about: None)
+    monkeypatch.setattr(page, "_film_best_drive", lambda *about: None)
     students = [f"student{number:02}" for number in range(20)]
     paths = write_league(
         Course(tmp_path), season_of({student: DriveResult(1, 90.0) for student in students}), SEED
@@ -528,7 +528,7 @@ def test_the_film_shows_the_best_detector_in_the_hardest_street(monkeypatch):
 
     monkeypatch.setattr(page, "repeat_drive", record)
     with pytest.raises(LookupError):
-        page._film(
+        page._film_best_drive(
             *(lambda league: (league, standings(league)))(Season(LESSON, streets, (), drives)), str
         )
     assert filmed == [2]
@@ -550,8 +550,8 @@ def test_a_class_drives_and_right_answers_drive_farther(tmp_path, sandbox, monke
         path.parent.mkdir(parents=True)
         path.write_text(fill_in(LESSON, {DETECTOR: source}), "utf-8")
     monkeypatch.setattr("grader.commands.Course", lambda: Course(tmp_path))
-    two = {seed: streets_of(seed)[:2] for seed in (SEED,)}
-    monkeypatch.setattr(season, "streets_of", two.__getitem__)
+    two = {seed: draw_streets(seed)[:2] for seed in (SEED,)}
+    monkeypatch.setattr(season, "draw_streets", two.__getitem__)
     options = ["league", LESSON.stage, "--sandbox", sandbox.name, "--seed", str(SEED)]
     assert cli.main(options) == 0
     rows = list(csv.DictReader((tmp_path / "report" / f"league_{LESSON.stage}.csv").open()))

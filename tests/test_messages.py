@@ -10,14 +10,14 @@ from grader.judging.messages import (
     common_text,
     message_of,
     messages_of,
-    shareable,
     shareable_failure,
+    shareable_outcome,
     without_numbers,
 )
 from grader.judging.runner import JudgeTimeout
 from grader.judging.verdict import MessageKind
 from grader.sandbox.failures import StudentError, StudentStopped
-from grader.sandbox.quotation import LONGEST_LINE, sentence_on, sentence_on_cell
+from grader.sandbox.quotation import LONGEST_LINE, describe_error, describe_failed_cell
 from utils.checks import Check, CheckFailed
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import (
@@ -41,14 +41,14 @@ UPSIDE_DOWN = Mistake("It is upside down.", predicts=print, hint="Turn it round.
 
 def message_lines(check, failure, open_to_all=True):
     """Return the lines of the message about a failure."""
-    return message_of(shareable(Outcome(check, failure), open_to_all)).text.split("\n")
+    return message_of(shareable_outcome(Outcome(check, failure), open_to_all)).text.split("\n")
 
 
 def test_a_passed_check_has_no_message():
     outcome = Outcome(SHOWN, None)
     assert (
-        shareable(outcome, True) is outcome
-        and shareable(Outcome(HIDDEN, None), False).failure is None
+        shareable_outcome(outcome, True) is outcome
+        and shareable_outcome(Outcome(HIDDEN, None), False).failure is None
     )
     assert messages_of(summarise([outcome])) == {}
 
@@ -208,22 +208,22 @@ REFUSED = "is not allowed in this lesson: it does the exercise for you"
 def test_a_word_is_quoted_only_if_it_is_in_the_line(kind, message, line, says):
     error = raised(kind, message, line=line, forbidden=("sklearn.cluster", "scipy.cluster"))
     quoted = f": `{line}`" if line else ""
-    assert sentence_on(error) == f"f raised {says} (code cell 3, line 2{quoted})."
+    assert describe_error(error) == f"f raised {says} (code cell 3, line 2{quoted})."
 
 
 def test_long_lines_are_cut():
     line = "x = " + "1 + " * 100 + "clod"
-    sentence = sentence_on(raised("NameError", MISSING, line=line))
+    sentence = describe_error(raised("NameError", MISSING, line=line))
     assert sentence == f"f raised NameError (code cell 3, line 2: `{line[:LONGEST_LINE]}…`)."
 
 
 def test_a_message_may_have_no_place():
     error = raised("NameError", MISSING, line="", place=None)
-    assert sentence_on(error) == "f raised NameError."
-    assert sentence_on_cell(error) == "A cell failed: NameError."
+    assert describe_error(error) == "f raised NameError."
+    assert describe_failed_cell(error) == "A cell failed: NameError."
     error = raised("NameError", MISSING, line="x = clod")
     assert (
-        sentence_on_cell(error)
+        describe_failed_cell(error)
         == f"Code cell 3, line 2, failed: NameError: {MISSING} (`x = clod`)."
     )
 

@@ -11,7 +11,7 @@ from grader.classroom.item_analysis import hardest_checks
 from grader.course.kept_answers import answers_to, fill_in
 from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import judge_files
-from grader.judging.points import points_of, shares, total
+from grader.judging.points import divide_points, points_of, sum_points
 from grader.judging.verdict import JUDGED, CheckResult, ExerciseResult, Verdict
 from utils.checks import Check
 from utils.checks.failures import CheckFailed
@@ -22,7 +22,7 @@ WEIGHTS = some.lists(some.sampled_from([0.5, 1.0, 1.5, 2.0, 3.0, 4.0]), min_size
 
 @given(some.integers(1, 10_000), WEIGHTS)
 def test_shares_add_up_and_are_within_a_cent_of_exact(cents, weights):
-    shares_in_cents = [round(100 * share) for share in shares(cents / 100, weights)]
+    shares_in_cents = [round(100 * share) for share in divide_points(cents / 100, weights)]
     assert sum(shares_in_cents) == cents
     total_weight = sum(map(Fraction, weights))
     for share, weight in zip(shares_in_cents, weights, strict=True):
@@ -44,7 +44,7 @@ def test_shares_add_up_and_are_within_a_cent_of_exact(cents, weights):
     ],
 )
 def test_remaining_cents_go_to_the_largest_fractions(points, weights, expected):
-    assert shares(points, weights) == expected
+    assert divide_points(points, weights) == expected
 
 
 @given(some.integers(1, 5000), WEIGHTS, some.data())
@@ -57,7 +57,7 @@ def test_an_exercise_earns_the_sum_of_the_shares_of_its_passed_checks(cents, wei
         for number, weight in enumerate(weights)
     ]
     earned = points_of(cents / 100, outcomes)
-    shown = shares(cents / 100, weights)
+    shown = divide_points(cents / 100, weights)
     passed = [share for share, run in zip(shown, outcomes, strict=True) if run.failure is None]
     assert Fraction(round(100 * earned)) == sum(round(100 * share) for share in passed)
     if len(passed) == len(outcomes):
@@ -82,13 +82,17 @@ def test_a_verdict_adds_up(lesson, sandbox):
         assert len(names) == len(set(names)) >= 3
         assert {test["visible"] for test in exercise["tests"]} == {True, False}
         kept = [exercise["slip"]["score"]] if exercise["slip"] else []
-        assert total([test["score"] for test in exercise["tests"]] + kept) == exercise["score"]
-        assert total([test["max_score"] for test in exercise["tests"]]) == exercise["max_score"]
+        assert sum_points([test["score"] for test in exercise["tests"]] + kept) == exercise["score"]
+        assert (
+            sum_points([test["max_score"] for test in exercise["tests"]]) == exercise["max_score"]
+        )
         for test in exercise["tests"]:
             assert test["score"] == (test["max_score"] if test["passed"] else 0)
             assert round(test["max_score"], 2) == test["max_score"] > 0
-    assert total([exercise["score"] for exercise in shown["exercises"]]) == shown["score"]
-    assert total([exercise["max_score"] for exercise in shown["exercises"]]) == shown["max_score"]
+    assert sum_points([exercise["score"] for exercise in shown["exercises"]]) == shown["score"]
+    assert (
+        sum_points([exercise["max_score"] for exercise in shown["exercises"]]) == shown["max_score"]
+    )
 
 
 def test_the_report_names_the_check_that_failed():

@@ -63,7 +63,7 @@ def tried(monkeypatch):
         found.append((program, exercise, [outcome.check.name for outcome in failed]))
 
     monkeypatch.setattr(repair, "find_repair", find_repair)
-    monkeypatch.setattr(repair, "explains", lambda *about: False)
+    monkeypatch.setattr(repair, "mistake_explains", lambda *about: False)
     return found
 
 
@@ -107,7 +107,7 @@ def slip(*about, **more):
 
 @pytest.mark.parametrize("kind", ["is_cheap", "is_the_task"])
 def test_some_mistakes_are_slips_only_if_an_edit_proves_them(tried, monkeypatch, kind):
-    monkeypatch.setattr(repair, "explains", lambda *about: True)
+    monkeypatch.setattr(repair, "mistake_explains", lambda *about: True)
     named, cheap = slip(), slip(**{kind: True})
     outcomes = (*outcomes_of("line_through", FAIL), *outcomes_of("ransac_line", FAIL))
     run = RunResults(outcomes, mistakes={"line_through": cheap, "ransac_line": named})
@@ -128,7 +128,7 @@ def test_a_named_mistake_may_explain_an_answer_that_no_edit_repairs(tried, monke
         calls.append((setting, program, exercise, {check.name for check in lost}))
         return mistake is named
 
-    monkeypatch.setattr(repair, "explains", explains)
+    monkeypatch.setattr(repair, "mistake_explains", explains)
     named, other = slip(), slip()
     outcomes = (*outcomes_of("line_through", FAIL, None, FAIL), *outcomes_of("ransac_line", FAIL))
     run = RunResults(outcomes, mistakes={"line_through": named, "ransac_line": other})
@@ -449,18 +449,18 @@ def test_edits_that_end_a_loop_come_first_after_a_hang():
     texts = ("x = 1", "x = 1\n        return", "pass", "break", "return x", "return")
     edits = [(1, 1, 1, text) for text in texts]
     hangs = outcomes_of("line_through", FAIL, StudentStopped("It did not answer."))
-    assert [number for number, _ in repair._likeliest_first(edits, hangs)] == [1, 3, 5, 0, 2, 4]
+    assert [number for number, _ in repair._sort_by_likelihood(edits, hangs)] == [1, 3, 5, 0, 2, 4]
     fails = outcomes_of("line_through", FAIL)
-    assert [number for number, _ in repair._likeliest_first(edits, fails)] == [0, 1, 2, 3, 4, 5]
+    assert [number for number, _ in repair._sort_by_likelihood(edits, fails)] == [0, 1, 2, 3, 4, 5]
 
 
 def test_edits_that_return_a_value_come_first_after_none_was_returned():
     texts = ("x = 1", "    return x", "return", "y = 1\nreturn y", "return y")
     edits = [(1, 1, 1, text) for text in texts]
     nothing = outcomes_of("line_through", FAIL, WrongForm("It returned None.", yours="None"))
-    assert [number for number, _ in repair._likeliest_first(edits, nothing)] == [1, 4, 0, 2, 3]
+    assert [number for number, _ in repair._sort_by_likelihood(edits, nothing)] == [1, 4, 0, 2, 3]
     something = outcomes_of("line_through", FAIL, WrongForm("It is a list.", yours="[None]"))
-    assert [number for number, _ in repair._likeliest_first(edits, something)] == [0, 1, 2, 3, 4]
+    assert [number for number, _ in repair._sort_by_likelihood(edits, something)] == [0, 1, 2, 3, 4]
 
 
 def test_edits_of_a_line_that_raised_come_first():
@@ -468,7 +468,7 @@ def test_edits_of_a_line_that_raised_come_first():
     raising = [(2, 3, 3), (2, 2, 4), (2, 3, 5), (2, 1, 3)]
     edits = [(*lines, "text") for pair in zip(elsewhere, raising, strict=True) for lines in pair]
     errors = (StudentError("f", "E", place=f"code cell {lines}") for lines in ("2, line 3", "7"))
-    ordered = repair._likeliest_first(edits, outcomes_of("line_through", FAIL, *errors))
+    ordered = repair._sort_by_likelihood(edits, outcomes_of("line_through", FAIL, *errors))
     assert [number for number, _ in ordered] == [1, 3, 5, 7, 0, 2, 4, 6]
     assert all(edits[number] == edit for number, edit in ordered)
 
@@ -575,10 +575,10 @@ def explains(monkeypatch):
         monkeypatch.setattr(mistake_diagnosis, "StudentProxy", lambda *about: student)
         monkeypatch.setattr(mistake_diagnosis, "run_checks", run_checks)
         monkeypatch.setattr(mistake_diagnosis, "imitation_of", imitation_of)
-        monkeypatch.setattr(mistake_diagnosis, "_solution", lambda *about: "the solution")
+        monkeypatch.setattr(mistake_diagnosis, "_load_solution", lambda *about: "the solution")
         checks = frozenset(CHECKS[number] for number in lost)
         name = "".join(["line", "_through"])
-        found = mistake_diagnosis.explains(SETTING, SUBMITTED, name, slip(), checks)
+        found = mistake_diagnosis.mistake_explains(SETTING, SUBMITTED, name, slip(), checks)
         assert type(found) is bool
         return found
 
@@ -683,10 +683,10 @@ def test_an_imitation_also_returns_none_where_the_solution_does():
 
 
 def test_the_solution_is_the_lessons_own_and_is_loaded_once():
-    line_through = mistake_diagnosis._solution(LINE, "line_through")
+    line_through = mistake_diagnosis._load_solution(LINE, "line_through")
     a, b, c = line_through(np.array([1.0, 2.0]), np.array([4.0, 6.0]))
     np.testing.assert_allclose([a + 2 * b + c, 4 * a + 6 * b + c], 0, atol=1e-12)
-    assert mistake_diagnosis._solution(LINE, "line_through") is line_through
+    assert mistake_diagnosis._load_solution(LINE, "line_through") is line_through
 
 
 # ---- points that a slip keeps -------------------------------------------------------------------
@@ -694,7 +694,7 @@ def test_the_solution_is_the_lessons_own_and_is_loaded_once():
 
 @pytest.mark.parametrize("earned", [0.0, 2.99, 3.0, 3.01, 4.87])
 def test_a_slip_never_reduces_the_score(earned):
-    found = results._slip(repair.Repair(1, 2, "a", "b"), 5.0, earned, rules.ONE_SLIP_KEEPS)
+    found = results._build_slip(repair.Repair(1, 2, "a", "b"), 5.0, earned, rules.ONE_SLIP_KEEPS)
     assert found.score == pytest.approx(max(rules.ONE_SLIP_KEEPS * 5 - earned, 0))
 
 

@@ -329,7 +329,7 @@ def test_a_solution_is_run_once_and_shows_its_output(tmp_path, monkeypatch):
     first = solutions.executed_notebook(lesson, tmp_path / "kept", "")
     _, cell = nbformat.reads(first.decode(), as_version=4).cells
     assert (cell.source, cell.outputs[0].text) == ("print(6 * 7)", "42\n")
-    monkeypatch.setattr(solutions, "_run", lambda lesson, before: b"run again")
+    monkeypatch.setattr(solutions, "_run_solved_notebook", lambda lesson, before: b"run again")
     assert solutions.executed_notebook(lesson, tmp_path / "kept", "") == first
     monkeypatch.setattr(solutions, "course_tools", lambda: {"utils/one.py": b"2"})
     assert solutions.executed_notebook(lesson, tmp_path / "kept", "") == b"run again"

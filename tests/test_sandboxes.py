@@ -85,7 +85,7 @@ def test_a_jail_contains_the_library_that_python_was_built_with(is_shared, monke
     """A shared libpython may be outside the system's library folders."""
     variables = {"Py_ENABLE_SHARED": is_shared, "LIBDIR": "/opt/lib", "INSTSONAME": "libpy.so.1"}
     monkeypatch.setattr(sysconfig, "get_config_var", variables.get)
-    assert (Path("/opt/lib/libpy.so.1") in jail._python()) == is_shared
+    assert (Path("/opt/lib/libpy.so.1") in jail._python_paths()) == is_shared
 
 
 def test_a_third_sandbox_is_selected_by_its_name(container, tmp_path, capsys):

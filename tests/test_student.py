@@ -6,7 +6,7 @@ import pytest
 from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.program import Program
-from grader.sandbox.quotation import sentence_on
+from grader.sandbox.quotation import describe_error
 from grader.sandbox.student import TOOK_TOO_LONG, StudentProxy
 from utils.checks.assertions import call_each, get_attribute_path
 
@@ -232,7 +232,7 @@ def test_an_exception_is_placed_at_the_call_in_the_exercise(sandbox):
         error = caught.value
         assert (error.place, error.line) == ("code cell 1, line 3", "a, b = line")
         assert error.calling == "code cell 2, line 3"
-        assert sentence_on(error) == (
+        assert describe_error(error) == (
             "answer raised TypeError (code cell 2, line 3: `return finished(number)`, which calls "
             "code cell 1, line 3: `a, b = line`)."
         )

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from grader.course.paths import PROJECT
-from grader.judging.messages import shareable
+from grader.judging.messages import shareable_outcome
 from tests.prerequisites import PATIENCE
 from utils.checks import check, core, diagnosis, display
 from utils.checks.assertions import CheckFailed, WrongForm, as_labels, precondition
@@ -523,5 +523,7 @@ def test_a_precondition_is_shown_if_no_other_check_fails():
     assert story.first.failure.is_about_the_check and not story.waiting
     # The judge shows only the precondition of a hidden test.
     hidden = Check("test_all", "drop_invalid", "All", "")
-    shared = shareable(Outcome(hidden, NotYet("it works", CheckFailed("7"))), open_to_all=False)
+    shared = shareable_outcome(
+        Outcome(hidden, NotYet("it works", CheckFailed("7"))), open_to_all=False
+    )
     assert shared.failure.reason is None

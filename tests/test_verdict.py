@@ -76,7 +76,7 @@ def test_equal_parts_of_verdicts_share_memory():
     another = dataclasses.replace(full_verdict(), exercises=(another,)).compact()
     assert another.exercises[0].tests[1] is one.exercises[0].tests[1]
     assert another.exercises[0].score == 0.0
-    assert verdict_module._interned.cache_info().maxsize > 5000  # room for all checks and outcomes
+    assert verdict_module._intern.cache_info().maxsize > 5000  # room for all checks and outcomes
 
 
 def test_a_valid_verdict_is_not_starved_and_immutable():

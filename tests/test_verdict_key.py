@@ -251,7 +251,7 @@ class ArtificialLesson:
 
 
 def forget():
-    for remembered in (key._imported_by, key._file_of, key._digest_of, key.rules_key):
+    for remembered in (key._imported_files, key._find_module_file, key._digest_of, key.rules_key):
         remembered.cache_clear()
 
 

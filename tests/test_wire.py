@@ -383,14 +383,14 @@ def pipe():
 
 
 def soon():
-    return wire.within(0.3)
+    return wire.start_time_limit(0.3)
 
 
 def test_large_messages_pass_a_small_pipe(pipe):
     value = np.random.default_rng(1).normal(size=(120_000, 4))
-    sender = threading.Thread(target=wire.send, args=(pipe[1], value, wire.within(20)))
+    sender = threading.Thread(target=wire.send, args=(pipe[1], value, wire.start_time_limit(20)))
     sender.start()
-    assert np.array_equal(wire.receive(pipe[0], wire.within(20)), value)
+    assert np.array_equal(wire.receive(pipe[0], wire.start_time_limit(20)), value)
     sender.join()
 
 
@@ -411,7 +411,7 @@ def test_the_time_limit_applies_while_data_trickles_in(pipe):
     """A reader that always finds more data must still observe the time limit."""
     os.write(pipe[1], wire_format.encode("complete, but too late"))
     with pytest.raises(WireTimeout):
-        wire.receive(pipe[0], wire.within(-1))
+        wire.receive(pipe[0], wire.start_time_limit(-1))
 
 
 def test_withdrawn_data_does_not_block_the_reader(pipe, monkeypatch):

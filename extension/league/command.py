@@ -57,7 +57,7 @@ def run_league(options: argparse.Namespace) -> int:
     try:
         with course_lock(course):
             with (
-                commands.executors(options.scheduler, sandbox) as open_executor,
+                commands.executor_factory(options.scheduler, sandbox) as open_executor,
                 console.progress_bar("Driving") as advance,
             ):
                 season = drive_class(course, lesson, seed, sandbox, open_executor, workers, advance)

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from extension.league.streets import streets_of
+from extension.league.streets import draw_streets
 from grader.course.lessons import Lesson, find_lesson
 from grader.course.paths import PROJECT
 from grader.intake.preflight import prepare_to_judge
@@ -109,7 +109,7 @@ def from_json(text: str) -> DriveResult:
     return DriveResult(**{**content, **lists})
 
 
-def drive_one(
+def drive_submission(
     submitted_files: SubmittedFiles | None, lesson: str, number: int, seed: int, sandbox: str
 ) -> DriveResult:
     """Return the result of driving one street.
@@ -129,10 +129,10 @@ def drive_one(
     sandbox : str
         A name in `grader.sandbox.SANDBOXES`.
     """
-    street = streets_of(seed)[number - 1]
-    key = key_of(submitted_files, street, find_lesson(lesson))
+    street = draw_streets(seed)[number - 1]
+    key = drive_key(submitted_files, street, find_lesson(lesson))
     if submitted_files is None:
-        return _result_of(drive(street), key)
+        return _summarize_drive(drive(street), key)
     try:
         judge_input = prepare_to_judge(submitted_files, find_lesson(lesson))
     except UnreadableNotebook:
@@ -153,7 +153,7 @@ def drive_in_sandbox(
     seconds: float = SECONDS,
     sensor: Sensor = SCANNER,
 ) -> DriveResult:
-    """Drive a street with a student's `DETECTOR`; see `drive_one`."""
+    """Drive a street with a student's `DETECTOR`; see `drive_submission`."""
     student.exercise = DETECTOR
     detector = _SandboxedDetector(student)
     try:
@@ -165,10 +165,10 @@ def drive_in_sandbox(
             "starved": student.starved,
         }
         return DriveResult(street.number, stopped=str(stop), key=key, **failures)
-    return _result_of(finished, key, detector)
+    return _summarize_drive(finished, key, detector)
 
 
-def _result_of(
+def _summarize_drive(
     finished_drive: Drive, key: str, detector: _SandboxedDetector | None = None
 ) -> DriveResult:
     report = measure(finished_drive)
@@ -256,15 +256,15 @@ def _unpack(text: str) -> Iterator[np.ndarray]:
     return iter(np.split(boxes, np.cumsum(counts)[:-1]))
 
 
-def key_of(submitted_files: SubmittedFiles | None, street: Street, lesson: Lesson) -> str:
+def drive_key(submitted_files: SubmittedFiles | None, street: Street, lesson: Lesson) -> str:
     """Return a fingerprint of everything that a drive depends on."""
     submission = submitted_files.fingerprint() if submitted_files else "true boxes"
-    parts = (str(street.seed), _rules(lesson), submission)
+    parts = (str(street.seed), _rules_fingerprint(lesson), submission)
     return hashlib.sha256("\0".join(parts).encode(errors="replace")).hexdigest()
 
 
 @functools.cache
-def _rules(lesson: Lesson) -> str:
+def _rules_fingerprint(lesson: Lesson) -> str:
     entries = (Path(__file__), PROJECT / "grader" / "sandbox" / "fork_server.py")
     # The header of the lesson's source lists forbidden modules; the notebooks contain given code.
     notebooks = {lesson.source, lesson.solved, lesson.released}

@@ -104,9 +104,9 @@ def write_league(course: Course, season: Season, seed: int, warning: str = "") -
         season=season,
         ranked=ranked,
         display_name=display_name,
-        events_of=lambda result: list(events_of(result)),
+        problem_sentences=lambda result: list(problem_sentences(result)),
         students=len(students),
-        film=_film(season, ranked, display_name),
+        film=_film_best_drive(season, ranked, display_name),
         made=datetime.now().strftime("%d %B %Y, %H:%M"),
         warning=warning,
         seconds=SECONDS,
@@ -120,11 +120,11 @@ def write_league(course: Course, season: Season, seed: int, warning: str = "") -
     )
     paths = [page_path(course, stage), names_path(course, stage)]
     write_atomically(page, paths[0])
-    write_atomically(_table(ranked, names), paths[1])
+    write_atomically(_real_names_csv(ranked, names), paths[1])
     return paths
 
 
-def events_of(result: DriveResult) -> Iterator[str]:
+def problem_sentences(result: DriveResult) -> Iterator[str]:
     """Yield a sentence about each problem in a drive, without text that the student chose."""
     if result.fault:
         yield "The drive failed, but not because of the detector."
@@ -141,7 +141,9 @@ def events_of(result: DriveResult) -> Iterator[str]:
         yield f"It returned no boxes for {result.failed} of the scans. {result.failure}"
 
 
-def _film(season: Season, ranked: Sequence[Standing], display_name: object) -> LeagueFilm | None:
+def _film_best_drive(
+    season: Season, ranked: Sequence[Standing], display_name: object
+) -> LeagueFilm | None:
     """Film the best student's drive in the street where the most other students earned nothing.
 
     Returns
@@ -152,22 +154,23 @@ def _film(season: Season, ranked: Sequence[Standing], display_name: object) -> L
     students = [standing for standing in ranked if standing.entrant.student]
     if not students or not students[0].points:
         return None
-    best, *others = students
+    best, *other_students = students
 
-    def failed(street: Street) -> int:
+    def count_failures(street: Street) -> int:
         return sum(
             not metres
-            for standing in others
+            for standing in other_students
             for driven_in, _, metres in standing.drives
             if driven_in == street
         )
 
     street, result, _ = max(
-        (drive for drive in best.drives if drive[2]), key=lambda drive: failed(drive[0])
+        (drive for drive in best.drives if drive[2]), key=lambda drive: count_failures(drive[0])
     )
     comparison = (
-        f"{failed(street)} of the other {len(others)} students scored no metres there."
-        if others
+        f"{count_failures(street)} of the other {len(other_students)} students scored no metres "
+        "there."
+        if other_students
         else ""
     )
     drive, report = repeat_drive(result, street)
@@ -180,7 +183,7 @@ def _film(season: Season, ranked: Sequence[Standing], display_name: object) -> L
     )
 
 
-def _table(ranked: Sequence[Standing], names: dict[str, str]) -> str:
+def _real_names_csv(ranked: Sequence[Standing], names: dict[str, str]) -> str:
     """Return the list of real names as CSV text that is safe to open in a spreadsheet."""
     file = io.StringIO()
     table = csv.writer(file, lineterminator="\n")

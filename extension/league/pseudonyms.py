@@ -10,7 +10,7 @@ import hashlib
 import hmac
 from collections.abc import Iterable
 
-from extension.league.streets import secret
+from extension.league.streets import derive_secret
 
 COLOURS = (
     *("amber", "azure", "beige", "black", "blue", "bronze", "brown", "coral", "crimson", "cyan"),
@@ -36,17 +36,17 @@ def pseudonyms(students: Iterable[str], seed: int) -> dict[str, str]:
     seed : int
         The course's secret.
     """
-    key = secret(seed, "pseudonyms").to_bytes(32, "big")
+    key = derive_secret(seed, "pseudonyms").to_bytes(32, "big")
     names: dict[str, str] = {}
     for student in sorted(students):
         attempt = 0
-        while (name := _name(key, student, attempt)) in names.values():
+        while (name := _draw_pseudonym(key, student, attempt)) in names.values():
             attempt += 1
         names[student] = name
     return names
 
 
-def _name(key: bytes, student: str, attempt: int) -> str:
+def _draw_pseudonym(key: bytes, student: str, attempt: int) -> str:
     text = f"{attempt} {student}".encode(errors="surrogatepass")
     number = int.from_bytes(hmac.digest(key, text, hashlib.sha256), "big")
     number, colour = divmod(number, len(COLOURS))

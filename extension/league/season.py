@@ -11,8 +11,8 @@ from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from extension.league.drives import DETECTOR, DriveResult, drive_one, from_json, key_of
-from extension.league.streets import streets_of
+from extension.league.drives import DETECTOR, DriveResult, drive_key, drive_submission, from_json
+from extension.league.streets import draw_streets
 from grader.classroom.protocol import ExecutorLost, capacity
 from grader.classroom.submissions import find_submissions
 from grader.course.atomic_files import write_atomically
@@ -126,11 +126,11 @@ def drive_class(
     progress : callable
         Called with (done, total, None) after each drive.
     """
-    streets = streets_of(seed)
+    streets = draw_streets(seed)
     entrants = list(_entrants(course, lesson))
     if not any(entrant.student for entrant in entrants):
         return Season(lesson, streets, (), {})
-    drives = {entrant: _stored(entrant, streets, lesson) for entrant in entrants}
+    drives = {entrant: _read_valid_drives(entrant, streets, lesson) for entrant in entrants}
     missing = [
         (entrant, street)
         for street in streets
@@ -141,46 +141,46 @@ def drive_class(
 
     def store(entrant: Entrant, street: Street, result: DriveResult) -> None:
         if not result.fault:
-            write_atomically(result.as_json(), _file(entrant, street))
+            write_atomically(result.as_json(), _result_path(entrant, street))
         drives[entrant][street.number] = result
         progress(sum(map(len, drives.values())), total, None)
 
-    def job(entrant: Entrant, street: Street) -> tuple:
-        return drive_one, entrant.read(), lesson.name, street.number, seed, sandbox.name
+    def job_arguments(entrant: Entrant, street: Street) -> tuple:
+        return drive_submission, entrant.read(), lesson.name, street.number, seed, sandbox.name
 
     progress(total - len(missing), total, None)
     to_repeat = []
     if missing:
         with open_executor(workers) as executor:
-            for entrant, street, future in _as_completed(missing, job, executor):
-                result = _result(future, street)
+            for entrant, street, future in _as_completed(missing, job_arguments, executor):
+                result = _drive_result(future, street)
                 if result is None or result.starved:
                     to_repeat.append((entrant, street))
                 else:
                     store(entrant, street, result)
     for entrant, street in to_repeat:
         with open_executor(1) as executor:
-            result = _result(executor.submit(*job(entrant, street)), street)
+            result = _drive_result(executor.submit(*job_arguments(entrant, street)), street)
         result = result or DriveResult(street.number, fault=PROCESS_DIED)
         # Nothing else ran at the same time, so a detector that was stopped was too slow.
         store(entrant, street, replace(result, starved=False))
-    return _season(lesson, streets, drives)
+    return _build_season(lesson, streets, drives)
 
 
 def _as_completed(
-    missing: list[tuple[Entrant, Street]], job: Callable[..., tuple], executor: Executor
+    missing: list[tuple[Entrant, Street]], job_arguments: Callable[..., tuple], executor: Executor
 ) -> Iterator[tuple[Entrant, Street, Future]]:
     """Submit drives while the executor has room, and yield each as soon as it ends."""
     waiting, running = deque(missing), {}
     while waiting or running:
         while waiting and len(running) < capacity(executor):
             entrant, street = waiting.popleft()
-            running[executor.submit(*job(entrant, street))] = entrant, street
+            running[executor.submit(*job_arguments(entrant, street))] = entrant, street
         for future in wait(running, return_when=FIRST_COMPLETED).done:
             yield *running.pop(future), future
 
 
-def _result(future: Future, street: Street) -> DriveResult | None:
+def _drive_result(future: Future, street: Street) -> DriveResult | None:
     """Return a future's drive, with `fault` set if the grader failed; None if a process died."""
     try:
         return future.result()
@@ -192,7 +192,7 @@ def _result(future: Future, street: Street) -> DriveResult | None:
         return DriveResult(street.number, fault=f"{type(error).__name__}: {error}")
 
 
-def _season(
+def _build_season(
     lesson: Lesson, streets: tuple[Street, ...], drives: dict[Entrant, dict[int, DriveResult]]
 ) -> Season:
     (true_drives,) = (
@@ -225,20 +225,20 @@ def _entrants(course: Course, lesson: Lesson) -> Iterator[Entrant]:
             )
 
 
-def _file(entrant: Entrant, street: Street) -> Path:
+def _result_path(entrant: Entrant, street: Street) -> Path:
     return entrant.folder / f"street_{street.number}.json"
 
 
-def _stored(
+def _read_valid_drives(
     entrant: Entrant, streets: tuple[Street, ...], lesson: Lesson
 ) -> dict[int, DriveResult]:
     """Return the stored drives that are still valid: same submission, rules and street."""
     submitted, stored = entrant.read(), {}
     for street in streets:
         try:
-            result = from_json(_file(entrant, street).read_text("utf-8"))
+            result = from_json(_result_path(entrant, street).read_text("utf-8"))
         except (OSError, ValueError, TypeError, KeyError):
             continue
-        if result.key == key_of(submitted, street, lesson):
+        if result.key == drive_key(submitted, street, lesson):
             stored[street.number] = result
     return stored

@@ -46,20 +46,20 @@ def _later_place(rng: np.random.Generator) -> float:
     return rng.uniform(88.0, 100.0)
 
 
-def _waiting(rng: np.random.Generator) -> dict:
+def _waiting_street(rng: np.random.Generator) -> dict:
     return {"title": "A vehicle waits in the lane", "traffic": True}
 
 
-def _child(rng: np.random.Generator) -> dict:
+def _child_street(rng: np.random.Generator) -> dict:
     return {"title": "A child runs out", "actors": (child(_later_place(rng), SPEED),)}
 
 
-def _cyclist(rng: np.random.Generator) -> dict:
+def _cyclist_street(rng: np.random.Generator) -> dict:
     rider = crossing_cyclist(_later_place(rng), SPEED, rng.uniform(2.6, 4.2))
     return {"title": "A cyclist crosses", "actors": (rider,)}
 
 
-def _climb(rng: np.random.Generator) -> dict:
+def _uphill_street(rng: np.random.Generator) -> dict:
     return {
         "title": "Uphill in the rain",
         "slope": rng.uniform(0.035, 0.06),
@@ -68,12 +68,12 @@ def _climb(rng: np.random.Generator) -> dict:
     }
 
 
-def _dirt(rng: np.random.Generator) -> dict:
+def _dirty_bonnet_street(rng: np.random.Generator) -> dict:
     rider = slow_cyclist(_later_place(rng) - 10.0)
     return {"title": "Behind a dirty bonnet", "dirt": True, "traffic": True, "actors": (rider,)}
 
 
-def _crowd(rng: np.random.Generator) -> dict:
+def _crowded_street(rng: np.random.Generator) -> dict:
     x = _later_place(rng)
     pair = adult(x, SPEED), adult(x + rng.uniform(0.8, 1.0), SPEED)
     slope = -rng.uniform(0.02, 0.05)
@@ -81,18 +81,18 @@ def _crowd(rng: np.random.Generator) -> dict:
 
 
 KINDS: tuple[Callable[[np.random.Generator], dict], ...] = (
-    _waiting,
-    _child,
-    _cyclist,
-    _climb,
-    _dirt,
-    _crowd,
+    _waiting_street,
+    _child_street,
+    _cyclist_street,
+    _uphill_street,
+    _dirty_bonnet_street,
+    _crowded_street,
 )
 """One function per street, for the settings that differ from those of the other streets."""
 
 
 @functools.cache
-def streets_of(seed: int) -> tuple[Street, ...]:
+def draw_streets(seed: int) -> tuple[Street, ...]:
     """Return the streets of a course.
 
     Parameters
@@ -101,11 +101,11 @@ def streets_of(seed: int) -> tuple[Street, ...]:
         The course's secret. Streets are drawn from digests of the seed. A digest does not reveal
         the seed, and no hidden test uses it.
     """
-    return tuple(_street(seed, number) for number in range(1, len(KINDS) + 1))
+    return tuple(_draw_street(seed, number) for number in range(1, len(KINDS) + 1))
 
 
-def _street(seed: int, number: int) -> Street:
-    source = secret(seed, f"street {number}")
+def _draw_street(seed: int, number: int) -> Street:
+    source = derive_secret(seed, f"street {number}")
     rng = np.random.default_rng((source, 29))
     first = _waiting_vehicle(rng)
     settings = KINDS[number - 1](rng)
@@ -113,7 +113,7 @@ def _street(seed: int, number: int) -> Street:
     return Street(number, **settings, actors=actors, drawn_from=source)
 
 
-def secret(seed: int, label: str) -> int:
+def derive_secret(seed: int, label: str) -> int:
     """Return a number for a label that reveals neither the seed nor other labels' numbers."""
     digest = hashlib.sha256(f"league: {seed} {label}".encode()).digest()
     return int.from_bytes(digest, "big")

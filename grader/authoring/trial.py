@@ -55,10 +55,10 @@ def try_lesson(lesson: Lesson, sandbox: Sandbox) -> Iterator[Finding]:
     try:
         yield from _missing_parts(lesson)
         if lesson.machine_graded:
-            yield _judged_solution(lesson, sandbox)
-        yield from _notebooks(lesson)
+            yield _judge_solution(lesson, sandbox)
+        yield from _run_notebooks(lesson)
         if lesson.machine_graded:
-            yield from _judged_answers(lesson, sandbox)
+            yield from _judge_answers(lesson, sandbox)
         else:
             yield Finding(True, "The lesson has no points, so there is nothing to judge.")
     except (_LessonUnusable, MalformedAnswers) as error:
@@ -78,23 +78,23 @@ def _missing_parts(lesson: Lesson) -> Iterator[Finding]:
         )
 
 
-def _judged_solution(lesson: Lesson, sandbox: Sandbox) -> Finding:
+def _judge_solution(lesson: Lesson, sandbox: Sandbox) -> Finding:
     for seed in SEEDS:
         verdict = judge(lesson.solved, seed, sandbox)
         if verdict.status == FAILED:
             raise _LessonUnusable(
-                f"The lesson cannot be judged: {_place_and_reason(verdict, lesson)}"
+                f"The lesson cannot be judged: {_describe_fault(verdict, lesson)}"
             )
         if verdict.score < verdict.max_score:
             raise _LessonUnusable(
                 f"The solution earns {verdict.score:g} of {verdict.max_score:g} points with seed "
-                f"{seed}.{_failures(verdict)}"
+                f"{seed}.{_quote_failures(verdict)}"
             )
     points = f"{verdict.max_score:g} points"
     return Finding(True, f"The solution earns all {points} with {len(SEEDS)} seeds.")
 
 
-def _notebooks(lesson: Lesson) -> Iterator[Finding]:
+def _run_notebooks(lesson: Lesson) -> Iterator[Finding]:
     """Run the solved and the released notebook, and update the stored answers."""
     try:
         recorded = recorded_answers.record(lesson)
@@ -118,12 +118,12 @@ def _notebooks(lesson: Lesson) -> Iterator[Finding]:
         yield Finding(False, f"The untouched notebook does not run to the end: {reason}")
 
 
-def _judged_answers(lesson: Lesson, sandbox: Sandbox) -> Iterator[Finding]:
+def _judge_answers(lesson: Lesson, sandbox: Sandbox) -> Iterator[Finding]:
     score = judge(lesson.released, SEEDS[0], sandbox).score
     sentence = f"The untouched notebook earns {score:g} points."
     yield Finding(score == 0, sentence if score == 0 else f"{sentence} It should earn 0.")
     for exercise in lesson.machine_graded:
-        yield from _answers(exercise, lesson, sandbox)
+        yield from _judge_kept_answers(exercise, lesson, sandbox)
 
 
 def _missing_from_exercise(exercise: Exercise, lesson: Lesson) -> Iterator[Finding]:
@@ -138,7 +138,7 @@ def _missing_from_exercise(exercise: Exercise, lesson: Lesson) -> Iterator[Findi
         yield Finding(
             False, f"{name} has no hidden test. Write one in {lesson.name}/{lesson.tests.name}."
         )
-    kinds = {answer.right for answer in _kept(name, lesson)}
+    kinds = {answer.right for answer in _read_kept_answers(name, lesson)}
     for kind, word in ((True, "right"), (False, "wrong")):
         if kind not in kinds:
             yield Finding(
@@ -156,22 +156,22 @@ def _count_checks(exercise: str) -> int:
         return 0
     except Exception as error:
         frames = traceback.extract_tb(error.__traceback__)
-        places = [(frame.filename, frame.lineno) for frame in frames if _is_of_a_lesson(frame)]
+        places = [(frame.filename, frame.lineno) for frame in frames if _is_in_lesson_checks(frame)]
         if isinstance(error, SyntaxError):
             places.append((error.filename, error.lineno))
-        where = "".join(f"{_short(path)}, line {line}: " for path, line in places[-1:])
+        where = "".join(f"{_path_in_project(path)}, line {line}: " for path, line in places[-1:])
         raise _LessonUnusable(f"{where}{type(error).__name__}: {error}") from None
 
 
-def _is_of_a_lesson(frame: traceback.FrameSummary) -> bool:
+def _is_in_lesson_checks(frame: traceback.FrameSummary) -> bool:
     return "/utils/checks/lesson_" in Path(frame.filename).as_posix()
 
 
-def _short(path: str) -> str:
+def _path_in_project(path: str) -> str:
     return Path(path).as_posix().removeprefix(f"{PROJECT.as_posix()}/")
 
 
-def _place_and_reason(verdict: Verdict, lesson: Lesson) -> str:
+def _describe_fault(verdict: Verdict, lesson: Lesson) -> str:
     text = verdict.faults[0].strip()
     lines = re.findall(rf'{re.escape(lesson.tests.name)}(?:", line |:)(\d+)', text)
     reason = re.sub(r"^E\s+", "", text.splitlines()[-1])
@@ -179,8 +179,8 @@ def _place_and_reason(verdict: Verdict, lesson: Lesson) -> str:
     return where + reason
 
 
-def _answers(exercise: Exercise, lesson: Lesson, sandbox: Sandbox) -> Iterator[Finding]:
-    for answer in _kept(exercise.name, lesson):
+def _judge_kept_answers(exercise: Exercise, lesson: Lesson, sandbox: Sandbox) -> Iterator[Finding]:
+    for answer in _read_kept_answers(exercise.name, lesson):
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / f"{lesson.name}.ipynb"
             path.write_text(fill_in(lesson, {exercise.name: answer.source}), "utf-8")
@@ -192,7 +192,7 @@ def _answers(exercise: Exercise, lesson: Lesson, sandbox: Sandbox) -> Iterator[F
         yield Finding(not broken, f"{earned} points. {' '.join(broken)}".strip())
 
 
-def _kept(exercise: str, lesson: Lesson) -> tuple[KeptAnswer, ...]:
+def _read_kept_answers(exercise: str, lesson: Lesson) -> tuple[KeptAnswer, ...]:
     is_there = (lesson.folder / "answers" / f"{exercise}.txt").is_file()
     return answers_to(exercise) if is_there else ()
 
@@ -214,7 +214,7 @@ def wrong_notes(answer: KeptAnswer, verdict: Verdict) -> list[str]:
     (result,) = (exercise for exercise in verdict.exercises if exercise.name == answer.exercise)
     failed = {test.name: test.message for test in result.tests if not test.passed}
     if answer.right:
-        return [] if result.score == result.max_score else [f"It fails {_names(failed)}."]
+        return [] if result.score == result.max_score else [f"It fails {_join_names(failed)}."]
     return [*_wrong_losses(answer, result, failed), *_wrong_quotes(answer, result, verdict)]
 
 
@@ -227,9 +227,10 @@ def _wrong_losses(
     passed = claimed - _with_short_names(failed)
     others = [name for name in failed if not _with_short_names([name]) & claimed]
     if unknown := claimed - _with_short_names(names):
-        yield f"There is no check {_names(sorted(unknown))}. The checks are: {_names(names)}."
+        checks = _join_names(names)
+        yield f"There is no check {_join_names(sorted(unknown))}. The checks are: {checks}."
     elif passed or (answer.loses_only and others):
-        yield f"It fails {_names(failed)}, but its note lists {_names(answer.loses)}."
+        yield f"It fails {_join_names(failed)}, but its note lists {_join_names(answer.loses)}."
     if result.score == result.max_score:
         yield "It earns all points, although it is wrong."
 
@@ -237,7 +238,7 @@ def _wrong_losses(
 def _wrong_quotes(answer: KeptAnswer, result: ExerciseResult, verdict: Verdict) -> Iterator[str]:
     messages = "\n".join([*(test.message for test in result.tests), *verdict.problems])
     if answer.says not in messages:
-        yield f"No message contains {answer.says!r}. The messages are: {_quoted(result)}"
+        yield f"No message contains {answer.says!r}. The messages are: {_quote_messages(result)}"
     known = dict.fromkeys(mistake.says for mistake in known_mistakes(answer.exercise))
     shown = [sentence for sentence in known if sentence in result.cause]
     if len(shown) != bool(answer.told) or answer.told not in "".join(shown):
@@ -250,16 +251,16 @@ def _with_short_names(tests: Iterable[str]) -> set[str]:
     return {form for name in tests for form in (name, name.partition("[")[0])}
 
 
-def _names(checks: Iterable[str]) -> str:
+def _join_names(checks: Iterable[str]) -> str:
     return ", ".join(checks) or "no check"
 
 
-def _quoted(result: ExerciseResult) -> str:
+def _quote_messages(result: ExerciseResult) -> str:
     messages = dict.fromkeys(test.message for test in result.tests if not test.passed)
     return "\n".join(("", *messages)) if messages else "none."
 
 
-def _failures(verdict: Verdict) -> str:
+def _quote_failures(verdict: Verdict) -> str:
     """Quote the problems in a verdict, or the first failure of each exercise, one per line.
 
     Only the first failed check of an exercise is quoted, because the others often follow from it.

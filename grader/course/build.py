@@ -130,7 +130,7 @@ def _cell_keys(released: dict[Path, bytes]) -> bytes:
 
     keys = {
         lesson.number: [
-            key_of_cell(_text(cell["source"]))
+            key_of_cell(_join_source(cell["source"]))
             for cell in json.loads(released[lesson.released])["cells"]
             if cell["cell_type"] == "code"
         ]
@@ -157,7 +157,7 @@ def solved_notebook(lesson: Lesson, origin: Origin) -> NotebookNode:
         for tag in COMMON_CELLS.keys() & set(cell.metadata.get("tags", ())):
             cell.source = common_cell(tag, lesson, origin)
         if earlier_lessons.TAG in cell.metadata.get("tags", ()):
-            cell.source = earlier_lessons.with_functions(cell.source)
+            cell.source = earlier_lessons.insert_functions(cell.source)
         if cell.cell_type == "markdown":
             cell.source = NEXT_LINE.sub(functools.partial(_next_lesson_link, lesson), cell.source)
             _attach_pictures(cell, lesson.folder)
@@ -199,7 +199,7 @@ def secret_lines(solved: bytes, others: Collection[bytes] = ()) -> set[str]:
     for cell in json.loads(solved)["cells"]:
         from_earlier = earlier_lessons.TAG in cell["metadata"].get("tags", ())
         for region in re.findall(
-            r"### BEGIN SOLUTION\n(.*?)### END SOLUTION", _text(cell["source"]), re.S
+            r"### BEGIN SOLUTION\n(.*?)### END SOLUTION", _join_source(cell["source"]), re.S
         ):
             lines = {line.strip() for line in region.splitlines()}
             secret |= lines.difference(*map(lines_of, others)) if from_earlier else lines
@@ -211,7 +211,7 @@ def lines_of(notebook: bytes) -> set[str]:
     return {
         line.strip()
         for cell in json.loads(notebook)["cells"]
-        for line in _text(cell["source"]).splitlines()
+        for line in _join_source(cell["source"]).splitlines()
     }
 
 
@@ -341,14 +341,14 @@ def _insert_points(notebook: NotebookNode) -> None:
         if cell.get("grade")
     }
 
-    def with_points(mark: re.Match) -> str:
+    def insert_points_at(mark: re.Match) -> str:
         number = points.get(mark["exercise"])
         unit = "point" if number == "1" else "points"
         return f"`{mark['exercise']}` ({number} {unit})" if number else mark[0]
 
     for cell in notebook.cells:
         if cell.cell_type == "markdown":
-            cell.source = POINTS_MARK.sub(with_points, cell.source)
+            cell.source = POINTS_MARK.sub(insert_points_at, cell.source)
 
 
 def _fold_tagged_cell(cell: NotebookNode) -> None:
@@ -392,5 +392,5 @@ def _stable_id(cell: NotebookNode, seen: dict[str, int]) -> str:
     return name if seen[name] == 1 else f"{name}-{seen[name]}"
 
 
-def _text(source: str | list[str]) -> str:
+def _join_source(source: str | list[str]) -> str:
     return source if isinstance(source, str) else "".join(source)

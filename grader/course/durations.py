@@ -76,7 +76,7 @@ def insert_durations(notebook: NotebookNode) -> None:
     notebook : nbformat.NotebookNode
         Changed in place.
     """
-    total, by_section = _IN_WORDS.format(total_minutes(notebook)), _table(notebook)
+    total, by_section = _IN_WORDS.format(total_minutes(notebook)), _minutes_table(notebook)
     for cell in notebook.cells:
         if cell.cell_type == "markdown" and TIME_MARK in cell.source:
             cell.source = f"{cell.source.replace(TIME_MARK, total)}\n\n{by_section}"
@@ -88,7 +88,7 @@ def stated_minutes(notebook: NotebookNode) -> int:
     return int(_STATED.search(text)[1])
 
 
-def _table(notebook: NotebookNode) -> str:
+def _minutes_table(notebook: NotebookNode) -> str:
     minutes = section_minutes(notebook)
     rows = "".join(
         f"<tr><td>{title}</td><td>{round(part)}{' on top' * (title == OPTIONAL)}</td></tr>"

@@ -26,7 +26,7 @@ MARKS = ("### BEGIN SOLUTION", "### END SOLUTION")
 SOLUTION_REGION = re.compile(r"\n?### BEGIN SOLUTION\n.*?### END SOLUTION", re.S)
 
 
-def with_functions(text: str) -> str:
+def insert_functions(text: str) -> str:
     """Insert the code of functions from earlier lessons at the references to them.
 
     Parameters
@@ -80,13 +80,13 @@ def statements_of(lesson: str, names: list[str]) -> list[str]:
     if path is None:
         raise ValueError(f"There is no lesson {lesson!r} to take functions from.")
     try:
-        return list(_texts_of(tuple(names), path.read_text("utf-8"), lesson))
+        return list(_cached_statements(tuple(names), path.read_text("utf-8"), lesson))
     except LookupError as error:
         raise ValueError(str(error)) from None
 
 
 @functools.lru_cache(maxsize=256)
-def _texts_of(names: tuple[str, ...], source: str, lesson: str) -> tuple[str, ...]:
+def _cached_statements(names: tuple[str, ...], source: str, lesson: str) -> tuple[str, ...]:
     """Return the statements; cached, because several lessons need the same functions."""
     return tuple(_without_marks(text) for text in pasting.texts_of(names, [source], lesson))
 

@@ -86,7 +86,7 @@ def _kept_answer(
     if like := notes.get("like"):
         if like not in bodies:
             raise MalformedAnswers(f"{exercise}, {name}: there is no answer {like!r} to edit.")
-        source = edited(_notes_and_source(bodies[like])[1], source, f"{exercise}, {name}")
+        source = apply_edits(_notes_and_source(bodies[like])[1], source, f"{exercise}, {name}")
     only = notes.get("loses only", "")
     loses = tuple(filter(None, map(str.strip, (only or notes.get("loses", "")).split(","))))
     return KeptAnswer(
@@ -108,7 +108,7 @@ def _notes_and_source(body: str) -> tuple[dict[str, str], str]:
     return notes, body[end:].strip()
 
 
-def edited(source: str, edits: str, name: str) -> str:
+def apply_edits(source: str, edits: str, name: str) -> str:
     """Apply the edits of a kept answer to the source of another answer.
 
     Parameters

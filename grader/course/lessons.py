@@ -67,7 +67,7 @@ class Lesson:
     @property
     def text(self) -> str:
         """Text of the source, including the code of functions from earlier lessons."""
-        return earlier_lessons.with_functions(self.source.read_text("utf-8"))
+        return earlier_lessons.insert_functions(self.source.read_text("utf-8"))
 
     @property
     def released(self) -> Path:
@@ -232,7 +232,7 @@ def lesson_of(exercise: str) -> Lesson:
 
 
 @functools.cache
-def load_reference(lesson_name: str, *others: str) -> types.SimpleNamespace:
+def load_reference(lesson_name: str, *more_names: str) -> types.SimpleNamespace:
     """Return the reference functions of a lesson, as attributes of a namespace.
 
     Parameters
@@ -245,7 +245,7 @@ def load_reference(lesson_name: str, *others: str) -> types.SimpleNamespace:
     statements, problems = slicing.parse_notebook([lesson.text])
     if problems:
         raise ValueError(f"{lesson.name}: {problems[0]}")
-    names = (*lesson.names, *others)
+    names = (*lesson.names, *more_names)
     namespace = {"__name__": lesson.name}
     for statement in slicing.slice_for(names, statements):
         exec(slicing.compile_statement(statement, str(lesson.source)), namespace)

@@ -62,7 +62,7 @@ def formula(latex: str, display: bool) -> str:
         Whether the formula is on a separate line.
     """
     if len(latex) <= LONGEST_FORMULA:
-        translated = re.sub(r"(?<=\\begin\{)\w+|(?<=\\end\{)\w+", _known_environment, latex)
+        translated = re.sub(r"(?<=\\begin\{)\w+|(?<=\\end\{)\w+", _replace_alias, latex)
         try:
             element = ElementTree.fromstring(
                 convert(translated, display="block" if display else "inline")
@@ -76,7 +76,7 @@ def formula(latex: str, display: bool) -> str:
     return f"<code>{escape(f'{mark}{latex}{mark}')}</code>"
 
 
-def _known_environment(environment: re.Match) -> str:
+def _replace_alias(environment: re.Match) -> str:
     return ENVIRONMENT_ALIASES.get(environment[0], environment[0])
 
 

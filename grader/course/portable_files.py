@@ -14,12 +14,12 @@ def files_for_judging() -> dict[str, bytes]:
     for folder in FOLDERS:
         for path in sorted((PROJECT / folder).rglob("*")):
             name = path.relative_to(PROJECT)
-            if path.is_file() and _is_read(name):
+            if path.is_file() and _is_read_by_judging(name):
                 found[name.as_posix()] = path.read_bytes()
     return found
 
 
-def _is_read(name: Path) -> bool:
+def _is_read_by_judging(name: Path) -> bool:
     if "__pycache__" in name.parts or any(part.startswith(".") for part in name.parts):
         return False
     folder, *below = name.parts

@@ -134,14 +134,14 @@ def changed_answers(stored: bytes, recorded: bytes) -> list[str]:
     list of str
         Names of the functions whose calls or answers differ by more than rounding errors.
     """
-    before, now = _by_call(stored), _by_call(recorded)
+    before, now = _answers_by_call(stored), _answers_by_call(recorded)
     different = before.keys() ^ now.keys() | {
         call for call in before.keys() & now.keys() if not _nearly_equal(before[call], now[call])
     }
     return sorted({name for _, name, _ in different})
 
 
-def _by_call(stored: bytes) -> dict[tuple[str, str, str], object]:
+def _answers_by_call(stored: bytes) -> dict[tuple[str, str, str], object]:
     return {
         (kind, name, key): answer["answer"]
         for kind, functions in json.loads(stored).items()

@@ -74,10 +74,10 @@ def student_requirements() -> str:
     """Return a ``requirements.txt`` with the packages that open and run a notebook."""
     text = (PROJECT / "requirements.txt").read_text("utf-8")
     programs = re.findall(rf"^(?:{'|'.join(PROGRAMS)})==\S+\n", text, re.M)
-    return f"-c constraints.txt\n\n{required_for('For the notebooks')}{''.join(programs)}"
+    return f"-c constraints.txt\n\n{requirements_for('For the notebooks')}{''.join(programs)}"
 
 
-def required_for(heading: str) -> str:
+def requirements_for(heading: str) -> str:
     """Return the lines of ``requirements.txt`` below one of its headings."""
     text = (PROJECT / "requirements.txt").read_text("utf-8")
     return re.search(rf"^# {re.escape(heading)}\n((?:\S.*\n)+)", text, re.M)[1]

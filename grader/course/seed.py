@@ -35,7 +35,7 @@ def course_seed(course: Course, given: int | None = None) -> int:
         If the seed is less than `SHORTEST`.
     """
     if given is not None:
-        return _long_enough(given, "Leave --seed out")
+        return _require_long_seed(given, "Leave --seed out")
     if not course.seed_file.exists():
         # Two graders may start at the same time. The link is made only when the file is complete,
         # and the first grader's link wins.
@@ -46,10 +46,10 @@ def course_seed(course: Course, given: int | None = None) -> int:
             os.link(draft, course.seed_file)
         os.unlink(draft)
     stored = int(course.seed_file.read_text("utf-8"))
-    return _long_enough(stored, f"Remove {course.seed_file.name}")
+    return _require_long_seed(stored, f"Remove {course.seed_file.name}")
 
 
-def _long_enough(seed: int, remedy: str) -> int:
+def _require_long_seed(seed: int, remedy: str) -> int:
     if seed < SHORTEST:
         better = secrets.randbits(127) | SHORTEST
         raise ShortSeed(

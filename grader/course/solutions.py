@@ -134,7 +134,7 @@ def executed_notebook(lesson: Lesson, cache_folder: Path, extra_code: str) -> by
     """
     path = cache_folder / f"{lesson.name}-{_fingerprint(lesson, extra_code)}.ipynb"
     if not path.is_file():
-        text = _run(lesson, extra_code)
+        text = _run_solved_notebook(lesson, extra_code)
         for old in cache_folder.glob(f"{lesson.name}-*"):
             old.unlink()
         write_atomically(text, path)
@@ -159,7 +159,7 @@ def _fingerprint(lesson: Lesson, extra_code: str) -> str:
     return digest.hexdigest()[:16]
 
 
-def _run(lesson: Lesson, extra_code: str) -> bytes:
+def _run_solved_notebook(lesson: Lesson, extra_code: str) -> bytes:
     notebook = nbformat.read(lesson.solved, as_version=4)
     for cell in notebook.cells:
         if cell.cell_type == "code":

@@ -101,7 +101,7 @@ def carry_forward(
         )
         before, after = (points_of(exercise.points, ended) for ended in (first, outcomes))
         if after > before:
-            sentence = _sentence(exercise, helpers, before, after)
+            sentence = _describe_gain(exercise, helpers, before, after)
             improved[exercise.name] = CarriedForward(outcomes, sentence, programs[-1])
         elif any(one.failure and not was.failure for was, one in zip(first, outcomes, strict=True)):
             sentence = _INCONSISTENT.format(name=exercise.name)
@@ -155,7 +155,9 @@ def _with_right_helpers(
     )
 
 
-def _sentence(exercise: Exercise, helpers: tuple[str, ...], before: float, after: float) -> str:
+def _describe_gain(
+    exercise: Exercise, helpers: tuple[str, ...], before: float, after: float
+) -> str:
     verb, correct = ("is", "a correct one") if len(helpers) == 1 else ("are", "correct ones")
     return (
         f"{' and '.join(helpers)}, which {exercise.name} calls, {verb} wrong. With {correct} "

@@ -15,7 +15,7 @@ from grader.intake.reader_process import ReadingFailed
 from grader.intake.submission import SubmittedFiles, read_submitted_files
 from grader.judging.error_carried_forward import carry_forward
 from grader.judging.key import verdict_key
-from grader.judging.points import total
+from grader.judging.points import sum_points
 from grader.judging.program_run import RunResults, Setting, run_program, untouched_results
 from grader.judging.repair import find_slips
 from grader.judging.results import result_of, unjudged_results
@@ -83,7 +83,7 @@ def judge_files(
 ) -> Verdict:
     """Judge a submission that has already been read; see `judge`."""
     begin = time.perf_counter()
-    lesson = lesson or _lesson_of(submitted_files)
+    lesson = lesson or _identify_lesson(submitted_files)
     try:
         judge_input = prepare_to_judge(submitted_files, lesson)
     except UnreadableNotebook as error:
@@ -97,8 +97,8 @@ def judge_files(
         lesson=lesson.name,
         student=student,
         status=FAILED if decision.faults else JUDGED,
-        score=total([exercise.score for exercise in decision.exercises]),
-        max_score=total([exercise.max_score for exercise in decision.exercises]),
+        score=sum_points([exercise.score for exercise in decision.exercises]),
+        max_score=sum_points([exercise.max_score for exercise in decision.exercises]),
         exercises=decision.exercises,
         problems=tuple(map(one_line, decision.problems)),
         seconds=round(time.perf_counter() - begin, 3),
@@ -117,10 +117,10 @@ def lesson_of_file(path: Path) -> Lesson:
     UnknownLesson
         If the file is not a notebook, or if its lesson has no points.
     """
-    return _lesson_of(read_submitted_files(path))
+    return _identify_lesson(read_submitted_files(path))
 
 
-def _lesson_of(submitted_files: SubmittedFiles) -> Lesson:
+def _identify_lesson(submitted_files: SubmittedFiles) -> Lesson:
     """Return the lesson that the notebook's file name or metadata identifies."""
     if lesson := find_lesson(Path(submitted_files.name).stem):
         return lesson
@@ -188,8 +188,10 @@ def _decide(setting: Setting, judge_input: JudgeInput) -> _Decision:
     if judge_input.is_as_released:
         results = untouched_results(lesson)
     else:
-        results = _with_retries(setting, program, run_program(setting, program, explain=True))
-    if faults := _faults(setting, results):
+        results = _retry_suspicious_checks(
+            setting, program, run_program(setting, program, explain=True)
+        )
+    if faults := _judge_faults(setting, results):
         return _Decision(unjudged_results(lesson), (JUDGE_FAILED_NOTE,), faults, results.starved)
     carried, starved = carry_forward(setting, program, results)
     slips = find_slips(setting, program, results, carried)
@@ -208,12 +210,12 @@ def _decide(setting: Setting, judge_input: JudgeInput) -> _Decision:
     return _Decision(exercises, problems, (), bool(incomplete) and (results.starved or starved))
 
 
-def _with_retries(setting: Setting, program: Program, results: RunResults) -> RunResults:
+def _retry_suspicious_checks(setting: Setting, program: Program, results: RunResults) -> RunResults:
     """Run suspicious checks again, and return all outcomes with the new ones in place of the old.
 
     A failure that does not recur does not cost any points.
     """
-    suspicious = {outcome.check for outcome in _suspicious(results)}
+    suspicious = {outcome.check for outcome in _suspicious_outcomes(results)}
     if not suspicious:
         return results
     again = run_program(setting, program, suspicious.__contains__)
@@ -224,7 +226,7 @@ def _with_retries(setting: Setting, program: Program, results: RunResults) -> Ru
     return replace(results, outcomes=outcomes, starved=results.starved or again.starved)
 
 
-def _suspicious(results: RunResults) -> list[Outcome]:
+def _suspicious_outcomes(results: RunResults) -> list[Outcome]:
     """Return the outcomes with an exception that a wrong answer would not cause."""
     return [
         outcome
@@ -233,17 +235,17 @@ def _suspicious(results: RunResults) -> list[Outcome]:
     ]
 
 
-def _faults(setting: Setting, results: RunResults) -> tuple[str, ...]:
+def _judge_faults(setting: Setting, results: RunResults) -> tuple[str, ...]:
     """Return descriptions of faults in the judge itself, which make a verdict impossible."""
     if results.fault:
         return (results.fault,)
-    suspicious = _suspicious(results)
+    suspicious = _suspicious_outcomes(results)
     if suspicious and complaints_about_reference(setting.lesson, setting.seed, setting.sandbox):
-        return tuple(_report(outcome.failure) for outcome in suspicious)
+        return tuple(_format_traceback(outcome.failure) for outcome in suspicious)
     return ()
 
 
-def _report(error: Exception) -> str:
+def _format_traceback(error: Exception) -> str:
     """Return the traceback of an exception, which the runner keeps as a note."""
     return "".join(getattr(error, "__notes__", ())) + f"{type(error).__name__}: {error}\n"
 
@@ -274,18 +276,18 @@ def complaints_about_reference(lesson: Lesson, seed: int, sandbox: Sandbox) -> t
     Such a failure means that a check is faulty, so a class is judged only if there are none. If
     there are any, the checks run again, because a busy machine may cause a failure once.
     """
-    return _complaints(lesson, seed, sandbox) and _complaints(lesson, seed, sandbox)
+    return _find_complaints(lesson, seed, sandbox) and _find_complaints(lesson, seed, sandbox)
 
 
-def _complaints(lesson: Lesson, seed: int, sandbox: Sandbox) -> tuple[str, ...]:
+def _find_complaints(lesson: Lesson, seed: int, sandbox: Sandbox) -> tuple[str, ...]:
     program = program_for(lesson, read_submitted_files(lesson.solved).notebook().code, {})
     results = run_program(Setting(lesson, seed, sandbox), program)
     if results.fault:
         return (results.fault,)
     failed = [outcome for outcome in results.outcomes if outcome.failure]
-    return (*map(_complaint, failed), *results.problems)
+    return (*map(_describe_failure, failed), *results.problems)
 
 
-def _complaint(outcome: Outcome) -> str:
+def _describe_failure(outcome: Outcome) -> str:
     check, failure = outcome.check, outcome.failure
     return f"{check.exercise}, {check.name}: {type(failure).__name__}: {failure}"

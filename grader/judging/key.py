@@ -70,7 +70,11 @@ def key_of_files(subject: str, files: Iterable[Path]) -> str:
 
 def files_that_decide(lesson: Lesson) -> frozenset[Path]:
     """Return the files of this project that a verdict on a lesson depends on."""
-    entries = {*ENTRY_MODULES, lesson.tests, _file_of(f"utils.checks.lesson_{lesson.number}")}
+    entries = {
+        *ENTRY_MODULES,
+        lesson.tests,
+        _find_module_file(f"utils.checks.lesson_{lesson.number}"),
+    }
     # The source lists forbidden modules, the solution contains correct helpers, and the released
     # notebook contains given code.
     notebooks = {lesson.source, lesson.solved, lesson.released}
@@ -83,7 +87,7 @@ def with_imports(files: Iterable[Path]) -> set[Path]:
     while waiting:
         file = waiting.pop()
         found.add(file)
-        waiting |= _imported_by(file) - found
+        waiting |= _imported_files(file) - found
     sandbox_files = {
         file for path in SHOWN for file in ([path] if path.is_file() else path.rglob("*.py"))
     }
@@ -91,7 +95,7 @@ def with_imports(files: Iterable[Path]) -> set[Path]:
 
 
 @functools.cache
-def _imported_by(file: Path) -> set[Path]:
+def _imported_files(file: Path) -> set[Path]:
     """Return the project files that a file imports, at its top or inside a function."""
     modules = set()
     for package, names, whole in _IMPORT.findall(file.read_text("utf-8")):
@@ -101,11 +105,11 @@ def _imported_by(file: Path) -> set[Path]:
     parts = [module.split(".") for module in modules]
     modules = {".".join(part[:end]) for part in parts for end in range(1, len(part) + 1)}
     modules = {module for module in modules if not f"{module}.".startswith(DISPLAY_MODULES)}
-    return {file for module in modules if (file := _file_of(module))}
+    return {file for module in modules if (file := _find_module_file(module))}
 
 
 @functools.cache
-def _file_of(module: str) -> Path | None:
+def _find_module_file(module: str) -> Path | None:
     """Return the file of a module of this project, or None for any other module."""
     path = PROJECT.joinpath(*module.split("."))
     files = (path.with_suffix(".py"), path / "__init__.py")

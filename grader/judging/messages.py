@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from grader.judging.runner import JudgeTimeout
 from grader.judging.verdict import MessageKind
 from grader.sandbox.failures import StudentError, StudentStopped
-from grader.sandbox.quotation import sentence_on
+from grader.sandbox.quotation import describe_error
 from utils.checks import CheckFailed
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import (
@@ -36,7 +36,7 @@ FEW_NUMBERS, SMALL_NUMBER = 4, r"\d{1,2}"
 _EXAMPLE = re.compile(r",? for example \([^)]*\)")
 
 
-def shareable(outcome: Outcome, open_to_all: bool) -> Outcome:
+def shareable_outcome(outcome: Outcome, open_to_all: bool) -> Outcome:
     """Return an outcome with its failure replaced by one that may be shown to the student.
 
     Parameters
@@ -117,7 +117,7 @@ def shareable_failure(outcome: Outcome, visible: bool) -> CheckFailed:
     if isinstance(error, StudentError) and error.type_name == "NotImplementedError":
         return NotStarted(exercise, error.inside or exercise)
     if isinstance(error, StudentError):
-        sentence = sentence_on(error) if visible else error.safe_sentence
+        sentence = describe_error(error) if visible else error.safe_sentence
         tip = tip_for(error.type_name, error.message, error.line)
         place = error.place if visible else error.shown_place
         return Raised(sentence, kind=error.shown_type, place=place, tip=tip)
@@ -165,11 +165,11 @@ def _split_numbers(message: str) -> tuple[str, list[str]]:
     """Return a message without its numbers, and the numbers."""
     numbers = []
 
-    def take(number: str) -> str:
+    def remove_number(number: str) -> str:
         numbers.append(number)
         return "…"
 
-    bare = with_numbers(_EXAMPLE.sub("", message), take)
+    bare = with_numbers(_EXAMPLE.sub("", message), remove_number)
     return bare.replace("… row ", "… rows "), numbers
 
 

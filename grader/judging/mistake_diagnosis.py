@@ -24,7 +24,7 @@ from utils.notebooks import slicing
 
 
 @functools.cache
-def _solution(lesson: Lesson, exercise: str) -> Callable:
+def _load_solution(lesson: Lesson, exercise: str) -> Callable:
     """Return the function from the lesson's built solution, which the rehearsal has judged."""
     statements, _ = slicing.parse_notebook(read_notebook(lesson.solved).code)
     namespace = {"__name__": lesson.name}
@@ -56,7 +56,7 @@ class _SubstituteProxy:
         """Do nothing: the owner of the student proxy closes it."""
 
 
-def explains(
+def mistake_explains(
     setting: Setting, program: Program, exercise: str, mistake: Mistake, failed: frozenset[Check]
 ) -> bool:
     """Return whether one mistake alone explains the failed checks of an exercise.
@@ -70,28 +70,28 @@ def explains(
     mistake : utils.checks.diagnosis.Mistake
     failed : frozenset of utils.checks.Check
     """
-    imitation = imitation_of(exercise, mistake, _solution(setting.lesson, exercise))
+    imitation = imitation_of(exercise, mistake, _load_solution(setting.lesson, exercise))
     if imitation is None:
         return False
     with StudentProxy(program, setting.sandbox, setting.limits, setting.budget) as student:
-        failed_alone = _failed_by(setting, student, exercise, imitation.call)
+        failed_alone = _failed_checks(setting, student, exercise, imitation.call)
         if failed_alone != failed:
             return False
         student.exercise = exercise
         student_function, calls, equal_answers = getattr(student, exercise), [], []
 
-        def compared(*arguments: object, **keywords: object) -> object:
+        def call_and_compare(*arguments: object, **keywords: object) -> object:
             calls.append(True)
             answer = student_function(*arguments, **keywords)
             if imitation.same(answer, imitation.call(*arguments, **keywords)):
                 equal_answers.append(True)
             return answer
 
-        failed_again = _failed_by(setting, student, exercise, compared)
+        failed_again = _failed_checks(setting, student, exercise, call_and_compare)
         return failed_again == failed and len(equal_answers) == len(calls)
 
 
-def _failed_by(
+def _failed_checks(
     setting: Setting, student: StudentProxy, exercise: str, function: Callable
 ) -> frozenset[Check]:
     """Return the checks of an exercise that fail when a function replaces the student's."""

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from utils.checks.outcomes import Outcome
 
 
-def shares(points: float, weights: Sequence[float]) -> list[float]:
+def divide_points(points: float, weights: Sequence[float]) -> list[float]:
     """Divide points by weight into whole hundredths that add up exactly.
 
     This is the largest remainder method (Hamilton's method). Each share is rounded down to a
@@ -35,7 +35,7 @@ def shares(points: float, weights: Sequence[float]) -> list[float]:
     return [share / 100 for share in rounded]
 
 
-def total(points: Sequence[float]) -> float:
+def sum_points(points: Sequence[float]) -> float:
     """Return the exact sum of points that have at most two decimals."""
     return sum(round(100 * share) for share in points) / 100
 
@@ -50,5 +50,7 @@ def points_of(points: float, outcomes: Sequence[Outcome]) -> float:
     outcomes : sequence of Outcome
         The outcomes of all checks of the exercise.
     """
-    maxima = shares(points, [outcome.check.weight for outcome in outcomes])
-    return total([share for share, one in zip(maxima, outcomes, strict=True) if not one.failure])
+    maxima = divide_points(points, [outcome.check.weight for outcome in outcomes])
+    return sum_points(
+        [share for share, one in zip(maxima, outcomes, strict=True) if not one.failure]
+    )

@@ -105,7 +105,7 @@ def run_program(
             fault = str(error)
         observed = (tuple(student.problems), student.uses, student.starved)
     if explain:
-        mistakes = _mistakes(outcomes, setting, program, budget)
+        mistakes = _diagnose_mistakes(outcomes, setting, program, budget)
     return RunResults(tuple(outcomes), *observed, mistakes, fault)
 
 
@@ -117,7 +117,7 @@ def untouched_results(lesson: Lesson) -> RunResults:
         return RunResults((), fault=str(error))
 
 
-def _mistakes(
+def _diagnose_mistakes(
     outcomes: Iterable[Outcome], setting: Setting, program: Program, budget: Budget
 ) -> dict[str, Mistake]:
     """Return the mistake that explains an exercise's wrong answers, by the exercise's name.

@@ -23,7 +23,7 @@ from grader.course.lessons import Lesson
 from grader.course.rules import ONE_SLIP_KEEPS
 from grader.intake.preflight import cells_as_released
 from grader.judging.error_carried_forward import CarriedForward
-from grader.judging.mistake_diagnosis import explains
+from grader.judging.mistake_diagnosis import mistake_explains
 from grader.judging.program_run import RunResults, Setting, run_program
 from grader.judging.runner import hidden_calls, visible_calls
 from grader.sandbox import Limits
@@ -101,7 +101,7 @@ def find_slips(
             # The minimum number of edits is 0 if the checks already earn more than a slip keeps,
             # because an edit then only explains the mistake. It is also 0 if the failed calls have
             # used up the time of one call, because calls with edits would be slow too.
-            earns_less = _share(outcomes) < ONE_SLIP_KEEPS
+            earns_less = _earned_share(outcomes) < ONE_SLIP_KEEPS
             has_time = not _has_used_its_time(setting, exercise.name)
             likeliest = LIKELIEST_EDITS if earns_less and has_time else 0
             if repair := find_repair(setting, judged_program, exercise.name, failed, likeliest):
@@ -109,7 +109,7 @@ def find_slips(
             elif (
                 mistake
                 and not (mistake.is_cheap or mistake.is_the_task or improved)
-                and explains(setting, program, exercise.name, mistake, failed_checks)
+                and mistake_explains(setting, program, exercise.name, mistake, failed_checks)
             ):
                 found[exercise.name] = mistake
     return found
@@ -123,7 +123,7 @@ def _has_used_its_time(setting: Setting, exercise: str) -> bool:
     return setting.budget.failed_seconds.get(exercise, 0.0) >= limit
 
 
-def _share(outcomes: Sequence[Outcome]) -> float:
+def _earned_share(outcomes: Sequence[Outcome]) -> float:
     """Return the share of an exercise's points that the passed checks earn."""
     earned = sum(outcome.check.weight for outcome in outcomes if not outcome.failure)
     return earned / sum(outcome.check.weight for outcome in outcomes)
@@ -178,7 +178,7 @@ def find_repair(
     return None
 
 
-def _likeliest_first(
+def _sort_by_likelihood(
     edits: Sequence[tuple[int, int, int, str]], failed: tuple[Outcome, ...]
 ) -> list[tuple[int, tuple[int, int, int, str]]]:
     """Return numbered edits in the order in which to try them.
@@ -244,7 +244,7 @@ class _FailedChecks:
         """
         self._student.interrupts_after = self._first_seconds
         with cached_run():
-            failure = _failure_of(next(iter(self)))
+            failure = _catch_failure(next(iter(self)))
         if _was_stopped(failure):
             self._first_seconds = SECONDS_OF_A_FIRST_CALL
         return failure is not None
@@ -256,18 +256,18 @@ class _FailedChecks:
         that does not finish there counts as passing, and the full judgement decides.
         """
         self._budget.failed_seconds.pop(self._student.exercise, None)
-        if _failure_of(functools.partial(self._student.edit, number)) or self.first_fails():
+        if _catch_failure(functools.partial(self._student.edit, number)) or self.first_fails():
             return False
         self._student.interrupts_after = SECONDS_OF_A_CALL
         with cached_run():  # answers that were computed with another edit must not be reused
             for index, call in enumerate(self):
-                failure = _failure_of(call) if index else None
+                failure = _catch_failure(call) if index else None
                 if failure is not None:
                     return index >= len(self._visible) and _was_stopped(failure)
         return True
 
 
-def _failure_of(call: Callable[[], object]) -> Exception | None:
+def _catch_failure(call: Callable[[], object]) -> Exception | None:
     try:
         call()
     except Exception as error:  # a wrong answer may cause any exception in a check
@@ -313,7 +313,9 @@ def _passing_edits(
         if not failed_checks.first_fails():  # the answer passed by chance, and gets no second try
             return
         given = _unchanged_cells(setting.lesson, program)
-        edits = [one for one in _likeliest_first(student.edits, failed) if one[1][0] not in given]
+        edits = [
+            one for one in _sort_by_likelihood(student.edits, failed) if one[1][0] not in given
+        ]
         for tried, (number, edit) in enumerate(edits):
             if tried % EDITS_PER_LOOK == 0 or time.monotonic() > next_look:
                 next_look = time.monotonic() + SECONDS_BETWEEN_LOOKS

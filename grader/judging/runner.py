@@ -297,16 +297,16 @@ def run_checks(
     KeyboardInterrupt
         Pytest catches it, so it is raised again here.
     """
-    return _run(lesson, _Runner(student, seed, selected, keep_going, budget))
+    return _run_all_checks(lesson, _Runner(student, seed, selected, keep_going, budget))
 
 
 @functools.cache
 def outcomes_of_untouched(lesson: Lesson) -> tuple[Outcome, ...]:
     """Return the outcomes of `run_checks` for an untouched notebook, without running it."""
-    return tuple(_run(lesson, _UntouchedRunner(None, 0, every_check)))
+    return tuple(_run_all_checks(lesson, _UntouchedRunner(None, 0, every_check)))
 
 
-def _run(lesson: Lesson, runner: _Runner) -> list[Outcome]:
+def _run_all_checks(lesson: Lesson, runner: _Runner) -> list[Outcome]:
     importlib.import_module(f"utils.checks.lesson_{lesson.number}")  # registers the checks
     with cached_run():
         for exercise in lesson.machine_graded:
@@ -356,10 +356,10 @@ def _limited_cpu_time(seconds: float) -> Iterator[None]:
         yield  # Python can be interrupted only in the main thread
         return
 
-    def stop(*signal_and_frame: object) -> None:
+    def raise_timeout(*signal_and_frame: object) -> None:
         raise JudgeTimeout
 
-    before = signal.signal(signal.SIGPROF, stop)
+    before = signal.signal(signal.SIGPROF, raise_timeout)
     signal.setitimer(signal.ITIMER_PROF, seconds)
     try:
         yield

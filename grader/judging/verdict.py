@@ -189,12 +189,12 @@ class Verdict:
 
 def with_shared_parts(exercise: ExerciseResult) -> ExerciseResult:
     """Return an equal result whose parts are shared with equal results of other students."""
-    tests = tuple(map(_interned, exercise.tests))
-    return _interned(dataclasses.replace(exercise, tests=tests))
+    tests = tuple(map(_intern, exercise.tests))
+    return _intern(dataclasses.replace(exercise, tests=tests))
 
 
 @functools.lru_cache(maxsize=2**14)
-def _interned(result: CheckResult | ExerciseResult) -> CheckResult | ExerciseResult:
+def _intern(result: CheckResult | ExerciseResult) -> CheckResult | ExerciseResult:
     """Return the first result that was equal to this one."""
     return result
 

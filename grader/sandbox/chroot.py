@@ -40,7 +40,7 @@ class Chroot:
 
     def available(self) -> None:
         """Start a trial worker, once; see `grader.sandbox.protocol.Sandbox`."""
-        complaint = _complaint()
+        complaint = _find_problem()
         if complaint:
             raise SandboxUnavailable(complaint)
 
@@ -63,7 +63,7 @@ class Chroot:
         named: Iterable[str] = (),
     ) -> Worker:
         """Start a worker in a chroot; see `grader.sandbox.protocol.Sandbox`."""
-        user, kind = users.unused(), (tuple(packages), tuple(forbidden))
+        user, kind = users.unused_user_id(), (tuple(packages), tuple(forbidden))
         rules = {
             "user": user,
             "limits": limits.resources() | {"RLIMIT_NPROC": limits.processes},
@@ -71,7 +71,7 @@ class Chroot:
             "sockets": False,
         }
         try:
-            folder = _take(kind)
+            folder = _take_jail(kind)
             jail.reset_writable_folders(folder, user)
         except OSError as error:
             raise SandboxUnavailable(f"Cannot create a folder for the sandbox: {error}") from None
@@ -86,7 +86,7 @@ class Chroot:
             str(user),
         ]
         return launch(
-            command, jail.HOME, rules, limits, release_folder=lambda: put_back(kind, folder)
+            command, jail.HOME, rules, limits, release_folder=lambda: put_back_jail(kind, folder)
         )
 
 
@@ -95,12 +95,12 @@ Kind = tuple[tuple[str, ...], tuple[str, ...]]
 _free: dict[Kind, list[Path]] = defaultdict(list)
 
 
-def put_back(kind: Kind, folder: Path) -> None:
+def put_back_jail(kind: Kind, folder: Path) -> None:
     """Make a folder built by `jail.build` available to the next worker of its kind."""
     _free[kind].append(folder)
 
 
-def _take(kind: Kind) -> Path:
+def _take_jail(kind: Kind) -> Path:
     """Return a folder that no other worker is using."""
     try:
         return _free[kind].pop()
@@ -118,7 +118,7 @@ def path_in_writable_folders() -> str:
 
 
 @functools.cache
-def _complaint() -> str:
+def _find_problem() -> str:
     """Return the reason why this sandbox cannot be built here; "" if it can."""
     if not sys.platform.startswith("linux") or os.uname().machine not in MACHINES:
         return f"This sandbox needs Linux on {' or '.join(MACHINES)}."

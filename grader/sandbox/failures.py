@@ -92,7 +92,7 @@ class StudentStopped(RemoteStopped):
         super().__init__(sentence)
 
 
-def why_it_ended(code: int | None) -> str:
+def explain_process_end(code: int | None) -> str:
     """Return a sentence that says why a process ended by itself.
 
     Parameters

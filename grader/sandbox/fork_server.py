@@ -52,7 +52,7 @@ def main(requests: socket.socket, preloaded: list[str], forbidden: list[str]) ->
         if os.fork() == 0:
             requests.close()
             try:
-                _shim(request, *pipes)
+                _run_shim(request, *pipes)
             finally:
                 os._exit(1)
         for end in pipes:
@@ -84,7 +84,7 @@ def _receive(requests: socket.socket) -> tuple[bytes, list[int]]:
     return data, list(pipes)
 
 
-def _shim(request: dict, read_end: int, write_end: int, status: int) -> None:
+def _run_shim(request: dict, read_end: int, write_end: int, status: int) -> None:
     """Join the sandbox, fork the worker there, and report its exit code.
 
     Joining a PID namespace affects only later children, so this process forks once more. When the

@@ -38,7 +38,7 @@ _waiting: list[subprocess.Popen] = []
 
 
 def build(
-    packages: Iterable[str] = (), forbidden: Iterable[str] = (), within: Path | None = None
+    packages: Iterable[str] = (), forbidden: Iterable[str] = (), parent: Path | None = None
 ) -> Path:
     """Create a folder that can be the root directory of a worker.
 
@@ -46,7 +46,7 @@ def build(
     ----------
     packages, forbidden : iterable of str
         As for `grader.sandbox.protocol.Sandbox.start`.
-    within : pathlib.Path, optional
+    parent : pathlib.Path, optional
         Parent folder, which must be accessible to root alone. The new folder is not deleted. By
         default, the new folder is in a temporary folder and is deleted when this process ends.
 
@@ -55,11 +55,11 @@ def build(
     OSError
         If this process does not have the necessary permissions.
     """
-    jail = Path(tempfile.mkdtemp(dir=within or _folder_of_jails()))
+    jail = Path(tempfile.mkdtemp(dir=parent or _folder_of_jails()))
     jail.chmod(0o755)
     packages = tuple(packages)
     hidden = {*folders_of_modules(forbidden, packages), *folders_of_packages()}
-    shown = (*_python(), *_libraries(), *SHOWN, *files_of_packages(packages))
+    shown = (*_python_paths(), *_library_paths(), *SHOWN, *files_of_packages(packages))
     for path in shown:
         _show(path, jail, hidden)
     (jail / "dev").mkdir(exist_ok=True)
@@ -89,7 +89,7 @@ def _folder_of_jails() -> str:
     return folder
 
 
-def _python() -> Iterator[Path]:
+def _python_paths() -> Iterator[Path]:
     """Yield the paths of the running Python, its library, and the system files that both need."""
     yield Path(PYTHON)
     yield Path(PREFIX, "pyvenv.cfg")
@@ -102,7 +102,7 @@ def _python() -> Iterator[Path]:
     yield Path("/bin/sh")
 
 
-def _libraries() -> Iterator[Path]:
+def _library_paths() -> Iterator[Path]:
     """Yield the system's shared libraries and the program loaders."""
     known = subprocess.run(["/sbin/ldconfig", "-p"], capture_output=True, text=True, check=True)
     for path in sorted(set(re.findall(r" => (/.*)$", known.stdout, re.M))):
@@ -120,8 +120,8 @@ def _show(path: Path, jail: Path, hidden: Container[Path]) -> None:
         return
     for above in reversed(path.parents):
         if above.is_symlink():
-            _link(above, _place(above, jail))
-    place = _place(path, jail)
+            _link(above, _path_in_jail(above, jail))
+    place = _path_in_jail(path, jail)
     if path.is_symlink():
         _link(path, place)
         _show(Path(os.path.normpath(path.parent / path.readlink())), jail, hidden)
@@ -131,7 +131,7 @@ def _show(path: Path, jail: Path, hidden: Container[Path]) -> None:
         _link(path, place)
 
 
-def _place(path: Path, jail: Path) -> Path:
+def _path_in_jail(path: Path, jail: Path) -> Path:
     """Return the location of a path in a jail, and create its parent folder.
 
     Symbolic links in the path of the parent folder are resolved.

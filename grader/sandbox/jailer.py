@@ -33,7 +33,7 @@ def main(folder: str, home: str, user: int, command: list[str]) -> int:
     worker = os.fork()
     if worker == 0:
         try:
-            _become(folder, home, command)
+            _exec_in_chroot(folder, home, command)
         except OSError as error:
             print(error, file=sys.stderr, flush=True)
         finally:
@@ -48,13 +48,13 @@ def main(folder: str, home: str, user: int, command: list[str]) -> int:
             os.kill(worker, signal.SIGKILL)  # it may still be root and survive `kill_all_of`
         if woken in ready:
             os.read(woken, 4096)
-        code = _code_of(worker, wait=sys.stdin.fileno() in ready, user=user)
+        code = _poll_exit_code(worker, wait=sys.stdin.fileno() in ready, user=user)
     kill_all_of(user)
-    _reap()
+    _reap_children()
     return code
 
 
-def _become(folder: str, home: str, command: list[str]) -> None:
+def _exec_in_chroot(folder: str, home: str, command: list[str]) -> None:
     # When memory runs out, the kernel should kill the worker, not the judge. The worker cannot set
     # this itself, because its chroot has no /proc.
     with contextlib.suppress(OSError):
@@ -70,7 +70,7 @@ def _become(folder: str, home: str, command: list[str]) -> None:
     os.execv(command[0], command)
 
 
-def _code_of(worker: int, *, wait: bool, user: int) -> int | None:
+def _poll_exit_code(worker: int, *, wait: bool, user: int) -> int | None:
     """Return the exit code of the worker, or None while it runs.
 
     With `wait`, first kill all processes of the user, then wait for the worker to end.
@@ -103,7 +103,7 @@ def kill_all_of(user: int) -> None:
     os.waitpid(pid, 0)
 
 
-def _reap() -> None:
+def _reap_children() -> None:
     while True:
         try:
             os.waitpid(-1, 0)

@@ -190,7 +190,7 @@ def launch(
                 str(their_write),
             ]
             talk = subprocess.PIPE if release_folder else subprocess.DEVNULL
-            process, forked = _run(command, home, (their_read, their_write), talk), None
+            process, forked = _start_process(command, home, (their_read, their_write), talk), None
         else:
             request = {
                 "has_user_namespace": rules["user"] is None,
@@ -233,7 +233,7 @@ def send_rules(worker: Worker, rules: dict) -> None:
     grader.sandbox.inside.wire.WireClosed, grader.sandbox.inside.wire.WireTimeout
         If the worker does not report.
     """
-    time_limit = wire.within(SECONDS_TO_REPORT)
+    time_limit = wire.start_time_limit(SECONDS_TO_REPORT)
     wire.send(worker.write_end, rules, time_limit)
     wire.receive(worker.read_end, time_limit)
 
@@ -269,7 +269,7 @@ def _end_with_message(process: Popen) -> str:
     return (process.stderr.read() or b"").decode(errors="replace").strip()[-500:]
 
 
-def _run(
+def _start_process(
     command: Sequence[str],
     home: str,
     pipes: Sequence[int],
@@ -299,7 +299,7 @@ def _start_and_join(
         # After a failed write, bubblewrap would end and leave its child behind.
         pipes = number, info
         both = subprocess.PIPE, subprocess.PIPE
-        process = _run([*sandbox_command, *options], request["home"], pipes, *both)
+        process = _start_process([*sandbox_command, *options], request["home"], pipes, *both)
     finally:
         os.close(number)
     try:

@@ -54,18 +54,18 @@ SENTENCES = (
 )
 
 
-def sentence_on(error: StudentError) -> str:
+def describe_error(error: StudentError) -> str:
     """Return a sentence that says which exception a function raised, and where."""
-    where = _place_and_line(error.place, error.line)
+    where = _quote_place(error.place, error.line)
     if error.calling:  # the caller may have passed wrong arguments to a right function
-        where = f"{_place_and_line(error.calling, error.calling_line)}, which calls {where}"
+        where = f"{_quote_place(error.calling, error.calling_line)}, which calls {where}"
     return f"{error.function} raised {_type_and_message(error)}{where and f' ({where})'}."
 
 
-def sentence_on_cell(error: StudentError) -> str:
+def describe_failed_cell(error: StudentError) -> str:
     """Return a sentence that says which cell failed, and how."""
     where = f"{error.place.capitalize()}," if error.place else "A cell"
-    line = _shortened(error.line)
+    line = _quote_line(error.line)
     return f"{where} failed: {_type_and_message(error)}{line and f' ({line})'}."
 
 
@@ -86,11 +86,11 @@ def _type_and_message(error: StudentError) -> str:
     return kind if is_shown else "another exception"
 
 
-def _place_and_line(place: str | None, line: str) -> str:
-    shown = _shortened(line)
+def _quote_place(place: str | None, line: str) -> str:
+    shown = _quote_line(line)
     return f"{place}{shown and f': {shown}'}" if place else ""
 
 
-def _shortened(line: str) -> str:
+def _quote_line(line: str) -> str:
     shown = line if len(line) <= LONGEST_LINE else f"{line[:LONGEST_LINE]}…"
     return line and f"`{shown}`"

@@ -13,11 +13,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NoReturn
 
-from grader.sandbox.failures import MOST_LINES, StudentError, StudentStopped, why_it_ended
+from grader.sandbox.failures import MOST_LINES, StudentError, StudentStopped, explain_process_end
 from grader.sandbox.inside import wire, wire_format
 from grader.sandbox.program import Program, cell_and_line
 from grader.sandbox.protocol import Limits, Sandbox, Worker
-from grader.sandbox.quotation import sentence_on_cell
+from grader.sandbox.quotation import describe_failed_cell
 from grader.sandbox.reply_parser import changes, has_valid_object, positions, readable, rows, texts
 from grader.sandbox.time_budget import Budget, Meter, TimeLimit
 from utils.remote_objects import ENDLESS, Observed, Remote
@@ -227,13 +227,13 @@ class StudentProxy:
             "each": each,
         }
         reply = self._reply_to(request)
-        result = self._result_in(reply, name, reference, call)
+        result = self._parse_result(reply, name, reference, call)
         if each and (not isinstance(result, list) or len(result) != len(calls)):
             self._stop_for_wrong_reply(name)
         self._remember(reply.get("nearby"))
         if not call:
             return self._known.get((reference.number, name), result)
-        return self._observed_in(reply, result, name, len(calls[0])) if observe else result
+        return self._parse_observed(reply, result, name, len(calls[0])) if observe else result
 
     def _check_exists(self, name: str, reference: _Reference | None) -> None:
         """Ensure that a worker is running and that the function or object exists in it."""
@@ -265,12 +265,12 @@ class StudentProxy:
             self._stop_for_wrong_reply(name)
         if "error" in reply:
             self._budget.add_failed_seconds(self.exercise, self._last_seconds)
-            raise self._error(name, reply["error"])
+            raise self._student_error(name, reply["error"])
         if not has_valid_object(reply):
             self._stop_for_wrong_reply(name)
         return reply
 
-    def _result_in(
+    def _parse_result(
         self, reply: dict, name: str, reference: _Reference | None, call: bool
     ) -> object:
         """Return the result in a reply, or a proxy if the object stays in the sandbox."""
@@ -278,13 +278,13 @@ class StudentProxy:
             return reply.get("result")
         if reply.get("callable") is True and not call:
             return RemoteFunction(self, name, reference)
-        result = self._object(reply["object"], reply.get("type"))
+        result = self._remote_object(reply["object"], reply.get("type"))
         for method in texts(reply.get("methods")):
             function = RemoteFunction(self, method, result._reference)
             self._methods[result._reference.number, method] = function
         return result
 
-    def _observed_in(self, reply: dict, result: object, name: str, count: int) -> Observed:
+    def _parse_observed(self, reply: dict, result: object, name: str, count: int) -> Observed:
         """Return the result of a call with its `count` arguments after the call."""
         after, shared = reply.get("arguments"), reply.get("shared")
         if not isinstance(after, list) or len(after) != count:
@@ -294,7 +294,7 @@ class StudentProxy:
     def _stop_for_wrong_reply(self, name: str) -> NoReturn:
         self._stop(self.exercise, f"{name} did not send a valid reply")
 
-    def _object(self, number: int, kind: object) -> RemoteObject:
+    def _remote_object(self, number: int, kind: object) -> RemoteObject:
         return RemoteObject(self, _Reference(number, self._worker), wire_format.known_type(kind))
 
     def _remember(self, nearby: object) -> None:
@@ -304,9 +304,9 @@ class StudentProxy:
             self._known[number, name] = value
         for number, name, other, kind in rows(others, 4):
             if type(other) is int:
-                self._known[number, name] = self._object(other, kind)
+                self._known[number, name] = self._remote_object(other, kind)
 
-    def _error(self, name: str, error: object) -> StudentError:
+    def _student_error(self, name: str, error: object) -> StudentError:
         if not isinstance(error, dict):
             return StudentError(name, "Exception")
         kind, message, place, inside = (
@@ -317,7 +317,7 @@ class StudentProxy:
         ours = (*self._program.names, *self._program.steps)
         inside = inside if inside in ours else ""
         few = place is not None and _is_in_short_ranges(place, self._lines.get(self.exercise, ()))
-        calling = place and self._calling(place, texts(error.get("through")))
+        calling = place and self._calling_place(place, texts(error.get("through")))
         calling_line = readable(calling and self._program.line_at(calling))
         return StudentError(
             name,
@@ -332,7 +332,7 @@ class StudentProxy:
             calling_line,
         )
 
-    def _calling(self, place: str, through: list[str]) -> str | None:
+    def _calling_place(self, place: str, through: list[str]) -> str | None:
         """Return the place where the exercise calls the function that raised an exception.
 
         Return None if the exception was raised in the exercise itself, or if the exercise is long.
@@ -346,7 +346,8 @@ class StudentProxy:
         """Return a sentence for each of the first cells that failed."""
         failures = failures if isinstance(failures, list) else []
         sentences = [
-            sentence_on_cell(self._error("", failure)) for failure in failures[:MOST_FAILED_CELLS]
+            describe_failed_cell(self._student_error("", failure))
+            for failure in failures[:MOST_FAILED_CELLS]
         ]
         more = len(failures) > MOST_FAILED_CELLS
         return [*sentences, *["More cells failed after that."] * more]
@@ -368,7 +369,7 @@ class StudentProxy:
         self._worker = self._sandbox.start(
             self._limits, program.forbidden, program.packages, program.named
         )
-        found = self._start(
+        found = self._exchange_at_start(
             {
                 "cells": list(program.cells),
                 "names": list(program.names),
@@ -381,7 +382,7 @@ class StudentProxy:
                 },
             }
         )
-        failed = self._start()
+        failed = self._exchange_at_start()
         self._budget.cells_finish = True
         self._missing = set(texts(failed.get("missing"))) & set(program.names)
         if not self._has_reported:
@@ -401,16 +402,16 @@ class StudentProxy:
         if time.monotonic() >= self._budget.until:
             self.starved = True
             self.close()
-            raise StudentStopped(f"Not tried: {self._time_is_over()}")
+            raise StudentStopped(f"Not tried: {self._describe_elapsed_limit()}")
 
-    def _time_is_over(self) -> str:
+    def _describe_elapsed_limit(self) -> str:
         seconds = f"{self._limits.wall_seconds:g}"
         return f"the notebook's {seconds} seconds of elapsed time are used up."
 
-    def _check_restarts(self, what: str) -> None:
-        stops = self._stops.get(what, [])
-        if len(stops) > (0 if what in self._timed_out_before else self._limits.restarts):
-            code = "the notebook's own cells" if what == _NEEDED else "this exercise's code"
+    def _check_restarts(self, task: str) -> None:
+        stops = self._stops.get(task, [])
+        if len(stops) > (0 if task in self._timed_out_before else self._limits.restarts):
+            code = "the notebook's own cells" if task == _NEEDED else "this exercise's code"
             times = "once" if len(stops) == 1 else f"{len(stops)} times"
             raise StudentStopped(
                 f"Not tried: {code} had to be stopped {times} before. {stops[-1]}",
@@ -421,72 +422,74 @@ class StudentProxy:
     def _try_whole_notebook(self) -> None:
         """Run all cells, to find names whose definitions are not visible in the source."""
         try:
-            found = self._start({"all_cells": True}, _ALL, self._limits.whole_seconds)
+            found = self._exchange_at_start({"all_cells": True}, _ALL, self._limits.whole_seconds)
             self._missing &= set(texts(found.get("missing")))
         except StudentStopped:  # because of a cell that no exercise needs
             self._ensure_running()
 
-    def _start(
-        self, message: dict | None = None, what: str = _NEEDED, seconds: float | None = None
+    def _exchange_at_start(
+        self, message: dict | None = None, task: str = _NEEDED, seconds: float | None = None
     ) -> dict:
         """Perform one step of starting a notebook; return the reply."""
         too_slow = "The notebook's own cells did not finish within {seconds:g} seconds."
         seconds = self._limits.start_seconds if seconds is None else seconds
-        answer = self._exchange(what, too_slow, seconds, message)
+        answer = self._exchange(task, too_slow, seconds, message)
         if not isinstance(answer, dict):
-            self._stop(what, "The notebook's own cells sent the judge an invalid reply.")
+            self._stop(task, "The notebook's own cells sent the judge an invalid reply.")
         return answer
 
     def _exchange(
-        self, what: str, too_slow: str, seconds: float, message: dict | None = None
+        self, task: str, too_slow: str, seconds: float, message: dict | None = None
     ) -> object:
         """Send a message, if any, and return the reply; stop the worker if there is no reply."""
         seconds *= (
-            SHARE_AFTER_FAILURES if self._budget.failed_seconds.get(what, 0.0) >= seconds else 1.0
+            SHARE_AFTER_FAILURES if self._budget.failed_seconds.get(task, 0.0) >= seconds else 1.0
         )
         seconds = min(seconds, max(self._budget.seconds, 0.1))
         time_limit = TimeLimit(self._worker, seconds, self._budget.until, self._meter)
         try:
-            return self._converse(message, time_limit)
+            return self._send_and_receive(message, time_limit)
         except wire.WireTimeout:
             self.starved |= time_limit.starved
             if time.monotonic() >= self._budget.until:
-                self._stop(what, f"The judge gave up on the notebook: {self._time_is_over()}")
+                self._stop(
+                    task, f"The judge gave up on the notebook: {self._describe_elapsed_limit()}"
+                )
             sentence = too_slow.format(seconds=round(seconds, 1))
-            reason = self._budget.timeouts.setdefault(what, sentence)
-            self._stop(what, sentence, reason, out_of_time=what not in (_NEEDED, _ALL))
+            reason = self._budget.timeouts.setdefault(task, sentence)
+            self._stop(task, sentence, reason, out_of_time=task not in (_NEEDED, _ALL))
         except wire_format.WireError:
             self._stop(
-                what,
+                task,
                 "The judge received an invalid reply, because code in the notebook wrote to the "
                 "judge's own channel.",
             )
         except wire.WireClosed:
-            self._stop(what, None)
+            self._stop(task, None)
 
-    def _converse(self, message: dict | None, time_limit: TimeLimit) -> object:
+    def _send_and_receive(self, message: dict | None, time_limit: TimeLimit) -> object:
         try:
             if message is not None:
                 wire.send(self._worker.write_end, message, time_limit)
             return wire.receive(self._worker.read_end, time_limit)
         finally:
-            self._last_seconds = time_limit.used()
+            self._last_seconds = time_limit.used_seconds()
             self._budget.seconds -= self._last_seconds
 
     def _stop(
-        self, what: str, sentence: str | None, reason: str = "", out_of_time: bool = False
+        self, task: str, sentence: str | None, reason: str = "", out_of_time: bool = False
     ) -> NoReturn:
         """Kill the worker, record which step was stopped and why, and raise `StudentStopped`."""
-        self._budget.add_failed_seconds(what, self._last_seconds)
+        self._budget.add_failed_seconds(task, self._last_seconds)
         self._past_seconds = self.cpu_seconds
         worker, self._worker = self._worker, None
         by_itself = sentence is None and worker.has_ended(2)  # it may only have closed its pipe
         code = worker.stop()
         self.starved |= worker.lacked_memory()
         if sentence is None:
-            sentence = why_it_ended(code if by_itself else None)
+            sentence = explain_process_end(code if by_itself else None)
         stop = StudentStopped(sentence, reason, out_of_time)
-        self._stops.setdefault(what, []).append(stop)
+        self._stops.setdefault(task, []).append(stop)
         raise stop from None
 
 

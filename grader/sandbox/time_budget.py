@@ -47,22 +47,22 @@ class Budget:
         self.cells_finish = True
 
     @contextlib.contextmanager
-    def charge_if_failed(self, what: str) -> Iterator[None]:
+    def charge_if_failed(self, task: str) -> Iterator[None]:
         """Count all seconds used in a with block as seconds of failed calls, if the block raises.
 
         A wrong function that is slow thus gets no more time than one that hangs.
         """
-        seconds, failed = self.seconds, self.failed_seconds.get(what, 0.0)
+        seconds, failed = self.seconds, self.failed_seconds.get(task, 0.0)
         try:
             yield
         except Exception:
             failed += seconds - self.seconds
-            self.failed_seconds[what] = max(failed, self.failed_seconds.get(what, 0.0))
+            self.failed_seconds[task] = max(failed, self.failed_seconds.get(task, 0.0))
             raise
 
-    def add_failed_seconds(self, what: str, seconds: float) -> None:
+    def add_failed_seconds(self, task: str, seconds: float) -> None:
         """Record the seconds of a call that raised or had to be stopped."""
-        self.failed_seconds[what] = self.failed_seconds.get(what, 0.0) + seconds
+        self.failed_seconds[task] = self.failed_seconds.get(task, 0.0) + seconds
 
 
 class Meter:
@@ -113,7 +113,7 @@ class Meter:
                 share = self._slept / self._noticed  # assume the same share as before
             self._slept += share * max(0.0, passed - self._noticed)
             self._noticed = passed
-            most = passed - self._delayed(now)
+            most = passed - self._delay_seconds(now)
             self.seconds = max(worked, min(most, worked + self._slept))
 
     def _is_asleep(self, now: dict[int, Thread]) -> bool:
@@ -122,9 +122,9 @@ class Meter:
         Threads are read one after another. A child may end, and wake its parent, after the parent
         was read and before the child is.
         """
-        return not (_any_ready(now) or _any_ready(self._worker.threads() or {}))
+        return not (_is_any_ready(now) or _is_any_ready(self._worker.threads() or {}))
 
-    def _delayed(self, now: dict[int, Thread]) -> float:
+    def _delay_seconds(self, now: dict[int, Thread]) -> float:
         """Return the seconds for which the worker waited for a processor.
 
         This is the longest wait of any live thread. The sum over all threads would be too large,
@@ -135,7 +135,7 @@ class Meter:
         return max(delays, default=0.0)
 
 
-def _any_ready(threads: dict[int, Thread]) -> bool:
+def _is_any_ready(threads: dict[int, Thread]) -> bool:
     return any(thread.ready for thread in threads.values())
 
 
@@ -168,7 +168,7 @@ class TimeLimit:
         self.starved = False
 
     def __call__(self) -> float:
-        """Return the maximum number of seconds to wait before the next call; see `wire.within`.
+        """Return the maximum number of seconds to wait; see `wire.start_time_limit`.
 
         Raises
         ------
@@ -194,7 +194,7 @@ class TimeLimit:
         pause = _RANDOM.uniform(1, 2) * NEXT_MEASUREMENT * self._meter.waited
         return max(SOON, min(left, self._until - now, pause))
 
-    def used(self) -> float:
+    def used_seconds(self) -> float:
         """Return the seconds used so far; 0 if the exchange ended before the first measurement."""
         if self._meter is None:
             return 0.0

@@ -22,12 +22,12 @@ PROC = os.path.exists("/proc/self/stat")
 BYTES_OF_A_FILE = 1024
 
 
-def tree(pid: int) -> Iterator[int]:
+def process_tree(pid: int) -> Iterator[int]:
     """Yield the IDs of a process and its descendants."""
     yield pid
-    for children in _of_threads(pid, "children"):
+    for children in _read_thread_files(pid, "children"):
         for child in children.split():
-            yield from tree(int(child))
+            yield from process_tree(int(child))
 
 
 def memory_of_tree(pid: int) -> int:
@@ -36,8 +36,8 @@ def memory_of_tree(pid: int) -> int:
     Mapped memory is counted instead of resident memory, because a shared page may occupy memory
     without being in the page tables of any process.
     """
-    members = list(tree(pid))
-    return sum(map(_mapped, members)) + max(map(_files, members), default=0)
+    members = list(process_tree(pid))
+    return sum(map(_mapped_bytes, members)) + max(map(_file_bytes, members), default=0)
 
 
 def cpu_of_tree(pid: int) -> float:
@@ -45,7 +45,7 @@ def cpu_of_tree(pid: int) -> float:
 
     Without /proc, the result is elapsed time, as an upper bound.
     """
-    return sum(map(_cpu, tree(pid))) if PROC else time.monotonic()
+    return sum(map(_cpu_seconds, process_tree(pid))) if PROC else time.monotonic()
 
 
 def threads_of_tree(pid: int) -> dict[int, Thread] | None:
@@ -60,31 +60,31 @@ def threads_of_tree(pid: int) -> dict[int, Thread] | None:
         return None
     ours = os.getpriority(os.PRIO_PROCESS, 0), os.sched_getscheduler(0)
     threads = {}
-    for member in tree(pid):
-        for thread in _threads(member):
+    for member in process_tree(pid):
+        for thread in _thread_ids(member):
             with contextlib.suppress(OSError, ValueError):
                 folder = f"/proc/{member}/task/{thread}"
-                fields = _fields(f"{folder}/stat")
+                fields = _stat_fields(f"{folder}/stat")
                 if int(fields[16]) <= ours[0] and int(fields[38]) == ours[1]:
-                    threads[int(thread)] = Thread(_schedule(folder)[1], fields[0] == "R")
+                    threads[int(thread)] = Thread(_read_schedule(folder)[1], fields[0] == "R")
     return threads
 
 
 def own_seconds() -> float:
     """Return the seconds for which this thread has run or waited for a processor."""
-    return sum(_schedule("/proc/thread-self")) if _records_delays() else time.thread_time()
+    return sum(_read_schedule("/proc/thread-self")) if _records_delays() else time.thread_time()
 
 
 @functools.cache
 def _records_delays() -> bool:
     """Return whether this kernel records how long threads wait. Some kernels always report 0."""
     try:
-        return _schedule("/proc/self")[0] > 0
+        return _read_schedule("/proc/self")[0] > 0
     except (OSError, ValueError):
         return False
 
 
-def _schedule(folder: str) -> tuple[float, float]:
+def _read_schedule(folder: str) -> tuple[float, float]:
     """Return the seconds for which a thread has run, and has waited for a processor."""
     worked, waited, _ = Path(folder, "schedstat").read_text().split()
     return int(worked) / 1e9, int(waited) / 1e9
@@ -109,30 +109,30 @@ def killed_for_memory() -> int:
     return next((int(line.split()[1]) for line in lines if line.startswith("oom_kill ")), 0)
 
 
-def _mapped(pid: int) -> int:
+def _mapped_bytes(pid: int) -> int:
     """Return the bytes that a process has mapped, according to its live threads.
 
     All threads share the same memory, but /proc shows 0 for a main thread that has ended.
     """
-    pages = (int(text.split()[0]) for text in _of_threads(pid, "statm"))
+    pages = (int(text.split()[0]) for text in _read_thread_files(pid, "statm"))
     return max(pages, default=0) * PAGE
 
 
-def _of_threads(pid: int, name: str) -> Iterator[str]:
+def _read_thread_files(pid: int, name: str) -> Iterator[str]:
     """Yield the content of a /proc file for each thread; skip threads that have ended."""
-    for thread in _threads(pid):
+    for thread in _thread_ids(pid):
         with contextlib.suppress(OSError):
             yield Path(f"/proc/{pid}/task/{thread}/{name}").read_text()
 
 
-def _threads(pid: int) -> list[str]:
+def _thread_ids(pid: int) -> list[str]:
     try:
         return os.listdir(f"/proc/{pid}/task")
     except OSError:
         return []
 
 
-def _files(pid: int) -> int:
+def _file_bytes(pid: int) -> int:
     """Return the bytes of kernel memory for files in the folders that student code can write to."""
     total, root = 0, f"/proc/{pid}/root"
     for folder in ("tmp", "dev/shm"):
@@ -147,14 +147,14 @@ def _files(pid: int) -> int:
     return total
 
 
-def _cpu(pid: int) -> float:
+def _cpu_seconds(pid: int) -> float:
     try:
-        return sum(map(int, _fields(f"/proc/{pid}/stat")[11:15])) / TICK
+        return sum(map(int, _stat_fields(f"/proc/{pid}/stat")[11:15])) / TICK
     except OSError:
         return 0.0
 
 
-def _fields(path: str) -> list[str]:
+def _stat_fields(path: str) -> list[str]:
     """Return the fields of a /proc `stat` file, starting with the third."""
     # The second field is a name in parentheses, which may contain any bytes.
     return Path(path).read_text(errors="replace").rpartition(")")[2].split()

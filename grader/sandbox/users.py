@@ -10,7 +10,7 @@ def is_root() -> bool:
     return os.geteuid() == 0 and _user_count() >= 2**16
 
 
-def unused() -> int:
+def unused_user_id() -> int:
     """Return a random user ID from the upper half of all IDs, which is rarely used.
 
     The kernel counts processes separately for each user, and does not limit those of root.

@@ -215,6 +215,6 @@ def test_a_missing_capability_is_reported(capability):
 
 def test_the_chroot_sandbox_needs_root(monkeypatch):
     monkeypatch.setattr(users, "is_root", lambda: False)
-    monkeypatch.setattr(chroot, "_complaint", chroot._complaint.__wrapped__)
+    monkeypatch.setattr(chroot, "_find_problem", chroot._find_problem.__wrapped__)
     with pytest.raises(SandboxUnavailable, match="needs root"):
         SANDBOXES["chroot"].available()

@@ -3,7 +3,7 @@
 import numpy as np
 
 from extension.league.drives import DETECTOR, _unpack, drive_in_sandbox
-from extension.league.streets import streets_of
+from extension.league.streets import draw_streets
 from grader.course.paths import PROJECT
 from grader.sandbox import SANDBOXES, Limits
 from grader.sandbox.program import Program
@@ -37,7 +37,7 @@ def detect_obstacles(cloud):
 
 def answers_of(sandbox, source):
     with StudentProxy(Program((source,), (DETECTOR,)), sandbox, Limits(**SHORT)) as student:
-        street = streets_of(SEED)[0]
+        street = draw_streets(SEED)[0]
         driven = drive_in_sandbox(street, student, seconds=0.5, sensor=BLINKERED)
     assert not driven.stopped and not driven.failed
     return {float(boxes.max()) / 1000 for boxes in _unpack(driven.answers)}

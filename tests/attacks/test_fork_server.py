@@ -15,7 +15,7 @@ from grader.course.lessons import all_lessons
 from grader.course.paths import PROJECT
 from grader.sandbox import Limits, bubblewrap, fork_client, users
 from grader.sandbox.failures import StudentStopped
-from grader.sandbox.usage import tree
+from grader.sandbox.usage import process_tree
 from tests.attacks.attack import SANDBOX, attack, function, outcome_of
 from tests.prerequisites import PATIENCE, skip_or_fail
 
@@ -99,7 +99,7 @@ def test_the_fork_server_and_the_judge_cannot_be_reached():
     )
     with attack(function(body, parameters="numbers")) as student:
         student.f([])
-        numbers = [number for number in tree(os.getpid()) if number > 10]
+        numbers = [number for number in process_tree(os.getpid()) if number > 10]
         assert student.f(numbers) == []
 
 
@@ -161,7 +161,7 @@ def test_the_end_of_a_worker_ends_only_its_children():
     with attack(function(body)) as first, attack(function("return 2")) as second:
         first.f(False)
         assert second.f() == 2
-        children = [number for pid in first._worker.pids for number in tree(pid)]
+        children = [number for pid in first._worker.pids for number in process_tree(pid)]
         with pytest.raises(StudentStopped, match="killed it"):
             first.f(True)
         assert second.f() == 2
@@ -215,7 +215,7 @@ def test_a_killed_judge_leaves_no_processes(tmp_path):
         [sys.executable, "-c", program], cwd=PROJECT, stdout=subprocess.PIPE, text=True
     )
     numbers = [int(word) for word in judge.stdout.readline().split()]
-    numbers += [number for pid in numbers for number in tree(pid)] + parents(numbers[-1])
+    numbers += [number for pid in numbers for number in process_tree(pid)] + parents(numbers[-1])
     judge.kill()
     judge.wait()
     judge.stdout.close()

@@ -16,7 +16,7 @@ from grader.sandbox import Limits, bubblewrap, users
 from grader.sandbox.boundary import SHOWN
 from grader.sandbox.failures import StudentError
 from grader.sandbox.program import PACKAGES
-from grader.sandbox.usage import tree
+from grader.sandbox.usage import process_tree
 from tests.attacks.attack import (
     SANDBOX,
     attack,
@@ -335,7 +335,7 @@ def test_two_sandboxes_of_one_user_are_separate():
     name = secrets.token_hex(4)
     with attack(HOST) as first, attack(GUEST) as second:
         assert first.f(name) == "here"
-        numbers = [number for number in tree(first._worker.process.pid) if number > 2]
+        numbers = [number for number in process_tree(first._worker.process.pid) if number > 2]
         assert len(numbers) >= 2
         assert second.f(name, numbers) == []
         with pytest.raises(StudentError, match="in use|OSError|exists"):

@@ -26,7 +26,7 @@ def build_jails(source: Path) -> None:
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(mode=0o700)
     kinds = dict.fromkeys([SMALLEST_KIND, *map(_kind, assigned_lessons(source))])
-    built = [(kind, jail.build(*kind, within=folder).name) for kind in kinds]
+    built = [(kind, jail.build(*kind, parent=folder).name) for kind in kinds]
     (folder / "list.json").write_text(json.dumps(built), "utf-8")
 
 
@@ -35,7 +35,7 @@ def register_jails(source: Path) -> None:
     folder = source / "jails"
     if (folder / "list.json").exists():
         for (packages, forbidden), name in json.loads((folder / "list.json").read_text("utf-8")):
-            chroot.put_back((tuple(packages), tuple(forbidden)), folder / name)
+            chroot.put_back_jail((tuple(packages), tuple(forbidden)), folder / name)
 
 
 def _kind(lesson: Lesson) -> chroot.Kind:

@@ -8,7 +8,7 @@ from pathlib import Path
 from grader.course.archives import make_zip
 from grader.course.paths import PROJECT
 from grader.course.portable_files import files_for_judging
-from grader.course.release import required_for
+from grader.course.release import requirements_for
 
 HERE = Path(__file__).parent
 PROGRAMS = ("setup.sh", "run_autograder")
@@ -24,7 +24,7 @@ def build_autograder_zip(assignment: str, seed: int) -> bytes:
     seed : int
         Secret seed of the course.
     """
-    needed = required_for("For the notebooks") + required_for("For grading")
+    needed = requirements_for("For the notebooks") + requirements_for("For grading")
     return make_zip(
         {
             **{name: (HERE / name).read_bytes() for name in PROGRAMS},

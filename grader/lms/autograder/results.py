@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from grader.judging.points import total
+from grader.judging.points import sum_points
 from grader.judging.verdict import ExerciseResult
 from grader.lms.autograder.judging import JudgedLesson, JudgedSubmission
 
@@ -20,8 +20,8 @@ MISSING = "Nothing was submitted for this lesson."
 def build_results(judged: JudgedSubmission) -> dict:
     """Build the content of ``results.json``."""
     tests = [test for lesson in judged.lessons for test in _tests(lesson)]
-    score = total([lesson.verdict.score for lesson in judged.lessons if lesson.verdict])
-    if total([test.get("score", 0.0) for test in tests]) != score:
+    score = sum_points([lesson.verdict.score for lesson in judged.lessons if lesson.verdict])
+    if sum_points([test.get("score", 0.0) for test in tests]) != score:
         raise ArithmeticError("The displayed points do not add up to the score.")
     return {
         "score": score,

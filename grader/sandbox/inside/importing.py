@@ -64,10 +64,10 @@ def refuse_imports(tree: ast.AST, modules: Iterable[str]) -> None:
     for parent in ast.walk(tree):
         for _, content in ast.iter_fields(parent):
             if isinstance(content, list):
-                content[:] = [_refused(node, modules) for node in content]
+                content[:] = [_refuse_statement(node, modules) for node in content]
 
 
-def _refused(node: ast.AST, modules: Iterable[str]) -> ast.AST:
+def _refuse_statement(node: ast.AST, modules: Iterable[str]) -> ast.AST:
     name = next((name for name in slicing.imported_by(node) if forbidden_part(name, modules)), None)
     if name is None:
         return node

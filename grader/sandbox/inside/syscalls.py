@@ -170,7 +170,7 @@ _AGAIN = (_RETURN, 0, 0, _ANSWER | errno.EAGAIN)
 _DONE = (_RETURN, 0, 0, _ANSWER)
 
 
-class _Program(ctypes.Structure):
+class _FilterProgram(ctypes.Structure):
     _fields_ = [("length", ctypes.c_ushort), ("instructions", ctypes.c_char_p)]
 
 
@@ -195,9 +195,9 @@ def deny(*, sockets: bool = True) -> None:
         return
     code = b"".join(
         operation.to_bytes(2, "little") + bytes((if_true, if_false)) + value.to_bytes(4, "little")
-        for operation, if_true, if_false, value in _filter(machine, sockets)
+        for operation, if_true, if_false, value in _filter_instructions(machine, sockets)
     )
-    program = _Program(len(code) // 8, code)
+    program = _FilterProgram(len(code) // 8, code)
     prctl = ctypes.CDLL(None, use_errno=True).prctl
     nothing = ctypes.c_ulong(0)
     if prctl(_SET_NO_NEW_PRIVILEGES, ctypes.c_ulong(1), nothing, nothing, nothing) or prctl(
@@ -210,7 +210,7 @@ def deny(*, sockets: bool = True) -> None:
 _Instruction = tuple[int, int, int, int]
 
 
-def _filter(machine: str, sockets: bool) -> Iterator[_Instruction]:
+def _filter_instructions(machine: str, sockets: bool) -> Iterator[_Instruction]:
     """Yield instructions: operation, number to skip if true, number to skip if false, value."""
     name, numbers = MACHINES[machine]
     yield _LOAD, 0, 0, _MACHINE
@@ -233,58 +233,58 @@ def _rules(sockets: bool) -> dict[str, list[_Instruction]]:
     """Return the instructions for each call in `LIMITED`, the most frequent call first."""
     return {
         "futex": [
-            _argument(1),
-            *_answer(_ALLOW, _IF_ANY_BIT, PRIVATE_FUTEX),
+            _load_argument(1),
+            *_answer_if(_ALLOW, _IF_ANY_BIT, PRIVATE_FUTEX),
             (_AND, 0, 0, COMMAND_OF_FUTEX),
-            *_answer(_AGAIN, _IF_EQUAL, *WAITS),
-            *_answer(_DONE, _IF_EQUAL, *WAKES),
+            *_answer_if(_AGAIN, _IF_EQUAL, *WAITS),
+            *_answer_if(_DONE, _IF_EQUAL, *WAKES),
             _DENY,
         ],
         "madvise": [
-            _argument(2),
-            *_answer(_DENY, _IF_EQUAL, MERGEABLE, COLD, PAGE_OUT, COLLAPSE),
+            _load_argument(2),
+            *_answer_if(_DENY, _IF_EQUAL, MERGEABLE, COLD, PAGE_OUT, COLLAPSE),
             _ALLOW,
         ],
-        "fcntl": [_argument(1), *_answer(_ALLOW, _IF_EQUAL, *ORDINARY_CONTROLS), _DENY],
+        "fcntl": [_load_argument(1), *_answer_if(_ALLOW, _IF_EQUAL, *ORDINARY_CONTROLS), _DENY],
         "ioctl": [
-            _argument(1),
+            _load_argument(1),
             (_AND, 0, 0, KIND_OF_REQUEST),
-            *_answer(_ALLOW, _IF_EQUAL, ORDINARY_REQUESTS),
+            *_answer_if(_ALLOW, _IF_EQUAL, ORDINARY_REQUESTS),
             _DENY,
         ],
-        "clone": [_argument(0), *_answer(_DENY, _IF_ANY_BIT, NEW_USER_NAMESPACE), _ALLOW],
+        "clone": [_load_argument(0), *_answer_if(_DENY, _IF_ANY_BIT, NEW_USER_NAMESPACE), _ALLOW],
         "socket": [
-            _argument(0),
-            *_answer(_ALLOW, _IF_EQUAL, *(ORDINARY_SOCKETS if sockets else ())),
+            _load_argument(0),
+            *_answer_if(_ALLOW, _IF_EQUAL, *(ORDINARY_SOCKETS if sockets else ())),
             _DENY,
         ],
-        "prctl": [_argument(0), *_answer(_DENY, _IF_EQUAL, MERGE_ALL), _ALLOW],
+        "prctl": [_load_argument(0), *_answer_if(_DENY, _IF_EQUAL, MERGE_ALL), _ALLOW],
         "rt_sigaction": [
-            _argument(0),
-            *_unless(END_OF_A_CHILD, _ALLOW),
+            _load_argument(0),
+            *_answer_unless(END_OF_A_CHILD, _ALLOW),
             # With a null pointer, the call only reads the current action.
-            _argument(1),
-            *_unless(0, _DONE),
-            _argument(1, _SIZE_OF_HALF),
-            *_unless(0, _DONE),
+            _load_argument(1),
+            *_answer_unless(0, _DONE),
+            _load_argument(1, _SIZE_OF_HALF),
+            *_answer_unless(0, _DONE),
             _ALLOW,
         ],
     }
 
 
-def _argument(position: int, half: int = 0) -> _Instruction:
+def _load_argument(position: int, half: int = 0) -> _Instruction:
     """Return an instruction that loads half of an argument, by default the lower half."""
     return _LOAD, 0, 0, _FIRST_ARGUMENT + _SIZE_OF_ARGUMENT * position + half
 
 
-def _answer(what: _Instruction, test: int, *values: int) -> Iterator[_Instruction]:
+def _answer_if(answer: _Instruction, test: int, *values: int) -> Iterator[_Instruction]:
     """Yield instructions that return an answer if the argument matches one of the values."""
     for value in values:
         yield test, 0, 1, value
-        yield what
+        yield answer
 
 
-def _unless(value: int, what: _Instruction) -> Iterator[_Instruction]:
+def _answer_unless(value: int, answer: _Instruction) -> Iterator[_Instruction]:
     """Yield instructions that return an answer if the argument differs from the value."""
     yield _IF_EQUAL, 1, 0, value
-    yield what
+    yield answer

@@ -19,7 +19,7 @@ class WireClosed(Exception):
     """The other end has closed the pipe."""
 
 
-def within(seconds: float) -> Callable[[], float]:
+def start_time_limit(seconds: float) -> Callable[[], float]:
     """Return a function that limits elapsed time.
 
     Returns
@@ -29,12 +29,12 @@ def within(seconds: float) -> Callable[[], float]:
     """
     end = time.monotonic() + seconds
 
-    def left() -> float:
+    def remaining_seconds() -> float:
         if (seconds := end - time.monotonic()) <= 0:
             raise WireTimeout
         return seconds
 
-    return left
+    return remaining_seconds
 
 
 def send(descriptor: int, value: object, time_limit: Callable[[], float] | None = None) -> None:
@@ -48,7 +48,7 @@ def send(descriptor: int, value: object, time_limit: Callable[[], float] | None 
     value : object
         Encoded by `wire_format.encode`.
     time_limit : callable, optional
-        A time limit like the result of `within`. By default there is no limit.
+        A time limit like the result of `start_time_limit`. By default there is no limit.
 
     Raises
     ------

@@ -218,7 +218,7 @@ class _Remainder:
     def __init__(self, blob: bytes) -> None:
         self.blob, self.generators = memoryview(blob), MAXIMUM_GENERATORS
 
-    def take(self, size: int) -> memoryview:
+    def take_bytes(self, size: int) -> memoryview:
         """Return the next bytes and remove them, so that two arrays never share bytes."""
         if size > len(self.blob):
             raise WireError("array outside its message")
@@ -235,7 +235,7 @@ class _Remainder:
         self.generators -= 1
 
 
-def _from_tree(tree: object, rest: _Remainder, depth: int) -> object:
+def _from_tree(tree: object, remainder: _Remainder, depth: int) -> object:
     if depth > MAXIMUM_DEPTH + 5:
         raise WireError("nested too deeply")
     if isinstance(tree, str):
@@ -247,33 +247,33 @@ def _from_tree(tree: object, rest: _Remainder, depth: int) -> object:
     ((kind, content),) = tree.items()
     if kind in ("list", "tuple"):
         flat = type(content) is list and _is_flat(content)
-        items = content if flat else [_from_tree(item, rest, depth + 1) for item in content]
+        items = content if flat else [_from_tree(item, remainder, depth + 1) for item in content]
         return items if kind == "list" else tuple(items)
     if kind == "set":
-        return {_key_from_tree(item, rest, depth) for item in content}
+        return {_key_from_tree(item, remainder, depth) for item in content}
     if kind == "dict":
         return {
-            _key_from_tree(key, rest, depth): _from_tree(item, rest, depth + 1)
+            _key_from_tree(key, remainder, depth): _from_tree(item, remainder, depth + 1)
             for key, item in content
         }
     if kind == "array":
-        return _array_from_tree(content, rest)
+        return _array_from_tree(content, remainder)
     if kind == "generator":
-        rest.take_generator()
+        remainder.take_generator()
         return _generator_from(content)
     if kind == "opaque" and isinstance(content, str):
         return Opaque(known_type(content))
     raise WireError("unknown kind of value")
 
 
-def _key_from_tree(tree: object, rest: _Remainder, depth: int) -> object:
-    key = _from_tree(tree, rest, depth + 1)
+def _key_from_tree(tree: object, remainder: _Remainder, depth: int) -> object:
+    key = _from_tree(tree, remainder, depth + 1)
     if not isinstance(key, (*_SCALARS, Opaque)):
         raise WireError("unknown kind of key")
     return key
 
 
-def _array_from_tree(content: list, rest: _Remainder) -> np.ndarray:
+def _array_from_tree(content: list, remainder: _Remainder) -> np.ndarray:
     dtype, shape = content
     # Only the listed types are allowed, because NumPy accepts many other strings as dtypes.
     if dtype not in PLAIN_TYPES:
@@ -281,9 +281,9 @@ def _array_from_tree(content: list, rest: _Remainder) -> np.ndarray:
     if not isinstance(shape, list) or not _is_possible_shape(shape):
         raise WireError("array of impossible shape")
     dtype = np.dtype(dtype)
-    return np.frombuffer(bytearray(rest.take(math.prod(shape) * dtype.itemsize)), dtype).reshape(
-        shape
-    )
+    return np.frombuffer(
+        bytearray(remainder.take_bytes(math.prod(shape) * dtype.itemsize)), dtype
+    ).reshape(shape)
 
 
 def _is_generator(value: object) -> bool:

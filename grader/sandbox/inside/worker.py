@@ -69,7 +69,8 @@ def main(read_end: int, write_end: int) -> None:
     # No student code has run yet, so these facts about the source can be trusted. An answer may be
     # a method of a redefined class, so the parts of an answer include all redefined names.
     uses = {
-        name: used_by((name, *redefined), start["names"], statements) for name in start["names"]
+        name: called_functions((name, *redefined), start["names"], statements)
+        for name in start["names"]
     }
     lines = {name: slicing.lines_of((name, *redefined), statements) for name in start["names"]}
     own_lines = {
@@ -95,7 +96,7 @@ def main(read_end: int, write_end: int) -> None:
     namespace = make_namespace()
     failures = run(needed, namespace)
     add_missing_methods(redefined, start["given"]["source"], namespace)
-    missing = missing_from(namespace, start["names"], redefined)
+    missing = undefined_names(namespace, start["names"], redefined)
     wire.send(write_end, {"problems": failures, "missing": missing})
     objects = {}
     while True:
@@ -106,11 +107,15 @@ def main(read_end: int, write_end: int) -> None:
         if "all_cells" in request:
             # Code such as `exec` or `globals()` binds names that are not visible in the source.
             run(statements, namespace)
-            missing = missing_from(namespace, start["names"], redefined)
+            missing = undefined_names(namespace, start["names"], redefined)
             wire.send(write_end, {"missing": missing})
         elif "edit" in request:
             objects.clear()
-            reply(write_end, request["id"], define(edits[request["edit"]], definitions, namespace))
+            reply(
+                write_end,
+                request["id"],
+                define_with_edit(edits[request["edit"]], definitions, namespace),
+            )
         else:
             reply(write_end, request["id"], answer(request, namespace, objects))
 
@@ -234,7 +239,7 @@ def without_forbidden(
     return kept, list(sentences)
 
 
-def used_by(
+def called_functions(
     parts: tuple[str, ...], names: list[str], statements: list[slicing.Statement]
 ) -> list[str]:
     """Return the functions among `names` that an answer calls, directly or indirectly."""
@@ -256,7 +261,7 @@ def definitions_of(
     ]
 
 
-def define(edit: Edit, definitions: list[slicing.Statement], namespace: dict) -> dict:
+def define_with_edit(edit: Edit, definitions: list[slicing.Statement], namespace: dict) -> dict:
     """Run the definitions of an answer again, with an edit in one of them; return the reply."""
     try:
         node = ast.parse(edit.statement).body[0]
@@ -270,7 +275,7 @@ def define(edit: Edit, definitions: list[slicing.Statement], namespace: dict) ->
     return {"result": None}
 
 
-def missing_from(namespace: dict, names: list[str], redefined: frozenset[str]) -> list[str]:
+def undefined_names(namespace: dict, names: list[str], redefined: frozenset[str]) -> list[str]:
     """Return the names that a notebook defines neither as a function nor as a method."""
     classes = [namespace.get(name) for name in redefined]
     return [
@@ -308,12 +313,12 @@ def make_namespace() -> dict:
     """Return the namespace of a new `__main__`, with an IPython stand-in that does nothing."""
     main_module = types.ModuleType("__main__")
     sys.modules["__main__"] = main_module
-    builtins.get_ipython = lambda: _StandIn()
+    builtins.get_ipython = lambda: _IPythonStandIn()
     builtins.display = lambda *values, **options: None
     return main_module.__dict__
 
 
-class _StandIn:
+class _IPythonStandIn:
     def __getattr__(self, name: str) -> Callable[..., None]:
         return lambda *values, **options: None
 
@@ -349,21 +354,24 @@ def answer(request: dict, namespace: dict, objects: dict[int, object]) -> dict:
             wanted = namespace[request["name"]]
         else:
             wanted = operator.attrgetter(request["name"])(objects[request["object"]])
-        with interrupted_after(request["seconds"]):
+        with interrupt_after(request["seconds"]):
             results = [wanted(*arguments, **request["keywords"]) for arguments in request["calls"]]
     except BaseException as error:
         return {"error": describe(error)}
     if request["each"]:
         return {"result": results}
     result = results[0] if results else wanted
-    seen = observed(result, request["calls"][0]) if request["observe"] else {}
+    seen = observe_arguments(result, request["calls"][0]) if request["observe"] else {}
     if not request["calls"] and not callable(result):
         seen["nearby"] = nearby_attributes(request["object"], objects)
     if wire_format.is_plain(result):
         return {"result": result, **seen}
     stored = store_object(result, objects)
     if request["calls"]:
-        seen |= {"nearby": nearby_attributes(stored["object"], objects), "methods": methods(result)}
+        seen |= {
+            "nearby": nearby_attributes(stored["object"], objects),
+            "methods": public_methods(result),
+        }
     return {**stored, "callable": callable(result), **seen}
 
 
@@ -372,7 +380,7 @@ class TookTooLong(BaseException):
 
 
 @contextlib.contextmanager
-def interrupted_after(seconds: float | None) -> Iterator[None]:
+def interrupt_after(seconds: float | None) -> Iterator[None]:
     """Raise `TookTooLong` after some seconds of processor time.
 
     The judge can continue to use the process afterwards. Code that catches the exception is
@@ -380,13 +388,13 @@ def interrupted_after(seconds: float | None) -> Iterator[None]:
     ends it.
     """
 
-    def stop(*signal_and_frame: object) -> None:
+    def raise_interrupt(*signal_and_frame: object) -> None:
         raise TookTooLong
 
     if seconds is None:
         yield
         return
-    signal.signal(signal.SIGPROF, stop)
+    signal.signal(signal.SIGPROF, raise_interrupt)
     signal.setitimer(signal.ITIMER_PROF, seconds, seconds)
     try:
         yield
@@ -439,13 +447,13 @@ def is_small(value: object) -> bool:
     return isinstance(value, SCALARS)
 
 
-def methods(value: object) -> list[str]:
+def public_methods(value: object) -> list[str]:
     """Return the names of at most `MOST_ATTRIBUTES` public methods of an object's class."""
     names = [name for name, member in vars(type(value)).items() if callable(member)]
     return [name for name in names if not name.startswith("_")][:MOST_ATTRIBUTES]
 
 
-def observed(result: object, arguments: list) -> dict:
+def observe_arguments(result: object, arguments: list) -> dict:
     """Return the arguments after a call, and which of them share memory with the result."""
     arrays = [value if isinstance(value, np.ndarray) else np.empty(0) for value in arguments]
     shared = [
