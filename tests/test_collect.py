@@ -376,6 +376,56 @@ def test_github_checkouts_are_found_by_login(course, tmp_path):
     assert states(collect(course, root))["cy"] == {"06": "new"}
 
 
+CLASSROOM_ROSTER = (
+    '"identifier","github_username","github_id","name"\n'
+    '"cy@x.edu","Someone","1","Müller, Cy"\n"Dee, Dora","","",""\n'
+)
+
+
+@pytest.mark.parametrize(
+    "written",
+    [
+        CLASSROOM_ROSTER.encode(),
+        CLASSROOM_ROSTER.replace("\n", "\r").encode(),
+        CLASSROOM_ROSTER.replace(",", ";").replace("\n", "\r\n").encode("utf-8-sig"),
+        CLASSROOM_ROSTER.replace(",", "\t").encode("utf-16"),
+    ],
+    ids=["as downloaded", "old line ends", "semicolons", "tabs and UTF-16"],
+)
+@pytest.mark.parametrize("place", ["hw", "."], ids=["among the checkouts", "next to them"])
+def test_the_roster_of_github_classroom_is_read_in_any_form(course, tmp_path, written, place):
+    for login in ("ada-l", "someone"):
+        checkout(tmp_path / "hw", f"hw-3-{login}", {f"{SIX}.ipynb": notebook(text=login)})
+    (tmp_path / place / "classroom_roster.csv").write_bytes(written)
+    outcome = collect(course, tmp_path / "hw")
+    assert states(outcome) == {"ada": {"06": "new"}, "cy": {"06": "new"}}
+    assert outcome.questions == []
+
+
+@pytest.mark.parametrize(
+    ("written", "says"),
+    [
+        ("identifier,github_username\nMüller,x\n".encode("cp1252"), "it is not in UTF-8"),
+        (b"name,login\ncy,someone\n", "has no columns github_username and identifier"),
+    ],
+)
+def test_an_unreadable_roster_of_github_classroom_is_refused(course, tmp_path, written, says):
+    checkout(tmp_path / "hw", "hw-3-someone", {f"{SIX}.ipynb": notebook()})
+    (tmp_path / "hw" / "classroom_roster.csv").write_bytes(written)
+    with pytest.raises(CollectError, match=says):
+        collect(course, tmp_path / "hw")
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
+def test_a_table_of_times_is_read_in_any_form(course, encoding):
+    (course.root / "deadlines.toml").write_text('timezone = "UTC"\n')
+    table = course.root / "times.csv"
+    text = "id\tLast modified (submission)\rada\t2026-10-14 14:14\r"
+    table.write_bytes(text.encode(encoding))
+    collect(course, archive(course, [(f"ada/{SIX}.ipynb", notebook())]), times=table)
+    assert placed(course, "ada")["timestamp.txt"] == b"2026-10-14 14:14:00 UTC\n"
+
+
 @pytest.mark.parametrize(
     "layout",
     [

@@ -7,11 +7,16 @@ notebooks, so unchanged ones do not count as submitted.
 
 from __future__ import annotations
 
-import csv
-import io
 import os
 
-from grader.classroom.collect.models import Archive, Owner, SubmittedFile, UnreadableFile
+from grader.classroom.collect.models import (
+    Archive,
+    CollectError,
+    Owner,
+    SubmittedFile,
+    UnreadableFile,
+)
+from grader.course.tables import TableError, read_table
 
 ROSTER = "classroom_roster.csv"
 
@@ -55,18 +60,32 @@ def _owner(repository: str, prefix: str, identifiers: dict[str, str]) -> Owner:
 
 
 def _identifiers(archive: Archive) -> dict[str, str]:
-    """Return the teacher's identifiers by login."""
-    texts = [entry.read for entry in archive.entries if entry.path == (ROSTER,)]
+    """Return the teacher's identifiers by login.
+
+    Raises
+    ------
+    CollectError
+        If a roster of GitHub Classroom cannot be read.
+    """
+    readers = [entry.read for entry in archive.entries if entry.path == (ROSTER,)]
     roster_path = archive.path.parent / ROSTER
     if roster_path.is_file():
-        texts.append(roster_path.read_bytes)
+        readers.append(roster_path.read_bytes)
     identifiers = {}
-    for read in texts:
+    for read in readers:
         try:
-            rows = csv.DictReader(io.StringIO(read().decode("utf-8-sig", "replace")))
-        except (UnreadableFile, OSError):
-            continue
-        for row in rows:
+            table = read_table(read())
+        except (UnreadableFile, OSError, TableError) as error:
+            raise CollectError(
+                f"{ROSTER} cannot be read: {error}. Download it again from GitHub Classroom."
+            ) from None
+        if not {"github_username", "identifier"} <= set(table.titles):
+            raise CollectError(
+                f"{ROSTER} has no columns github_username and identifier. Download it again from "
+                "GitHub Classroom."
+            )
+        for cells in table.rows[1:]:
+            row = dict(zip(table.titles, cells, strict=False))
             login, identifier = row.get("github_username"), row.get("identifier")
             if login and identifier:
                 identifiers[login.casefold()] = identifier
