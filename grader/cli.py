@@ -209,8 +209,9 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "collect",
         commands.run_collect,
-        "Put the submissions of a class into submitted/. It recognises archives from Canvas, "
-        "Moodle and GitHub Classroom, folders and single files. If it does not know which student "
+        "Put the submissions of a class into submitted/. It recognises downloads from Canvas, "
+        "Moodle, Blackboard, Brightspace, Gradescope, ILIAS, PrairieLearn, Sakai and GitHub "
+        "Classroom, folders and single files. If it does not know which student "
         "a file belongs to, it asks and exits with status 1. Run it again with the answer added.",
         "submissions.zip --stage stage3_obstacles",
         "submissions.zip --stage stage3_obstacles --who 'mueller_4711=bjorn'",
@@ -220,8 +221,8 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
         nargs="+",
         type=Path,
         metavar="ARCHIVE",
-        help="zip from Canvas or Moodle, folder with checkouts of GitHub Classroom, other folder, "
-        "or single file",
+        help="zip from a learning platform, folder with checkouts of GitHub Classroom, other "
+        "folder, or single file",
     )
     collect.add_argument(
         "--stage",
@@ -244,7 +245,7 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
         type=_parse_answer,
         metavar="NAME=ID[,ID...]",
         help="id of the student called NAME in the archive; write several ids for a team, or - to "
-        "ignore NAME",
+        "ignore a student or a file called NAME",
     )
     collect.add_argument(
         "--lesson",

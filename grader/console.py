@@ -297,6 +297,10 @@ def print_collected(report: CollectionReport) -> None:
         console.print(plain(sentence), markup=False, soft_wrap=True)
     _print_questions(console, "For your information", report.remarks)
     _print_questions(console, "Not collected, because an answer is needed", report.questions)
+    if any("/" in question.name for question in report.questions):
+        console.print(
+            "\nTo ignore one of these files from now on, add --who 'FILE=-'.", markup=False
+        )
 
 
 def _collected_table(report: CollectionReport) -> Table:

@@ -97,6 +97,18 @@ class Roster:
         same = self._by_folded_id.get(folded(text), ())
         return tuple(same) or tuple(person for person in self.people if _is_name_of(text, person))
 
+    def people_with_zeros(self, text: str) -> tuple[Person, ...]:
+        """Return the students whose ID is a number with more zeros at its beginning.
+
+        Spreadsheets remove these zeros.
+        """
+        number = text.strip().lstrip("0")
+        return tuple(
+            person
+            for person in self.people
+            if number.isdigit() and person.id.lstrip("0") == number and person.id != text
+        )
+
     @functools.cached_property
     def _by_id(self) -> dict[str, Person]:
         return {person.id: person for person in self.people}
