@@ -589,6 +589,13 @@ def test_a_team_in_ilias_is_asked_about(course):
     assert set(states(outcome)) == {"ada", "cy", "bjorn"}
 
 
+def test_ids_may_look_like_folders_from_ilias(course):
+    with_roster(course, "lab_ws_ada_1,Ada,Lovelace,,,", "lab_ws_bo_2,Bo,Bäcker,,,", "ada,A,B,,,")
+    files = [(f"lab_ws_{name}/{SIX}.ipynb", notebook(text=name)) for name in ("bo_2", "bo_3")]
+    outcome = collect(course, archive(course, files))
+    assert set(states(outcome)) == {"lab_ws_bo_2"} and len(outcome.questions) == 1
+
+
 def test_keys_that_contradict_each_other_become_a_question(course):
     """The login is the id of Ada, and the name is Björn's."""
     files = sakai_files("Müller, Björn", "ada", [(f"{SIX}.ipynb", notebook())])
@@ -596,10 +603,13 @@ def test_keys_that_contradict_each_other_become_a_question(course):
     assert states(outcome) == {} and "may be ada or bjorn" in questions(outcome)["ada"]
 
 
-def test_files_of_several_students_are_never_proposed_for_one(course):
+@pytest.mark.parametrize(
+    "layout", ["{}/{}.ipynb", "a/{}/{}.ipynb", "{}_{}.ipynb", "{1} {0}.ipynb", "{}.zip"]
+)
+def test_files_of_several_students_are_never_proposed_for_one(course, layout):
     """The platform is unknown, and its folders are not named after students."""
     files = [
-        (f"export/group {group}/{person}/{SIX}.ipynb", notebook(text=person))
+        (f"export/group {group}/" + layout.format(person, SIX), notebook(text=person))
         for group, person in (("A", "x1"), ("A", "x2"), ("B", "x3"))
     ]
     outcome = collect(course, archive(course, files))

@@ -13,6 +13,7 @@ from grader.classroom.collect.answers import (
     store_answers,
     store_ignored,
 )
+from grader.classroom.collect.folder import student_in
 from grader.classroom.collect.inspection import OTHER, kind_of
 from grader.classroom.collect.models import Owner, SubmittedArchive, SubmittedFile
 from grader.classroom.collect.outcome import CollectionReport, Question
@@ -26,9 +27,8 @@ from grader.course.paths import Course
 from grader.course.roster import Roster, read_roster
 
 _SORT_FILES = (
-    "They may belong to several students, because several folders contain a file with the same "
-    "name. Put each student's files into a folder named after the id, and collect the folder that "
-    "contains these folders"
+    "Their names show that they may belong to several students. Put each student's files into a "
+    "folder named after the id, and collect the folder that contains these folders"
 )
 ArchivedFile = tuple[Path, SubmittedFile]
 """The archive and a submitted file in it."""
@@ -177,13 +177,10 @@ def _files(count: int) -> str:
 
 
 def _may_belong_to_several(files: Sequence[SubmittedFile]) -> bool:
-    """Return whether files in different folders have the same name."""
-    folders: dict[str, tuple[str, ...]] = {}
-    return any(
-        folders.setdefault(file.entry.path[-1].lower(), file.entry.path[:-1])
-        != file.entry.path[:-1]
-        for file in files
-    )
+    """Return whether several folders have a file with the same name, or files name students."""
+    paths = {file.entry.path[:-1] + (file.entry.path[-1].lower(),) for file in files}
+    students = {student_in(path[-1]) for path in paths} - {""}
+    return len({path[-1] for path in paths}) < len(paths) or len(students) > 1
 
 
 def _is_irrelevant(submitted: SubmittedFile) -> bool:

@@ -79,9 +79,10 @@ def read_ilias(archive: Archive) -> list[SubmittedFile] | None:
     files = []
     for entry, parts in match_paths(archive, _ILIAS):
         path = _path(parts["file"])
+        parent, folder = ("", *entry.path)[-len(path) - 2 : -len(path)]
         login, name = parts["login"], f"{parts['first']} {parts['last']}"
-        owner = Owner(f"{login}_{parts['number']}", login, (login, name))
-        parent = ("", *entry.path)[-len(path) - 2]
+        # Without ILIAS, a folder with such a name may be named after an id.
+        owner = Owner(f"{login}_{parts['number']}", login, (folder, login, name))
         if _ILIAS_TEAM.fullmatch(parent):
             owner = Owner(parent, parent, guesses=(login, name))
         files.append(SubmittedFile(owner, path, entry))

@@ -225,12 +225,13 @@ class StudentCollector:
         """Ask about the files of a student who submitted no notebook with work."""
         if any(self._answers.is_ignored(one.name) for one in submitted):
             return
-        names = ", ".join(dict.fromkeys(one.path[-1] for one in submitted))
+        names = list(dict.fromkeys(one.path[-1] for one in submitted))
         if all(one.is_given for one in submitted):
             text = "contains no notebook with work"
             self._report.remarks.append(Question(submitted[0].owner.label, text))
         else:
-            text = f"is not a notebook. The student submitted only: {names}"
+            more = ", …" if len(names) > 5 else ""
+            text = f"is not a notebook. The student submitted only: {', '.join(names[:5])}{more}"
             self._add_problem(submitted[0].name, text)
 
     def _report_problems(self) -> None:
