@@ -328,8 +328,12 @@ def test_typed_texts_in_moodle_become_questions(course, folders):
     files = moodle_files(
         "Ada Lovelace", 5001, [("onlinetext.html", b"<p>")], folders, plugin="onlinetext"
     )
-    (text,) = questions(collect(course, archive(course, files))).values()
+    path = archive(course, files)
+    ((name, text),) = questions(collect(course, path)).items()
     assert text.startswith("was typed into Moodle")
+    for who in ({name: "-"}, {}):
+        outcome = collect(course, path, who=who)
+        assert outcome.questions == [] and set(outcome.ignored) == {"onlinetext.html"}
 
 
 TIMES = {

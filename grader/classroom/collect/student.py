@@ -92,7 +92,9 @@ class StudentCollector:
         files, size = [], 0
         for archive, one in submitted:
             if one.remark:
-                if not self._answers.is_ignored(one.name):
+                if self._answers.is_ignored(one.name):
+                    self._report.ignored[one.path[-1]] += 1
+                else:
                     self._add_problem(one.name, one.remark)
                 continue
             unpacked_files = unpack_file(one.entry, one.path[-1])
