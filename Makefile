@@ -22,7 +22,7 @@ help:
 	@echo "make pictures     draw the film in README.md and the previews of the lessons"
 	@echo "make constraints  pin the versions of all packages that the requirements need"
 
-# .venv/ready* are stamps, which are newer than the requirements that are installed.
+# .venv/ready* are stamp files, which are newer than the requirements that were installed.
 INSTALL := pip install --quiet --disable-pip-version-check
 
 # The packages for students and graders.
@@ -47,7 +47,7 @@ INSTALL := pip install --quiet --disable-pip-version-check
 	@$(BIN)/$(INSTALL) -r requirements-dev.txt
 	@touch $@
 
-# PYTHONPATH is for authors, because the setup cell of a lesson's .py is empty until the lesson is built.
+# Authors need PYTHONPATH to run a lesson's .py, because the build writes the setup cell.
 lab: .venv/ready
 	PYTHONPATH="$(CURDIR)" $(BIN)/jupyter lab --ServerApp.root_dir=. --LabApp.default_url=/lab/tree/notebooks $(AS_ROOT)
 
@@ -66,7 +66,7 @@ test: .venv/ready-dev
 proof: .venv/ready-dev
 	$(BIN)/python -m pytest -m "not colab" -o faulthandler_timeout=1800
 
-# The first run installs Colab's package versions, which take half a gigabyte.
+# The first run installs Colab's package versions, which take 0.5 GB.
 colab: .venv/ready-dev
 	$(BIN)/python -m pytest -m colab -o faulthandler_timeout=1800
 
@@ -91,7 +91,7 @@ pictures: .venv/ready-dev
 	PYTHONPATH=. $(BIN)/python solutions/stage4_realtime/12_streaming_obstacles/hero.py
 	$(BIN)/python -m grader build
 
-# One file for all versions of Python, with the newest packages that are compatible with requirements*.txt.
+# Write one file for all versions of Python, with the newest packages that requirements*.txt allow.
 # uv has a separate environment, because .venv/ready fails while requirements and constraints differ.
 constraints:
 	@$(PYTHON) -m venv .venv/uv && .venv/uv/bin/$(INSTALL) uv==0.13.9

@@ -24,10 +24,10 @@ ENOUGH = 2**31  # bytes
 def pytest_configure(config):
     """Configure the run before the tests are collected.
 
-    - Temporary files are in memory, because gradebooks would wait for the disk.
-    - Ctrl-C is enabled, which some tests use. A process ignores it if a script started the process
-      in the background.
-    - Hypothesis must not fail a test because the machine is busy.
+    - Keep temporary files in memory, because gradebooks would wait for the disk.
+    - Enable Ctrl-C, which some tests send. A process that a script starts in the background
+      ignores it.
+    - Prevent Hypothesis from failing a test because the machine is busy.
     """
     hypothesis.settings.register_profile(
         "any speed", deadline=None, suppress_health_check=[hypothesis.HealthCheck.too_slow]
@@ -40,7 +40,7 @@ def pytest_configure(config):
 
 
 def pytest_collection_finish(session):
-    """Exclude the collected tests from garbage collection, which took a tenth of the time."""
+    """Exclude existing objects from garbage collection, which took a tenth of the time."""
     gc.collect()
     gc.freeze()
     gc.set_threshold(20_000)
@@ -50,7 +50,7 @@ def pytest_collection_finish(session):
 def shared_statement_cache():
     """Share SQLAlchemy's compiled SQL statements among all gradebooks of a process.
 
-    SQLAlchemy has one cache for each engine, and each gradebook has its own engine.
+    Otherwise each gradebook compiles them again, because SQLAlchemy has one cache per engine.
     """
     create_engine, engines = nbgrader.api.create_engine, {}
 
@@ -80,7 +80,7 @@ def pytest_unconfigure(config):
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers():
-    """Start one process more than there are processors, because many tests wait for something."""
+    """Use one more process than there are processors, because many tests spend time waiting."""
     return len(os.sched_getaffinity(0)) + 1
 
 
@@ -97,7 +97,7 @@ def sandbox():
 
 @pytest.fixture(scope="session")
 def real_clouds():
-    """Return the folder of real recordings in REAL_CLOUDS, or skip the test without it."""
+    """Return the folder of real recordings, which the environment variable REAL_CLOUDS names."""
     folder = os.environ.get("REAL_CLOUDS")
     if not folder:
         pytest.skip(RECORDINGS)
@@ -113,14 +113,14 @@ def no_open_figures():
 
 @pytest.fixture(autouse=True)
 def unchanged_recursion_limit():
-    """Restore the recursion limit, which running stored answers in this process may raise."""
+    """Restore the recursion limit, which answers that run in this process may raise."""
     before = sys.getrecursionlimit()
     yield
     sys.setrecursionlimit(before)
 
 
-# Tests with many cases or a long run time. `make test` runs only the cases whose IDs begin with one
-# of these texts, and `make proof` runs all of them. Tests that are not listed always run.
+# Tests with many cases or a long run time, each with beginnings of case IDs. `make test` runs only
+# the cases that begin in this way, and `make proof` runs all. Tests that are not listed always run.
 A_FEW_OF_MANY = {
     "test_a_skeleton_is_complete": (),
     "test_an_answer_with_two_errors_keeps_only_the_points_of_its_checks": (),
@@ -376,8 +376,8 @@ A_FEW_OF_MANY = {
 }
 
 
-# Modules whose tests run in the same process, because each process creates their expensive fixtures
-# once. Modules with the same value share a process.
+# Modules whose tests all run in one process, so that expensive fixtures are created only once.
+# Modules with the same value share a process.
 TOGETHER = {
     **{name: name for name in ("test_build", "test_scenes", "test_hermetic", "test_markdown")},
     "test_chroot": "folders for a root",
@@ -386,7 +386,7 @@ TOGETHER = {
 }
 
 
-# The name of a lesson, by the lesson's name and by the names of its exercises.
+# Name of the lesson, by the lesson's name and by the names of its exercises.
 LESSONS = {
     key: lesson.name
     for lesson in every_lesson()
@@ -398,8 +398,8 @@ LESSONS = {
 def pytest_itemcollected(item):
     """Mark the tests that only `make proof` runs, and the tests that share a process.
 
-    The hook runs first, so that these markers exist when pytest selects tests by markers. Each
-    process creates scenes, right answers and notebooks once.
+    This hook runs first, so that the markers exist when pytest selects tests by marker. The tests
+    of a lesson share a process, because each process has to create scenes and right answers.
     """
     begins = A_FEW_OF_MANY.get(getattr(item, "originalname", None))
     if begins is not None and not item.name.partition("[")[2].startswith(begins):
@@ -408,7 +408,7 @@ def pytest_itemcollected(item):
         item.add_marker(pytest.mark.xdist_group(group))
 
 
-# The slowest modules start first, so that all processes finish at about the same time.
+# The slowest modules. They start first, so that all processes finish at about the same time.
 LONGEST = (
     *("test_colab", "test_notebooks", "test_cluster", "test_grade", "test_site", "test_course"),
     *("test_text", "test_judge", "test_cheap_answers"),
@@ -420,7 +420,7 @@ def pytest_collection_modifyitems(items):
     """Sort the tests by run time, the slowest modules first."""
     names = [item.path.stem for item in items]
     order = {name: LONGEST.index(name) if name in LONGEST else len(LONGEST) for name in names}
-    # Later lessons work on larger clouds.
+    # Start with the later lessons, because they use larger clouds.
     items.sort(key=lambda item: (order[item.path.stem], -_number(item)))
 
 
@@ -454,6 +454,6 @@ def _number(item):
 
 
 def pytest_generate_tests(metafunc):
-    """Run a test with the argument `lesson` once for each lesson of the course."""
+    """Run each test that has an argument `lesson` once for each lesson of the course."""
     if "lesson" in metafunc.fixturenames:
         metafunc.parametrize("lesson", COURSE, ids=lambda lesson: lesson.name)

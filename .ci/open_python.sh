@@ -1,6 +1,6 @@
-# Source this file in a separate mount namespace. A Python may be in a private home folder.
-# `open_python FOLDER COMMAND...` lets the user that COMMAND switches to reach this Python, and nothing
-# else in that folder.
+# Define `open_python FOLDER COMMAND...`, which lets another user run the Python in FOLDER even if
+# it is in a private home folder. COMMAND switches to that user, who cannot see anything else in
+# the home folder. Source this file in a separate mount namespace.
 open_python() {
   local python="$1" closed="$1" elsewhere
   shift

@@ -23,7 +23,7 @@ WRONG = KeptAnswer("f", "a slip", False, "", ("sorts", "test_a"), "rows too many
 
 
 def verdict_on(*failed, cause="", score=0.0):
-    """Return a verdict in which these of four checks failed, with the message of two extra rows."""
+    """Return a verdict with four checks; those in `failed` have the message "2 rows too many"."""
     tests = tuple(
         CheckResult(
             name, name, name not in failed, 0, 1, "2 rows too many" * (name in failed), True
@@ -202,7 +202,7 @@ def test_a_failing_cell_of_the_notebook_is_reported(copy, sandbox):
         tried = run(copy, "try", "17", "--sandbox", sandbox.name)
     assert "cell that begins with `draw(1 + root_square([3, 4]))` raises NameE" in tried.stdout
 
-    # The untouched notebook continues with the solution's answers, which `try` stores.
+    # `try` stores the solution's answers, so that the untouched notebook can continue.
     with replaced(source, "# ## Summary", cell):
         tried = run(copy, "try", "17", "--sandbox", sandbox.name)
     assert tried.returncode == 0, tried.stdout
@@ -211,7 +211,7 @@ def test_a_failing_cell_of_the_notebook_is_reported(copy, sandbox):
 
 @contextlib.contextmanager
 def replaced(path, old, new):
-    """Replace a text in a file, or the whole file without an old text, in a with statement."""
+    """Replace `old` in a file temporarily, or the whole content if `old` is empty."""
     before = path.read_text("utf-8")
     assert old in before
     path.write_text(before.replace(old, new) if old else new, "utf-8")

@@ -17,7 +17,7 @@ CORNERS = {
 
 
 def notes_for(exercise, function):
-    """Return the names of the notes that a function gets."""
+    """Return the names of the notes that `check` would show for a function."""
     return {note.name for note in notes_of(exercise) if run_check(note, function).failure}
 
 
@@ -89,7 +89,7 @@ def test_messages_use_singular_and_plural():
 
 
 def test_the_picture_shows_the_axis_in_the_message():
-    """If x, y and z have the same maximum, the message names y, which a side view hides."""
+    """The message names y, so the picture is not a side view, which would hide y."""
     points = np.array([[-2.0, -1.5, -1.2], [3.0, 2.5, 0.8]])
     right = corners_between(*points)
     wrong = corners_between(points[0], np.full(3, 3.0))

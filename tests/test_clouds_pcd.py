@@ -21,7 +21,7 @@ POINTS = [(1.5, -2.25, 0.125, 0.5), (-30.0, 4.0, -1.75, 0.0), (np.nan, 0.0, 0.0,
 
 def header(points=3, encoding="binary", fields="x y z intensity", size="4 4 4 4", kind="F F F F",
          count="1 1 1 1", width=None, height=1, **lines):  # fmt: skip
-    """Return the header of a PCD file. A keyword replaces a line, and None omits the line."""
+    """Return the header of a PCD file; keywords replace lines, or remove them if None."""
     entries = {
         "VERSION": "0.7",
         "FIELDS": fields,
@@ -205,7 +205,7 @@ class TestLzf:
         [
             (b"", b""),
             (b"\x02abc", b"abc"),
-            (b"\x02abc\x20\x02", b"abcabc"),  # three bytes, copied from three bytes earlier
+            (b"\x02abc\x20\x02", b"abcabc"),  # a copy of the last three bytes
             (b"\x00a\xe0\xff\x00", b"a" * 265),  # the longest reference, which overlaps itself
             (b"\x01ab\x80\x01", b"abababab"),
         ],

@@ -1,4 +1,4 @@
-"""Clouds as text: all common notations are read, and errors explain files that are not clouds."""
+"""Clouds as text: all common notations are read, and errors explain why a file is not a cloud."""
 
 import time
 
@@ -115,7 +115,7 @@ def test_a_full_scan_is_read_quickly(tmp_path, rng):
     (tmp_path / "cloud.txt").write_bytes(encode_text(cloud, decimals=3))
     started = time.process_time()
     read = read_cloud(tmp_path / "cloud.txt")
-    assert time.process_time() - started < 10  # normally 0.1 s, but a minute with a loop over lines
+    assert time.process_time() - started < 10  # usually 0.1 s; with a loop over lines, a minute
     np.testing.assert_array_equal(read, cloud)
 
 

@@ -1,4 +1,4 @@
-"""Slips that can be found in the source of a function, whatever the function should do."""
+"""Slips that are visible in the source of a function, whatever the function should do."""
 
 import linecache
 

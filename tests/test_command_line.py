@@ -51,7 +51,7 @@ def test_numbers_must_be_at_least_1(call, value, capsys):
 
 @pytest.fixture
 def course(tmp_path, monkeypatch):
-    """Return an empty course, which the commands use, and fail if they request a sandbox."""
+    """Return an empty course for the commands, and fail if they request a sandbox."""
     course = Course(tmp_path)
     monkeypatch.setattr(commands, "Course", lambda: course)
     monkeypatch.setattr(commands, "choose_sandbox", lambda *_: pytest.fail("requested a sandbox"))

@@ -18,7 +18,7 @@ for name in LESSONS:
 
 
 def parameter(made, argument=""):
-    """Return a common check as a test parameter. Lessons with speed checks are marked as slow."""
+    """Return a common check as a test parameter, marked as slow if its lesson has speed checks."""
     slow = pytest.mark.slow if LESSONS[made.case.exercise][:2] in ("10", "12") else ()
     exercise = made.case.exercise
     return pytest.param(made, argument, id=f"{exercise} {made.name} {argument}", marks=slow)
@@ -85,7 +85,7 @@ def with_answer(change):
 
 
 def indexes_intensity(cloud, *others):
-    cloud[:, 3]  # fails without a fourth column
+    cloud[:, 3]  # raises IndexError without a fourth column
     return cloud, *others
 
 
@@ -96,7 +96,7 @@ def adds_intensity(cloud, *others):
 
 
 def needs_a_point(cloud, *others):
-    cloud[0]  # fails without points
+    cloud[0]  # raises IndexError without points
     return cloud, *others
 
 
@@ -151,8 +151,8 @@ def test_a_broken_promise_fails_only_its_check(made, _):
 
 # ---- arguments stay unchanged -------------------------------------------------------------------
 
-# Changes of arguments that are hard to notice, because they affect a column, label or number that a
-# plain case does not contain. In other arguments, the last number changes.
+# Changes of arguments that are hard to notice, because they affect a column, label or number that
+# plain cases lack. `changes_last` changes arguments that are not listed here.
 SIDE_EFFECTS = {
     "cloud": lambda cloud: cloud[:, 3:].fill(0.0),
     "cluster_labels": lambda labels: np.copyto(labels, -1, where=labels == 0),
@@ -167,7 +167,7 @@ def changes_last(values):
 
 
 def changing_argument(right, given, argument):
-    """Return the right function with a side effect: it changes one of its arguments."""
+    """Return the right function with a side effect on one of its arguments."""
     position = list(given).index(argument)
 
     def function(*arguments, **named):
@@ -198,7 +198,7 @@ def test_changing_an_argument_fails_only_that_check(made, argument):
 
 
 def also_about_writing(exercise):
-    """Return the names of the other checks that fail if changing the result changes the input."""
+    """Return the names of the other checks that fail if a function changes its argument."""
     return {"returns_a_new_array"} if exercise == "filter_clusters" else set()
 
 

@@ -1,4 +1,4 @@
-"""Due dates of the class, of sections and of single students, with extensions and excuses."""
+"""Due dates of the class, of sections and of individual students, with extensions and excuses."""
 
 import os
 import time

@@ -1,4 +1,4 @@
-"""Export of marks: the table of the class, the marks of an assignment, and the file paths."""
+"""Exports of marks: the table of the class, the marks of an assignment, and the file paths."""
 
 import csv
 import dataclasses

@@ -165,7 +165,7 @@ def sentences(late=timedelta(), **more):
 
 
 def test_times_are_in_the_time_zone_of_the_course():
-    """This is also true at the end of summer time."""
+    """Times on either side of the end of summer time have different zone names."""
     due = datetime(2026, 10, 24, 21, 59, tzinfo=UTC)
     late = StageResult("ada", STAGE, MARKED, 1.0, 1.0, 0.0, due + DAY, due, DAY)
     (sentence,) = lateness_sentences(late, ZoneInfo("Europe/Berlin"))
@@ -201,7 +201,7 @@ def test_undecided_lateness_has_the_same_sentence_for_every_reason(why):
 
 
 def test_an_excuse_comes_first_and_without_a_penalty():
-    """An excused student who still submits gets a page, even if the submission is late."""
+    """The page of an excused student mentions only the excuse, even after a late submission."""
     result = StageResult("ada", STAGE, EXCUSED, 90.0, 100.0, 9.0, DUE + DAY, DUE, DAY)
     (sentence,) = Feedback(Person("ada"), result, ()).sentences
     assert sentence.startswith("You are excused from this stage")
@@ -225,7 +225,7 @@ def verdict(lesson, student, exercises):
 
 
 def invented_verdict(lesson, student):
-    """Return a verdict on a student's notebook, in which only bjorn has a wrong answer."""
+    """Return a verdict on a student's notebook; only bjorn has a wrong answer."""
     if lesson == TEN:
         return verdict(lesson, student, (WRONG if student == "bjorn" else RIGHT,))
     exercises = tuple(
@@ -324,7 +324,7 @@ def pages(canvas_course, tmp_path, monkeypatch):
 
 
 def words(page):
-    """Return the text of a page in one line, without tags."""
+    """Return the text of a page on one line, without tags."""
     body = page.partition("<body>")[2]
     return re.sub(r"\s+", " ", html.unescape(re.sub(r"<[^>]+>", " ", body)))
 
@@ -575,7 +575,7 @@ def moodle_course(root, teams=(), who=None):
     files, teams = [], dict(teams)
     for number, (student, first, last, *_) in enumerate(PEOPLE[:3], start=51):
         given = [(f"{lesson.name}.ipynb", data) for lesson, data in WORK[student]]
-        if student not in list(teams)[1:]:  # a team submits once
+        if student not in list(teams)[1:]:  # a team has only one submission
             files += moodle_files(*teams.get(student, (f"{first} {last}", number)), given)
     return make_course(root, files, who=who)
 
@@ -620,7 +620,7 @@ def test_a_student_with_two_moodle_assignments_gets_a_page_in_each(
 
 def test_students_not_collected_from_moodle_are_named(canvas_course, tmp_path, monkeypatch, capsys):
     assert write(canvas_course, monkeypatch, "--for", "moodle", "--to", str(tmp_path)) == 1
-    # Canvas's numbers look like Moodle's.
+    # Canvas's numbers must not be taken for Moodle's.
     assert not (tmp_path / f"{STAGE}_moodle.zip").exists()
     assert "bjorn: their work was not collected from a Moodle zip" in capsys.readouterr().err
 

@@ -1,4 +1,4 @@
-"""The table, the doctor and the marks of one student follow the roster."""
+"""The table, `grader doctor` and the marks of a single student follow the roster."""
 
 from datetime import timedelta
 from pathlib import Path
@@ -37,7 +37,7 @@ WITHOUT_SANDBOX = SANDBOXES["process"]
 
 @pytest.fixture
 def course(tmp_path, monkeypatch):
-    """Return a course with submissions of Ada, Bob and a ghost; a fake judge gives their points."""
+    """Return a course with submissions of Ada, Bob and a ghost, and with a fake judge."""
     made = make_course(tmp_path / "course")
     (made.root / "roster.csv").write_text(ROSTER)
     (made.root / "deadlines.toml").write_text(DATES)
@@ -80,7 +80,7 @@ def test_the_table_distinguishes_marks_missing_excused_and_unknown_students(cour
     assert grade(course) == commands.FAULT
     output = capsys.readouterr()
     assert "'ghost' is not on the roster, so its scores are not entered." in output.err
-    # Two students are 27 hours late, and lose a tenth of 30 and of 20.75 points per day begun.
+    # Ada and Bob are 27 hours late, so they lose two tenths of 30 and of 20.75 points.
     assert cells(output.out, "ada")[1:] == ["11.8", "18.2", "1.1", "d", "-6"]
     assert cells(output.out, "bob")[1:] == ["-", "20.8", "1.1", "d", "-4.15"]
     assert cells(output.out, "idle")[1:] == ["-", "-"]
@@ -101,7 +101,7 @@ def test_zeros_and_waiting_marks_are_not_dashes(course, capsys, monkeypatch):
             row.manual_score = 0.0
         notebook.grades[0].needs_manual_grade = True
         book.db.commit()
-    submit(course, "yan", GROUND)  # not judged
+    submit(course, "yan", GROUND)  # submitted, but not judged
     capsys.readouterr()
     commands._print_class(course, verdicts(course), class_results(course), [])
     output = capsys.readouterr().out

@@ -1,4 +1,4 @@
-"""A grading day only with commands: from the zips of two platforms to the marks in both."""
+"""A day of grading with commands only, from the zips of two platforms to the marks in both."""
 
 import csv
 import re
@@ -119,7 +119,7 @@ def test_a_grading_day_leads_from_two_zips_to_marks_in_two_platforms(course, tmp
     moodle += ("--timestamps", file("worksheet.csv", worksheet(rows)))
     assert run(*moodle, "--who", "Team Red_7=bjorn,cy")[0] == 0
 
-    # Judge it, and enter marks by hand.
+    # Judge the class, and enter marks by hand.
     status, output = run("grade")
     assert status == 0 and "8 notebooks: 8 judged" in output
     for student, mark in (("ada", 8.0), ("bjorn", 9.0), ("cy", 9.0)):

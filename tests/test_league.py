@@ -1,4 +1,4 @@
-"""The league drives in the sandbox, gives points, and writes a page with pseudonyms."""
+"""The league drives in the sandbox, awards points, and writes a page with pseudonyms."""
 
 import csv
 import html
@@ -269,7 +269,7 @@ def cheap_points(street, boxes):
 
 @pytest.mark.parametrize("name", ("no boxes", "boxes everywhere", "one box 4 m ahead"))
 def test_cheap_detectors_earn_hardly_any_points(name):
-    """The true boxes earn about 100 points; the next test compares all detectors with them."""
+    """True boxes earn about 100 points; the next test covers all cheap detectors and streets."""
     assert cheap_points(streets_of(SEED)[1], CHEAP[name]) <= 20
 
 
@@ -334,7 +334,7 @@ def course(tmp_path):
 
 @pytest.fixture
 def jobs(monkeypatch):
-    """Replace driving with a function that records each job; return the list of jobs."""
+    """Replace driving with a function that records each job; return the list of recorded jobs."""
     calls = []
 
     def drive_one(submitted_files, lesson, number, seed, sandbox):

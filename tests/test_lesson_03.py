@@ -1,4 +1,4 @@
-"""In lesson 03, a right RANSAC loop keeps its points with wrong helpers; planes are drawn."""
+"""Lesson 03: a right RANSAC loop keeps its points despite wrong helpers, and planes are drawn."""
 
 import matplotlib.pyplot as plt
 import numpy as np

@@ -1,4 +1,4 @@
-"""Marks are exported to Canvas and Moodle; none is lost, and no other mark changes."""
+"""Exports to Canvas and Moodle lose no marks and change no other marks."""
 
 import dataclasses
 
@@ -24,7 +24,7 @@ POINTS = {"anna": 8.5, "björn": 31.25, "mary jane": 100.0, "cmd": 0.0}
 
 
 def marks(points=POINTS, people=PEOPLE, most=100.0, excused=(ILL,)):
-    """Return the results of a class in a stage with one lesson."""
+    """Return the results of a class in a stage that consists of one lesson."""
     notebooks, stages = [], []
     for person in people:
         score = points.get(person.id)
@@ -37,7 +37,7 @@ def marks(points=POINTS, people=PEOPLE, most=100.0, excused=(ILL,)):
 
 @pytest.fixture
 def fill(tmp_path):
-    """Return a function that fills in a platform's file."""
+    """Return a function that enters results in a platform's file."""
 
     def fill_in(platform, results, **order):
         path = tmp_path / "downloaded.csv"
@@ -81,7 +81,7 @@ def test_canvas_gets_each_mark_and_no_other_mark_changes(fill, settings):
     if settings.get("first_and_last"):
         course.students[0].name = "=cmd, Cid"
     exported = fill(course, marks())
-    # In the meantime, other marks and the points of the essay change in Canvas.
+    # After the download, other marks and the points of the essay change in Canvas.
     course.scores |= {(9001, 41): 19.0, (9002, 41): 11.0, (9005, 42): 60.0}
     course.assignments[41][1] = 25.0
     course.notes[9001] = "was ill"
@@ -113,7 +113,7 @@ def test_a_file_for_canvas_has_the_format_of_the_site(fill):
     )
     assert "\n    Points Possible;;;;;100,00\n" in text
     assert "\nSchmidt, Anna;9001;sis1;anna;A;8,5\n" in text
-    assert '\n"=""=cmd|\' /C calc\'!A0""";9004;' in text  # unchanged from Canvas's file
+    assert '\n"=""=cmd|\' /C calc\'!A0""";9004;' in text  # as in Canvas's file
     assert "Noah" not in text and "Test" not in text
 
 
@@ -147,7 +147,7 @@ def test_canvas_rows_are_found_by_any_key_of_the_roster(fill, roster):
     exported = fill(course, marks(points, people, excused=()))
     course.import_(exported.content)
     scores = {id: score for (id, assignment), score in course.scores.items() if assignment == 42}
-    if roster == "login":  # cmd has another login
+    if roster == "login":  # the student called cmd has another login
         assert scores.pop(9004, 0.0) == 0.0
     else:
         assert not exported.lost and scores.pop(9004) == 0.0
@@ -186,7 +186,7 @@ def test_ambiguous_students_are_named_and_get_no_mark(fill):
 
 def test_a_row_that_matches_two_people_gets_no_mark(fill):
     course = canvas_course()
-    other = Person("sis1", "Thea", "Dieb")  # her ID equals Anna's number in another system
+    other = Person("sis1", "Thea", "Dieb")  # Thea's ID equals Anna's SIS ID
     exported = fill(course, marks({"anna": 8.5, "sis1": 1.0}, (ANNA, other), excused=()))
     assert exported.placed == 0 and len(exported.lost) == 2
     assert "Schmidt, Anna may be anna or sis1" in exported.lost[0]
@@ -201,7 +201,7 @@ def test_a_canvas_number_takes_precedence_over_an_equal_id(fill):
 
 
 def test_an_id_that_equals_a_canvas_number_needs_the_same_name(fill):
-    """Without other keys, Canvas's number is compared with IDs, because folders may be named so."""
+    """IDs may be Canvas's numbers, but such a match does not count if the names differ."""
     course = canvas_course(sis=False)
     same, other = Person("9001", "Anna", "Schmidt"), Person("9002", "Zoe", "Zahn")
     nameless = Person("9003")
@@ -234,7 +234,7 @@ def test_a_namesake_with_another_number_gets_no_mark(fill):
         "anna (Anna Schmidt), 8.5 points: Schmidt, Anna has the number 7777 instead of 9001.",
     )
     assert not any("by name" in note for note in exported.notes)
-    # If both are in the file, Anna gets her mark.
+    # If the file contains both rows, Anna's row gets the mark.
     course.students.append(CanvasStudent(9001, "Schmidt, Anna", "sis1", "anna"))
     exported = fill(course, marks())
     course.import_(exported.content)
@@ -368,7 +368,7 @@ def moodle_course(**settings):
 def test_moodle_gets_each_mark_and_no_other_mark_changes(fill, settings):
     course = moodle_course(**settings)
     exported = fill(course, marks())
-    # Noah is graded again in the meantime, and the upload may change records changed since then.
+    # Noah is graded again after the download. The upload may overwrite such newer records.
     course.grades[315], course.graded_at[315], course.comments[315] = 60.0, 90, "graded again"
     course.import_(exported.content, ignore_modified=True)
     assert course.grades == {311: 8.5, 312: 31.25, 313: 100.0, 314: 0.0, 315: 60.0}
@@ -387,9 +387,7 @@ def test_a_worksheet_keeps_its_format(fill):
         '\nTeilnehmer/in311,Anna Schmidt,as@x.edu,anna,Submitted for grading,"8,5","100,00",Ja,'
         in text
     )
-    assert (
-        "=cmd|' /C calc'!A0" in text
-    )  # Moodle compares the names with its own, so they stay unescaped
+    assert "=cmd|' /C calc'!A0" in text  # not escaped, because Moodle compares names with its own
 
 
 def test_marks_that_moodle_would_skip_are_named(fill):
@@ -424,7 +422,7 @@ def test_a_blind_worksheet_is_matched_by_number_only(fill):
 
 
 def test_a_participant_number_is_not_taken_for_an_lms_id(fill):
-    """A participant's number differs in each assignment, so an lms_id may match it by chance."""
+    """Participant numbers differ between assignments, so an lms_id may match one by chance."""
     other = Person("x", "Xaver", "Unbekannt", lms_id="311")
     exported = fill(moodle_course(), marks({"x": 50.0}, (other,), excused=()))
     assert exported.placed == 0
@@ -441,7 +439,7 @@ def test_the_maximum_grade_of_moodle_is_kept(fill):
 
 
 def test_an_ambiguous_grade_column_must_be_named(fill):
-    """Without submissions, the status is blank and equal grades look like a column of maxima."""
+    """If no status is set and all grades are equal, the grades look like a column of maxima."""
     course = moodle_course()
     course.grades = dict.fromkeys(range(311, 317), 10.0)
     for student in course.students:

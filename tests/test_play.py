@@ -1,4 +1,4 @@
-"""The player shows every scenario, with a simulated screen and without one."""
+"""The player shows every scenario, with and without a simulated screen."""
 
 import importlib.util
 import subprocess
@@ -29,7 +29,7 @@ def without_screen(monkeypatch, tmp_path):
 
 @pytest.fixture
 def notebook(monkeypatch):
-    """Return the namespace that replaces functions loaded from a notebook; tests fill it."""
+    """Return an empty namespace in place of a notebook's functions; tests fill it."""
     functions = SimpleNamespace()
     module = ModuleType("utils.notebooks.my_functions")
     module.load_my_functions = lambda path: functions
@@ -82,7 +82,7 @@ def test_without_a_screen_the_film_is_saved_under_the_scenarios_name(tmp_path, c
 
 
 def test_without_ffmpeg_the_film_is_a_gif(monkeypatch, tmp_path, capsys):
-    # All other packages are found, because the search for PyVista is done once and cached.
+    # Other packages can be found, because the result of the search for PyVista is cached.
     find_spec = importlib.util.find_spec
     hidden = {"imageio_ffmpeg"}
     monkeypatch.setattr(
@@ -186,7 +186,7 @@ def test_layers_are_switched_from_the_command_line(monkeypatch):
 
 
 class FakeWindow:
-    """A stand-in for a window that the user closes after the second frame."""
+    """A stand-in for a window, which is closed after the second frame."""
 
     opened = []
 

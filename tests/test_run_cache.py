@@ -1,4 +1,4 @@
-"""During a run, assertions and answers that many checks share are computed only once."""
+"""Within a run, assertions and answers that several checks share are computed only once."""
 
 import numpy as np
 import pytest
@@ -58,7 +58,7 @@ def test_the_next_run_starts_with_an_empty_cache():
 
 
 def test_other_exceptions_are_not_cached():
-    """A process that was stopped may answer the next time."""
+    """Only check failures are cached, because a process that was stopped may answer next time."""
     assertion, calls = counted([OSError("stopped"), None])
     with one_run():
         with pytest.raises(OSError):

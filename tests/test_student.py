@@ -1,4 +1,4 @@
-"""Calls into the sandbox reach a student's objects, locate exceptions, and can be interrupted."""
+"""Calls into the sandbox: a student's objects, the places of exceptions, and interrupts."""
 
 import numpy as np
 import pytest
@@ -223,7 +223,7 @@ def answer(number):
 
 
 def test_an_exception_is_placed_at_the_call_in_the_exercise(sandbox):
-    """The call may be in a helper that only this exercise uses."""
+    """An exception in another exercise's function is reported at the call in this exercise."""
     program = Program((FINISHED, CALLS_IT), ("finished", "answer"))
     with StudentProxy(program, sandbox, Limits(call_seconds=5)) as student:
         student.exercise = "answer"
@@ -236,7 +236,7 @@ def test_an_exception_is_placed_at_the_call_in_the_exercise(sandbox):
             "answer raised TypeError (code cell 2, line 3: `return finished(number)`, which calls "
             "code cell 1, line 3: `a, b = line`)."
         )
-        # A hidden test shows only the place of the call, and no code.
+        # The message about a hidden test contains only the place of the call, not the code.
         assert error.safe_sentence == "answer raised TypeError (code cell 2, line 3)."
         student.exercise = "finished"
         with pytest.raises(StudentError) as caught:

@@ -1,4 +1,4 @@
-"""The submission time of a student with one or two folders is known or undecided."""
+"""The submission time of a student with one or two folders, or why it is unknown."""
 
 import os
 from datetime import UTC, datetime
@@ -14,7 +14,7 @@ OCTOBER = datetime(2026, 10, 1, 10, tzinfo=UTC)
 
 @pytest.fixture
 def folders(tmp_path):
-    """Return two folders of one student, whose ID has two spellings; each folder has a notebook."""
+    """Return two folders of a student whose ID is spelt in two ways, each with a notebook."""
     for name in ("ada", "Ada"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "06.ipynb").write_text("{}")

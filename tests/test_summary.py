@@ -44,7 +44,7 @@ def declared(title, exercise="double", weight=1, **more):
 
 
 def shown_by(function, capsys, **options):
-    """Return what a failing `check` prints."""
+    """Return the output of a `check` that fails."""
     with pytest.raises(ChecksFailed):
         check(function, "double", **options)
     return capsys.readouterr().out
@@ -171,7 +171,7 @@ def test_a_mistake_needs_two_cases_and_no_competing_mistake(exercise):
 
 
 def test_a_mistake_does_not_explain_an_exception(exercise, capsys):
-    """The mistake explains the answers to all cases, but not the exception for an empty array."""
+    """The mistake explains all wrong answers, but not an exception for an empty array."""
     mistakes(
         "double",
         Mistake("It is squared.", lambda right, x: x**2),
@@ -225,12 +225,12 @@ def test_a_mistake_is_shown_where_the_hint_was(exercise, capsys):
 
 
 def test_every_known_mistake_predicts_its_own_answers(lesson):
-    """Each mistake predicts answers that differ from the solution's and from other mistakes'."""
+    """Each mistake predicts answers that neither the solution nor another mistake gives."""
     for one in lesson.machine_graded:
         core.checks_of(one.name)  # importing the checks declares the mistakes
         known = diagnosis._KNOWN.get(one.name)
         if known is None or known.call is not diagnosis._plain_call:
-            continue  # mistakes with their own calls are tested only by kept answers
+            continue  # only kept answers test mistakes that define their own calls
         for mistake in known.mistakes:
 
             def function(*case, mistake=mistake, known=known):
@@ -294,7 +294,7 @@ def test_a_loop_in_a_check_is_stopped(exercise, capsys, monkeypatch, function):
     declared("three")(lambda double: None)
 
     def brief_deaf():
-        """Suppress the first two interrupts, but not the third."""
+        """Catch the first two interrupts, but not the third."""
         for _ in range(2):
             with contextlib.suppress(BaseException):
                 endless(0)
@@ -309,7 +309,7 @@ def test_a_loop_in_a_check_is_stopped(exercise, capsys, monkeypatch, function):
 
 @pytest.mark.parametrize("handler", [signal.SIG_IGN, signal.SIG_DFL])
 def test_the_time_limit_works_without_interrupts(handler):
-    """A process that a script starts in the background ignores interrupts."""
+    """The limit also works in background processes of scripts, which ignore interrupts."""
 
     def busy():
         end = time.monotonic() + 600
@@ -519,7 +519,7 @@ def test_a_precondition_is_shown_if_no_other_check_fails():
     story = resolve(outcomes)
     assert "This check waits" not in story.first.failure.message
     assert story.first.failure.is_about_the_check and not story.waiting
-    # Of a hidden test, the judge shows only the precondition.
+    # The judge shows only the precondition of a hidden test.
     hidden = Check("test_all", "drop_invalid", "All", "")
     shared = shareable(Outcome(hidden, NotYet("it works", CheckFailed("7"))), open_to_all=False)
     assert shared.failure.reason is None

@@ -13,7 +13,7 @@ OWN_STAGE = "stage5_own"
 
 
 class UnusableName(ValueError):
-    """A new lesson cannot have this name; `str()` says why, and what to do."""
+    """A new lesson cannot have this name; `str()` says why and what to do."""
 
 
 def write_skeleton(name: str, stage: str = OWN_STAGE) -> list[Path]:
@@ -22,14 +22,14 @@ def write_skeleton(name: str, stage: str = OWN_STAGE) -> list[Path]:
     Parameters
     ----------
     name : str
-        Number and name, such as "14_free_distance". The exercise also gets this name.
+        Number and name, such as "14_free_distance". The exercise is named "free_distance".
     stage : str
         Folder of the lesson in solutions/.
 
     Returns
     -------
     list of pathlib.Path
-        The files that were written.
+        Paths of the new files.
 
     Raises
     ------

@@ -34,7 +34,8 @@ class Finding:
     ----------
     good : bool
     sentence : str
-        What was found and, if it is not good, what to do. Lines after the first quote messages.
+        What was found and, if it is not good, how to fix it. Lines after the first quote
+        messages.
     """
 
     good: bool
@@ -42,9 +43,9 @@ class Finding:
 
 
 def try_lesson(lesson: Lesson, sandbox: Sandbox) -> Iterator[Finding]:
-    """Yield findings on what is right, wrong or missing in a lesson that has been built.
+    """Yield findings about a lesson that has been built: what is right, wrong or missing.
 
-    The trial stops after a finding that would cause most others.
+    If a finding would cause most of the later ones, it is the last.
 
     Parameters
     ----------
@@ -92,7 +93,7 @@ def _judged_solution(lesson: Lesson, sandbox: Sandbox) -> Finding:
 
 
 def _notebooks(lesson: Lesson) -> Iterator[Finding]:
-    """Run the solved and the untouched notebook, and update the stored answers."""
+    """Run the solved and the released notebook, and update the stored answers."""
     try:
         recorded = recorded_answers.record(lesson)
     except recorded_answers.UnstorableAnswers as reason:
@@ -147,7 +148,7 @@ def _missing_from_exercise(exercise: Exercise, lesson: Lesson) -> Iterator[Findi
 
 
 def _count_checks(exercise: str) -> int:
-    """Return the number of visible checks; raise an error if their file cannot be imported."""
+    """Count the visible checks; raise `_LessonUnusable` if their file cannot be imported."""
     try:
         return len(checks_of(exercise))
     except LookupError:
@@ -207,7 +208,7 @@ def wrong_notes(answer: KeptAnswer, verdict: Verdict) -> list[str]:
     Returns
     -------
     list of str
-        A sentence for each note that is not true.
+        One sentence for each note that disagrees with the verdict.
     """
     (result,) = (exercise for exercise in verdict.exercises if exercise.name == answer.exercise)
     failed = {test.name: test.message for test in result.tests if not test.passed}
@@ -236,16 +237,15 @@ def _wrong_quotes(answer: KeptAnswer, result: ExerciseResult, verdict: Verdict) 
     messages = "\n".join([*(test.message for test in result.tests), *verdict.problems])
     if answer.says not in messages:
         yield f"No message says {answer.says!r}. The messages are: {_quoted(result)}"
-    shown = [
-        mistake.says for mistake in known_mistakes(answer.exercise) if mistake.says in result.cause
-    ]
+    known = dict.fromkeys(mistake.says for mistake in known_mistakes(answer.exercise))
+    shown = [sentence for sentence in known if sentence in result.cause]
     if len(shown) != bool(answer.told) or answer.told not in "".join(shown):
         wanted = f"the mistake {answer.told!r}" if answer.told else "no mistake"
         yield f"The student should see {wanted}, but sees {shown or 'none'}."
 
 
 def _with_short_names(tests: Iterable[str]) -> set[str]:
-    """Return the names of tests, and for parametrized tests also the name without the ID."""
+    """Return the names of tests. For parametrized tests, add the name without the case's ID."""
     return {form for name in tests for form in (name, name.partition("[")[0])}
 
 
@@ -259,9 +259,9 @@ def _quoted(result: ExerciseResult) -> str:
 
 
 def _failures(verdict: Verdict) -> str:
-    """Return the problems in a verdict, or the first failure of each exercise, on separate lines.
+    """Quote the problems in a verdict, or the first failure of each exercise, one per line.
 
-    Only the first failed check of an exercise is quoted, because it often causes the others.
+    Only the first failed check of an exercise is quoted, because the others often follow from it.
     """
     lines = [*verdict.problems]
     for exercise in verdict.exercises:

@@ -1,1 +1,1 @@
-"""The parts of the course, and the build of its notebooks."""
+"""The lessons, students and settings of the course, and the build of its notebooks."""

@@ -5,18 +5,18 @@ import stat
 import zipfile
 from collections.abc import Collection, Mapping
 
-EARLIEST = (1980, 1, 1, 0, 0, 0)  # the earliest time that a zip can store
+EARLIEST = (1980, 1, 1, 0, 0, 0)  # the earliest date that a zip file can store
 
 
 def make_zip(files: Mapping[str, bytes], programs: Collection[str] = ()) -> bytes:
-    """Return the bytes of a zip file.
+    """Return the bytes of a zip file with the given files.
 
     Parameters
     ----------
     files : mapping of str to bytes
-        Content by name, with ``/`` between folders.
+        Content by path in the zip file, with ``/`` as the separator.
     programs : collection of str
-        Names of the files that can be executed.
+        Paths of the files to make executable.
 
     Returns
     -------
@@ -27,7 +27,7 @@ def make_zip(files: Mapping[str, bytes], programs: Collection[str] = ()) -> byte
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
         for name in sorted(files):
             entry = zipfile.ZipInfo(name, EARLIEST)
-            entry.create_system = 3  # Unix, so that the modes are used
+            entry.create_system = 3  # Unix; otherwise unzip ignores the modes
             entry.external_attr = (stat.S_IFREG | (0o755 if name in programs else 0o644)) << 16
             entry.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(entry, files[name])

@@ -1,10 +1,10 @@
-"""Write files atomically: readers find a complete file or none, even after a power cut."""
+"""Write files atomically: no reader sees half a file, even after a power cut."""
 
 import os
 import tempfile
 from pathlib import Path
 
-# Read once, because reading the mask changes it for a moment, for all threads.
+# Read once, because reading the umask means setting it, which briefly affects all threads.
 _UMASK = os.umask(0o022)
 os.umask(_UMASK)
 
@@ -20,9 +20,9 @@ def write_atomically(content: str | bytes, path: Path) -> None:
         with open(descriptor, "wb") as file:
             file.write(content if isinstance(content, bytes) else content.encode(errors="replace"))
             file.flush()
-            os.fsync(file.fileno())  # otherwise a power cut may leave the new name without content
+            os.fsync(file.fileno())  # otherwise a power cut may leave an empty file
         os.chmod(draft, 0o666 & ~_UMASK)
         os.replace(draft, path)
-    except BaseException:  # such as a full disk or Ctrl-C
+    except BaseException:  # also after Ctrl-C
         os.unlink(draft)
         raise

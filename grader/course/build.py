@@ -26,28 +26,28 @@ from grader.course.settings import course_settings
 if TYPE_CHECKING:
     from nbformat import NotebookNode
 
-# Cells that are the same in every lesson. A tag marks their place. Some files have two versions,
-# separated by a line `---`: the first version is for a course with a public address.
+# Files of the cells that every lesson contains, by the tag that marks their place. A file may have
+# two versions, separated by a line `---`. The first is for a course with a public address.
 COMMON_CELLS = {"setup": "setup_cell.py", "badge": "badge_cell.md", "footer": "footer_cell.md"}
 KERNEL = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
 FORBIDDEN = PROJECT / "utils" / "checks" / "forbidden.json"
 CELL_KEYS = PROJECT / "utils" / "lent" / "cells.json"
-# Shorter lines do not reveal a solution, and neither do lines that match `HARMLESS`.
+# Characters. Shorter lines do not reveal a solution, and neither do lines that match `HARMLESS`.
 LEAK_LENGTH = 12
-# Metadata that fold code in JupyterLab, Colab and Kaggle.
+# Cell metadata that folds the code in JupyterLab, Colab and Kaggle.
 HIDDEN = {"jupyter": {"source_hidden": True}, "cellView": "form", "_kg_hide-input": True}
-# The address and the revision become part of links and of a command, so unusual characters are
-# refused.
+# Unusual characters are refused, because the address and the revision are inserted into links and
+# a shell command.
 ADDRESS = re.compile(r"https?://[\w.:-]+/([\w.-]+/[\w.-]+?)")
 REVISION = re.compile(r"\w[\w./-]*")
-# An exercise whose points a lesson mentions, such as `` `insert` (points)``.
+# Placeholder for the points of an exercise, such as `` `insert` (points)``.
 POINTS_MARK = re.compile(r"`(?P<exercise>\w+)` \(points\)")
 NEXT_LINE = re.compile(r"\*\*Next:\*\* (?P<title>(?P<number>\d\d) · [^\n]*)")
 HARMLESS = re.compile(r"(return|continue|break|pass|else:|try:|if|import|from)\b[\w ,.]*$")
 
 
 class RegistryFault(Exception):
-    """A lesson is ignored, or two lessons collide. The message has a sentence for each fault."""
+    """Some lessons are ignored or conflict. The message contains one sentence for each fault."""
 
 
 def build() -> list[tuple[str, Path]]:
@@ -56,7 +56,7 @@ def build() -> list[tuple[str, Path]]:
     Returns
     -------
     list of (str, pathlib.Path)
-        The changes: "wrote" or "removed", and the file.
+        Each change, "wrote" or "removed", and the file.
 
     Raises
     ------
@@ -111,7 +111,7 @@ def check() -> list[str]:
 
 
 def build_all(origin: Origin | None = None) -> dict[Path, bytes]:
-    """Return the bytes of every generated file by path. `origin` defaults to `read_origin()`."""
+    """Return the content of each generated file by path. `origin` defaults to `read_origin()`."""
     origin = origin or read_origin()
     solved = {lesson.solved: to_bytes(solved_notebook(lesson, origin)) for lesson in every_lesson()}
     released = _released_notebooks(solved)
@@ -119,13 +119,13 @@ def build_all(origin: Origin | None = None) -> dict[Path, bytes]:
 
 
 def _forbidden_modules() -> bytes:
-    """Return the forbidden modules of each graded lesson, because `check` cannot read headers."""
+    """Return, as JSON, the forbidden modules of each lesson. Students do not have the headers."""
     rules = {f"lesson_{lesson.number}": lesson.header.forbidden for lesson in all_lessons()}
     return (json.dumps(rules, indent=1) + "\n").encode()
 
 
 def _cell_keys(released: dict[Path, bytes]) -> bytes:
-    """Return fingerprints of the code cells that students get, by lesson."""
+    """Return, as JSON, fingerprints of the code cells in each student notebook."""
     from utils.lent.rerun import key_of_cell
 
     keys = {
@@ -169,7 +169,7 @@ def solved_notebook(lesson: Lesson, origin: Origin) -> NotebookNode:
 
 
 def to_bytes(notebook: NotebookNode) -> bytes:
-    """Return a notebook as the bytes of its file."""
+    """Validate a notebook and return it as the bytes of a file."""
     import nbformat
 
     nbformat.validate(notebook)
@@ -184,8 +184,8 @@ def leaks(solved: bytes, released: bytes, others: Collection[bytes] = ()) -> lis
     solved, released : bytes
         The two notebooks.
     others : collection of bytes
-        The students' notebooks of the other lessons. Code that an earlier lesson gives to
-        students is not secret.
+        The student notebooks of the other lessons. Code that students get in another lesson is
+        not secret.
     """
     shown = lines_of(released)
     return sorted(
@@ -194,7 +194,7 @@ def leaks(solved: bytes, released: bytes, others: Collection[bytes] = ()) -> lis
 
 
 def secret_lines(solved: bytes, others: Collection[bytes] = ()) -> set[str]:
-    """Return the lines of a solution that would reveal it; see `leaks` for the parameters."""
+    """Return the lines that would reveal a solution; see `leaks` for the parameters."""
     secret = set()
     for cell in json.loads(solved)["cells"]:
         from_earlier = earlier_lessons.TAG in cell["metadata"].get("tags", ())
@@ -229,7 +229,7 @@ class Origin:
     Raises
     ------
     ValueError
-        If one of them has an invalid form.
+        If the address or the revision has an invalid form.
     """
 
     repository: str
@@ -249,7 +249,7 @@ class Origin:
 
     @property
     def owner_and_name(self) -> str:
-        """``OWNER/NAME``."""
+        """The end of the address, ``OWNER/NAME``."""
         return ADDRESS.fullmatch(self.repository)[1]
 
 
@@ -323,7 +323,7 @@ def common_cell(tag: str, lesson: Lesson, origin: Origin) -> str:
 
 
 def _next_lesson_link(lesson: Lesson, found: re.Match) -> str:
-    """Return the line that names the next lesson, with a link to it."""
+    """Return the line that names the next lesson, with a link if that lesson exists."""
     lessons = {lesson.number: lesson for lesson in every_lesson()}
     following = lessons.get(found["number"])
     if following is None:
@@ -333,7 +333,7 @@ def _next_lesson_link(lesson: Lesson, found: re.Match) -> str:
 
 
 def _insert_points(notebook: NotebookNode) -> None:
-    """Replace each mark by the points of its exercise, which are in nbgrader's metadata."""
+    """Replace each `POINTS_MARK` with the points in the exercise's nbgrader metadata."""
     grading = [cell.metadata.get("nbgrader", {}) for cell in notebook.cells]
     points = {
         cell["grade_id"].removeprefix("test_"): f"{cell['points']:g}"
@@ -375,10 +375,10 @@ def _allow_errors_after_answers(notebook: NotebookNode) -> None:
 
 
 def _attach_pictures(cell: NotebookNode, folder: Path) -> None:
-    """Embed pictures in the notebook, so that it does not need any other file."""
+    """Embed the pictures that a cell shows, so that the notebook needs no other file."""
     for name in dict.fromkeys(re.findall(r"\]\(([\w.-]+\.png)\)", cell.source)):
         if not (folder / name).exists():
-            continue  # the picture of a new lesson can be drawn only after the first build
+            continue  # the preview of a new lesson can be drawn only after the first build
         data = base64.b64encode((folder / name).read_bytes()).decode()
         cell.setdefault("attachments", {})[name] = {"image/png": data}
         cell.source = cell.source.replace(f"({name})", f"(attachment:{name})")

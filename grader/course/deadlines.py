@@ -5,7 +5,7 @@
     timezone = "Europe/Berlin"              # default: the time zone of this machine
     [stage1_ransac]
     due = 2026-10-12T23:59:00
-    [stage1_ransac.sections]                # as the roster names them
+    [stage1_ransac.sections]                # sections as written in the roster
     B = 2026-10-13T23:59:00
     [stage1_ransac.students]                # also for students without a submission
     anna = 2026-10-19T23:59:00
@@ -30,15 +30,15 @@ EXCUSED = "excused"
 
 
 class DeadlinesError(Exception):
-    """The dates cannot be read; `str()` says where the error is and how to fix it."""
+    """``deadlines.toml`` is invalid; `str()` says where the error is and how to fix it."""
 
 
 @dataclass(frozen=True)
 class StageDates:
     """The due dates of one stage.
 
-    All dates are in UTC, because Python ignores clock changes when it subtracts two times in the
-    same zone.
+    All dates are in UTC, because Python ignores daylight saving when it subtracts two times in
+    the same zone.
 
     Attributes
     ----------
@@ -58,13 +58,13 @@ class StageDates:
 
 @dataclass(frozen=True)
 class Deadlines:
-    """The due dates of all stages, with those of sections and students.
+    """The due dates of all stages, including the dates of sections and of single students.
 
     Attributes
     ----------
     stages : dict of str to StageDates
     roster : grader.course.roster.Roster or None
-        The roster, which contains the section of each student.
+        Contains the section of each student.
     zone : tzinfo or None
         Zone of times that do not state one; None for the zone of this machine.
     """
@@ -74,7 +74,7 @@ class Deadlines:
     zone: tzinfo | None = None
 
     def due(self, person: Person | str, stage: str) -> datetime | None:
-        """Return when a stage is due for a student, in UTC, or None if there is no date."""
+        """Return the due date of a stage for a student, in UTC, or None if there is none."""
         dates = self.stages.get(stage, StageDates())
         id = person if isinstance(person, str) else person.id
         return dates.students.get(id, self._due_without_extension(id, dates))
@@ -88,7 +88,7 @@ class Deadlines:
         return id in self.stages.get(stage, StageDates()).excused
 
     def extensions(self, stage: str) -> dict[str, datetime]:
-        """Return the later due dates of students with an extension, by student."""
+        """Return the due dates of students who have an extension, by student ID."""
         dates = self.stages.get(stage, StageDates())
         return {
             id: due
@@ -107,7 +107,7 @@ def deadlines_path(course: Course) -> Path:
 
 
 def read_deadlines(course: Course) -> Deadlines | None:
-    """Read the dates of a course.
+    """Read the due dates of a course.
 
     Returns
     -------
@@ -117,6 +117,7 @@ def read_deadlines(course: Course) -> Deadlines | None:
     Raises
     ------
     DeadlinesError
+        If the file is invalid.
     grader.course.roster.RosterError
         If the roster cannot be read.
     """
@@ -124,7 +125,7 @@ def read_deadlines(course: Course) -> Deadlines | None:
     if not path.is_file():
         return None
     try:
-        # Normalized like the names on the roster, because Unicode has two forms of letters like ö.
+        # Unicode has two forms of letters such as ö. The roster is normalized in the same way.
         table = tomllib.loads(unicodedata.normalize("NFC", path.read_text("utf-8-sig")))
     except UnicodeDecodeError as error:
         raise DeadlinesError(f"{path.name} is not in UTF-8. Save it as UTF-8.") from error
@@ -157,7 +158,7 @@ def _zone(file: str, name: object) -> tzinfo | None:
 
 
 def _dates(location: str, table: object, zone: tzinfo | None) -> StageDates:
-    """Return the dates of a stage. `location` is the beginning of its heading."""
+    """Return the dates of a stage. Error messages begin with `location`, such as "FILE, [STAGE"."""
     if not isinstance(table, dict):
         raise DeadlinesError(
             f"{location}]: make this a heading, and write due = {_EXAMPLE} below it."
@@ -197,7 +198,7 @@ _EXAMPLE = "2026-10-12T23:59:00"
 
 
 def _date(location: str, value: object, zone: tzinfo | None, or_excused: bool = False) -> datetime:
-    """Return a date from the file, in UTC."""
+    """Convert a date from the file to UTC."""
     if not isinstance(value, datetime):
         other = f', or "{EXCUSED}"' if or_excused else ""
         raise DeadlinesError(
@@ -221,7 +222,7 @@ def _check_keys(location: str, table: dict, known: Iterable[str], what: str) -> 
 
 
 def _check_names(location: str, dates: StageDates, roster: Roster | None) -> None:
-    """Raise `DeadlinesError` for names that are not on the roster, whose dates have no effect."""
+    """Raise `DeadlinesError` if a name is not on the roster, because its date has no effect."""
     if dates.sections and roster is None:
         raise DeadlinesError(
             f"{location}.sections]: the sections are not known, because there is no roster.csv. "

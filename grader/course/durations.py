@@ -1,10 +1,10 @@
 """Estimate how long each section of a lesson takes, from its words, code and exercises.
 
-The rates were fitted to the times of readers who worked through all twelve lessons: they read
+The rates were fitted to the times of readers who worked through all twelve lessons. They read
 slowly, late at night, looked at each picture and wrote every answer. The mean error is eight
 minutes per lesson. For lesson 07, which needs little thought, the estimate is 15 minutes too long.
-For lesson 10, which needs a lot of thought, it is 26 minutes too short. Optional sections are not
-counted.
+For lesson 10, which needs a lot of thought, it is 26 minutes too short. A lesson's total excludes
+optional sections.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 
 TIME_MARK = "(time)"
 WORDS_A_MINUTE = 100
-LINES_A_MINUTE = 8  # of code that students read
-MINUTES_AN_EXERCISE, MINUTES_A_LINE = 3, 1.8  # for code that students write
-MINUTES_A_NOTEBOOK = 0.5  # to find the functions of an earlier notebook and paste them
-MINUTES_A_REPORT = 15  # to write an answer that a person grades
+LINES_A_MINUTE = 8  # lines of code that students read
+MINUTES_AN_EXERCISE, MINUTES_A_LINE = 3, 1.8  # code that students write
+MINUTES_A_NOTEBOOK = 0.5  # finding the functions of an earlier notebook and pasting them
+MINUTES_A_REPORT = 15  # writing an answer that a person grades
 MOST_MINUTES_WITHOUT_STOP = 90
-# Text that is not counted: folded hints, descriptions of pictures, and addresses of links.
+# Text that does not count as read: folded hints, pictures, and addresses of links.
 UNREAD = re.compile(r"<details>.*?</details>|!\[[^\]]*\]\([^)]*\)|(?<=\])\([^)]*\)", re.S)
 STOP_MARK = "**A good place to stop.**"
 OPTIONAL = "If you want more"
@@ -33,7 +33,7 @@ _STATED = re.compile(_IN_WORDS.format(r"(\d+)"))
 
 
 def section_minutes(notebook: NotebookNode) -> dict[str, float]:
-    """Return the minutes of each section of a solved notebook, by the section's title.
+    """Estimate the minutes for each section of a solved notebook, by the section's title.
 
     Returns
     -------
@@ -43,7 +43,7 @@ def section_minutes(notebook: NotebookNode) -> dict[str, float]:
     minutes, title = {}, "Before you start"
     for cell in notebook.cells:
         if cell.metadata.get("nbgrader", {}).get("grade") and cell.cell_type == "markdown":
-            # The cell contains the model answer, which students do not get.
+            # The words are not counted, because they are the model answer.
             minutes[title] = minutes.get(title, 0) + MINUTES_A_REPORT
         elif cell.cell_type == "markdown":
             text = UNREAD.sub("", cell.source)
@@ -69,7 +69,7 @@ def _minutes_of_code(cell: NotebookNode) -> float:
 
 
 def insert_durations(notebook: NotebookNode) -> None:
-    """Insert the minutes of a lesson at their mark, with a folded table of its sections.
+    """Replace `TIME_MARK` with the minutes of a lesson, and add a folded table by section.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def insert_durations(notebook: NotebookNode) -> None:
 
 
 def stated_minutes(notebook: NotebookNode) -> int:
-    """Return the minutes that a built notebook states."""
+    """Return the duration in minutes that a built notebook states."""
     text = "".join(cell.source for cell in notebook.cells if cell.cell_type == "markdown")
     return int(_STATED.search(text)[1])
 
@@ -99,7 +99,7 @@ def _table(notebook: NotebookNode) -> str:
 
 
 def total_minutes(notebook: NotebookNode) -> int:
-    """Return the minutes of a lesson without optional sections, rounded to five minutes."""
+    """Estimate the minutes for a lesson, without optional sections, to the nearest five."""
     return 5 * round(_required_minutes(section_minutes(notebook)) / 5)
 
 
@@ -108,7 +108,7 @@ def _required_minutes(minutes: dict[str, float]) -> float:
 
 
 def sitting_minutes(notebook: NotebookNode) -> list[float]:
-    """Return the minutes between the places in a solved notebook that are good to stop at."""
+    """Estimate the minutes of each sitting, from one good place to stop to the next."""
     from nbformat.v4 import new_notebook
 
     parts: list[list] = [[]]

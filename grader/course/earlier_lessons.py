@@ -1,15 +1,15 @@
 """Functions that a lesson uses from earlier lessons, copied from their sources during the build.
 
-Students paste functions that they wrote before into a cell tagged `earlier`. In the source of the
-lesson, the cell names these functions between the marks of a solution:
+Students paste the functions that they wrote in earlier lessons into a cell tagged `earlier`. In the
+source of the lesson, this cell only names the functions, between nbgrader's solution marks:
 
     ### BEGIN SOLUTION
     # from 06_filter_ground: filter_ground, voxel_grid
     ### END SOLUTION
 
-In the instructor's notebook, the functions replace these references, together with the code that
-they need from their lesson. The student's notebook contains neither. In this way, each algorithm
-is written only once.
+In the instructor's notebook, the build inserts the code of the functions, and other code of their
+lesson that they need. The student's notebook contains neither the reference nor the code. Each
+algorithm is therefore written only once.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ SOLUTION_REGION = re.compile(r"\n?### BEGIN SOLUTION\n.*?### END SOLUTION", re.S
 
 
 def with_functions(text: str) -> str:
-    """Replace references to functions of earlier lessons by the code of these functions.
+    """Insert the code of functions from earlier lessons at the references to them.
 
     Parameters
     ----------
     text : str
-        Text of a cell or of a whole source.
+        Source of a cell or of a whole lesson.
 
     Raises
     ------
@@ -46,7 +46,7 @@ def with_functions(text: str) -> str:
     imports = [part for code in parts.values() for part in code if pasting.is_import(part)]
     copied: set[str] = set()
     for line, code in parts.items():
-        # Code that two lessons share is copied once.
+        # Code that two earlier lessons share is inserted only once.
         definitions = [part for part in code if not pasting.is_import(part) and part not in copied]
         copied.update(definitions)
         header = "\n".join(dict.fromkeys(imports)) + "\n\n\n" if imports else ""
@@ -56,14 +56,14 @@ def with_functions(text: str) -> str:
 
 
 def without_solution(text: str) -> str:
-    """Return the cell in the form that students get."""
+    """Return the text of a cell without its solution, as students get it."""
     return SOLUTION_REGION.sub("", text)
 
 
 def statements_of(lesson: str, names: list[str]) -> list[str]:
     """Return the source of some functions of a lesson and of the code that they need.
 
-    The marks of solutions are left out.
+    The source does not contain the solution marks.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def statements_of(lesson: str, names: list[str]) -> list[str]:
     Returns
     -------
     list of str
-        One text for each statement, in the order of the lesson.
+        Source of each statement, in the order of the lesson.
     """
     path = next((PROJECT / "solutions").glob(f"*/{lesson}/lesson.py"), None)
     if path is None:
@@ -87,7 +87,7 @@ def statements_of(lesson: str, names: list[str]) -> list[str]:
 
 @functools.lru_cache(maxsize=256)
 def _texts_of(names: tuple[str, ...], source: str, lesson: str) -> tuple[str, ...]:
-    """Do the cached part of `statements_of`, because several lessons need the same functions."""
+    """Return the statements; cached, because several lessons need the same functions."""
     return tuple(_without_marks(text) for text in pasting.texts_of(names, [source], lesson))
 
 

@@ -1,6 +1,6 @@
 """The header of a lesson's source, which contains the settings of the lesson.
 
-It is YAML in comments, in which jupytext stores the metadata of a notebook:
+The header is YAML in comments, where jupytext stores the metadata of a notebook:
 
     # ---
     # jupyter:
@@ -28,8 +28,8 @@ class LessonHeader:
     forbidden : tuple of str
         Modules that students may not use, because they would solve the exercise.
     given : tuple of str
-        Functions and classes that the lesson defines and that answers rely on. The judge takes
-        them from the lesson, even if a notebook changes them.
+        Functions and classes that the lesson defines and that answers use. The judge uses the
+        lesson's version, even if a notebook changes it.
     lent : tuple of str
         Functions of the lesson that call an exercise very often. Their results are stored instead
         of the exercise's answers; see `utils.lent`.

@@ -1,19 +1,20 @@
 """Kept answers: right answers in many styles, and wrong answers with real mistakes.
 
-They are in ``answers/<exercise>.txt`` in the folder of their lesson. Each begins with a line such
-as ``# %% right: a loop in plain Python`` or ``# %% wrong: labels from 0``. A right answer that
-does exactly what the lesson's hints say is called ``the hints followed to the letter``.
+Each lesson has a file ``answers/<exercise>.txt`` for each exercise. An answer begins with a line
+such as ``# %% right: a loop in plain Python`` or ``# %% wrong: labels from 0``. A right answer
+that does exactly what the lesson's hints say is named ``the hints followed to the letter``.
 
 Notes follow the title of a wrong answer:
 
-- ``# loses:`` names checks that it fails. With ``# loses only:`` it fails no others.
-- ``# says:`` quotes the message of one of these checks.
-- ``# told:`` quotes the mistake that the student sees. Without this note, no mistake may be shown.
+- ``# loses:`` names checks that the answer fails. ``# loses only:`` names all of them.
+- ``# says:`` quotes the message of a failed check.
+- ``# told:`` quotes the mistake that the student sees. Without this note, the student must not see
+  any mistake.
 
-A long answer may be an edit of another answer in the same file. The note ``# like:`` gives the
-title of that answer, and the changes follow. Lines that begin with ``-`` are replaced by the lines
-with ``+`` below them. Lines with ``=`` stay unchanged, and mark the place of the edit. The other
-answer must contain these lines exactly once.
+A long answer may be an edit of another answer in the same file. The note ``# like:`` contains the
+title of that answer, and the changes follow. Lines that begin with ``-`` are replaced with the
+lines with ``+`` below them. Lines with ``=`` stay unchanged, and mark the place of the edit. The
+``-`` and ``=`` lines of an edit must occur exactly once in the other answer.
 
 The tests grade all kept answers, and the sample class of the demo submits them.
 """
@@ -114,9 +115,9 @@ def edited(source: str, edits: str, name: str) -> str:
     ----------
     source : str
     edits : str
-        Lines that begin with ``=``, ``-`` or ``+``; see above.
+        Lines that begin with ``=``, ``-`` or ``+``; see the module's docstring.
     name : str
-        Name of the edited answer in error messages.
+        Name of the new answer in error messages.
 
     Raises
     ------
@@ -139,7 +140,7 @@ def edited(source: str, edits: str, name: str) -> str:
 
 
 def _hunks(edits: str) -> Iterator[tuple[list[str], list[str]]]:
-    """Yield the lines that each edit replaces, and the new lines."""
+    """Yield the old and the new lines of each edit."""
     before, after, is_complete = [], [], False
     for line in [*edits.split("\n"), ""]:
         mark, text = line[:1], line[2:]
@@ -158,7 +159,7 @@ def fill_in(lesson: Lesson, answers: dict[str, str]) -> str:
     ----------
     lesson : grader.course.lessons.Lesson
     answers : dict of str to str
-        Source by exercise. `ANOTHER_CELL` separates cells.
+        Source by exercise. `ANOTHER_CELL` separates the cells of an answer.
 
     Returns
     -------

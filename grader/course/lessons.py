@@ -1,7 +1,7 @@
 """The registry of stages, lessons, exercises and points, read from the lessons themselves.
 
-A lesson registers itself by the name of its folder, the header of its source, and the nbgrader
-metadata of its cells. There is no other list of lessons.
+The name of a lesson's folder, the header of its source, and the nbgrader metadata of its cells
+register the lesson. There is no other list of lessons.
 """
 
 import ast
@@ -17,21 +17,21 @@ from grader.course.header import LessonHeader, read_header
 from grader.course.paths import PROJECT
 from utils.notebooks import slicing
 
-# The folder of lessons outside the stages.
+# Folder of the optional lessons in ``solutions/``.
 OPTIONAL = "optional"
 
 
 @dataclass(frozen=True)
 class Exercise:
-    """One graded function.
+    """A graded function or written answer.
 
     Attributes
     ----------
     name : str
-        Name of the function.
+        Name of the function, or of the written answer.
     points : float
     cell : str
-        nbgrader's ``grade_id`` of the cell with the points.
+        nbgrader's ``grade_id`` of the cell that carries the points.
     by_hand : bool
         Whether a person grades it.
     """
@@ -51,53 +51,53 @@ class Lesson:
 
     @property
     def number(self) -> str:
-        """The lesson's place in the course, as two digits."""
+        """The number of the lesson in the course, as two digits."""
         return self.name[:2]
 
     @property
     def folder(self) -> Path:
-        """The lesson's folder in ``solutions/``, which students must not see."""
+        """Folder of the lesson in ``solutions/``, which students must not see."""
         return PROJECT / "solutions" / self.stage / self.name
 
     @property
     def source(self) -> Path:
-        """The source of the lesson."""
+        """Path of the lesson's source."""
         return self.folder / "lesson.py"
 
     @property
     def text(self) -> str:
-        """The source, with references to functions of earlier lessons replaced by their code."""
+        """Text of the source, including the code of functions from earlier lessons."""
         return earlier_lessons.with_functions(self.source.read_text("utf-8"))
 
     @property
     def released(self) -> Path:
-        """The student's notebook."""
+        """Path of the student's notebook."""
         return PROJECT / "notebooks" / self.stage / f"{self.name}.ipynb"
 
     @property
     def solved(self) -> Path:
-        """The instructor's notebook."""
+        """Path of the instructor's notebook."""
         return self.folder.with_name(f"{self.name}.ipynb")
 
     @property
     def tests(self) -> Path:
-        """The file of the hidden tests."""
+        """Path of the hidden tests."""
         return self.folder / "hidden_tests.py"
 
     @functools.cached_property
     def header(self) -> LessonHeader:
-        """The settings in the header of the source."""
+        """Settings in the header of the source."""
         return read_header(self.source)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Functions and classes of the notebook that the judge uses."""
+        """Names of the graded functions, and of functions and classes that the lesson provides."""
         return (*(exercise.name for exercise in self.machine_graded), *self.header.given)
 
     def source_of(self, names: tuple[str, ...]) -> str:
-        """Return the source of some released functions and of the code that they need.
+        """Return the source of some functions that students get, and of the code that they need.
 
-        Exercises are left out, because their code is the student's.
+        The source does not contain exercises, which the student's notebook defines.
         """
         own = {exercise.name for exercise in self.machine_graded}
         cells = json.loads(self.released.read_text("utf-8"))["cells"]
@@ -112,7 +112,7 @@ class Lesson:
 
     @property
     def machine_graded(self) -> tuple[Exercise, ...]:
-        """The exercises that the judge grades. A person grades the others."""
+        """Exercises that the judge grades. A person grades the others."""
         return tuple(exercise for exercise in self.exercises if not exercise.by_hand)
 
     @functools.cached_property
@@ -141,7 +141,7 @@ class Lesson:
 
 @functools.cache
 def all_lessons() -> tuple[Lesson, ...]:
-    """Return all lessons in the stages, in the order of the course."""
+    """Return all lessons that belong to a stage, in the order of the course."""
     return _lessons_in("stage*")
 
 
@@ -167,7 +167,7 @@ def registry_faults() -> list[str]:
     Returns
     -------
     list of str
-        A sentence about each fault, and how to fix it.
+        What is wrong and how to fix it, for each fault.
     """
     lessons, faults = every_lesson(), []
     known = {lesson.source for lesson in lessons}
@@ -206,7 +206,7 @@ def stages() -> tuple[str, ...]:
 
 
 def find_lesson(text: str) -> Lesson | None:
-    """Return the lesson whose name is part of a text, or None.
+    """Return the lesson whose name a text contains, or None.
 
     The text may be a file name that a browser or editor has changed, such as "Copy of
     06_filter_ground (1).ipynb".
@@ -239,7 +239,7 @@ def load_reference(lesson_name: str, *others: str) -> types.SimpleNamespace:
     ----------
     lesson_name : str
     *others : str
-        Further functions of the lesson that are not graded.
+        Names of further functions of the lesson, which are not graded.
     """
     lesson = next(lesson for lesson in every_lesson() if lesson.name == lesson_name)
     statements, problems = slicing.parse_notebook([lesson.text])

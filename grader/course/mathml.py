@@ -1,7 +1,7 @@
-"""Convert Markdown to HTML with formulas as MathML, which browsers show without a network.
+"""Convert Markdown to HTML with formulas in MathML, which browsers show without a network.
 
-By default, nbconvert relies on MathJax, which a page would have to fetch. This module uses
-latex2mathml instead.
+By default, nbconvert uses MathJax, which a page has to download. This module uses latex2mathml
+instead.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _ELEMENTS = """
 math mrow mi mn mo mtext mspace mfrac msqrt mroot mstyle mpadded mphantom menclose msub msup msubsup
 munder mover munderover mmultiscripts mprescripts none mtable mtr mtd
 """
-# The value of such an attribute cannot be an address, a style or a script.
+# These attributes are safe, because their values cannot be an address, a style or a script.
 _ATTRIBUTES = """
 display accent align columnalign columnlines rowlines columnspacing rowspacing depth displaystyle
 fence form frame height largeop linethickness lspace mathvariant maxsize minsize movablelimits
@@ -29,7 +29,7 @@ notation rspace scriptlevel separator stretchy symmetric voffset width
 """
 ELEMENTS = frozenset(f"{{{NAMESPACE}}}{name}" for name in _ELEMENTS.split())
 ATTRIBUTES = frozenset(_ATTRIBUTES.split())
-# Environments that MathJax and latex2mathml know by different names.
+# latex2mathml's names of environments that MathJax knows under another name.
 ENVIRONMENT_ALIASES = {"aligned": "split", "gathered": "matrix"}
 STYLE = """math { font-size: 1.08em; } math[display="block"] { margin: .8em 0; }
 mtd[columnalign="left"] { text-align: left; } mtd[columnalign="right"] { text-align: right; }"""
@@ -37,12 +37,12 @@ mtd[columnalign="left"] { text-align: left; } mtd[columnalign="right"] { text-al
 
 
 def markdown_page(markdown: str, attachments: dict | None = None) -> str:
-    """Return the Markdown of a cell as HTML.
+    """Convert the Markdown of a cell to HTML.
 
     Parameters
     ----------
     markdown : str
-        May contain HTML, which is kept. Untrusted text must first be cleaned by
+        May contain HTML, which is kept. Untrusted text must first go through
         `grader.lms.sanitizer`.
     attachments : dict, optional
         Pictures in the cell, in the format of nbformat.
@@ -52,7 +52,7 @@ def markdown_page(markdown: str, attachments: dict | None = None) -> str:
 
 
 def formula(latex: str, display: bool) -> str:
-    """Return a formula as MathML, or as code if it cannot be converted.
+    """Convert a formula to MathML, or return it as code if it cannot be converted.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def formula(latex: str, display: bool) -> str:
             element = ElementTree.fromstring(
                 convert(translated, display="block" if display else "inline")
             )
-        except Exception:  # latex2mathml raises many types, including RecursionError
+        except Exception:  # latex2mathml raises various exceptions, even RecursionError
             element = None
         if element is not None and _is_mathematics(element):
             ElementTree.register_namespace("", NAMESPACE)
@@ -81,7 +81,7 @@ def _known_environment(environment: re.Match) -> str:
 
 
 def _is_mathematics(drawn: ElementTree.Element) -> bool:
-    """Return whether all elements and attributes are allowed, as latex2mathml may add others."""
+    """Return whether all elements and attributes are allowed; latex2mathml may create others."""
     return all(
         element.tag in ELEMENTS and ATTRIBUTES.issuperset(element.attrib)
         for element in drawn.iter()
@@ -89,7 +89,7 @@ def _is_mathematics(drawn: ElementTree.Element) -> bool:
 
 
 class Renderer(IPythonRenderer):
-    """nbconvert's renderer with formulas as MathML."""
+    """nbconvert's renderer, with formulas in MathML."""
 
     def block_math(self, body: str) -> str:
         """Convert a formula on a separate line."""
@@ -100,14 +100,14 @@ class Renderer(IPythonRenderer):
         return formula(body, display=False)
 
     def latex_environment(self, name: str, body: str) -> str:
-        """Convert an environment from ``begin`` to ``end``."""
+        r"""Convert an environment, from ``\begin`` to ``\end``."""
         return formula(rf"\begin{{{name}}}{body}\end{{{name}}}", display=True)
 
 
 class MathPage(HTMLExporter):
-    """nbconvert's HTML exporter with formulas that do not need a script."""
+    """nbconvert's HTML exporter, with formulas that do not need a script."""
 
     @jinja2.pass_context
     def markdown2html(self, context: jinja2.runtime.Context, source: str) -> str:
-        """Return the text of a cell as HTML."""
+        """Convert the Markdown of a cell to HTML."""
         return markdown_page(source, context.get("cell", {}).get("attachments"))

@@ -19,7 +19,7 @@ COURSE = "lidar_obstacle_lab"
 STUB = "raise NotImplementedError"
 # Files next to a notebook that nbgrader must not copy into the release.
 IGNORED = [".ipynb_checkpoints", "*.pyc", "__pycache__", "feedback", "*.py"]
-# nbgrader's steps from the instructor's notebook to the student's notebook, in its default order.
+# nbgrader's steps that turn the instructor's notebook into the student's, in default order.
 RELEASE_STEPS = (
     "IncludeHeaderFooter",
     "InstantiateTests",
@@ -37,7 +37,7 @@ RELEASE_STEPS = (
 
 
 def configure(c: Config, root: Path) -> Config:
-    """Fill a traitlets configuration.
+    """Set the course's defaults in a traitlets configuration.
 
     Parameters
     ----------
@@ -48,13 +48,13 @@ def configure(c: Config, root: Path) -> Config:
     Returns
     -------
     traitlets.config.Config
-        The same object.
+        The object `c`.
     """
     c.CourseDirectory.root = str(root)
     c.CourseDirectory.course_id = COURSE
     c.CourseDirectory.source_directory = "solutions"
     c.CourseDirectory.release_directory = "notebooks"
-    # The lesson's folder is next to its solved notebook.
+    # nbgrader must not release the folders of lessons, which are next to the solved notebooks.
     folders = (root / "solutions").glob("*/[0-9][0-9]_*/")
     c.CourseDirectory.ignore = [*IGNORED, *sorted(folder.name for folder in folders)]
     c.ClearSolutions.code_stub = {"python": STUB}
@@ -64,16 +64,16 @@ def configure(c: Config, root: Path) -> Config:
         *(f"nbgrader.preprocessors.{step}" for step in RELEASE_STEPS),
     ]
 
-    # Students fetch notebooks without `utils` next to them.
+    # Students fetch notebooks alone, without `utils`, so these have to be standalone.
     c.ExchangeFactory.release_assignment = "grader.lms.exchange.ReleaseStandalone"
     c.ExchangeFactory.collect = "grader.lms.exchange_collection.CollectOrdinaryFiles"
 
-    # If there is a roster, nbgrader must not enrol a student for each folder name.
+    # If there is a roster, nbgrader must not create a student for each folder of submissions.
     c.Autograde.create_student = not (root / "roster.csv").is_file()
     # One damaged file must not spoil the whole submission.
     c.Autograde.exporter_class = "grader.lms.nbgrader_plugin.CopyExporter"
     c.Autograde.autograde_preprocessors = [
-        "grader.lms.nbgrader_plugin.Judge",  # instead of nbgrader's execution of the notebook
+        "grader.lms.nbgrader_plugin.Judge",  # runs the notebook only in the sandbox
         "nbgrader.preprocessors.LimitOutput",
         "grader.lms.nbgrader_plugin.SaveGrades",
         "nbgrader.preprocessors.AssignLatePenalties",
@@ -81,20 +81,20 @@ def configure(c: Config, root: Path) -> Config:
     ]
     c.GenerateFeedback.exporter_class = "grader.lms.nbgrader_feedback.FeedbackExporter"
     make_alembic_reachable()
-    # SQLAlchemy warns about the order in which nbgrader adds rows, which is harmless.
+    # SQLAlchemy's warning about the order in which nbgrader adds rows is harmless.
     warnings.filterwarnings("ignore", message="Object of type <Submitted", module="nbgrader")
     return c
 
 
 def make_alembic_reachable() -> None:
-    """Add this Python's programs to the PATH, because nbgrader starts ``alembic`` by name."""
+    """Add the folder of Python to the PATH, because nbgrader starts ``alembic`` by name."""
     programs = str(Path(sys.executable).parent)
     if programs not in os.environ.get("PATH", "").split(os.pathsep):
         os.environ["PATH"] = programs + os.pathsep + os.environ.get("PATH", "")
 
 
 def course_settings(root: Path) -> Config:
-    """Return the settings of a course: the defaults, changed by its ``nbgrader_config.py``.
+    """Return the settings of a course: the defaults, overridden by its ``nbgrader_config.py``.
 
     Parameters
     ----------
@@ -111,16 +111,16 @@ def course_settings(root: Path) -> Config:
 def make_converter(
     kind: type[BaseConverter], root: Path, stage: str, **settings: dict
 ) -> BaseConverter:
-    """Return one of nbgrader's converters for a stage of a course.
+    """Create one of nbgrader's converters for a stage of a course.
 
     Parameters
     ----------
     kind : type
-        For example `nbgrader.converters.Autograde`.
+        Class of the converter, such as `nbgrader.converters.Autograde`.
     root : pathlib.Path
         The folder of the course.
     stage : str
-        The stage, which is an assignment in nbgrader.
+        The stage, which nbgrader calls an assignment.
     **settings : dict
         Traits to configure, by class name.
     """

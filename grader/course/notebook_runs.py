@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from nbformat import NotebookNode
 
-LONGEST_CELL = 300  # seconds, on a machine with other work
+LONGEST_CELL = 300  # seconds; enough even on a busy machine
 
 
 class NotebookStopped(Exception):
@@ -17,19 +17,20 @@ class NotebookStopped(Exception):
 
 
 def run_notebook(notebook: NotebookNode, folder: Path, *, checks_may_fail: bool = False) -> None:
-    """Run a notebook as if it were in a folder, and add its outputs to it.
+    """Run a notebook in a folder, and store the outputs in the notebook.
 
     Parameters
     ----------
     notebook : nbformat.NotebookNode
     folder : pathlib.Path
+        The working directory of the kernel.
     checks_may_fail : bool
-        Whether calls of ``check`` may raise, as in a notebook without answers.
+        Whether calls to ``check`` may raise, as they do in a notebook without answers.
 
     Raises
     ------
     NotebookStopped
-        If a cell raises, takes more than `LONGEST_CELL` seconds, or ends Python.
+        If a cell raises, takes more than `LONGEST_CELL` seconds, or crashes the kernel.
     """
     import nbclient
 
@@ -38,14 +39,14 @@ def run_notebook(notebook: NotebookNode, folder: Path, *, checks_may_fail: bool 
         timeout=LONGEST_CELL,
         resources={"metadata": {"path": str(folder)}},
         store_widget_state=False,
-        force_raise_errors=not checks_may_fail,  # ignore the tags that allow a cell to raise
-        extra_arguments=["--log-level=ERROR"],  # messages of kernels would break a progress bar
+        force_raise_errors=not checks_may_fail,  # despite raises-exception tags
+        extra_arguments=["--log-level=ERROR"],  # log lines would break a progress bar
     )
-    client.comm_open_handlers.clear()  # so that the output of a widget stays in its cell
+    client.comm_open_handlers.clear()  # so that a widget's output stays in its cell
     try:
         client.execute()
     except nbclient.exceptions.CellExecutionError:
-        pass  # the outputs of the cell are more informative
+        pass  # `_first_error` finds the error in the outputs of the cell
     except nbclient.exceptions.CellTimeoutError:
         raise NotebookStopped(
             f"a cell took more than {LONGEST_CELL} seconds. Is the machine busy? Run the same "

@@ -48,6 +48,6 @@ class Course:
 
 @functools.cache
 def _folder(root: Path, kind: str) -> str:
-    """Return the name of one of nbgrader's folders in the course's ``nbgrader_config.py``."""
+    """Return the name of an nbgrader folder, which ``nbgrader_config.py`` may change."""
     settings = course_settings(root).CourseDirectory
     return settings.get(f"{kind}_directory", kind)

@@ -1,4 +1,4 @@
-"""The project files that judging reads, to be copied to other machines that judge."""
+"""The project files that another machine needs in order to judge."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ LESSON_FILES = ("lesson.py", "hidden_tests.py")
 
 
 def files_for_judging() -> dict[str, bytes]:
-    """Return the content of these files by name, in order."""
+    """Return the content of each file that judging reads, by path in the project, sorted."""
     found = {}
     for folder in FOLDERS:
         for path in sorted((PROJECT / folder).rglob("*")):

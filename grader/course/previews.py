@@ -17,20 +17,20 @@ from PIL import Image  # noqa: E402
 from grader.course.lessons import all_lessons  # noqa: E402
 
 DOTS_PER_INCH = 110
-# A preview is part of its notebook. With this number of colours it looks the same but takes only
+# Every notebook contains its preview. With this many colours, a preview looks the same and takes
 # half as many bytes.
 COLOURS = 128
 
 
 def main(numbers: Sequence[str]) -> None:
-    """Draw the previews of the lessons with these numbers, or of all lessons."""
+    """Draw the previews of the lessons with these numbers; without numbers, of all lessons."""
     for lesson in all_lessons():
         if numbers and lesson.number not in numbers:
             continue
         preview = f"solutions.{lesson.stage}.{lesson.name}.preview"
         figure = importlib.import_module(preview).draw()
         path = lesson.folder / f"{lesson.number}_preview.png"
-        # The version of matplotlib is left out, so that the same picture gives the same file.
+        # Without the version of matplotlib, the same picture always gives the same file.
         figure.savefig(path, dpi=DOTS_PER_INCH, metadata={"Software": None})
         plt.close(figure)
         with Image.open(path) as drawn:

@@ -36,7 +36,7 @@ def record(lesson: Lesson) -> bytes:
     Returns
     -------
     bytes
-        New content of the file `answers_path`.
+        Content for the file at `answers_path`.
 
     Raises
     ------
@@ -59,7 +59,7 @@ def record(lesson: Lesson) -> bytes:
 
 
 def add_recorder(notebook: NotebookNode, lesson: Lesson, path: Path) -> None:
-    """Add a cell to a solved notebook that records the answers of its functions.
+    """Insert a cell into a solved notebook that records the answers of its functions.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def add_recorder(notebook: NotebookNode, lesson: Lesson, path: Path) -> None:
         Changed in place.
     lesson : Lesson
     path : pathlib.Path
-        File to write.
+        File that the cell writes.
     """
     import nbformat
 
@@ -85,7 +85,7 @@ def add_recorder(notebook: NotebookNode, lesson: Lesson, path: Path) -> None:
 
 
 def stored_bytes(lesson: Lesson, path: Path) -> bytes:
-    """Return the recorded answers in the format in which they are stored.
+    """Return the recorded answers in the format of the stored file.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def stored_bytes(lesson: Lesson, path: Path) -> bytes:
     Raises
     ------
     UnstorableAnswers
-        As in `record`.
+        If an answer cannot be stored, or the file would be too large.
     """
     recorded = json.loads(path.read_text("utf-8"))
     if faults := recorded.pop("faults"):
@@ -117,7 +117,7 @@ def stored_bytes(lesson: Lesson, path: Path) -> bytes:
 
 
 def answers_path(lesson: Lesson) -> Path:
-    """Return the file of a lesson's stored answers."""
+    """Return the path of a lesson's stored answers."""
     return ANSWERS_FOLDER / f"lesson_{lesson.number}.json"
 
 
@@ -127,7 +127,7 @@ def changed_answers(stored: bytes, recorded: bytes) -> list[str]:
     Parameters
     ----------
     stored, recorded : bytes
-        Earlier and new result of `record`.
+        An earlier result of `record`, and a new one.
 
     Returns
     -------
@@ -163,14 +163,14 @@ def _nearly_equal(first: object, second: object) -> bool:
     if isinstance(first, list):
         return len(first) == len(second) and all(map(_nearly_equal, first, second))
     if isinstance(first, float):
-        # The order in which NumPy sorts equal values depends on the type of processor. A tree built
-        # in a different order is also right, but a search in it may visit more or fewer nodes.
+        # The order in which NumPy sorts equal values depends on the processor. A tree built in
+        # another order is also right, but a search may visit more or fewer of its nodes.
         return bool(np.isclose(first, second, rtol=0.05, equal_nan=True))
     return first == second
 
 
 def main(numbers: Sequence[str]) -> None:
-    """Record the answers of the lessons with these numbers, or of all lessons."""
+    """Record the answers of the lessons with these numbers; without numbers, of all lessons."""
     for lesson in all_lessons():
         if numbers and lesson.number not in numbers:
             continue

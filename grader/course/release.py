@@ -1,4 +1,4 @@
-"""Write the zips that students get, one for each stage, which work in any folder."""
+"""Write the zip files that students get, one for each stage. They work in any folder."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ TOOLS = {
     "utils": (".py", ".html", ".json", ".md"),
     "data": (".md", ".txt", ".npz", ".png"),
 }
-PROGRAMS = ("jupyterlab", "ipykernel")  # needed to open a notebook
+PROGRAMS = ("jupyterlab", "ipykernel")  # needed to open and run a notebook
 
 
 def write_zips(folder: Path, wanted: Iterable[str] = ()) -> Iterator[Path]:
-    """Write a zip for each stage, and yield its path when it is complete.
+    """Write a zip file for each stage, and yield its path when it is complete.
 
     Parameters
     ----------
     folder : pathlib.Path
         Created if it does not exist.
     wanted : iterable of str, optional
-        Stages to write; by default all.
+        Stages to write. Default: all.
 
     Raises
     ------
@@ -44,7 +44,7 @@ def write_zips(folder: Path, wanted: Iterable[str] = ()) -> Iterator[Path]:
 
 
 def student_files(stage: str) -> dict[str, bytes]:
-    """Return the files that a student needs for a stage, by name."""
+    """Return the content of each file that a student needs for a stage, by path in the zip."""
     found = {
         "README.md": README.read_bytes(),
         "LICENSE": (PROJECT / "LICENSE").read_bytes(),
@@ -61,7 +61,7 @@ def student_files(stage: str) -> dict[str, bytes]:
 
 
 def course_tools() -> dict[str, bytes]:
-    """Return the files of ``utils`` and ``data`` that students need, by name."""
+    """Return the content of each file of ``utils`` and ``data`` that students need, by path."""
     return {
         path.relative_to(PROJECT).as_posix(): path.read_bytes()
         for name, kinds in TOOLS.items()
@@ -71,7 +71,7 @@ def course_tools() -> dict[str, bytes]:
 
 
 def student_requirements() -> str:
-    """Return the part of ``requirements.txt`` that students need to open and run a notebook."""
+    """Return a ``requirements.txt`` with the packages that open and run a notebook."""
     text = (PROJECT / "requirements.txt").read_text("utf-8")
     programs = re.findall(rf"^(?:{'|'.join(PROGRAMS)})==\S+\n", text, re.M)
     return f"-c constraints.txt\n\n{required_for('For the notebooks')}{''.join(programs)}"

@@ -1,4 +1,4 @@
-"""The students of the course, from the optional file ``roster.csv``, one line per person."""
+"""The students of the course, from the optional file ``roster.csv``, one line per student."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from pathlib import Path
 from grader.course.paths import Course
 from grader.course.tables import Table, TableError, read_table
 
-MOST_CHARACTERS = 128  # the longest text in nbgrader's gradebook
-COLUMN_ALIASES = {"lms_user_id": "lms_id"}  # the name in `nbgrader db student import`
+MOST_CHARACTERS = 128  # the limit of nbgrader's gradebook
+COLUMN_ALIASES = {"lms_user_id": "lms_id"}  # the name that `nbgrader db student import` uses
 
 
 class RosterError(Exception):
-    """The roster cannot be read; `str()` says where the error is and how to fix it."""
+    """The roster is invalid; `str()` says where the error is and how to fix it."""
 
 
 @dataclass(frozen=True)
@@ -27,10 +27,10 @@ class Person:
     Attributes
     ----------
     id : str
-        Name of the student's folder in ``submitted/``, also used in the gradebook.
+        Name of the student's folder in ``submitted/``, and ID in the gradebook.
     first_name, last_name, email, section : str
     lms_id : str
-        Number in the learning platform, which is needed to export marks.
+        Number of the student in the LMS, which exports of marks need.
     github : str
         GitHub login.
     """
@@ -45,12 +45,12 @@ class Person:
 
     @property
     def name(self) -> str:
-        """First and last name, or the ID if there is no name."""
+        """First and last name, or the ID if both are empty."""
         return f"{self.first_name} {self.last_name}".strip() or self.id
 
     @property
     def display_name(self) -> str:
-        """The ID, followed by the name if there is one, for use in sentences."""
+        """The ID, followed by the name in brackets if there is one."""
         return self.id if self.name == self.id else f"{self.id} ({self.name})"
 
 
@@ -72,14 +72,14 @@ class Roster:
     def owner_of(self, folder: str) -> Person | None:
         """Return the student whose ID is the name of a folder, or None.
 
-        Case, surrounding blanks and Unicode forms are ignored. Only IDs count, because one
-        student's number in the learning platform may be another student's ID; see `find_people`.
+        Case, surrounding blanks and Unicode forms are ignored. Unlike `find_people`, this method
+        compares only IDs, because one student's number in the LMS may be another student's ID.
         """
         same = self._by_folded_id.get(folded(folder), ())
         return self.person(folder) or (same[0] if len(same) == 1 else None)
 
     def find_people(self, text: str) -> tuple[Person, ...]:
-        """Return the students that a folder, login, number, e-mail or name may refer to.
+        """Return the students that an ID, login, LMS number, e-mail or name may refer to.
 
         Parameters
         ----------
@@ -89,7 +89,7 @@ class Roster:
         Returns
         -------
         tuple of Person
-            Several if the text is ambiguous. An ID takes precedence over everything else.
+            Several students if the text is ambiguous. IDs take precedence over other matches.
         """
         exact = self.person(text)
         if exact:
@@ -129,8 +129,8 @@ def roster_path(course: Course) -> Path:
 def read_roster(course: Course) -> Roster | None:
     """Read the roster of a course.
 
-    Columns may be in any order, and only ``id`` is required. Columns that `Person` does not have
-    are ignored. Commas, semicolons or tabs separate the columns.
+    Columns may be in any order, and only ``id`` is required. Columns that are not attributes of
+    `Person` are ignored. The separator may be a comma, a semicolon or a tab.
 
     Returns
     -------
@@ -140,6 +140,7 @@ def read_roster(course: Course) -> Roster | None:
     Raises
     ------
     RosterError
+        If the file is invalid.
     """
     path = roster_path(course)
     if not path.is_file():
@@ -156,7 +157,7 @@ def read_roster(course: Course) -> Roster | None:
 
 
 def _people(file: str, table: Table) -> Iterator[Person]:
-    """Yield the students in a file; raise `RosterError` for a line that cannot be read."""
+    """Yield the students in a file; raise `RosterError` for an invalid line."""
     columns = [_column(cell) for cell in table.titles]
     if columns.count("id") != 1 or any(columns.count(name) > 1 for name in COLUMNS):
         raise RosterError(
@@ -211,7 +212,7 @@ def _check(person: Person, location: str) -> None:
 
 
 def _is_name_of(text: str, person: Person) -> bool:
-    """Return whether a text is one of a person's other names."""
+    """Return whether a text is a person's name, e-mail, GitHub login or LMS number."""
     handles = {folded(handle) for handle in (person.email, person.github, person.lms_id)}
     first, last = person.first_name, person.last_name
     names = {letters(first + last), letters(last + first)}
@@ -219,18 +220,18 @@ def _is_name_of(text: str, person: Person) -> bool:
 
 
 def has_other_lms_id(person: Person, lms_id: str) -> bool:
-    """Return whether a number from a learning platform certainly belongs to another person.
+    """Return whether a number from an LMS certainly belongs to another person.
 
-    The roster may contain another kind of ID. Numbers from platforms consist only of digits.
+    If either ID contains anything except digits, it is another kind of ID, so the answer is no.
     """
     return lms_id.isdigit() and person.lms_id.isdigit() and lms_id != person.lms_id
 
 
 def folded(text: str) -> str:
-    """Normalize a text: ignore case, surrounding blanks and Unicode forms."""
+    """Normalize a text, so that comparisons ignore case, repeated blanks and Unicode forms."""
     return " ".join(unicodedata.normalize("NFKC", text).casefold().split())
 
 
 def letters(text: str) -> str:
-    """Return the letters and digits of a name, as Canvas writes it."""
+    """Return the letters and digits of a name in lower case, as in Canvas's file names."""
     return "".join(character for character in folded(text) if character.isalnum())

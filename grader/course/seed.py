@@ -1,4 +1,4 @@
-"""The course's secret: the number from which hidden tests draw their input."""
+"""The course's secret seed, from which hidden tests draw their input."""
 
 import contextlib
 import os
@@ -7,35 +7,38 @@ import tempfile
 
 from grader.course.paths import Course
 
-SHORTEST = 2**64  # student code could find a smaller seed by trying, from one hidden test's input
+# From one hidden test's input, student code could find a smaller seed by trying all seeds.
+SHORTEST = 2**64
 
 
 class ShortSeed(Exception):
-    """The seed can be found by trying; `str()` is the sentence to show."""
+    """The seed is so small that students could guess it; `str()` is the sentence to show."""
 
 
 def course_seed(course: Course, given: int | None = None) -> int:
-    """Return the seed to grade with.
+    """Return the seed for grading, and draw one if the course does not have one.
 
     Parameters
     ----------
     course : grader.course.paths.Course
     given : int, optional
-        The seed on the command line, which takes precedence and is not stored.
+        Seed from the command line, which takes precedence and is not stored.
 
     Returns
     -------
     int
-        The seed, which is drawn once for a course and stored in ``.course_seed``.
+        `given`, or the seed that is drawn once for a course and stored in ``.course_seed``.
 
     Raises
     ------
     ShortSeed
+        If the seed is less than `SHORTEST`.
     """
     if given is not None:
         return _long_enough(given, "Leave --seed out")
     if not course.seed_file.exists():
-        # Two graders may start at the same time, so the file gets its name when it is complete.
+        # Two graders may start at the same time. The link is made only when the file is complete,
+        # and the first grader's link wins.
         descriptor, draft = tempfile.mkstemp(dir=course.root)
         with open(descriptor, "w", encoding="utf-8") as file:
             file.write(f"{secrets.randbits(128)}\n")

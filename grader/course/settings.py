@@ -1,4 +1,4 @@
-"""Settings of the course in ``pyproject.toml``: title, version, public address, stages."""
+"""Settings of the course in ``pyproject.toml``, such as title, version and public address."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from grader.course.paths import PROJECT
 
 
 def course_settings() -> dict[str, object]:
-    """Return the table of this course in ``pyproject.toml``."""
+    """Return the table ``[tool.lidar-obstacle-lab]`` in ``pyproject.toml``."""
     text = (PROJECT / "pyproject.toml").read_text("utf-8")
     return tomllib.loads(text)["tool"]["lidar-obstacle-lab"]
 
@@ -24,6 +24,6 @@ def version() -> str:
 
 
 def stage_title(stage: str) -> str:
-    """Return the title of a stage, by default its name without the number."""
+    """Return the title of a stage. The default is its name without the number."""
     name = stage.removeprefix("stage").lstrip("0123456789").strip("_").replace("_", " ")
     return course_settings().get("stages", {}).get(stage, name)

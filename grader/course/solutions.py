@@ -1,4 +1,4 @@
-"""Solutions to release after the due date, as executed notebooks and as pages."""
+"""Solutions to release after the due date, as executed notebooks and as HTML pages."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ WIDGET = "application/vnd.jupyter.widget-view+json"
 def reason_still_open(
     deadlines: Deadlines, stage: str, now: datetime, extensions: Mapping[str, datetime]
 ) -> str:
-    """Return a sentence on why students may still submit a stage; empty if they may not.
+    """Return why a stage's solutions must wait, as a sentence; empty if no student can submit.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def reason_still_open(
     now : datetime.datetime
         With a time zone.
     extensions : mapping of str to datetime.datetime
-        Further due dates, by student; the key `""` is for the whole class.
+        Further due dates, by student. The key `""` means the whole class.
     """
     dates = deadlines.stages.get(stage, StageDates())
     groups = {f"section {name}": due for name, due in dates.sections.items()}
@@ -59,7 +59,7 @@ def reason_still_open(
 
 
 def write_solutions(folder: Path, solutions: Mapping[Lesson, bytes]) -> Iterator[Path]:
-    """Write a zip for each stage, with each lesson as a notebook and as a page.
+    """Write a zip file for each stage, with each lesson as a notebook and as an HTML page.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def write_solutions(folder: Path, solutions: Mapping[Lesson, bytes]) -> Iterator
     Yields
     ------
     pathlib.Path
-        The path of each zip, when it is complete.
+        The path of each zip file, when it is complete.
     """
     for stage in dict.fromkeys(lesson.stage for lesson in solutions):
         files = {}
@@ -91,7 +91,7 @@ def run_all(
     progress: Callable[[int, int, object], None],
     run: Callable[[Lesson], bytes],
 ) -> dict[Lesson, bytes]:
-    """Run several notebooks and return the executed ones.
+    """Run the notebooks of several lessons in parallel, and return them by lesson.
 
     Parameters
     ----------
@@ -99,9 +99,9 @@ def run_all(
     workers : int
         Number of notebooks that run at the same time.
     progress : callable
-        Called with (done, total, lesson) after each notebook.
+        Called with (done, total, lesson name) after each notebook.
     run : callable
-        Runs the notebook of a lesson.
+        Runs the notebook of a lesson and returns its bytes.
     """
     lessons, notebooks = tuple(lessons), {}
     progress(0, len(lessons), "")
@@ -117,15 +117,15 @@ def run_all(
 
 
 def executed_notebook(lesson: Lesson, cache_folder: Path, extra_code: str) -> bytes:
-    """Return a lesson's solved notebook with outputs. Run it only if something has changed.
+    """Return a lesson's solved notebook with outputs. Run it only if its inputs have changed.
 
     Parameters
     ----------
     lesson : Lesson
     cache_folder : pathlib.Path
-        Folder of executed notebooks.
+        Folder in which executed notebooks are cached.
     extra_code : str
-        Code that runs after the setup cell and is not part of the result.
+        Code that runs after the setup cell. The result does not contain it.
 
     Raises
     ------
@@ -142,7 +142,7 @@ def executed_notebook(lesson: Lesson, cache_folder: Path, extra_code: str) -> by
 
 
 def as_page(notebook: bytes, lesson: Lesson) -> bytes:
-    """Return an executed notebook as a page that does not need other files or a network."""
+    """Convert an executed notebook to an HTML page that needs no other files and no network."""
     content = nbformat.reads(notebook.decode(), as_version=4)
     exporter = MathPage(template_name="solution", extra_template_basedirs=[str(TEMPLATES)])
     resources = {"metadata": {"name": lesson.name}, "style_of_formulas": STYLE}
@@ -151,7 +151,7 @@ def as_page(notebook: bytes, lesson: Lesson) -> bytes:
 
 
 def _fingerprint(lesson: Lesson, extra_code: str) -> str:
-    """Return the fingerprint of everything that a run depends on."""
+    """Return a digest of everything that affects the outputs of a notebook."""
     digest = hashlib.sha256(lesson.solved.read_bytes() + extra_code.encode())
     for name, content in sorted(course_tools().items()):
         digest.update(name.encode() + b"\0" + content + b"\0")
@@ -180,9 +180,9 @@ def _run(lesson: Lesson, extra_code: str) -> bytes:
 
 
 def _remove_volatile_data(notebook: NotebookNode) -> None:
-    """Remove data that differ from run to run and are not informative."""
+    """Remove timestamps and widgets, which differ from run to run."""
     for cell in notebook.cells:
-        cell.metadata.pop("execution", None)  # contains times of day
+        cell.metadata.pop("execution", None)  # timestamps
         if cell.cell_type == "code":
             cell.outputs = [
                 output for output in cell.outputs if WIDGET not in output.get("data", {})

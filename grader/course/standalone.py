@@ -1,4 +1,4 @@
-"""Standalone notebooks, which do not need other files: for mail, USB sticks, Colab and Kaggle."""
+"""Standalone notebooks, which need no other file, for e-mail, USB sticks, Colab and Kaggle."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from grader.course.lessons import Lesson, all_lessons, every_lesson
 from grader.course.paths import PROJECT
 
 SETUP_CELL = PROJECT / "solutions" / "standalone_cell.py"
-# The first line of the setup cell, which identifies the cell in a submission.
+# First line of the setup cell, which identifies the cell in a submission.
 TITLE = SETUP_CELL.read_text("utf-8").partition("\n")[0]
 BADGE_TEXT = (
     "*This notebook does not need any other file. Upload it to Colab or Kaggle, or open it in VS "
@@ -31,18 +31,18 @@ LARGEST = 450_000  # bytes
 
 
 class ReleaseError(Exception):
-    """Something must not be released; `str()` is the sentence to show."""
+    """A file cannot be released; `str()` is the sentence to show."""
 
 
 def write_standalone(folder: Path, stages: Iterable[str] = ()) -> list[Path]:
-    """Write the students' notebooks, each with everything that it needs.
+    """Write the students' notebooks as standalone notebooks.
 
     Parameters
     ----------
     folder : pathlib.Path
         Created if it does not exist.
     stages : iterable of str, optional
-        Stages to write; by default all.
+        Stages to write. Default: all.
 
     Raises
     ------
@@ -67,7 +67,7 @@ def write_standalone(folder: Path, stages: Iterable[str] = ()) -> list[Path]:
 
 
 def check_no_leaks(lesson: Lesson, notebook: bytes) -> None:
-    """Raise `ReleaseError` if a line of the solution is in a student's notebook."""
+    """Raise `ReleaseError` if a student's notebook contains a line of the solution."""
     others = [other.released.read_bytes() for other in all_lessons() if other != lesson]
     leaked_lines = leaks(lesson.solved.read_bytes(), notebook, others)
     if leaked_lines:
@@ -78,17 +78,17 @@ def check_no_leaks(lesson: Lesson, notebook: bytes) -> None:
 
 
 def make_standalone(notebook: bytes) -> bytes:
-    """Return a notebook with the tools of the course in its setup cell.
+    """Return a notebook whose setup cell contains the tools of the course.
 
     Parameters
     ----------
     notebook : bytes
-        A notebook that `grader.course.build` wrote.
+        A student notebook that `grader.course.build` wrote.
 
     Returns
     -------
     bytes
-        The same course always gives the same bytes.
+        Always the same for the same course.
     """
     content = json.loads(notebook)
     course_metadata = content["metadata"]["lidar_obstacle_lab"]
@@ -100,7 +100,7 @@ def make_standalone(notebook: bytes) -> bytes:
         elif "badge" in tags:
             cell["source"] = [BADGE_TEXT]
         elif cell["cell_type"] == "markdown":
-            # Standalone notebooks are all in one folder.
+            # Links to other stages need no folder, because all standalone notebooks are in one.
             cell["source"] = [OTHER_STAGE.sub("](", line) for line in cell["source"]]
     course_metadata["standalone"] = True
     return (json.dumps(content, indent=1, ensure_ascii=False, sort_keys=True) + "\n").encode()
@@ -108,7 +108,7 @@ def make_standalone(notebook: bytes) -> bytes:
 
 @functools.cache
 def setup_cell(lesson: str) -> str:
-    """Return the source of the cell that unpacks the tools in a lesson's notebook."""
+    """Return the source of the cell that unpacks the tools in a standalone notebook."""
     data = packed_tools(lesson)
     return (
         SETUP_CELL.read_text("utf-8")
@@ -120,7 +120,7 @@ def setup_cell(lesson: str) -> str:
 
 
 def packed_tools(lesson: str) -> bytes:
-    """Return ``utils`` for one lesson, compressed. The same files always give the same bytes."""
+    """Return a reproducible, compressed archive of ``utils`` for one lesson."""
     others = {f"lesson_{one.number}" for one in every_lesson() if one.name != lesson}
     own_lesson = next(one for one in every_lesson() if one.name == lesson)
     text = own_lesson.released.read_text("utf-8")
@@ -146,5 +146,5 @@ def packed_tools(lesson: str) -> bytes:
 
 
 def is_setup_cell(source: str, lesson: str) -> bool:
-    """Return whether a submitted cell is exactly the one that unpacks the tools."""
+    """Return whether a submitted cell is exactly the setup cell of a standalone notebook."""
     return source.startswith(TITLE) and source.strip() == setup_cell(lesson)

@@ -1,4 +1,4 @@
-"""Read tables with any common separator, and escape cells that spreadsheets would execute."""
+"""Read CSV tables with any common separator, and escape cells that contain formulas."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 SEPARATORS = ",;\t"
-# A spreadsheet treats a cell that begins with one of these as a formula, and may execute it.
+# Spreadsheets execute a cell that begins with one of these characters as a formula.
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
-csv.field_size_limit(2**24)  # for this process, because platforms export long texts
+csv.field_size_limit(2**24)  # LMSs export texts longer than the default limit
 
 
 @dataclass(frozen=True)

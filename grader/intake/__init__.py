@@ -1,1 +1,1 @@
-"""Open and prepare submitted files, which must not be trusted."""
+"""Read and repair submitted files, which are untrusted."""

@@ -1,4 +1,4 @@
-"""Open submitted files, which must not be trusted."""
+"""Read submitted files, which are untrusted."""
 
 import errno
 import os
@@ -8,16 +8,17 @@ from pathlib import Path
 from utils.notebooks.reading import Notebook, UnreadableNotebook, decode_notebook
 
 LARGEST_FILE = 64 * 2**20
-# With O_NONBLOCK, opening a pipe does not wait for a writer. Windows does not have these flags.
+# O_NONBLOCK: opening a pipe must not wait for a writer. Windows does not have these flags.
 _OPEN_FLAGS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 
 
 def read_notebook(path: Path) -> Notebook:
-    """Read a notebook without trusting it.
+    """Read an untrusted notebook.
 
     Raises
     ------
     UnreadableNotebook
+        If the file cannot be read, or is not a notebook.
     """
     return decode_notebook(read_file(path), path.name)
 
@@ -25,15 +26,11 @@ def read_notebook(path: Path) -> Notebook:
 def read_file(path: Path) -> bytes:
     """Read the bytes of a submitted file.
 
-    Returns
-    -------
-    bytes
-
     Raises
     ------
     UnreadableNotebook
-        If the file is too large, or if it is not an ordinary file: a link could lead to another
-        student's work, and a pipe or a device could be endless.
+        If the file cannot be opened, is too large, or is not an ordinary file. A link could lead
+        to another student's work, and a pipe or a device could be endless.
     """
     try:
         descriptor = os.open(path, os.O_RDONLY | _OPEN_FLAGS)

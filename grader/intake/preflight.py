@@ -1,10 +1,10 @@
 """Turn a submission into the notebook that is judged and shown, and report every repair.
 
-Each step below looks for one kind of damage. It returns a sentence for each thing that it changed
-or noticed: what happened, what was done about it, and what the student can do. The judge and the
-gradebook use the same result, so a grader sees exactly the code that was judged.
+Each of the `STEPS` looks for one kind of damage, and yields a sentence for each change or problem:
+what happened, how the grader treated it, and what the student can do. The judge and the gradebook
+use the same result, so a grader sees exactly the code that was judged.
 
-Code is untrusted, so it is parsed only in the sandbox and not here.
+Code is untrusted. It is therefore parsed only in the sandbox, and searched here as text.
 """
 
 from __future__ import annotations
@@ -37,9 +37,9 @@ class WrittenAnswer:
     Attributes
     ----------
     text : str
-        The answer; empty if nothing was written.
+        The answer; empty if the student wrote nothing.
     certain : bool
-        False if other text in the notebook may belong to the answer, so that a person has to look.
+        False if other text in the notebook may be the answer, so a person has to look for it.
     attachments : dict
         Pictures in the answer, in the format of the notebook file.
     """
@@ -59,12 +59,12 @@ class PreparedNotebook:
     cells : tuple of Cell
         All cells except those that became part of a written answer.
     graded : dict of str to int
-        Index in `cells` of each graded cell that students may edit, by its ``grade_id``. Cells
-        that were not found are left out.
+        Index in `cells` of each graded cell that students may edit, by its ``grade_id``. Missing
+        cells are left out.
     answers : dict of str to WrittenAnswer
         Written answers by ``grade_id``.
     notes : tuple of str
-        One sentence for each thing that was repaired or noticed.
+        One sentence for each repair or problem.
     versions : dict of str to str
         A sentence about each exercise that the notebook defines more than once. The sentence is
         shown if the exercise loses points.
@@ -82,7 +82,7 @@ class PreparedNotebook:
 
     @property
     def code(self) -> tuple[str, ...]:
-        """The source of each code cell."""
+        """Source of each code cell."""
         return tuple(cell.source for cell in self.cells if cell.kind == "code")
 
 
@@ -95,9 +95,9 @@ class JudgeInput:
     code, notes : tuple of str
     versions : dict of str to str
     is_as_released : bool
-        Whether all code after the first cell is unchanged, so that judging can be skipped.
+        Whether all code after the first code cell is unchanged, so judging can be skipped.
     modules : dict of str to str
-        The submitted modules, and those that the notebook writes.
+        Source by name of the submitted modules, and of those that the notebook writes.
     """
 
     code: tuple[str, ...]
@@ -109,7 +109,7 @@ class JudgeInput:
 
 @dataclass
 class _Draft:
-    """The notebook while the steps change it."""
+    """A notebook that the steps are changing."""
 
     lesson: Lesson
     submitted_files: SubmittedFiles
@@ -126,6 +126,7 @@ def prepare(submitted_files: SubmittedFiles, lesson: Lesson) -> PreparedNotebook
     Raises
     ------
     utils.notebooks.reading.UnreadableNotebook
+        If the file cannot be read, or is not a notebook.
     """
     notebook = submitted_files.notebook()
     draft = _Draft(lesson, submitted_files, notebook, list(notebook.cells))
@@ -147,7 +148,9 @@ def prepare_to_judge(submitted_files: SubmittedFiles, lesson: Lesson) -> JudgeIn
     Raises
     ------
     utils.notebooks.reading.UnreadableNotebook
+        If the notebook cannot be read, or is too large.
     grader.intake.reader_process.ReadingFailed
+        If the grader or this machine is at fault.
     """
 
     def work() -> tuple:
@@ -161,7 +164,7 @@ def prepare_to_judge(submitted_files: SubmittedFiles, lesson: Lesson) -> JudgeIn
             )
         return prepared.code, prepared.notes, prepared.versions, prepared.modules
 
-    cells_as_released(lesson)  # cached here, so that each child inherits it
+    cells_as_released(lesson)  # fill the cache before forking, so that every child inherits it
     code, notes, versions, written = run_in_child(submitted_files.name, work)
     modules = {**submitted_files.modules, **written}
     untouched = not modules and _is_as_released(lesson, code)
@@ -171,15 +174,15 @@ def prepare_to_judge(submitted_files: SubmittedFiles, lesson: Lesson) -> JudgeIn
 def _is_as_released(lesson: Lesson, code: Iterable[str]) -> bool:
     """Return whether all code cells after the first are as released.
 
-    The first cell loads the tools, and is different in standalone notebooks. If it also defines an
-    exercise, the stub below it overwrites that definition.
+    The first cell loads the tools, and differs in standalone notebooks. If a student defines an
+    exercise in it, the stub below overwrites that definition.
     """
     given = [cell.source.strip() for cell in cells_as_released(lesson) if cell.kind == "code"]
     return [source.strip() for source in code if source.strip()][1:] == given[1:]
 
 
 def lesson_name_in(submitted_files: SubmittedFiles) -> str:
-    """Return the lesson name in a notebook's metadata, read in a separate process."""
+    """Return the lesson name in a notebook's metadata. Read the file in a separate process."""
     return run_in_child(submitted_files.name, lambda: submitted_files.notebook().lesson_name)
 
 
@@ -196,9 +199,9 @@ def prepare_too_costly(
 ) -> PreparedNotebook:
     """Return a substitute for a notebook that takes too much time or memory to read.
 
-    A person has to look for the written answers in the file.
+    Its written answers tell the grader to look in the file.
     """
-    # The text contains a digest, so that it changes when a student submits another file.
+    # With the digest, the text changes when the student submits another file.
     digest = hashlib.sha256(submitted_files.data).hexdigest()[:12]
     text = f"*This notebook is too large to show. Look for the answer in the file ({digest}).*"
     return _notebook_with_answers(lesson, WrittenAnswer(text), error)
@@ -213,7 +216,7 @@ def _notebook_with_answers(
 
 
 def _report_file_problems(draft: _Draft) -> Iterator[str]:
-    """Report problems of the file, such as its name, its encoding or a missing end."""
+    """Report problems of the file, such as a wrong name or encoding, or a missing end."""
     yield from draft.submitted_files.notes
     yield from draft.notebook.repairs
 
@@ -221,12 +224,12 @@ def _report_file_problems(draft: _Draft) -> Iterator[str]:
 def _restore_code_cells(draft: _Draft) -> Iterator[str]:
     """Restore code cells that became Markdown or raw cells by accident.
 
-    Code cells ran in the student's notebook, so their functions take precedence. A text cell may
-    contain some of these functions as well as functions that no other cell defines. Such a cell is
-    moved above the code cells.
+    Code cells ran in the student's notebook, so their functions take precedence. If a text cell
+    defines such a function as well as one that is missing from the code cells, it is moved above
+    the code cells, whose definitions then count.
     """
     names, hand_graded = _exercise_names(draft.lesson), _hand_graded_cells(draft.lesson)
-    sort_keys: list[float] = list(range(len(draft.cells)))  # for the final order of the cells
+    sort_keys: list[float] = list(range(len(draft.cells)))  # determine the new order of cells
     # Index of the last cell that defines each function.
     last = {name: found_cells[-1] for name in names if (found_cells := _answer_cells(draft, name))}
     restored = []
@@ -259,7 +262,7 @@ def _restore_code_cells(draft: _Draft) -> Iterator[str]:
 
 
 def _restored_sentence(kind: str, judged: list[str], others: list[str]) -> str:
-    """Return the sentence about a restored cell, in which other functions may not be judged."""
+    """Return the note on a restored cell. Other cells define the functions in `others`."""
     cell = {"markdown": "a text cell", "raw": "a raw cell"}[kind]
     was, it = ("was", "it") if len(judged) == 1 else ("were", "them")
     names, more = " and ".join(judged), " and ".join(others)
@@ -272,7 +275,7 @@ def _restored_sentence(kind: str, judged: list[str], others: list[str]) -> str:
 
 
 def _remove_later_stubs(draft: _Draft) -> Iterator[str]:
-    """Remove released cells that were pasted below the answer, which they would overwrite."""
+    """Blank released cells that were pasted below the answer, because they would overwrite it."""
     for name in _exercise_names(draft.lesson):
         indices, answers = _cells_that_define(draft, name), _answer_cells(draft, name)
         if answers and indices[-1] > answers[-1]:
@@ -286,7 +289,7 @@ def _remove_later_stubs(draft: _Draft) -> Iterator[str]:
 
 
 def _find_graded_cells(draft: _Draft) -> Iterator[str]:
-    """Find each graded cell, even if it was copied, moved, split or lost its metadata."""
+    """Find each graded cell, even if it was copied, moved or split, or lost its metadata."""
     for name in _exercise_names(draft.lesson):
         marked = {
             index: cell
@@ -302,7 +305,7 @@ def _find_graded_cells(draft: _Draft) -> Iterator[str]:
 
 
 def _report_other_lesson(draft: _Draft) -> Iterator[str]:
-    """Report a notebook of another lesson, or a notebook without code."""
+    """Report a notebook that belongs to another lesson or contains no code."""
     lesson = draft.lesson
     if any(_cells_that_define(draft, name) for name in _exercise_names(lesson)):
         return
@@ -320,7 +323,7 @@ def _report_other_lesson(draft: _Draft) -> Iterator[str]:
 
 
 def _find_written_modules(draft: _Draft) -> Iterator[str]:
-    """Find the modules that cells write; report those that the notebook imports."""
+    """Collect the modules that cells write, and report those that the notebook imports."""
     for cell in draft.cells:
         command, _, body = cell.source.lstrip().partition("\n")
         module = _WRITES_MODULE.fullmatch(command.strip()) if cell.kind == "code" else None
@@ -338,7 +341,7 @@ def _report_modules(draft: _Draft) -> Iterator[str]:
 
 
 def _imported(draft: _Draft, modules: Iterable[str]) -> str:
-    """Return the files of those modules that a code cell imports, as text."""
+    """List the files of the modules that a code cell imports, separated by commas."""
     text = "\n".join(cell.source for cell in draft.cells if cell.kind == "code")
     return ", ".join(
         f"{name}.py"
@@ -348,7 +351,7 @@ def _imported(draft: _Draft, modules: Iterable[str]) -> str:
 
 
 def _report_skipped_answers(draft: _Draft) -> Iterator[str]:
-    """Report exercises that are written only in cells which the judge skips for their magic."""
+    """Report exercises that are defined only in skipped cells, such as a %%bash cell."""
     for name in _exercise_names(draft.lesson):
         cells = [draft.cells[index].source for index in _answer_cells(draft, name)]
         magics = [source.split(maxsplit=1)[0] for source in cells]
@@ -368,7 +371,7 @@ def _collect_written_answers(draft: _Draft) -> Iterator[str]:
         own = [index for index, cell in enumerate(draft.cells) if cell.grade_id == name]
         before = _index_before(draft, name)
         if not own and before is not None and _has_same_source(draft, before + 1, stub):
-            own = [before + 1]  # only the metadata of this cell have changed
+            own = [before + 1]  # this cell only lost its metadata
         filled = [
             index
             for index in own
@@ -412,7 +415,7 @@ def _collect_written_answers(draft: _Draft) -> Iterator[str]:
 
 
 def _as_text(cell: Cell) -> Cell:
-    """Return a cell as text, without the comment marks that would become headings."""
+    """Uncomment a code cell that has only comments, because # begins a heading in Markdown."""
     lines = [line for line in cell.source.splitlines() if line.strip()]
     if cell.kind != "code" or not all(line.startswith("#") for line in lines):
         return cell
@@ -420,7 +423,7 @@ def _as_text(cell: Cell) -> Cell:
     return dataclasses.replace(cell, source=text)
 
 
-# Code cells must be restored before written answers are collected.
+# The order matters: code cells must be restored before written answers are collected.
 STEPS: tuple[Callable[[_Draft], Iterable[str]], ...] = (
     _report_file_problems,
     _restore_code_cells,
@@ -485,7 +488,7 @@ def _has_stray_text(draft: _Draft, released: list[list[str]]) -> bool:
 
 
 def _remove_cells(draft: _Draft, indices: set[int]) -> None:
-    """Remove cells, and update the indices of the others."""
+    """Remove cells, and update the indices of the graded cells."""
     kept_indices = [index for index in range(len(draft.cells)) if index not in indices]
     draft.cells = [draft.cells[index] for index in kept_indices]
     new = {old: index for index, old in enumerate(kept_indices)}
@@ -493,7 +496,7 @@ def _remove_cells(draft: _Draft, indices: set[int]) -> None:
 
 
 def _defines(cell: Cell, name: str) -> bool:
-    """Return whether a cell defines a name at its left margin."""
+    """Return whether a cell defines a name in an unindented line."""
     if name not in cell.source:
         return False
     pattern = rf"^(?:def[ \t]+{name}[ \t]*\(|{name}[ \t]*=)"
@@ -509,7 +512,7 @@ def _cells_that_define(draft: _Draft, name: str) -> list[int]:
 
 
 def _answer_cells(draft: _Draft, name: str) -> list[int]:
-    """Return the cells that define a function, without unchanged released cells."""
+    """Return the indices of the cells that define a function, without unchanged stubs."""
     given = _released_cells_by_id(draft.lesson).get(name)
     stub = given.source.split() if given else None
     indices = _cells_that_define(draft, name)
@@ -526,7 +529,7 @@ def _hand_graded_cells(lesson: Lesson) -> list[str]:
 
 @functools.cache
 def cells_as_released(lesson: Lesson) -> tuple[Cell, ...]:
-    """Return the cells of a lesson as it was released."""
+    """Return the cells of a lesson's released notebook."""
     return tuple(
         Cell(
             cell["cell_type"],

@@ -1,9 +1,9 @@
 """Read a submission in a separate process, with limits on time and memory.
 
-If a file takes too long to read, only its author is affected.
+If reading a file takes too long, only its author is affected.
 
-Student code does not run in that process, but it might exploit a bug in a parser, so the reply is
-JSON. The process is forked, so that nothing has to be imported or read again.
+Student code does not run in that process. However, a file might exploit a bug in a parser, so the
+process replies in JSON. It is forked, so it does not have to import or read anything again.
 """
 
 from __future__ import annotations
@@ -25,48 +25,50 @@ from utils.notebooks.reading import UnreadableNotebook
 with contextlib.suppress(ImportError):  # Windows does not have this module
     import resource
 
-# Processor seconds: five times as long as the largest honest file takes.
+# Processor time. The largest honest file takes a fifth of it.
 CPU_SECONDS = 10
 MEGABYTES = 768
-# Seconds of wall-clock time. Even on a busy machine, a process reaches this limit only if it waits
-# for something, or if it gets less than a sixtieth of a processor.
+# Wall-clock time in seconds. A process that computes reaches `CPU_SECONDS` first, unless it gets
+# less than a sixtieth of a processor, so this limit is for a process that waits.
 LONGEST_WAIT = 600
 LARGEST_REPLY = 2**28
 _OUT_OF_MEMORY = 77
 
 
 class TooCostly(UnreadableNotebook):
-    """Reading takes more time or memory than any notebook needs; `str()` is the message."""
+    """Reading exceeds the limit on time or memory; `str()` is the message for the student."""
 
 
 class ReadingFailed(Exception):
-    """The grader or this machine is at fault; `str()` tells the instructor what happened."""
+    """Reading failed through no fault of the student; `str()` is the message for the instructor."""
 
 
 def run_in_child(name: str, work: Callable[[], object]) -> object:
-    """Run a function in another process.
+    """Run a function in a forked process, with limits on time and memory.
 
     Parameters
     ----------
     name : str
         Name of the file, for messages.
     work : callable
-        A function without arguments that returns a value that JSON can represent. Its side effects
-        stay in the other process.
+        Function without arguments whose value JSON can represent. Its side effects stay in the
+        other process.
 
     Returns
     -------
     object
-        The value, after a round trip through JSON.
+        The value of `work`, after a round trip through JSON.
 
     Raises
     ------
     TooCostly
+        If `work` exceeds a limit.
     utils.notebooks.reading.UnreadableNotebook
-        If `work` raised it.
+        If `work` raises it.
     ReadingFailed
+        If `work` raises another exception, or the process does not reply.
     """
-    if not hasattr(os, "fork"):  # Windows, where there is no sandbox either
+    if not hasattr(os, "fork"):  # Windows, where grading is not supported
         return json.loads(json.dumps(work()))
     read_end, write_end = os.pipe()
     child = os.fork()
@@ -77,7 +79,7 @@ def run_in_child(name: str, work: Callable[[], object]) -> object:
         reply = _read(read_end, time.monotonic() + LONGEST_WAIT)
     finally:
         os.close(read_end)
-        os.kill(child, signal.SIGKILL)  # it may still be running
+        os.kill(child, signal.SIGKILL)  # the child may still be running
         _, status = os.waitpid(child, 0)
     excess = _excess(os.waitstatus_to_exitcode(status), reply)
     if excess:
@@ -101,7 +103,7 @@ def run_in_child(name: str, work: Callable[[], object]) -> object:
 
 
 def _excess(code: int, reply: bytes) -> str:
-    """Return a description of the limit that was exceeded; empty if none was."""
+    """Describe the limit that the process exceeded; empty if it exceeded none."""
     if code == -signal.SIGXCPU:
         return f"more than {CPU_SECONDS} seconds"
     if code == _OUT_OF_MEMORY or len(reply) > LARGEST_REPLY:
@@ -124,10 +126,10 @@ def _read(pipe: int, deadline: float) -> bytes:
 
 
 def _work_and_end(work: Callable[[], object], pipe: int) -> NoReturn:
-    """Do the work in the child; end without clean-up, because files and locks are shared."""
+    """Do the work in the child, then exit without clean-up, because the parent shares its files."""
     code = 1
     try:
-        gc.disable()  # a collection would write to all memory pages, and so copy them
+        gc.disable()  # a collection writes to, and so copies, all memory pages
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGXCPU):
             signal.signal(number, signal.SIG_DFL)
         _close_all_but(pipe)
@@ -139,7 +141,7 @@ def _work_and_end(work: Callable[[], object], pipe: int) -> NoReturn:
     except MemoryError:
         code = _OUT_OF_MEMORY
     finally:
-        os._exit(code)  # also closes the pipe, so the exit code is known when the reply ends
+        os._exit(code)  # also closes the pipe
 
 
 def _reply(work: Callable[[], object]) -> bytes:
@@ -155,17 +157,17 @@ def _reply(work: Callable[[], object]) -> bytes:
 
 
 def _close_all_but(pipe: int) -> None:
-    """Close inherited files, so that no other process has to wait until this one closes them."""
-    with contextlib.suppress(OSError):  # some systems do not have this folder
+    """Close inherited files, because a pipe that stays open would keep its reader waiting."""
+    with contextlib.suppress(OSError):  # /dev/fd does not exist on every system
         for number in map(int, os.listdir("/dev/fd")):
             if number > 2 and number != pipe:
-                with contextlib.suppress(OSError):  # `listdir` has already closed its own file
+                with contextlib.suppress(OSError):  # `listdir` has closed its own descriptor
                     os.close(number)
 
 
 def _set_limits() -> None:
     limits = {"RLIMIT_CORE": 0, "RLIMIT_CPU": CPU_SECONDS}
-    with contextlib.suppress(OSError):  # without /proc the size of this process is unknown
+    with contextlib.suppress(OSError):  # without /proc, the size of this process is unknown
         pages = int(Path("/proc/self/statm").read_text().split()[0])
         limits["RLIMIT_AS"] = pages * resource.getpagesize() + MEGABYTES * 2**20
     for which, limit in limits.items():

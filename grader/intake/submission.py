@@ -1,6 +1,6 @@
 """A submission for one lesson.
 
-It is read only once, so that the fingerprint belongs to the bytes that were judged.
+Its files are read only once, so that the fingerprint belongs to the bytes that were judged.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ PACKAGE_FOLDERS = ("site-packages", "node_modules")
 
 @dataclass(frozen=True)
 class SubmittedFiles:
-    """A submitted notebook and the modules next to it.
+    """A submitted notebook, and the Python modules next to it.
 
     Attributes
     ----------
     name : str
-        Name of the file.
+        Name of the notebook file.
     data : bytes
         Content of the file; empty if it could not be read.
     complaint : str
@@ -43,11 +43,12 @@ class SubmittedFiles:
     notes: tuple[str, ...] = ()
 
     def notebook(self) -> Notebook:
-        """Read the cells of the notebook.
+        """Parse the notebook.
 
         Raises
         ------
         utils.notebooks.reading.UnreadableNotebook
+            If the file could not be read, or is not a notebook.
         """
         if self.complaint:
             raise UnreadableNotebook(self.complaint)
@@ -56,12 +57,12 @@ class SubmittedFiles:
     def fingerprint(self) -> str:
         """Return a digest of the whole submission.
 
-        The length of each part precedes it, so that different parts cannot result in the same
-        bytes.
+        Each part is preceded by its length, so two different submissions are never hashed as the
+        same bytes.
         """
         modules = [text for module in sorted(self.modules.items()) for text in module]
         texts = (self.name, self.complaint, *self.notes, *modules)
-        # A file name may contain bytes that are not text.
+        # A file name may contain bytes that are not valid UTF-8.
         parts = (self.data, *(text.encode(errors="surrogatepass") for text in texts))
         digest = hashlib.sha256(b"%d notes, %d modules: " % (len(self.notes), len(self.modules)))
         for part in parts:
@@ -76,7 +77,7 @@ def is_skipped_folder(name: str) -> bool:
 
 
 def read_submitted_files(path: Path) -> SubmittedFiles:
-    """Read a notebook and the modules in its folder. Problems become part of the result."""
+    """Read a notebook and the modules in its folder. Do not raise if a file is unreadable."""
     try:
         data, complaint = read_file(path), ""
     except UnreadableNotebook as error:
@@ -88,7 +89,7 @@ def _modules_next_to(path: Path) -> dict[str, str]:
     modules = {}
     for file in sorted(path.parent.glob("*.py"))[:MOST_MODULES]:
         if not file.stem.isidentifier():
-            continue  # it cannot be imported
+            continue  # Python cannot import it
         try:
             source = read_file(file)
         except UnreadableNotebook:

@@ -84,7 +84,7 @@ class StudentStopped(RemoteStopped):
     reason : str
         A text that identifies the cause of the stop; by default the sentence.
     out_of_time : bool
-        Whether a call of the student's function took too long.
+        Whether a call to the student's function took too long.
     """
 
     def __init__(self, sentence: str, reason: str = "", out_of_time: bool = False) -> None:

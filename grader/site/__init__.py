@@ -1,1 +1,1 @@
-"""The course as a website, with text, stubs and expected pictures, readable without a kernel."""
+"""The course as a website: the text, stubs and expected outputs of each lesson."""

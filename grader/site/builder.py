@@ -24,12 +24,12 @@ from grader.site.settings import conf
 
 STATIC = Path(__file__).parent / "static"
 THEME = Path(__file__).parent / "templates" / "theme"
-SITE_MARKER = "searchindex.js"  # a folder with this file is recognised as a site
-EARLIEST = "315532800"  # 1 January 1980, so that the site does not depend on the clock
+SITE_MARKER = "searchindex.js"  # an existing folder with this file is a site
+EARLIEST = "315532800"  # 1 January 1980 in seconds, so that the site does not depend on the clock
 REPLACEMENTS = {
-    # The icons come from a font. This script of 1.5 MB would draw them a second time.
+    # The icons come from a font, so this 1.5 MB script is not needed.
     re.compile(r' *<script [^>]*src="[^"]*fontawesome\.js[^"]*"></script>\n'): "",
-    # Screen readers read the visible text instead of a label that differs from it.
+    # These labels differ from the visible text. Without them, screen readers read that text.
     re.compile(r'(<summary) aria-label="Toggle hidden content"'): r"\1",
     re.compile(r'(<button class="btn search-button-field [^>]*?) aria-label="Search"'): r"\1",
     re.compile(r'(<div id="pst-primary-sidebar")'): r'\1 role="region" aria-label="Course"',
@@ -53,23 +53,24 @@ DELETED_PATTERNS = (
 def write_site(
     folder: Path, ran: Mapping[Lesson, bytes], origin: Origin, live: bool = False
 ) -> None:
-    """Write the site. The same runs always give the same bytes.
+    """Write the site. The same outputs always give the same bytes.
 
     Parameters
     ----------
     folder : pathlib.Path
         Replaced if it contains a site, and created if it does not exist.
     ran : mapping of Lesson to bytes
-        Result of `grader.site.runs.solved_runs`. If a lesson is missing, its page has no outputs.
+        Executed notebooks, from `grader.site.runs.solved_runs`. The page of a missing lesson has
+        no outputs.
     origin : grader.course.build.Origin
     live : bool
-        Whether to add a page for each lesson that runs in the browser.
+        Whether to add pages on which the lessons run in the browser.
 
     Raises
     ------
     SiteError
-        If `folder` contains something else, if Sphinx reports a warning, or if a page reveals a
-        solution, fetches from another host or has a dead link.
+        If a package is missing, if `folder` contains anything except a site, if Sphinx or
+        JupyterLite fails, or if `grader.site.site_checks` finds a fault.
     """
     ready(folder)
     folder.parent.mkdir(parents=True, exist_ok=True)
@@ -91,12 +92,12 @@ def write_site(
 
 
 def ready(folder: Path) -> None:
-    """Check before a long build whether the site can be written.
+    """Check, before a long build, that the site can be written.
 
     Raises
     ------
     SiteError
-        If a package is missing, or if `folder` contains something other than a site.
+        If a package is missing, or if `folder` contains anything except a site.
     """
     if missing := [name for name in REQUIRED_PACKAGES if not importlib.util.find_spec(name)]:
         raise SiteError(
@@ -108,7 +109,7 @@ def ready(folder: Path) -> None:
 
 
 def source_files(ran: Mapping[Lesson, bytes], origin: Origin, live: bool) -> dict[str, bytes]:
-    """Return all files that Sphinx reads, by name; see `write_site` for the parameters."""
+    """Return all files that Sphinx reads, by path; see `write_site` for the parameters."""
     pictures = Pictures()
     files = {"conf.py": conf(), "index.md": front_page.page(origin, pictures)}
     files |= {f"{name}.md": guides.page(name, origin, pictures) for name in guides.PAGES}
@@ -123,13 +124,13 @@ def source_files(ran: Mapping[Lesson, bytes], origin: Origin, live: bool) -> dic
         sources[f"extra/notebooks/{lesson.name}.ipynb"] = notebook
     sources |= {f"_static/{path.name}": path.read_bytes() for path in sorted(STATIC.iterdir())}
     sources |= {f"_templates/{path.name}": path.read_bytes() for path in sorted(THEME.iterdir())}
-    # Without this file, GitHub Pages leaves out files that begin with `_`.
+    # Without this file, GitHub Pages does not serve files whose names begin with `_`.
     sources["extra/.nojekyll"] = b""
     return sources | pictures.files | mathjax.files()
 
 
 def _run_sphinx(source: Path, pages: Path) -> None:
-    """Build the pages with Sphinx, and treat warnings as errors."""
+    """Build the pages with Sphinx. Warnings are errors."""
     command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html"]
     process = subprocess.run(
         [*command, "-d", str(source.parent / "read"), str(source), str(pages)],
@@ -142,7 +143,7 @@ def _run_sphinx(source: Path, pages: Path) -> None:
 
 
 def _finish(pages: Path) -> None:
-    """Delete files that no reader needs, and fix details of the theme."""
+    """Delete files that no page needs, fix details of the theme, and add the search script."""
     for pattern in DELETED_PATTERNS:
         for path in pages.rglob(pattern):
             shutil.rmtree(path) if path.is_dir() else path.unlink()

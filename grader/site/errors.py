@@ -1,4 +1,4 @@
-"""The exception that the website builder raises."""
+"""The exception of the website builder, in its own module to avoid circular imports."""
 
 
 class SiteError(Exception):

@@ -23,15 +23,15 @@ from grader.site.pictures import Pictures
 README = PROJECT / "README.md"
 FILM = re.compile(r"^!\[(.+?)\]\((\S+\.gif)\)$", re.M)
 PREVIEW = re.compile(r"!\[(.*?)\]\(attachment:(\S+?)\)")
-CARD = 480  # pixels of the longer side of a card's picture
+CARD = 480  # longer side of a card's picture in pixels
 QUALITY = 80  # WebP quality of the film
-# Position in the film of the still picture, which readers see if they turn off motion.
+# Position of the still picture in the film, 0 to 1. Readers who turn off motion see it.
 STILL = 0.45
 
 
 @dataclass(frozen=True)
 class LessonCard:
-    """A lesson on the front page."""
+    """Content of a lesson's card on the front page."""
 
     number: str
     title: str
@@ -60,7 +60,7 @@ def page(origin: Origin, pictures: Pictures) -> str:
 
 
 def titles() -> list[tuple[str, str]]:
-    """Return each stage with its title, followed by the optional lessons."""
+    """Return each stage with its title. The last entry is for optional lessons, if any."""
     titled = [
         (stage, f"Stage {number}: {stage_title(stage)}")
         for number, stage in enumerate(stages(), start=1)
@@ -79,7 +79,7 @@ def card(lesson: Lesson, pictures: Pictures) -> LessonCard:
     picture = ""
     if preview:
         content = base64.b64decode(first["attachments"][preview[2]]["image/png"])
-        # The description is empty, because the title next to the picture already names the link.
+        # The alt text is empty, because the title next to the picture already describes the link.
         picture = pictures.tag(_small(content), "", "")
     return LessonCard(
         lesson.number,
@@ -100,7 +100,7 @@ def _small(content: bytes) -> bytes:
 
 
 def _as_webp(film: bytes) -> bytes:
-    """Convert a film to WebP, which needs little more than half the bytes."""
+    """Convert a film to WebP, which takes little more than half as many bytes as GIF."""
     with Image.open(io.BytesIO(film)) as picture:
         duration = picture.info["duration"]
         first, *others = [frame.convert("RGB") for frame in ImageSequence.Iterator(picture)]
@@ -119,7 +119,7 @@ def _as_webp(film: bytes) -> bytes:
 
 
 def _still(film: bytes) -> bytes:
-    """Extract one picture of a film, as PNG."""
+    """Extract the still picture of a film, as PNG."""
     with Image.open(io.BytesIO(film)) as picture:
         picture.seek(int(picture.n_frames * STILL))
         return _png(picture.convert("RGB"))

@@ -1,4 +1,4 @@
-"""The glossary of the course, a separate page to which lessons link."""
+"""The page with the glossary of the course, and the links from lessons to it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ LINK = re.compile(r"\[([^\[\]]+)\]\(#Words-of-the-course\)")
 
 
 def definitions() -> dict[tuple[str, ...], str]:
-    """Return the meaning of each entry in the glossary. The key contains all names of the entry."""
+    """Return the meaning of each glossary entry. The key is the tuple of its names."""
     rows = ROW.findall(SOURCE.read_text("utf-8"))
     return {tuple(names.split(", ")): meaning for names, meaning in rows}
 
@@ -24,7 +24,7 @@ def page() -> str:
 
 
 def link_terms(markdown: str) -> str:
-    """Redirect links in a cell's text from the notebook's glossary to the glossary page."""
+    """Make links to the glossary in a notebook's text lead to the glossary page."""
     return LINK.sub(_link, markdown)
 
 

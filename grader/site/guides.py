@@ -1,4 +1,4 @@
-"""The guides in ``docs/`` and the READMEs for students and about the data, as pages."""
+"""The pages for the guides in ``docs/``, the README for students and the data card."""
 
 from __future__ import annotations
 
@@ -42,10 +42,10 @@ def page(name: str, origin: Origin, pictures: Pictures) -> str:
     name : str
         One of `PAGES`.
     origin : grader.course.build.Origin
-        Repository that contains the files without a page. If it has no address, these files are
-        named but not linked.
+        Repository to which links lead if a file has no page. If the repository has no address,
+        these links become plain text.
     pictures : Pictures
-        Collects the pictures of the guide.
+        Collection to which the pictures of the guide are added.
     """
     path = PROJECT / PAGES[name]
     folder = posixpath.dirname(PAGES[name])
@@ -66,13 +66,13 @@ def page(name: str, origin: Origin, pictures: Pictures) -> str:
         return text
 
     parts = CODE.split(path.read_text("utf-8"))
-    # Code is masked, because it cannot contain links. However, the text of a link may be code.
+    # Code is masked rather than left out, because it cannot contain links but may be link text.
     masked = "".join(part if n % 2 == 0 else f"\0{n}\0" for n, part in enumerate(parts))
     return re.sub("\0(\\d+)\0", lambda match: parts[int(match[1])], LINK.sub(link, masked))
 
 
 def _pages() -> dict[str, str]:
-    """Return the page of each file that has one, as a path that guides can link to."""
+    """Return the page of each file that has one. Guides may also link to a README's folder."""
     lessons = {
         f"notebooks/{lesson.stage}/{lesson.name}.ipynb": f"{lesson.stage}/{lesson.name}.ipynb"
         for lesson in every_lesson()

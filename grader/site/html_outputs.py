@@ -1,4 +1,4 @@
-"""Outputs of a cell as HTML that works without a kernel, with pictures in separate files."""
+"""Convert outputs of a cell to HTML that needs no kernel, with pictures in separate files."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def page_outputs(outputs: Sequence[NotebookNode], pictures: Pictures) -> list[No
     outputs : sequence of nbformat.NotebookNode
         Outputs as recorded by `grader.site.widget_states`.
     pictures : Pictures
-        Collects the pictures in the outputs.
+        Collection to which the pictures are added.
     """
     first = next((n for n, output in enumerate(outputs) if POSITION in _data(output)), len(outputs))
     converted = [_plain(output, pictures) for output in outputs[:first]]
@@ -65,7 +65,7 @@ def _as_html(html: str) -> NotebookNode:
 
 
 def html_of(output: NotebookNode, pictures: Pictures) -> str:
-    """Convert an output to HTML; empty if it is plain text."""
+    """Convert an output to HTML; empty if the output is plain text."""
     data = _data(output)
     if QUESTION in data:
         return TEMPLATES.get_template("question.html").render(
@@ -86,17 +86,17 @@ def html_of(output: NotebookNode, pictures: Pictures) -> str:
 
 
 def key_of(question: str) -> str:
-    """Return a key with which the page finds the question that belongs to an answer."""
+    """Return a key with which the page assigns an answer to its question."""
     return hashlib.sha256(question.encode()).hexdigest()[:12]
 
 
 def _with_files(html: str, pictures: Pictures) -> str:
-    """Move the scenes and pictures in HTML to files next to the page."""
+    """Replace embedded scenes and pictures in HTML with links to separate files."""
 
     def scene(match: re.Match) -> str:
         page, title, width, height, fallback = match.groups()
         place = pictures.keep(unescape(page).encode(), ".html")
-        # The fallback is for readers without JavaScript. If scripts run, it is not needed.
+        # The scene needs JavaScript, and the fallback is a picture for readers without it.
         return (
             f'<iframe class="scene" src="{TO_ROOT}{place}" title="{title}" loading="lazy" '
             f'width="{width}" height="{height}"></iframe>'
@@ -111,7 +111,7 @@ def _with_files(html: str, pictures: Pictures) -> str:
 
 
 def _positions(outputs: Sequence[NotebookNode], pictures: Pictures) -> str:
-    """Format the recorded slider positions, so that readers can switch without a script."""
+    """Format recorded slider positions, between which readers can switch without a script."""
     parts: list[dict] = []
     for output in outputs:
         if POSITION in _data(output):
@@ -131,7 +131,7 @@ def _positions(outputs: Sequence[NotebookNode], pictures: Pictures) -> str:
 def _rows(
     own_values: list[list[str]], positions: list[dict]
 ) -> Iterator[tuple[str, list[tuple[int, str]]]]:
-    """Yield the title of each slider with its sorted values, as (number of position, value)."""
+    """Yield each slider's title and sorted values, each value as (index in `positions`, value)."""
     for title, value in own_values:
         moved = [
             (number, recorded["about"]["value"])

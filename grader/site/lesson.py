@@ -35,12 +35,12 @@ def page_of(lesson: Lesson, ran: bytes, links: str, pictures: Pictures) -> bytes
     links : str
         Links below the title, from `links_of`.
     pictures : Pictures
-        Collects all pictures of the page.
+        Collection to which the pictures of the page are added.
 
     Raises
     ------
     SiteError
-        If a cell of the student's notebook is not in the solved one.
+        If the solved notebook does not contain a cell of the student's notebook.
     """
     notebook = nbformat.read(lesson.released, as_version=4)
     solved = {cell["id"]: cell for cell in nbformat.reads(ran.decode(), as_version=4).cells}
@@ -79,7 +79,7 @@ def _title(cell: NotebookNode) -> str:
 
 
 def _only_asks(cell: NotebookNode) -> bool:
-    """Return whether a cell shows only questions, for which the page has its own form."""
+    """Return whether all outputs of a cell are questions, which the page shows as forms."""
     return bool(cell.outputs) and all(QUESTION in output.get("data", {}) for output in cell.outputs)
 
 
@@ -97,7 +97,7 @@ def _extract_pictures(cell: NotebookNode, pictures: Pictures) -> None:
 
 
 def links_of(lesson: Lesson, origin: Origin, live: bool) -> str:
-    """Return links to run the lesson and to report a mistake, as HTML.
+    """Return links to download or run the lesson and to report a mistake, as HTML.
 
     Parameters
     ----------

@@ -1,7 +1,8 @@
 """Pages on which lessons run in the browser, with JupyterLite and a Pyodide kernel.
 
-The pages are part of the site, but the kernel and its packages are not. The browser fetches them
-from jsDelivr, and ipywidgets from PyPI, because no package registry has NumPy for this kernel.
+The site contains the pages, but not the kernel and its packages, because no package registry
+offers NumPy for this kernel. The browser fetches the kernel and its packages from jsDelivr, and
+ipywidgets from PyPI.
 """
 
 from __future__ import annotations
@@ -30,12 +31,12 @@ WIDGETS = {
 
 
 def address_of(lesson: Lesson) -> str:
-    """Return the address of the page on which a lesson runs, relative to the site's root."""
+    """Return the address, relative to the site's root, of the page on which a lesson runs."""
     return f"{FOLDER}/notebooks/index.html?path={lesson.name}.ipynb"
 
 
 def notebook_of(lesson: Lesson) -> bytes:
-    """Build the standalone notebook of a lesson for a kernel in the browser."""
+    """Build a lesson's standalone notebook for the kernel in the browser."""
     content = json.loads(make_standalone(lesson.released.read_bytes()))
     setup = next(
         number
@@ -52,12 +53,12 @@ def notebook_of(lesson: Lesson) -> bytes:
 
 
 def write_live(pages: Path, place: Path) -> None:
-    """Write the pages of all lessons.
+    """Write the pages on which lessons run.
 
     Parameters
     ----------
     pages : pathlib.Path
-        Folder of the site, in which a folder `live` is created.
+        Folder of the site. The pages go to its folder `live`.
     place : pathlib.Path
         Empty working folder.
 

@@ -1,4 +1,4 @@
-"""MathJax and its fonts, from an installed package."""
+"""MathJax and its fonts, from the package `sphinx-mathjax-offline`."""
 
 from importlib import metadata
 
@@ -7,7 +7,7 @@ WANTED = ("tex-chtml.js", ".woff")
 
 
 def files() -> dict[str, bytes]:
-    """Return the files that a page with formulas loads, by path in the site."""
+    """Return the content of each file that pages with formulas load, by path in the site."""
     contents = {}
     for path in metadata.files(PACKAGE):
         place = path.as_posix().partition("static/mathjax/")[2]

@@ -1,4 +1,4 @@
-"""Pictures and scenes in files next to the pages. Equal content is stored only once."""
+"""Pictures and scenes as separate files of the site. Equal content is stored only once."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ FOLDER = "_static/shown"
 
 
 class Pictures:
-    """Collects the files that pages show. `files` contains their content by path in the site."""
+    """Collection of the files that pages show. `files` maps the path in the site to the content."""
 
     def __init__(self) -> None:
         self.files: dict[str, bytes] = {}
 
     def keep(self, content: bytes, suffix: str) -> str:
-        """Store a file and return its path in the site, which depends only on the content."""
+        """Store a file and return its path in the site, which is derived from the content."""
         place = f"{FOLDER}/{hashlib.sha256(content).hexdigest()[:20]}{suffix}"
         self.files[place] = content
         return place
@@ -32,7 +32,7 @@ class Pictures:
         up : str
             Relative path from the page to the site's root, such as ``../``.
         width : int, optional
-            Width on the page in pixels; by default the width of the picture.
+            Width on the page in pixels. Default: the width of the picture.
         """
         from PIL import Image
 

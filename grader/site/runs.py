@@ -1,4 +1,4 @@
-"""Runs of the solved notebooks for the site, repeated only if something relevant has changed.
+"""Run the solved notebooks for the site, if anything that affects their outputs has changed.
 
 `python -m grader release --solutions` publishes the same outputs; see `grader.site.solution`.
 """
@@ -21,7 +21,7 @@ RECORDER = Path(__file__).parent / "widget_states.py"
 def solved_runs(
     lessons: Iterable[Lesson], workers: int, progress: Callable[[int, int, object], None]
 ) -> dict[Lesson, bytes]:
-    """Run solved notebooks and record what their pages show; see `grader.course.solutions`."""
+    """Run solved notebooks with the recorder; see `grader.course.solutions.run_all`."""
 
     def run(lesson: Lesson) -> bytes:
         return executed_notebook(lesson, CACHE, recorder_code())
@@ -30,7 +30,7 @@ def solved_runs(
 
 
 def missing_packages(lesson: Lesson) -> list[str]:
-    """Return the packages that a lesson imports anywhere but that are not installed."""
+    """Return the packages that a lesson imports and that are not installed."""
     packages = set()
     for node in ast.walk(ast.parse(lesson.text)):
         if isinstance(node, ast.Import):
@@ -41,10 +41,10 @@ def missing_packages(lesson: Lesson) -> list[str]:
 
 
 def recorder_code() -> str:
-    """Return the code that runs before a lesson.
+    """Return the code that starts the recorder in a notebook.
 
-    The code does not leave any name in the notebook. It contains a digest of the recorder, so that
-    a change of the recorder invalidates the cache.
+    The code does not define any name in the notebook. It contains a digest of the recorder, so that
+    a change to the recorder invalidates the cache.
     """
     digest = hashlib.sha256(RECORDER.read_bytes()).hexdigest()[:16]
     return f"__import__('grader.site.widget_states').site.widget_states.record()  # {digest}"

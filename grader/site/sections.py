@@ -1,4 +1,4 @@
-"""A script with the sections of all pages, from which the search page shows matching lines."""
+"""A script with the text of all pages by section, in which the search page finds matches."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ EMPTY = {"img", "br", "hr", "input", "source", "meta", "link", "wbr"}
 
 
 def write(pages: Path) -> None:
-    """Write the script for all pages below a folder."""
+    """Write the script for all pages in a folder and its subfolders."""
     sections = []
     for path in sorted(pages.rglob("*.html")):
         reader = _Reader()
@@ -25,7 +25,7 @@ def write(pages: Path) -> None:
 
 
 class _Reader(HTMLParser):
-    """Collects the text of an article by section, as (anchor, title, text)."""
+    """Parser that collects the text of a page by section."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -34,7 +34,7 @@ class _Reader(HTMLParser):
         self._sections: list[dict] = []
 
     def sections(self) -> list[tuple[str, str, str]]:
-        """Return the sections that contain text."""
+        """Return (anchor, title, text) of each section that contains text."""
         parts = [
             (
                 section["anchor"],
@@ -45,7 +45,7 @@ class _Reader(HTMLParser):
         return [(anchor, title.rstrip("#¶ "), text) for anchor, title, text in parts if text]
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """Enter an element. If it is a section, begin a new one."""
+        """Remember an open element. If it is a section, begin to collect its text."""
         if tag in EMPTY:
             return
         self._open.append(tag)
@@ -55,7 +55,7 @@ class _Reader(HTMLParser):
             self._sections.append(section)
 
     def handle_endtag(self, tag: str) -> None:
-        """Leave an element. If it is a section, end it."""
+        """Forget a closed element. If it is a section, return to the section around it."""
         while tag in self._open:
             closed = self._open.pop()
             if closed == "section":

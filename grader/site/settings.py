@@ -4,14 +4,14 @@ from grader.course.settings import course_title, version
 
 
 def conf() -> str:
-    """Return the text of Sphinx's ``conf.py``."""
+    """Return the source of Sphinx's ``conf.py``."""
     return "".join(f"{name} = {value!r}\n" for name, value in settings().items())
 
 
 def settings() -> dict[str, object]:
     """Return Sphinx's settings by name."""
     theme = {
-        "use_download_button": False,  # it would need the sources in the site
+        "use_download_button": False,  # the button would need the sources in the site
         "use_fullscreen_button": False,
         "toc_title": "On this page",
         "search_bar_text": "Search the course",
@@ -37,7 +37,8 @@ def settings() -> dict[str, object]:
         "myst_enable_extensions": ["dollarmath", "amsmath"],
         "myst_heading_anchors": 4,
         "templates_path": ["_templates"],
-        "html_show_search_summary": False,  # search.js shows summaries without a server
+        # Sphinx's summaries need a server, so search.js shows summaries instead.
+        "html_show_search_summary": False,
         "html_theme": "sphinx_book_theme",
         "html_theme_options": theme,
         "html_sidebars": {"**": ["navbar-logo.html", "sbt-sidebar-nav.html"]},
@@ -51,6 +52,6 @@ def settings() -> dict[str, object]:
         "html_use_index": False,
         "html_domain_indices": False,
         "mathjax_path": "mathjax/tex-chtml.js",
-        # The menu would add a Tab stop for each formula.
+        # With the menu, the Tab key would stop at each formula.
         "mathjax3_config": {"options": {"enableMenu": False}},
     }

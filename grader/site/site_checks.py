@@ -1,4 +1,4 @@
-"""Checks of a finished site: no solutions, no requests to other hosts, no dead links."""
+"""Check that a finished site has no solutions, requests to other hosts or dead links."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ IN_STYLES = re.compile(r"(?:url\(|@import)\s*[\"']?\s*((?:https?:)?//[^\"')\s]*)
 
 def faults(folder: Path) -> list[str]:
     """Return the faults of a site, one sentence each."""
-    # Of the JupyterLite files, only the notebooks are ours.
+    # JupyterLite's own pages are not checked.
     live = folder / FOLDER
     own_pages = [path for path in sorted(folder.rglob("*.html")) if not path.is_relative_to(live)]
     pages = {path: ParsedPage.read(path) for path in own_pages}
@@ -55,14 +55,14 @@ class ParsedPage(HTMLParser):
 
     @classmethod
     def read(cls, path: Path) -> ParsedPage:
-        """Read a page from a file."""
+        """Read and parse a file."""
         page = cls()
         page.feed(path.read_text("utf-8"))
         page.close()
         return page
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """Record the names, fetched files and links of a tag."""
+        """Record the anchors, fetched files and links of a tag."""
         attributes = {name: value or "" for name, value in attrs}
         self.names |= {attributes[name] for name in ("id", "name") if name in attributes}
         self.fetched += [attributes[name] for name in FETCHED & attributes.keys()]
@@ -72,16 +72,16 @@ class ParsedPage(HTMLParser):
             self.undescribed += 1
 
     def handle_data(self, data: str) -> None:
-        """Record text."""
+        """Record text between tags."""
         self.text.append(data)
 
 
 def _revealed_lines(folder: Path, pages: dict[Path, ParsedPage]) -> Iterator[str]:
-    """Yield a sentence for each line of a solution that a file of the site reveals."""
+    """Yield one sentence for each line of a solution in a file of the site."""
     lessons = every_lesson()
     notebooks = [line for lesson in lessons for line in lines_of(lesson.released.read_bytes())]
     readmes = [(PROJECT / path).read_text("utf-8") for path in PAGES.values()]
-    # A hint may contain "return `a`", which its page shows without backticks.
+    # A page shows a hint such as "return `a`" without backticks, so they are ignored.
     published = re.sub("[`*]", "", "\n".join([*notebooks, *readmes]))
     secret = {
         line: lesson.name
@@ -102,7 +102,7 @@ def _revealed_lines(folder: Path, pages: dict[Path, ParsedPage]) -> Iterator[str
 
 
 def _external_requests(folder: Path, pages: dict[Path, ParsedPage]) -> Iterator[str]:
-    """Yield a sentence for each file that a page or style sheet would fetch from another host."""
+    """Yield one sentence for each file that the browser would fetch from another host."""
     for path, page in pages.items():
         for address in page.fetched:
             if ELSEWHERE.match(address):
@@ -113,7 +113,7 @@ def _external_requests(folder: Path, pages: dict[Path, ParsedPage]) -> Iterator[
 
 
 def _dead_links(path: Path, pages: dict[Path, ParsedPage]) -> Iterator[str]:
-    """Yield links and fetched files within the site whose target does not exist."""
+    """Yield the links and fetched files of a page that lead to missing targets within the site."""
     page = pages[path]
     for link in dict.fromkeys([*page.links, *page.fetched]):
         parts = urlsplit(link)

@@ -1,4 +1,4 @@
-"""Executed solutions as notebooks to publish, with fixed sliders and without guesses."""
+"""Executed solutions as notebooks to publish, without sliders and questions."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from utils.predictions import as_html_and_text
 
 
 def as_notebook(ran: bytes) -> bytes:
-    """Return a solved notebook whose outputs can be shown by any notebook viewer.
+    """Convert the outputs of a solved notebook, so that any notebook viewer can show them.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ def as_notebook(ran: bytes) -> bytes:
 
 
 def _outputs(outputs: Iterable[NotebookNode]) -> Iterator[NotebookNode]:
-    positions = 0  # the lesson's own position comes first
+    positions = 0  # the first is the lesson's own; later ones are left out
     for output in outputs:
         data = output.get("data", {})
         positions += POSITION in data

@@ -1,7 +1,8 @@
 """A recorder that runs in the kernel of a solved notebook and stores interactive outputs as data.
 
-For a slider, it stores the output at a few positions. For a prediction, it stores the question and
-the answer. Figures get a description in words. `grader.site.html_outputs` turns the data into HTML.
+For a slider, the recorder stores the output at a few positions. For a prediction, it stores the
+question and the answer. It adds a description in words to each figure. `grader.site.html_outputs`
+converts the data to HTML.
 """
 
 from __future__ import annotations
@@ -20,13 +21,13 @@ if TYPE_CHECKING:
 POSITION = "application/vnd.lidar-obstacle-lab.position+json"
 QUESTION = "application/vnd.lidar-obstacle-lab.question+json"
 ANSWER = "application/vnd.lidar-obstacle-lab.answer+json"
-POSITIONS = {1: 4, 2: 3}  # further positions per slider, by number of sliders
-FEW_POSITIONS = 2  # further positions per slider if there are more sliders
-TITLES = ("left", "center", "right")  # positions of axes titles
+POSITIONS = {1: 4, 2: 3}  # positions per slider, without the lesson's own, by number of sliders
+FEW_POSITIONS = 2  # the same, if there are more sliders
+TITLES = ("left", "center", "right")  # places of a title above the axes
 
 
 def record() -> None:
-    """Replace interactive functions with versions that record data."""
+    """Replace the notebook's interactive functions with functions that store data."""
     import ipywidgets
     from IPython import get_ipython
 
@@ -41,7 +42,7 @@ def record() -> None:
 
 
 def interact(**sliders: Widget) -> Callable[[Callable], Callable]:
-    """Replace `ipywidgets.interact` and show the output at each of `positions`."""
+    """Replace `ipywidgets.interact`: show the output at each of the sliders' `positions`."""
 
     def run(function: Callable) -> Callable:
         for about, values in positions(sliders):
@@ -54,7 +55,7 @@ def interact(**sliders: Widget) -> Callable[[Callable], Callable]:
 
 
 def positions(sliders: dict[str, Widget]) -> Iterator[tuple[dict, dict]]:
-    """Yield the description and the values of each position, beginning with the lesson's own.
+    """Yield the slider positions to record, beginning with the lesson's own position.
 
     Parameters
     ----------
@@ -64,8 +65,9 @@ def positions(sliders: dict[str, Widget]) -> Iterator[tuple[dict, dict]]:
     Yields
     ------
     (dict, dict)
-        Description and values of a position. The description contains the title and value of the
-        slider that was moved. For the lesson's own position, it contains them for all sliders.
+        Description of a position, and values by parameter name. The description contains the
+        title and value of the slider that was moved. For the lesson's own position, it contains
+        the titles and values of all sliders.
     """
     current = {name: slider.value for name, slider in sliders.items()}
     titles = {name: slider.description or name for name, slider in sliders.items()}
@@ -77,7 +79,7 @@ def positions(sliders: dict[str, Widget]) -> Iterator[tuple[dict, dict]]:
 
 
 def _spread(slider: Widget, count: int) -> list[float]:
-    """Choose values of a slider between the first and the last, without the current one."""
+    """Return `count` evenly spread values of a slider, without the current one."""
     if hasattr(slider, "options"):
         values = [value for value in slider.options if value != slider.value]
     else:
@@ -98,7 +100,7 @@ def predict(
     unit: str = "",
     digits: int = 0,
 ) -> object:
-    """Replace `utils.predict` and show the question as data."""
+    """Replace `utils.predict`: show the question as data."""
     from utils.predictions import Prediction
 
     prediction = Prediction(question, tuple(choices), unit, digits)
@@ -110,7 +112,7 @@ def predict(
 
 
 def compare(prediction: object, answer: float | str, why: str) -> None:
-    """Replace `utils.predictions.Prediction.compare` and show the answer as data."""
+    """Replace `utils.predictions.Prediction.compare`: show the answer as data."""
     if prediction._choices and answer not in prediction._choices:
         raise ValueError(f"{answer!r} is not one of the choices: {', '.join(prediction._choices)}.")
     text = prediction._as_text(answer)
@@ -141,7 +143,7 @@ def _describe_figures(shell: object) -> None:
 
 
 def describe_figure(figure: Figure) -> str:
-    """Describe a figure in words: its titles, axis labels and legends."""
+    """Return a description of a figure in words, from its titles, axis labels and legends."""
     parts = [_text(figure.get_suptitle()), *map(_described_axes, figure.axes)]
     parts += [_legend(legend) for legend in figure.legends]
     parts = [part[:1].upper() + part[1:] for part in parts if part]
@@ -166,6 +168,6 @@ def _legend(legend: Legend) -> str:
 
 
 def _text(words: str) -> str:
-    """Remove characters from a label that matplotlib interprets as markup."""
+    """Remove the characters of a label that are markup in matplotlib."""
     plain = words.replace("$", "").replace("\\", "").replace("\n", " ")
     return plain.strip().rstrip(".:")

@@ -337,7 +337,7 @@ def assert_rows(answer: object, cloud: np.ndarray, keep: np.ndarray, view: str =
         )
     if len(yours) == len(expected) and np.array_equal(mine, keep):
         raise CheckFailed(
-            "These are the right rows in another order.",
+            "The rows are right, but in the wrong order.",
             **sides,
             hint="A mask keeps the order: cloud[mask].",
         )
@@ -414,7 +414,7 @@ def assert_order(answer: object, cloud: np.ndarray, keep: np.ndarray) -> None:
         row = np.flatnonzero(~np.isclose(yours, expected, rtol=0, atol=TOLERANCE).all(axis=1))[0]
         mine, right = distinct_texts(point_text, yours[row], expected[row])
         raise CheckFailed(
-            "These are the right rows in another order.",
+            "The rows are right, but in the wrong order.",
             yours=f"row {row} is {mine}",
             expected=f"row {row} is {right}",
         )

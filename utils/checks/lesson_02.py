@@ -850,8 +850,11 @@ def _hint_from_runs(
         ]
 
     after_one = after(1)
-    if all(_lines_equal(first[0], last[0]) for first, last in zip(after_one, answers, strict=True)):
-        return f" With {fixed('1 round')} instead of {max_iterations}, the answers are the same."
+    both = list(zip(after_one, answers, strict=True))
+    if all(_lines_equal(first[0], last[0]) for first, last in both):
+        masks_equal = all(np.array_equal(first[1], last[1]) for first, last in both)
+        same = "the answers are the same" if masks_equal else "only the masks differ, not the lines"
+        return f" With {fixed('1 round')} instead of {max_iterations}, {same}."
     after_half = after(max_iterations // 2)
     fewer = sum(
         last.sum() < first.sum() for (_, first), (_, last) in zip(after_half, answers, strict=True)
@@ -1297,7 +1300,7 @@ def assert_nothing_found(answer: object, n: int) -> None:
 @visible(
     "ransac_line",
     weight=2,
-    title="Accepts a whole number, a seed, as rng",
+    title="Accepts an integer seed as rng",
     why="A seed can be written to a log file; a generator cannot.",
     hint="Begin with rng = np.random.default_rng(rng): it makes a generator from a whole number "
     "and returns a generator unchanged.",

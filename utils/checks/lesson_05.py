@@ -86,8 +86,7 @@ _JOINED_HINT = (
     weight=13,
     title="Joins a chain of neighbours into one cluster, however long it is",
     why="The ends of a wall are metres apart, but it is one obstacle.",
-    hint="Put each point that you label into the queue, so that your code searches for its "
-    "neighbours too.",
+    hint="Also search for the neighbours of each point that joins the cluster.",
 )
 def follows_chains(euclidean_clustering: Callable) -> None:
     answer = euclidean_clustering(_SEVEN_POINTS.copy(), _THRESHOLD)
@@ -246,7 +245,7 @@ def labels_a_long_wall(euclidean_clustering: Callable) -> None:
     why="On a nearby wall, a point has dozens of neighbours. If it gets its label when it leaves "
     "the queue, it enters the queue dozens of times and adds its own neighbours each time.",
     hint="Label new neighbours when they enter the queue, not when they leave it.",
-    slow="points enter the queue again and again. Label new neighbours when they enter it, not "
+    slow="does each point enter the queue only once? Label new neighbours when they enter it, not "
     "when they leave it.",
 )
 def labels_a_dense_wall(euclidean_clustering: Callable) -> None:

@@ -450,7 +450,8 @@ def floors_below_zero(voxel_grid: Callable) -> None:
 
 
 # Pairs of cells that may get the same home-made key, such as the sum of the indices, their joined
-# digits, a sum of products with primes, or the indices without their signs.
+# digits, a sum of products with primes, the indices without their signs, or the digits of a number
+# to base 100. In the course's scan, the last of these keys merges one in twenty cells.
 _CONFUSABLE = (
     ((1, 0, 0), (0, 1, 0)),
     ((1, 11, 1), (11, 1, 1)),
@@ -461,6 +462,12 @@ _CONFUSABLE = (
     ((5, -2, 2), (5, 1, 2)),
     ((5, 2, -1), (5, 2, 0)),
     ((12, 0, 0), (2, 1, 0)),
+    ((100, 0, 0), (0, 1, 0)),
+    ((100, 0, 0), (0, 0, 1)),
+    ((0, 100, 0), (1, 0, 0)),
+    ((0, 100, 0), (0, 0, 1)),
+    ((0, 0, 100), (1, 0, 0)),
+    ((0, 0, 100), (0, 1, 0)),
 )
 
 
@@ -759,11 +766,16 @@ mistakes(
         "The coordinates are multiplied by voxel_size. They should be divided by it.",
         lambda right, cloud, size: _merged(cloud, 1 / size),
     ),
-    Mistake(
-        "The last cell is missing: your code writes each cell when the next one begins, and no "
-        "cell follows the last one.",
-        lambda right, cloud, size: right[np.lexsort(np.floor(right[:, :3] / size).T[::-1])][:-1],
-        "Write the last cell after the loop.",
+    *(
+        Mistake(
+            "The last cell is missing: your code writes each cell when the next one begins, and "
+            "no cell follows the last one.",
+            lambda right, cloud, size, by=by: right[
+                np.lexsort(np.floor(right[:, :3] / size).T[by])
+            ][:-1],
+            "Write the last cell after the loop.",
+        )
+        for by in (slice(None, None, -1), slice(None))  # sorted first by x, or first by z
     ),
     Mistake(
         "Nothing is merged: the whole cloud is returned unchanged.",

@@ -307,7 +307,7 @@ common_checks.names(
 @visible(
     "filter_clusters",
     weight=5,
-    title="Keeps large clusters, whatever their size",
+    title="Keeps large clusters, however large they are",
     why="A wall, a lorry or the car ahead has hundreds or thousands of points in a scan.",
     hint="There is a minimum but no maximum: compare the size only with min_num_points.",
 )

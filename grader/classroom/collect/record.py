@@ -36,7 +36,7 @@ class FileOrigin:
     participant : str
         Moodle's number for the owner, which is a student or a team.
     beaten : tuple of str
-        SHA-256 of other files for the lesson that an answer rejected.
+        SHA-256 digests of this lesson's other files. The instructor chose this file instead.
     when : str
         Submission time in ISO 8601; empty if it is unknown.
     undecided : str

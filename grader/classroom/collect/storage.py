@@ -121,7 +121,7 @@ class StageFolder:
         return bool(origin and origin.digest == digest and (self.path / name).is_file())
 
     def outdated_digests(self, name: str) -> Collection[str]:
-        """Return the SHA-256 of files for this name that an answer rejected."""
+        """Return the SHA-256 digests of files that the instructor passed over for this one."""
         origin = self._record.files.get(name)
         return origin.beaten if origin else ()
 

@@ -1,4 +1,4 @@
-"""The checks of the optional lesson judge right and wrong answers, as Python and compiled."""
+"""Tests of the optional lesson's checks, with plain and with compiled answers."""
 
 import contextlib
 import sys
@@ -26,7 +26,7 @@ def parameters_of(answers):
 
 
 def namespace_of(decorator=lambda function: function):
-    """Return the names that a cell of the lesson can use; `decorator` replaces `njit`."""
+    """Return the names that an answer can use, with `decorator` in place of `njit`."""
     turns = np.radians(np.arange(90))
     names = {"np": np, "njit": decorator, "cosines": np.cos(turns), "sines": np.sin(turns)}
     (taught,) = (answer for answer in answers_to("root_of") if answer.follows_hints)
@@ -71,7 +71,7 @@ def test_kept_answers_pass_or_fail_as_claimed(name, variant, monkeypatch):
         assert not failed and diagnose(name, function) is None
         return
     if "did not return within" in variant.says:
-        # After a timeout, only the first failed check counts.
+        # `check` stops after a timeout, so a student sees only the first failed check.
         failed = dict([*failed.items()][:1])
     assert set(variant.loses) <= set(failed), sorted(failed)
     assert not variant.loses_only or set(failed) <= set(variant.loses), sorted(failed)
@@ -91,7 +91,7 @@ def test_every_known_mistake_has_a_kept_answer():
 
 
 class Compiled:
-    """A fake compiled function with those attributes of Numba's functions that `check` uses."""
+    """Fake compiled function, with the attributes of Numba's functions that `check` uses."""
 
     def __init__(self, py_func, answer=None):
         self.py_func, self.__wrapped__, self.__code__ = py_func, py_func, py_func.__code__
@@ -103,7 +103,7 @@ class Compiled:
 
 @pytest.fixture
 def numba(monkeypatch):
-    """A fake Numba module, which compiles nothing."""
+    """Fake Numba module, which compiles nothing."""
     module = ModuleType("numba")
     module.njit = module.jit = Compiled
     monkeypatch.setitem(sys.modules, "numba", module)

@@ -1,4 +1,4 @@
-"""The loops of the optional lesson give the results of earlier lessons, compiled or not."""
+"""Tests that the optional lesson's loops agree with earlier lessons, compiled or not."""
 
 from types import FunctionType, SimpleNamespace
 
@@ -37,7 +37,7 @@ TEXT = LESSON.source.read_text("utf-8")
 
 @pytest.fixture(scope="module")
 def plain():
-    """The functions without compilation, even if Numba is installed."""
+    """The lesson's functions in plain Python, even if Numba is installed."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(__import__("sys").modules, "numba", None)
         load_reference.cache_clear()
@@ -47,7 +47,7 @@ def plain():
 
 
 def in_order(labels):
-    """Return the same groups, numbered 1, 2, ... by first appearance."""
+    """Renumber labels 1, 2, ... in the order in which they first occur."""
     number = {}
     return np.array([number.setdefault(label, len(number) + 1) for label in labels.tolist()], int)
 
@@ -136,7 +136,7 @@ def test_the_snuggest_turn_equals_that_of_lesson_11(plain, seed):
 
 
 def by_smallest_rectangles(cloud):
-    """Return the boxes of lesson 12's detector, with the headings that this lesson computes."""
+    """Detect obstacles as in lesson 12, with headings from the smallest rectangles."""
     lesson = load_reference("11_pca_boxes")
     turns = np.radians(np.arange(90))
 

@@ -20,13 +20,13 @@ def distances_by_hand(cloud):
 
 
 def assert_distances_in(student, cloud):
-    """Compare the answer with distances computed in plain Python."""
+    """Compare the answer for a cloud with distances computed in plain Python."""
     answer = student.horizontal_distance(cloud.copy())
     assert_distances(answer, cloud, distances_by_hand(cloud))
 
 
 def random_rows(cloud, seed, n):
-    """Return n random rows of a cloud."""
+    """Return `n` random rows of a cloud."""
     return cloud[np.random.default_rng(seed).choice(len(cloud), n, replace=False)]
 
 
@@ -112,16 +112,16 @@ def assert_cleaned(student, cloud):
 
 
 def without_lost_returns(cloud):
-    """Return the finite rows that have no coordinate of 0 and whose coordinates do not add up to 0.
+    """Return the valid rows without a coordinate of 0, and whose coordinates do not sum to 0.
 
-    Other tests cover the other rows.
+    Points with such coordinates have tests of their own.
     """
     xyz = cloud[:, :3]
     return cloud[(xyz != 0).all(axis=1) & (np.abs(xyz.sum(axis=1)) > 1e-6)]
 
 
 def with_lost_returns(cloud, seed, share=0.2):
-    """Return a copy in which lost returns are all zeros or have one or three NaN coordinates."""
+    """Return valid rows and a share of lost returns: three zeros, or one or three NaNs."""
     rng = np.random.default_rng(seed)
     cloud = without_lost_returns(cloud)
     kind = rng.integers(0, 3, len(cloud))
@@ -197,7 +197,7 @@ def test_keeps_points_with_a_zero(student, seed):
     require_lost_returns_dropped(student.drop_invalid)
     rng = np.random.default_rng(seed)
     cloud = samples.patch_of_course_cloud(seed, 1000)
-    # Even with two zeros, these points are not close to the sensor.
+    # Large coordinates only: even with two zeros, the points are not close to the sensor.
     cloud = cloud[(np.abs(cloud[:, :3]) > 0.6).all(axis=1)]
     for row in range(0, len(cloud), 3):
         cloud[row, rng.choice(3, rng.integers(1, 3), replace=False)] = 0.0
@@ -237,7 +237,7 @@ def test_cleans_three_columns(student, seed):
 )
 def test_keeps_order_and_columns(student, seed):
     cloud = with_lost_returns(samples.patch_of_course_cloud(seed, 300), seed)
-    # Duplicate points must be kept.
+    # Answers must keep duplicate points.
     duplicates = np.repeat(cloud[:20], 2, axis=0)
     for scan in (cloud.astype(np.float32), np.asfortranarray(cloud[::-1]), duplicates):
         answer = student.drop_invalid(scan.copy())

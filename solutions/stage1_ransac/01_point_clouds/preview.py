@@ -1,4 +1,4 @@
-"""Draw the preview of lesson 01: one turn of the scanner as a panorama and as a map."""
+"""Preview of lesson 01: one turn of the scanner as a panorama and as a map."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -8,7 +8,7 @@ from grader.course.lessons import load_reference
 from utils import load_cloud, plots
 from utils.plots.style import COLOURS
 
-# Azimuth of the label in the panorama; position of the object on the map and offset of its label.
+# For each label: azimuth in the panorama, position of the object on the map, offset of the text.
 LABELLED = {
     "cyclist": (41, (3.4, 2.0), (-12, 32)),
     "turning car": (20.5, (7.0, 3.4), (24, 32)),
@@ -19,7 +19,7 @@ LABEL = {"ha": "center", "va": "bottom", "fontsize": 10.5, "zorder": 9}
 
 
 def draw() -> Figure:
-    """Return the figure."""
+    """Return the preview as a figure."""
     lesson = load_reference("01_point_clouds")
     cloud = lesson.drop_invalid(load_cloud("cloud.txt"))
     distance = lesson.horizontal_distance(cloud)

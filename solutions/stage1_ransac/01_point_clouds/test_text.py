@@ -1,4 +1,4 @@
-"""The statements in the text of lesson 01 are true for the answers that its hints describe."""
+"""Tests of the statements in lesson 01, with answers that follow its hints."""
 
 import timeit
 from dataclasses import replace
@@ -94,7 +94,7 @@ def test_one_of_six_pedestrians_is_hidden(solved):
     few = (truth["box_kinds"] == "pedestrian") & (truth["box_returns"] == 9)
     (x, y, _), size = truth["box_centres"][few][0], truth["box_sizes"][few][0]
     assert few.sum() == 1 and size[2] < 1.3
-    # The car that is parked on the left is between the child and the scanner.
+    # A car parked on the left is between the child and the scanner.
     car = truth["box_centres"][(truth["box_kinds"] == "car")]
     between = [
         centre for centre in car if abs(centre[0] - x * centre[1] / y) < 2.2 and 0 < centre[1] < y
@@ -157,11 +157,11 @@ def test_the_loop_is_much_slower(solved):
     assert times["loop"][-1] > 20 * times["yours"][-1]
 
     def shortest_time(n):
-        """Return the shortest of many times, as other load on the machine only adds to them."""
+        """Return the shortest of many runs, because other load on the machine only adds time."""
         cloud, function = solved.names["cloud"][:n], solved.names["horizontal_distance"]
         return min(timeit.repeat(lambda: function(cloud), number=20, repeat=40))
 
-    assert shortest_time(100) < 20 * shortest_time(1)  # the overhead dominates for few points
+    assert shortest_time(100) < 20 * shortest_time(1)  # with few points, the overhead dominates
 
 
 def test_the_answer_about_the_pedestrian_is_right():

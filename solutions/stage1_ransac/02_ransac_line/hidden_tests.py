@@ -34,7 +34,7 @@ from utils.checks.lesson_02 import require_plain_distances as assert_plain_case
 
 
 def random_pairs(seed, n, reach=20.0):
-    """Return n pairs of points that are at least a metre apart."""
+    """Return `n` pairs of points that are at least a metre apart."""
     rng = np.random.default_rng(seed)
     p = rng.uniform(-reach, reach, (n, 2))
     angle, apart = rng.uniform(0, 2 * math.pi, n), rng.uniform(1, reach, n)
@@ -117,7 +117,7 @@ def test_close_points_have_a_line(student, seed):
 
 
 def distances_by_hand(points, p, q):
-    """Return signed distances from the line through p and q, from areas of parallelograms."""
+    """Compute signed distances from the line through p and q, using areas of parallelograms."""
     base = math.dist(p, q)
     return np.array(
         [
@@ -135,16 +135,16 @@ def line_by_hand(p, q):
 
 
 def assert_distances(student, points, p, q):
-    """Check the distances from the line through two points."""
+    """Check the answer's distances from the line through two points."""
     signed, line = distances_by_hand(points, p, q), line_by_hand(p, q)
     answer = student.point_line_distance(points.copy(), line.copy())
     assert_line_distances(answer, points, line, np.abs(signed))
 
 
 def assert_distances_on_one_side(student, points, p, q):
-    """Check the distances on one side of the line, where a x + b y + c > 0.
+    """Check the answer's distances on the side of the line where a x + b y + c > 0.
 
-    If most points are on the other side, p and q are swapped.
+    If most points are on the other side, swap p and q first.
     """
     is_positive = distances_by_hand(points, p, q) > 0
     if 2 * is_positive.sum() < len(points):
@@ -153,7 +153,7 @@ def assert_distances_on_one_side(student, points, p, q):
 
 
 def pairs_through_origin(seed, n):
-    """Return n pairs of points whose lines pass through (0, 0)."""
+    """Return `n` pairs of points whose lines pass through (0, 0)."""
     return [(-2 * q, q) for q in random_pairs(seed, n)[1]]
 
 
@@ -229,7 +229,7 @@ def test_measures_few_points_in_single_precision(student, seed):
 
 
 def wall_of_course_cloud(seed, n):
-    """Return n points of the course's scan at sensor height: a house front and clutter."""
+    """Return `n` points of the course's scan at sensor height: a house front and clutter."""
     cloud = samples.course_cloud()
     x, y, z = cloud[:, 0], cloud[:, 1], cloud[:, 2]
     rows = np.flatnonzero((np.abs(z) < 0.3) & (x > -1) & (x < 14) & (y < -1) & (y > -12))
@@ -249,12 +249,12 @@ def _most_inliers(data, tolerance):
 
 
 def most_inliers(points, tolerance):
-    """Return the largest number of points near a line through two of them, by trying all pairs."""
+    """Try all pairs of points, and return the largest number of points near a line."""
     return _most_inliers(np.ascontiguousarray(points, dtype=float).tobytes(), tolerance)
 
 
 def successes(student, clouds, max_iterations, tolerance, must_mark=False):
-    """Yield for each cloud whether a line with 80 % of the possible inliers is found.
+    """Yield, for each cloud, whether the answer finds a line with 80 % of the possible inliers.
 
     If `must_mark` is true, the mask must also mark at least 80 % of the points near the line, and
     few others.
@@ -270,7 +270,7 @@ def successes(student, clouds, max_iterations, tolerance, must_mark=False):
 
 
 def at_least(needed, flags):
-    """Return whether at least `needed` flags are true, and stop as soon as that is known."""
+    """Return whether at least `needed` flags are true. Stop as soon as enough are."""
     return sum(itertools.islice(filter(None, flags), needed)) == needed
 
 
@@ -287,9 +287,9 @@ def assert_mostly_found(student, clouds, max_iterations, tolerance, needed):
     raise CheckFailed("The line is found too rarely.")
 
 
-# "misses" is the probability that a single run without early stopping misses the line, computed
-# from all pairs of points in 2000 scenes. An answer that stops early at 99 % misses the line in at
-# most one run of 100.
+# P(miss) is the probability that one run without early stopping misses the line. It was computed
+# from all pairs of points in 2000 scenes. An answer that stops early, at a confidence of 99 %,
+# misses the line in at most one run in 100.
 
 
 @hidden(
@@ -300,7 +300,7 @@ def assert_mostly_found(student, clouds, max_iterations, tolerance, needed):
 )
 def test_finds_fresh_lines(student, seed):
     clouds = [wall_and_clutter((seed, run), 25, 25)[0] for run in range(12)]
-    assert_mostly_found(student, clouds, 120, 0.4, 8)  # misses 1e-8
+    assert_mostly_found(student, clouds, 120, 0.4, 8)  # P(miss) = 1e-8
 
 
 @hidden(
@@ -313,12 +313,12 @@ def test_finds_fresh_lines(student, seed):
 def test_mask_belongs_to_line(student, seed):
     require_line_among_outliers(student.ransac_line)
     for run, tolerance in enumerate((0.3, 0.3, 0.6, 1.8)):
-        # The wall is so rough that another line would have other inliers.
+        # The wall is so rough that every other line has different inliers.
         rough, _ = wall_and_clutter((seed, run, 2), 25, 10, noise=0.8)
         rng = np.random.default_rng(run)
         answer = student.ransac_line(rough.copy(), 40, tolerance, rng)
         assert_mask_matches_line(answer, rough, tolerance)
-    # After few samples the best line is poor, so that a wrong mask differs from its inliers.
+    # After only two or three samples, the best line is poor, so a wrong mask is easy to detect.
     clouds = [wall_and_clutter((seed, run, 4), 14, 26)[0] for run in range(40)]
     calls = [
         (points, 2 + run % 2, 0.4, np.random.default_rng(run)) for run, points in enumerate(clouds)
@@ -335,7 +335,7 @@ def test_mask_belongs_to_line(student, seed):
 )
 def test_finds_lines_among_many_outliers(student, seed):
     clouds = [wall_and_clutter((seed, run, 1), 12, 38)[0] for run in range(16)]
-    assert_mostly_found(student, clouds, 400, 0.3, 11)  # misses 3e-8
+    assert_mostly_found(student, clouds, 400, 0.3, 11)  # P(miss) = 3e-8
 
 
 @hidden(
@@ -361,7 +361,7 @@ def test_finds_moved_and_scaled_lines(student, seed):
     turned = points @ np.array([[cosine, sine], [-sine, cosine]]) + [300.0, -200.0]
     assert_mostly_found(student, [turned] * 6, 80, 0.4, 3)
     assert_mostly_found(student, [points * 40] * 6, 80, 16.0, 3)
-    small = points[::-1] / 50  # all points are within a metre of each other
+    small = points[::-1] / 50  # all points are within half a metre of each other
     assert_mostly_found(student, [small] * 6, 80, 0.008, 3)
 
 
@@ -378,7 +378,7 @@ def test_finds_axis_parallel_walls(student, seed):
         wall = rng.uniform(-9, 9, (30, 2))
         wall[:20, column] = 4.0
         outliers = wall[20:, column]
-        outliers += np.where(outliers < 4, -1, 1)  # no outlier is almost on the wall
+        outliers += np.where(outliers < 4, -1, 1)  # keeps outliers away from the wall
         assert_mostly_found(student, [wall] * 6, 80, 0.2, 3)
 
 
@@ -391,7 +391,7 @@ def test_finds_axis_parallel_walls(student, seed):
 def test_draws_two_of_three_points(student, seed):
     require_line_among_outliers(student.ransac_line)
     p, q = (points[0] for points in random_pairs(seed + 5, 1))
-    third = p + 2 * np.array([p[1] - q[1], q[0] - p[0]])  # far from the line through p and q
+    third = p + 2 * np.array([p[1] - q[1], q[0] - p[0]])  # is far from the line through p and q
     three = np.array([p, q, third])
     for line in lines_from_two_rounds(student.ransac_line, three):
         if line is None:
@@ -413,10 +413,10 @@ def test_draws_two_of_three_points(student, seed):
 def test_one_iteration_is_one_sample(student, seed):
     require_line_among_outliers(student.ransac_line)
     assert_no_round_is_missing(student.ransac_line)
-    # Each run has other points, so that a fixed seed in the answer is neither lucky nor unlucky.
+    # The points differ from run to run, so an answer with a fixed seed is not lucky or unlucky.
     clouds = [wall_and_clutter((seed, 3, run), 14, 46)[0] for run in range(48)]
     misses = (not found for found in successes(student, clouds, 1, 0.3))
-    if not at_least(25, misses):  # 1 sample in 25 is good
+    if not at_least(25, misses):  # one sample in 25 finds the line
         raise CheckFailed(
             fixed(
                 "With max_iterations=1 the line is found in most runs. A single sample of two "
@@ -436,7 +436,7 @@ def test_continues_after_equal_points(student, seed):
     rng = np.random.default_rng(seed)
     wall = wall_and_clutter((seed, 4), 12, 0)[0]
     for run in range(24):
-        # The probability of equal points is 0.5 for one sample and practically 0 for forty.
+        # Half of all samples consist of equal points. All forty practically never do.
         equal_points = np.repeat(rng.uniform(12, 20, (1, 2)), 28, axis=0)
         points = rng.permutation(np.vstack([equal_points, wall]))
         answer = student.ransac_line(points, 40, 0.3, np.random.default_rng(run))

@@ -1,4 +1,4 @@
-"""Draw the preview of lesson 02: the quiz points with a line from least squares and from RANSAC."""
+"""Preview of lesson 02: the quiz points with a line from least squares and from RANSAC."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -9,7 +9,7 @@ from utils import plots
 
 
 def draw() -> Figure:
-    """Return the figure."""
+    """Return the preview as a figure."""
     rng = np.random.default_rng(18)
     steps = np.arange(-5, 5)
     points = np.vstack(

@@ -1,4 +1,4 @@
-"""The statements in the text of lesson 02 are true for the answers that its hints describe."""
+"""Tests of the statements in lesson 02, with answers that follow its hints."""
 
 import re
 
@@ -75,7 +75,7 @@ def test_all_seeds_agree_after_two_thousand_rounds(solved):
     ]
     assert len(votes) == 190
     assert sorted(votes)[-2:] == [11, 12]
-    # A few dozen rounds are enough for a good line.
+    # Twenty rounds are enough for a good line.
     found = solved.names["directions"](20, 1.0)
     assert np.abs(found - 45).max() <= 10.5
 
@@ -105,7 +105,7 @@ def test_success_follows_the_formula(solved):
     rate = solved.names["success_rate"]
     assert rate(10, 0.2) < 0.5 and rate(10, 2 / 3) > 0.95
     for rounds in (2, 10, 40):
-        # The text says "a few per cent".
+        # The text says that measurements are off by "a few per cent".
         assert rate(rounds, 0.3) == pytest.approx(1 - (1 - 0.3**2) ** rounds, abs=0.06)
     assert rate(10, 0.26) == pytest.approx(0.5, abs=0.12)
 
@@ -136,7 +136,7 @@ def test_two_walls_of_the_street_are_found(solved):
         assert inliers.sum() > 1500 and is_wall[inliers].mean() > 0.99
         found.append((inliers.sum(), np.ptp(left_over[inliers, 0])))
         left_over, is_wall = left_over[~inliers], is_wall[~inliers]
-    (most, short), (fewer, long) = found  # both run along x
+    (most, short), (fewer, long) = found  # both walls run along x
     assert most > 1.3 * fewer and long > 1.3 * short
 
 
@@ -151,7 +151,7 @@ def test_the_scikit_learn_example_finds_the_wall(solved):
 
 
 def best_line(solved, points, rounds, threshold, rng, score, second=None):
-    """Run RANSAC with a different score, or with a different choice of the second point."""
+    """Run RANSAC with `score`, and draw the second point from near or far ones if asked."""
     line_through, distance = solved.names["line_through"], solved.names["point_line_distance"]
     rng, best = np.random.default_rng(rng), (-np.inf, None)
     for _ in range(rounds):
@@ -181,7 +181,7 @@ def test_the_answer_about_msac_is_right(solved):
         return -np.minimum(distances**2, threshold**2).sum()
 
     def errors(score, threshold):
-        """Yield errors as the lesson does: one generator draws the points and the samples."""
+        """Yield errors. As in the lesson, one generator draws both the points and the samples."""
         for seed in range(300):
             rng = np.random.default_rng(seed)
             points = solved.names["quiz_points"](rng)

@@ -1,8 +1,8 @@
 """Hidden tests of lesson 03. Students see the titles and hints but not the code.
 
-RANSAC is judged by its result, with so many iterations that a right answer fails less than once in
-a billion runs. If one sample succeeds with probability p, N iterations fail with probability
-(1 - p)^N.
+The tests of RANSAC judge its result, after so many iterations that a right answer fails less than
+once in a billion runs. If one sample succeeds with probability p, N iterations fail with
+probability (1 - p)^N.
 """
 
 import functools
@@ -59,7 +59,7 @@ from utils.geometry import gaps_from
 
 
 def random_plane(rng):
-    """Return a random unit normal and an offset, shape (4,)."""
+    """Return a plane with a random unit normal and a random offset, shape (4,)."""
     normal = rng.normal(size=3)
     return np.append(normal / np.linalg.norm(normal), rng.uniform(-5, 5))
 
@@ -97,7 +97,7 @@ def test_plane_contains_its_points(student, seed):
     require_perpendicular_normals(student.plane_through)
     for reach in (1, 10, 60):
         triangle = random_triangle(rng) + rng.uniform(-reach, reach, 3)
-        for points in (triangle, triangle[::-1]):  # with the normal on either side
+        for points in (triangle, triangle[::-1]):  # the second order reverses the normal
             assert_contains_points(student.plane_through(*points.copy()), triangle)
 
 
@@ -146,7 +146,7 @@ def test_points_on_a_line_give_none(student, seed):
 
 
 def in_front(points, plane):
-    """Return the points in front of both the plane and the parallel plane through the sensor."""
+    """Return the points in front of a plane and of the parallel plane through the sensor."""
     height = points[:, :3].astype(float) @ plane[:3]
     return points[(height > 0.01) & (height + plane[3] > 0.01)]
 
@@ -210,7 +210,7 @@ def test_measures_on_both_sides_of_any_plane(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 500)[:, :3]
     for _ in range(2):
         plane = random_plane(rng)
-        plane[3] = -np.median(cloud @ plane[:3])  # half of the points are on each side
+        plane[3] = -np.median(cloud @ plane[:3])  # half of the points are on each side of the plane
         assert_distances(student.point_plane_distance(cloud.copy(), plane.copy()), cloud, plane)
 
 
@@ -244,7 +244,7 @@ def test_measures_any_array(student, seed):
 
 
 def tilted(cloud, rng):
-    """Return the cloud as seen by a scanner that is mounted at an angle and at any height."""
+    """Return the cloud as seen by a scanner mounted at a random angle and height."""
     lean, heading = rng.uniform(0.2, 0.7), rng.uniform(0, 2 * np.pi)
     axis = np.array([np.cos(heading), np.sin(heading), 0.0])
     upright = np.cross(axis, [0.0, 0.0, 1.0])
@@ -257,15 +257,16 @@ def tilted(cloud, rng):
 
 @functools.lru_cache(maxsize=256)
 def street_with_best_plane(name, seed, run, tolerance):
-    """Return points of a street, the inlier count of the best plane and sufficient iterations.
+    """Return points of a street, the inlier count of the best plane, and enough iterations.
 
-    The best plane is that of 1500 samples. The success probability of a single sample is the share
-    of these samples with at least 85 % of the most inliers, reduced by a tenth as a margin.
+    The best plane is the best of 1500 samples. A sample succeeds if it has at least 85 % of that
+    plane's inliers. The share of such samples, less a tenth as a margin, gives the iterations.
     """
     cloud = samples.course_cloud() if name == "course" else samples.fresh_street(seed)
     near, low = (np.abs(cloud[:, :2]) < (12, 8)).all(axis=1), cloud[:, 2] < -0.9
     rng = np.random.default_rng((seed, run))
-    # A quarter of the points are obstacles, so three fixed rows are rarely all on the road.
+    # A quarter of the points are obstacles, so an answer that always draws the same three rows
+    # rarely finds the road.
     rows = [rng.choice(np.flatnonzero(near & low), 370, replace=False)]
     rows += [rng.choice(np.flatnonzero(near & ~low), 130, replace=False)]
     points = tilted(cloud[rng.permutation(np.concatenate(rows))], rng)
@@ -282,7 +283,7 @@ def street_with_best_plane(name, seed, run, tolerance):
 
 
 def assert_marks(answer, points, tolerance):
-    """Check that the mask marks most of the points near the model and few others."""
+    """Check that the mask marks most of the points near the plane, and few others."""
     near, mask = gaps_from(points, as_model(answer)) <= tolerance, as_mask(answer, len(points))
     if np.sum(near & mask) < 0.8 * max(np.sum(near), np.sum(mask)):
         raise CheckFailed(
@@ -325,7 +326,7 @@ def test_finds_planes_in_any_direction(student, seed):
     rng = np.random.default_rng(seed)
     for run in range(6):
         points, on_plane = scattered_plane(seed + run, 40, 25, random_plane(rng))
-        # One sample in five consists of inliers and is well placed: 0.81^120 < 1e-10.
+        # One sample in five has three well-placed inliers: 0.81^120 < 1e-10.
         answer = student.ransac_plane(points.copy(), 120, 0.2, np.random.default_rng(run))
         assert_finds(answer, points, 0.2, on_plane)
         assert_marks(answer, points, 0.2)
@@ -340,7 +341,7 @@ def test_finds_planes_in_any_direction(student, seed):
 def test_finds_planes_among_many_outliers(student, seed):
     for run in range(2):
         points, on_plane = scattered_plane(seed + 10 + run, 25, 50)
-        # One sample in 36 consists of inliers and is well placed: 0.972^850 < 1e-10.
+        # One sample in 36 has three well-placed inliers: 0.972^850 < 1e-10.
         answer = student.ransac_plane(points.copy(), 850, 0.2, np.random.default_rng(run))
         assert_finds(answer, points, 0.2, on_plane, share=0.85)
         assert_marks(answer, points, 0.2)
@@ -388,8 +389,8 @@ def test_uses_the_tolerance(student, seed):
 def test_draws_three_different_rows(student, seed):
     rng = np.random.default_rng(seed)
     require_plane_among_outliers(student.ransac_plane)
-    # Four corners, alternately high and low. None of their planes is steep, because an answer may
-    # reject steep planes.
+    # Four corners, alternately high and low. All planes through three of them are nearly level,
+    # because an answer may reject steep planes.
     corners = np.array([[9.0, 0, 0.4], [0, 9, -0.4], [-9, 0, 0.4], [0, -9, -0.4]])
     corners[:, :2] += rng.uniform(-2, 2, (4, 2))
     assert_rows_differ(student.ransac_plane, corners + [*rng.uniform(-20, 20, 2), -1.7])
@@ -418,7 +419,7 @@ def test_finds_planes_in_any_array(student, seed):
     for run, form in enumerate(forms):
         points, on_plane = scattered_plane(seed + 40 + run, 40, 20, columns=4)
         variant = form(points)
-        # More than one sample in five consists of inliers: 0.77^90 < 1e-10.
+        # More than one sample in five has three inliers: 0.77^90 < 1e-10.
         assert_finds(student.ransac_plane(variant.copy(), 90, 0.2, rng), variant, 0.2, on_plane)
     duplicates, on_plane = np.repeat(points, 2, axis=0), np.repeat(on_plane, 2)
     assert_finds(student.ransac_plane(duplicates.copy(), 90, 0.2, rng), duplicates, 0.2, on_plane)
@@ -433,7 +434,7 @@ def test_finds_planes_in_any_array(student, seed):
 def test_continues_after_degenerate_samples(student, seed):
     for run in range(6):
         points, on_plane = ramp_with_collinear_points(np.random.default_rng(seed + run))
-        # Four samples in ten give a plane, which is always the right one: 0.6^60 < 1e-13.
+        # Four samples in ten define a plane, always the right one: 0.6^60 < 1e-13.
         answer = student.ransac_plane(points.copy(), 60, 0.1, np.random.default_rng(run))
         assert_finds(answer, points, 0.1, on_plane)
 
@@ -466,7 +467,7 @@ def test_fits_planes_in_any_direction(student, seed):
     angle = rng.uniform(0, 2 * np.pi)
     wall, _ = scattered_plane(seed + 4, 50, 0, (np.cos(angle), np.sin(angle), 0, 3), noise=0.1)
     assert_direction(student.fit_plane(wall.copy()), wall)
-    # In pieces of a few centimetres, the sums of squares are small as well.
+    # In pieces of about 20 cm, the sums of squares are small too.
     for run in range(8):
         points, _ = scattered_plane(seed + 5 + run, 12, 0, random_plane(rng), noise=0.1)
         piece = [6.0, 2.0, -1.4] + 0.02 * (points - points.mean(axis=0))
@@ -485,7 +486,7 @@ def test_plane_contains_the_mean(student, seed):
     for run in range(3):
         points, _ = scattered_plane(seed + 10 + run, 50, 0, noise=0.05)
         points += rng.uniform(-8, 8, 3)
-        for cloud in (points, points - 2 * points.mean(axis=0)):  # the origin is on either side
+        for cloud in (points, points - 2 * points.mean(axis=0)):  # on both sides of the origin
             assert_through_the_mean(student.fit_plane(cloud.copy()), cloud)
 
 
@@ -524,7 +525,7 @@ def test_fits_three_points_and_any_array(student, seed):
 
 
 def cases(seed, *sizes, count=12):
-    """Yield arguments of `iterations_needed` and the exact answers."""
+    """Yield arguments of `iterations_needed`, each with the exact answer."""
     rng = np.random.default_rng(seed)
     while count:
         ratio, confidence = rng.choice(np.arange(30, 96)) / 100, rng.choice([0.9, 0.99, 0.995])

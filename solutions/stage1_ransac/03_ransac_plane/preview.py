@@ -1,4 +1,4 @@
-"""Draw the preview of lesson 03: the road as a plane, seen from the side."""
+"""Preview of lesson 03: the road as a plane, seen from the side."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -11,7 +11,7 @@ from utils.geometry import best_plane
 
 
 def draw() -> Figure:
-    """Return the figure."""
+    """Return the preview as a figure."""
     cloud = load_cloud("cloud.txt")
     truth = np.load(DATA / "cloud_truth.npz")
     is_road = truth["classes"] == truth["class_names"].tolist().index("ground")
@@ -26,6 +26,6 @@ def draw() -> Figure:
 
 
 def _leave_out_counts(axes: Axes) -> None:
-    """Remove the counts from the legend, as they would answer a question of the lesson."""
+    """Remove the counts from the legend, because they would answer a question in the lesson."""
     for text in axes.get_legend().get_texts():
         text.set_text(text.get_text().partition(":")[0])

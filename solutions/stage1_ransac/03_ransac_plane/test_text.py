@@ -1,4 +1,4 @@
-"""The statements in the text of lesson 03 are true for the answers that its hints describe."""
+"""Tests of the statements in lesson 03, with answers that follow its hints."""
 
 import ast
 import math
@@ -19,7 +19,7 @@ EXERCISES = [exercise.name for exercise in LESSON.machine_graded]
 
 @pytest.fixture(scope="module")
 def street():
-    """Return the names of the notebook, with answers that follow the hints."""
+    """The notebook's variables and functions, with answers that follow the hints."""
     cloud = load_cloud("cloud.txt")
     nearby = (cloud[:, 0] > -10) & (cloud[:, 0] < 30) & (np.abs(cloud[:, 1]) < 5)
     truth = np.load(DATA / "cloud_truth.npz")
@@ -100,7 +100,7 @@ def test_a_thin_band_loses_ground_because_of_crown_and_kerb(street):
     strips = np.floor(ground[:, 1])
     middles = [height[strips == strip].mean() for strip in np.unique(strips)]
     assert max(middles) > 0.05 and min(middles) < -0.04
-    # In a small area only noise remains, and it is small.
+    # In a small area, the ground is flat except for a little noise.
     places = np.unique(np.floor(ground[:, :2] / 0.5), axis=0, return_inverse=True)[1].ravel()
     scatter = [height[places == place].std() for place in np.unique(places)]
     assert np.median(scatter) < 0.01
@@ -165,15 +165,15 @@ def test_refitted_slopes_scatter_less_but_stay_biased(street):
     scatter = {name: np.std(values) for name, values in slopes.items()}
     assert scatter["all inliers"] < scatter["three points"] / 3
     assert max(slopes["all inliers"]) < 2.2
-    # Planes through three points are also off, "in the mean by more than twice as much".
+    # The text says that planes of three points are off "in the mean by more than twice as much".
     assert 2.2 - mean["three points"] > 2 * (2.2 - mean["all inliers"])
-    # The answer to the prediction is right, and so is its reason.
+    # The answer to the prediction is that averaging does not remove the bias.
     assert 2.2 - mean["all inliers"] > 3 * scatter["all inliers"] / 30**0.5
     alone = mean["inliers on the ground"]
     assert 2.2 - alone < 0.3 * (2.2 - mean["all inliers"])
     assert abs(mean["again, within 0.1 m"] - alone) < 0.005
     assert 2.2 - alone > 0.01
-    # At 30 m, the text says, these errors are 9 cm, 2 cm and 5 mm.
+    # The text says that these errors are 9 cm, 2 cm and 5 mm at a distance of 30 m.
     errors = scatter["three points"], 2.2 - mean["all inliers"], 2.2 - mean["again, within 0.1 m"]
     assert np.round([0.3 * error for error in errors], 3) == pytest.approx(
         [0.09, 0.022, 0.005], abs=0.003
@@ -205,7 +205,7 @@ def test_the_rounds_in_the_table_decrease_to_one(street):
     assert all(
         line_rounds <= plane_rounds for line_rounds, plane_rounds in zip(line, plane, strict=True)
     )
-    assert street.iterations_needed(1e-6, 3, 0.99) > 1e18  # no rounding error
+    assert street.iterations_needed(1e-6, 3, 0.99) > 1e18  # not lost to rounding
 
 
 def test_pure_samples_fail_more_often_in_larger_clouds(street):
@@ -225,14 +225,14 @@ def test_pure_samples_fail_more_often_in_larger_clouds(street):
         )
         kept_if_flat.append(street.good_samples(street.flattened(points, ground), ground)[1])
     assert kept[1] < kept[0] < 0.9
-    # "Two samples in three fail, and pressing the ground flat saves most of them. On the street
-    # alone, it saves few."
+    # The text says "two samples in three fail", and that flattening the ground saves most of them,
+    # but few on the street alone.
     assert kept[1] == pytest.approx(1 / 3, abs=0.03)
     assert kept_if_flat[1] - kept[1] > 0.6 * (1 - kept[1])
     assert 0 < kept_if_flat[0] - kept[0] < 0.25 * (1 - kept[0])
-    # "There one sample in four or five fails."
+    # The text says that on flat ground "one sample in four or five fails".
     assert all(0.7 < share < 0.85 for share in kept_if_flat)
-    assert 1.1 < ratios[0] < ratios[1] < 3.2  # "two or three times"
+    assert 1.1 < ratios[0] < ratios[1] < 3.2  # the text says "two or three times"
 
 
 def test_the_ground_around_the_car_is_not_a_plane(street):
@@ -270,7 +270,7 @@ def test_a_fixed_level_removes_more_object_points_than_a_plane(street):
     assert (above < 0.2)[is_object].mean() < 0.25 * level[is_object].mean()
     assert (above >= 0.2)[street.is_ground].mean() < 0.001
     assert (~level)[street.is_ground].mean() < 0.005
-    # The first three common mistakes.
+    # The first three rows of the table of common mistakes.
     assert (np.abs(8 * above) < 0.2).sum() < 0.5 * near.sum()
     assert (-above < 0.2).all()
     assert not (np.abs(above - 2 * plane[3]) < 0.2).any()

@@ -1,9 +1,9 @@
-"""Hidden tests of lesson 04. Titles and hints are shown to students; the code is not.
+"""Hidden tests of lesson 04. Students see the titles and hints but not the code.
 
-Tests of `search` build the tree themselves, so that the exercises are independent; each tree is
-sent to the sandbox in one message. All tests but one search within the radius 1, so that a missing
-square root does not affect them. Only the tests about the circle and the corners of its box use
-points there.
+Tests of `search` build the tree themselves, so that the exercises are independent. They send each
+tree to the sandbox in one message. All tests but one search within a radius of 1, so that a missing
+square root does not affect them. Points on the circle or in the corners of its box occur only in
+the tests about them.
 """
 
 import functools
@@ -41,7 +41,7 @@ from utils.geometry import grown, places_of, regions_of
 
 
 def order_of_medians(points):
-    """Return the rows of points in an order of insertion that gives a balanced tree."""
+    """Return the rows of points in an order whose insertion gives a balanced tree."""
 
     def parts(rows, axis):
         rows = sorted(rows, key=lambda row: points[row][axis])
@@ -55,13 +55,13 @@ def order_of_medians(points):
 
 
 def balanced(points):
-    """Return a correct tree with the fewest levels."""
+    """Build a correct tree with the fewest levels."""
     order = order_of_medians(points)
     return grown(np.asarray(points)[order], order)
 
 
 def without_equal_coordinates(points):
-    """Return points of a cloud, shape (n, 3), no two of which share a coordinate."""
+    """Return points of a cloud, shape (n, 3), such that no two share a coordinate."""
     first = [np.unique(points[:, axis], return_index=True)[1] for axis in range(3)]
     return points[sorted(set(first[0]) & set(first[1]) & set(first[2]))]
 
@@ -94,7 +94,7 @@ def test_plane(student, seed):
     hint="Compare x, y, z, x, y, z, ... from level to level. The number of axes is len(point).",
 )
 def test_space(student, seed):
-    # With float32 values, an answer that stores points in single precision builds the same tree.
+    # The values are rounded to float32, so that answers may store points in single precision.
     street = samples.obstacles_of_street(seed, 80)[:, :3].astype(np.float32)
     points = without_equal_coordinates(street)[:40].astype(float)
     assert_tree(tree_of(student, points), points)
@@ -184,7 +184,7 @@ RINGS = frozen(np.concatenate([np.geomspace(8, 1.2, 15), np.geomspace(0.9, 0.1, 
 
 
 def with_targets(rng, points, number):
-    """Return points and targets near them; no point is on a target's circle or in its corners."""
+    """Draw targets near points, and drop points on a target's circle or in its box's corners."""
     targets = points[rng.choice(len(points), number, replace=False)]
     targets = targets + rng.normal(0, 0.3, targets.shape)
     for target in targets:
@@ -193,7 +193,7 @@ def with_targets(rng, points, number):
 
 
 def require_pruning(KdTree):
-    """Require that the search skips regions; comparing all points would not use the tree."""
+    """Require that the search skips regions, because a search of all points needs no tree."""
     with needs("regions that cannot contain a neighbour are skipped"):
         skips_regions(KdTree)
 
@@ -296,7 +296,8 @@ def test_search_radius(student, seed):
     hint="Search the right side if target[axis] + tolerance >= split.",
 )
 def test_search_split(student, seed):
-    # The point at distance 1 along an axis is to the right of a distant node with its coordinate.
+    # A point is at distance 1 along an axis. The distant node above it has the same coordinate on
+    # that axis, so the box ends exactly at the split, and the point is to the right.
     with needs("both sides are searched if the circle crosses the split"):
         searches_both_sides(student.KdTree)
     if not finds_the_border(student.KdTree):
@@ -324,7 +325,7 @@ def test_search_prunes(student, seed):
 
 @functools.cache
 def traps_and_decoys(seed):
-    """Return arguments of `assert_pruned`: tree, target, tolerance, trap, decoy and its place."""
+    """Return arguments of `assert_pruned`, where traps and decoys are defined."""
     rng = np.random.default_rng(seed)
     cases = []
     while len(cases) < 6:
@@ -335,11 +336,11 @@ def traps_and_decoys(seed):
         axis = rng.integers(2)
         if (high - low < 1.7).any() or high[axis] > 11:
             continue
-        # The target is near one side of the decoy's region, and the decoy moves beyond that side.
+        # The target is near one side of the decoy's region. The decoy's new place is beyond it.
         target = rng.uniform(low + 1.05, high - 0.1)
         target[axis], place = high[axis] - 0.5, target.copy()
         place[axis] = high[axis] + 0.3
-        # The trap is to the left of all splits that hide it, or to the right of all of them.
+        # All splits that hide the trap hide it on the same side, to test one condition at a time.
         hidden_by = hiding_sides(root, target, 1.2)
         traps = [leaf for leaf, letters in hidden_by.items() if letters == {"lr"[len(cases) % 2]}]
         if not traps:
@@ -350,7 +351,7 @@ def traps_and_decoys(seed):
 
 
 def hiding_sides(root, target, margin):
-    """Return, keyed by leaf index, the sides of the splits that the target's box does not reach."""
+    """Return, by leaf index, the sides on which splits hide the leaf from the target's box."""
     places = places_of(root)
     hidden_by = {}
     for path, node in places.items():
@@ -365,7 +366,7 @@ def hiding_sides(root, target, margin):
 
 
 def leaves_of(root):
-    """Return the regions of the leaves, keyed by their index."""
+    """Return the region of each leaf, by index."""
     regions = regions_of(root)
     return {index: regions[index] for index in hiding_sides(root, np.zeros(2), 0.0)}
 
@@ -423,7 +424,7 @@ def test_search_leaves_the_tree(student, seed):
 
 # ---------------------------------------------------------------------------- median_order
 
-# With these numbers of points, every part has exactly one median.
+# Numbers of points for which every part has exactly one median.
 FULL = (3, 7, 15, 31, 127)
 
 

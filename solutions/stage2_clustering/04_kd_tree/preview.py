@@ -1,4 +1,4 @@
-"""Lesson 04: a street from above, split by a kd-tree, and a search that visits few nodes."""
+"""Preview of lesson 04: a street split by a kd-tree, and a search that visits few nodes."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -10,7 +10,7 @@ from utils.visits import watched
 
 
 def draw() -> Figure:
-    """Return the figure."""
+    """Return the preview as a figure."""
     cloud = load_cloud("cloud.txt")
     inside = (cloud[:, 2] > -1.2) & (np.abs(cloud[:, 0] - 8) < 20) & (np.abs(cloud[:, 1]) < 10)
     street = cloud[inside & (np.hypot(cloud[:, 0], cloud[:, 1]) > 2), :2]

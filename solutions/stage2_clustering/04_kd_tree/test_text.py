@@ -1,4 +1,4 @@
-"""The statements of lesson 04 are true for answers that follow its hints."""
+"""Tests of the statements in lesson 04, with answers that follow its hints."""
 
 import functools
 import math
@@ -21,7 +21,7 @@ NAMES = (
 
 
 def notebook_with(**answers):
-    """Return the names that the lesson defines, with some answers replaced by kept ones."""
+    """Return the names that the lesson defines, with the named kept answers."""
     return names_of(LESSON.name, *NAMES, **answers)
 
 
@@ -71,7 +71,8 @@ def test_the_first_puzzle_has_the_stated_answer():
     space = taught()
     assert places(space["first_of"](8))[7] == "left of 5"
     equal_left = notebook_with(insert="equal goes left")
-    assert places(equal_left["grow"](equal_left["eight"]))[7] == "left of 3"  # one of the choices
+    # The wrong answer is one of the puzzle's choices.
+    assert places(equal_left["grow"](equal_left["eight"]))[7] == "left of 3"
 
 
 def test_the_second_puzzle_matches_its_table():
@@ -158,7 +159,7 @@ def test_search_costs_grow_as_stated():
     assert 0.4 < costs["a sorted wall"][3] / 1000 < 0.6
     assert slopes["medians first"] < 0.4
     medians, shuffled, by_x, wall = costs.values()
-    # A random order costs more at every size, and about a fifth more overall.
+    # A random order costs more than medians at every size, and about a fifth more on average.
     assert (shuffled > medians).all()
     assert (shuffled / medians).mean() == pytest.approx(1.2, abs=0.06)
     assert shuffled[3] < by_x[3] < wall[3]
@@ -171,8 +172,8 @@ def test_the_search_around_the_lamp_post_visits_few_nodes():
     assert found == space["is_near"].sum()
     assert found < visits < 3 * found
     assert levels > 16 == int(np.log2(len(space["obstacles"]))) + 1
-    # The additional levels come from equal coordinates. How many there are depends on how the
-    # student's sort orders equal values, and that depends on the processor.
+    # Equal coordinates cause the additional levels. Their number depends on the order of equal
+    # values after sorting, which depends on the processor.
     exact = space["obstacles"]
     assert np.sum(exact[:, 2] == 0) == 1653
     moved = exact + np.random.default_rng(0).uniform(-4e-4, 4e-4, exact.shape)

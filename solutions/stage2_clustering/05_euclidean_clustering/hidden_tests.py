@@ -1,7 +1,8 @@
-"""Hidden tests of lesson 05. Titles and hints are shown to students; the code is not.
+"""Hidden tests of lesson 05. Students see the titles and hints but not the code.
 
-Each test covers one property. A squared distance, or a fixed threshold of 0.5, fails only on scans.
-In the other tests, any threshold between 0.25 m and 2 m gives the right clusters.
+Each test covers one property. An answer that squares a distance, or always uses a threshold of 0.5,
+fails only on scans. In the other tests, any threshold between 0.25 m and 2 m gives the right
+clusters.
 """
 
 import numpy as np
@@ -75,7 +76,7 @@ def test_other_thresholds(student, seed):
     "far away it is.",
 )
 def test_long_chain(student, seed):
-    # A spiral of 400 points, 0.45 m apart, with turns 1.5 m apart, and a shorter one above it.
+    # Two spirals, one above the other. The points are 0.45 m apart, and the turns 1.5 m.
     angle, points = 0.0, []
     for _ in range(400):
         radius = 2.0 + 1.5 * angle / (2 * np.pi)

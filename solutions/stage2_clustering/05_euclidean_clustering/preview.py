@@ -1,4 +1,4 @@
-"""Lesson 05: a street from above, as points and as numbered obstacles."""
+"""Preview of lesson 05: a street from above, as points and as numbered obstacles."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -11,7 +11,7 @@ LIMITS = ((-5, 14), (-10, 8))
 
 
 def draw() -> Figure:
-    """Return the figure."""
+    """Return the preview as a figure."""
     ground = load_reference("06_filter_ground")
     obstacles = ground.voxel_grid(ground.filter_ground(load_cloud("cloud.txt")), 0.2)
     x, y = obstacles[:, 0], obstacles[:, 1]

@@ -1,4 +1,4 @@
-"""The statements of lesson 05 are true for an answer that follows its hints."""
+"""Tests of the statements in lesson 05, with an answer that follows its hints."""
 
 from collections import deque
 
@@ -18,7 +18,7 @@ def cluster():
 
 @pytest.fixture(scope="module")
 def street():
-    """Names that the lesson's cells define."""
+    """Variables and functions that the lesson's cells define, by name."""
     return names_of(
         LESSON, "objects", "kinds", "yard", "in_yard", "true_number", "seven", "close_pairs",
         "balls", "car", "member", "near", "which_thresholds", "two_errors",
@@ -58,10 +58,10 @@ def test_no_ball_radius_is_right(street):
     obstacles, objects, kinds = (street[name] for name in ("obstacles", "objects", "kinds"))
     for radius in (0.5, 3.0):
         number = street["balls"](obstacles, radius)
-        assert len(np.unique(number[objects == 30])) > 4  # the long wall
+        assert len(np.unique(number[objects == 30])) > 4  # the long wall is split
     swallowed = [set(kinds[number == ball_number]) for ball_number in np.unique(number)]
     assert any({"pedestrian", "car"} <= kinds for kinds in swallowed)
-    # The ring in the picture is the ball, with the same centre and radius.
+    # The ring in the picture has the centre and the radius of this ball.
     ball = number == number[np.argmin(np.hypot(obstacles[:, 0] - 8.9, obstacles[:, 1] + 0.3))]
     assert {"pedestrian", "car"} == set(kinds[ball])
     middle = obstacles[np.argmax(ball), :2]
@@ -78,7 +78,7 @@ def test_the_seven_points_match_the_table(street, cluster):
 
 
 def labelled_on_leaving(points, threshold, most):
-    """Label points when they leave the queue; return its entries and the number of points done."""
+    """Label points only when they leave the queue; return all its entries and a count of labels."""
     labelled, entries = np.zeros(len(points), dtype=bool), [0]
     queue = deque(entries)
     while queue and len(entries) < most:
@@ -118,7 +118,7 @@ def test_the_longest_cluster_is_three_walls(street, labels):
     ]
     inside = street["objects"][labels == 1 + np.argmax(lengths)]
     assert np.unique(inside).tolist() == [29, 30, 36]
-    # The ring is around the short wall, which touches the other two.
+    # The picture has a ring around the short wall, which touches the two others.
     middle = street["obstacles"][street["objects"] == 36, :2].mean(axis=0)
     assert np.allclose(middle, (-2.0, -8.2), atol=0.3)
 
@@ -127,7 +127,7 @@ def test_two_errors_cancel_at_half_a_metre(street, cluster):
     yard, things = street["yard"], street["objects"][street["in_yard"]]
     found = cluster(yard, 0.5)
     assert found.max() == len(np.unique(things))
-    for threshold in (0.25, 0.5):  # both panels have both rings
+    for threshold in (0.25, 0.5):  # the rings are in both panels
         found = cluster(yard, threshold)
         assert set(found[things == 15]) & set(found[things == 16])
         assert len(np.unique(found[things == 10])) > 1
@@ -149,14 +149,14 @@ def test_one_of_the_two_errors_always_remains(street):
     torn, joined = street["two_errors"](np.array([0.2, 0.25, 0.5, 0.7, 2.0]))
     assert (torn + joined > 0).all()
     assert (np.diff(torn) <= 0).all() and (np.diff(joined) >= 0).all()
-    assert torn[2] > joined[2]  # the default is to the left of the crossing
+    assert torn[2] > joined[2]  # the curves cross at a threshold above the default
 
 
 @pytest.mark.slow
 def test_a_threshold_of_six_tenths_gains_one_stray_point(street, cluster):
     torn, joined = street["two_errors"](np.array([0.5, 0.6, 0.65]))
     assert np.round(18 * torn).tolist() == [5, 4, 2]
-    assert np.round(18 * joined).tolist() == [2, 2, 4]  # one more pair
+    assert np.round(18 * joined).tolist() == [2, 2, 4]  # one more pair is joined
     repaired = []
     for car in np.unique(street["objects"][street["kinds"] == "car"]):
         mine = street["objects"] == car
@@ -171,7 +171,8 @@ def test_a_threshold_of_six_tenths_gains_one_stray_point(street, cluster):
 
 def test_common_mistakes_match_the_table(street, cluster, labels):
     obstacles, objects, kinds = (street[name] for name in ("obstacles", "objects", "kinds"))
-    # A threshold of 0.71 m repairs the slanted car and joins two other cars.
+    # A threshold of 0.71 m (the square root of 0.5) joins the parts of the slanted car, and also
+    # two other cars.
     wider = cluster(obstacles, 0.5**0.5)
     assert len(np.unique(labels[objects == 10])) == 2 and len(np.unique(wider[objects == 10])) == 1
     cars = np.unique(objects[kinds == "car"])
@@ -183,7 +184,7 @@ def test_common_mistakes_match_the_table(street, cluster, labels):
     ]
     assert together
     assert not any(set(labels[objects == a]) & set(labels[objects == b]) for a, b in together)
-    # Distances over four columns change the clusters only if intensities go up to 255.
+    # If distances include the intensity, the clusters change only when intensities go up to 255.
     for scale, same in ((1, True), (255, False)):
         four = obstacles * [1, 1, 1, scale]
         found = DBSCAN(eps=0.5, min_samples=1).fit_predict(four)

@@ -1,4 +1,4 @@
-"""Hidden tests of lesson 06. Titles and hints are shown to students; the code is not.
+"""Hidden tests of lesson 06. Students see the titles and hints but not the code.
 
 Each test covers one property. No point is at the ground level or on the border of a cell, and
 most tests compare only positions. Only `test_counts_cells_on_all_sides` has cells on both sides of
@@ -30,7 +30,7 @@ from utils.checks.lesson_06 import (
 
 @cached_by_content
 def expected_mask(cloud, level):
-    """Return the right mask, computed in plain Python; no point may be exactly at the level."""
+    """Compute the right mask in plain Python. No point may be exactly at the level."""
     return np.array([z > level for z in cloud[:, 2].tolist()], dtype=bool)
 
 
@@ -143,13 +143,13 @@ def test_leaves_its_input_unchanged(student, seed):
 
 
 def clear_of_borders(cloud, size, highest=1 - 1e-3):
-    """Return the rows that are away from cell borders and in the lower part of their cell."""
+    """Return the rows whose place in their cell is between 0.001 and `highest` on all axes."""
     offset = cloud[:, :3] / size % 1.0
     return cloud[((offset > 1e-3) & (offset < highest)).all(axis=1)]
 
 
 def in_lower_halves(cloud, size):
-    """Return rows that get the same cells if an answer rounds or starts at the lowest cell."""
+    """Return rows that get the same cells even if an answer rounds, or counts from the minimum."""
     cloud = clear_of_borders(cloud, size, 0.45)
     lowest = cloud[:1].copy()
     lowest[0, :3] = (np.floor(cloud[:, :3].min(axis=0) / size) + 1e-3) * size
@@ -157,14 +157,14 @@ def in_lower_halves(cloud, size):
 
 
 def one_quadrant(cloud, seed):
-    """Return the rows of one quadrant below the sensor, so that no coordinate changes its sign."""
+    """Return the rows of a random quadrant below the sensor, where each axis has one sign."""
     along, across = np.random.default_rng(seed).choice([-1, 1], 2)
     x, y, z = cloud[:, :3].T
     return cloud[(along * x > 0) & (across * y > 0) & (z < 0)]
 
 
 def mirrored(cloud, size):
-    """Return a cloud with additional points in cells whose index is negated along one axis."""
+    """Add mirror images of points, so that there are cells on both sides of zero on all axes."""
     images = [cloud]
     for axis in range(3):
         image = cloud[axis::3].copy()
@@ -174,19 +174,19 @@ def mirrored(cloud, size):
 
 
 def with_equal_intensities(cloud):
-    """Return the cloud with the same intensity everywhere."""
+    """Return the cloud with the intensity 0.5 in all rows."""
     return np.column_stack([cloud[:, :3], np.full(len(cloud), 0.5)])
 
 
 def assert_thinned(student, cloud, size):
-    """Compare the centroids with those computed in plain Python."""
+    """Compare the answer for a cloud with centroids computed in plain Python."""
     cloud = in_lower_halves(cloud, size)
     answer = student.voxel_grid(cloud.copy(order="A"), size)
     assert_centroids(answer, cloud, samples.voxel_centroids(cloud, size), size)
 
 
 def assert_counted(student, cloud, size):
-    """Compare only the number of cells."""
+    """Check only the number of rows, one per occupied cell."""
     cloud = in_lower_halves(cloud, size)
     answer = student.voxel_grid(cloud.copy(order="A"), size)
     assert_row_per_cell(answer, cloud, len(samples.voxel_centroids(cloud, size)), size)
@@ -259,7 +259,7 @@ def test_starts_cells_at_multiples(student, seed):
     hint="Take the mean of whole rows, with all their columns.",
 )
 def test_averages_the_intensity(student, seed):
-    # All intensities are below 0.2, so that an answer that uses them for the cell is right here.
+    # Intensities below the cell size do not change the cell of an answer that includes them.
     cloud = one_quadrant(samples.patch_of_course_cloud(seed, 9000), seed) * [1, 1, 1, 0.19]
     cloud = in_lower_halves(cloud, 0.2)
     expected, answer = samples.voxel_centroids(cloud, 0.2), student.voxel_grid(cloud.copy(), 0.2)

@@ -1,4 +1,4 @@
-"""Lesson 06: a slice of street from the side, with the ground level."""
+"""Preview of lesson 06: a slice of street from the side, with the ground level."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -8,7 +8,7 @@ from utils import load_cloud, plots
 
 
 def draw() -> Figure:
-    """Return the figure."""
+    """Return the preview as a figure."""
     cloud = load_cloud("cloud.txt")
     figure, axes = plt.subplots(figsize=(8.5, 2.8), layout="compressed")
     strip = cloud[np.abs(cloud[:, 1]) < 6]
@@ -16,6 +16,6 @@ def draw() -> Figure:
         strip, strip[:, 2] >= -1.2, view="side", axes=axes, limits=((-12, 28), (-2.6, 2.6))
     )
     axes.axhline(-1.2, color="black", linestyle="--", linewidth=1)
-    axes.get_legend().remove()  # its counts would answer the lesson's first question
+    axes.get_legend().remove()  # the counts would answer the lesson's first question
     axes.set_title("")
     return figure

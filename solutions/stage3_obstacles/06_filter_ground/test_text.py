@@ -1,4 +1,4 @@
-"""The statements of lesson 06 are true for the answers that its hints describe."""
+"""Tests of the statements in lesson 06, with answers that follow its hints."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ LESSON = "06_filter_ground"
 
 @pytest.fixture(scope="module")
 def street():
-    """Names that the lesson's cells define."""
+    """Variables and functions that the lesson's cells define, by name."""
     return names_of(
         LESSON, "near", "kinds", "ground", "upright", "thin", "vanishes_at", "two_errors", "levels",
         "rising", "by_skipping", "by_voxels", "points_left", "few", "flank",
@@ -35,7 +35,7 @@ def test_the_peak_of_the_histogram_is_the_ground(street):
     assert np.mean(is_ground[(z >= low) & (z < low + 0.1)]) > 0.9
     assert -1.73 < low + 0.05 < -1.6
     assert f"{low:.1f} {low + 0.1:.1f}" == "-1.7 -1.6"
-    assert np.mean(is_ground) < 0.5  # other objects give more than half of the returns
+    assert np.mean(is_ground) < 0.5  # more than half of the returns are from objects
     assert np.mean(np.isin(street["kinds"], ["wall", "car"])) > 0.4
 
 
@@ -43,7 +43,7 @@ def test_nearby_cars_are_lower_than_the_sensor(street):
     cloud, mine = street["cloud"], street["kinds"] == "car"
     mine &= np.hypot(cloud[:, 0], cloud[:, 1]) < 15
     assert cloud[mine, 2].max() < 0.05
-    # Hardly any point of the slice in the drawing is above the line.
+    # The drawing's slice has hardly any points above the line.
     assert np.mean(street["near"][:, 2] > 0) < 0.02
 
 
@@ -66,7 +66,8 @@ def test_a_car_vanishes_before_a_wall_and_a_pedestrian(street):
         street["vanishes_at"](kind, street["rising"]) for kind in ("car", "pedestrian", "wall")
     )
     assert car < wall < pedestrian < np.inf
-    # This is a garden wall; the visible part of house fronts ends half a metre above the sensor.
+    # The wall that vanishes is a garden wall. House fronts are visible up to half a metre above the
+    # sensor.
     truth, cloud = street["truth"], street["cloud"]
     tops = {}
     for number in np.unique(truth["objects"][street["kinds"] == "wall"]):
@@ -79,7 +80,7 @@ def test_a_car_vanishes_before_a_wall_and_a_pedestrian(street):
     assert all(
         truth["box_sizes"][truth["box_identities"] == identity][0, 2] > 6 for identity in tops
     )
-    # The ringed car of the pictures is present at the default level, and missing in the last one.
+    # The ringed car is in the picture for the default level, but not in the last picture.
     cloud = street["thin"]
     ringed = np.hypot(cloud[:, 0] + 11.7, cloud[:, 1] + 2.7) < 2.2
     assert (cloud[ringed, 2] >= -1.2).any() and not (cloud[ringed, 2] >= -0.5).any()
@@ -95,7 +96,7 @@ def test_the_default_is_above_the_crossing_of_the_errors(street):
 def test_the_remaining_ground_is_far_away(street, filter_ground):
     left_over = filter_ground(street["ground"])
     assert len(left_over) and np.hypot(left_over[:, 0], left_over[:, 1]).min() > 20
-    assert np.mean(left_over[:, 0] > 0) > 0.8  # mostly ahead, because the street climbs
+    assert np.mean(left_over[:, 0] > 0) > 0.8  # most of it is ahead, because the street climbs
 
 
 def test_density_falls_faster_on_the_road(street):
@@ -142,13 +143,13 @@ def test_cells_twice_as_wide_leave_two_to_four_times_fewer(street):
     left = street["points_left"](np.array([0.05, 0.1, 0.2, 0.4, 0.8, 1.6]))
     factors = left[:-1] / left[1:]
     assert (factors[1:] > 2).all() and (factors[1:] < 4).all()
-    assert factors[0] < 2  # there are hardly any points to merge
+    assert factors[0] < 2  # cells of 5 cm have hardly any points to merge
 
 
 def test_common_mistakes_match_the_table(street, voxel_grid):
     cloud = street["thin"]
     assert (np.abs(cloud[:, 2]) >= -1.2).all()
-    assert cloud[cloud[:, 1] >= -1.2, 1].min() >= -1.2  # no points remain on the right
+    assert cloud[cloud[:, 1] >= -1.2, 1].min() >= -1.2  # nothing remains far to the right
     points = street["upright"][:2000]
     _, which, counts = np.unique(
         np.floor(points[:, :3] / 0.2), axis=0, return_inverse=True, return_counts=True

@@ -1,7 +1,7 @@
-"""Hidden tests of lesson 07. Titles and hints are shown to students; the code is not.
+"""Hidden tests of lesson 07. Students see the titles and hints but not the code.
 
-Each test covers one property. No point is on a border. Heights and intensities are large enough to
-matter only in the tests about them.
+Each test covers one property. No point is on a border. Only the tests about heights and intensities
+use values that are large enough to matter.
 """
 
 import copy
@@ -29,7 +29,7 @@ from utils.checks.lesson_07 import (
     require_near_points_kept,
 )
 
-MARGIN = 1e-3  # Smallest distance from a border, so that single precision gives the same answer.
+MARGIN = 1e-3  # metres from a border, so that single precision gives the same answer
 
 
 @cached_by_content
@@ -38,27 +38,27 @@ def distances_in_plain_python(cloud):
 
 
 def clear_of_circle(cloud, distance):
-    """Return the rows that are clear of a circle's rim, and whether each is inside."""
+    """Return the rows that are not on a circle's rim, and whether each is inside."""
     true_distance = distances_in_plain_python(cloud)
     clear = np.abs(true_distance - distance) > MARGIN
     return cloud[clear], true_distance[clear] < distance
 
 
 def assert_distance_filtered(student, cloud, distance=10.0):
-    """Compare the answer with distances computed in plain Python."""
+    """Compare the answer for a cloud with distances computed in plain Python."""
     cloud, near = clear_of_circle(cloud, distance)
     answer = student.filter_by_distance(cloud.copy(order="A"), distance)
     assert_points_left(answer, cloud, distance, near)
 
 
 def without_corners(cloud, distance):
-    """Return the rows that every common norm in the plane puts on the same side of the circle."""
+    """Return the rows for which |x| + |y| and max(|x|, |y|) agree with the distance."""
     x, y = np.abs(cloud[:, :2]).T
     return cloud[(x + y < distance - MARGIN) | (np.maximum(x, y) > distance + MARGIN)]
 
 
 def flattened(cloud):
-    """Return the cloud with heights and intensities too small to affect a distance."""
+    """Scale heights and intensities down until they hardly affect a distance."""
     return cloud * [1, 1, 0.01, 0.01]
 
 
@@ -204,12 +204,12 @@ def test_leaves_its_input_unchanged(student, seed):
 
 REGION = (-10.0, -5.0, -2.0), (30.0, 6.0, 1.0)
 EGO_BOX = (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)
-# A region from below the road to above the trees, in which heights do not matter.
+# From below the road to above the trees, so that heights do not matter.
 TALL_REGION = (-10.0, -5.0, -60.0), (30.0, 6.0, 60.0)
 
 
 def boxes_of(seed, tall):
-    """Yield new boxes: ahead on the right, behind, and around the sensor."""
+    """Yield random boxes: ahead on the right, behind, and around the sensor."""
     rng = np.random.default_rng(seed)
     for x, y in ((7, -7), (-7, 4), (1, 0)):
         middle = np.array([x, y, -1.0]) + rng.uniform(-0.5, 0.5, 3)
@@ -221,7 +221,7 @@ def boxes_of(seed, tall):
 
 @cached_by_content
 def distances_and_depths(cloud, minimum, maximum):
-    """Return each row's smallest distance from the faces of a box and its depth inside, (n, 2)."""
+    """Return each row's distance from the nearest face of a box, and its depth inside, (n, 2)."""
     found = []
     for row in cloud[:, :3].tolist():
         gaps = [
@@ -234,7 +234,7 @@ def distances_and_depths(cloud, minimum, maximum):
 
 
 def clear_of(cloud, minimum, maximum):
-    """Return the rows that are clear of the faces of a box, and whether each is inside."""
+    """Return the rows that are not on a face of a box, and whether each is inside."""
     distance, depth = distances_and_depths(cloud, tuple(minimum), tuple(maximum)).T
     return cloud[distance > MARGIN], depth[distance > MARGIN] > 0
 
@@ -253,20 +253,20 @@ def assert_box_filtered(student, exercise, cloud, minimum, maximum):
 
 
 def outside_on_all_axes(cloud, minimum, maximum):
-    """Return a mask of the rows outside a box on all axes: below it on some, above on others."""
+    """Return a mask of rows outside a box on all axes, below it on some and above on others."""
     before, beyond = cloud[:, :3] < np.array(minimum), cloud[:, :3] > np.array(maximum)
     return (before | beyond).all(axis=1) & before.any(axis=1) & beyond.any(axis=1)
 
 
 def inside_on_all_axes_or_none(cloud, minimum, maximum):
-    """Return the rows inside a box on all axes or on none, and whether each is inside."""
+    """Return the rows that are inside a box on all axes or on none, and whether each is inside."""
     cloud, inside = clear_of(cloud, minimum, maximum)
     clear = inside | outside_on_all_axes(cloud, minimum, maximum)
     return cloud[clear], inside[clear]
 
 
 def other_clouds(cloud):
-    """Yield the cloud with three columns, in other types and layouts, and with duplicate rows."""
+    """Yield the cloud with three columns, in single precision, by columns, and with duplicates."""
     yield cloud[:, :3]
     yield cloud.astype(np.float32)
     yield np.asfortranarray(cloud)
@@ -275,7 +275,7 @@ def other_clouds(cloud):
 
 @functools.lru_cache(maxsize=64)
 def scan_around_the_car(seed):
-    """Return part of a new street, with all returns of the ego car and all invalid ones."""
+    """Return part of a new street, with all invalid returns and all returns from the ego car."""
     cloud = samples.fresh_street(seed)
     near = np.flatnonzero(np.hypot(cloud[:, 0], cloud[:, 1]) < 2.5)
     rest = np.random.default_rng(seed).choice(len(cloud), 700, replace=False)
@@ -489,6 +489,6 @@ def test_removes_from_small_clouds(student, seed):
 )
 def test_removal_leaves_its_input_unchanged(student, seed):
     require_ego_removed(student.remove_ego_returns)
-    # A patch of a scan may contain no returns of the ego car, so there is nothing to overwrite.
+    # A patch may contain no returns of the ego car, so an answer could not overwrite any.
     for cloud in (course_around_the_car(), samples.patch_of_course_cloud(seed, 200)):
         assert_untouched(student.remove_ego_returns, cloud, *map(np.array, EGO_BOX))

@@ -1,4 +1,4 @@
-"""The statements of lesson 07 are true for the answers that its hints describe."""
+"""Tests of the statements in lesson 07, with answers that follow its hints."""
 
 import numpy as np
 import pytest
@@ -35,7 +35,7 @@ def of_kind(kind):
 
 
 def seen(rows, minimum=20):
-    """Return the objects with at least `minimum` returns; rows are x, y, z and object number."""
+    """Return the objects with at least `minimum` returns. Rows are x, y, z and object number."""
     numbers, counts = np.unique(rows[:, 3], return_counts=True)
     return set(numbers[counts >= minimum].astype(int).tolist())
 

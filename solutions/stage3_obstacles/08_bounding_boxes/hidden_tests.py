@@ -1,9 +1,9 @@
-"""Hidden tests of lesson 08. Titles and hints are shown to students; the code is not.
+"""Hidden tests of lesson 08. Students see the titles and hints but not the code.
 
-The two tests on scans use data as in the lesson: with noise, intensity, and labels that have gaps
-and come in any order. Every other test covers one property. Unless that property is the subject,
-labels rise from 1 without gaps, there is neither noise nor intensity, and the first point of a
-cluster is neither its smallest nor its largest.
+The two tests on scans use data as in the lesson: noise, intensities, and labels with gaps and in
+any order. Each other test covers one property. In all tests about something else, labels rise from
+1 without gaps, there are no noise and no intensities, and the first point of a cluster is not its
+smallest or largest on any axis.
 """
 
 import functools
@@ -19,7 +19,7 @@ from utils.checks.lesson_08 import require_three_boxes
 
 
 def expected_boxes(cloud, labels):
-    """Return the right boxes, computed in plain Python, shape (N, 8, 3)."""
+    """Compute the right boxes in plain Python, shape (N, 8, 3)."""
     rows = {}
     for label, row in zip(labels.tolist(), cloud[:, :3].tolist(), strict=True):
         if label > 0:
@@ -40,7 +40,7 @@ def expected_boxes(cloud, labels):
 
 
 def assert_boxed(student, cloud, labels):
-    """Check the boxes of a cloud in whole centimetres, so that an answer may round to them."""
+    """Round a cloud to centimetres, so that answers may round too, and check its boxes."""
     cloud = cloud.round(2)
     assert_box_corners(
         student.get_bounding_boxes(cloud.copy(), labels.copy()),
@@ -51,7 +51,7 @@ def assert_boxed(student, cloud, labels):
 
 
 def middles_first(cloud, labels):
-    """Return a cloud that begins with the mean of each cluster; labels from 1, no noise."""
+    """Begin a cloud with the mean of each cluster, drop noise, and renumber labels from 1."""
     cloud = cloud[labels > 0]
     names, place = np.unique(labels[labels > 0], return_inverse=True)
     middles = [cloud[place == row].mean(axis=0) for row in range(len(names))]
@@ -60,7 +60,7 @@ def middles_first(cloud, labels):
 
 @functools.lru_cache(maxsize=64)
 def course_clusters(seed):
-    """Return thinned returns of the course's own scan and their labels, 0 on the road."""
+    """Return part of the course's scan, with cluster labels; the road has the label 0."""
     cloud = samples.patch_of_course_cloud(seed, 2500)
     stands = cloud[:, 2] > -1.1
     found = without_small(samples.cluster_labels(cloud[stands, :3], 0.7), 4)
@@ -69,14 +69,14 @@ def course_clusters(seed):
 
 @functools.lru_cache(maxsize=64)
 def street_clusters(seed):
-    """Return thinned returns of a new street and their labels."""
+    """Return part of a new street, with cluster labels."""
     cloud = samples.obstacles_of_street(seed, 1500)
     found = without_small(samples.cluster_labels(cloud[:, :3], 0.8), 4)
     return as_filtered(*middles_first(cloud, found), cloud[found == 0] - [0, 0, 3, 0], seed)
 
 
 def as_filtered(cloud, labels, noise, seed):
-    """Add noise to a cloud, and give it labels as after a filter: with gaps and in any order."""
+    """Add noise to a cloud, and renumber its labels with gaps and in any order, as a filter may."""
     rng = np.random.default_rng(seed)
     names = rng.choice(np.arange(1, 3 * labels.max()), labels.max(), replace=False)
     cloud, labels = np.vstack([cloud, noise]), np.append(names[labels - 1], 0 * noise[:, 0])
@@ -84,7 +84,7 @@ def as_filtered(cloud, labels, noise, seed):
 
 
 def clusters_only(cloud, labels):
-    """Return the clusters of a scan without noise and intensity, labelled from 1 without gaps."""
+    """Drop a scan's noise and intensities, and renumber its labels from 1 without gaps."""
     kept = labels > 0
     return cloud[kept, :3], np.unique(labels[kept], return_inverse=True)[1].ravel() + 1
 
@@ -94,12 +94,12 @@ def clusters_around_the_origin(rng, count=12, each=20):
     labels = np.repeat(np.arange(1, count + 1), each)
     sizes = rng.uniform(1, 9, (count, 3))[labels - 1]
     points = rng.uniform(-1, 1, (len(labels), 3)) * sizes
-    points[1::each] = -points[::each]  # now on both sides along every axis
+    points[1::each] = -points[::each]  # on both sides along every axis
     return middles_first(points, labels)
 
 
 def without_small(labels, least):
-    """Return labels in which clusters with fewer than `least` points are 0."""
+    """Set the labels of clusters with fewer than `least` points to 0."""
     return np.where(np.bincount(labels)[labels] < least, 0, labels)
 
 

@@ -1,4 +1,4 @@
-"""Lesson 08: a street from above, a box around every obstacle."""
+"""Preview of lesson 08: a street from above, with a box around every obstacle."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -11,7 +11,7 @@ from utils.datasets import DATA
 
 
 def draw() -> Figure:
-    """Return the figure."""
+    """Return the preview as a figure."""
     cloud = load_cloud("cloud.txt")
     truth = np.load(DATA / "cloud_truth.npz")
     near = (cloud[:, 2] >= -1.2) & (np.hypot(cloud[:, 0], cloud[:, 1]) < 20)  # as in the lesson
@@ -22,6 +22,6 @@ def draw() -> Figure:
     row = np.flatnonzero(truth["box_identities"] == 10)[0]
     car = Box(truth["box_centres"][row], truth["box_sizes"][row], truth["box_yaws"][row], "car", 10)
     plots.boxes(car.corners[None], reference=True, label="the diagonal car itself", axes=axes)
-    # With tick labels, a student could measure the area that the lesson asks to estimate.
+    # With tick labels, a student could measure the area that the lesson asks for.
     axes.set(xticklabels=[], yticklabels=[], xlabel="x, forward", ylabel="y, left")
     return figure

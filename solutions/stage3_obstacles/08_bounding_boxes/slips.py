@@ -15,7 +15,7 @@ SLIPS = {
             "measured",
             USELESS,
         ),
-        # Useless, because the car collides with the last obstacle, which has no box.
+        # Useless, because a car would collide with the last obstacle, which has no box.
         Slip(
             "skips the last label", _ROUND, "for label in range(1, cluster_labels.max()):", USELESS
         ),

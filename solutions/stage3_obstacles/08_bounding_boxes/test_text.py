@@ -1,4 +1,4 @@
-"""The statements of lesson 08 are true for the answer that its hints describe."""
+"""Tests of the statements in lesson 08, with answers that follow its hints."""
 
 import importlib
 import re
@@ -58,7 +58,7 @@ def test_clusters_have_hundreds_or_thousands_of_points():
 
 
 def distance_from_edges(corner, drawn):
-    """Return a corner's smallest distance from edges that do not end in it, in drawing widths."""
+    """Return a corner's distance from the nearest edge of other corners, in drawing widths."""
     far = []
     for start in range(8):
         for axis in (1, 2, 4):
@@ -95,7 +95,7 @@ def test_the_box_of_seven_points_is_right():
 
 @pytest.mark.parametrize("name", [FOLLOWED, LOOPS])
 def test_corners_match_the_table(name):
-    """The table is read from the lesson's text."""
+    """Compare the corners with the table in the lesson's text."""
     text = find_lesson("08_bounding_boxes").source.read_text()
     corner = np.array([[1.0, 2, 3], [4, 5, 6]])
     box = taught("get_bounding_boxes", name)(corner, np.array([1, 1]))[0]
@@ -190,7 +190,7 @@ def test_elif_is_right_for_most_maxima_and_wrong_mostly_for_heights():
         points = points_of(label)
         for axis in range(3):
             values = points[:, axis]
-            # With elif, a value that is a new minimum is never compared with the maximum.
+            # With elif, a new minimum is never compared with the maximum.
             tried = values[1:][values[1:] >= np.minimum.accumulate(values)[:-1]]
             if len(tried) and tried.max() < values.max():
                 wrong.append(axis)

@@ -1,4 +1,4 @@
-"""Hidden tests of lesson 09. Titles and hints are shown to students; the code is not.
+"""Hidden tests of lesson 09. Students see the titles and hints but not the code.
 
 Each test covers one property. Only in `test_keeps_clusters_of_the_minimum_size` does a cluster have
 exactly the minimum number of points. Only `test_keeps_the_labels` compares the labels of the
@@ -22,7 +22,7 @@ from utils.checks.lesson_09 import (
 
 
 def expected_labels(labels, minimum):
-    """Return the right answer, computed in plain Python."""
+    """Compute the right answer in plain Python."""
     numbers = labels.tolist()
     count = Counter(numbers)
     return np.array(
@@ -31,7 +31,7 @@ def expected_labels(labels, minimum):
 
 
 def assert_filtered(student, labels, minimum):
-    """Check the remaining clusters, for the next minimum that is not the size of any cluster."""
+    """Check the remaining clusters. Raise the minimum until it is not the size of a cluster."""
     counts = set(Counter(labels.tolist()).values())
     minimum = next(number for number in range(minimum, len(labels) + 2) if number not in counts)
     expected = expected_labels(labels, minimum)
@@ -39,14 +39,14 @@ def assert_filtered(student, labels, minimum):
 
 
 def clutter(rng, clusters, largest):
-    """Return shuffled labels 1 to N of clusters of various sizes, with some noise."""
+    """Return shuffled labels of clusters of various sizes, numbered from 1, with some noise."""
     sizes = np.ceil(np.exp(rng.uniform(0, np.log(largest), clusters))).astype(int)
     labels = np.repeat(np.arange(1, clusters + 1), sizes)
     return rng.permutation(np.concatenate([labels, np.zeros(clusters, dtype=int)]))
 
 
 def objects_of_course_cloud(seed):
-    """Return cluster labels of the objects above the road in the course's cloud."""
+    """Return cluster labels of objects above the road in the course's scan."""
     patch = samples.patch_of_course_cloud(seed, 4000)
     patch = patch[patch[:, 2] > -1.1]
     return samples.cluster_labels(samples.without_ties(patch, 0.5), 0.5)
@@ -103,7 +103,7 @@ def test_keeps_clusters_of_the_minimum_size(student, seed):
     count = Counter(labels.tolist())
     labels = np.append(
         labels, np.repeat(31, count[2])
-    )  # the highest label also has exactly the minimum
+    )  # the cluster with the highest label also has exactly the minimum
     count = Counter(labels.tolist())
     at_the_border = [label for label in count if label > 0 and count[label] == count[2]]
     yours = as_labels(student.filter_clusters(labels.copy(), count[2]), len(labels))

@@ -1,4 +1,4 @@
-"""Lesson 09: a wet street from above, with small clusters marked as noise."""
+"""Preview of lesson 09: a wet street from above, with small clusters marked as noise."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -10,7 +10,7 @@ from utils.datasets import DATA
 
 
 def draw() -> Figure:
-    """Return the figure."""
+    """Return the preview as a figure."""
     scan, objects = load_cloud("cloud.txt"), np.load(DATA / "cloud_truth.npz")["objects"]
     standing = (scan[:, 2] >= -1.2) & (objects > 0) & (np.hypot(scan[:, 0], scan[:, 1]) < 30)
     rng = np.random.default_rng(9)

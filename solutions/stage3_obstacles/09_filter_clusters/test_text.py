@@ -1,4 +1,4 @@
-"""The statements of lesson 09 are true."""
+"""Tests of the statements in lesson 09, with an answer that follows its hints."""
 
 import numpy as np
 import pytest
@@ -19,13 +19,13 @@ DRAWN = ("cluster_labels", "left_over", "thin")
 
 @pytest.fixture(scope="module")
 def taught():
-    """Names that the lesson defines, with its drawings; the simulation takes a second."""
+    """Functions and variables of the lesson, as attributes. The simulation takes a second."""
     return load_reference(NAME, *NAMES, *DRAWN, "in_view", "kind", "distance", "size")
 
 
 @pytest.mark.slow
 def test_ten_points_give_the_printed_results(taught):
-    """The notebook prints these results next to "expected"."""
+    """Compare the results with those that the notebook prints as "expected"."""
     text = find_lesson(NAME).source.read_text("utf-8")
     for minimum in (2, 3):
         assert f"({minimum}, {taught.filter_clusters(taught.ten, minimum).tolist()})" in text
@@ -104,7 +104,7 @@ def test_the_naive_loop_keeps_every_second_small_neighbour(taught):
     labels = np.repeat([1, 2, 3, 4, 5, 6], [9, 1, 1, 1, 1, 9])
     kept = taught.moved_up_in_the_loop(labels, 3)
     assert np.unique(labels[kept > 0]).tolist() == [1, 3, 5, 6]
-    alone = np.repeat([1, 2, 3], [9, 1, 9])  # "with a single small cluster all is well"
+    alone = np.repeat([1, 2, 3], [9, 1, 9])  # the text: "with a single small cluster all is well"
     assert np.array_equal(taught.moved_up_in_the_loop(alone, 3) > 0, alone != 2)
 
 

@@ -1,8 +1,8 @@
-"""Hidden tests of lesson 10. Titles and hints are shown to students; the code is not.
+"""Hidden tests of lesson 10. Students see the titles and hints but not the code.
 
-Small clouds come before large ones. If an answer runs too long or out of memory on a large cloud,
-the judge stops it there, and it keeps the points that it has earned. Two tests with large clouds
-also check that the clusters are exact.
+The tests of small clouds come first. If an answer takes too much time or memory on a large cloud,
+the judge stops it there, and it keeps the points that it has earned. Two tests of large clouds also
+check that the clusters are exact.
 """
 
 import functools
@@ -40,7 +40,7 @@ def test_course_cloud(student, seed):
     far = cloud[(np.hypot(cloud[:, 0], cloud[:, 1]) > 15) & (cloud[:, 2] > -1.1)]
     angle = np.arctan2(far[:, 1], far[:, 0])
     start = np.random.default_rng(seed).uniform(0, 2 * np.pi)
-    # The rows are neither thinned nor shuffled: they stay in the order of the scanner.
+    # The rows are not thinned or shuffled, but stay in the order of the scanner.
     order = np.argsort((angle - start) % (2 * np.pi), kind="stable")
     assert_clusters(student, far[np.sort(order[:2500])])
 
@@ -79,8 +79,8 @@ def test_other_thresholds(student, seed):
     hint="Two cells belong together if ANY point of one is close to ANY point of the other.",
 )
 def test_crowded_cells(student, seed):
-    # The gaps between lumps of 25 points are near the threshold, so comparing one point per cell is
-    # not enough.
+    # The gaps between lumps of 25 points are close to the threshold, so it is not enough to compare
+    # one point per cell.
     rng = np.random.default_rng(seed)
     for _ in range(4):
         middles = np.cumsum(rng.uniform(0.4, 0.95, (16, 1)) * _directions(rng, 16), axis=0)
@@ -191,7 +191,7 @@ def test_many_clusters(student, seed):
 
 
 def answer_in_time(student, cloud, threshold, advice):
-    """Return the answer; if the sandbox stopped the process, raise a failure with advice."""
+    """Return the answer. If the sandbox stops the process, raise a failure with advice."""
     assert_works(student.euclidean_clustering_accelerated)
     try:
         return student.euclidean_clustering_accelerated(cloud, threshold)
@@ -225,9 +225,9 @@ def test_whole_scan(student, seed):
             "Loops over points take too long, and so do lists of the neighbours of every point. "
             "Work with cells instead of points.",
         )
-        # The slow oracle runs only after the answer has come in time. If a tiny change of the
-        # threshold changes the clusters, single precision may differ, so the test tries the next
-        # threshold.
+        # The oracle is slow, so it runs only if the answer came in time. If a tiny change of the
+        # threshold changes the clusters, an answer in single precision may differ, so the test
+        # tries the next threshold.
         labels = samples.cluster_labels(cloud, threshold - 1e-4)
         if np.array_equal(labels, samples.cluster_labels(cloud, threshold + 1e-4)):
             assert_partition(answer, labels, cloud)
@@ -291,10 +291,10 @@ def test_touching_heaps(student, seed):
 def _pairs_at_all_offsets(rng):
     """Return 1000 pairs of points, shape (2000, 3); each pair is 1.002 m apart along a diagonal.
 
-    A cell that is too large contains both points of a pair only if the pair is in the right place.
-    For the side 1 / sqrt(2), that place extends over a fifth of the side along each axis. The
-    pairs therefore begin at each tenth of that side along each axis. Wherever such cells begin, at
-    least one of them contains a pair. Larger cells contain more pairs.
+    If cells are too large, a cell contains both points of a pair, but only if the pair is in the
+    right place. For cells with the side 1 / sqrt(2), that place extends over a fifth of the side
+    along each axis. The pairs therefore begin at each tenth of the side along each axis. Wherever
+    such cells begin, at least one of them contains a pair. Larger cells contain more pairs.
     """
     side = 1 / np.sqrt(2)
     tenths = np.stack(np.meshgrid(*[np.arange(10)] * 3), axis=-1).reshape(-1, 3) / 10
@@ -314,7 +314,7 @@ def _walls(seed):
 
 @functools.lru_cache(maxsize=16)
 def _heaps(seed):
-    """Return two heaps of 20 000 points within 0.08 m and their labels, read-only."""
+    """Return two heaps of 20,000 points, each 0.08 m wide, and their labels, read-only."""
     rng = np.random.default_rng(seed)
     heaps = rng.uniform(0, 0.08, (2, 20_000, 3))
     heaps[1] += [6.0, 0.0, 0.0]
@@ -323,12 +323,12 @@ def _heaps(seed):
 
 @functools.lru_cache(maxsize=16)
 def _heaps_end_to_end(seed):
-    """Return two small heaps joined by a pair of points, two large separate ones, and labels.
+    """Return two small heaps that a pair of points joins, two large separate heaps, and labels.
 
-    The ends of two heaps are 0.502 m apart, so that an answer has to search the large heaps
-    completely. Each small heap has one point that protrudes towards the other. The heaps are so
-    thin that the nearest point is at an end, where a kd-tree finds it ten times as fast as in a
-    cube. They are so short that cell borders rarely split one, and never into pieces small enough
+    The ends of two heaps are 0.502 m apart, so an answer has to search the large heaps completely.
+    In each small heap, one point protrudes towards the other. The heaps are so thin that the
+    nearest points are at the ends, where a kd-tree finds them ten times as fast as in a cube. They
+    are so short that cell borders rarely split a heap, and never into pieces that are small enough
     for a table of distances. The arrays are read-only.
     """
     rng = np.random.default_rng(seed)
@@ -340,14 +340,14 @@ def _heaps_end_to_end(seed):
 
 
 def _mixed(rng, parts, labels):
-    """Combine parts into one rotated, shifted and shuffled cloud; return it with its labels."""
+    """Combine parts into one rotated, shifted and shuffled cloud, and return it with its labels."""
     cloud, labels = np.vstack(parts), np.repeat(labels, [len(part) for part in parts])
     turn, order = np.linalg.qr(rng.normal(size=(3, 3)))[0], rng.permutation(len(cloud))
     return frozen((cloud @ turn.T + rng.uniform(-5, 5, 3))[order]), frozen(labels[order])
 
 
 def _boxes_of_points(seed):
-    """Return twelve dense boxes of points, far apart even from above, and their labels."""
+    """Return twelve dense boxes of points, far apart horizontally, and their labels."""
     rng = np.random.default_rng(seed)
     places = np.stack(np.meshgrid([-18, -6, 6, 18], [-12, 0, 12], [0.5]), axis=-1).reshape(12, 1, 3)
     order = rng.permutation(720)

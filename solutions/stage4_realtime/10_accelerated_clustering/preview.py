@@ -1,4 +1,4 @@
-"""Lesson 10: a car from above, connected by all pairs of points and by few pairs of cells."""
+"""Preview of lesson 10: a car, connected by all pairs of points and by few pairs of cells."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -9,7 +9,7 @@ from utils import load_cloud, plots
 
 
 def draw() -> Figure:
-    """Return the figure."""
+    """Return the preview as a figure."""
     cloud = load_cloud("cloud.txt")
     x, y, z = cloud[:, 0], cloud[:, 1], cloud[:, 2]
     car = cloud[(z > -1.2) & (x > 5) & (x < 10) & (y > -5) & (y < -1.2), :2]

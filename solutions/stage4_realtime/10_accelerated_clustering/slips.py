@@ -1,4 +1,4 @@
-"""Slips in lesson 10, most of them in one of its three steps."""
+"""Slips in lesson 10, most of them in its three steps."""
 
 from tests.slips import PARTLY, SMALL, USELESS, Slip
 

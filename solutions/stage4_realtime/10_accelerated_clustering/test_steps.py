@@ -1,4 +1,4 @@
-"""The checks of the three steps of lesson 10 judge right and wrong answers correctly."""
+"""Tests that the checks of lesson 10's three steps judge right and wrong answers correctly."""
 
 import pytest
 
@@ -27,7 +27,7 @@ def test_the_solution_passes(name):
     [pytest.param(*answer, id=f"{answer[0]}: {answer[1].name}") for answer in ANSWERS],
 )
 def test_kept_answers_pass_or_fail_as_claimed(name, variant):
-    namespace = dict(getattr(LESSON, name).__globals__)  # includes the lesson's own functions
+    namespace = dict(getattr(LESSON, name).__globals__)  # the lesson's own functions
     exec(variant.source, namespace)
     failed = failures_of(name, namespace[name])
     if variant.right:

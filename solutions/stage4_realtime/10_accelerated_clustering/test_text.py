@@ -1,4 +1,4 @@
-"""The statements of lesson 10 are true for the algorithm that it teaches."""
+"""Tests of the statements in lesson 10, with the algorithm that it teaches."""
 
 import json
 from time import process_time
@@ -52,7 +52,7 @@ def open_pairs(label, pairs):
 
 
 def test_the_steps_give_the_printed_results_on_seven_points():
-    """The notebook prints the same results next to "expected"."""
+    """Compare the results with those that the notebook prints as "expected"."""
     text, seven, wide = find_lesson(NAME).source.read_text("utf-8"), LESSON.seven, np.sqrt(3)
     cells, first, cell_of_point = LESSON.points_in_cells(seven, wide)
     assert f"[{', '.join(str(cell) for cell in cells[:, :2].astype(int).tolist())}]" in text
@@ -60,9 +60,10 @@ def test_the_steps_give_the_printed_results_on_seven_points():
     pairs, label = LESSON.join_cheaply(seven, cells, first, wide)
     assert str(sorted(pairs.tolist())) in text
     gaps = np.linalg.norm(seven[first[pairs[:, 0]]] - seven[first[pairs[:, 1]]], axis=1)
-    # "Seven are neighbours. Three are joined, that settles a fourth by a detour. Three are left."
+    # The text says: seven pairs are neighbours, three are joined, which settles a fourth, and three
+    # are left.
     assert (len(pairs), (gaps < wide).sum(), open_pairs(label, pairs).sum()) == (7, 3, 3)
-    assert label[4] == label[5]  # relabelling only cell 4 leaves cell 5 behind, which is visible
+    assert label[4] == label[5]  # an answer that relabels only cell 4 visibly leaves cell 5 behind
     before = label.copy()
     exact = LESSON.join_exactly(seven, cell_of_point, pairs, label, wide)
     assert np.array_equal(label, before)
@@ -81,9 +82,8 @@ def test_one_cell_of_each_open_pair_visits_the_other_on_its_floor(obstacles):
     assert np.allclose(p[:, 3], 0.8 * floor_of_p) and np.allclose(q[:, 3], 0.8 * floor_of_q)
     assert len(chosen) > 100
     many, visited = np.bincount(cell_of_point), 0
-    assert (
-        np.bincount(floor_of_p, minlength=len(many)) <= many
-    ).all()  # each point is at home once
+    # p contains each point at most once, on the floor of its own cell.
+    assert (np.bincount(floor_of_p, minlength=len(many)) <= many).all()
     for number, (one_cell, other_cell) in enumerate(chosen):
         host, guest = (
             (one_cell, other_cell) if many[one_cell] >= many[other_cell] else (other_cell, one_cell)
@@ -98,14 +98,14 @@ def test_one_cell_of_each_open_pair_visits_the_other_on_its_floor(obstacles):
             left_out = np.array([tuple(point) not in found for point in whole.tolist()])
             assert found <= {*map(tuple, whole.tolist())}
             assert not left_out.any() or len(whole) >= 100
-            assert (gap[left_out] >= 0.4).all()  # these points join nothing
+            assert (gap[left_out] >= 0.4).all()  # these points are too far away to join the cells
         assert {*floor_of_q[pair_of_q == number]} <= {host}
         visited += (pair_of_q == number).any()
     assert visited > 100
 
 
 def test_heaps_end_to_end_need_few_queries():
-    """The exact step queries few points; one tree for all heaps took 14 s for rods at an angle."""
+    """Require few queries in the exact step. With one tree for all heaps, tilted rods took 14 s."""
     rng = np.random.default_rng(5)
     rods = rng.uniform(0, [0.04, 0.002, 0.002], (4, 5000, 3))
     rods += [[[x, 0.0, 0.0]] for x in (0.0, 0.542, 6.0, 6.542)]
@@ -121,13 +121,13 @@ def test_heaps_end_to_end_need_few_queries():
 
 @pytest.mark.parametrize("radius", [0.001, 0.2, 1.0])
 def test_clustering_is_exact_for_a_heap_within_a_shell(radius):
-    """Nearly equal distances between heap and shell points once took seven seconds."""
+    """Nearly equal distances between a heap and a shell once made clustering take 7 s."""
     rng = np.random.default_rng(7)
     v = rng.normal(size=(2, 4000, 3))
     v /= np.linalg.norm(v, axis=2, keepdims=True)
     for gap, clusters in ((0.5001, 2), (0.4999, 1)):
         points = np.concatenate([radius * v[0], (radius + gap) * v[1]])
-        points[4000] = (radius + gap) * v[0, 0]  # the smallest distance equals the gap
+        points[4000] = (radius + gap) * v[0, 0]  # this pair's distance is exactly the gap
         for way in (LESSON.euclidean_clustering_accelerated, LESSON.clustering_at_full_speed):
             labels = way(points, 0.5)
             assert labels.max() == clusters and len(set(labels[:4000])) == 1
@@ -157,9 +157,9 @@ def test_no_gap_of_the_seven_points_is_close_to_the_threshold():
 def test_the_cheap_step_settles_nearly_all_pairs(obstacles, right):
     labels, cells, pairs, still_open = LESSON.after_two_steps(obstacles)
     assert len(obstacles) > 50_000 and cells < len(obstacles) / 5
-    assert len(obstacles) / cells < 10  # "a handful of points" in a cell
-    assert 0.01 < still_open / pairs < 0.03  # "about one pair in fifty"
-    assert labels.max() > right.max() + 1  # clusters are split, and none are merged:
+    assert len(obstacles) / cells < 10  # the text says "a handful of points"
+    assert 0.01 < still_open / pairs < 0.03  # the text says "about one pair in fifty"
+    assert labels.max() > right.max() + 1  # some clusters are split, and none are merged:
     for part in np.unique(labels):
         assert len(np.unique(right[labels == part])) == 1
 
@@ -179,8 +179,8 @@ def test_statements_about_pairs_are_true(obstacles):
     def mean_neighbours(tree, points, threshold):
         return (tree.query_ball_point(points, threshold, return_length=True) - 1).mean()
 
-    assert mean_neighbours(tree, few, 0.5) > 100  # hundreds per point; n - 1 pairs are enough
-    for threshold in (0.25, 0.5, 1.0):  # "two or three times as long"
+    assert mean_neighbours(tree, few, 0.5) > 100  # n - 1 pairs would be enough
+    for threshold in (0.25, 0.5, 1.0):  # the text says "two or three times as long"
         longer = mean_neighbours(tree, few, 2 * threshold) / mean_neighbours(tree, few, threshold)
         assert 2 < longer < 3.4
     half = np.random.default_rng(0).permutation(obstacles)[: len(obstacles) // 2]
@@ -192,7 +192,7 @@ def test_statements_about_pairs_are_true(obstacles):
 
 @pytest.mark.slow
 def test_listing_pairs_is_faster_than_querying_and_joining(obstacles):
-    """Listing and joining pairs takes about as long as querying alone, and far less than both."""
+    """Listing and joining pairs takes about as long as querying the tree without joining."""
     by_tree = LESSON.clusters_by(LESSON.neighbours_by_tree)
     few = np.random.default_rng(1).permutation(obstacles)[:6000]
     for points in (few, obstacles):
@@ -249,7 +249,7 @@ def test_same_clusters_compares_both_ways():
 
 
 def test_the_solution_is_as_long_as_promised():
-    """Compare "roughly N lines" with the solution, in which a wrapped line counts once."""
+    """Compare "roughly N lines" with the solution, counting a wrapped line once."""
     text = find_lesson(NAME).source.read_text("utf-8")
     for name in (*STEPS, "euclidean_clustering_accelerated"):
         body = text[text.index(f"\ndef {name}(") :]
@@ -266,7 +266,7 @@ def test_the_fast_version_is_faster(obstacles):
         way(obstacles)
         return process_time() - begin
 
-    # The two run alternately, so that a busy machine slows both; the ratio is about two.
+    # The two run alternately, so that a busy machine slows both. The ratio is about two.
     ways = LESSON.euclidean_clustering_accelerated, LESSON.clustering_at_full_speed
     ratios = [seconds(ways[0]) / seconds(ways[1]) for _ in range(5)]
     assert np.median(ratios) > 1.3
@@ -303,7 +303,7 @@ def test_an_answer_follows_the_hints():
 
 
 def test_the_autograded_copy_keeps_the_students_steps():
-    """The steps give no points, but the graded function needs them."""
+    """The steps carry no points, but the graded function calls them."""
     lesson = find_lesson(NAME)
     notebook = json.loads(lesson.released.read_text("utf-8"))
     for cell in notebook["cells"]:
@@ -319,7 +319,7 @@ def test_the_autograded_copy_keeps_the_students_steps():
 
 
 def test_the_reference_time_is_never_zero():
-    """The reference time is never 0, which would make every answer look slow on a fast machine."""
+    """A reference time of 0 would make every answer look slow on a fast machine."""
     cloud = np.random.default_rng(1).normal(size=(50, 3))
     with _limited_cpu_time(60):
         assert min(_seconds_to_find_neighbours(cloud) for _ in range(200)) > 0

@@ -1,7 +1,7 @@
-"""Hidden tests of lesson 11. Titles and hints are shown to students; the code is not.
+"""Hidden tests of lesson 11. Students see the titles and hints but not the code.
 
-Each test is about one property. In all other tests, points are centred, clusters are aligned with
-the axes and labelled from 1 without gaps, and there is no noise or intensity.
+Each test covers one property. In tests about something else, points are centred, clusters are
+aligned with the axes and labelled from 1 without gaps, and there are no noise and no intensities.
 """
 
 import functools
@@ -34,14 +34,14 @@ from utils.checks.lesson_11 import (
 
 
 def axes_by_svd(points):
-    """Return the right axes, in columns, from the singular vectors of the points."""
+    """Compute the right axes, in columns, as singular vectors of the points."""
     xyz = np.asarray(points, dtype=float)[:, :3]
     return np.linalg.svd(xyz - xyz.mean(axis=0), full_matrices=False)[2].T
 
 
 @cached_by_content
 def smallest_area(points):
-    """Return the area of the smallest rectangle around points seen from above."""
+    """Return the area of the smallest rectangle around points, seen from above."""
     angles = np.radians(np.arange(0, 90, 0.5))
     along = np.column_stack([np.cos(angles), np.sin(angles)])
     across = np.column_stack([-np.sin(angles), np.cos(angles)])
@@ -50,7 +50,7 @@ def smallest_area(points):
 
 
 def area_along(points, direction):
-    """Return the area of the rectangle around points seen from above, along a direction."""
+    """Return the area of the rectangle around points along a direction, seen from above."""
     along = np.asarray(direction)[:2] / np.linalg.norm(direction[:2])
     turned = points[:, :2] @ np.array([along, [-along[1], along[0]]]).T
     return float(np.prod(np.ptp(turned, axis=0)))
@@ -60,14 +60,14 @@ def area_along(points, direction):
 
 
 def random_rotation(rng):
-    """Return a random rotation matrix, from the QR decomposition of a random matrix."""
+    """Return a random rotation matrix, using the QR decomposition of a random matrix."""
     matrix, _ = np.linalg.qr(rng.normal(size=(3, 3)))
     matrix[:, 2] *= np.sign(np.linalg.det(matrix))
     return matrix
 
 
 def block(rng, sides, n=400):
-    """Return n random points inside a block around the origin; `sides` are its lengths."""
+    """Return `n` random points in a block around the origin, with sides of the given lengths."""
     return rng.uniform(-0.5, 0.5, (n, 3)) * sides
 
 
@@ -83,10 +83,10 @@ def turn_about_z(points, angle):
 def scanned_cars(seed):
     """Return clusters (n, 4) of scanned vehicles, each turned to be as diagonal as possible.
 
-    If a scanner sees two sides of a vehicle, sensible methods give different boxes: principal axes
-    lean towards the corner, the smallest rectangle does not. The function keeps only clusters for
-    which the areas of such boxes agree well within `LOOSE`, while the area of a box along x and y
-    is far beyond it.
+    If a scanner sees two sides of a vehicle, sensible methods give different boxes. Principal axes
+    lean towards the corner, but the smallest rectangle does not. The function keeps only clusters
+    for which the areas of such boxes agree well within `LOOSE`, while a box along x and y is far
+    too large.
     """
     from scipy.spatial import ConvexHull
 
@@ -124,7 +124,7 @@ def scanned_cars(seed):
 
 
 def blocks_along_the_street(rng, headings, n=200):
-    """Return the cloud and labels of blocks the size of a car; headings are in degrees."""
+    """Return the cloud and labels of blocks the size of a car, with headings in degrees."""
     clusters = [
         turn_about_z(block(rng, [4.4, 1.8, 1.5], n), np.radians(heading))
         + [10.0 * row - 20, rng.uniform(-6, 6), -0.7]
@@ -134,7 +134,7 @@ def blocks_along_the_street(rng, headings, n=200):
 
 
 def straight_blocks(rng, count=4):
-    """Return the cloud and labels of symmetric blocks along x, whose principal axes are exact."""
+    """Return the cloud and labels of symmetric blocks, whose axes are exactly along x and y."""
     half, labels = blocks_along_the_street(rng, [0.0] * count, 60)
     mirrored = half.copy()
     for label in range(1, count + 1):
@@ -148,7 +148,7 @@ def centred(points):
 
 
 def blocks_in_space(rng, count=6):
-    """Yield centred blocks with random rotations in space."""
+    """Yield centred blocks, each with a random rotation in space."""
     for _ in range(count):
         yield centred(block(rng, [4.4, 1.8, 0.7]) @ random_rotation(rng).T)
 
@@ -157,7 +157,7 @@ def blocks_in_space(rng, count=6):
 
 
 def require_axes(student, points):
-    """Assert that the axes of centred points are right; raise `NotYet` if not."""
+    """Raise `NotYet` unless the answer's axes of centred points are right."""
     with needs("the axes of randomly rotated blocks are right"):
         assert_directions(student.principal_axes(points.copy()), axes_by_svd(points))
 
@@ -210,7 +210,7 @@ def test_axes_of_scanned_vehicles(student, seed):
     for points in (car[:, :3] for car in scanned_cars(seed) + scanned_cars(seed + 1)):
         spread = np.linalg.svd(centred(points), compute_uv=False)
         if (spread[1:] > 0.85 * spread[:-1]).any() or checked == 6:
-            continue  # two directions have nearly equal spread, so their order is not defined
+            continue  # with nearly equal spreads, the order of two axes is uncertain
         checked += 1
         assert_axes(student.principal_axes(points.copy()), axes_by_svd(points))
     points = next(blocks_in_space(np.random.default_rng(seed))) + [9.0, -5.0, 2.0]
@@ -270,7 +270,7 @@ def test_few_points(student, seed):
     try:
         assert_directions(student.principal_axes(triangle + away), axes_by_svd(triangle)[:, :2])
     except CheckFailed:
-        return  # another test checks whether an answer centres the points
+        return  # another test covers answers that do not centre the points
     assert_directions(student.principal_axes(centred(line[:2]) + away), turn[:, :1])
 
 
@@ -335,7 +335,7 @@ def assert_contained_and_tight(student, cloud, labels, areas):
 )
 def test_scanned_vehicles(student, seed):
     cars = [car[:, :3] for step in range(3) for car in scanned_cars(seed + step)][:6]
-    # At 20°, unlike at 45°, a heading of the wrong sign gives a clearly different box.
+    # At 20°, unlike at 45°, a heading with the wrong sign gives a clearly different box.
     cars.append(turn_about_z(block(np.random.default_rng(seed), [4.4, 1.8, 1.5]), 0.35))
     labels = np.repeat(np.arange(1, len(cars) + 1), [len(car) for car in cars])
     areas = [smallest_area(car) for car in cars]
@@ -355,7 +355,7 @@ def test_tall_objects(student, seed):
         sides = [rng.uniform(0.6, 1.5), rng.uniform(0.15, 0.25), rng.uniform(2.5, 3.5)]
         upright = np.array(list(np.ndindex(4, 4, 4))) / 3 - 0.5
         leaning = upright * sides
-        # The lean is not along the heading, and too small to change the heading from above.
+        # The lean is not along the heading, and too small to change the heading seen from above.
         leaning[:, :2] += 0.02 * leaning[:, 2:] * rng.choice([-1, 1], 2)
         points = turn_about_z(leaning, np.radians(heading))
         clusters.append(points + [4.0 * row - 10, rng.uniform(-6, 6), 0.3])
@@ -376,14 +376,14 @@ def test_fresh_street(student, seed):
     car, label = blocks_along_the_street(np.random.default_rng(seed), [25.0])
     cloud = np.vstack([cloud, car + [0.0, 0.0, 30.0]])
     labels = np.concatenate([labels, label + labels.max()])
-    # Sensible methods agree on the size of a box only for the block.
+    # Sensible methods agree on the size of the box only for the block, so only its area is checked.
     areas = [np.inf] * (labels.max() - 1) + [smallest_area(car)]
     assert_contained_and_tight(student, cloud, labels, areas)
 
 
 @functools.lru_cache(maxsize=64)
 def street_clusters(seed):
-    """Return obstacles (n, 3) of a street, sorted by label, and their labels from 1."""
+    """Return obstacle points (n, 3) of a street, sorted by label, and their labels from 1."""
     cloud = samples.obstacles_of_street(seed, 1500)[:, :3]
     labels = samples.cluster_labels(cloud, 0.8)
     kept = np.flatnonzero(np.bincount(labels)[labels] >= 4)

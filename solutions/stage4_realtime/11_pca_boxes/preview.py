@@ -1,4 +1,4 @@
-"""Lesson 11: a diagonal car from above, in a box along the street and in the smallest box."""
+"""Preview of lesson 11: a diagonal car in a box along the street, and in the smallest box."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -10,7 +10,7 @@ from utils.datasets import DATA
 
 
 def draw() -> Figure:
-    """Return the figure."""
+    """Return the preview as a figure."""
     cloud = load_cloud("cloud.txt")
     objects = np.load(DATA / "cloud_truth.npz")["objects"]
     car = cloud[(objects == 10) & (cloud[:, 2] >= -1.2)]

@@ -1,4 +1,4 @@
-"""The statements of lesson 11 about headings, areas and mistakes are true for its own scan."""
+"""Tests of the statements in lesson 11 about headings, areas and mistakes, with its own scan."""
 
 import time
 from types import SimpleNamespace
@@ -22,7 +22,7 @@ VEHICLES = (1, 2, 3, 4, 5, 6, 7, 9, 10)
 
 @pytest.fixture(scope="module")
 def street():
-    """The lesson's scan, its labels, the true boxes by label, and the ground near the car."""
+    """The lesson's scan, its labels, the true boxes by label, and the ground within 10 m."""
     cloud, truth = load_cloud("cloud.txt"), np.load(DATA / "cloud_truth.npz")
     near = (cloud[:, 2] >= -1.2) & (np.hypot(cloud[:, 0], cloud[:, 1]) < 20)
     rows = zip(
@@ -51,7 +51,7 @@ def points_of(street, label):
 
 
 def in_box_frame(street, label):
-    """Return the points (n, 2) of a cluster, along and across its true box."""
+    """Return the points (n, 2) of a cluster in coordinates along and across its true box."""
     box = street.boxes[label]
     return LESSON.turned(points_of(street, label) - box.centre, -box.yaw)[:, :2]
 
@@ -70,7 +70,7 @@ def closest_yaw(points):
 
 
 def angle_to_side(yaw, box):
-    """Return the angle to the nearest side of a box in degrees."""
+    """Return the angle (degrees) between a heading and the nearest side of a box."""
     return abs((np.degrees(yaw - box.yaw) + 45) % 90 - 45)
 
 
@@ -82,7 +82,7 @@ def errors(street, find):
 
 
 def function_of_answer(name):
-    """Return the function of a kept answer, with the functions that the lesson gives."""
+    """Run a kept answer with the functions that the lesson provides, and return its function."""
     source = next(
         answer.source for answer in answers_to("get_oriented_boxes") if answer.name == name
     )
@@ -118,7 +118,7 @@ def test_the_closest_rectangle_is_also_right_for_the_lorry(street):
 
 @pytest.mark.parametrize("degrees", [0, 17, 61, -200])
 def test_closeness_sums_inverse_distances_to_the_sides(degrees):
-    """Compare with distances to the four sides as computed by Shapely."""
+    """Compare with the distances to the four sides that Shapely computes."""
     points = np.random.default_rng(5).normal([7.0, -3.0, 0.4], [2.0, 0.7, 0.5], (60, 3))
     angle = np.radians(degrees)
     turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
@@ -133,13 +133,13 @@ def test_closeness_sums_inverse_distances_to_the_sides(degrees):
 
 def test_explanations_for_single_vehicles_are_true(street):
     seen = {label: in_box_frame(street, label) for label in VEHICLES}
-    # Vehicle 5 is next to the scanner, with one end ahead of it and one behind it.
+    # Vehicle 5 is next to the scanner, with one end ahead of the scanner and one behind.
     ends = street.boxes[5].corners[:, 0]
     assert ends.min() < 0 < ends.max()
     assert np.ptp(seen[4][:, 0]) < 0.6 * street.boxes[4].size[0]
     for label in set(VEHICLES) - {5}:
-        # The first axis leans more than that of an L with evenly spread points, because the near
-        # end has most of the points.
+        # The first axis leans more than in an L with evenly spread points, because most points are
+        # at the near end.
         sides = np.sort(np.ptp(seen[label], axis=0))
         assert angle_to_side(
             axis_yaw(points_of(street, label)), street.boxes[label]
@@ -152,7 +152,7 @@ def test_explanations_for_single_vehicles_are_true(street):
         inside = np.array(street.boxes[label].size[:2]) / 2 - np.abs(seen[label])
         on_top = np.mean(inside.min(axis=1) > 0.15)
         assert (on_top > 0.3) == (label != 7), "bonnet and roof are visible, except on the lorry"
-    # The lorry is higher than the scanner, so hardly any points are between its two sides.
+    # The lorry is higher than the scanner, so it has hardly any points away from its sides.
     lorry = street.boxes[7]
     assert lorry.corners[:, 2].max() > 1
     low, high = seen[7].min(axis=0), seen[7].max(axis=0)
@@ -207,7 +207,7 @@ def test_each_kind_of_object_has_the_stated_best_method(street):
     green = zip(kinds["foliage"], sizes["foliage"], strict=True)
     trunks = [errors_of_methods for errors_of_methods, size in green if size < 0.5]
     assert len(trunks) == 4 and min(map(min, trunks)) > 8
-    # The scanner sees one front of a straight wall, and two at the corner of a house.
+    # The scanner sees one side of a straight wall, but two sides at the corner of a house.
     seen = list(zip(kinds["wall"], sizes["wall"], strict=True))
     straight = [errors_of_methods for errors_of_methods, size in seen if size < 0.2]
     assert len(straight) == 3 and max(map(max, straight)) <= 2
@@ -265,12 +265,12 @@ def test_forty_clusters_are_boxed_quickly():
     rng = np.random.default_rng(0)
     sizes = np.append(rng.integers(12, 400, 38), [12, 400])
     cloud, labels = rng.normal(size=(sizes.sum(), 4)), np.repeat(np.arange(40) + 1, sizes)
-    times = []  # processor time, as other programs also use the machine
+    times = []  # processor time, because other programs also use the machine
     for _ in range(20):
         start = time.process_time()
         LESSON.get_oriented_boxes(cloud, labels)
         times.append(time.process_time() - start)
-    assert min(times) < 0.2  # generous: a frame has a tenth of a second for everything
+    assert min(times) < 0.2  # generous, although a whole frame may take only 0.1 s
 
 
 def test_points_and_lines_have_boxes():
@@ -296,9 +296,8 @@ def test_headings_of_a_stream_jump_and_can_be_unwrapped():
         jumps = np.degrees(np.diff(values))
         jumps = jumps[abs(jumps) > 60]
         assert len(jumps)
-        if (
-            steps > 90
-        ):  # the heading of the car and the lean of the axis also change between two frames
+        # The heading of the car and the lean of the axis also change between two frames.
+        if steps > 90:
             assert (abs(abs(jumps) - steps) < 30).any()
     truth = np.unwrap(truth)
     wrong = {}

@@ -1,6 +1,6 @@
 """Drive the twenty streets with reference detectors, for comparison with a student's drive.
 
-Run this with the project on PYTHONPATH; it writes the results for `utils.drive.standards`.
+Run this file with the project on PYTHONPATH to update the results in `utils.drive.standards`.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from utils.tracking import tracker_of
 
 
 def drive_all(name: str) -> dict[int, Result]:
-    """Return the result of one of `DRIVERS` in each street.
+    """Drive every street with one of `DRIVERS`, and return the results by street number.
 
-    The detectors, which are all faster than the scanner, run without a clock, so that every machine
-    gives the same results.
+    All the detectors are faster than the scanner. They are not timed, so that the results are the
+    same on every machine.
     """
     detect = tracker = None
     if name == DRIVERS[1]:
@@ -36,7 +36,7 @@ def drive_all(name: str) -> dict[int, Result]:
 
 
 def main() -> None:
-    """Drive all streets with all drivers and store the results."""
+    """Drive all streets with all drivers, and store the results."""
     store({name: drive_all(name) for name in DRIVERS})
 
 

@@ -1,6 +1,6 @@
-"""The film at the top of the README: a drive through the city with the obstacles found.
+"""The film at the top of the README: a drive through the city, with the detected obstacles.
 
-Run this to record the film again, as `make pictures` does.
+Run this file, or `make pictures`, to record the film again.
 """
 
 from grader.course.lessons import find_lesson, load_reference
@@ -11,7 +11,7 @@ from utils.scene3d import Scene
 
 LESSON = "12_streaming_obstacles"
 PATH = find_lesson(LESSON).folder / "hero.gif"
-FRAMES, EVERY = 64, 2  # at 10 Hz; using every second frame makes a smaller and faster film
+FRAMES, EVERY = 64, 2  # recorded at 10 Hz; every second frame makes a smaller film
 
 
 def film() -> Film:
@@ -26,7 +26,7 @@ def film() -> Film:
 
 
 def compose(frame: DetectedFrame) -> Scene:
-    """Show only the cloud and the boxes, without timing, so that the file is reproducible."""
+    """Compose a scene of the cloud and the boxes, without timing, so that it is reproducible."""
     return (
         Scene()
         .add_cloud(frame.cloud)

@@ -1,8 +1,8 @@
-"""Hidden tests of lesson 12. Titles and hints are shown to students; the code is not.
+"""Hidden tests of lesson 12. Students see the titles and hints but not the code.
 
-Each test is about one property. It waits until cars are found or boxes are matched, so that a
-detector without boxes earns nothing. Most tests use different squares, so that boxes at fixed
-places pass at most one test by luck.
+Each test covers one property. It fails until the answer finds cars or matches boxes, so a detector
+without boxes earns no points. Most tests use different squares, so a detector with boxes at fixed
+places passes at most one test by luck.
 """
 
 import functools
@@ -65,7 +65,7 @@ def fresh_streets(seed):
 def city_frame(seed):
     """Return a frame of a drive through a new city, with at least two clear cars.
 
-    It is a full scan, with twice as many returns as in the other tests.
+    The frame is a full scan, with twice as many returns as in the other tests.
     """
     from utils.scenes import city_block
 
@@ -75,7 +75,7 @@ def city_frame(seed):
 
 @functools.cache
 def empty_road():
-    """Return a scan of a level road without objects."""
+    """Return a frame of a level road without objects."""
     from utils.simulator.frames import observe
     from utils.simulator.ground import Ground
     from utils.simulator.streets import world_of
@@ -84,20 +84,20 @@ def empty_road():
 
 
 def boxes_in(student, frame):
-    """Return the detector's boxes in a frame, after requiring that it finds the cars."""
+    """Require that the detector finds the cars in a frame, and return its boxes."""
     require_cars_found_in_frame(student.detect_obstacles, frame)
     return detected(student.detect_obstacles, frame)
 
 
 def assert_found_on_climbs(student, seed, kind):
-    """Require the cars of a square, then assert objects of a kind on two climbing roads."""
+    """Require that a square's cars are found, and check objects of a kind on two climbing roads."""
     require_cars_found_in_frame(student.detect_obstacles, square(seed))
     for frame in (climb(seed), climb(seed + 1)):
         assert_kind_contained(detected(student.detect_obstacles, frame), kind, frame)
 
 
 def answer_for(student, cloud, frame):
-    """Return the detector's boxes in a changed cloud; require that they contain the cars."""
+    """Require that the detector finds the cars in a changed cloud, and return its boxes."""
     answer = student.detect_obstacles(cloud)
     require_cars_found(answer, frame)
     return answer
@@ -264,7 +264,8 @@ def test_rain(student, seed):
 def test_removed_car(student, seed):
     car = clear_cars(square(seed + 4))[seed % 3]
     frame = without(car, square(seed + 4))
-    # The test is about boxes that this call may leave behind, so no other test uses this square.
+    # The detector must see the car in the call just before. `detected` caches answers, so no other
+    # test may use this square.
     detected(student.detect_obstacles, square(seed + 4))
     assert_no_box_left(answer_for(student, frame.cloud.copy(), frame), car, frame)
 
@@ -338,7 +339,7 @@ def scattered_places(rng, count):
 
 
 def moved_boxes(rng, count=12, gone=0, new=0, step=0.8):
-    """Return the centres of two frames, and the right partner of each box in the second."""
+    """Return the box centres of two frames, and the right partner of each box in the second."""
     places = scattered_places(rng, count + new)
     stay = rng.permutation(count)[gone:]
     angle, length = rng.uniform([[0], [0.9]], [[2 * np.pi], [1]], (2, len(stay)))
@@ -350,7 +351,10 @@ def moved_boxes(rng, count=12, gone=0, new=0, step=0.8):
 
 
 def rivals(rng):
-    """Return the centres of two frames; two boxes, the nearer first, compete for each place."""
+    """Return the box centres of two frames, where two boxes compete for each box in the first.
+
+    The nearer boxes come first.
+    """
     previous = scattered_places(rng, 8)
     offset = rng.uniform(0, 2 * np.pi, 8)
     aside = np.column_stack([np.cos(offset), np.sin(offset)])
@@ -401,7 +405,7 @@ def test_max_distance(student, seed):
         expected = partner if near else np.full(len(partner), -1)
         boxes = cubes(previous), cubes(current)
         assert_limit_respected(student.match_boxes(*boxes, limit), expected, *boxes, limit)
-    # In this case, the two pairs that are too far apart have the smaller sum of distances.
+    # Here, the pairing with the smallest sum of distances has two pairs that are too far apart.
     start, angle = rng.uniform(-30, 30, 2), rng.uniform(0, 2 * np.pi)
     along = [np.cos(angle), np.sin(angle)]
     boxes = tuple(cubes(start + np.outer(ways, along)) for ways in ([0, 4], [3.2, 7.2]))

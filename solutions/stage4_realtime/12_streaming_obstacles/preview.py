@@ -1,4 +1,4 @@
-"""Lesson 12: a city street from above, with the boxes of one moment and their trails."""
+"""Preview of lesson 12: a city street from above, with the boxes of one frame and their trails."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -9,7 +9,7 @@ from utils import plots, scenes
 
 
 def draw() -> Figure:
-    """Return the figure."""
+    """Return the preview as a figure."""
     lesson = load_reference("12_streaming_obstacles")
     frames = list(scenes.city_block(1, 12))
     boxes, trails = np.empty((0, 8, 3)), []

@@ -1,4 +1,4 @@
-"""The steps of the tracker in lesson 12: right and wrong answers, and the theory of gains."""
+"""Tests of the tracker's steps in lesson 12: kept answers, and the theory of the gains."""
 
 import numpy as np
 import pytest
@@ -60,7 +60,7 @@ def test_every_known_mistake_has_a_kept_answer():
 
 
 def steady_state_gains(wobble, acceleration, seconds):
-    """Return the steady-state gains of a constant-velocity Kalman filter, by Riccati recursion."""
+    """Compute the gains of a steady-state constant-velocity Kalman filter by Riccati recursion."""
     step = np.array([[1, seconds], [0, 1]])
     push = np.array([seconds**2 / 2, seconds]) * acceleration
     noise, state = np.outer(push, push), np.eye(2) * 100.0

@@ -1,4 +1,4 @@
-"""The statements of lesson 12 are true for the answers that its hints describe."""
+"""Tests of the statements in lesson 12, with answers that follow its hints."""
 
 import json
 from types import SimpleNamespace
@@ -18,7 +18,7 @@ from utils.checks.run_cache import one_run
 from utils.notebooks import slicing
 from utils.scoring import counted, holders, name_mistakes
 
-pytestmark = pytest.mark.slow  # simulating three seconds of a city takes some time
+pytestmark = pytest.mark.slow  # simulating three seconds of a city is slow
 
 LESSON = find_lesson("12_streaming_obstacles")
 OWN_CAR = ((-1.5, -1.7, -1.0), (2.6, 1.7, -0.4))
@@ -45,7 +45,7 @@ def from_a_helper(cloud):
 
 @pytest.fixture(scope="module")
 def solved():
-    """Names of the solved notebook that these tests need."""
+    """Variables and functions of the solved notebook that these tests need, by name."""
     statements, _ = slicing.parse_notebook([LESSON.text])
     wanted = (
         "detect_obstacles",
@@ -82,7 +82,7 @@ def things(solved):
 
 
 def run_steps(solved, cloud, *without):
-    """Run the steps of the hints except for the named ones; return the points and boxes."""
+    """Run the steps in the hints, except `without`, and return the thinned points and the boxes."""
 
     def step(name, points, *arguments):
         return points if name in without else solved[name](points, *arguments)
@@ -105,7 +105,7 @@ def ego_car_boxes(boxes):
 
 
 def misalignment(box, car):
-    """Return the angle between the sides of a box and those of a car in degrees, at most 45."""
+    """Return the angle (degrees, at most 45) between the sides of a box and of a car."""
     side = box[1, :2] - box[0, :2]
     angle = np.degrees(np.arctan2(side[1], side[0]) - car.yaw)
     return abs((angle + 45) % 90 - 45)
@@ -121,7 +121,7 @@ def test_naive_squares_cover_road_and_the_ego_car(solved):
     square_of = np.floor(first.cloud[:, :2]) + 0.5
     for middle in ringed:
         held = (square_of == middle).all(axis=1) & (first.cloud[:, 2] > -1.2)
-        assert not first.scan.objects[held].any()  # the square contains only road
+        assert not first.scan.objects[held].any()  # this square contains only road
 
 
 def test_no_box_is_on_empty_road(solved):
@@ -146,7 +146,7 @@ def test_a_fixed_level_leaves_road_on_a_climbing_street(solved):
         )
         found.append(ghosts)
     assert len(found[0]) == 0 and len(found[1]) > 0
-    assert found[1].min() > 15  # a region that ends at 15 m is safe
+    assert found[1].min() > 15  # in a region that ends at 15 m, there would be none
 
 
 def test_boxes_are_aligned_with_cars_within_15_m(solved):
@@ -174,7 +174,7 @@ def test_each_step_has_the_stated_effect(solved):
     assert len(run_steps(solved, cloud, "filter_clusters")[1]) > 1.7 * len(boxes)
     assert len(run_steps(solved, cloud, "crop_region")[1]) > 3 * len(boxes)
     sides = np.ptp(run_steps(solved, cloud, "ransac_plane")[1], axis=1)[CAR_STANDS]
-    assert sides.max() > 20  # everything near the car is one cluster
+    assert sides.max() > 20  # with the road, everything near the car is one cluster
     assert np.ptp(boxes, axis=1)[CAR_STANDS].max() < 12
 
 
@@ -184,11 +184,12 @@ def test_a_bad_scan_shows_missing_steps(solved):
     assert len(solved["detect_obstacles"](good)) == len(solved["detect_obstacles"](bad))
     assert ego_car_boxes(run_steps(solved, good, "remove_ego_returns")[1]) == 0
     assert ego_car_boxes(run_steps(solved, bad, "remove_ego_returns")[1]) == 1
-    # Later steps happen to remove the returns that drop_invalid would have removed.
+    # Without drop_invalid, later steps happen to remove the same returns.
     assert len(run_steps(solved, bad, "drop_invalid")[1]) == len(solved["detect_obstacles"](good))
     lost = np.zeros((3000, 3))
     labels = solved["euclidean_clustering_accelerated"](lost, 0.5)
-    assert solved["filter_clusters"](labels, 10).all()  # without thinning they are a large cluster
+    # Without thinning, the lost returns are a large cluster.
+    assert solved["filter_clusters"](labels, 10).all()
 
 
 def test_half_of_the_returns_fill_nearly_as_many_voxels(solved):
@@ -239,9 +240,9 @@ def test_statements_about_the_score_card_are_true(solved):
 
 
 def f1_with_error(solved, frames, region, *kinds):
-    """Return F1 and its error for boxes around true clusters at each overlap.
+    """Return F1 with its standard error at each overlap, for boxes around true clusters.
 
-    For two kinds of boxes, return the difference of their F1.
+    For two kinds of boxes, return the difference in F1.
     """
     said = []
     for overlap in scoring.OVERLAPS:
@@ -276,7 +277,7 @@ def test_boxes_along_the_axes_are_better_on_streets_and_worse_on_squares(solved)
 
 
 def test_distant_rectangles_may_have_wrong_headings(solved):
-    off = {True: [], False: []}  # the key says whether the object is within 15 m
+    off = {True: [], False: []}  # key: whether the object is within 15 m
     for frame in solved["streams"]["streets"]:
         for thing in counted(frame, solved["carriageway"]):
             points = frame.cloud[frame.scan.objects == thing.identity, :3]
@@ -295,7 +296,7 @@ def test_statements_about_the_two_sweeps_are_true(solved):
     assert f1[0].argmax() == 1
     precision, recall, f1 = solved["sweep"]("min_num_points", [2, 10, 80])
     assert (np.diff(precision[0]) > 0).all() and recall[0, 2] < recall[0, 1]
-    assert f1[0].argmax() == 2  # a pedestrian has fewer points
+    assert f1[0].argmax() == 2  # although a pedestrian has fewer points
 
 
 def test_a_person_ten_metres_away_has_about_thirty_points(solved):
@@ -311,14 +312,14 @@ def test_a_person_ten_metres_away_has_about_thirty_points(solved):
 
 
 def test_each_step_of_the_tracker_has_the_stated_effect(solved, things):
-    """Each step reduces switches in the lesson's stream, at the table's distance and at others."""
+    """Compare the switches after each step, at the distance in the lesson's table and at others."""
     made = {
         use: {limit: solved["mistakes_of"](limit, use) for limit in (0.3, 0.5, 0.7, 1.0, 1.5, 10.0)}
         for use in ((), ("predict",), ("predict", "correct"), solved["ALL"])
     }
     alone, predicted, corrected, coasting = made.values()
-    # At distances below the ego car's motion, matching alone loses parked cars; prediction does
-    # not.
+    # If the distance is shorter than the ego car's motion per frame, matching alone loses parked
+    # cars, but prediction keeps them.
     assert alone[0.3].switches > 200 > 3 * predicted[0.5].switches / 2
     assert alone[0.3].switches > 2 * predicted[0.3].switches
     assert predicted[1.0].switches < 0.7 * alone[1.0].switches
@@ -331,7 +332,7 @@ def test_each_step_of_the_tracker_has_the_stated_effect(solved, things):
 
 @pytest.fixture(scope="module")
 def drives(solved):
-    """Three seconds of eight streets: boxes, objects in them, and frames without clouds."""
+    """Three seconds of eight streets: boxes, the object in each box, and the true boxes."""
     made = []
     for seed in range(8):
         boxes, things, truth = [], [], []
@@ -344,7 +345,7 @@ def drives(solved):
 
 
 def on_eight_streets(drives, solved, name, *arguments):
-    """Run an experiment of the lesson on each of the eight streets."""
+    """Run an experiment of the lesson on each of the eight streets, and return the results."""
     kept = {key: solved[key] for key in ("detected", "things", "city")}
     answers = []
     try:
@@ -393,7 +394,7 @@ def test_statements_about_wobble_and_gain_are_true(solved, things):
 
 
 def test_most_boxes_move_half_a_metre_per_frame(solved):
-    """Even parked objects move relative to the ego car."""
+    """The ego car moves, so even parked objects move relative to it."""
     way = [
         np.linalg.norm(after.mean(axis=1)[:, None] - before.mean(axis=1)[None], axis=2).min(axis=1)
         for before, after in zip(solved["detected"], solved["detected"][1:], strict=False)
@@ -447,7 +448,7 @@ def test_the_cyclist_keeps_one_track_id(solved):
     assert len(set.union(*found)) == 1 and all(found)
 
 
-# ---- counting of mistakes ------------------------------------------------------------------------
+# ---- mistakes of a tracker -----------------------------------------------------------------------
 
 
 def arrays_of(*frames):
@@ -489,7 +490,7 @@ def test_stored_answers_are_listed_and_sittings_are_marked():
 
 
 def test_the_lesson_takes_four_sittings():
-    """The times are those at the head of the lesson, and reports take most of the last sitting."""
+    """Compare with the times at the head of the lesson. Written answers fill the last sitting."""
     sittings = durations.sitting_minutes(nbformat.read(LESSON.solved, as_version=4))
     assert len(sittings) == 4 and max(sittings) < 60
     assert sum(sittings[:3]) < 140 and sittings[3] > 2 * durations.MINUTES_A_REPORT
@@ -497,7 +498,7 @@ def test_the_lesson_takes_four_sittings():
 
 def test_no_check_waits_for_a_passed_check():
     (lucky,) = (answer for answer in answers_to("detect_obstacles") if "one round" in answer.name)
-    for seed in range(4):  # with some seeds, one round finds the road
+    for seed in range(4):  # with some seeds, a single round finds the road
         namespace = {"np": np}
         exec(lucky.source.replace("(low, 1, 0.2, 0)", f"(low, 1, 0.2, {seed})"), namespace)
         with one_run():

@@ -48,8 +48,8 @@ def assert_direction(answer: object, points: np.ndarray, given: str | None = Non
             "Another plane through the mean of these points is closer to them than the one with "
             "your (a, b, c).",
             given=given,
-            yours=f"{plane_text(plane)}, {yours:.4f} m root mean square distance",
-            expected=f"{expected_text(plane, best)}, {least:.4f} m",
+            yours=f"{plane_text(plane)}, root mean square distance {yours:.4f} m",
+            expected=f"{expected_text(plane, best)}, root mean square distance {least:.4f} m",
             draw=lambda: draw_edge_on(np.asarray(points), plane, None, None, best),
         )
 

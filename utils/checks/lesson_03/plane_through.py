@@ -83,7 +83,8 @@ def assert_perpendicular(answer: object, triangle: np.ndarray) -> None:
     plane = as_plane_of_triangle(answer, triangle)
     sides = np.roll(triangle, -1, axis=0) - triangle
     lengths = np.linalg.norm(sides, axis=1) * np.linalg.norm(plane[:3])
-    angle = np.degrees(np.arcsin(np.clip(np.abs(sides @ plane[:3]) / lengths, 0, 1))).max()
+    with np.errstate(invalid="ignore", divide="ignore"):  # the answer may be (0, 0, 0, 0)
+        angle = np.degrees(np.arcsin(np.clip(np.abs(sides @ plane[:3]) / lengths, 0, 1))).max()
     if angle > 0.1:
         raise CheckFailed(
             f"(a, b, c) is not perpendicular to the triangle: it is off by {angle:.1f} degrees.",
@@ -293,6 +294,17 @@ mistakes(
         "plane through p, q and the sensor.",
         lambda right, p, q, r: best_plane(np.array([0 * p, p, q]))[0],
         "Use the sides of the triangle, q - p and r - p. They lie in the plane; p and q do not.",
+    ),
+    *(
+        Mistake(
+            f"The cross product is computed from the points {names} themselves, not from sides.",
+            lambda right, *points, pair=pair: plane_at(
+                points[0], best_plane(np.array([0 * points[0], *(points[k] for k in pair)]))[0][:3]
+            ),
+            "Use the sides of the triangle, q - p and r - p. They lie in the plane; the points as "
+            "vectors do not.",
+        )
+        for names, pair in (("q and r", (1, 2)), ("p and r", (0, 2)))
     ),
     Mistake(
         "p is subtracted from q, but not from r.",

@@ -553,7 +553,7 @@ def _planes_equal(first: np.ndarray | None, second: np.ndarray | None) -> bool:
 @visible(
     "ransac_plane",
     weight=3,
-    title="Accepts a whole number, a seed, as rng",
+    title="Accepts an integer seed as rng",
     why="A seed can be written to a log file; a generator cannot.",
     hint="Begin with rng = np.random.default_rng(rng): it makes a generator from a whole number "
     "and returns a generator unchanged.",

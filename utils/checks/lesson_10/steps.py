@@ -254,11 +254,11 @@ def _exact_arguments(label: np.ndarray) -> tuple:
 
 @visible(
     "join_exactly",
-    title="Joins the whole pieces that points 3 and 4 connect",
+    title="Joins all cells of both pieces that points 3 and 4 connect",
     why="If only one cell of a piece gets the new label, the rest of a car keeps the old one.",
-    hint="If a distance is below the threshold, give all cells of both pieces one number: compute "
-    "the components of the pieces and index them with [label]. In a loop over pairs of cells, "
-    "write label[label == label[b]] = label[a].",
+    hint="If a distance is below the threshold, give all cells of both pieces the same label: "
+    "compute the components of the pieces, then index the components with [label]. In a loop over "
+    "pairs of cells, write label[label == label[b]] = label[a].",
 )
 def joins_exactly(join_exactly: Callable) -> None:
     # Pieces may be numbered in any order, so either of the two pieces may have the larger number.
@@ -279,7 +279,7 @@ def joins_exactly(join_exactly: Callable) -> None:
     hint="Write label = label.copy() before you change any label.",
 )
 def keeps_the_labels_unchanged(join_exactly: Callable) -> None:
-    with needs("the function joins the whole pieces that points 3 and 4 connect"):
+    with needs("the function joins both pieces that points 3 and 4 connect"):
         joins_exactly(join_exactly)
     assert_arguments_unchanged(
         observe(join_exactly, *_exact_arguments(_PIECES)), *_exact_arguments(_PIECES)
@@ -288,7 +288,7 @@ def keeps_the_labels_unchanged(join_exactly: Callable) -> None:
 
 @visible(
     "join_exactly",
-    title="Joins a row of pieces as far as their points are close",
+    title="Joins neighbouring pieces in a row, and stops at the first gap",
     why="After step 2, a wall may consist of dozens of pieces, each of them close only to the "
     "next.",
     hint="Several points of q may belong to one open pair: pair_of_q[near] are the rows of the "

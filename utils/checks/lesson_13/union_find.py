@@ -29,7 +29,7 @@ def _path(parent: np.ndarray, cell: int) -> list[int] | None:
 
 
 def _roots(parent: np.ndarray, given: str) -> np.ndarray:
-    """Return the root of each cell after a call of the student's function.
+    """Return the root of each cell after a call to the student's function.
 
     Raises
     ------
@@ -288,7 +288,7 @@ def unite_compiles(unite: Callable) -> None:
 
 
 def _pieces_after(unite: Callable, parent: np.ndarray, a: int, b: int) -> list[list[int]]:
-    """Return the pieces after a call of `unite`."""
+    """Return the pieces after a call to `unite`."""
     unite(parent, a, b)
     return _groups(_roots(parent, ""))
 
