@@ -209,10 +209,11 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "collect",
         commands.run_collect,
-        "Put the submissions of a class into submitted/. Accept archives from Canvas, Moodle and "
-        "GitHub Classroom, folders and single files. If the student or lesson of a file is "
-        "unclear, list the file and the options to choose from, and exit with status 1. Run the "
-        "command again with one of these options.",
+        "Put the submissions of a class into submitted/. Accept downloads from Canvas, Moodle, "
+        "Blackboard, Brightspace, Gradescope, ILIAS, PrairieLearn, Sakai and GitHub Classroom, "
+        "folders and single files. If the student or lesson of a file is unclear, list the file "
+        "and the options to choose from, and exit with status 1. Run the command again with one "
+        "of these options.",
         "submissions.zip --stage stage3_obstacles",
         "submissions.zip --stage stage3_obstacles --who 'mueller_4711=bjorn'",
     )
@@ -221,7 +222,7 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
         nargs="+",
         type=Path,
         metavar="ARCHIVE",
-        help="zip from Canvas or Moodle, folder of GitHub Classroom repositories, any other "
+        help="zip from a learning platform, folder of GitHub Classroom repositories, any other "
         "folder, or single file",
     )
     collect.add_argument(
@@ -245,7 +246,7 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
         type=_parse_answer,
         metavar="NAME=ID[,ID...]",
         help="id of the student called NAME in the archive; several ids for a team; - to ignore "
-        "NAME; may be repeated",
+        "a student or a file called NAME; may be repeated",
     )
     collect.add_argument(
         "--lesson",

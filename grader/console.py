@@ -278,6 +278,10 @@ def print_feedback(feedback: Sequence[WrittenFeedback]) -> None:
             zipped = f", and {plain(one.archive)} for upload" if one.archive else ""
             text = f"{plain(one.pages[0].parent)}: {count}{zipped}"
             Console(highlight=False, soft_wrap=True).print(text, markup=False)
+    teams = [sentence for one in feedback for sentence in one.teams]
+    if teams:
+        text = "\n  ".join(["The zip has no feedback for teams:", *map(plain, teams)])
+        Console(highlight=False, soft_wrap=True).print(text, markup=False)
     left = [sentence for one in feedback for sentence in one.left]
     if left:
         text = "\n  ".join(["Feedback left out:", *map(plain, left)])
@@ -297,6 +301,10 @@ def print_collected(report: CollectionReport) -> None:
         console.print(plain(sentence), markup=False, soft_wrap=True)
     _print_questions(console, "For your information", report.remarks)
     _print_questions(console, "Not collected until you decide", report.questions)
+    if any("/" in question.name for question in report.questions):
+        console.print(
+            "\nTo ignore one of these files from now on, add --who 'FILE=-'.", markup=False
+        )
 
 
 def _collected_table(report: CollectionReport) -> Table:

@@ -1,8 +1,10 @@
-"""Build archives as Canvas and Moodle do, according to their source code.
+"""Build archives as learning platforms do.
 
 Canvas: ``lib/content_zipper.rb`` and ``Attachment.make_unique_filename``. Moodle:
 ``mod/assign/classes/downloader.php`` and ``clean_filename``, and ``gradingtable.php`` for the
-worksheet.
+worksheet. Moodle before 2022: ``download_submissions`` in ``mod/assign/locallib.php``. ILIAS:
+``ilExSubmission::getDirectoryNameFromUserData``. The other platforms: scripts that read their
+downloads.
 """
 
 import csv
@@ -63,12 +65,63 @@ def canvas_files(sortable_name, user, attachments, late=False, anonymous=""):
     ]
 
 
-def moodle_files(name, number, files, folders=True, plugin="file"):
-    """Return the files of a participant or of a team; a file is (path, content)."""
+def moodle_files(name, number, files, folders=True, plugin="file", old=False, team=""):
+    """Return the files of a participant or of a team; a file is (path, content).
+
+    With `old`, names are those of versions before 2022, in which `team` is the team of a person.
+    """
+    name = f"{team}-{name}" if team else name
     prefix = name.replace("_", " ") + (f"_{number}" if number else "")
     prefix = re.sub(r"[\\/:*?\"<>|]", "", f"{prefix}_assignsubmission_{plugin}")
-    divider = "/" if folders else "_"
+    divider = ("_/" if old else "/") if folders else "_"
     return [(f"{prefix}{divider}{path}", data) for path, data in files]
+
+
+def blackboard_files(login, time, files, title="LiDAR 20Lab"):
+    """Return the files of an attempt at a time such as ``2026-10-12-23-10-00``."""
+    attempt = f"{title}_{login}_attempt_{time}"
+    about = f"Name: ({login})\nAssignment: {title}\n".encode()
+    return [(f"{attempt}.txt", about)] + [(f"{attempt}_{name}", data) for name, data in files]
+
+
+def brightspace_files(name, number, time, files, folders=True):
+    """Return the files of an attempt at a time such as ``12 October, 2026 1110 PM``."""
+    divider = "/" if folders else " - "
+    return [(f"{number}-678901 - {name} - {time}{divider}{file}", data) for file, data in files]
+
+
+def gradescope_files(submissions, root="assignment_7_export/"):
+    """Return an export; a submission is (number, [(name, number, e-mail)], time, files)."""
+    text, exported = "---\n", []
+    for number, submitters, time, files in submissions:
+        text += f"submission_{number}:\n  :submitters:\n"
+        for name, sid, email in submitters:
+            text += f"  - :name: {name}\n    :sid: {sid}\n    :email: {email}\n"
+        text += f"  :created_at: {time}\n  :score: 10.0\n"
+        exported += [(f"{root}submission_{number}/{path}", data) for path, data in files]
+    return [*exported, (f"{root}submission_metadata.yml", text.encode())]
+
+
+def ilias_files(last, first, login, number, files, title="Blatt 3", team=""):
+    """Return the files of a student; `team` is the number of a team."""
+    folder = f"{title}/Abgaben/" + (f"Team {team}/" if team else "")
+    return [(f"{folder}{last}_{first}_{login}_{number}/{name}", data) for name, data in files]
+
+
+def sakai_files(name, login, files, title="Lab (week 3)", folders=True):
+    """Return the files of a student, and the files that Sakai adds."""
+    divider = "/" if folders else "_"
+    person = f"{title}/{name}({login}){divider}"
+    return [
+        (f"{person}timestamp.txt", b"20261012211000000"),
+        (f"{person}feedbackText.html", b"<p>"),
+        *((f"{person}Submission attachment(s){divider}{file}", data) for file, data in files),
+    ]
+
+
+def prairielearn_files(uid, submission, files, root="Homework3/"):
+    """Return the files of a submission to a question."""
+    return [(f"{root}{uid}_1_lidar_lab_1_{submission}_{name}", data) for name, data in files]
 
 
 MOODLE_TITLES = {

@@ -10,6 +10,7 @@ import sys
 import unicodedata
 import zipfile
 from datetime import UTC, datetime
+from functools import partial
 
 import pytest
 
@@ -28,11 +29,17 @@ from tests.archives import (
     SEVEN,
     SIX,
     STAGE3,
+    blackboard_files,
+    brightspace_files,
     canvas_files,
     canvas_prefix,
+    gradescope_files,
+    ilias_files,
     moodle_files,
     notebook,
+    prairielearn_files,
     released,
+    sakai_files,
     worksheet,
     zipped,
 )
@@ -219,25 +226,101 @@ def test_unusual_file_names_are_recognised(course, anonymous_course):
 # ---- Moodle -------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("old", [False, True], ids=["", "before 2022"])
 @pytest.mark.parametrize("folders", [True, False], ids=["folders", "flat"])
-def test_students_are_found_by_their_moodle_names(course, folders):
+def test_students_are_found_by_their_moodle_names(course, folders, old):
     files = [
         *moodle_files(
             "Ada Lovelace",
             5001,
             [(f"{SIX}.ipynb", notebook()), (f"{SEVEN}.ipynb", notebook(SEVEN))],
             folders,
+            old=old,
         ),
-        *moodle_files("Björn Müller", 5002, [(f"{EIGHT}.ipynb", notebook(EIGHT))], folders),
+        *moodle_files(
+            "Björn Müller", 5002, [(f"{EIGHT}.ipynb", notebook(EIGHT))], folders, old=old
+        ),
     ]
     outcome = collect(course, archive(course, files))
     assert outcome.archives[0][1] == "Moodle"
     assert states(outcome) == {"ada": {"06": "new", "07": "new"}, "bjorn": {"08": "new"}}
+    record = read_record(course.submitted / "ada" / STAGE)
+    assert record.files[f"{SIX}.ipynb"].participant == "5001"
 
 
-def test_folders_from_moodle_are_kept(course):
-    files = moodle_files("Ada Lovelace", 5001, [(f"my work/deep/{SIX}.ipynb", notebook())])
+@pytest.mark.parametrize("old", [False, True], ids=["", "before 2022"])
+def test_folders_from_moodle_are_kept(course, old):
+    files = moodle_files("Ada Lovelace", 5001, [(f"my work/deep/{SIX}.ipynb", notebook())], old=old)
     assert states(collect(course, archive(course, files))) == {"ada": {"06": "new"}}
+
+
+@pytest.mark.parametrize("folders", [True, False], ids=["folders", "flat"])
+def test_older_versions_of_moodle_put_the_team_before_the_name(course, folders):
+    with_roster(course, "ada,Ada,Lovelace,,,", "jl,Jean-Luc,Picard,,,", "luc,Luc,Picard,,,")
+    mine = [(f"{SIX}.ipynb", notebook())]
+    files = [
+        *moodle_files("Ada Lovelace", 5001, mine, folders, old=True, team="Team-Rot"),
+        *moodle_files("Jean-Luc Picard", 5002, mine, folders, old=True, team="Default group"),
+    ]
+    outcome = collect(course, archive(course, files))
+    assert states(outcome) == {"ada": {"06": "new"}}
+    label = "Default group-Jean-Luc Picard_5002"
+    assert "may be jl or luc" in questions(outcome)[label], "the hyphen may belong to the team"
+
+
+def test_a_hyphen_in_a_name_from_moodle_is_not_a_team(course):
+    """Luc Picard is another student than Jean-Luc Picard, who is not on the roster."""
+    with_roster(course, "ada,Ada,Lovelace,,,", "luc,Luc,Picard,,,")
+    files = [
+        *moodle_files("Ada Lovelace", 5001, [(f"{SIX}.ipynb", notebook())], old=True),
+        *moodle_files("Jean-Luc Picard", 5002, [(f"{SIX}.ipynb", notebook())], old=True),
+    ]
+    outcome = collect(course, archive(course, files))
+    assert states(outcome) == {"ada": {"06": "new"}}
+    assert set(questions(outcome)) == {"Jean-Luc Picard_5002"}
+
+
+def test_notebooks_without_a_name_from_moodle_are_read_by_their_folders(course):
+    """A teacher added them to the unzipped download."""
+    files = [
+        *moodle_files("Ada Lovelace", 5001, [(f"{SIX}.ipynb", notebook())], old=True),
+        (f"bjorn/{SIX}.ipynb", notebook(text="bjorn")),
+        (f"from the mail/{SIX}.ipynb", notebook(text="mail")),
+        ("notes.txt", b"two came by mail"),
+    ]
+    outcome = collect(course, archive(course, files))
+    assert states(outcome) == {"ada": {"06": "new"}, "bjorn": {"06": "new"}}
+    assert [one[1:] for one in outcome.archives] == [
+        ("Moodle", 1),
+        ("not in the format of Moodle", 2),
+    ]
+    assert set(questions(outcome)) == {"from the mail"}
+    assert set(outcome.ignored) == {"notes.txt"}
+
+
+@pytest.mark.parametrize(
+    "forged",
+    [
+        "Cy O'Neil_5003_assignsubmission_file/{}",
+        "O'Neil, Cy(cy)/Submission attachment(s)/{}",
+        "12-34 - Cy O'Neil - 12 October, 2026 1110 PM/{}",
+        "Lab_cy_attempt_2026-10-12-23-10-00_{}",
+        "ONeil_Cy_cy_4711/{}",
+        "cy@x.edu_1_lab_1_1_{}",
+        "oneilcy_4711_12345_{}",
+    ],
+)
+def test_a_student_cannot_submit_in_another_name(course, tmp_path, forged):
+    """Ada puts many files with names of a platform into her folder or repository."""
+    names = [forged.format(f"{SIX} ({number}).ipynb") for number in range(9)]
+    files = [(f"ada/{name}", notebook(text="by ada")) for name in names]
+    files += [(f"bjorn/{SIX}.ipynb", notebook(text="bjorn"))]
+    assert "cy" not in states(collect(course, archive(course, files)))
+    for login in ("ada-l", "bmu"):
+        mine = {name.split("/", 1)[1]: data for name, data in files if name.startswith(login[0])}
+        checkout(tmp_path / "hw", f"hw-3-{login}", mine)
+    outcome = collect(course, tmp_path / "hw")
+    assert outcome.archives[0][1] == "GitHub Classroom" and "cy" not in states(outcome)
 
 
 @pytest.mark.parametrize("folders", [True, False], ids=["folders", "flat"])
@@ -245,8 +328,12 @@ def test_typed_texts_in_moodle_become_questions(course, folders):
     files = moodle_files(
         "Ada Lovelace", 5001, [("onlinetext.html", b"<p>")], folders, plugin="onlinetext"
     )
-    (text,) = questions(collect(course, archive(course, files))).values()
+    path = archive(course, files)
+    ((name, text),) = questions(collect(course, path)).items()
     assert text.startswith("was typed into Moodle")
+    for who in ({name: "-"}, {}):
+        outcome = collect(course, path, who=who)
+        assert outcome.questions == [] and set(outcome.ignored) == {"onlinetext.html"}
 
 
 TIMES = {
@@ -351,6 +438,190 @@ def test_members_of_moodle_teams_are_named_by_options_or_the_worksheet(course):
     assert states(outcome) == {"ada": {"06": "same"}, "cy": {"06": "same"}, "bjorn": {"07": "same"}}
 
 
+# ---- other platforms ----------------------------------------------------------------------------
+
+OLD, NEW = notebook(text="old"), notebook(text="new")
+OTHER_PLATFORMS = {
+    "Blackboard": [
+        *blackboard_files("bjorn", "2026-10-12-23-59-00", [(f"{SIX}.ipynb", OLD)]),
+        *blackboard_files("ada", "2026-10-12-23-10-00", [(f"{SIX}.ipynb", NEW)]),
+        *blackboard_files("bjorn", "2026-10-13-09-00-00", [(f"{SIX}.ipynb", NEW)]),
+    ],
+    "Brightspace": [
+        ("index.html", b"<html>"),
+        *brightspace_files(
+            "Björn Müller", 12346, "12 October, 2026 1159 PM", [(f"{SIX}.ipynb", OLD)]
+        ),
+        *brightspace_files(
+            "Ada Lovelace", 12345, "12 October, 2026 1110 PM", [(f"{SIX}.ipynb", NEW)]
+        ),
+        *brightspace_files("Björn Müller", 12346, "Oct 13, 2026 900 AM", [(f"{SIX}.ipynb", NEW)]),
+    ],
+    "Gradescope": gradescope_files(
+        [
+            (
+                101,
+                [("Ada Lovelace", "'0012345'", "ada@x.edu")],
+                "2026-10-12 21:10:00.000000000 Z",
+                [(f"work/{SIX}.ipynb", NEW)],
+            ),
+            (
+                102,
+                [("Björn Müller", "", "bm@x.edu")],
+                "2026-10-12 21:59:00.0 Z",
+                [(f"{SIX}.ipynb", NEW)],
+            ),
+        ]
+    ),
+    "ILIAS": [
+        *ilias_files(
+            "Lovelace", "Ada", "ada", 4711, [(f"{SIX}.ipynb", NEW)], "Uebung_zu_Robotik_3"
+        ),
+        *ilias_files(
+            "Mueller", "Bjoern", "bjorn", 4712, [(f"{SIX}.ipynb", NEW)], "Uebung_zu_Robotik_3"
+        ),
+    ],
+    "PrairieLearn": [
+        *prairielearn_files("ada@x.edu", 1, [(f"{SIX}.ipynb", NEW)]),
+        *prairielearn_files("bm@x.edu", 1, [(f"{SIX}.ipynb", NEW)]),
+    ],
+    "Sakai": [
+        ("Lab (week 3)/grades.csv", b"Lab,Points"),
+        *sakai_files("Lovelace, Ada", "al", [(f"{SIX}.ipynb", NEW)]),
+        *sakai_files("Müller, Björn", "bjorn", [(f"{SIX}.ipynb", NEW)]),
+    ],
+}
+
+
+@pytest.mark.parametrize("platform", OTHER_PLATFORMS)
+def test_other_platforms_are_recognised(course, platform):
+    """The newest attempt counts. Files that the platform adds are not asked about."""
+    outcome = collect(course, archive(course, OTHER_PLATFORMS[platform]))
+    assert {archive[1] for archive in outcome.archives} == {platform}
+    assert states(outcome) == {"ada": {"06": "new"}, "bjorn": {"06": "new"}}
+    assert outcome.questions == []
+    for student in ("ada", "bjorn"):
+        assert placed(course, student) == {f"{SIX}.ipynb": NEW}
+
+
+@pytest.mark.parametrize("platform", OTHER_PLATFORMS)
+def test_other_platforms_are_recognised_without_a_roster(anonymous_course, platform):
+    outcome = collect(anonymous_course, archive(anonymous_course, OTHER_PLATFORMS[platform]))
+    assert len(outcome.states) == 2 and outcome.questions == []
+
+
+@pytest.mark.parametrize("platform", OTHER_PLATFORMS)
+def test_downloads_of_a_single_student_are_recognised(course, platform):
+    files = [
+        (name, data)
+        for name, data in OTHER_PLATFORMS[platform]
+        if not any(word in name for word in ("bj", "Bj", "Mueller", "bm@", "submission_102"))
+    ]
+    outcome = collect(course, archive(course, files))
+    assert outcome.archives[0][1] == platform
+    if platform in ("Blackboard", "ILIAS"):  # the length of the assignment's title is unknown
+        assert states(outcome) == {} and len(outcome.questions) == 1
+    else:
+        assert states(outcome) == {"ada": {"06": "new"}}
+
+
+@pytest.mark.parametrize("folders", [True, False], ids=["folders", "flat"])
+def test_downloads_without_folders_are_recognised(course, folders):
+    mine = [(f"{SIX}.ipynb", notebook())]
+    path = archive(course, sakai_files("Lovelace, Ada", "ada", mine, folders=folders))
+    assert states(collect(course, path)) == {"ada": {"06": "new"}}
+    files = brightspace_files("23 Müller", 1, "05 March 2026 612 PM", mine, folders)
+    with_roster(course, "23,Björn,Müller,,,", "ada,Ada,Lovelace,,,")
+    assert states(collect(course, archive(course, files))) == {"23": {"06": "new"}}
+
+
+@pytest.mark.parametrize(
+    ("label", "attempt", "time"),
+    [
+        ("LiDAR 20Lab_eve", partial(blackboard_files, "eve"), "2026-10-1{}-09-00-00"),
+        ("Eve Evil_77", partial(brightspace_files, "Eve Evil", 77), "1{} October, 2026 900 AM"),
+    ],
+    ids=["Blackboard", "Brightspace"],
+)
+def test_an_answer_about_an_attempt_applies_to_the_next_attempt(course, label, attempt, time):
+    """The time of the attempt is not a part of the owner's name."""
+    for day, who in ((2, {label: "cy"}), (3, {})):
+        content = notebook(text=f"day {day}")
+        path = archive(course, attempt(time.format(day), [(f"{SIX}.ipynb", content)]))
+        outcome = collect(course, path, who=who)
+        assert outcome.questions == [] and placed(course, "cy") == {f"{SIX}.ipynb": content}
+
+
+def test_all_members_of_a_team_in_gradescope_are_collected(course):
+    team = [("Ada Lovelace", "", "ada@x.edu"), ("Cy ONeil", "", "cy@x.edu")]
+    stranger = [("Björn Müller", "", ""), ("Eve Evil", "", "eve@x.edu")]
+    time, mine = "2026-10-12 21:10:00 Z", [(f"{SIX}.ipynb", notebook())]
+    outcome = collect(
+        course,
+        archive(course, gradescope_files([(1, team, time, mine), (2, stranger, time, mine)])),
+    )
+    assert states(outcome) == {"ada": {"06": "new"}, "cy": {"06": "new"}}
+    assert "write several ids" in questions(outcome)["Björn Müller+eve@x.edu"]
+
+
+def test_a_damaged_list_of_submitters_is_refused(course):
+    files = gradescope_files([(1, [("Ada", "", "")], "", [(f"{SIX}.ipynb", notebook())])])
+    files[-1] = (files[-1][0], b"submission_1: [\n")
+    with pytest.raises(CollectError, match="does not list the submitters"):
+        collect(course, archive(course, files))
+
+
+def test_a_student_cannot_name_the_submitters(course):
+    files = gradescope_files(
+        [(1, [("Cy", "", "cy@x.edu")], "", [(f"{SIX}.ipynb", notebook())])], root="ada/"
+    )
+    files += [(f"bjorn/{SIX}.ipynb", notebook(text="bjorn"))]
+    outcome = collect(course, archive(course, files))
+    assert states(outcome) == {"ada": {"06": "new"}, "bjorn": {"06": "new"}}
+
+
+def test_a_team_in_ilias_is_asked_about(course):
+    files = [
+        *ilias_files("Lovelace", "Ada", "ada", 4711, [(f"{SIX}.ipynb", notebook())], team="7"),
+        *ilias_files("Mueller", "B", "bjorn", 4712, [(f"{SIX}.ipynb", notebook())], team="8"),
+    ]
+    path = archive(course, files)
+    outcome = collect(course, path)
+    assert set(questions(outcome)) == {"Team 7", "Team 8"}
+    assert "may be ada" in questions(outcome)["Team 7"]
+    outcome = collect(course, path, who={"Team 7": "ada,cy", "Team 8": "bjorn"})
+    assert set(states(outcome)) == {"ada", "cy", "bjorn"}
+
+
+def test_ids_may_look_like_folders_from_ilias(course):
+    with_roster(course, "lab_ws_ada_1,Ada,Lovelace,,,", "lab_ws_bo_2,Bo,Bäcker,,,", "ada,A,B,,,")
+    files = [(f"lab_ws_{name}/{SIX}.ipynb", notebook(text=name)) for name in ("bo_2", "bo_3")]
+    outcome = collect(course, archive(course, files))
+    assert set(states(outcome)) == {"lab_ws_bo_2"} and len(outcome.questions) == 1
+
+
+def test_keys_that_contradict_each_other_become_a_question(course):
+    """The login is the id of Ada, and the name is Björn's."""
+    files = sakai_files("Müller, Björn", "ada", [(f"{SIX}.ipynb", notebook())])
+    outcome = collect(course, archive(course, files))
+    assert states(outcome) == {} and "may be ada or bjorn" in questions(outcome)["ada"]
+
+
+@pytest.mark.parametrize(
+    "layout", ["{}/{}.ipynb", "a/{}/{}.ipynb", "{}_{}.ipynb", "{1} {0}.ipynb", "{}.zip"]
+)
+def test_files_of_several_students_are_never_proposed_for_one(course, layout):
+    """The platform is unknown, and its folders are not named after students."""
+    files = [
+        (f"export/group {group}/" + layout.format(person, SIX), notebook(text=person))
+        for group, person in (("A", "x1"), ("A", "x2"), ("B", "x3"))
+    ]
+    outcome = collect(course, archive(course, files))
+    texts = questions(outcome)
+    assert set(texts) == {"group A", "group B"}
+    assert "--who" not in texts["group A"] and "a folder named after the id" in texts["group A"]
+
+
 # ---- GitHub Classroom, folders ------------------------------------------------------------------
 
 
@@ -374,6 +645,56 @@ def test_github_checkouts_are_found_by_login(course, tmp_path):
         '"identifier","github_username","github_id","name"\n"cy@x.edu","Someone","1",""\n'
     )
     assert states(collect(course, root))["cy"] == {"06": "new"}
+
+
+CLASSROOM_ROSTER = (
+    '"identifier","github_username","github_id","name"\n'
+    '"cy@x.edu","Someone","1","Müller, Cy"\n"Dee, Dora","","",""\n'
+)
+
+
+@pytest.mark.parametrize(
+    "written",
+    [
+        CLASSROOM_ROSTER.encode(),
+        CLASSROOM_ROSTER.replace("\n", "\r").encode(),
+        CLASSROOM_ROSTER.replace(",", ";").replace("\n", "\r\n").encode("utf-8-sig"),
+        CLASSROOM_ROSTER.replace(",", "\t").encode("utf-16"),
+    ],
+    ids=["as downloaded", "old line ends", "semicolons", "tabs and UTF-16"],
+)
+@pytest.mark.parametrize("place", ["hw", "."], ids=["among the checkouts", "next to them"])
+def test_the_roster_of_github_classroom_is_read_in_any_form(course, tmp_path, written, place):
+    for login in ("ada-l", "someone"):
+        checkout(tmp_path / "hw", f"hw-3-{login}", {f"{SIX}.ipynb": notebook(text=login)})
+    (tmp_path / place / "classroom_roster.csv").write_bytes(written)
+    outcome = collect(course, tmp_path / "hw")
+    assert states(outcome) == {"ada": {"06": "new"}, "cy": {"06": "new"}}
+    assert outcome.questions == []
+
+
+@pytest.mark.parametrize(
+    ("written", "says"),
+    [
+        ("identifier,github_username\nMüller,x\n".encode("cp1252"), "it is not in UTF-8"),
+        (b"name,login\ncy,someone\n", "has no columns github_username and identifier"),
+    ],
+)
+def test_an_unreadable_roster_of_github_classroom_is_refused(course, tmp_path, written, says):
+    checkout(tmp_path / "hw", "hw-3-someone", {f"{SIX}.ipynb": notebook()})
+    (tmp_path / "hw" / "classroom_roster.csv").write_bytes(written)
+    with pytest.raises(CollectError, match=says):
+        collect(course, tmp_path / "hw")
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
+def test_a_table_of_times_is_read_in_any_form(course, encoding):
+    (course.root / "deadlines.toml").write_text('timezone = "UTC"\n')
+    table = course.root / "times.csv"
+    text = "id\tLast modified (submission)\rada\t2026-10-14 14:14\r"
+    table.write_bytes(text.encode(encoding))
+    collect(course, archive(course, [(f"ada/{SIX}.ipynb", notebook())]), times=table)
+    assert placed(course, "ada")["timestamp.txt"] == b"2026-10-14 14:14:00 UTC\n"
 
 
 @pytest.mark.parametrize(
@@ -550,7 +871,8 @@ def test_modules_named_like_a_lesson_are_asked_about_only_while_it_is_missing(co
 
 def test_a_student_with_only_a_picture_is_named(course):
     outcome = collect(course, archive(course, [("ada/photo.png", b"x"), ("README.md", b"x")]))
-    assert questions(outcome) == {"ada": "contains no notebook: photo.png"}
+    text = "is not a notebook. The student submitted only: photo.png"
+    assert questions(outcome) == {"ada/photo.png": text}
 
 
 def test_two_submitters_are_one_student_only_if_an_option_says_so(course):
@@ -779,6 +1101,112 @@ def test_the_owner_is_asked_for_again_after_leaving_the_roster(course):
     assert states(outcome) == {"cy": {"06": "same"}}
 
 
+def test_a_team_is_asked_about_if_another_member_submits(course):
+    """Canvas names a team's work after the member who submitted."""
+    with_roster(course, "tom,Tom,Turm,,40240,", "tina,Tina,Turm,,40247,", "yan,Yan,Yip,,126,")
+    first = canvas_files("Turm, Tom", 40240, [(1, f"{SIX}.ipynb", notebook(text="first"))])
+    collect(course, archive(course, first), who={"turmtom_40240": "tom,tina"})
+    second = canvas_files("Turm, Tina", 40247, [(2, f"{SIX}.ipynb", notebook(text="second"))])
+    other = canvas_files("Yip, Yan", 126, [(3, f"{SIX}.ipynb", notebook(text="yan"))])
+    path = archive(course, [*second, *other])
+    texts = questions(collect(course, path))
+    assert set(texts) == {"turmtina_40247"}
+    assert "tina and tom are a team" in texts["turmtina_40247"]
+    assert "--who turmtina_40247=tina,tom" in texts["turmtina_40247"]
+    assert collect(course, path, who={"turmtina_40247": "tina,tom"}).questions == []
+    for student in ("tom", "tina"):
+        assert placed(course, student) == {f"{SIX}.ipynb": notebook(text="second")}
+    third = canvas_files("Turm, Tom", 40240, [(4, f"{SIX}.ipynb", notebook(text="third"))])
+    assert collect(course, archive(course, third)).questions == []
+    for student in ("tom", "tina"):
+        assert placed(course, student) == {f"{SIX}.ipynb": notebook(text="third")}
+
+
+def test_a_member_who_left_a_team_is_collected_alone_after_an_answer(course):
+    with_roster(course, "tom,Tom,Turm,,40240,", "tina,Tina,Turm,,40247,")
+    first = canvas_files("Turm, Tom", 40240, [(1, f"{SIX}.ipynb", notebook(text="first"))])
+    collect(course, archive(course, first), who={"turmtom_40240": "tom,tina"})
+    alone = canvas_files("Turm, Tina", 40247, [(2, f"{SIX}.ipynb", notebook(text="tina"))])
+    path = archive(course, [*first, *alone])
+    outcome = collect(course, path, who={"turmtina_40247": "tina", "turmtom_40240": "tom"})
+    assert outcome.questions == []
+    assert placed(course, "tom") == {f"{SIX}.ipynb": notebook(text="first")}
+    assert placed(course, "tina") == {f"{SIX}.ipynb": notebook(text="tina")}
+
+
+def test_a_file_is_ignored_from_then_on(course, command, capsys):
+    broken = zipped([("x.txt", b"x" * 999)])[:-40]
+    files = [
+        (f"ada/{SIX}.ipynb", notebook()),
+        ("ada/report.pdf", b"%PDF"),
+        ("ada/homework.zip", zipped([("01_point_clouds.ipynb", notebook("01_point_clouds"))])),
+        ("bjorn/photo.png", b"x"),
+        ("bjorn/notes.txt", b"x"),
+        ("cy/homework.zip", broken),
+    ]
+    path = archive(course, files)
+    assert command(path) == 1
+    output = capsys.readouterr().out
+    assert "To ignore one of these files from now on, add --who 'FILE=-'." in output
+    names = [
+        "ada/report.pdf",
+        "ada/homework.zip/01_point_clouds.ipynb",
+        "bjorn/photo.png",
+        "cy/homework.zip",
+    ]
+    assert set(questions(collect(course, path))) == set(names)
+    options = [word for name in names for word in ("--who", f"{name}=-")]
+    assert command(path, *options) == 0
+    assert "waiting" not in capsys.readouterr().out
+    assert command(path) == 0
+    assert states(collect(course, path)) == {"ada": {"06": "same"}, "bjorn": {}, "cy": {}}
+
+
+def test_later_work_with_the_name_of_an_ignored_file_is_collected(course):
+    path = archive(course, [(f"ada/{SIX}.ipynb", notebook(EIGHT, "wrong name")), ("cy/h.zip", b"")])
+    name = f"ada/{SIX}.ipynb"
+    outcome = collect(course, path, who={name: "-", "cy/h.zip": "-"})
+    assert outcome.questions == [] and states(outcome) == {"ada": {}, "cy": {}}
+    assert collect(course, path).questions == []
+    later = [(name, notebook()), ("cy/h.zip", zipped([(f"{SEVEN}.ipynb", notebook(SEVEN))]))]
+    outcome = collect(course, archive(course, later))
+    assert states(outcome) == {"ada": {"06": "new"}, "cy": {"07": "new"}}
+
+
+def test_an_untouched_repository_does_not_wait_for_an_answer(course, tmp_path):
+    given = {f"notebooks/{STAGE}/{SIX}.ipynb": released(), "README.md": b"hello"}
+    for login in ("ada-l", "bmu"):
+        checkout(tmp_path / "hw", f"hw-3-{login}", given)
+    outcome = collect(course, tmp_path / "hw")
+    assert outcome.questions == []
+    assert remark_texts(outcome)["hw-3-bmu"] == "contains no notebook with work"
+
+
+def test_stored_answers_contain_no_names(course):
+    """The name of a team's archive may be the name of a student who asks to be deleted."""
+    files = [
+        ("turmtom_40240/" + f"{SIX}.ipynb", notebook()),
+        ("leftlars_40999/" + f"{SIX}.ipynb", notebook()),
+        ("bjorn/lars.pdf", b"%PDF"),
+    ]
+    path = archive(course, files)
+    who = {"turmtom_40240": "ada,cy", "leftlars_40999": "-", "bjorn/lars.pdf": "-"}
+    assert collect(course, path, who=who).questions == []
+    (kept,) = course.submitted.glob(".*")
+    text = kept.read_text("utf-8")
+    assert "lars" not in text and "turm" not in text
+    assert text.count('"student": "ada"') == 1
+    assert collect(course, path).questions == []
+
+
+def test_answers_that_earlier_versions_stored_still_apply(course):
+    path = archive(course, [(f"Eve/{SIX}.ipynb", notebook())])
+    course.submitted.mkdir()
+    line = f'{{"student": "cy", "stage": "{STAGE}", "label": "eve"}}\n'
+    (course.submitted / ".whose.jsonl").write_text(line)
+    assert states(collect(course, path)) == {"cy": {"06": "new"}}
+
+
 def test_damaged_stored_answers_do_not_stop_collecting(course):
     path = archive(course, [(f"eve/{SIX}.ipynb", notebook())])
     collect(course, path, who={"eve": "cy"})
@@ -799,7 +1227,9 @@ def test_the_choice_between_two_copies_is_asked_for_once(course):
     collect(course, path, lessons={f"ada/two/{SIX}.ipynb": "06"})
     assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="two")}
     outcome = collect(course, path)
-    assert set(questions(outcome)) == {"bjorn"} and states(outcome)["ada"] == {"06": "same"}
+    assert set(questions(outcome)) == {"bjorn/photo.png"} and states(outcome)["ada"] == {
+        "06": "same"
+    }
     third = (f"ada/three/{SIX}.ipynb", notebook(text="three"), MONDAY)
     outcome = collect(course, archive(course, [*pair, third], "more.zip"))
     assert f"ada/three/{SIX}.ipynb" in questions(outcome)[f"ada/two/{SIX}.ipynb"]
@@ -956,6 +1386,7 @@ def test_excused_students_are_not_reported_as_missing(course, command, capsys):
         (["empty"], " is empty."),
         ([".", "--who", "x=nobody"], "no student on the roster has the id nobody"),
         ([".", "--who", "x=Ada Lovelace"], "Write ada"),
+        ([".", "--who", "x/report.pdf=ada"], "a single file can only be ignored. Write -."),
         ([".", "--lesson", "x=99"], "there is no lesson 99"),
         ([".", "--timestamps", "none.csv"], "cannot be read"),
     ],
@@ -1088,6 +1519,38 @@ def test_a_students_text_cannot_make_another_student_late(course, number, email,
         assert placed(course, "ada")["timestamp.txt"] == b"2026-10-10 10:00:00 UTC\n"
     else:
         assert set(outcome.undecided) == {"ada"} and "timestamp.txt" not in placed(course, "ada")
+
+
+@pytest.mark.parametrize("folder", ["12345", "012345"])
+def test_a_number_that_lost_its_zeros_is_recognised(course, folder):
+    with_roster(course, "0012345,Yan,Yip,,,", "12,Ada,Lovelace,,,")
+    outcome = collect(course, archive(course, [(f"{folder}/{SIX}.ipynb", notebook())]))
+    assert states(outcome) == {}
+    text = f"The student may be 0012345. Add --who {folder}=0012345"
+    assert text in questions(outcome)[folder]
+
+
+@pytest.mark.parametrize("page", ["cp850", "cp1252", "gbk"])
+def test_names_from_windows_are_recognised(course, page):
+    """Zips from Windows do not name the code page of their names."""
+    name = "李伟" if page == "gbk" else "Bjørn Ås"
+    with_roster(course, "li,伟,李,,,", "ba,Bjørn,Ås,,,", "bo,Bo,Bäcker,,,")
+    data = zipped([(f"{'#' * len(name.encode(page))}/{SIX}.ipynb", notebook())])
+    data = data.replace(b"#" * len(name.encode(page)), name.encode(page))
+    (course.root / "windows.zip").write_bytes(data)
+    outcome = collect(course, course.root / "windows.zip")
+    assert states(outcome) == {"li" if page == "gbk" else "ba": {"06": "new"}}
+
+
+def test_a_virtual_environment_is_not_collected(course):
+    files = [
+        (f"ada/{SIX}.ipynb", notebook()),
+        (f"ada/venv/lib/python3.12/site-packages/{SEVEN}.ipynb", notebook(SEVEN)),
+        ("ada/venv/pyvenv.cfg", b"home = /usr/bin"),
+    ]
+    assert states(collect(course, archive(course, files))) == {"ada": {"06": "new"}}
+    packed = archive(course, [("cy/h.zip", zipped([(name[4:], data) for name, data in files]))])
+    assert states(collect(course, packed)) == {"cy": {"06": "new"}}
 
 
 def test_a_namesake_with_another_number_becomes_a_question(course):

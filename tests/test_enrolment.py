@@ -193,6 +193,13 @@ def test_the_suggested_command_for_an_unmatched_folder_loses_no_file(course):
     assert len(found[GROUND].older) == 1 and found[DISTANCE].older == ()
 
 
+def test_a_folder_whose_number_lost_its_zeros_gets_a_suggestion(course):
+    (course.root / "roster.csv").write_text("id,first_name\n0012345,Yan\n12,Zoe\n")
+    submit(course, "12345", GROUND)
+    sentence = unmatched_folders(course, read_roster(course))["12345"]
+    assert "belongs to 0012345 (Yan): mv -n submitted/12345 submitted/0012345;" in sentence
+
+
 def test_both_possible_owners_of_a_folder_are_named(course):
     (course.root / "roster.csv").write_text(ROSTER + "yan2,Yan,Yip,,,\n")
     submit(course, "yanyip", GROUND)

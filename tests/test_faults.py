@@ -838,6 +838,9 @@ def test_files_that_are_not_judged_are_listed_with_a_reason(course):
         "ada_lovelace_123_456_06_filter_ground-2.ipynb",
         "homework/06_filter_ground.ipynb",
         "8 final.ipynb",  # its content identifies the lesson
+        "06_filter_ground.ipynb.txt",
+        "06_filter_ground.ipynb.json",
+        "8.IPYNB.txt",
     ],
 )
 def test_a_renamed_file_is_recognised_and_noted(course, name):
@@ -850,6 +853,25 @@ def test_a_renamed_file_is_recognised_and_noted(course, name):
     notes = found.read(course).notes
     assert bool(notes) == (found.path.name != "06_filter_ground.ipynb")
     assert unaccounted_files(course) == []
+
+
+def test_a_folder_with_many_files_is_listed_instead_of_the_files(course):
+    stage = course.submitted / "ada" / LESSON.stage
+    for number in range(30):
+        (stage / f"{number}.png").write_text("")
+        module = stage / f"venv/lib/python3.12/site-packages/numpy/{number}.ipynb"
+        module.parent.mkdir(parents=True, exist_ok=True)
+        module.write_text("")
+        (stage / "venv" / "bin" / str(number)).mkdir(parents=True)
+        (stage / "venv" / "bin" / str(number) / "activate").write_text("")
+    (course.submitted / "eve" / LESSON.stage).mkdir(parents=True)
+    (course.submitted / "eve" / LESSON.stage / "photo.png").write_text("")
+    reason = "it is not a notebook of the course"
+    assert {str(path): reason for path, reason in unaccounted_files(course)} == {
+        f"submitted/ada/{LESSON.stage}": f"30 files: {reason}",
+        f"submitted/ada/{LESSON.stage}/venv": f"30 files: {reason}",
+        f"submitted/eve/{LESSON.stage}/photo.png": reason,
+    }
 
 
 def test_the_newest_of_several_files_counts(course):

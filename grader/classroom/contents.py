@@ -36,6 +36,14 @@ def lesson_by_name(name: str) -> Lesson | None:
     return find_lesson(name.lower())
 
 
+def is_notebook_name(name: str) -> bool:
+    """Return whether a file is a notebook according to its name.
+
+    Browsers and mail programs add ``.txt`` or ``.json`` to names.
+    """
+    return re.search(r"\.ipynb(\.txt|\.json)?$", name, re.IGNORECASE) is not None
+
+
 def copy_number(name: str) -> int:
     """Return the number that a browser or platform added to the name of a copy; otherwise 0."""
     stem = re.sub(r"(?:\.[A-Za-z]{1,6})+$", "", name)

@@ -75,7 +75,7 @@ def _folders(course: Course) -> list[str]:
 def _question(course: Course, roster: Roster, folder: str) -> str:
     add = f"add a line for {folder!r} to {roster_path(course).name}"
     beginning = f"{folder!r} is not on the roster, so its scores are not entered."
-    people = roster.find_people(folder)
+    people = roster.find_people(folder) or roster.people_with_zeros(folder)
     if not people:
         return f"{beginning} Either {add}, or rename the folder to the student's id."
     if len(people) > 1:

@@ -9,14 +9,20 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.classroom.contents import copy_number, lesson_by_content, lesson_by_name
+from grader.classroom.contents import (
+    copy_number,
+    is_notebook_name,
+    lesson_by_content,
+    lesson_by_name,
+)
 from grader.course.lessons import Lesson, all_lessons, stages
 from grader.course.paths import Course
 from grader.course.roster import read_roster
-from grader.intake.submission import SubmittedFiles, read_submitted_files
+from grader.intake.submission import SubmittedFiles, is_skipped_folder, read_submitted_files
 
 # Files that nbgrader's exchange adds: the submission time and the key for the feedback.
 EXCHANGE_FILES = {"timestamp.txt", "submission_secret.txt"}
+MOST_LISTED = 10  # files of one folder that are listed one by one
 
 
 class ReplacedSubmission(Exception):
@@ -153,7 +159,10 @@ def find_submissions(course: Course, stages: Iterable[str] = ()) -> list[Submiss
 
 
 def unaccounted_files(course: Course) -> list[tuple[Path, str]]:
-    """Return the files in ``submitted/`` that are not judged, each with the reason."""
+    """Return the files in ``submitted/`` that are not judged, each with the reason.
+
+    If a student's folder contains many such files, it is listed instead of the files.
+    """
     submissions = find_submissions(course)
     judged = {path for submission in submissions for path in (submission.path, *submission.older)}
     found = []
@@ -162,13 +171,25 @@ def unaccounted_files(course: Course) -> list[tuple[Path, str]]:
             reason = _reason(course, path)
             if reason:
                 found.append((path.relative_to(course.root), reason))
-    return found
+    return list(_folded(found))
+
+
+def _folded(found: Iterable[tuple[Path, str]]) -> Iterator[tuple[Path, str]]:
+    groups: dict[tuple[Path, str], list[Path]] = {}
+    for path, reason in found:  # submitted/<student>/<stage>/<folder>
+        folder = Path(*path.parent.parts[:4])
+        groups.setdefault((folder, reason), []).append(path)
+    for (folder, reason), paths in groups.items():
+        if len(paths) > MOST_LISTED:
+            yield folder, f"{len(paths)} files: {reason}"
+        else:
+            yield from ((path, reason) for path in paths)
 
 
 def _files_below(root: Path) -> Iterator[Path]:
-    """Yield all files except hidden ones, sorted; links to folders are not followed."""
+    """Yield all files except hidden ones and packages, sorted; links are not followed."""
     for folder, folders, files in os.walk(root):
-        folders[:] = sorted(name for name in folders if not name.startswith((".", "__")))
+        folders[:] = sorted(name for name in folders if not is_skipped_folder(name))
         links = [name for name in folders if (Path(folder) / name).is_symlink()]
         # A folder named like a notebook is a mistake, so it is reported.
         misnamed_folders = [name for name in folders if name.endswith(".ipynb")]
@@ -179,8 +200,9 @@ def _files_below(root: Path) -> Iterator[Path]:
 
 def _lesson_of_file(path: Path) -> Lesson | None:
     """Return the lesson of a notebook, found from its name or otherwise from its content."""
-    is_notebook = path.suffix.lower() == ".ipynb"
-    return (lesson_by_name(path.name) or lesson_by_content(path)) if is_notebook else None
+    if not is_notebook_name(path.name):
+        return None
+    return lesson_by_name(path.name) or lesson_by_content(path)
 
 
 def _age_key(path: Path) -> tuple[float, int, str]:

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import csv
 import dataclasses
 import functools
-import io
 import unicodedata
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from grader.course.paths import Course
+from grader.course.tables import Table, TableError, read_table
 
 MOST_CHARACTERS = 128  # the limit of nbgrader's gradebook
 COLUMN_ALIASES = {"lms_user_id": "lms_id"}  # the name that `nbgrader db student import` uses
-SEPARATORS = ",;\t"
 
 
 class RosterError(Exception):
@@ -99,6 +97,18 @@ class Roster:
         same = self._by_folded_id.get(folded(text), ())
         return tuple(same) or tuple(person for person in self.people if _is_name_of(text, person))
 
+    def people_with_zeros(self, text: str) -> tuple[Person, ...]:
+        """Return the students whose ID is a number with more zeros at its beginning.
+
+        Spreadsheets remove these zeros.
+        """
+        number = text.strip().lstrip("0")
+        return tuple(
+            person
+            for person in self.people
+            if number.isdigit() and person.id.lstrip("0") == number and person.id != text
+        )
+
     @functools.cached_property
     def _by_id(self) -> dict[str, Person]:
         return {person.id: person for person in self.people}
@@ -136,34 +146,26 @@ def read_roster(course: Course) -> Roster | None:
     if not path.is_file():
         return None
     try:
-        text = path.read_text("utf-8-sig")
-    except UnicodeDecodeError as error:
+        table = read_table(path.read_bytes(), strict=True)
+    except TableError as error:
         raise RosterError(
-            f"{path.name} is not in UTF-8. In the spreadsheet, save it again as CSV UTF-8."
+            f"{path.name}, line {error.line}: {error}. Is a quotation mark missing?"
+            if error.line
+            else f"{path.name} is not in UTF-8. In the spreadsheet, save it again as CSV UTF-8."
         ) from error
-    head = text.partition("\n")[0]
-    separator = max(SEPARATORS, key=head.count)
-    rows = csv.reader(io.StringIO(text), delimiter=separator, strict=True)
-    try:
-        people = tuple(_people(path.name, rows))
-    except csv.Error as error:
-        raise RosterError(
-            f"{path.name}, line {rows.line_num}: {error}. Is a quotation mark missing?"
-        ) from error
-    return Roster(people)
+    return Roster(tuple(_people(path.name, table)))
 
 
-def _people(file: str, rows: Iterator[list[str]]) -> Iterator[Person]:
+def _people(file: str, table: Table) -> Iterator[Person]:
     """Yield the students in a file; raise `RosterError` for an invalid line."""
-    columns = [_column(cell) for cell in next(rows, [])]
+    columns = [_column(cell) for cell in table.titles]
     if columns.count("id") != 1 or any(columns.count(name) > 1 for name in COLUMNS):
         raise RosterError(
             f"{file}: the first line must name the columns, each once, such as "
             f"{','.join(COLUMNS)}. Only id is required."
         )
     seen = {}
-    for row in rows:
-        line = rows.line_num
+    for line, row in zip(table.lines[1:], table.rows[1:], strict=True):
         cells = [unicodedata.normalize("NFC", cell.strip()) for cell in row]
         if not any(cells):
             continue

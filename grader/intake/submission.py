@@ -14,6 +14,8 @@ from utils.notebooks.reading import Notebook, UnreadableNotebook, decode_noteboo
 
 MOST_MODULES = 20
 LARGEST_MODULE = 2**20
+PACKAGE_FOLDERS = ("site-packages", "node_modules")
+"""Folders of installed packages, such as those in a virtual environment."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,11 @@ class SubmittedFiles:
             digest.update(b"%d " % len(part))
             digest.update(part)
         return digest.hexdigest()
+
+
+def is_skipped_folder(name: str) -> bool:
+    """Return whether a folder is hidden or contains installed packages."""
+    return name.startswith((".", "__")) or name in PACKAGE_FOLDERS
 
 
 def read_submitted_files(path: Path) -> SubmittedFiles:

@@ -11,8 +11,10 @@ from pathlib import Path
 
 import nbformat
 
+from grader.classroom.contents import is_notebook_name
 from grader.course.paths import Course
 from grader.intake.notebook import read_file
+from grader.intake.submission import is_skipped_folder
 from grader.lms.entries import StageEntry
 from utils.notebooks.reading import UnreadableNotebook
 
@@ -43,11 +45,11 @@ def _write(content: bytes, path: Path) -> None:
 
 def _other_files(root: Path) -> Iterator[Path]:
     for folder, folders, files in os.walk(root):
-        folders[:] = [name for name in folders if not name.startswith((".", "__"))]
+        folders[:] = [name for name in folders if not is_skipped_folder(name)]
         for name in files:
             path = Path(folder) / name
             is_regular = stat.S_ISREG(path.lstat().st_mode)
-            if is_regular and path.suffix != ".ipynb" and not name.startswith("."):
+            if is_regular and not is_notebook_name(name) and not name.startswith("."):
                 yield path
 
 

@@ -23,7 +23,8 @@ from grader.lms.feedback_page import feedback_page
 
 # `FileOrigin.archive` ends with the owner's name in the archive and the submitted file's name.
 _OWNER_AND_FILE = re.compile(r": (?P<owner>[^/:]+)/(?P<file>[^/]+)(?:/.*)?$")
-_TEAM = "submitted as {}, which may be a team. Give each member their own page"
+_TEAM = "submitted as the team {}. Give each member their own page"
+_MAY_BE_TEAM = "submitted as {}, which may be a team. Give each member their own page"
 
 
 @dataclass(frozen=True)
@@ -36,10 +37,13 @@ class FeedbackArchive:
         File contents by name.
     left : tuple of str
         One sentence for each student for whom the archive has no feedback.
+    teams : tuple of str
+        One sentence for each member of a team, for whom an archive cannot have feedback.
     """
 
     files: dict[str, bytes] = field(default_factory=dict)
     left: tuple[str, ...] = ()
+    teams: tuple[str, ...] = ()
 
 
 def build_moodle_archive(
@@ -54,7 +58,7 @@ def build_moodle_archive(
     """
     sources, roster = _sources(course, stage), read_roster(course)
     teams = _team_owners(sources)
-    files, skipped = {}, []
+    files, skipped, of_teams = {}, [], []
     for feedback in all_feedback:
         person = feedback.person
         own_files = [file for file in sources.get(person.id, {}).values() if file.participant]
@@ -64,12 +68,15 @@ def build_moodle_archive(
         for owner, number in sorted({(file.owner, file.participant) for file in own_files}):
             name = owner.removesuffix(f"_{number}")
             named = roster is None or person in roster.find_people(name) or name.endswith(number)
-            if owner in teams or not named:
-                skipped.append(f"{person.id}: {_TEAM.format(name)}")
+            if owner in teams:
+                of_teams.append(f"{person.id}: {_TEAM.format(name)}")
+                continue
+            if not named:
+                skipped.append(f"{person.id}: {_MAY_BE_TEAM.format(name)}")
                 continue
             path = f"{owner}_assignsubmission_file_{stage}_feedback.html"
             files[path] = feedback_page(feedback).encode()
-    return FeedbackArchive(files, tuple(skipped))
+    return FeedbackArchive(files, tuple(skipped), tuple(of_teams))
 
 
 def build_canvas_archive(
@@ -82,7 +89,7 @@ def build_canvas_archive(
     """
     sources = _sources(course, stage)
     teams = _team_owners(sources)
-    files, skipped = {}, []
+    files, skipped, of_teams = {}, [], []
     for feedback in all_feedback:
         id, lessons = (
             feedback.person.id,
@@ -97,10 +104,10 @@ def build_canvas_archive(
         }
         files |= contents
         if team:
-            skipped.append(f"{id}: {_TEAM.format(min(team))}")
+            of_teams.append(f"{id}: {_TEAM.format(min(team))}")
         elif not contents:
             skipped.append(f"{id}: no notebook was collected from a Canvas zip")
-    return FeedbackArchive(files, tuple(skipped))
+    return FeedbackArchive(files, tuple(skipped), tuple(of_teams))
 
 
 @dataclass(frozen=True)
@@ -146,11 +153,14 @@ class WrittenFeedback:
         The zip for the LMS; None without an LMS, or if the zip would be empty.
     left : tuple of str
         One sentence for each student without a page, or without a file in the zip.
+    teams : tuple of str
+        One sentence for each member of a team, who has a page but no file in the zip.
     """
 
     pages: tuple[Path, ...]
     archive: Path | None
     left: tuple[str, ...]
+    teams: tuple[str, ...] = ()
 
 
 def write_feedback(
@@ -201,7 +211,7 @@ def write_feedback(
     archive = folder / f"{stage}_{platform}.zip" if returned.files else None
     if archive:
         write_atomically(make_zip(returned.files), archive)
-    return WrittenFeedback(tuple(pages), archive, (*skipped, *returned.left))
+    return WrittenFeedback(tuple(pages), archive, (*skipped, *returned.left), returned.teams)
 
 
 @dataclass(frozen=True)

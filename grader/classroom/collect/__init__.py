@@ -14,37 +14,71 @@ To support another archive format, write a module with a function that turns an 
 submitted files, and add it to `ARCHIVE_READERS`.
 """
 
-from collections.abc import Iterable
+import dataclasses
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from grader.classroom.collect.canvas import read_canvas
 from grader.classroom.collect.folder import read_folder
 from grader.classroom.collect.github import read_github
-from grader.classroom.collect.models import ArchiveReader, CollectError, SubmittedFile
+from grader.classroom.collect.gradescope import read_gradescope
+from grader.classroom.collect.models import (
+    Archive,
+    ArchiveReader,
+    CollectError,
+    SubmittedArchive,
+    SubmittedFile,
+)
 from grader.classroom.collect.moodle import read_moodle
+from grader.classroom.collect.name_patterns import may_be_notebook, shared_folders
+from grader.classroom.collect.platforms import (
+    read_blackboard,
+    read_brightspace,
+    read_ilias,
+    read_prairielearn,
+    read_sakai,
+)
 from grader.classroom.collect.sources import open_archive
 
 __all__ = ["ARCHIVE_READERS", "CollectError", "SubmittedFile", "open_archives"]
 
 ARCHIVE_READERS: dict[str, ArchiveReader] = {
     "Moodle": read_moodle,
+    "Gradescope": read_gradescope,
+    "Blackboard": read_blackboard,
+    "Brightspace": read_brightspace,
+    "Sakai": read_sakai,
+    "PrairieLearn": read_prairielearn,
     "Canvas": read_canvas,
+    "ILIAS": read_ilias,
     "GitHub Classroom": read_github,
     "a folder for each student": read_folder,
 }
 """Readers by format, in the order in which they are tried; the last one reads any archive."""
 
 
-def open_archives(paths: Iterable[Path]) -> list[tuple[Path, str, list[SubmittedFile]]]:
-    """Open archives, and return the path, format and submitted files of each.
+def open_archives(paths: Iterable[Path]) -> Iterator[SubmittedArchive]:
+    """Open archives, and yield the submitted files of each.
+
+    Notebooks whose names do not have the format of the other files are yielded as a second archive.
 
     Raises
     ------
     CollectError
     """
-    archives = []
     for path in paths:
         archive = open_archive(path)
         readings = ((name, read(archive)) for name, read in ARCHIVE_READERS.items())
-        archives.append((path, *next(pair for pair in readings if pair[1] is not None)))
-    return archives
+        kind, files = next(pair for pair in readings if pair[1] is not None)
+        submitted = {file.entry for file in files}
+        others = [entry for entry in archive.entries if entry not in submitted]
+        unneeded = tuple(entry for entry in others if not may_be_notebook(entry))
+        yield SubmittedArchive(path, kind, tuple(files), unneeded)
+        depth = len(shared_folders(archive.entries))
+        notebooks = tuple(
+            dataclasses.replace(entry, path=entry.path[depth:])
+            for entry in filter(may_be_notebook, others)
+        )
+        if notebooks:
+            files = read_folder(Archive(path, notebooks))
+            yield SubmittedArchive(path, f"not in the format of {kind}", tuple(files))

@@ -1,17 +1,20 @@
 """The instructor's answers to questions about a file's owner or lesson.
 
 Answers about owners are stored in ``submitted/.whose.jsonl``, one line for each student that an
-answer names, so that the next archive of the stage does not raise the question again. Answers about
-lessons are not stored, because the record in a student's folder already lists the collected files.
+answer names, so that the next archive of the stage does not raise the question again. A name in an
+archive may be the name of another student, so only its digest is stored. Answers about lessons are
+not stored, because the record in a student's folder already lists the collected files.
 """
 
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import json
+import re
 import shlex
 import unicodedata
-from collections.abc import Collection, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -31,16 +34,42 @@ class Answers:
     Attributes
     ----------
     owners : dict of str to (tuple of str)
-        Ids of all owners, by `normalized` label; empty if the work does not belong to a student.
+        Ids of all owners, by the digest of the name of an owner or file; empty if the work does not
+        belong to a student.
     lessons : dict of str to grader.course.lessons.Lesson
         Lessons by file name.
     earlier : frozenset of str
-        Labels in `owners` whose answers were given earlier.
+        Digests in `owners` whose answers were given earlier.
     """
 
     owners: dict[str, tuple[str, ...]]
     lessons: dict[str, Lesson]
     earlier: frozenset[str] = frozenset()
+
+    def owners_of(self, name: str) -> tuple[str, ...] | None:
+        """Return the ids in the answer about an owner or file, or None without an answer."""
+        return self.owners.get(_digest(name))
+
+    def is_earlier(self, name: str) -> bool:
+        """Return whether the answer about an owner was given earlier."""
+        return _digest(name) in self.earlier
+
+    def is_ignored(self, name: str, content: str = "") -> bool:
+        """Return whether a file is to be ignored.
+
+        Parameters
+        ----------
+        name : str
+        content : str, optional
+            SHA-256 of a notebook or module. The student may submit another one with the same name,
+            so an answer that was given earlier applies only to the same content.
+        """
+        return self.owners_of(_with(content, name) if self.is_earlier(name) else name) == ()
+
+    def teams_of(self, id: str) -> set[frozenset[str]]:
+        """Return the teams of a student, as sets of ids."""
+        teams = {frozenset(ids) for ids in self.owners.values() if len(ids) > 1}
+        return {team for team in teams if id in team}
 
 
 def read_answers(
@@ -68,42 +97,55 @@ def read_answers(
         If an answer names an unknown lesson.
     """
     earlier: dict[str, list[str]] = {}
-    for stage, label, id in _read_entries(course):
+    for stage, digest, id in _read_entries(course):
         if stage in stages and (roster is None or not id or roster.person(id)):
-            earlier.setdefault(normalized(label), []).extend([id] if id else [])
-    new = {
-        normalized(label): () if ids == NOBODY else tuple(ids.split(","))
-        for label, ids in owners.items()
-    }
-    ids_by_label = {label: tuple(dict.fromkeys(ids)) for label, ids in earlier.items()} | new
-    return Answers(ids_by_label, _lessons(lessons), frozenset(earlier.keys() - new.keys()))
+            earlier.setdefault(digest, []).extend([id] if id else [])
+    new = {_digest(name): ids_in(answer) for name, answer in owners.items()}
+    ids_by_digest = {digest: tuple(dict.fromkeys(ids)) for digest, ids in earlier.items()} | new
+    return Answers(ids_by_digest, _lessons(lessons), frozenset(earlier.keys() - new.keys()))
 
 
-def store_answers(
-    course: Course, stages: Sequence[str], answers: Answers, labels: Collection[str]
-) -> None:
+def store_answers(course: Course, stages: Sequence[str], answers: Answers) -> None:
     """Store the new answers about owners for these stages."""
-    new = {normalized(label): label for label in labels}
-    new = {
-        key: label for key, label in new.items() if key in answers.owners.keys() - answers.earlier
-    }
+    new = {digest: ids for digest, ids in answers.owners.items() if digest not in answers.earlier}
+    _store(course, stages, new)
+
+
+def store_ignored(
+    course: Course, stages: Sequence[str], ignored: Iterable[tuple[str, str]]
+) -> None:
+    """Store the name and content of notebooks and modules that a new answer ignores."""
+    _store(course, stages, {_digest(_with(content, name)): () for name, content in ignored})
+
+
+def _store(course: Course, stages: Sequence[str], new: dict[str, tuple[str, ...]]) -> None:
+    if not new:
+        return
     entries = [
-        entry
-        for entry in _read_entries(course)
-        if not (entry[0] in stages and normalized(entry[1]) in new)
-    ] + [
-        (stage, label, id)
-        for stage in stages
-        for key, label in new.items()
-        for id in answers.owners[key] or ("",)
+        entry for entry in _read_entries(course) if not (entry[0] in stages and entry[1] in new)
     ]
-    if new:
-        write_atomically("".join(map(_json_line, entries)), _path(course))
+    for digest, ids in new.items():
+        entries += [(stage, digest, id) for stage in stages for id in ids or ("",)]
+    write_atomically("".join(map(_json_line, entries)), _path(course))
+
+
+def ids_in(answer: str) -> tuple[str, ...]:
+    """Return the ids in an answer about an owner, as typed."""
+    return () if answer == NOBODY else tuple(answer.split(","))
 
 
 def normalized(label: str) -> str:
     """Return a label in lower case, in NFC and without outer spaces, for comparisons."""
     return unicodedata.normalize("NFC", label).casefold().strip()
+
+
+def _digest(name: str) -> str:
+    """Return the SHA-256 of a name in an archive; names that differ only in case are equal."""
+    return hashlib.sha256(normalized(name).encode("utf-8", "surrogatepass")).hexdigest()
+
+
+def _with(content: str, name: str) -> str:
+    return f"{name}/{content}" if content else name
 
 
 def _lessons(answers: dict[str, str]) -> dict[str, Lesson]:
@@ -121,20 +163,22 @@ def _lessons(answers: dict[str, str]) -> dict[str, Lesson]:
 
 
 def _read_entries(course: Course) -> list[tuple[str, str, str]]:
-    """Return the stage, label and student id in each readable line."""
+    """Return the stage, the digest of the name, and the student id in each readable line."""
     entries = []
     with contextlib.suppress(OSError, UnicodeDecodeError):
         for line in _path(course).read_text("utf-8").splitlines():
             with contextlib.suppress(ValueError, TypeError, KeyError):
                 entry = json.loads(line)
-                entries.append((entry["stage"], entry["label"], entry["student"]))
+                label = entry["label"]  # earlier versions stored the name itself
+                digest = label if re.fullmatch("[0-9a-f]{64}", label) else _digest(label)
+                entries.append((entry["stage"], digest, entry["student"]))
     return entries
 
 
 def _json_line(entry: tuple[str, str, str]) -> str:
-    stage, label, id = entry
+    stage, digest, id = entry
     # The documented command for deleting a student's data searches for this text.
-    return json.dumps({"student": id, "stage": stage, "label": label}, ensure_ascii=False) + "\n"
+    return json.dumps({"student": id, "stage": stage, "label": digest}, ensure_ascii=False) + "\n"
 
 
 def _path(course: Course) -> Path:

@@ -11,13 +11,15 @@ from __future__ import annotations
 import re
 
 from grader.classroom.collect.models import Archive, ArchiveEntry, Owner, SubmittedFile
+from grader.classroom.collect.name_patterns import match_paths
 
 _OWNER = (
     r"(?:(?P<anonymous_late>LATE_)?anon_(?P<anonymous>[A-Za-z0-9]+)"
-    r"|(?P<name>[^/]+?)(?P<late>_LATE)?_(?P<user>\d+))"
+    r"|(?P<name>[^/\s@.,'+-]{1,255}?)(?P<late>_LATE)?_(?P<user>\d+))"
 )
-_FILE = re.compile(rf"{_OWNER}_(?P<attachment>\d+)_(?P<file>.+)", re.IGNORECASE)
-_TYPED = re.compile(rf"{_OWNER}_(?P<what>text|link)\.html", re.IGNORECASE)
+_FILE = re.compile(
+    rf"{_OWNER}_(?:(?P<what>text|link)\.html|(?P<attachment>\d+)_(?P<file>[^/]+))", re.IGNORECASE
+)
 _RESUBMITTED = re.compile(r"([A-Za-z_]\w*)-\d+(\.py)")  # Canvas numbers resubmitted files
 _REMARKS = {
     "text": "was typed into Canvas instead of uploaded. Ask for the .ipynb file",
@@ -27,32 +29,25 @@ _REMARKS = {
 
 def read_canvas(archive: Archive) -> list[SubmittedFile] | None:
     """Return the files of a Canvas download, or None for any other archive."""
-    matches = [(entry, _match(entry)) for entry in archive.entries]
-    files = [_submitted_file(entry, match) for entry, match in matches if match]
-    return files if 2 * len(files) > len(matches) else None
+    files = [_submitted_file(*match) for match in match_paths(archive, _FILE)]
+    return files if 2 * len(files) > len(archive.entries) else None
 
 
-def _match(entry: ArchiveEntry) -> re.Match | None:
-    name = entry.path[-1]
-    return _TYPED.fullmatch(name) or _FILE.fullmatch(name)
-
-
-def _submitted_file(entry: ArchiveEntry, match: re.Match) -> SubmittedFile:
-    parts = match.groupdict()
+def _submitted_file(entry: ArchiveEntry, parts: dict[str, str]) -> SubmittedFile:
     anonymous = parts["anonymous"]
     label = f"anon_{anonymous}" if anonymous else f"{parts['name']}_{parts['user']}"
     owner = Owner(
         label,
         label,
         () if anonymous else (parts["name"],),
-        lms_id=parts["user"] or "",
+        lms_id=parts["user"],
     )
-    name = parts.get("file") or entry.path[-1]
+    name = parts["file"] or entry.path[-1]
     return SubmittedFile(
         owner,
         (_RESUBMITTED.sub(r"\1\2", name),),
         entry,
-        order=int(parts.get("attachment") or 0),
+        order=int(parts["attachment"] or 0),
         late=bool(parts["late"] or parts["anonymous_late"]),
-        remark=_REMARKS.get((parts.get("what") or "").lower(), ""),
+        remark=_REMARKS.get(parts["what"].lower(), ""),
     )

@@ -7,9 +7,15 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from grader.classroom.collect import open_archives
-from grader.classroom.collect.answers import Answers, normalized, read_answers, store_answers
+from grader.classroom.collect.answers import (
+    Answers,
+    read_answers,
+    store_answers,
+    store_ignored,
+)
+from grader.classroom.collect.folder import student_in
 from grader.classroom.collect.inspection import OTHER, kind_of
-from grader.classroom.collect.models import Owner, SubmittedFile
+from grader.classroom.collect.models import Owner, SubmittedArchive, SubmittedFile
 from grader.classroom.collect.outcome import CollectionReport, Question
 from grader.classroom.collect.owners import Owners, UnknownOwner
 from grader.classroom.collect.student import StudentCollector
@@ -20,6 +26,10 @@ from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
 from grader.course.roster import Roster, read_roster
 
+_SORT_FILES = (
+    "Their names show that they may belong to several students. Put each student's files into a "
+    "folder named after the id, and collect the folder that contains these folders"
+)
 ArchivedFile = tuple[Path, SubmittedFile]
 """The archive and a submitted file in it."""
 
@@ -57,19 +67,18 @@ def collect(
     zone = deadlines.zone if deadlines else None
     worksheet = read_worksheet(timestamps, zone) if timestamps else SubmissionTable()
     answers = read_answers(course, roster, stages, owner_answers, lesson_answers)
-    owners = Owners(roster, worksheet, answers.owners)
-    archives = [
-        (path, kind, _as_work_of_one_student(path, submitted, owners))
-        for path, kind, submitted in open_archives(archive_paths)
-    ]
+    owners = Owners(roster, worksheet, answers)
+    owners.check(owner_answers)
+    archives = [_as_work_of_one_student(one, owners) for one in open_archives(archive_paths)]
     report = CollectionReport(
         [lesson for lesson in all_lessons() if lesson.stage in stages],
-        [(path, kind, len(submitted)) for path, kind, submitted in archives],
+        [(one.path, one.kind, len(one.files)) for one in archives],
         roster,
         excused=_excused(roster, deadlines, stages),
     )
-    archived_files = [(path, file) for path, _, submitted in archives for file in submitted]
-    store_answers(course, stages, answers, {file.owner.label for _, file in archived_files})
+    report.ignored.update(entry.path[-1] for one in archives for entry in one.others)
+    archived_files = [(one.path, file) for one in archives for file in one.files]
+    store_answers(course, stages, answers)
     students: dict[str, list[ArchivedFile]] = {}
     for ids, files in _by_owner(archived_files, owners, answers, report):
         for id in ids:
@@ -80,6 +89,7 @@ def collect(
         rows = _rows(owners, files, id) if timestamps else None
         StudentCollector(course, id, existing.get(id, {}), answers, report).collect(files, rows)
     progress(len(students), len(students), None)
+    store_ignored(course, stages, sorted(report.dismissed))
     return report
 
 
@@ -95,15 +105,16 @@ def _excused(
     ]
 
 
-def _as_work_of_one_student(
-    path: Path, submitted: list[SubmittedFile], owners: Owners
-) -> list[SubmittedFile]:
+def _as_work_of_one_student(archive: SubmittedArchive, owners: Owners) -> SubmittedArchive:
     """Assign all files to the archive's owner if an answer names one and the archive no other."""
-    name = path.name if path.is_dir() else path.stem
-    owner = Owner(name, name, (name,))
-    if not owners.owns_whole_archive(owner, {file.owner for file in submitted} - {owner}):
-        return submitted
-    return [dataclasses.replace(file, owner=owner, path=file.entry.path) for file in submitted]
+    name = archive.path.name if archive.path.is_dir() else archive.path.stem
+    owner = Owner(name, name, (name,), is_folder=True)
+    others = {file.owner for file in archive.files} - {owner}
+    has_students = len(others) > 1 and not any(other.is_folder for other in others)
+    if has_students or not owners.owns_whole_archive(owner, others):
+        return archive
+    files = (dataclasses.replace(file, owner=owner, path=file.entry.path) for file in archive.files)
+    return dataclasses.replace(archive, files=tuple(files))
 
 
 def _by_owner(
@@ -125,9 +136,13 @@ def _by_owner(
         try:
             ids_by_owner[archive, owner] = owners.ids_of(owner)
         except UnknownOwner as question:
-            report.add_question(owner.label, f"{_files(len(files))} from this student. {question}")
+            if owner.is_folder and _may_belong_to_several([file for _, file in files]):
+                report.add_question(owner.label, f"{_files(len(files))}. {_SORT_FILES}")
+            else:
+                text = f"{_files(len(files))} from this student. {question}"
+                report.add_question(owner.label, text)
     for (archive, owner), ids in ids_by_owner.items():
-        if normalized(owner.label) in answers.earlier:
+        if answers.is_earlier(owner.label):
             decision = f"assigned to {', '.join(ids)}" if ids else "ignored"
             report.remarks.append(Question(owner.label, f"{decision}, as in your earlier answer"))
         rivals = [
@@ -159,6 +174,13 @@ def _rows(owners: Owners, submitted: Sequence[ArchivedFile], id: str) -> list[Su
 
 def _files(count: int) -> str:
     return "1 file" if count == 1 else f"{count} files"
+
+
+def _may_belong_to_several(files: Sequence[SubmittedFile]) -> bool:
+    """Return whether several folders have a file with the same name, or files name students."""
+    paths = {file.entry.path[:-1] + (file.entry.path[-1].lower(),) for file in files}
+    students = {student_in(path[-1]) for path in paths} - {""}
+    return len({path[-1] for path in paths}) < len(paths) or len(students) > 1
 
 
 def _is_irrelevant(submitted: SubmittedFile) -> bool:

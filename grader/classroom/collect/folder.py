@@ -9,6 +9,7 @@ import re
 from pathlib import PurePath
 
 from grader.classroom.collect.models import Archive, ArchiveEntry, Owner, SubmittedFile
+from grader.classroom.collect.name_patterns import shared_folders
 from grader.classroom.contents import lesson_by_name
 from grader.course.lessons import all_lessons, stages
 
@@ -20,12 +21,13 @@ def read_folder(archive: Archive) -> list[SubmittedFile]:
 
 
 def _wrapper_depth(archive: Archive) -> int:
-    """Return 1 if a single folder contains the students' folders, otherwise 0."""
-    tops = {entry.path[0] for entry in archive.entries}
-    seconds = {entry.path[1] for entry in archive.entries if len(entry.path) > 2}
-    only_folders = all(len(entry.path) > 2 for entry in archive.entries)
-    has_course_folder = any(_is_course_folder(name) for name in tops | seconds)
-    return int(len(tops) == 1 and only_folders and len(seconds) > 1 and not has_course_folder)
+    """Return the number of folders above the students' folders."""
+    shared = shared_folders(archive.entries)
+    depth = len(shared)
+    below = {entry.path[depth] for entry in archive.entries}
+    only_folders = all(len(entry.path) > depth + 1 for entry in archive.entries)
+    has_course_folder = any(map(_is_course_folder, {*shared, *below}))
+    return depth if only_folders and not has_course_folder else 0
 
 
 def _submitted_file(archive: Archive, entry: ArchiveEntry, path: tuple[str, ...]) -> SubmittedFile:
@@ -34,11 +36,12 @@ def _submitted_file(archive: Archive, entry: ArchiveEntry, path: tuple[str, ...]
     if len(path) > 1 and not _is_course_folder(path[0]):
         label, inner = path[0], path[1:]
     elif len(path) == 1:
-        label = _student_in(path[0]) or archive_name
-    return SubmittedFile(Owner(label, label, (label,)), inner, entry, saved=entry.moment)
+        label = student_in(path[0]) or archive_name
+    owner = Owner(label, label, (label,), is_folder=True)
+    return SubmittedFile(owner, inner, entry, saved=entry.moment)
 
 
-def _student_in(name: str) -> str:
+def student_in(name: str) -> str:
     """Return the student's name in a file name; empty if the file name contains only a lesson."""
     stem = PurePath(name).stem
     lessons = "|".join(re.escape(lesson.name) for lesson in all_lessons())

@@ -7,11 +7,15 @@ notebooks, so unchanged ones do not count as submitted.
 
 from __future__ import annotations
 
-import csv
-import io
-import os
-
-from grader.classroom.collect.models import Archive, Owner, SubmittedFile, UnreadableFile
+from grader.classroom.collect.models import (
+    Archive,
+    CollectError,
+    Owner,
+    SubmittedFile,
+    UnreadableFile,
+)
+from grader.classroom.collect.name_patterns import common_beginning, endings, endings_after
+from grader.course.tables import TableError, read_table
 
 ROSTER = "classroom_roster.csv"
 
@@ -23,8 +27,8 @@ def read_github(archive: Archive) -> list[SubmittedFile] | None:
         return None
     identifiers = _identifiers(archive)
     names = [folder[-1] for folder in repositories]
-    prefix = os.path.commonprefix(names).rpartition("-")[0] if len(names) > 1 else ""
-    owners = {folder: _owner(folder[-1], prefix, identifiers) for folder in repositories}
+    beginning = common_beginning(names, "-")
+    owners = {folder: _owner(folder[-1], beginning, identifiers) for folder in repositories}
     files = []
     for entry in archive.entries:
         inside = [folder for folder in repositories if entry.path[: len(folder)] == folder]
@@ -37,36 +41,47 @@ def read_github(archive: Archive) -> list[SubmittedFile] | None:
     return files
 
 
-def _owner(repository: str, prefix: str, identifiers: dict[str, str]) -> Owner:
+def _owner(repository: str, beginning: str, identifiers: dict[str, str]) -> Owner:
     """Return the owner of a repository, by the login at the end of its name.
 
-    Logins may contain hyphens, so a login may begin within the common prefix of all names. A login
-    always contains the part after the prefix. With a single repository, the prefix is unknown.
+    With a single repository, the beginning of the name is unknown, so logins are only guessed.
     """
-    rest = repository.removeprefix(f"{prefix}-") if prefix else repository
-    parts = repository.split("-")
-    endings = tuple("-".join(parts[number:]) for number in range(len(parts)))
-    logins = tuple(end for end in endings if prefix and len(end) >= len(rest))
+    rest = repository.removeprefix(f"{beginning}-") if beginning else repository
+    logins = endings_after(beginning, repository, "-") if beginning else ()
+    guesses = () if beginning else endings(repository, "-")
     identified = [
-        identifiers[end.casefold()] for end in logins or endings if end.casefold() in identifiers
+        identifiers[end.casefold()] for end in logins or guesses if end.casefold() in identifiers
     ]
-    guesses = () if logins else endings
     return Owner(repository, rest, (*identified[:1], rest), logins=logins, guesses=guesses)
 
 
 def _identifiers(archive: Archive) -> dict[str, str]:
-    """Return the teacher's identifiers by login."""
-    texts = [entry.read for entry in archive.entries if entry.path == (ROSTER,)]
+    """Return the teacher's identifiers by login.
+
+    Raises
+    ------
+    CollectError
+        If a roster of GitHub Classroom cannot be read.
+    """
+    readers = [entry.read for entry in archive.entries if entry.path == (ROSTER,)]
     roster_path = archive.path.parent / ROSTER
     if roster_path.is_file():
-        texts.append(roster_path.read_bytes)
+        readers.append(roster_path.read_bytes)
     identifiers = {}
-    for read in texts:
+    for read in readers:
         try:
-            rows = csv.DictReader(io.StringIO(read().decode("utf-8-sig", "replace")))
-        except (UnreadableFile, OSError):
-            continue
-        for row in rows:
+            table = read_table(read())
+        except (UnreadableFile, OSError, TableError) as error:
+            raise CollectError(
+                f"{ROSTER} cannot be read: {error}. Download it again from GitHub Classroom."
+            ) from None
+        if not {"github_username", "identifier"} <= set(table.titles):
+            raise CollectError(
+                f"{ROSTER} has no columns github_username and identifier. Download it again from "
+                "GitHub Classroom."
+            )
+        for cells in table.rows[1:]:
+            row = dict(zip(table.titles, cells, strict=False))
             login, identifier = row.get("github_username"), row.get("identifier")
             if login and identifier:
                 identifiers[login.casefold()] = identifier

@@ -69,7 +69,12 @@ class Owner:
     lms_id, participant, logins : str, str, tuple of str
         Canvas user id, Moodle participant number, GitHub logins.
     guesses : tuple of str
-        Possible GitHub logins, some of which may be only the end of a login.
+        Possible logins and names, to be confirmed by the instructor.
+    members : tuple of (tuple of str)
+        Names of each member, if the archive lists the members of a team.
+    is_folder : bool
+        Whether the owner is only the name of a folder or archive, which may contain the work of
+        several students.
     """
 
     label: str
@@ -79,6 +84,8 @@ class Owner:
     participant: str = ""
     logins: tuple[str, ...] = ()
     guesses: tuple[str, ...] = ()
+    members: tuple[tuple[str, ...], ...] = ()
+    is_folder: bool = False
 
 
 @dataclass(frozen=True)
@@ -116,6 +123,26 @@ class SubmittedFile:
     def name(self) -> str:
         """Name of the file in questions and answers."""
         return "/".join((self.owner.label, *self.path))
+
+
+@dataclass(frozen=True)
+class SubmittedArchive:
+    """The submitted files in an archive.
+
+    Attributes
+    ----------
+    path : pathlib.Path
+    kind : str
+        The format.
+    files : tuple of SubmittedFile
+    others : tuple of ArchiveEntry
+        Files that do not belong to a submission.
+    """
+
+    path: Path
+    kind: str
+    files: tuple[SubmittedFile, ...]
+    others: tuple[ArchiveEntry, ...] = ()
 
 
 ArchiveReader = Callable[[Archive], list[SubmittedFile] | None]

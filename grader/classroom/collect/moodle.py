@@ -5,16 +5,21 @@ subfolders. If the teacher chose a download without folders, ``_{file}`` follows
 number is the participant's number in the grading worksheet. A team has the name
 ``{team}_{team number}``; students without a team have the name ``{default team}`` without a number.
 Names do not contain ``_``.
+
+In versions before 2022, folders end with ``_``. Each member of a team has a folder, named
+``{team}-{name}_{number}``; the default team also has a name.
 """
 
 from __future__ import annotations
 
 import re
 
-from grader.classroom.collect.models import Archive, ArchiveEntry, Owner, SubmittedFile
+from grader.classroom.collect.models import Archive, Owner, SubmittedFile
+from grader.classroom.collect.name_patterns import endings, match_paths
 
-_OWNER = re.compile(
-    r"(?P<name>[^_/]+)(?:_(?P<number>\d+))?_assignsubmission_(?P<plugin>[a-z]+)(?:_(?P<file>.+))?",
+_PATH = re.compile(
+    r"(?P<name>[^_/]+)(?:_(?P<number>\d+))?_assignsubmission_(?P<plugin>[a-z]+)"
+    r"(?:_?/(?P<path>.+)|_(?P<file>[^/]+)|)",
     re.IGNORECASE,
 )
 _TYPED = "was typed into Moodle instead of uploaded. Ask for the .ipynb file"
@@ -22,19 +27,19 @@ _TYPED = "was typed into Moodle instead of uploaded. Ask for the .ipynb file"
 
 def read_moodle(archive: Archive) -> list[SubmittedFile] | None:
     """Return the files of a Moodle download, or None for any other archive."""
-    files = [file for entry in archive.entries for file in _submitted_files(entry)]
-    return files if 2 * len(files) > len(archive.entries) else None
-
-
-def _submitted_files(entry: ArchiveEntry) -> list[SubmittedFile]:
-    for index, part in enumerate(entry.path):
-        match = _OWNER.fullmatch(part)
-        if match is None:
-            continue
-        inner = entry.path[index + 1 :] or (match["file"] or part,)
-        number = match["number"] or ""
-        label = f"{match['name']}_{number}" if number else match["name"]
-        owner = Owner(label, label, (match["name"],), participant=number)
-        remark = "" if match["plugin"].lower() == "file" else _TYPED
-        return [SubmittedFile(owner, inner, entry, remark=remark)]
-    return []
+    matches = match_paths(archive, _PATH)
+    owners = {(parts["name"], parts["number"]) for _, parts in matches}
+    # With a single team, a hyphen may also be part of the person's name.
+    may_have_teams = len(owners) > 1 and all("-" in name for name, _ in owners)
+    files = []
+    for entry, parts in matches:
+        name, number = parts["name"], parts["number"]
+        label = f"{name}_{number}" if number else name
+        names = endings(name, "-") if may_have_teams else (name,)
+        owner = Owner(
+            label, label, tuple(one for one in names if not one.isdigit()), participant=number
+        )
+        path = tuple((parts["path"] or parts["file"] or entry.path[-1]).split("/"))
+        remark = "" if parts["plugin"].lower() == "file" else _TYPED
+        files.append(SubmittedFile(owner, path, entry, remark=remark))
+    return files or None

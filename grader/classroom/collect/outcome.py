@@ -50,6 +50,8 @@ class CollectionReport:
         Students whose work the learning platform marked late without a submission time.
     undecided : dict of str to str
         For each student, why the submission time is unknown.
+    dismissed : set of (str, str)
+        Name and SHA-256 of notebooks and modules that an answer ignores.
     excused : list of str
         Students on the roster who are excused from all collected stages.
     """
@@ -63,6 +65,7 @@ class CollectionReport:
     ignored: Counter = field(default_factory=Counter)
     late: list[str] = field(default_factory=list)
     undecided: dict[str, str] = field(default_factory=dict)
+    dismissed: set[tuple[str, str]] = field(default_factory=set)
     excused: list[str] = field(default_factory=list)
 
     def add_question(self, name: str, text: str) -> None:

@@ -8,12 +8,14 @@ import shlex
 import unicodedata
 from collections.abc import Collection, Iterable, Sequence
 
-from grader.classroom.collect.answers import NOBODY, normalized
+from grader.classroom.collect.answers import NOBODY, Answers, ids_in, normalized
 from grader.classroom.collect.models import CollectError, Owner
 from grader.classroom.collect.worksheet import SubmissionRow, SubmissionTable
+from grader.classroom.collect.zips import names_in_other_code_pages
 from grader.course.roster import Person, Roster, has_other_lms_id, letters
 
 LONGEST_NAME = 80
+_FOR_A_TEAM = "For a team, write several ids: ID,ID"
 # Windows does not allow folders with these names, with or without an extension.
 _DEVICES = re.compile(r"(?:con|prn|aux|nul|com\d|lpt\d)(?:\..*)?", re.IGNORECASE)
 
@@ -30,25 +32,14 @@ class Owners:
     roster : grader.course.roster.Roster or None
         Without a roster, folders are named as in the archive.
     worksheet : SubmissionTable
-    answers : dict of str to (tuple of str)
-        The instructor's answers: ids of all owners, by `normalized` label.
-
-    Raises
-    ------
-    CollectError
-        If an answer names a student who is not on the roster.
+    answers : Answers
     """
 
-    def __init__(
-        self, roster: Roster | None, worksheet: SubmissionTable, answers: dict[str, tuple[str, ...]]
-    ) -> None:
+    def __init__(self, roster: Roster | None, worksheet: SubmissionTable, answers: Answers) -> None:
         self._roster = roster
         self._worksheet = worksheet
         self._answers = answers
         self._folders: dict[str, str] = {}
-        for label, ids in answers.items():
-            for id in ids:
-                self._check_answer(label, id)
 
     def ids_of(self, owner: Owner) -> tuple[str, ...]:
         """Return the ids of a student or of a team's members; empty if no student owns the files.
@@ -57,7 +48,7 @@ class Owners:
         ------
         UnknownOwner
         """
-        answer = self._answers.get(normalized(owner.label))
+        answer = self._answers.owners_of(owner.label)
         if answer is not None:
             return answer
         if self._roster is None:
@@ -70,14 +61,14 @@ class Owners:
         team = self._team(owner)
         if team:
             return tuple(person.id for person in team)
-        guessed = self._by_login(owner.guesses)
+        guessed = self._guessed(owner)
         if guessed:
-            raise UnknownOwner(_choice(owner, guessed))
+            raise UnknownOwner(f"{_choice(owner, guessed)}. {_FOR_A_TEAM}")
         raise UnknownOwner(self._question(owner))
 
     def is_answered(self, owner: Owner) -> bool:
         """Return whether an answer names the owner."""
-        return normalized(owner.label) in self._answers
+        return self._answers.owners_of(owner.label) is not None
 
     def owns_whole_archive(self, owner: Owner, others: Collection[Owner]) -> bool:
         """Return whether the other names in an archive are only folders of this owner.
@@ -85,7 +76,7 @@ class Owners:
         That is the case if an answer names the archive's owner and no other name is a known
         student. Without a roster, there must be exactly one other name.
         """
-        if not self._answers.get(normalized(owner.label)):
+        if not self._answers.owners_of(owner.label):
             return False
         return not any(map(self._is_known, others)) if self._roster else len(others) == 1
 
@@ -98,7 +89,8 @@ class Owners:
     def question_about(self, owner: Owner, ids: Sequence[str], others: Sequence[Owner]) -> str:
         """Return a question if the identity of an owner is in doubt; otherwise an empty string.
 
-        Canvas labels a group's work with the group's name and the user id of one member.
+        Canvas labels a group's work with the group's name and the user id of the member who
+        submitted.
 
         Parameters
         ----------
@@ -113,13 +105,20 @@ class Owners:
         if others:
             names = ", ".join(other.label for other in others)
             return (
-                f"This name and {names} both seem to belong to {ids[0]}, so neither was collected. "
-                f"If both do, add {_owner_option(owner, ids[0])}, and the same option for the "
-                "other name"
+                f"This name and {names} both seem to belong to {', '.join(ids)}, so neither was "
+                f"collected. If both do, add {_owner_option(owner, ','.join(ids))}, and the same "
+                "option for the other name"
             )
         person = self._roster.person(ids[0]) if self._roster and owner.lms_id else None
         if person is None or not owner.names:
             return ""
+        team = sorted(set().union(*self._answers.teams_of(person.id)))
+        if team:  # another member may have submitted the team's work this time
+            return (
+                f"You answered that {' and '.join(team)} are a team. If the team submitted this "
+                f"together, add {_owner_option(owner, ','.join(team))}. Otherwise, add "
+                f"{_owner_option(owner, person.id)}"
+            )
         names = [letters(name) for name in (person.first_name, person.last_name) if name]
         if not names or any(name in letters(owner.names[0]) for name in names):
             return ""
@@ -148,8 +147,24 @@ class Owners:
                 rows_by_id.setdefault(people[0].id, []).append(row)
         return rows_by_id
 
+    def check(self, answers: dict[str, str]) -> None:
+        """Check the ids in new answers, as typed.
+
+        Raises
+        ------
+        CollectError
+            If an answer names a student who is not on the roster.
+        """
+        for label, answer in answers.items():
+            if "/" in label and ids_in(answer):
+                raise CollectError(
+                    f"--who {shlex.quote(label)}=…: a single file can only be ignored. Write "
+                    f"{NOBODY}."
+                )
+            for id in ids_in(answer):
+                self._check_answer(label, id)
+
     def _check_answer(self, label: str, id: str) -> None:
-        """Raise `CollectError` if an answer contains an invalid id."""
         suggestions = ""
         if self._roster and self._roster.person(id) is None:
             reason = "no student on the roster has the id"
@@ -171,14 +186,28 @@ class Owners:
                 return found
         row = self._worksheet.participant(owner.participant)
         found = self._people_of(row) if row else ()
-        found = found or self._by_login(owner.logins)
-        for name in owner.names:
-            found = found or tuple(
-                person
-                for person in self._roster.find_people(name)
-                if not has_other_lms_id(person, owner.lms_id)
-            )
-        return found
+        found = found or self._by_login(owner.logins) or self._by_names(owner.names)
+        return tuple(person for person in found if not has_other_lms_id(person, owner.lms_id))
+
+    def _by_names(self, names: Collection[str]) -> tuple[Person, ...]:
+        """Return the people who have all known names; all of them if the names contradict."""
+        found = [set(people) for name in names if (people := self._by_name(name))]
+        people = set.intersection(*found) or set.union(*found) if found else set()
+        return tuple(sorted(people, key=self._roster.people.index))
+
+    def _by_name(self, name: str) -> tuple[Person, ...]:
+        people = self._roster.find_people(name)
+        if people:
+            return people
+        names = names_in_other_code_pages(name)
+        return tuple({person: None for name in names for person in self._roster.find_people(name)})
+
+    def _guessed(self, owner: Owner) -> tuple[Person, ...]:
+        return (
+            self._by_login(owner.guesses)
+            or self._by_names(owner.guesses)
+            or tuple(one for name in owner.names for one in self._roster.people_with_zeros(name))
+        )
 
     def _by_login(self, logins: Collection[str]) -> tuple[Person, ...]:
         wanted = {login.casefold() for login in logins}
@@ -194,7 +223,10 @@ class Owners:
         return ()
 
     def _team(self, owner: Owner) -> list[Person]:
-        """Return the members of a team, if the worksheet lists it and all members are known."""
+        """Return the members of a team that the archive or worksheet lists, if all are known."""
+        if owner.members:
+            found = [self._by_names(names) for names in owner.members]
+            return [people[0] for people in found] if all(len(one) == 1 for one in found) else []
         # Compare only letters, because archives replace some characters with spaces.
         names = {letters(name) for name in owner.names}
         rows = [row for row in self._worksheet.rows if names & set(map(letters, row.others))]
@@ -229,7 +261,7 @@ class Owners:
             remedy = "add Moodle's worksheet with --timestamps FILE, or "
         return (
             f"No student on the roster has this name. To assign the files, {remedy}add "
-            f"{_owner_option(owner, 'ID')}. For a team, write several ids: ID,ID. To ignore "
+            f"{_owner_option(owner, 'ID')}. {_FOR_A_TEAM}. To ignore "
             f"the files, add {_owner_option(owner, NOBODY)}"
         )
 

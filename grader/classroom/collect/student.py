@@ -84,8 +84,7 @@ class StudentCollector:
                 self._ask_about_other_stage(lesson, candidates)
         self._write_times(folders.values())
         if not notebooks and not self._problems:
-            names = ", ".join(dict.fromkeys(one.path[-1] for _, one in submitted))
-            self._add_problem(submitted[0][1].owner.label, f"contains no notebook: {names}")
+            self._report_missing_work([one for _, one in submitted])
         self._report_problems()
 
     def _files(self, submitted: Sequence[tuple[Path, SubmittedFile]]) -> list[StudentFile]:
@@ -93,7 +92,10 @@ class StudentCollector:
         files, size = [], 0
         for archive, one in submitted:
             if one.remark:
-                self._add_problem(one.name, one.remark)
+                if self._answers.is_ignored(one.name):
+                    self._report.ignored[one.path[-1]] += 1
+                else:
+                    self._add_problem(one.name, one.remark)
                 continue
             unpacked_files = unpack_file(one.entry, one.path[-1])
             size += sum(len(unpacked.data) for unpacked in unpacked_files)
@@ -104,7 +106,7 @@ class StudentCollector:
                 continue
             for unpacked in unpacked_files:
                 file = StudentFile(archive, one, unpacked)
-                if unpacked.kind == OTHER:
+                if unpacked.kind == OTHER or self._is_ignored(file):
                     self._report.ignored[file.path[-1]] += 1
                 elif unpacked.kind in (NOTEBOOK, MODULE):
                     files.append(file)
@@ -114,6 +116,13 @@ class StudentCollector:
                     text = unpacked.complaint or f"is not a notebook. Ask for {wanted_file}"
                     self._add_problem(file.name, text, lesson)
         return files
+
+    def _is_ignored(self, file: StudentFile) -> bool:
+        content = file.digest if file.unpacked.data else ""
+        ignored = self._answers.is_ignored(file.name, content)
+        if ignored and content:
+            self._report.dismissed.add((file.name, content))
+        return ignored
 
     def _by_lesson(self, files: Sequence[StudentFile]) -> dict[Lesson, list[StudentFile]]:
         """Return the notebooks by lesson, and ask about notebooks whose lesson is unknown."""
@@ -213,6 +222,19 @@ class StudentCollector:
                 self._report.undecided[self._id] = reason
             elif folder.is_late() and not (folder.path / "timestamp.txt").is_file():
                 self._report.late.append(self._id)
+
+    def _report_missing_work(self, submitted: Sequence[SubmittedFile]) -> None:
+        """Ask about the files of a student who submitted no notebook with work."""
+        if any(self._answers.is_ignored(one.name) for one in submitted):
+            return
+        names = list(dict.fromkeys(one.path[-1] for one in submitted))
+        if all(one.is_given for one in submitted):
+            text = "contains no notebook with work"
+            self._report.remarks.append(Question(submitted[0].owner.label, text))
+        else:
+            more = ", …" if len(names) > 5 else ""
+            text = f"is not a notebook. The student submitted only: {', '.join(names[:5])}{more}"
+            self._add_problem(submitted[0].name, text)
 
     def _report_problems(self) -> None:
         """Report each problem as a question if a notebook is missing, otherwise as a remark."""

@@ -7,11 +7,11 @@ instructor's own table has ids in the first column, and submission times under o
 
 from __future__ import annotations
 
-import csv
 import functools
 import re
 import unicodedata
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime, tzinfo
 from pathlib import Path
@@ -19,7 +19,7 @@ from pathlib import Path
 import babel
 
 from grader.classroom.collect.models import CollectError
-from grader.course.tables import read_table
+from grader.course.tables import TableError, read_table
 
 # Moodle's translations of "Last modified (submission)", and the language of the dates below them.
 TITLES = {
@@ -110,32 +110,32 @@ def read_worksheet(path: Path, zone: tzinfo | None) -> SubmissionTable:
     CollectError
     """
     try:
-        text = path.read_text("utf-8-sig")
+        table = read_table(path.read_bytes())
     except OSError as error:
         raise CollectError(f"{path} cannot be read: {error.strerror}.") from None
-    except UnicodeDecodeError:
-        raise CollectError(f"{path} is not in UTF-8. Save it as CSV UTF-8.") from None
-    try:
-        _, rows = read_table(text)
-    except csv.Error as error:
-        raise CollectError(f"{path} is not a CSV file: {error}. Download it again.") from None
-    titles = [_folded(cell) for cell in rows[0]] if rows else []
+    except TableError as error:
+        raise CollectError(
+            f"{path} is not a CSV file: line {error.line}: {error}. Download it again."
+            if error.line
+            else f"{path} is not in UTF-8. Save it as CSV UTF-8."
+        ) from None
+    titles = [_folded(cell) for cell in table.titles]
     column = next((index for index, title in enumerate(titles) if title in TITLES), None)
     if column is None:
         raise CollectError(
             f"{path}: no column has a known title for submission times. The columns are: "
-            f'{", ".join(rows[0]) if rows else "none"}. Rename the right one to "Last '
+            f'{", ".join(table.titles) or "none"}. Rename the right one to "Last '
             'modified (submission)", and write times like 2026-10-12 23:59.'
         )
     language = TITLES[titles[column]]
     status = next((index for index, title in enumerate(titles) if title in STATUS), 1)
     return SubmissionTable(
-        tuple(_row(cells, column, status, language, zone) for cells in rows[1:] if any(cells))
+        tuple(_row(cells, column, status, language, zone) for cells in table.rows[1:])
     )
 
 
 def _row(
-    cells: list[str], column: int, status: int, language: str, zone: tzinfo | None
+    cells: Sequence[str], column: int, status: int, language: str, zone: tzinfo | None
 ) -> SubmissionRow:
     """Read one row; the columns after the status contain marks, which may look like ids."""
     cells = [unicodedata.normalize("NFC", cell.strip()) for cell in cells]

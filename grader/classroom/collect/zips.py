@@ -5,6 +5,7 @@ Only the roster and the lessons of the course determine where a file is written.
 
 from __future__ import annotations
 
+import contextlib
 import lzma
 import stat
 import struct
@@ -17,6 +18,7 @@ from typing import IO
 
 from grader.classroom.collect.models import ArchiveEntry, UnreadableFile
 from grader.intake.notebook import LARGEST_FILE
+from grader.intake.submission import PACKAGE_FOLDERS
 
 MOST_FILES = 200_000
 MOST_FILES_OF_A_STUDENT = 5_000
@@ -35,7 +37,12 @@ _DAMAGE = (
     NotImplementedError,  # a compression method that Python does not support
     RuntimeError,  # the zip has a password
 )
-_JUNK = ("__MACOSX", "__pycache__")
+_JUNK = ("__MACOSX", "__pycache__", *PACKAGE_FOLDERS)
+# Windows writes names in the code page of the system's language, and zips do not name it.
+_CODE_PAGES = (
+    *("cp850", "cp1252", "cp852", "cp1250", "cp866", "cp1251", "cp737", "cp857"),
+    *("cp932", "gbk", "cp949", "cp950"),
+)
 
 
 def clean_path(name: str) -> tuple[str, ...]:
@@ -48,7 +55,7 @@ def clean_path(name: str) -> tuple[str, ...]:
 
 
 def is_hidden(path: tuple[str, ...]) -> bool:
-    """Return whether a path is hidden or in a folder that macOS or Python creates."""
+    """Return whether a path is hidden or in a folder that a program creates."""
     return any(part.startswith(".") or part in _JUNK for part in path)
 
 
@@ -82,6 +89,19 @@ def _name(info: zipfile.ZipInfo) -> str:
         return info.filename.encode("cp437").decode("utf-8")
     except UnicodeError:
         return info.filename
+
+
+def names_in_other_code_pages(name: str) -> tuple[str, ...]:
+    """Return the names that a zip may mean by a name whose encoding it does not declare."""
+    try:
+        data = b"" if name.isascii() else name.encode("cp437")
+    except UnicodeEncodeError:  # the encoding was declared
+        return ()
+    names = []
+    for page in _CODE_PAGES:
+        with contextlib.suppress(UnicodeDecodeError):
+            names.append(data.decode(page))
+    return tuple(name for name in dict.fromkeys(names) if name)
 
 
 def _moment(info: zipfile.ZipInfo) -> datetime:

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.classroom.contents import lesson_by_content, lesson_by_name
+from grader.classroom.contents import is_notebook_name, lesson_by_content, lesson_by_name
 from grader.classroom.grade import judge_one
 from grader.classroom.submissions import Submission, find_submissions
 from grader.course.lessons import Lesson, all_lessons
@@ -18,7 +18,7 @@ from grader.course.paths import Course
 from grader.course.seed import course_seed
 from grader.intake.preflight import prepare_to_judge
 from grader.intake.reader_process import ReadingFailed
-from grader.intake.submission import SubmittedFiles
+from grader.intake.submission import SubmittedFiles, is_skipped_folder
 from grader.judging.verdict import JUDGED, Verdict
 from grader.sandbox import Sandbox
 from utils.notebooks.reading import UnreadableNotebook
@@ -133,9 +133,9 @@ def _notes(submitted_files: SubmittedFiles, lesson: Lesson) -> tuple[str, ...]:
 def _explain_unjudged(folder: Path, lessons: tuple[Lesson, ...]) -> Iterator[str]:
     """Yield sentences for the student about files that were not judged."""
     for root, folders, names in os.walk(folder):
-        folders[:] = sorted(name for name in folders if not name.startswith((".", "__")))
+        folders[:] = sorted(name for name in folders if not is_skipped_folder(name))
         for name in sorted(name for name in names if not name.startswith(".")):
-            is_notebook = Path(name).suffix.lower() == ".ipynb"
+            is_notebook = is_notebook_name(name)
             lesson = lesson_by_name(name) or (is_notebook and lesson_by_content(Path(root, name)))
             if lesson and not is_notebook:
                 yield f"{name} is not a notebook. Submit {lesson.name}.ipynb, as Jupyter saves it."

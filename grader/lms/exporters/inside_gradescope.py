@@ -11,7 +11,7 @@ import json
 import sys
 from pathlib import Path
 
-JUDGED_KINDS = (".ipynb", ".py")
+JUDGED_KINDS = (".ipynb", ".ipynb.txt", ".ipynb.json", ".py")
 
 
 def main(root: Path) -> str:
@@ -39,7 +39,7 @@ def files_of(folder: Path) -> list[Path]:
     return [
         path
         for path in folder.rglob("*")
-        if path.suffix in JUDGED_KINDS
+        if path.name.endswith(JUDGED_KINDS)
         and path.is_file()
         and not any(part.startswith((".", "__")) for part in path.relative_to(folder).parts)
     ]

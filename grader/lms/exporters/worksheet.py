@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.course.tables import read_table
+from grader.course.tables import TableError, read_table
 from grader.lms.exporters.protocol import ExportError
 
 NUMBER = re.compile(r"-?[0-9][0-9.,]*")
@@ -69,36 +69,38 @@ def read_worksheet(path: Path) -> MarksTableFile:
         If the file cannot be read as a table of students.
     """
     try:
-        content = path.read_bytes()
+        table = read_table(path.read_bytes())
     except OSError as error:
         raise ExportError(f"{path} cannot be read: {error.strerror}.") from error
-    try:
-        text = content.decode("utf-8")
-    except UnicodeDecodeError as error:
+    except TableError as error:
         raise ExportError(
-            f"{path.name} is not a CSV file in UTF-8. Use the file exactly as you downloaded it, "
-            "or save it in the spreadsheet as CSV UTF-8."
+            f"{path.name} is not a CSV file: line {error.line}: {error}. Download it again."
+            if error.line
+            else _not_utf8(path)
         ) from error
-    marked = text.startswith("\ufeff")
-    text = text.removeprefix("\ufeff")
-    try:
-        separator, rows = read_table(text)
-    except csv.Error as error:
-        raise ExportError(f"{path.name} is not a CSV file: {error}. Download it again.") from error
-    if len(rows) < 2 or len(rows[0]) < 2:
+    if table.encoding == "utf-16":  # no platform can import the result
+        raise ExportError(_not_utf8(path))
+    if len(table.rows) < 2 or len(table.titles) < 2:
         raise ExportError(
             f"{path.name} does not contain a table of students. Download the file again."
         )
-    width = len(rows[0])
-    for row in rows:
-        if len(row) > width and any(row[width:]):
+    width = len(table.titles)
+    for row in table.rows:
+        if len(row) > width:
             raise ExportError(
                 f"{path.name}: the row that begins with {row[0]!r} has {len(row)} cells, but the "
                 f"header has {width}. Download the file again."
             )
-    head, *others = (tuple([*row, *[""] * width][:width]) for row in rows)
-    line_end = "\r\n" if "\r\n" in text else "\n"
-    return MarksTableFile(path.name, head, tuple(others), separator, line_end, marked)
+    head, *others = (tuple([*row, *[""] * width][:width]) for row in table.rows)
+    marked = table.encoding == "utf-8-sig"
+    return MarksTableFile(path.name, head, tuple(others), table.separator, table.line_end, marked)
+
+
+def _not_utf8(path: Path) -> str:
+    return (
+        f"{path.name} is not a CSV file in UTF-8. Use the file exactly as you downloaded it, or "
+        "save it in the spreadsheet as CSV UTF-8."
+    )
 
 
 def read_number(text: str) -> float | None:
