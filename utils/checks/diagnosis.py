@@ -49,7 +49,7 @@ class Mistake:
 class _KnownMistakes:
     cases: tuple
     right: Callable
-    declare_mistakes: tuple[Mistake, ...]
+    mistakes: tuple[Mistake, ...]
     same: Callable
     call: Callable
     class_name: str
