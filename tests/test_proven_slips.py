@@ -663,7 +663,7 @@ def test_every_known_mistake_runs_within_seconds(step):
 def test_an_imitation_gives_the_answers_that_its_mistake_predicts(exercise):
     """The solution may return a tuple, although predictions compute with arrays."""
     assert checks_of(exercise)
-    solution = mistake_diagnosis._solution(lesson_of(exercise), exercise)
+    solution = mistake_diagnosis._load_solution(lesson_of(exercise), exercise)
     known = diagnosis._KNOWN.get(exercise)
     for mistake in known.mistakes if known else ():
         if (imitation := imitation_of(exercise, mistake, solution)) is None:
@@ -675,7 +675,7 @@ def test_an_imitation_gives_the_answers_that_its_mistake_predicts(exercise):
 
 def test_an_imitation_also_returns_none_where_the_solution_does():
     checks_of("line_through")
-    solution = mistake_diagnosis._solution(LINE, "line_through")
+    solution = mistake_diagnosis._load_solution(LINE, "line_through")
     imitation = imitation_of("line_through", known_mistakes("line_through")[0], solution)
     answer = imitation.call((1.0, 2.0), (1.0, 2.0))
     assert answer is None and imitation.same(None, answer)

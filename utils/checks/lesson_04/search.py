@@ -394,7 +394,7 @@ declare_mistakes(
     "search",
     Mistake(
         "Only the side that contains the target is searched.",
-        _prediction_from_rule(lambda node: (node.at < node.split) == node.is_left),
+        _prediction_from_rule(lambda node: (node.target < node.split) == node.is_left),
         "If the circle crosses the split, search both sides: write two ifs and no else.",
     ),
     Mistake(
@@ -466,7 +466,9 @@ declare_mistakes(
     Mistake(
         "Both sides are searched below nodes that are near, and only the target's own side below "
         "all others.",
-        _prediction_from_rule(lambda node: node.is_near or (node.at < node.split) == node.is_left),
+        _prediction_from_rule(
+            lambda node: node.is_near or (node.target < node.split) == node.is_left
+        ),
         "Test whether the box reaches a side, not whether the node is near.",
     ),
     Mistake(
@@ -479,7 +481,7 @@ declare_mistakes(
         "The tolerance is left out on the left: the left side is searched only if the target "
         "itself is on it.",
         _prediction_from_rule(
-            lambda node: _reaches_side(node) and (not node.is_left or node.at < node.split)
+            lambda node: _reaches_side(node) and (not node.is_left or node.target < node.split)
         ),
         "Compare target[axis] - tolerance with the split.",
     ),
@@ -487,7 +489,7 @@ declare_mistakes(
         "The tolerance is left out on the right: the right side is searched only if the target "
         "itself is on it.",
         _prediction_from_rule(
-            lambda node: _reaches_side(node) and (node.is_left or node.at >= node.split)
+            lambda node: _reaches_side(node) and (node.is_left or node.target >= node.split)
         ),
         "Compare target[axis] + tolerance with the split.",
     ),
