@@ -223,6 +223,42 @@ def test_another_name_with_the_same_number_is_noted(fill):
     assert not any("another name" in note for note in fill(canvas_course(), marks()).notes)
 
 
+def test_numbers_that_two_systems_give_to_different_people_give_no_mark(fill):
+    """The ID of each student is the other student's SIS ID, and the names fit the IDs."""
+    course = canvas_course()
+    course.students = [
+        CanvasStudent(100, "Ash, Anna", "200", "aash"),
+        CanvasStudent(200, "Bäcker, Bo", "100", "bbo"),
+    ]
+    people = (Person("100", "Anna", "Ash"), Person("200", "Bo", "Bäcker"))
+    exported = fill(course, marks({"100": 12.5, "200": 31.25}, people, excused=()))
+    assert (exported.placed, b"12.5" in exported.content) == (0, False)
+    assert exported.lost == (
+        "100 (Anna Ash), 12.5 points: Ash, Anna or Bäcker, Bo may be 100 or 200.",
+        "200 (Bo Bäcker), 31.25 points: Ash, Anna or Bäcker, Bo may be 100 or 200.",
+    )
+    nameless = tuple(Person(person.id) for person in people)
+    exported = fill(course, marks({"100": 12.5, "200": 31.25}, nameless, excused=()))
+    assert (exported.placed, len(exported.lost)) == (0, 2)
+
+
+@pytest.mark.parametrize("platform", ["canvas", "moodle"])
+def test_a_key_of_one_student_with_the_name_of_another_gives_no_mark(fill, platform):
+    if platform == "canvas":
+        course = canvas_course()
+        course.students[2].name, course.students[4].name = "Schmidt, Anna", "Müller, Björn"
+    else:
+        course = moodle_course()
+        course.students[1].name, course.students[0].name = "Anna Schmidt", "Björn Müller"
+    exported = fill(course, marks())
+    assert exported.placed == 2
+    assert [sentence.partition(",")[0] for sentence in exported.lost] == [
+        "anna (Anna Schmidt)",
+        "björn (Björn Müller)",
+    ]
+    assert all("may be anna or björn" in sentence for sentence in exported.lost)
+
+
 def test_a_namesake_with_another_number_gets_no_mark(fill):
     course = canvas_course()
     anna = next(student for student in course.students if student.id == 9001)
@@ -342,6 +378,18 @@ def test_an_ambiguous_column_must_be_named(fill):
         fill(course, marks())
     with pytest.raises(ExportError, match="has no column 'Final Score'"):
         fill(course, marks(), column="Final Score")
+
+
+def test_a_title_that_canvas_never_imports_is_named(fill):
+    course = canvas_course()
+    course.assignments = {42: ["Stage 3 obstacles: Final Score", 100.0]}
+    remedy = r"never imports 'Stage 3 obstacles: Final Score \(42\)', .* Rename the assignment"
+    for column in (None, "Stage 3 obstacles: Final Score"):
+        with pytest.raises(ExportError, match=remedy):
+            fill(course, marks(), column=column)
+    course.assignments[43] = ["Stage 3 obstacles", 100.0]
+    course.import_(fill(course, marks()).content)
+    assert course.scores[9001, 43] == 8.5
 
 
 # Moodle
