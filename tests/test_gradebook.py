@@ -6,6 +6,7 @@ import functools
 import json
 import os
 import shutil
+import sqlite3
 from types import SimpleNamespace
 
 import pytest
@@ -21,6 +22,8 @@ from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict
 from grader.lms import gradebook, gradebook_writer, registration
 from grader.lms.differences import differences
 from grader.lms.entries import StageEntry
+from grader.lms.feedback import FeedbackWriter
+from grader.lms.gradebook_check import check_gradebook
 from grader.lms.gradebook_rows import GradebookRow
 from grader.lms.gradebook_writer import GradebookError, enter_verdicts
 from grader.lms.penalties import load_penalty_plugin
@@ -767,11 +770,47 @@ def test_the_error_about_a_gradebook_that_does_not_open_names_the_setting(course
     (course.root / "nbgrader_config.py").write_text(
         f"c = get_config()\nc.CourseDirectory.db_url = {url!r}\n"
     )
-    with pytest.raises(GradebookUnavailable) as caught:
-        gradebook.open_gradebook(course)
+    with pytest.raises(GradebookUnavailable) as caught, gradebook.open_gradebook(course):
+        pass
     assert says in str(caught.value) and "\n" not in str(caught.value)
     assert "c.CourseDirectory.db_url" in str(caught.value)
     assert ".. c.Course" not in str(caught.value)
+
+
+def use_database(course, address):
+    (course.root / "nbgrader_config.py").write_text(
+        f"c = get_config()\nc.CourseDirectory.db_url = {address!r}\n"
+    )
+
+
+def test_a_gradebook_of_an_older_nbgrader_is_named_with_the_remedy(entered):
+    connection = sqlite3.connect(entered.root / "gradebook.db")
+    connection.execute("ALTER TABLE grade DROP COLUMN extra_credit")
+    connection.close()
+    for use in (
+        lambda: enter_verdicts(entered, verdicts(entered), [STAGE], quiet),
+        lambda: class_results(entered),
+        lambda: FeedbackWriter(entered, STAGE),
+    ):
+        with pytest.raises(GradebookUnavailable, match="older .* Run: nbgrader db upgrade"):
+            use()
+    (finding,) = check_gradebook(entered)
+    assert not finding.good and finding.text.endswith("Run: nbgrader db upgrade")
+
+
+@pytest.mark.parametrize("lock", ["EXCLUSIVE", "IMMEDIATE"])
+def test_a_locked_gradebook_is_named_in_one_sentence(entered, lock, capfd):
+    path = entered.root / "gradebook.db"
+    use_database(entered, f"sqlite:///{path}?timeout=0.01")
+    connection = sqlite3.connect(path, isolation_level=None)
+    connection.execute(f"BEGIN {lock}")
+    earned = EARNED | {"bob": {DISTANCE: (7.0, 1.0, 2.0)}}
+    with pytest.raises(GradebookUnavailable, match="locked, .* same command again in a minute"):
+        enter_verdicts(entered, verdicts(entered, earned), [STAGE], quiet)
+    assert "Traceback" not in capfd.readouterr().err
+    connection.close()
+    enter_verdicts(entered, verdicts(entered, earned), [STAGE], quiet)
+    assert marks(entered) == expected_marks(earned)
 
 
 @pytest.mark.parametrize("kind", [StageEntry, GradebookRow])

@@ -28,7 +28,7 @@ from grader.lms.copies import replace_folder, write_draft
 from grader.lms.dates import enter_due_dates, set_extension
 from grader.lms.differences import differences
 from grader.lms.entries import StageEntry, group_entries
-from grader.lms.gradebook import open_gradebook
+from grader.lms.gradebook import database_problem, open_gradebook
 from grader.lms.history import log_changes
 from grader.lms.penalties import load_penalty_plugin, penalty_of
 from grader.lms.people import enrol
@@ -105,6 +105,8 @@ def _try_to_enter(
     except ReplacedSubmission as replaced:  # the old marks stay until the new file is judged
         return [str(replaced)]
     except Exception as error:  # one student's failure must not stop the others
+        if database_problem(error):
+            raise
         trouble = [f"{entry.name}: {type(error).__name__}: {error}"]
     return trouble + differences(course, book, entry, late, deadlines)
 
