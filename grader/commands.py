@@ -283,6 +283,7 @@ def run_grade(options: argparse.Namespace) -> int:
         workers,
         scheduler=options.scheduler,
         student=student,
+        restore=options.restore_marks,
     )
 
 
@@ -530,6 +531,7 @@ def grade_course(
     warning: str = "",
     scheduler: str | None = None,
     student: str | None = None,
+    restore: bool = False,
 ) -> int:
     """Judge a class, enter the marks and write the report; used by `grade` and `demo`."""
     from grader.classroom.lock import AlreadyRunning, course_lock
@@ -537,7 +539,7 @@ def grade_course(
     try:
         with course_lock(course):
             return _grade_with_lock(
-                course, wanted, seed, sandbox, workers, warning, scheduler, student
+                course, wanted, seed, sandbox, workers, warning, scheduler, student, restore
             )
     except AlreadyRunning as error:
         print(error, file=sys.stderr)
@@ -553,6 +555,7 @@ def _grade_with_lock(
     warning: str,
     scheduler: str | None,
     student: str | None,
+    restore: bool,
 ) -> int:
     from grader.classroom.protocol import ExecutorLost
     from grader.classroom.rehearsals import RehearsalFailed
@@ -576,7 +579,7 @@ def _grade_with_lock(
             file=sys.stderr,
         )
         return USAGE_ERROR
-    status = _enter_marks(course, judged, wanted or stages(), student)
+    status = _enter_marks(course, judged, wanted or stages(), student, restore)
     left = unaccounted_files(course)
     # If a student or a stage is named, `judged` contains only part of the class.
     reported = _verdicts_on_disk(course) if student or wanted else judged
@@ -620,7 +623,11 @@ def _judge_all(
 
 
 def _enter_marks(
-    course: Course, judged: JudgedSubmissions, wanted: Sequence[str], student: str | None
+    course: Course,
+    judged: JudgedSubmissions,
+    wanted: Sequence[str],
+    student: str | None,
+    restore: bool,
 ) -> int:
     """Enter verdicts into the gradebook and return the exit status."""
     # Importing nbgrader takes a second, so it is imported after judging.
@@ -628,7 +635,7 @@ def _enter_marks(
 
     with console.progress_bar("Entering into the gradebook") as advance:
         try:
-            enter_verdicts(course, judged, wanted, advance, student)
+            enter_verdicts(course, judged, wanted, advance, student, restore, console.tell)
         except GradebookError as error:
             print(console.plain(error), file=sys.stderr)
             return FAULT

@@ -29,7 +29,14 @@ def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) ->
                 f'the file below [{stage.stage}.students]: "{stage.student}" = '
                 f"{until:%Y-%m-%dT%H:%M:%S}Z. To replace it, write another date there."
             )
+    yield from excessive_notes(results)
     yield from unlisted_notes(results)
+
+
+def excessive_notes(results: ClassResults) -> Iterator[str]:
+    """Yield one sentence for each mark by hand that is above the maximum of its exercise."""
+    for mark in results.excessive:
+        yield f"{mark}. Its maximum was reduced after a person graded it: grade it again."
 
 
 def unlisted_notes(results: ClassResults) -> Iterator[str]:

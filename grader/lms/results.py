@@ -109,12 +109,15 @@ class ClassResults:
         One result for each student and stage.
     unlisted : tuple of str
         IDs with marks in the gradebook that are not on the roster. They have no results here.
+    excessive : tuple of str
+        Descriptions of marks by hand above the maximum of their exercise.
     """
 
     people: tuple[Person, ...]
     notebooks: tuple[NotebookResult, ...]
     stages: tuple[StageResult, ...]
     unlisted: tuple[str, ...] = ()
+    excessive: tuple[str, ...] = ()
 
     def notebook(self, student: str, lesson: str) -> NotebookResult | None:
         """Return a student's result in a lesson, or None if no student submitted the lesson."""

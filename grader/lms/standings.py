@@ -11,7 +11,7 @@ from grader.course.lessons import Lesson, find_lesson
 from grader.course.paths import Course
 from grader.course.roster import Person, read_roster
 from grader.lms.gradebook import open_gradebook
-from grader.lms.gradebook_rows import GradebookRow, read_rows
+from grader.lms.gradebook_rows import GradebookRow, read_excessive_marks, read_rows
 from grader.lms.people import students_in_gradebook
 from grader.lms.results import (
     EXCUSED,
@@ -22,6 +22,7 @@ from grader.lms.results import (
     NotebookResult,
     StageResult,
     combined_status,
+    format_points,
 )
 from grader.lms.submission_times import SubmissionTimeUnknown, submission_time
 
@@ -35,6 +36,11 @@ def class_results(course: Course) -> ClassResults:
     """
     with open_gradebook(course) as book:
         rows, in_gradebook = read_rows(book), students_in_gradebook(book)
+        excessive = tuple(
+            f"{student}, {lesson}, {cell.removeprefix('test_')}: {format_points(points)} of "
+            f"{format_points(maximum)} points"
+            for student, lesson, cell, points, maximum in read_excessive_marks(book)
+        )
     roster, deadlines = read_roster(course), read_deadlines(course) or Deadlines({})
     submitted = {
         (submission.student, submission.lesson.name): submission
@@ -71,7 +77,9 @@ def class_results(course: Course) -> ClassResults:
             notebooks += results
             stages.append(_stage(course, results, row, files, deadlines))
     unlisted = {row.student for row in rows} - {person.id for person in people}
-    return ClassResults(tuple(people), tuple(notebooks), tuple(stages), tuple(sorted(unlisted)))
+    return ClassResults(
+        tuple(people), tuple(notebooks), tuple(stages), tuple(sorted(unlisted)), excessive
+    )
 
 
 def _has_work(course: Course, row: GradebookRow) -> bool:

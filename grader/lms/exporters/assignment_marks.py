@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from grader.course.roster import Person
 from grader.lms.exporters.protocol import ExportError, ExportOptions
-from grader.lms.instructor_notes import unlisted_notes
+from grader.lms.instructor_notes import excessive_notes, unlisted_notes
 from grader.lms.results import EXCUSED, MARKED, MISSING, WAITING, ClassResults, NotebookResult
 
 UNMARKED_TITLES = {
@@ -124,6 +124,7 @@ def _notes(
     own = [result for result in notebooks if result.student in ids]
     waiting = [result for result in own if result.standing == WAITING]
     zeros = [result for result in own if result.standing == MISSING]
+    yield from excessive_notes(results)
     stage = notebooks[0].stage
     undecided = [
         result.student
