@@ -5,6 +5,7 @@ import json
 import shutil
 
 import pytest
+from nbgrader.api import Comment, Grade, GradeCell, SolutionCell, SourceCell
 
 from grader.classroom.submissions import find_submissions
 from grader.course import paths
@@ -15,6 +16,7 @@ from grader.lms.gradebook_check import check_gradebook
 from grader.lms.gradebook_writer import GradebookError, enter_verdicts
 from grader.lms.history import read_changes
 from grader.lms.instructor_notes import notes
+from grader.lms.results import WAITING
 from grader.lms.standings import class_results
 from tests.test_gradebook import LATE, STREAM, quiet, verdict_on
 
@@ -193,6 +195,87 @@ def test_comments_are_logged_once(course):
     enter(course)
     *_, change = read_changes(course)
     assert (change.before, change.after, change.comment) == (7.5, 7.5, "Very good.")
+
+
+def forget_cells(course, *names):
+    """Make the gradebook as if the release had not contained some cells yet."""
+    with gradebook.open_gradebook(course) as book:
+        notebook = book.find_notebook(LESSON, STAGE)
+        for cell in (*notebook._base_cells, *notebook.source_cells):
+            if cell.name in names:
+                for table in (Grade, Comment):
+                    book.db.query(table).filter(table.cell_id == cell.id).delete()
+                book.db.delete(cell)
+        book.db.commit()
+
+
+def test_an_exercise_that_is_added_in_mid_term_is_entered(course):
+    """nbgrader refuses to add cells to a lesson with submissions."""
+    give(course, "ada", "write_up", 7.5, "Good.")
+    enter(course)
+    forget_cells(course, MACHINE.cell, MACHINE.name)
+    (told,) = enter(course)
+    assert told.startswith(f"{LESSON}: {MACHINE.name} was added to the gradebook")
+    assert given(course, "ada") == (7.5, False, "Good.")
+    points = POINTS * len(STREAM.machine_graded)
+    scores = {result.student: result.score for result in class_results(course).notebooks}
+    assert scores == {"ada": 7.5 + points, "bob": points}
+    assert enter(course) == []
+
+
+def test_a_written_answer_that_is_added_in_mid_term_waits_for_a_person(course):
+    forget_cells(course, "write_up")
+    assert len(enter(course)) == 1
+    assert {result.standing for result in class_results(course).notebooks} == {WAITING}
+    assert given(course, "ada") == given(course, "bob") == (None, True, None)
+
+
+def test_a_lesson_that_is_added_in_mid_term_is_entered(course):
+    with gradebook.open_gradebook(course) as book:
+        for submission in book.find_assignment(STAGE).submissions:
+            for notebook in submission.notebooks:
+                for row in (*notebook.grades, *notebook.comments, notebook):
+                    book.db.delete(row)
+        book.db.commit()
+        book.remove_notebook(LESSON, STAGE)
+    enter(course)
+    assert {result.standing for result in class_results(course).notebooks} == {WAITING}
+
+
+def test_an_exercise_that_is_not_in_the_release_any_more_is_removed(course):
+    give(course, "ada", "write_up", 7.5, "Good.")
+    with gradebook.open_gradebook(course) as book:
+        notebook = book.find_notebook(LESSON, STAGE)
+        cells = [
+            GradeCell(name="essay", cell_type="markdown", max_score=4.0, notebook=notebook),
+            SolutionCell(name="essay", notebook=notebook),
+            SourceCell(name="essay", cell_type="markdown", source="", notebook=notebook),
+        ]
+        book.db.add_all(cells)
+        book.db.flush()
+        for student in ("ada", "bob"):
+            submitted = book.find_submission_notebook(LESSON, STAGE, student)
+            book.db.add(Grade(cell_id=cells[0].id, notebook=submitted, manual_score=3.5))
+            book.db.add(Comment(cell_id=cells[1].id, notebook=submitted))
+        book.db.commit()
+    (told,) = enter(course)
+    assert "essay is not in the release any more" in told
+    assert "2 marks by hand for it can be found only in marks.jsonl" in told
+    assert given(course, "ada") == (7.5, False, "Good.")
+    assert [one.after for one in read_changes(course) if one.exercise == "essay"] == [
+        *(3.5, 3.5, None, None),
+    ]
+    assert enter(course) == [] and wrong_findings(course) == []
+
+
+def test_other_points_for_an_exercise_with_marks_by_hand_are_named(course):
+    give(course, "ada", "write_up", 9.5)
+    with gradebook.open_gradebook(course) as book:
+        book.find_grade_cell("write_up", LESSON, STAGE).max_score = 20.0
+        book.db.commit()
+    (told,) = enter(course)
+    assert "write_up is now worth 10 points instead of 20, but 1 mark by hand did not" in told
+    assert enter(course) == []
 
 
 def test_marks_above_a_reduced_maximum_are_named(course):

@@ -80,7 +80,7 @@ def enter_verdicts(
     with open_gradebook(course) as book:
         log_changes(course, book)  # log marks given by hand since the last run
         late = load_penalty_plugin(course)
-        trouble += register_stages(course, book, dict.fromkeys(stages))
+        register_stages(course, book, dict.fromkeys(stages), tell)
         if roster:
             enrol(book, roster)
         enter_due_dates(course, book, deadlines)
