@@ -652,10 +652,11 @@ def _print_class(
     from grader.classroom.folders import respelt_folders
     from grader.course.deadlines import read_deadlines
     from grader.course.roster import read_roster
-    from grader.lms.instructor_notes import notes
+    from grader.lms.instructor_notes import counted_lessons, notes
 
     roster = read_roster(course)
     console.print_class(judged, results)
+    print(*counted_lessons(results), sep="\n")
     console.print_unaccounted(left)
     respelt = respelt_folders(course, roster) if roster else ()
     console.print_notes([*respelt, *notes(course, results, read_deadlines(course))])

@@ -10,7 +10,7 @@ from nbgrader.api import Gradebook, MissingEntry
 from nbgrader.preprocessors import SaveCells
 from nbgrader.utils import is_grade, is_solution
 
-from grader.course.lessons import Lesson, all_lessons
+from grader.course.lessons import Lesson, released_lessons
 from grader.course.paths import Course
 from grader.lms.autograded import graded_cells
 from grader.lms.changed_cells import change_cells, complete_submissions
@@ -37,7 +37,7 @@ def register_stages(
         Called with a sentence about each change that affects submissions in the gradebook.
     """
     for stage in stages:
-        lessons = _lessons(course, stage)
+        lessons = released_lessons(course, stage)
         with contextlib.suppress(MissingEntry):
             lessons = [lesson for lesson in lessons if not _is_registered(book, lesson)]
         if lessons:
@@ -51,17 +51,6 @@ def register_stages(
                 SaveCells().preprocess(_released_notebook(lesson), {"nbgrader": about})
             book.db.expire_all()
         complete_submissions(book, stage)
-
-
-def _lessons(course: Course, stage: str) -> list[Lesson]:
-    """Return the lessons of a stage that the course has released."""
-    lessons = [lesson for lesson in all_lessons() if lesson.stage == stage]
-    released = course.released / stage
-    return [
-        lesson
-        for lesson in lessons
-        if not released.is_dir() or (released / f"{lesson.name}.ipynb").is_file()
-    ]
 
 
 def _released_notebook(lesson: Lesson) -> nbformat.NotebookNode:

@@ -8,10 +8,19 @@ from dataclasses import dataclass
 from grader.course.roster import Person
 from grader.lms.exporters.protocol import ExportError, ExportOptions
 from grader.lms.instructor_notes import excessive_notes, unlisted_notes
-from grader.lms.results import EXCUSED, MARKED, MISSING, WAITING, ClassResults, NotebookResult
+from grader.lms.results import (
+    AUDITOR,
+    EXCUSED,
+    MARKED,
+    MISSING,
+    WAITING,
+    ClassResults,
+    NotebookResult,
+)
 
 UNMARKED_TITLES = {
     EXCUSED: "Without a mark, because they are excused",
+    AUDITOR: "Without a mark, because they audit the course",
     MISSING: "Without a mark, because they submitted nothing",
     WAITING: "Without a mark, because their submission is not entered yet",
 }
@@ -134,7 +143,7 @@ def _notes(
     yield list_sentence(
         "Provisional, because a grader still has to grade a part", _by_lesson(waiting)
     )
-    yield list_sentence("Counted as 0, because nothing was submitted", _by_lesson(zeros))
+    yield list_sentence("Counted as 0, because nothing was submitted", _by_lesson(zeros, len(ids)))
     yield list_sentence("No penalty subtracted, because lateness is undecided", undecided)
     for standing, people in without.items():
         yield list_sentence(UNMARKED_TITLES[standing], (person.display_name for person in people))
@@ -151,8 +160,12 @@ def _standing(results: ClassResults, person: Person, assignment: str) -> tuple[s
     return (result.standing, result.points) if result else (MISSING, None)
 
 
-def _by_lesson(notebooks: Iterable[NotebookResult]) -> list[str]:
+def _by_lesson(notebooks: Iterable[NotebookResult], everyone: int = 0) -> list[str]:
+    """List lessons, each with its students, or without names if it concerns several and all."""
     students: dict[str, list[str]] = {}
     for result in sorted(notebooks, key=lambda result: result.lesson):
         students.setdefault(result.lesson, []).append(result.student)
-    return [f"{lesson} of {', '.join(names)}" for lesson, names in students.items()]
+    return [
+        f"{lesson} of {'all' if len(names) == everyone > 1 else ', '.join(names)}"
+        for lesson, names in students.items()
+    ]
