@@ -5,24 +5,20 @@ Canvas and Moodle use the names of the submitted files, which `collect` records 
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from grader.classroom.collect.record import read_record
-from grader.classroom.submissions import find_submissions
 from grader.course.archives import make_zip
 from grader.course.atomic_files import write_atomically
 from grader.course.paths import Course
 from grader.course.roster import read_roster
+from grader.lms.collected_files import CollectedFile, collected_files
 from grader.lms.feedback import Feedback, FeedbackNotReady, FeedbackWriter, LessonFeedback
 from grader.lms.feedback_notebook import feedback_notebook
 from grader.lms.feedback_page import feedback_page
 
-# `FileOrigin.archive` ends with the owner's name in the archive and the submitted file's name.
-_OWNER_AND_FILE = re.compile(r": (?P<owner>[^/:]+)/(?P<file>[^/]+)(?:/.*)?$")
 _TEAM = "submitted as {}, which may be a team. Give each member their own page"
 
 
@@ -52,7 +48,7 @@ def build_moodle_archive(
     different number in each assignment. The archive has one page for each number, and Moodle
     ignores the pages that belong to other assignments.
     """
-    sources, roster = _sources(course, stage), read_roster(course)
+    sources, roster = collected_files(course, [stage]), read_roster(course)
     teams = _team_owners(sources)
     files, skipped = {}, []
     for feedback in all_feedback:
@@ -80,7 +76,7 @@ def build_canvas_archive(
     Canvas finds the original file by ``{name}_{user id}_{attachment id}_{file}`` and gives the
     feedback the same name. For a submitted zip, the feedback is a zip that contains the page.
     """
-    sources = _sources(course, stage)
+    sources = collected_files(course, [stage])
     teams = _team_owners(sources)
     files, skipped = {}, []
     for feedback in all_feedback:
@@ -204,38 +200,7 @@ def write_feedback(
     return WrittenFeedback(tuple(pages), archive, (*skipped, *returned.left))
 
 
-@dataclass(frozen=True)
-class _SubmittedFile:
-    """The data that identifies a submitted file in an LMS.
-
-    Attributes
-    ----------
-    owner, file : str
-    attachment : int
-        Canvas attachment id; 0 for other platforms.
-    participant : str
-        Moodle participant number; empty for other platforms.
-    """
-
-    owner: str
-    file: str
-    attachment: int
-    participant: str
-
-
-def _sources(course: Course, stage: str) -> dict[str, dict[str, _SubmittedFile]]:
-    """Return the data that identifies each judged file in an LMS, by student and lesson."""
-    sources: dict[str, dict[str, _SubmittedFile]] = {}
-    for submission in find_submissions(course, [stage]):
-        source = read_record(submission.stage_folder(course)).files.get(submission.path.name)
-        match = source and _OWNER_AND_FILE.search(source.archive)
-        if match:
-            file = _SubmittedFile(match["owner"], match["file"], source.order, source.participant)
-            sources.setdefault(submission.student, {})[submission.lesson.name] = file
-    return sources
-
-
-def _team_owners(sources: dict[str, dict[str, _SubmittedFile]]) -> set[str]:
+def _team_owners(sources: dict[str, dict[str, CollectedFile]]) -> set[str]:
     """Return the owners whose files belong to several students, because they are teams."""
     owners = Counter(
         owner for files in sources.values() for owner in {file.owner for file in files.values()}
