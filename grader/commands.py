@@ -431,7 +431,9 @@ def run_feedback(options: argparse.Namespace) -> int:
     if without_feedback:
         names = console.plain(", ".join(sorted(without_feedback)))
         print(f"There is no feedback for {names}.", file=sys.stderr)
-    return FAULT if without_feedback or any(one.left for one in feedback) else SUCCESS
+    has_no_zip = options.platform and any(one.pages and not one.archive for one in feedback)
+    is_incomplete = without_feedback or any(one.left for one in feedback)
+    return FAULT if has_no_zip or is_incomplete else SUCCESS
 
 
 def run_similarity(options: argparse.Namespace) -> int:

@@ -282,6 +282,15 @@ def print_feedback(feedback: Sequence[WrittenFeedback]) -> None:
             zipped = f", and {plain(one.archive)} for upload" if one.archive else ""
             text = f"{plain(one.pages[0].parent)}: {count}{zipped}"
             Console(highlight=False, soft_wrap=True).print(text, markup=False)
+    lists = (
+        ("Not final, because a grader still has to grade a part:", "waiting"),
+        ("Not in the zip. Give these students their pages yourself:", "unreached"),
+    )
+    for title, name in lists:
+        sentences = [sentence for one in feedback for sentence in getattr(one, name)]
+        if sentences:
+            text = "\n  ".join([title, *map(plain, sentences)])
+            Console(highlight=False, soft_wrap=True).print(text, markup=False)
     left = [sentence for one in feedback for sentence in one.left]
     if left:
         text = "\n  ".join(["Feedback that was left out:", *map(plain, left)])

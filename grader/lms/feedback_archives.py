@@ -6,7 +6,7 @@ Canvas and Moodle use the names of the submitted files, which `collect` records 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -18,8 +18,9 @@ from grader.lms.collected_files import CollectedFile, collected_files
 from grader.lms.feedback import Feedback, FeedbackNotReady, FeedbackWriter, LessonFeedback
 from grader.lms.feedback_notebook import feedback_notebook
 from grader.lms.feedback_page import feedback_page
+from grader.lms.results import WAITING
 
-_TEAM = "submitted as {}, which may be a team. Give each member their own page"
+_TEAM = "submitted as {}, which may be a team"
 
 
 @dataclass(frozen=True)
@@ -141,12 +142,18 @@ class WrittenFeedback:
     archive : pathlib.Path or None
         The zip for the LMS; None without an LMS, or if the zip would be empty.
     left : tuple of str
-        One sentence for each student without a page, or without a file in the zip.
+        One sentence for each student without a page.
+    unreached : tuple of str
+        One sentence for each student with a page for whom the zip contains nothing.
+    waiting : tuple of str
+        Lessons with a part that a grader still has to grade, each with its students.
     """
 
     pages: tuple[Path, ...]
     archive: Path | None
     left: tuple[str, ...]
+    unreached: tuple[str, ...] = ()
+    waiting: tuple[str, ...] = ()
 
 
 def write_feedback(
@@ -191,13 +198,25 @@ def write_feedback(
             all_feedback.append(feedback)
             pages.append(path)
         progress(done, len(people), person.id)
+    waiting = tuple(_waiting(all_feedback))
     if not platform or not pages:
-        return WrittenFeedback(tuple(pages), None, tuple(skipped))
+        return WrittenFeedback(tuple(pages), None, tuple(skipped), waiting=waiting)
     returned = PLATFORMS[platform].returns(course, stage, all_feedback)
     archive = folder / f"{stage}_{platform}.zip" if returned.files else None
     if archive:
         write_atomically(make_zip(returned.files), archive)
-    return WrittenFeedback(tuple(pages), archive, (*skipped, *returned.left))
+    return WrittenFeedback(tuple(pages), archive, tuple(skipped), returned.left, waiting)
+
+
+def _waiting(all_feedback: Sequence[Feedback]) -> Iterator[str]:
+    """Yield the lessons with a part that a grader still has to grade, each with its students."""
+    students: dict[str, list[str]] = {}
+    for feedback in all_feedback:
+        for lesson in feedback.lessons:
+            if lesson.result.standing == WAITING:
+                students.setdefault(lesson.lesson.name, []).append(feedback.person.id)
+    for lesson, ids in students.items():
+        yield f"{lesson} of {', '.join(ids)}"
 
 
 def _team_owners(sources: dict[str, dict[str, CollectedFile]]) -> set[str]:
