@@ -405,7 +405,10 @@ def run_autograder(options: argparse.Namespace) -> int:
 def run_feedback(options: argparse.Namespace) -> int:
     """Run the command ``feedback [STAGE ...]``."""
     from grader.classroom.folders import UnknownStudent, find_student
+    from grader.course.deadlines import read_deadlines
     from grader.lms.feedback_archives import PLATFORMS, write_feedback
+    from grader.lms.instructor_notes import assignment_notes
+    from grader.lms.standings import class_results
 
     if not stages_exist(options.stages):
         return USAGE_ERROR
@@ -422,6 +425,8 @@ def run_feedback(options: argparse.Namespace) -> int:
             for stage in options.stages or stages()
         ]
     console.print_feedback(feedback)
+    if any(one.pages for one in feedback):  # students see which lessons count
+        console.print_notes([*assignment_notes(class_results(course), read_deadlines(course))])
     if not any(one.pages for one in feedback):
         print("There is no feedback to write yet. Run: python -m grader grade", file=sys.stderr)
         return USAGE_ERROR

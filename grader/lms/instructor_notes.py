@@ -50,13 +50,12 @@ def _rarely_submitted(results: ClassResults, stage: str) -> Iterator[str]:
     rare = {lesson: names for lesson, names in students.items() if len(names) < least}
     others = ", ".join(f'"{lesson[:2]}"' for lesson in students if lesson not in rare)
     if rare and others and len(submitters) > 1:
-        who = "; ".join(
-            f"{lesson} was submitted {f'only by {names[0]}' if names else 'by nobody'}"
-            for lesson, names in rare.items()
-        )
+        nobody = ", ".join(lesson for lesson, names in rare.items() if not names)
+        who = [f"nobody submitted {nobody}"] * bool(nobody)
+        who += [f"only {names[0]} submitted {lesson}" for lesson, names in rare.items() if names]
         yield (
-            f"{who}. All lessons of {stage} count. If you have not assigned all of them, write "
-            f"lessons = [{others}] below [{stage}] in {DEADLINES}."
+            f"{stage}: {'; '.join(who)}. All released lessons count. If you have not assigned all "
+            f"of them, write lessons = [{others}] below [{stage}] in {DEADLINES}."
         )
 
 

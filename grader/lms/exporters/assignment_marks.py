@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from grader.course.roster import Person
 from grader.lms.exporters.protocol import ExportError, ExportOptions
-from grader.lms.instructor_notes import excessive_notes, unlisted_notes
+from grader.lms.instructor_notes import counted_lessons, excessive_notes, unlisted_notes
 from grader.lms.results import (
     AUDITOR,
     EXCUSED,
@@ -133,8 +133,10 @@ def _notes(
     own = [result for result in notebooks if result.student in ids]
     waiting = [result for result in own if result.standing == WAITING]
     zeros = [result for result in own if result.standing == MISSING]
-    yield from excessive_notes(results)
     stage = notebooks[0].stage
+    if len({result.lesson for result in notebooks}) > 1:
+        yield next(text for text in counted_lessons(results) if text.startswith(f"{stage} "))
+    yield from excessive_notes(results)
     undecided = [
         result.student
         for result in results.stages
