@@ -663,7 +663,8 @@ def _print_class(
 
     roster = read_roster(course)
     console.print_class(judged, results)
-    print(*counted_lessons(results), sep="\n")
+    for sentence in counted_lessons(results):
+        print(sentence)
     console.print_unaccounted(left)
     respelt = respelt_folders(course, roster) if roster else ()
     console.print_notes([*respelt, *notes(course, results, read_deadlines(course))])
