@@ -53,7 +53,7 @@ def open_gradebook(course: Course) -> Iterator[Gradebook]:
             "c.CourseDirectory.db_url, in nbgrader_config.py."
         ) from error
     try:
-        with book:
+        with book, _without_tracebacks():
             yield book
     except (SQLAlchemyError, InvalidEntry) as error:
         problem = database_problem(error)
@@ -62,6 +62,17 @@ def open_gradebook(course: Course) -> Iterator[Gradebook]:
         raise GradebookUnavailable(
             problem or f"The gradebook cannot be used: {_reason(error)}."
         ) from error
+
+
+@contextlib.contextmanager
+def _without_tracebacks() -> Iterator[None]:
+    """Do not print the traceback of each error that nbgrader logs and then raises."""
+    before = nbgrader.api.app_log.disabled
+    nbgrader.api.app_log.disabled = True
+    try:
+        yield
+    finally:
+        nbgrader.api.app_log.disabled = before
 
 
 def database_problem(error: Exception) -> str:
