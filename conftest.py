@@ -97,7 +97,7 @@ def sandbox():
 
 @pytest.fixture(scope="session")
 def real_clouds():
-    """Return the folder REAL_CLOUDS of real recordings. Skip the test if it is not set."""
+    """Return the folder of real recordings, which the environment variable REAL_CLOUDS names."""
     folder = os.environ.get("REAL_CLOUDS")
     if not folder:
         pytest.skip(RECORDINGS)

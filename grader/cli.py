@@ -139,9 +139,9 @@ def _add_doctor(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "doctor",
         commands.run_doctor,
-        "Check that everything is ready for grading. It checks versions, sandbox, seed, disk "
-        "space, roster, due dates and gradebook, and judges the course's own solutions. The exit "
-        "status is 1 if there is something to fix.",
+        "Check that everything is ready for grading. Examine package versions, the sandbox, the "
+        "seed, disk space, the roster, due dates and the gradebook, and judge the course's own "
+        "solutions. Exit with status 1 if anything needs fixing.",
         "",
     )
     add_workers_option(doctor, "solutions judged")
@@ -152,8 +152,8 @@ def _add_demo(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "demo",
         commands.run_demo,
-        "Grade a sample class in demo/. It prints the paths of the report, the feedback pages and "
-        "the similarity page.",
+        "Grade a sample class in demo/. Print the paths of the report, the feedback pages and the "
+        "similarity pages.",
         "",
         "--students 30 --stages stage1_ransac",
     )
@@ -168,7 +168,7 @@ def _add_demo(subparsers: argparse._SubParsersAction) -> None:
         "--stages",
         nargs="*",
         metavar="STAGE",
-        help="stages that the sample students submit; --stages without a name means all stages "
+        help="stages that the sample students submit; --stages without a name selects all stages "
         "(default: stage3_obstacles)",
     )
     add_workers_option(demo)
@@ -179,8 +179,8 @@ def _add_release(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "release",
         commands.run_release,
-        "Write a zip for students for each stage. The notebooks run wherever the zip is unzipped. "
-        "Students can unzip several stages into the same folder.",
+        "Write one zip per stage for the students. The notebooks run wherever students unzip them. "
+        "Several stages can be unzipped into the same folder.",
         "stage1_ransac",
         "--standalone stage1_ransac",
         "--solutions stage1_ransac",
@@ -190,16 +190,16 @@ def _add_release(subparsers: argparse._SubParsersAction) -> None:
     kind.add_argument(
         "--standalone",
         action="store_true",
-        help="instead write one notebook per lesson that needs no other file, as for Colab",
+        help="write one self-contained notebook per lesson instead of zips, for example for Colab",
     )
     kind.add_argument(
         "--solutions",
         action="store_true",
-        help="write the executed solutions as notebooks and pages; refuse while a student may "
-        "still submit",
+        help="write the executed solutions as notebooks and pages instead of zips; refuse while "
+        "any student may still submit",
     )
     release.add_argument(
-        "--anyway", action="store_true", help="write solutions even if a student may still submit"
+        "--anyway", action="store_true", help="write solutions even if students may still submit"
     )
     _add_folder_option(release, "released")
 
@@ -209,9 +209,10 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "collect",
         commands.run_collect,
-        "Put the submissions of a class into submitted/. It recognises archives from Canvas, "
-        "Moodle and GitHub Classroom, folders and single files. If it does not know which student "
-        "a file belongs to, it asks and exits with status 1. Run it again with the answer added.",
+        "Put the submissions of a class into submitted/. Accept archives from Canvas, Moodle and "
+        "GitHub Classroom, folders and single files. If the student or lesson of a file is "
+        "unclear, list the file and the options to choose from, and exit with status 1. Run the "
+        "command again with one of these options.",
         "submissions.zip --stage stage3_obstacles",
         "submissions.zip --stage stage3_obstacles --who 'mueller_4711=bjorn'",
     )
@@ -220,8 +221,8 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
         nargs="+",
         type=Path,
         metavar="ARCHIVE",
-        help="zip from Canvas or Moodle, folder with checkouts of GitHub Classroom, other folder, "
-        "or single file",
+        help="zip from Canvas or Moodle, folder of GitHub Classroom repositories, any other "
+        "folder, or single file",
     )
     collect.add_argument(
         "--stage",
@@ -235,7 +236,7 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
         "--timestamps",
         type=Path,
         metavar="FILE.csv",
-        help="table of submission times: Moodle's grading worksheet, or a similar file",
+        help="table of submission times, such as Moodle's grading worksheet",
     )
     collect.add_argument(
         "--who",
@@ -243,8 +244,8 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
         default=[],
         type=_parse_answer,
         metavar="NAME=ID[,ID...]",
-        help="id of the student called NAME in the archive; write several ids for a team, or - to "
-        "ignore NAME",
+        help="id of the student called NAME in the archive; several ids for a team; - to ignore "
+        "NAME; may be repeated",
     )
     collect.add_argument(
         "--lesson",
@@ -252,7 +253,8 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
         default=[],
         type=_parse_answer,
         metavar="FILE=NN",
-        help="number of the lesson in FILE, if the file's name and content disagree",
+        help="number of the lesson that FILE belongs to, if the file does not show it clearly; may "
+        "be repeated",
     )
 
 
@@ -260,7 +262,7 @@ def _parse_answer(text: str) -> tuple[str, str]:
     """Split NAME=ID at the last equals sign, because the name may contain one."""
     name, divider, answer = text.rpartition("=")
     if not (name and divider and answer):
-        raise argparse.ArgumentTypeError(f"{text!r} has no =; write NAME=ANSWER")
+        raise argparse.ArgumentTypeError(f"{text!r} does not contain =; write NAME=ANSWER")
     return name, answer
 
 
@@ -269,12 +271,12 @@ def _add_judge(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "judge",
         commands.run_judge,
-        "Judge one notebook and print its verdict. It does not change the gradebook.",
+        "Judge one notebook and print its verdict. Leave the gradebook unchanged.",
         "path/to/06_filter_ground.ipynb",
         "path/to/06_filter_ground.ipynb --json",
     )
     judge.add_argument(
-        "notebook", type=Path, metavar="NOTEBOOK.ipynb", help="a submitted notebook of the course"
+        "notebook", type=Path, metavar="NOTEBOOK.ipynb", help="submitted notebook of a lesson"
     )
     judge.add_argument("--json", action="store_true", help="print the verdict as one JSON object")
     add_judging_options(judge)
@@ -285,9 +287,9 @@ def _add_grade(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "grade",
         commands.run_grade,
-        "Grade the class in submitted/. It judges new and changed notebooks, enters the scores "
-        "into the gradebook and writes report/index.html. The exit status is 1 if you have to "
-        "decide something.",
+        "Grade the class in submitted/. Judge new and changed notebooks, enter the scores into the "
+        "gradebook and write report/index.html. Exit with status 1 if any score could not be "
+        "entered.",
         "stage3_obstacles",
         "stage3_obstacles --student anna",
         "--scheduler tcp://10.0.0.1:8786",
@@ -296,8 +298,8 @@ def _add_grade(subparsers: argparse._SubParsersAction) -> None:
     grade.add_argument(
         "--student",
         metavar="X",
-        help="judge only this student's work, again, and print the history of the marks; X is an "
-        "id, name, e-mail address or login",
+        help="judge only this student's work, even if it is unchanged, and print the history of "
+        "the marks; X is an id, name, e-mail address or login (default: whole class)",
     )
     grade.add_argument(
         "--restore-marks",
@@ -315,9 +317,8 @@ def _add_report(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "report",
         commands.run_report,
-        "Write the report about the class again, without judging. Use it after you changed marks "
-        "by hand. It writes report/index.html, and a version without names, "
-        "report/anonymous.html.",
+        "Write the class report again without judging. Use this command after you change marks by "
+        "hand. Write report/index.html and, without names, report/anonymous.html.",
         "",
     )
 
@@ -327,7 +328,7 @@ def _add_feedback(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "feedback",
         commands.run_feedback,
-        "Write a feedback page for each student and stage. The pages are written to handed_back/.",
+        "Write a feedback page for each student and stage.",
         "stage3_obstacles",
         "stage3_obstacles --for moodle",
     )
@@ -338,13 +339,13 @@ def _add_feedback(subparsers: argparse._SubParsersAction) -> None:
         default=[],
         metavar="X",
         help="write pages only for this student; X is an id, name, e-mail address or login; may be "
-        "repeated",
+        "repeated (default: whole class)",
     )
     feedback.add_argument(
         "--for",
         dest="platform",
         choices=("moodle", "canvas"),
-        help="also write a zip that this platform distributes to the students",
+        help="also write a zip to upload to Moodle or Canvas, which distributes the pages",
     )
     _add_folder_option(feedback, "handed_back")
 
@@ -366,28 +367,32 @@ def _add_export(subparsers: argparse._SubParsersAction) -> None:
         help="file format: %(choices)s (default: %(default)s)",
     )
     export.add_argument(
-        "--assignment", metavar="NAME", help="stage or lesson whose marks are exported"
+        "--assignment",
+        metavar="NAME",
+        help="stage or lesson whose marks to export (default for csv: all; required for other "
+        "formats)",
     )
     export.add_argument(
         "--into",
         type=Path,
         metavar="FILE",
-        help="file from Canvas or Moodle to fill in; the result is written to a copy",
+        help="file from Canvas or Moodle to fill in; only a copy is written",
     )
     export.add_argument(
         "--column",
         metavar="TITLE",
-        help="title of the column to fill in; needed if it does not contain the stage or lesson",
+        help="title of the column to fill in (default: the one that contains the name of the stage "
+        "or lesson)",
     )
     export.add_argument(
         "--scale",
         action="store_true",
-        help="convert the marks if the maximum on the platform differs",
+        help="scale the marks if the maximum on the platform differs from the course's",
     )
     export.add_argument(
         "--provisional",
         action="store_true",
-        help="also export work that is waiting for a grader, with its points so far",
+        help="also export the points so far of work that is waiting for a grader",
     )
     export.add_argument(
         "--to",
@@ -402,12 +407,12 @@ def _add_autograder(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "autograder",
         commands.run_autograder,
-        "Write an autograder zip, with which Gradescope judges an assignment. The zip contains the "
-        "hidden tests and the secret seed.",
+        "Write an autograder zip for Gradescope, which then judges an assignment. The zip contains "
+        "the hidden tests and the secret seed.",
         "stage3_obstacles",
     )
     autograder.add_argument(
-        "assignment", metavar="NAME", help="stage or lesson, such as stage3_obstacles"
+        "assignment", metavar="NAME", help="stage or lesson to judge, such as stage3_obstacles"
     )
     autograder.add_argument(
         "--to",
@@ -422,11 +427,13 @@ def _add_similarity(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "similarity",
         commands.run_similarity,
-        "Show which answers in a stage are similar. It writes report/similarity_STAGE.html, which "
-        "shows similar pairs side by side. It does not run student code.",
+        "Show which answers in a stage are similar. Write report/similarity_STAGE.html, which "
+        "shows similar pairs side by side. No student code is run.",
         "stage3_obstacles",
     )
-    similarity.add_argument("stage", metavar="STAGE", help="stage, such as stage3_obstacles")
+    similarity.add_argument(
+        "stage", metavar="STAGE", help="stage to compare, such as stage3_obstacles"
+    )
 
 
 def _add_site(subparsers: argparse._SubParsersAction) -> None:
@@ -434,8 +441,8 @@ def _add_site(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "site",
         commands.run_site,
-        "Write the course as a website. It executes the lessons, and needs the packages in "
-        "requirements-site.txt, which `make site` installs.",
+        "Write the course as a website. Run every lesson to include its outputs. This needs the "
+        "packages in requirements-site.txt, which `make site` installs.",
         "",
         "--to /var/www/course",
     )
@@ -443,7 +450,7 @@ def _add_site(subparsers: argparse._SubParsersAction) -> None:
     site.add_argument(
         "--live",
         action="store_true",
-        help="add pages on which lessons run in the browser, with a kernel from jsDelivr",
+        help="add pages that run lessons in the browser, with a Python kernel from jsDelivr",
     )
     add_workers_option(site, "lessons executed")
 
@@ -456,14 +463,14 @@ def _add_new(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "new",
         commands.run_new,
-        "Write the skeleton of a new lesson. It is a small but complete exercise in four files, "
-        "which you then change.",
+        "Write the skeleton of a new lesson. The four files contain a small, complete exercise for "
+        "you to change.",
         "14_free_distance",
     )
     new.add_argument(
         "name",
         metavar="NN_NAME",
-        help="number and name of the lesson, such as 14_free_distance; the exercise gets the same "
+        help="number and name of the lesson, such as 14_free_distance; the exercise has the same "
         "name",
     )
     new.add_argument(
@@ -478,8 +485,8 @@ def _add_try(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "try",
         commands.run_try,
-        "Build a lesson, run it, judge its answers and list what is missing. It also stores the "
-        "answers that replace unwritten functions.",
+        "Build a lesson, run it, judge its answers and list what is missing. Also store the "
+        "results that are lent to students who have not written a function.",
         "14",
     )
     attempt.add_argument("number", metavar="NN", help="number or name of the lesson, such as 14")
@@ -498,7 +505,7 @@ def _add_build(subparsers: argparse._SubParsersAction) -> None:
     build.add_argument(
         "--check",
         action="store_true",
-        help="write nothing, but fail if a file is stale or reveals a solution",
+        help="write nothing; fail if a file is out of date or reveals a solution",
     )
 
 
@@ -562,7 +569,7 @@ def add_sandbox_option(command: argparse.ArgumentParser) -> None:
         choices=(AUTO, *SANDBOXES),
         default=AUTO,
         help="where student code runs; `process` does not protect this machine, so use it only for "
-        "code that you trust (default: bubblewrap; refuse if it does not work)",
+        "code that you trust (default: auto, which uses bubblewrap and stops if it does not work)",
     )
 
 

@@ -45,7 +45,7 @@ def run_new(options: argparse.Namespace) -> int:
     for path in written:
         print("wrote", path.relative_to(PROJECT))
     number = options.name[:2]
-    print(f"Now change these files. To see what is missing, run: python -m grader try {number}")
+    print(f"Edit these files. To list what is missing, run: python -m grader try {number}")
     return SUCCESS
 
 
@@ -74,7 +74,7 @@ def run_try(options: argparse.Namespace) -> int:
         print(f"  {mark}   {textwrap.indent(finding.sentence, ' ' * 7).lstrip()}", flush=True)
         findings.append(finding)
     unfinished = sum(not finding.good for finding in findings)
-    print(f"{lesson.name}: {unfinished} to do." if unfinished else f"{lesson.name} is complete.")
+    print(f"{lesson.name}: {unfinished} to fix." if unfinished else f"{lesson.name} is complete.")
     return FAULT if unfinished else SUCCESS
 
 
@@ -135,7 +135,9 @@ def _release_solutions(options: argparse.Namespace) -> int:
     if any(open_stages):
         print(*filter(None, open_stages), sep="\n", file=sys.stderr)
         if not options.anyway:
-            print("Nothing was written. To write the solutions now, add --anyway.", file=sys.stderr)
+            print(
+                "Nothing was written. To write the solutions anyway, add --anyway.", file=sys.stderr
+            )
             return FAULT
     lessons = [lesson for lesson in all_lessons() if lesson.stage in wanted]
     with console.progress_bar("Running the solutions") as advance:
@@ -169,7 +171,7 @@ def run_site(options: argparse.Namespace) -> int:
     for lesson, packages in missing.items():
         if packages:
             print(
-                f"The page of {lesson.name} shows no outputs. To add them, install "
+                f"The page of {lesson.name} shows no outputs. To add outputs, install "
                 f"{', '.join(packages)} and run the command again."
             )
     print(f"wrote {folder / 'index.html'}")
@@ -206,7 +208,11 @@ def run_collect(options: argparse.Namespace) -> int:
         return FAULT
     console.print_collected(collected)
     if not any(collected.states.values()) and not collected.questions:
-        print(f"These files contain no notebook of {', '.join(options.stages)}.", file=sys.stderr)
+        print(
+            f"The archive contains no notebook of {', '.join(options.stages)}. Name another "
+            "archive, or correct --stage.",
+            file=sys.stderr,
+        )
         return USAGE_ERROR
     return FAULT if collected.questions else SUCCESS
 
@@ -230,13 +236,13 @@ def run_judge(options: argparse.Namespace) -> int:
 
     if options.notebook.is_dir():
         print(
-            f"{options.notebook} is a folder, but judge takes one notebook. To judge everything in "
-            "submitted/, run: python -m grader grade",
+            f"{options.notebook} is a folder. Name one notebook, or judge everything in submitted/ "
+            "with: python -m grader grade",
             file=sys.stderr,
         )
         return USAGE_ERROR
     if not options.notebook.is_file():
-        print(f"There is no file {options.notebook}.", file=sys.stderr)
+        print(f"{options.notebook} does not exist. Name a submitted notebook.", file=sys.stderr)
         return USAGE_ERROR
     try:
         lesson = lesson_of_file(options.notebook)
@@ -340,7 +346,7 @@ def run_export(options: argparse.Namespace) -> int:
     course, exporter = Course(), EXPORTERS[options.format]
     if bool(exporter.fills) != bool(options.into):
         print(
-            f"--format {options.format} fills in {exporter.fills}. Name that file with --into."
+            f"--format {options.format} fills in {exporter.fills}. Name this file with --into."
             if exporter.fills
             else f"--format {options.format} does not fill in a file. Leave out --into.",
             file=sys.stderr,
@@ -373,8 +379,8 @@ def run_autograder(options: argparse.Namespace) -> int:
     course, lessons = Course(), lessons_of(options.assignment)
     if not lessons:
         print(
-            f"There is no stage or lesson {options.assignment}. The stages are: "
-            f"{', '.join(stages())}. The name of a lesson is the name of its notebook.",
+            f"There is no stage or lesson {options.assignment}. Name a notebook, such as "
+            f"06_filter_ground, or one of the stages: {', '.join(stages())}.",
             file=sys.stderr,
         )
         return USAGE_ERROR
@@ -453,14 +459,15 @@ def run_similarity(options: argparse.Namespace) -> int:
         compared = compare_stage(course, options.stage, advance)
     if len(compared.students) < 2:
         print(
-            f"There are fewer than two students in {course.submitted}/<student>/{options.stage}/. "
-            "Run: python -m grader collect ARCHIVE --stage STAGE",
+            f"Fewer than two students have submissions in "
+            f"{course.submitted}/<student>/{options.stage}/. "
+            f"Run: python -m grader collect ARCHIVE --stage {options.stage}",
             file=sys.stderr,
         )
         return USAGE_ERROR
     path = write_similarity(course, compared)
     console.print_similarity(compared)
-    print(f"Pairs side by side: {path}")
+    print(f"Similar pairs side by side: {path}")
     return SUCCESS
 
 
@@ -497,8 +504,8 @@ def run_demo(options: argparse.Namespace) -> int:
     except SandboxUnavailable as error:
         sandbox = SANDBOXES["process"]
         warning = (
-            f"{error.args[0].split(' Student code')[0]} This demo runs the code of its sample "
-            "students without a sandbox. Real grading would refuse."
+            f"{error.args[0].split(' Student code')[0]} The demo therefore runs the code of its "
+            "sample students without a sandbox. Real grading refuses to do this."
         )
         print(warning, file=sys.stderr)
     wanted = (STAGE,) if options.stages is None else options.stages or stages()
@@ -640,7 +647,7 @@ def _enter_marks(
     # Importing nbgrader takes a second, so it is imported after judging.
     from grader.lms.gradebook_writer import GradebookError, enter_verdicts
 
-    with console.progress_bar("Entering into the gradebook") as advance:
+    with console.progress_bar("Entering marks into the gradebook") as advance:
         try:
             enter_verdicts(course, judged, wanted, advance, student, restore, console.tell)
         except GradebookError as error:

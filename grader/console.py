@@ -32,10 +32,10 @@ if TYPE_CHECKING:
 
 
 LEGEND = {
-    "-": "- submitted nothing",
+    "-": "- nothing submitted",
     "ex": "ex excused",
     "aud": "aud auditor",
-    "*": "* waits for a grader",
+    "*": "* waiting for a grader",
     "?": "? not entered yet",
 }
 
@@ -156,7 +156,7 @@ def print_class(
         table.add_column(lesson[:2], f"{most:g}", justify="right", no_wrap=True, width=5)
     if late:
         table.add_column("Late", no_wrap=True)
-    table.add_column("First thing that went wrong", no_wrap=True, ratio=1)
+    table.add_column("First problem", no_wrap=True, ratio=1)
     cells = []
     for student, verdicts in students.items():
         if student in entered:
@@ -178,7 +178,7 @@ def print_class(
 
 def print_history(changes: Sequence[MarkChange]) -> None:
     """Print the history of a student's marks."""
-    table = Table(title="Marks that changed", title_justify="left", box=SIMPLE_HEAD)
+    table = Table(title="Changed marks", title_justify="left", box=SIMPLE_HEAD)
     for heading in ("Noticed", "Lesson", "Exercise"):
         table.add_column(heading, no_wrap=True)
     for heading in ("From", "To"):
@@ -199,7 +199,7 @@ def print_similarity(compared: StageComparison, limit: int = 10) -> None:
     """Print the similar answers in a stage, most unusual first."""
     console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
     for same in compared.same_files:
-        sameness = "the same file" if same.same_bytes else "the same cells"
+        sameness = "identical files" if same.same_bytes else "identical cells"
         console.print(plain(f"{same.lesson}, {sameness}: {', '.join(same.students)}"), markup=False)
     pairs = compared.pairs
     if not pairs:
@@ -207,8 +207,8 @@ def print_similarity(compared: StageComparison, limit: int = 10) -> None:
         return
     table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     table.add_column("Students")
-    table.add_column("Similarity of the two, in unusual code")
-    table.add_column("Similarity with others, at most", justify="right")
+    table.add_column("Unusual code in both")
+    table.add_column("Most in common with another answer", justify="right")
     for pair in pairs[:limit]:
         table.add_row(
             escape(plain(" and ".join(pair.students))),
@@ -217,7 +217,7 @@ def print_similarity(compared: StageComparison, limit: int = 10) -> None:
         )
     console.print(table)
     if len(pairs) > limit:
-        console.print(f"and {len(pairs) - limit} more pairs.")
+        console.print(f"{len(pairs) - limit} more pairs are not shown.")
     console.print("The table shows which answers are similar, but not why. Ask the students.")
 
 
@@ -228,7 +228,7 @@ def print_unaccounted(files: Sequence[tuple[Path, str]], limit: int = 20) -> Non
     lines = [f"{len(files)} files were not judged:" if len(files) > 1 else "1 file was not judged:"]
     lines += [f"  {plain(path)}: {plain(reason)}" for path, reason in files[:limit]]
     if len(files) > limit:
-        lines.append(f"  and {len(files) - limit} more; the report lists all of them")
+        lines.append(f"  and {len(files) - limit} more, which are in the report")
     Console(highlight=False, soft_wrap=True).print("\n".join(lines), markup=False)
 
 
@@ -243,7 +243,7 @@ def print_exported(exported: ExportResult, path: Path, backup: Path | None, next
     students = f"{exported.placed} student{'s' * (exported.placed != 1)}"
     lines = [f"{plain(path)}: marks of {students}."]
     if backup:
-        lines.append(f"The previous file is now {plain(backup.name)}.")
+        lines.append(f"The previous file was renamed to {plain(backup.name)}.")
     lines += [plain(note) for note in exported.notes]
     Console(highlight=False, soft_wrap=True).print("\n".join(lines), markup=False)
     if exported.lost:
@@ -264,13 +264,13 @@ def print_autograder(path: Path, lessons: Sequence[Lesson]) -> None:
     lines = [
         f"{plain(path)}: judges {', '.join(lesson.name for lesson in lessons)}.",
         f"In Gradescope, create a programming assignment with Autograder Points: {machine:g}. "
-        "Upload the zip under Configure Autograder, and then use Test Autograder with your own "
-        "solution.",
+        "Upload the zip under Configure Autograder, and then try your own solution with Test "
+        "Autograder.",
         "The zip contains the course's secret seed and hidden tests. Do not give it to students.",
     ]
     if by_hand:
         names = ", ".join(f"{exercise.name} ({exercise.points:g} points)" for exercise in by_hand)
-        lines.insert(2, f"A person has to grade in Gradescope: {names}.")
+        lines.insert(2, f"Grade by hand in Gradescope: {names}.")
     Console(highlight=False, soft_wrap=True).print("\n".join(lines), markup=False)
 
 
@@ -293,7 +293,7 @@ def print_feedback(feedback: Sequence[WrittenFeedback]) -> None:
             Console(highlight=False, soft_wrap=True).print(text, markup=False)
     left = [sentence for one in feedback for sentence in one.left]
     if left:
-        text = "\n  ".join(["Feedback that was left out:", *map(plain, left)])
+        text = "\n  ".join(["Feedback left out:", *map(plain, left)])
         Console(highlight=False, soft_wrap=True, stderr=True).print(
             text, markup=False, style="bold red"
         )
@@ -309,7 +309,7 @@ def print_collected(report: CollectionReport) -> None:
     for sentence in _collected_sentences(report):
         console.print(plain(sentence), markup=False, soft_wrap=True)
     _print_questions(console, "For your information", report.remarks)
-    _print_questions(console, "Not collected, because an answer is needed", report.questions)
+    _print_questions(console, "Not collected until you decide", report.questions)
 
 
 def _collected_table(report: CollectionReport) -> Table:
@@ -332,16 +332,16 @@ def _collected_sentences(report: CollectionReport) -> Iterator[str]:
     counts = Counter(state for states in report.states.values() for state in states.values())
     state_texts = (
         ("new", "new"),
-        ("newer", "replaced an older one, which is kept in .older/"),
+        ("newer", "newer than the previous version, which is kept in .older/"),
         ("same", "unchanged"),
-        ("kept", "left out, older than the collected one"),
+        ("kept", "left out, older than the collected version"),
     )
     counted = [f"{counts[state]} {text}" for state, text in state_texts if counts[state]]
     yield f"Notebooks: {'; '.join(counted) or 'none'}."
     if report.roster is None:
         yield (
-            "There is no roster.csv, so the folders have the names from the archive. With a "
-            "roster, the grader finds students by name or number."
+            "There is no roster.csv, so the folders are named as in the archive. Add a roster to "
+            "match students by name or number."
         )
     else:
         missing = [person.id for person in report.roster.people if person.id not in report.states]
@@ -356,18 +356,17 @@ def _collected_sentences(report: CollectionReport) -> Iterator[str]:
             yield f"Excused students without a submission: {', '.join(excused)}."
     if report.ignored:
         some = ", ".join(list(report.ignored)[:5]) + (", …" if len(report.ignored) > 5 else "")
-        yield f"Not collected, because no lesson needs these files: {some}."
+        yield f"Files that no lesson needs were not collected: {some}."
     if report.undecided:
         yield (
-            f"It is not known whether these students were late: {', '.join(report.undecided)}. "
-            "Write the time into timestamp.txt in the student's folder, such as 2026-11-22 "
-            "18:30:00 UTC."
+            f"Lateness is undecided for: {', '.join(report.undecided)}. Write the submission time "
+            "into timestamp.txt in each student's folder, such as 2026-11-22 18:30:00 UTC."
         )
     if report.late:
         yield (
-            f"Marked late without a time: {', '.join(report.late)}. No penalty is subtracted until "
-            "the time is known. Add times with --timestamps FILE, or write the time into "
-            "timestamp.txt in the student's folder, such as 2026-11-22 18:30:00 UTC."
+            f"Late, but without a submission time: {', '.join(report.late)}. No penalty is "
+            "subtracted until the time is known. Add times with --timestamps FILE, or write the "
+            "time into timestamp.txt in each student's folder, such as 2026-11-22 18:30:00 UTC."
         )
 
 

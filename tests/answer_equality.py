@@ -1,7 +1,7 @@
-"""Compare two answers to an exercise as loosely as the docstring of the exercise allows.
+"""Compare two answers to an exercise as loosely as the exercise's docstring allows.
 
-A list may replace an array, because the lessons only add a note and take no points for it. The
-sign of a normal, the order of cells, corners and found indices, and the cluster labels are free.
+A list may replace an array, because the lessons only add a note and deduct no points for it. The
+sign of a normal, the order of cells, corners and found indices, and the cluster labels may differ.
 """
 
 import numpy as np
@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from utils.boxes.containment import distance_outside
 from utils.checks.boxes import footprint
 
-ANGLE_TOLERANCE = 6.0  # degrees, as a search in steps of five degrees is allowed
+ANGLE_TOLERANCE = 6.0  # degrees; a search in steps of five degrees is allowed
 TOLERANCE = {"rtol": 1e-6, "atol": 1e-7}
 
 
@@ -31,7 +31,7 @@ def arrays(answer, expected):
 
 
 def models(answer, expected):
-    """Compare two lines or planes, either of which may be None, up to a common sign."""
+    """Compare two lines or planes up to a common sign; either may be None."""
     if answer is None or expected is None:
         return answer is expected
     answer, expected = np.asarray(answer, dtype=float), np.asarray(expected, dtype=float)
@@ -72,7 +72,7 @@ def corners(answer, expected):
 
 
 def axes(answer, expected, points):
-    """Accept right-handed, orthonormal axes if the points have the expected spread along each."""
+    """Accept right-handed, orthonormal axes if the points have the expected variance along each."""
     answer, points = np.asarray(answer, dtype=float), np.asarray(points, dtype=float)[:, :3]
     if answer.shape != (3, 3) or not np.allclose(answer.T @ answer, np.eye(3), atol=1e-6):
         return False
@@ -87,7 +87,7 @@ def axes(answer, expected, points):
 def upright_boxes(answer, expected, cloud, cluster_labels):
     """Accept upright boxes around the same points if each box has an acceptable orientation.
 
-    The orientation determines the sizes, because a box extends no farther than its points.
+    Sizes are not compared, because every box must end at its outermost points.
     """
     answer, expected = np.asarray(answer, dtype=float), np.asarray(expected, dtype=float)
     if answer.shape != expected.shape or answer.size == 0:
@@ -126,9 +126,10 @@ def has_same_orientation(first, second):
 def is_hardly_larger(points, rectangle):
     """Return whether a rectangle is hardly larger than one with a standard orientation.
 
-    Standard orientations are those of the smallest rectangle, of the narrowest one, of the first
-    principal axis, and of the sides closest to the points (Zhang et al., IV 2017). If they agree,
-    any other orientation gives a larger rectangle. If they do not, the orientation is not defined.
+    Standard orientations are the orientations of the smallest rectangle, the narrowest one, the
+    first principal axis, and the sides closest to the points (Zhang et al., IV 2017). If they
+    agree, any other orientation results in a larger rectangle. If they do not, the orientation is
+    not defined.
     """
     turns = np.arange(0, 180, 0.5)
     if len(points) > 1:
@@ -156,11 +157,11 @@ def is_filled(points, rectangle):
 
 
 def fitted_models(answer, expected, points, max_iterations, distance_tolerance, rng=None):
-    """Accept any normalised model with its own inliers; None agrees only with None.
+    """Accept any normalised model with its own inliers; None matches only None.
 
-    The random draws decide which model is found. One sample too many, as in
+    The model found depends on the random draws. One sample too many, as in
     ``range(max_iterations + 1)``, is accepted because it does no harm. The checks themselves
-    reject one sample too few and far too many.
+    reject answers that draw one sample too few or far too many.
     """
     (model, mask), (right, _) = answer, expected
     if model is None or right is None:
@@ -176,9 +177,9 @@ def fitted_models(answer, expected, points, max_iterations, distance_tolerance, 
 
 
 def balanced_orders(answer, expected, points):
-    """Accept an order with each row once in which every part starts with its lower median.
+    """Accept an order of all rows in which each part starts with its lower median.
 
-    If points share a coordinate, several orders are right, and any of them is accepted.
+    If points share a coordinate, several orders are right, so any order is accepted.
     """
     order, points = [int(row) for row in answer], np.asarray(points)
     if sorted(order) != sorted(map(int, expected)):
@@ -199,7 +200,7 @@ def balanced_orders(answer, expected, points):
 
 
 def numbers(answer, expected):
-    """Compare numbers of iterations; numbers that are too large to run are equal."""
+    """Compare numbers of iterations; all numbers that are too large to run count as equal."""
     never = [value is None or bool(np.asarray(value) >= 1e9) for value in (answer, expected)]
     return all(never) or arrays(answer, expected)
 
@@ -207,14 +208,14 @@ def numbers(answer, expected):
 def found_indices(answer, expected, tree, target, tolerance):
     """Compare indices in any order; accept any indices in a tree that insertion cannot build.
 
-    Some checks attach points in wrong places to see how far a search goes. If an answer goes
-    farther in such a tree, it is slow but not wrong.
+    Some checks attach points in wrong places to see how far a search goes. An answer that searches
+    more of such a tree is slow but not wrong.
     """
     return sorted(map(int, answer)) == sorted(map(int, expected)) or not is_in_order(tree.root)
 
 
 def is_in_order(root):
-    """Return whether insertion may have built a tree: exactly the left children are less."""
+    """Return whether insertion could have built the tree (smaller left, equal or larger right)."""
     waiting = [(root, 0, ())]
     while waiting:
         node, depth, sides = waiting.pop()
@@ -240,14 +241,14 @@ def anything(answer, expected):
             anything(answer[key], expected[key]) for key in answer
         )
     if isinstance(answer, np.random.Generator):
-        return True  # an answer may draw other numbers and still be right
+        return True  # a right answer may draw different numbers
     if answer is None or expected is None or isinstance(answer, str) or isinstance(expected, str):
         return answer is expected or answer == expected
     return arrays(answer, expected)
 
 
 BY_EXERCISE = {
-    "insert": lambda answer, expected: True,  # the answer is the changed tree, not a return value
+    "insert": lambda answer, expected: True,  # `insert` changes the tree and returns nothing
     "line_through": models,
     "plane_through": models,
     "fit_plane": models,

@@ -1,7 +1,8 @@
 """Build archives as Canvas and Moodle do, according to their source code.
 
-Canvas: ``lib/content_zipper.rb``, ``Attachment.make_unique_filename``. Moodle:
-``mod/assign/classes/downloader.php``, ``clean_filename``; ``gradingtable.php`` for the worksheet.
+Canvas: ``lib/content_zipper.rb`` and ``Attachment.make_unique_filename``. Moodle:
+``mod/assign/classes/downloader.php`` and ``clean_filename``, and ``gradingtable.php`` for the
+worksheet.
 """
 
 import csv
@@ -35,12 +36,12 @@ def released(lesson=SIX):
 
 
 def zipped(files, when=(2026, 10, 12, 9, 0, 0)):
-    """Return the bytes of a zip of (name, bytes) or (name, bytes, time)."""
+    """Return the bytes of a zip with these files: (name, bytes) or (name, bytes, time)."""
     file = io.BytesIO()
     with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, data, *time in files:
             info = zipfile.ZipInfo("x", time[0] if time else when)
-            info.filename = name  # set afterwards, because ZipInfo() ends names at a NUL character
+            info.filename = name  # set here, because ZipInfo() truncates names at a NUL character
             info.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(info, data)
     return file.getvalue()

@@ -20,12 +20,12 @@ PDF_TO_TEXT = shutil.which("pdftotext")
 MATHJAX = Path(os.environ.get("MATHJAX", "/usr/share/javascript/mathjax"))
 # Entry files without MathJax's safe mode; pages that are safe without it are also safe with it.
 ENTRIES = ("MathJax.js?config=TeX-AMS_CHTML-full", "tex-chtml-full.js", "tex-svg-full.js")
-SECONDS = 100  # virtual time for the page's scripts
+SECONDS = 100  # virtual time that a page's scripts get
 PATIENCE = 500
 
 
 def _run(command, **options):
-    """Run Chromium, whose lock needs a short writable path; /tmp may not be writable."""
+    """Run Chromium with a writable TMPDIR whose path is short enough for Chromium's lock."""
     env = {**os.environ, "TMPDIR": tempfile.gettempdir()}
     return subprocess.run(command, env=env, timeout=PATIENCE, **options)
 
@@ -44,9 +44,8 @@ class _Handler(http.server.SimpleHTTPRequestHandler):
             file = MATHJAX / path.removeprefix("/mathjax/")
             self.answer(file.read_bytes() if file.is_file() else b"")
         else:
-            self.server.requests.append(
-                (host, self.path)
-            )  # these may include Chromium's own requests
+            # Chromium's own requests may be among them.
+            self.server.requests.append((host, self.path))
             self.answer(b"")
 
     def answer(self, content):
@@ -59,18 +58,18 @@ class _Handler(http.server.SimpleHTTPRequestHandler):
 
 
 def page_of(texts, entry):
-    """Return a notebook's page as in feedback and Formgrader, but with the local MathJax."""
+    """Return the page of a notebook as in feedback and Formgrader, but with the local MathJax."""
     cells = [nbformat.v4.new_markdown_cell(text) for text in texts]
     exporter = HTMLExporter(template_name="classic", mathjax_url=f"/mathjax/{entry}")
     page = exporter.from_notebook_node(nbformat.v4.new_notebook(cells=cells))[0]
-    if "config=" not in entry:  # the template's settings are for MathJax 2
+    if "config=" not in entry:  # the template configures MathJax 2 only
         settings = "MathJax = {tex: {inlineMath: [['$', '$'], ['\\\\(', '\\\\)']]}}"
         page = page.replace("<head>", f"<head><script>{settings}</script>", 1)
     return page
 
 
 def printed_lines(page, folder):
-    """Print a page and return the lines on each sheet, which Poppler's `pdftotext` extracts."""
+    """Print a page to PDF and return the lines on each sheet, extracted with `pdftotext`."""
     folder.mkdir()
     (folder / "page.html").write_text(page, "utf-8")
     command = [

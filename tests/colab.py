@@ -1,6 +1,6 @@
-"""A stand-in for Google Colab: its versions in a separate environment, and a web server.
+"""A stand-in for Google Colab: an environment with Colab's versions, and a web server.
 
-The versions are those of Colab in August 2026. Only packages that a notebook can use are installed.
+The versions are from Colab in August 2026. Only packages that a notebook can use are installed.
 """
 
 import contextlib
@@ -35,7 +35,7 @@ NEEDED = ("curl", "tar")  # programs that the setup cell runs
 
 
 def missing_requirement():
-    """Return what the stand-in lacks on this machine, as a sentence; empty if nothing."""
+    """Return a sentence that names what this machine lacks, or an empty string."""
     missing = [name for name in NEEDED if not shutil.which(name)]
     if sys.platform != "linux" or missing:
         return f"Linux with {' and '.join(NEEDED)}: sudo apt-get install curl tar"
@@ -46,7 +46,7 @@ def missing_requirement():
 
 @functools.cache
 def find_python():
-    """Find a Python of Colab's version: this one, on PATH or in pyenv; None without one."""
+    """Return a Python of Colab's version: this one, or one on PATH or in pyenv; None if missing."""
     if sys.version_info[:2] in PYTHONS:
         return sys.executable
     pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
@@ -61,13 +61,13 @@ def find_python():
             if done.stdout.split() == [
                 str(major),
                 str(minor),
-            ]:  # pyenv may have a shim for a version that is not installed
+            ]:  # pyenv may have shims for versions that are not installed
                 return str(path)
     return None
 
 
 def environment(cache):
-    """Create the environment below the folder `cache`, once for all tests and runs.
+    """Create the environment below the folder `cache`, unless an earlier run has created it.
 
     Returns
     -------
@@ -121,14 +121,14 @@ def _describe_kernel(folder):
 
 
 def archive_of(files, top="lab-main"):
-    """Return the bytes of a .tar.gz as GitHub creates it, with everything in one folder.
+    """Return the bytes of a .tar.gz with all files in one folder, like GitHub's archives.
 
     Parameters
     ----------
     files : dict of str to bytes
         Content by path.
     top : str
-        Name of the one folder.
+        Name of the folder.
     """
     buffer = io.BytesIO()
     with tarfile.open(fileobj=buffer, mode="w:gz", compresslevel=1) as archive:
@@ -140,7 +140,7 @@ def archive_of(files, top="lab-main"):
 
 
 def course_files():
-    """Return the repository's files as content by path, except files that are slow to pack."""
+    """Return the content of the repository's files by path, except those that are slow to pack."""
     return {
         path.relative_to(PROJECT).as_posix(): path.read_bytes()
         for folder in ("data", "solutions", "utils")
@@ -151,7 +151,7 @@ def course_files():
 
 @contextlib.contextmanager
 def served(pages):
-    """Serve `pages`, bytes by path, on this machine; yield the address and the requested paths."""
+    """Serve `pages` (bytes by path) on this machine; yield the address and the requested paths."""
     requests = []
 
     class Handler(http.server.BaseHTTPRequestHandler):

@@ -2,8 +2,8 @@
 
     python3 tests/containers.py USER COMMAND...    # USER is a number, and 0 is root
 
-It needs root and only Python's standard library. The lists are those of Docker's seccomp profile
-and of its default capabilities.
+The script needs root and only Python's standard library. The lists come from Docker's
+default seccomp profile and capabilities.
 """
 
 import ctypes
@@ -18,7 +18,7 @@ DOCKER = (
 
 
 def as_user(user: int, capabilities: Iterable[str] | None) -> list[str]:
-    """Return the start of a command line that runs a command as a user with some capabilities."""
+    """Return a prefix that makes a command run as this user, with these capabilities."""
     words = ["setpriv", "--inh-caps=-all"]
     if user:
         words += ["--reuid", str(user), "--regid", str(user), "--clear-groups"]

@@ -1,4 +1,4 @@
-"""The lessons of the course, which have to pass more tests than an author's new lessons."""
+"""The lessons of the course, which must pass more tests than an author's new lessons."""
 
 from grader.course.lessons import all_lessons
 

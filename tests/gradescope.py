@@ -3,8 +3,8 @@
 `.ci/gradescope` starts this module as root. It does not use Docker. A container is this machine's
 root folder below an overlay, with separate processes, host name and shared memory. It has the
 capabilities that Docker leaves to root, and a filter denies the system calls that Docker denies.
-The permissions in Gradescope's containers are unknown, so containers with more and with fewer
-permissions are tried.
+The permissions in Gradescope's containers are unknown, so the script also tries containers with
+more and with fewer permissions.
 """
 
 import dataclasses
@@ -28,10 +28,10 @@ from tests.prerequisites import require_sandbox
 
 STAGE, SIX, SEVEN = "stage3_obstacles", "06_filter_ground", "07_filter_by_distance"
 SEED = 2**64 + 20_170_405
-LONGEST = 1800  # seconds for setting up and for judging
+LONGEST = 1800  # seconds, for set-up and for judging
 PORT = 18_731  # port of a server on this machine, which attacks try to reach
 
-# Folders of this machine that a container also has; the others are empty there.
+# Folders of this machine that a container can see; the others are empty there.
 SYSTEM = ("bin", "dev", "etc", "lib", "lib32", "lib64", "libx32", "opt", "proc", "sbin", "sys")
 SYSTEM = (*SYSTEM, "usr", "var")
 DEVICES = {
@@ -49,14 +49,14 @@ DEVICES = {
 
 @dataclasses.dataclass(frozen=True)
 class Kind:
-    """The permissions in a container.
+    """A kind of container, defined by its permissions.
 
     Attributes
     ----------
     capabilities : tuple of str or None
         Capabilities of the container's root; None for all.
     filtered : bool
-        Whether system calls are denied, as Docker does.
+        Whether a filter denies the system calls that Docker denies.
     user : int
         User who runs the autograder; Gradescope uses root.
     """
@@ -76,7 +76,7 @@ KINDS = {
 
 
 def run(kind, layers, script):
-    """Run a script in a container made of layers; only the last layer is writable."""
+    """Run a script in a container that consists of layers; only the last layer is writable."""
     top = layers[-1]
     for name in ("files", "work", "all"):
         (top / name).mkdir(parents=True, exist_ok=True)
@@ -131,7 +131,7 @@ def become(kind, layers, script):
 
 # ---- Submissions ---------------------------------------------------------------------------
 
-# Answers correctly only if an attack succeeds, so that the points show it.
+# Answers correctly only if an attack succeeds, so the score shows whether one did.
 HOSTILE = """
 import ctypes, glob, os, socket, subprocess, sys, time
 
@@ -250,7 +250,7 @@ def submissions():
     }
 
 
-# Counts the remaining processes after the autograder has ended.
+# Counts the processes that remain after the autograder has ended.
 RUN = """
 cd /autograder
 SECRET_OF_GRADESCOPE=1 ./run_autograder
@@ -287,7 +287,7 @@ def upload(place, archive):
 
 
 def submit(place, image, files, kind, links=(), script=RUN):
-    """Judge a submission in its own container; return the results, the process and left files."""
+    """Judge a submission in its own container; return results, process and leftover files."""
     layer = place / "run"
     shutil.rmtree(layer, ignore_errors=True)
     autograder = layer / "files" / "autograder"
@@ -348,7 +348,7 @@ def main(place):
             check(f"{name} earns {score:g}", found == score, output + str(results))
             check(f"{name} leaves no process", "left: 0" in done.stdout, output)
             check(f"{name} leaves no file", not left, left)
-    # If the attacks gain nothing without a sandbox either, they prove nothing.
+    # If the attacks also failed without a sandbox, the results above would prove nothing.
     _, done, _ = submit(place, image, submitted["hostile"], "as Docker's", script=WITHOUT_SANDBOX)
     gained = json.loads(done.stdout[: done.stdout.rindex("}") + 1])["score"]
     check("without a sandbox, the attacks succeed", gained > expected(calm, place, here), done)

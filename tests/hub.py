@@ -1,6 +1,7 @@
 """Run a stage on a JupyterHub in a browser, from release to feedback; `.ci/hub` starts it.
 
-The commands for hub, exchange and instructor are the blocks of docs/platforms/jupyterhub.md.
+The commands for the hub, the exchange and the instructor are those in
+docs/platforms/jupyterhub.md.
 """
 
 import contextlib
@@ -29,10 +30,10 @@ from selenium.webdriver.support.ui import WebDriverWait
 PROJECT = Path(__file__).resolve().parents[1]
 STAGE, LESSON = "stage3_obstacles", "07_filter_by_distance"
 EXERCISES = ("filter_by_distance", "crop_region", "remove_ego_returns")
-POINTS = 30  # of the lesson
+POINTS = 30  # maximum for the lesson
 STUDENTS = ("ada", "ben")
 PATIENCE = 240  # seconds to wait for each element or state
-# JupyterLab draws all cells, not only those on the screen, and does not ask questions.
+# Makes JupyterLab draw all cells, not only those on the screen, and ask no questions.
 SETTINGS = {
     "@jupyterlab/notebook-extension:tracker": {"windowingMode": "none"},
     "@jupyterlab/apputils-extension:notification": {"fetchNews": "false"},
@@ -45,7 +46,7 @@ EXCHANGE = Path("/srv/exchange/lidar_obstacle_lab")
 
 
 def blocks():
-    """Return the blocks of shell commands on the page, by the comment that opens each."""
+    """Return the page's blocks of shell commands, by their first comment."""
     text = (PROJECT / "docs" / "platforms" / "jupyterhub.md").read_text("utf-8")
     found = re.findall(r"^```sh\n# (\w+(?: \w+)*)(.*?)^```", text, re.M | re.S)
     return {start: "#" + rest for start, rest in found}
@@ -86,7 +87,7 @@ def make_accounts():
 
 @contextlib.contextmanager
 def hub():
-    """Run a hub and yield its address; print the end of its log if anything fails."""
+    """Run a hub and yield its address; print the end of its log on failure."""
     ports = [free_port() for _ in range(3)]
     log = Path("/srv/jupyterhub/log")
     command = [
@@ -171,7 +172,7 @@ class UserSession:
         self.browser.quit()
 
     def open(self, path, until):
-        """Open an address of the hub, and wait for something on the page."""
+        """Open a path of the hub, and wait for an element on the page."""
         self.browser.get(self.address + path)
         self.wait(lambda: self.browser.find_elements(By.CSS_SELECTOR, until), until)
 
@@ -180,7 +181,7 @@ class UserSession:
         return self.browser.find_element(By.CSS_SELECTOR, selector)
 
     def wait(self, condition, what):
-        """Wait until a condition is true, and return its value."""
+        """Wait until `condition()` is true, and return its value."""
 
         def is_true(browser):
             with contextlib.suppress(WebDriverException):  # the page may have redrawn the element
@@ -193,7 +194,7 @@ class UserSession:
         return self.find(selector).get_property("textContent")
 
     def click(self, selector, words):
-        """Click on the element with this text."""
+        """Wait for an element with this text, and click on it."""
 
         def clicked():
             for element in self.browser.find_elements(By.CSS_SELECTOR, selector):
@@ -221,12 +222,12 @@ class UserSession:
         self.wait_until_listed("released", "")
 
     def wait_until_listed(self, kind, words):
-        """Wait until a section of the list shows a text."""
+        """Wait until a section of the list of assignments shows a text."""
         selector = f"#{kind}_assignments_list"
         self.wait(lambda: words in self.text(selector), f"{words!r} under {kind}")
 
     def press(self, kind, words):
-        """Click a button in a section of the list."""
+        """Click a button in a section of the list of assignments."""
         self.click(f"#{kind}_assignments_list button", words)
 
     def notebook(self, path):
@@ -247,7 +248,7 @@ class UserSession:
         )
 
     def cell(self, words):
-        """Scroll to the code cell that contains a text, and return the cell."""
+        """Scroll to the first code cell that contains a text, and return the cell."""
 
         def shown():
             for cell in self.browser.find_elements(By.CSS_SELECTOR, ".jp-CodeCell"):
@@ -260,7 +261,7 @@ class UserSession:
         return self.wait(shown, f"a cell with {words!r}")
 
     def write(self, words, source):
-        """Replace the source of a cell, as a user does by pasting."""
+        """Replace the source of a cell, as if the user pasted it."""
         cell = self.cell(words)
         self.wait(lambda: cell.find_element(By.CSS_SELECTOR, ".cm-content").click() is None, words)
         keys = webdriver.ActionChains(self.browser)

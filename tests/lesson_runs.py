@@ -1,4 +1,4 @@
-"""Run a whole lesson like a student, cell by cell despite failures, and record the results."""
+"""Run a whole lesson as a student would, cell by cell despite failures, and record the results."""
 
 import contextlib
 import io
@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 
 from grader.course.kept_answers import ANOTHER_CELL, answers_to, fill_in
 
-LONGEST = 300  # seconds that a part of a run may take
+LONGEST = 300  # maximum seconds until the next result of a run
 
 
 @dataclass
@@ -35,7 +35,7 @@ class Cell:
 
     @property
     def banners(self):
-        """Messages about switching to the course's answer, or back to the student's own."""
+        """Messages that say which answer the lesson uses: the course's or the student's own."""
         return [text for text in self.displayed if re.search("course's answer|yours again", text)]
 
 
@@ -72,7 +72,7 @@ def _run_each(lesson, exercise, sources):
 
 
 def run_cells(sources, begin):
-    """Run some cells in a new notebook and return them with their results.
+    """Run some cells in a new notebook and return them as `Cell` objects with their results.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def _run_cells(shell, cells):
 
 
 def _in_fork(work, *arguments):
-    """Run a generator of bytes in a fork of this process, and yield the bytes here."""
+    """Run a generator of bytes in a fork of this process, and yield its items here."""
     read_end, write_end = os.pipe()
     child = os.fork()
     if child == 0:
@@ -147,7 +147,7 @@ def _shell(folder):
     shell = InteractiveShell.instance()
     shell.history_manager.enabled = False
     shell.display_pub = CapturingDisplayPublisher()
-    # A notebook shows and closes a cell's figures when the cell ends.
+    # Like a notebook, close a cell's figures when the cell ends.
     shell.events.register("post_execute", lambda: plt.close("all"))
     plt.show = lambda *about, **more: plt.close("all")
     return shell

@@ -1,4 +1,4 @@
-"""Run lessons as a student who follows the hints: functions, variables and printed text."""
+"""Run lessons with answers that follow the hints, and return functions, variables and text."""
 
 import contextlib
 import io
@@ -23,14 +23,14 @@ def source_of(exercise, variant=FOLLOWED):
 
 
 def taught(exercise, variant=FOLLOWED):
-    """Return the function that results from following the hints, or another kept answer."""
+    """Return the function from the kept answer that follows the hints, or from another one."""
     namespace = {"np": np}
     exec(source_of(exercise, variant), namespace)
     return namespace[exercise]
 
 
 def names_of(name, *wanted, **variants):
-    """Run the statements of a lesson that define some names, and return all defined names.
+    """Run only the statements that some names of a lesson need; return all names they define.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def names_of(name, *wanted, **variants):
 
 @dataclass(frozen=True)
 class LessonRun:
-    """The variables of a finished lesson, and its printed text."""
+    """The variables of a finished lesson, and the text that it printed."""
 
     names: dict
     text: str

@@ -1,4 +1,4 @@
-"""Mutation tests: make one small change in the grader's code, and expect a near test to fail.
+"""Mutation tests: make one small change to the grader's code, and expect a test to fail.
 
     make mutants                              # all modules; continues where it was stopped
     .venv/bin/python tests/mutants.py points  # only modules with "points" in their path
@@ -6,9 +6,9 @@
 cosmic-ray makes the changes ("mutants"). Each is applied in memory, in a fork of a process
 that has collected the tests. A changed function gets new code, and only tests that enter it run,
 starting with short tests that have detected many mutants. If anything else changes, all modules are
-imported again, and all tests run until one fails. The outcomes are kept in ``.pytest_cache``. A
-surviving mutant is tried again in the next run, as there may be new tests; delete the file to try
-all mutants. ``mutants.txt`` lists mutants that no test could detect, with the reason.
+imported again, and all tests run until one fails. The outcomes are stored in ``.pytest_cache``. A
+surviving mutant is tried again in the next run, because there may be new tests; delete the file to
+try all mutants. ``mutants.txt`` lists mutants that no test could detect, with the reason.
 """
 
 from __future__ import annotations
@@ -46,8 +46,8 @@ COSMIC_RAY = Path(sys.prefix, "cosmic-ray", "bin", "python")
 RESULTS = PROJECT / ".pytest_cache" / "d" / "mutants.jsonl"
 EQUIVALENT = PROJECT / "tests" / "mutants.txt"
 
-# The nearest tests of each module, nearest first. Slow tests are omitted, and tests that need a
-# sandbox come last, because one second for each of two thousand mutants is half an hour.
+# The files that test each module most directly, in this order. Slow tests are omitted. Tests that
+# need a sandbox come last, because one second for each of two thousand mutants is half an hour.
 TESTS = {
     "grader/judging/points.py": ("test_points.py",),
     "grader/judging/hidden_tests.py": ("test_runner.py", "test_samples.py"),
@@ -84,8 +84,8 @@ TESTS = {
     "grader/classroom/grade.py": ("test_faults.py", "test_rules.py", "test_grading_by_roster.py"),
 }
 
-# Reads a module from standard input and prints all changed versions, each as a line of JSON. A
-# binary operator is replaced with only three of the eleven others, which are drawn at random.
+# Reads a module from standard input and prints each changed version as a line of JSON. A binary
+# operator is replaced with three of the eleven others, drawn at random.
 CHANGES = """
 import collections, json, random, sys
 from cosmic_ray.ast import ast_nodes, get_ast
@@ -108,8 +108,8 @@ for ways in places.values():
 
 
 DEAD = ("killed", "stopped")
-PATIENCE = 4  # factor for the time limit of the second try, after the first one was stopped
-# The status is not 0, because a mutant may end its process with status 0.
+PATIENCE = 4  # factor by which the time limit grows for the second try
+# Exit status; not 0, because a mutant may end its process with status 0.
 SURVIVED = 57
 DETECTED_BY = "noticed"  # file with the name of the test that detected the change
 
@@ -135,7 +135,7 @@ class Mutant:
 
     @property
     def digest(self) -> str:
-        """The mutant's key in `RESULTS`."""
+        """Key of the mutant in `RESULTS`."""
         return hashlib.sha256(f"{self.module} {self.source}".encode()).hexdigest()
 
     def __str__(self) -> str:
@@ -180,7 +180,7 @@ def mutants_of(module: str) -> Iterator[Mutant]:
 
 
 def _difference(source: str, changed: str) -> tuple[str, str]:
-    """Return the lines of each source that the other does not have, joined into one line."""
+    """Return the lines that differ in each of two sources, joined into one line."""
     lines = [text.splitlines() for text in (source, changed)]
     before, after = [], []
     for kind, a, b, c, d in difflib.SequenceMatcher(None, *lines, False).get_opcodes():
@@ -191,7 +191,7 @@ def _difference(source: str, changed: str) -> tuple[str, str]:
 
 
 class _MutantLoader(importlib.machinery.SourceFileLoader):
-    """An import loader that loads a mutant instead of its module."""
+    """A finder and loader that imports a mutant instead of its module."""
 
     def __init__(self, mutant: Mutant) -> None:
         self.mutant = mutant
@@ -200,7 +200,7 @@ class _MutantLoader(importlib.machinery.SourceFileLoader):
     def find_spec(
         self, name: str, path: object = None, target: object = None
     ) -> importlib.machinery.ModuleSpec | None:
-        """Return the mutant's spec if its module is imported, as a finder on `sys.meta_path`."""
+        """Return the mutant's spec if `name` is the mutated module, and None otherwise."""
         if name != self.name:
             return None
         return importlib.util.spec_from_file_location(name, self.path, loader=self)
@@ -220,7 +220,7 @@ def _parts(code: CodeType) -> Iterator[tuple[str, object]]:
     for part in code.co_consts:
         if not isinstance(part, CodeType) or "<" in part.co_name:
             rest.append(part)
-        elif part.co_flags & inspect.CO_OPTIMIZED:  # a function
+        elif part.co_flags & inspect.CO_OPTIMIZED:  # a function, not a class
             yield part.co_qualname, part
         else:
             yield from _parts(part)
@@ -228,7 +228,7 @@ def _parts(code: CodeType) -> Iterator[tuple[str, object]]:
 
 
 def changed_functions(mutant: Mutant) -> dict[str, CodeType] | None:
-    """Return the functions that a mutant changes, by name; None if anything else changes."""
+    """Return the new code of each function that a mutant changes; None if anything else changes."""
     sources = (PROJECT / mutant.module).read_text("utf-8"), mutant.source
     path = str(PROJECT / mutant.module)
     before, after = (list(_parts(compile(text, path, "exec", 0, True))) for text in sources)
@@ -253,7 +253,7 @@ def become(module: str, now: list[FunctionType], functions: dict[str, CodeType])
 
 
 def functions_of(module: str) -> list[FunctionType]:
-    """Return all functions of a module that exist in memory, including decorated ones."""
+    """Return all functions of a module in memory, including decorated ones."""
     functions = (object_ for object_ in gc.get_objects() if isinstance(object_, FunctionType))
     path = str(PROJECT / module)
     return [function for function in functions if function.__code__.co_filename == path]
@@ -291,14 +291,12 @@ class MutantRunner:
     module : str
     mutants : list of Mutant
     folder : str
-        Path where tests may write.
+        Folder in which tests may write.
     report : callable
         Called with each mutant and its outcome.
     """
 
-    runs: ClassVar[
-        dict[str, Run]
-    ] = {}  # by test; shared, because a test can be near several modules
+    runs: ClassVar[dict[str, Run]] = {}  # by test; shared, because modules can share tests
 
     def __init__(
         self, module: str, mutants: list[Mutant], folder: str, report: Callable[[Mutant, str], None]
@@ -308,10 +306,10 @@ class MutantRunner:
         self.detected: Counter[str] = Counter()  # number of detected mutants by test
 
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
-        """Run all tests in forks, and none of them in this process."""
-        gc.unfreeze()  # otherwise functions that were frozen for another module would not be found
+        """Run all tests in forks of this process."""
+        gc.unfreeze()  # finds functions that were frozen for an earlier module
         self.functions = functions_of(self.module)
-        gc.freeze()  # otherwise garbage collection in a fork would copy all objects
+        gc.freeze()  # prevents garbage collection in forks from copying all objects
         if new := [item for item in session.items if item.nodeid not in self.runs]:
             self.runs.update(self._in_a_fork(new))
         for mutant, outcome in try_all(self.mutants, functools.partial(self._begin, session)):
@@ -344,7 +342,7 @@ class MutantRunner:
             entered.clear()
             begun, clock = time.process_time(), time.monotonic()
             sys.settrace(enter)
-            # Without a next item, shared fixtures end here, and the next test counts them again.
+            # With `nextitem=None`, shared fixtures end here, so each test pays for them.
             item.ihook.pytest_runtest_protocol(item=item, nextitem=None)
             sys.settrace(None)
             took = time.process_time() - begun, time.monotonic() - clock
@@ -358,8 +356,8 @@ class MutantRunner:
     def _begin(self, session: pytest.Session, mutant: Mutant, patience: int) -> tuple[int, float]:
         """Start a process that tries a mutant; return its process ID and its limit in seconds.
 
-        Only tests that enter changed functions can detect the mutant. If functions run only in
-        other processes, no test is known to enter them, so all tests run.
+        Only tests that enter changed functions can detect the mutant. If no test is known to enter
+        them, because they run in other processes, all tests run.
         """
         functions, items = changed_functions(mutant), self._most_likely_first(session.items)
         changed = {(str(PROJECT / self.module), name) for name in functions or ()}
@@ -373,7 +371,7 @@ class MutantRunner:
         return begin(work, patience * seconds, folder), patience * wall
 
     def _most_likely_first(self, items: list[pytest.Item]) -> list[pytest.Item]:
-        """Sort tests by their chance to detect a mutant, file by file to keep shared fixtures."""
+        """Sort tests by time per detected mutant, but keep files together for shared fixtures."""
         takes = {
             item: self.runs[item.nodeid].seconds / (1 + self.detected[item.nodeid])
             for item in items
@@ -386,11 +384,11 @@ class MutantRunner:
         return first_failure(items)
 
     def _run_with_new_imports(self, mutant: Mutant) -> int:
-        """Import the project's modules again and run the tests."""
+        """Import the project again with the mutant and run the tests."""
         forget_ours()
         sys.meta_path.insert(0, _MutantLoader(mutant))
         run_tests(self.module, _RunAndExit(self._most_likely_first))
-        return 1  # the plugin ends the process, so the tests could not be collected
+        return 1  # only reached if collecting fails, because the plugin ends the process
 
 
 class _RunAndExit:
@@ -405,7 +403,7 @@ class _RunAndExit:
 
 
 def first_failure(items: list[pytest.Item]) -> int:
-    """Run tests until one fails, and write its name to a file; return the number of failures."""
+    """Run tests until one fails; write its name to a file and return the number of failures."""
     for item, after in zip(items, [*items[1:], None], strict=True):
         item.ihook.pytest_runtest_protocol(item=item, nextitem=after)
         if failed := item.session.testsfailed:
@@ -422,7 +420,7 @@ def run_tests(module: str, plugin: object) -> int:
 
 
 def begin(work: Callable[[], int], seconds: float, folder: str) -> int:
-    """Start a process for some work, with a limit of processor seconds; return its process ID.
+    """Start a process that does some work within a limit of processor seconds; return its ID.
 
     The process ends with `SURVIVED` if the work returns 0.
     """
@@ -462,7 +460,7 @@ def try_all(
                 os.kill(late, signal.SIGKILL)
             continue
         with contextlib.suppress(ProcessLookupError):
-            os.killpg(process, signal.SIGKILL)  # also ends the processes that it started
+            os.killpg(process, signal.SIGKILL)  # also ends the processes that the mutant started
         mutant, patience, _ = running.pop(process)
         code = os.waitstatus_to_exitcode(status)
         if code < 0 and patience < PATIENCE:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import nbclient
 
-LONGEST_CELL = 120  # seconds; a whole notebook should take about 30
+LONGEST_CELL = 120  # seconds; a whole notebook usually takes about 30
 
 
 def run(notebook, folder, **settings):
@@ -27,7 +27,7 @@ def run(notebook, folder, **settings):
     client = nbclient.NotebookClient(
         notebook, timeout=LONGEST_CELL, resources={"metadata": {"path": str(folder)}}, **settings
     )
-    # While nbclient answers widgets, it may miss the kernel's reply to a cell
+    # While nbclient handles widgets, it may miss the kernel's reply to a cell
     # (github.com/jupyter/nbclient/issues/312). Without handlers, widget output stays in its cell.
     client.comm_open_handlers.clear()
     with contextlib.suppress(nbclient.exceptions.CellExecutionError):

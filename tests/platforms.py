@@ -16,7 +16,7 @@ NEVER = 0
 @dataclass
 class CanvasStudent:
     id: int
-    name: str  # in Canvas's order: "Last, First"
+    name: str  # "Last, First", as in Canvas's files
     sis_id: str = ""
     login: str = ""
     section: str = "A"
@@ -31,10 +31,10 @@ class Canvas:
     """
 
     students: list
-    assignments: dict  # id: [title, points]
+    assignments: dict  # ID: [title, points]
     scores: dict = field(default_factory=dict)
     assigned: dict = field(default_factory=dict)
-    notes: dict = field(default_factory=dict)  # a custom column, by student ID
+    notes: dict = field(default_factory=dict)  # text in a custom column, by student ID
     separator: str = ","
     decimal_mark: str = "."
     marked: bool = False
@@ -194,7 +194,7 @@ GERMAN = {
 
 @dataclass
 class Moodle:
-    """An assignment in Moodle, with grades and comments by participant number."""
+    """An assignment in Moodle; grades and comments are by participant number."""
 
     students: list
     most: float

@@ -1,4 +1,4 @@
-"""Requirements of tests; without one, a test is skipped, or fails if CI demands it."""
+"""Requirements of tests. If one is missing, the test is skipped, or fails if CI requires it."""
 
 import os
 from pathlib import Path
@@ -17,12 +17,12 @@ NUMBA = "Numba: .venv/bin/pip install -r requirements-compiled.txt"
 FFMPEG = "ffmpeg: .venv/bin/pip install -r requirements-3d.txt"
 ROOT = "root: sudo make test"
 
-# Seconds after which an event must have happened, even on a very busy machine.
+# Seconds within which an event must happen, even on a very busy machine.
 PATIENCE = 300
 
 
 def skip_or_fail(reason: object) -> NoReturn:
-    """Skip the test, or fail it if the environment has ``REQUIRE_SANDBOX=1``."""
+    """Skip the test, or fail it if the environment contains ``REQUIRE_SANDBOX=1``."""
     if os.environ.get("REQUIRE_SANDBOX") == "1":
         pytest.fail(f"REQUIRE_SANDBOX=1, but: {reason}", pytrace=False)
     pytest.skip(str(reason))

@@ -25,7 +25,7 @@ from tests.test_slips import TABLES, solution_of
 
 PAGE = PROJECT / "docs" / "prices.md"
 SEED, WORKERS = 1, 2
-PIPE = r"\|"  # in a table cell
+PIPE = r"\|"  # a vertical bar within a table cell
 _ROW = re.compile(r"^\| (.+?) \| (\d+)\s% \| (\d+)\s% \|", re.M)
 _TOP = """\
 # Prices of slips
@@ -61,7 +61,7 @@ def all_slips() -> Iterator[tuple[str, Slip]]:
 
 
 def notebook_with(lesson: Lesson, exercise: str, source: str) -> str:
-    """Return a lesson's solved notebook, with one function replaced, as JSON."""
+    """Return the JSON of a lesson's solved notebook with one function replaced."""
     notebook, replaced = json.loads(lesson.solved.read_text("utf-8")), 0
     for cell in notebook["cells"]:
         text = "".join(cell["source"])

@@ -4,8 +4,8 @@
 
 Every page is opened in four views. No page may load anything from another host, scroll sideways,
 have broken pictures, be too heavy before scrolling, or have faults that axe-core finds. Then the
-script acts as a reader: it searches, guesses, moves a slider and chooses the dark theme. It does
-this with a server and without one.
+script acts as a reader: it searches, enters a guess, moves a slider and chooses the dark theme. It
+does this with and without a server.
 """
 
 import functools
@@ -55,7 +55,7 @@ class _Quiet(http.server.SimpleHTTPRequestHandler):
 
 
 def browser():
-    """Start Chromium so that it can reach only this machine."""
+    """Start a Chromium that can reach only this machine."""
     options = webdriver.ChromeOptions()
     for switch in SWITCHES:
         options.add_argument(switch)
@@ -91,7 +91,7 @@ def requested(driver):
 
 
 def on_other_hosts(addresses):
-    """Return the addresses that are on other hosts."""
+    """Return the addresses on other hosts."""
     return [
         address
         for address in addresses
@@ -142,7 +142,7 @@ def found_by(driver, root, words):
 
 
 def faults_of_reading(driver, root):
-    """Yield a sentence for each action of a reader that does not work."""
+    """Act as a reader; yield a sentence for each action that does not work."""
     view(driver, 1200, "light")
     hits = found_by(driver, root, "why not a smaller threshold")
     if not any("05_euclidean_clustering.html#" in link for link, _ in hits):

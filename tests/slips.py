@@ -1,4 +1,4 @@
-"""Types for the ten most likely slips in each exercise, with the points a teacher would allow.
+"""Types for tables of the ten likeliest slips in each exercise, with the points they may keep.
 
 Each lesson has a module with a table ``SLIPS`` by exercise. A slip is one change to the lesson's
 solution. `tests/test_slips.py` makes the change, runs all checks, and compares the remaining points
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Harm:
-    """The effect of a slip on the result, and the share of points that may remain."""
+    """The effect of a slip on the result, and the range of the share of points that it keeps."""
 
     word: str
     least: float
@@ -19,9 +19,9 @@ class Harm:
 
 # The result is useless: outliers instead of inliers, a plane without d, or exchanged axes.
 USELESS = Harm("useless", 0.0, 0.5)
-# The result is right for some inputs but wrong for others that every user has.
+# The result is right for some inputs but wrong for other common ones.
 PARTLY = Harm("partly", 0.1, 0.85)
-# A caller could easily correct the result, or would hardly ever see the fault.
+# A caller could easily correct the result, or would rarely see the fault.
 SMALL = Harm("small", 0.6, 0.97)
 # The method that the lesson teaches is missing.
 MISSING = Harm("missing", 0.0, 0.5)

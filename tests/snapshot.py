@@ -1,12 +1,12 @@
-"""Compare what two checkouts say about every kept answer: verdicts, messages, titles and hints.
+"""Compare the output of two checkouts for every kept answer: verdicts, messages and hints.
 
     python tests/snapshot.py write before.json        # in one checkout
     python tests/snapshot.py write after.json         # in the other
     python tests/snapshot.py compare before.json after.json
 
-Names of exercises or lessons after the file limit the output. Some answers draw random numbers,
-so their output differs from run to run. To exclude them, write ``before.json`` twice under two
-names, and give both to `compare`. Points may differ by a rounding error.
+Names of exercises or lessons after the file restrict the output to them. Some answers draw random
+numbers, so their output differs from run to run. To exclude them, write ``before.json`` twice under
+two names, and give both to `compare`. Points may differ by a rounding error.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ def notebook_output(lesson: object, exercise: str, notebook: str) -> str:
 
 
 def write(path: Path, wanted: list[str]) -> None:
-    """Write the output for all kept answers, or for the wanted ones, to a file."""
+    """Write the output for all or for the wanted kept answers to a file."""
     found, jobs = {}, answers(wanted)
     with Pool(os.cpu_count() or 1) as pool:
         futures = {job: pool.submit(output_for, *job) for job in jobs}
@@ -109,7 +109,7 @@ def same(before: object, after: object) -> bool:
 
 
 def differences(before: object, after: object, where: str = "") -> list[str]:
-    """Return the places where two outputs differ, as texts to print."""
+    """Return a printable text for each place where two outputs differ."""
     if isinstance(before, dict) and isinstance(after, dict):
         keys = [*before, *(key for key in after if key not in before)]
         return [

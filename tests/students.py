@@ -8,7 +8,7 @@ from utils.notebooks import slicing
 
 
 def with_copied_arguments(function):
-    """Wrap a function so that it gets copies of its arguments, as from the judge."""
+    """Wrap a function so that it gets copies of its arguments, as it does from the judge."""
 
     def call(*arguments, **keywords):
         given, named = copy.deepcopy((arguments, keywords))
@@ -18,7 +18,7 @@ def with_copied_arguments(function):
 
 
 def student_with(lesson, answers):
-    """Return a stand-in for a `StudentProxy` whose notebook contains some answers."""
+    """Return a stand-in for the `StudentProxy` of a notebook with these answers."""
     names = {name: with_copied_arguments(function) for name, function in answers.items()}
     if "KdTree" in lesson.names:
         space = dict(answers)

@@ -1,4 +1,4 @@
-"""Survey all answers that are one edit away from a right answer, and the points they lose.
+"""Survey all answers that are one edit away from a right answer, and the points that they lose.
 
 ``python -m tests.survey [EXERCISE ...]`` prints a table. For each exercise it shows how many such
 answers there are, how many are equivalent to a right answer, and which others lose no points. A
@@ -41,21 +41,21 @@ from tests.course_lessons import COURSE
 from tests.students import student_with
 from tests.test_slips import solution_of
 from utils.checks import checks_of
-from utils.checks.assertions import call_each, observe, timed
-from utils.checks.run_cache import one_run
+from utils.checks.assertions import call_each, observe, time_call
+from utils.checks.run_cache import cached_run
 from utils.notebooks import slicing
 from utils.notebooks.edits import edits_of
 from utils.remote_objects import Remote
 
-SEED, OTHER_SEEDS = 7, (11, 12, 13)  # for the checks, and for calls that distinguish two answers
+SEED, OTHER_SEEDS = 7, (11, 12, 13)  # for the checks, and for calls that compare answers
 CALLS = 1000
 SECONDS = 0.5  # processor time for a check, in addition to four times that of a right answer
-AGES = 600  # seconds that a right answer may take
+AGES = 600  # seconds; more than any right answer takes
 SAMPLE = 6  # number of wrong answers to judge in the sandbox for each exercise
-MOST = 0.6  # largest share of an exercise's points that one edit may usually cost
+MOST = 0.6  # largest share of an exercise's points that one edit should usually cost
 EXERCISES = [exercise.name for lesson in COURSE for exercise in lesson.machine_graded]
 SOLUTION = "the solution"
-ANSWER = "<answer>"  # file name of an answer in tracebacks
+ANSWER = "<answer>"  # file name of an answer's code in tracebacks
 NO_FUNCTION, NEVER_ENDS = "no function", "never ends"
 MEMORY = 4 * 2**30
 FORK = multiprocessing.get_context("fork")
@@ -66,7 +66,7 @@ FORK = multiprocessing.get_context("fork")
 
 @dataclass(frozen=True)
 class Answer:
-    """A right answer: a notebook and the statements that only this exercise needs."""
+    """A right answer: a notebook, and the statements that belong only to this exercise."""
 
     lesson: Lesson
     exercise: str
@@ -75,7 +75,7 @@ class Answer:
     theirs: tuple[slicing.Statement, ...]
 
     def code(self, edit=None):
-        """Compile the statements, with an edit to one of them if an edit is given."""
+        """Compile the statements, after applying an edit if one is given."""
         texts = [
             edit.statement if edit and contains(statement, edit) else ast.unparse(statement.node)
             for statement in self.theirs
@@ -83,7 +83,7 @@ class Answer:
         return compile("\n".join(texts), ANSWER, "exec")
 
     def function(self, code):
-        """Return the function that some code defines in a notebook that is otherwise right."""
+        """Run the answer's compiled code in an otherwise right notebook; return its function."""
         space = dict(getattr(load_reference(self.lesson.name), self.exercise).__globals__)
         exec(code, space)
         return space[self.exercise]
@@ -116,7 +116,7 @@ class Mutant:
 
 
 def answers_in_notebooks(exercise):
-    """Yield the solution and the right kept answers, in notebooks that are otherwise right."""
+    """Yield the solution and the right kept answers, each in an otherwise right notebook."""
     lesson = lesson_of(exercise)
     yield answer_in(lesson, exercise, SOLUTION, lesson.solved.read_bytes())
     right = {graded.name: solution_of(graded.name) for graded in lesson.machine_graded}
@@ -195,7 +195,7 @@ def within(seconds):
     before = signal.signal(signal.SIGPROF, stop)
     signal.setitimer(
         signal.ITIMER_PROF, seconds, 0.1
-    )  # repeats, because some code catches every exception
+    )  # repeated, because some code catches every exception
     try:
         yield
     finally:
@@ -204,7 +204,7 @@ def within(seconds):
 
 
 class LocalRemote(Remote):
-    """A stand-in for a remote function: it gets copies of its arguments but runs here."""
+    """A stand-in for a remote function that copies its arguments but runs in this process."""
 
     def __init__(self, function):
         self.function, self.__name__ = function, getattr(function, "__name__", "")
@@ -217,7 +217,7 @@ class LocalRemote(Remote):
         return observe(self.function, *arguments)
 
     def timed(self, *arguments):
-        return timed(self.function, *arguments)
+        return time_call(self.function, *arguments)
 
     def each(self, calls):
         return call_each(self.function, calls)
@@ -250,7 +250,7 @@ def quiet():
 
 
 class CheckRunner:
-    """Runs an exercise's checks on functions, with the checks first that are likely to fail."""
+    """Runs an exercise's checks on functions, starting with those that are likely to fail."""
 
     def __init__(self, exercise):
         self.exercise, self.lesson = exercise, lesson_of(exercise)
@@ -269,31 +269,31 @@ class CheckRunner:
         return run_checks(self.lesson, student, seed, lambda check: check.exercise == exercise)
 
     def check_calls(self):
-        """Return the calls of the visible checks, and then those of the hidden tests."""
+        """Return the calls of the visible checks, followed by the calls of the hidden tests."""
         return [*visible_calls(self.student, checks_of(self.exercise)), *self.hidden]
 
     def check_calls_for(self, function):
-        """Return the check calls after replacing the exercise's function with another one."""
+        """Replace the exercise's function with another one, and return the check calls."""
         answers = {**self.right, self.exercise: function}
         vars(self.student).update(vars(student_with(self.lesson, answers)))
         setattr(self.student, self.exercise, LocalRemote(function))
         return self.check_calls()
 
     def record_times(self, function):
-        """Record the times of a right function; other functions get four times as much."""
+        """Record how long each check call takes for a right function, to set time limits."""
         for number, check_call in enumerate(self.check_calls_for(function)):
             begin = time.process_time()
-            with one_run():
+            with cached_run():
                 check_call()
             self.cost[number] = max(self.cost[number], time.process_time() - begin)
 
     def first_failure(self, function):
         """Return the number of a check call that a function fails, or None if it passes all."""
         check_calls = self.check_calls_for(function)
-        # Calls that are quick or have rejected many functions come first.
+        # Start with calls that are quick or have rejected many functions.
         for number in sorted(self.cost, key=lambda k: (0.002 + self.cost[k]) / (1 + self.lost[k])):
             try:
-                with one_run(), within(SECONDS + 4 * self.cost[number]):
+                with cached_run(), within(SECONDS + 4 * self.cost[number]):
                     check_calls[number]()
             except BaseException as failure:
                 if is_graders_fault(failure):
@@ -342,9 +342,9 @@ class Oracle:
         self.cost = sum(self.seconds)
 
     def counterexample(self, function):
-        """Return a call for which the function is wrong, or None if there is none.
+        """Return a call that the function answers wrongly, or None if there is none.
 
-        Several detectors are right, so a detector that passes on other streets counts as right.
+        Right detectors may return different boxes, so a detector only has to pass on other streets.
         """
         if self.exercise == "detect_obstacles":
             for seed in OTHER_SEEDS:
@@ -360,7 +360,7 @@ class Oracle:
         return None
 
     def agree(self, call, outcome, right):
-        """Return whether the answer and the arguments afterwards agree with a right outcome."""
+        """Return whether an outcome's answer and changed arguments agree with a right outcome."""
         (answer, left), (expected, expected_left) = outcome, right
         return alike(self.exercise, call, answer, expected) and all(
             map(anything, left, expected_left)
@@ -415,13 +415,13 @@ def first_failure(runner, mutant):
     try:
         with within(SECONDS):
             function = mutant.answer.function(mutant.code)
-    except BaseException:  # a statement that the edit moves out of the function may fail
+    except BaseException:  # the edit may move a failing statement out of the function
         return NO_FUNCTION
     return runner.first_failure(function)
 
 
 def short_counterexample(oracle, mutant):
-    """Return the shortened text of a call for which a mutant is wrong, or None."""
+    """Return the shortened text of a call that a mutant answers wrongly, or None."""
     call = oracle.counterexample(mutant.answer.function(mutant.code))
     return None if call is None else reprlib.repr(call)
 
@@ -467,7 +467,7 @@ def _work(work, writing, seconds):
 
 
 def losses_of(exercise, sandbox, most=SAMPLE):
-    """Return the fractions of points that a fixed sample of the solution's mutants lose.
+    """Judge a fixed sample of the solution's mutants; return the fractions of points they lose.
 
     Mutants that lose no points are omitted.
     """
@@ -485,7 +485,7 @@ def losses_of(exercise, sandbox, most=SAMPLE):
 
 
 def share_lost(mutant, sandbox):
-    """Judge a mutant in an otherwise right notebook; return the lost fraction of the exercise."""
+    """Judge a mutant in an otherwise right notebook; return the fraction of points lost."""
     answer, edit = mutant.answer, mutant.edit
     program = program_for(answer.lesson, answer.cells, {})
     program = program.edited(edit.cell, edit.first, edit.last, edit.text)

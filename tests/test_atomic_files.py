@@ -19,7 +19,7 @@ LESSON = find_lesson("08_bounding_boxes")
 
 @pytest.fixture
 def full_disk():
-    """Return a function after whose call no file can grow beyond a thousand bytes."""
+    """Return a function that prevents files from growing beyond a thousand bytes."""
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
 
     def fill():
@@ -68,7 +68,7 @@ def write_solutions(folder):
     ],
 )
 def test_released_files_are_complete_or_unchanged(tmp_path, monkeypatch, full_disk, write):
-    content = random.Random(1).randbytes(5000)  # random, so that a zip cannot compress it
+    content = random.Random(1).randbytes(5000)  # random, so it cannot be compressed
     monkeypatch.setattr(release, "student_files", lambda stage: {"a": content})
     monkeypatch.setattr(standalone, "make_standalone", lambda notebook: content)
     monkeypatch.setattr(standalone, "check_no_leaks", lambda *about: None)

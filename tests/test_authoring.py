@@ -23,7 +23,7 @@ WRONG = KeptAnswer("f", "a slip", False, "", ("sorts", "test_a"), "rows too many
 
 
 def verdict_on(*failed, cause="", score=0.0):
-    """Return a verdict in which these of four checks failed, with the message of two extra rows."""
+    """Return a verdict with four checks; those in `failed` have the message "2 rows too many"."""
     tests = tuple(
         CheckResult(
             name, name, name not in failed, 0, 1, "2 rows too many" * (name in failed), True
@@ -42,8 +42,8 @@ def test_true_notes_are_not_reported():
 @pytest.mark.parametrize(
     ("answer", "verdict", "says"),
     [
-        (RIGHT, verdict_on("keeps"), "It loses keeps."),
-        (WRONG, verdict_on("sorts"), "It loses sorts, but its note says sorts, test_a."),
+        (RIGHT, verdict_on("keeps"), "It fails keeps."),
+        (WRONG, verdict_on("sorts"), "It fails sorts, but its note lists sorts, test_a."),
         (
             dataclasses.replace(WRONG, loses=("sorts", "test_a", "test_c")),
             verdict_on("sorts", "test_a[1]"),
@@ -52,7 +52,7 @@ def test_true_notes_are_not_reported():
         (
             WRONG,
             verdict_on("sorts", "test_a[1]", "keeps"),
-            "It loses sorts, keeps, test_a[1], but its note says sorts, test_a.",
+            "It fails sorts, keeps, test_a[1], but its note lists sorts, test_a.",
         ),
         (
             dataclasses.replace(WRONG, loses=("sort", "test_a")),
@@ -63,14 +63,14 @@ def test_true_notes_are_not_reported():
         (
             dataclasses.replace(WRONG, says="Bananas"),
             verdict_on("sorts", "test_a[1]"),
-            "No message says 'Bananas'. The messages are: \n2 rows too many",
+            "No message contains 'Bananas'. The messages are: \n2 rows too many",
         ),
         (
             dataclasses.replace(WRONG, told="rounded"),
             verdict_on("sorts", "test_a[1]"),
             "The student should see the mistake 'rounded', but sees none.",
         ),
-        (dataclasses.replace(WRONG, loses=(), loses_only=False), verdict_on("sorts"), "add a line"),
+        (dataclasses.replace(WRONG, loses=(), loses_only=False), verdict_on("sorts"), "Add a line"),
     ],
 )
 def test_a_wrong_note_is_reported_in_a_sentence(answer, verdict, says):
@@ -167,7 +167,7 @@ def test_removed_parts_are_reported(copy, sandbox):
     hidden.rename(folder / "away")
     tried = run(copy, "try", "16", "--sandbox", sandbox.name)
     (folder / "away").rename(hidden)
-    assert "There is no file solutions/stage5_own/16_far_distance/hidden_t" in tried.stdout
+    assert "16_far_distance/hidden_tests.py does not exist" in tried.stdout
 
 
 @pytest.mark.slow
@@ -202,7 +202,7 @@ def test_a_failing_cell_of_the_notebook_is_reported(copy, sandbox):
         tried = run(copy, "try", "17", "--sandbox", sandbox.name)
     assert "cell that begins with `draw(1 + root_square([3, 4]))` raises NameE" in tried.stdout
 
-    # The untouched notebook continues with the solution's answers, which `try` stores.
+    # `try` stores the solution's answers, so that the untouched notebook can continue.
     with replaced(source, "# ## Summary", cell):
         tried = run(copy, "try", "17", "--sandbox", sandbox.name)
     assert tried.returncode == 0, tried.stdout
@@ -211,7 +211,7 @@ def test_a_failing_cell_of_the_notebook_is_reported(copy, sandbox):
 
 @contextlib.contextmanager
 def replaced(path, old, new):
-    """Replace a text in a file, or the whole file without an old text, in a with statement."""
+    """Replace `old` in a file temporarily, or the whole content if `old` is empty."""
     before = path.read_text("utf-8")
     assert old in before
     path.write_text(before.replace(old, new) if old else new, "utf-8")

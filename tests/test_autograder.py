@@ -70,7 +70,7 @@ def test_results_have_gradescopes_format_and_add_up():
     for test in found["tests"]:
         assert set(test) <= TEST and test["visibility"] in VISIBILITIES
     assert found["output_format"] == found["test_output_format"] == "text"
-    # Points that a person grades are not in the results.
+    # The results exclude exercises that a person grades.
     scored = [test["max_score"] for test in found["tests"] if "max_score" in test]
     assert sum(scored) == 20.0 + 30.0
 
@@ -127,7 +127,7 @@ def root(tmp_path):
 
 @pytest.fixture
 def unjudged(monkeypatch):
-    """Replace judging with a fixed verdict, and return the list of recorded calls."""
+    """Replace the judge with a fixed verdict; return a list to which each call is added."""
     asked = []
 
     def judge_one(submitted_files, lesson, student, seed, sandbox, is_alone=False):
@@ -203,7 +203,7 @@ def test_a_starved_notebook_is_judged_again(root, monkeypatch):
 
 @pytest.fixture
 def without_sandbox(monkeypatch):
-    """Replace root and the sandbox, which the tests below do not need."""
+    """Replace the parts that need root or a sandbox, which the tests below do not need."""
     monkeypatch.setattr(program, "restrict_access", lambda root: None)
     monkeypatch.setattr(program, "strongest_sandbox", lambda: SANDBOXES["process"])
 
@@ -276,7 +276,7 @@ def test_a_folder_that_cannot_be_restricted_is_refused(root, tmp_path):
 
 def test_an_ordinary_user_is_refused(root, monkeypatch):
     monkeypatch.setattr(os, "geteuid", lambda: 1000)
-    with pytest.raises(isolation.IsolationFailed, match="Root must run this autograder"):
+    with pytest.raises(isolation.IsolationFailed, match="must run as root"):
         isolation.restrict_access(root)
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from grader.course.lessons import load_reference
 from utils.checks import CheckFailed, boxes
-from utils.checks.boxes import assert_box_corners, assert_holds, corners_between
+from utils.checks.boxes import assert_box_corners, assert_contains_points, corners_between
 from utils.checks.core import notes_of, run_check
 
 CORNERS = {
@@ -17,7 +17,7 @@ CORNERS = {
 
 
 def notes_for(exercise, function):
-    """Return the names of the notes that a function gets."""
+    """Return the names of the notes that `check` would show for a function."""
     return {note.name for note in notes_of(exercise) if run_check(note, function).failure}
 
 
@@ -66,7 +66,7 @@ def test_the_picture_contains_the_box_and_its_cluster(shift):
     labels = np.ones(50, dtype=int)
     box = corners_between([8.9 + shift, 4.9, -1], [9.1 + shift, 5.1, 1])[None]
     for check in (
-        lambda: assert_holds(box, cloud, labels),
+        lambda: assert_contains_points(box, cloud, labels),
         lambda: assert_box_corners(
             box, corners_between(cloud.min(axis=0), cloud.max(axis=0))[None], cloud, labels
         ),
@@ -89,7 +89,7 @@ def test_messages_use_singular_and_plural():
 
 
 def test_the_picture_shows_the_axis_in_the_message():
-    """If x, y and z have the same maximum, the message names y, which a side view hides."""
+    """The message names y, so the picture is not a side view, which would hide y."""
     points = np.array([[-2.0, -1.5, -1.2], [3.0, 2.5, 0.8]])
     right = corners_between(*points)
     wrong = corners_between(points[0], np.full(3, 3.0))
@@ -110,7 +110,7 @@ def test_the_circled_corner_is_not_one_of_the_answers_in_the_picture(axis, end, 
     wrong, drawn = corners_between(*ends), []
     with pytest.raises(CheckFailed) as caught:
         assert_box_corners(wrong[None], right[None], points, np.ones(3, dtype=int))
-    monkeypatch.setattr(boxes, "_draw", lambda *about: drawn.append(about))
+    monkeypatch.setattr(boxes, "_draw_box", lambda *about: drawn.append(about))
     caught.value.draw()
     [(_, _, _, [circled], view, _)] = drawn
     columns = [0, 1] if view == "above" else [0, 2]

@@ -12,7 +12,7 @@ from tests.lesson_texts import source_of
 from utils import breaking
 from utils.breaking.puzzles import PUZZLES
 
-# Names of kept answers with the same mistake, by the letter of the broken version.
+# Kept answers with the same mistake as a broken version, by the letter of the version.
 THE_SAME = {
     "euclidean_clustering": {
         "A": "forgets the height",

@@ -54,7 +54,7 @@ def test_notebooks_are_valid_and_contain_no_output(built, lesson):
 
 
 def test_a_student_notebook_equals_the_solved_one_up_to_its_first_stub(built, lesson):
-    """A student notebook therefore runs up to its first stub, which raises NotImplementedError."""
+    """Student notebooks run up to the first stub, which raises NotImplementedError when called."""
     solved, released = cells_of(built[lesson.solved]), cells_of(built[lesson.released])
     first = next(
         number
@@ -66,7 +66,7 @@ def test_a_student_notebook_equals_the_solved_one_up_to_its_first_stub(built, le
             ours["source"] = earlier_lessons.without_solution(source_of(ours))
         assert (ours["cell_type"], source_of(ours)) == (theirs["cell_type"], source_of(theirs))
     namespace = {"np": np}
-    exec(source_of(released[first]), namespace)  # defines a stub, which raises only if called
+    exec(source_of(released[first]), namespace)  # defines the stub, which raises only when called
     stub = namespace[released[first]["metadata"]["nbgrader"]["grade_id"]]
     with pytest.raises(NotImplementedError):
         stub(*[None] * len(inspect.signature(stub).parameters))
@@ -78,7 +78,7 @@ def test_every_stub_raises_and_every_solution_is_gone(built, lesson):
         for cell in cells_of(built[lesson.released])
         if cell["metadata"].get("nbgrader", {}).get("solution")
         and not cell["metadata"]["nbgrader"]["grade"]
-    ]  # without the answers that are graded by hand
+    ]  # except answers that are graded by hand
     assert stubs
     for stub in stubs:
         assert stub.rstrip().endswith(STUB)
@@ -109,7 +109,7 @@ def test_every_picture_is_embedded_and_has_a_description(built, lesson):
 
 
 def test_nbgrader_releases_only_notebooks(tmp_path):
-    """The folder of a stage also contains hidden tests, kept answers and the lessons' sources."""
+    """Hidden tests, kept answers and sources, which are also in a stage's folder, stay there."""
     stage = "stage2_clustering"
     shutil.copytree(PROJECT / "solutions" / stage, tmp_path / "solutions" / stage)
     (tmp_path / "solutions" / stage / "04_kd_tree" / "notes.txt").write_text("mine", "utf-8")
@@ -147,7 +147,7 @@ PASTED = """\
 def test_functions_of_earlier_lessons_are_inserted_with_their_dependencies():
     namespace = {}
     text = earlier_lessons.with_functions(PASTED)
-    exec(text, namespace)  # imports included
+    exec(text, namespace)  # including the imports
     cloud = np.arange(12.0).reshape(3, 4)
     assert namespace["crop_region"](cloud, (0, 0, 0), (5, 6, 7)).tolist() == cloud[:2].tolist()
     points = np.random.default_rng(1).random((40, 3))
@@ -172,7 +172,7 @@ def test_a_wrong_name_of_an_earlier_function_raises(line, message):
 
 
 def test_students_do_not_get_functions_of_earlier_lessons(built):
-    """The cell for them is empty, and a line of another lesson's solution counts as a leak."""
+    """Their cell is released empty, and a line of another lesson's solution counts as a leak."""
     lesson = find_lesson("12_streaming_obstacles")
     (solved,), (released,) = (
         [
@@ -188,7 +188,7 @@ def test_students_do_not_get_functions_of_earlier_lessons(built):
     )
     others = [built[other.released] for other in all_lessons() if other != lesson]
     notebook = json.loads(built[lesson.released])
-    theirs = "return cloud[is_somewhere & ~is_origin]"  # the answer of lesson 01
+    theirs = "return cloud[is_somewhere & ~is_origin]"  # an answer in lesson 01
     given = "def turned(points, angle):"  # given in lesson 11
     for line, found in ((theirs, [theirs]), (given, [])):
         assert line in built[lesson.solved].decode()
@@ -215,7 +215,7 @@ def test_jupytext_reads_and_writes_a_source_unchanged(lesson):
 
 
 def test_nbgrader_sees_the_stages_and_the_optional_lesson():
-    """Each folder of sources is an assignment. The optional lesson has no points."""
+    """Each folder of sources is an assignment, including the optional lesson's."""
     config = configure(Config(), PROJECT)
     api = NbGraderAPI(CourseDirectory(config=config), config=config)
     assert api.get_source_assignments() == {*stages(), "optional"}
@@ -335,6 +335,6 @@ def test_places_to_stop_are_at_most_ninety_minutes_apart(lesson):
 
 
 def test_the_tests_in_this_file_run_in_one_process(request):
-    """An incompatible version of pytest-xdist would silently ignore test groups."""
+    """Fail if pytest-xdist silently ignores test groups, as incompatible versions do."""
     if "PYTEST_XDIST_WORKER" in os.environ:
         assert request.node.nodeid.endswith("@test_build")

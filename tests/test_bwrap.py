@@ -1,4 +1,4 @@
-"""Choosing a bubblewrap program for the sandbox, and the message if none works."""
+"""The choice of a bubblewrap program for the sandbox, and the message if none works."""
 
 import os
 import shutil
@@ -14,7 +14,7 @@ OPTIONS = ["--unshare-net"]
 ORDINARY = 31_415
 FILTERED = "Seccomp:\t2\nCapEff:\t0000000000000000\n"
 FREE = "Seccomp:\t0\nCapEff:\t000001ffffffffff\n"
-WITHOUT_RIGHTS = "Seccomp:\t0\nCapEff:\t00000000a80425fb\n"  # Docker's default for root
+WITHOUT_RIGHTS = "Seccomp:\t0\nCapEff:\t00000000a80425fb\n"  # of Docker's root
 
 
 def program(folder, script, name="bwrap"):
@@ -84,7 +84,10 @@ def test_the_trial_run_uses_the_given_options(system, wheel, tmp_path):
     ("machine", "remedy"),
     [
         ("x86_64", "Install it with: pip install -r requirements.txt, or sudo apt-get install"),
-        ("aarch64", "is for x86-64, and this is aarch64. Run: sudo apt-get install bubblewrap"),
+        (
+            "aarch64",
+            "is for x86-64, but this machine is aarch64. Run: sudo apt-get install bubblewrap",
+        ),
     ],
 )
 def test_without_bubblewrap_the_remedy_suits_the_machine(
@@ -152,7 +155,7 @@ def test_other_operating_systems_get_a_message(monkeypatch):
 
 @pytest.fixture
 def wheel_files(tmp_path, monkeypatch):
-    """Return the folder of a modifiable copy of the wheel's files."""
+    """Return a folder with a copy of the wheel's files that tests can modify."""
     if not bwrap._program_of_wheel():
         pytest.skip(f"{bwrap.WHEEL}, on x86-64 Linux: .venv/bin/pip install -r requirements.txt")
     package = metadata.distribution(bwrap.WHEEL)

@@ -1,6 +1,6 @@
 """Cheap answers, which do not try to solve the task, earn at most a tenth of its points.
 
-The functions run in this process, because the sandbox is too slow for so many of them. As in the
+The answers run in this process, because the sandbox is too slow for so many of them. As in the
 sandbox, each function gets copies of its arguments.
 """
 
@@ -70,7 +70,7 @@ ANYTHING = {
 
 
 def plane_of(points, rows):
-    """Return the plane through three rows, and the distances of all points to it."""
+    """Return the plane through three of the points, and the distances of all points from it."""
     p, q, r = (points[row, :3].astype(float) for row in rows)
     normal = np.cross(q - p, r - p)
     plane = np.append(normal, -normal @ p) / np.linalg.norm(normal)
@@ -128,7 +128,7 @@ def nothing_found(points, max_iterations, distance_tolerance, rng):
 
 
 def cuboid(x, y, z, sides, degrees):
-    """Return the corners, (8, 3), of a turned box with its centre at (x, y, z)."""
+    """Return the corners, (8, 3), of a rotated box with its centre at (x, y, z)."""
     turn = np.radians(degrees)
     along = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
     box = cubes([[0.0, 0.0, 0.0]])[0] * sides
@@ -145,7 +145,7 @@ def cars_at(x, y, *degrees, sides=(4.2, 1.8, 1.5)):
 
 
 def fixed_boxes_with_returns(boxes):
-    """Return a detector that returns those of the given boxes that contain points of the cloud."""
+    """Return a detector that returns those of the given boxes that have many points nearby."""
 
     def detect_obstacles(cloud):
         middles = boxes(cloud).mean(axis=1)[:, None]
@@ -390,16 +390,16 @@ def nearest(previous, current, max_distance):
 
 # Fraction of the points that each answer may keep, with the reason.
 PARTLY = {
-    # Right unless two boxes have the same nearest box, which only the most important check tests.
+    # Right unless two boxes share their nearest box, which only the most important check tests.
     "match_boxes": {"the nearest box, even if it is shared": (nearest, 0.75)},
-    # A permutation that begins with the right median has two properties with their own checks.
+    # The answer is a permutation and begins with the right median, which two checks test.
     "median_order": {
         "the median, then the rest": (
             lambda points: np.roll(np.argsort(points[:, 0]), -((len(points) - 1) // 2)),
             0.15,
         )
     },
-    # Each looks for obstacles in four fixed places, which is a very simple detector.
+    # Looking for obstacles in four fixed places is a very simple detector.
     "detect_obstacles": {
         f"{name}, where something is": (fixed_boxes_with_returns(boxes), 0.15)
         for name, boxes in PARKED.items()
@@ -408,7 +408,7 @@ PARTLY = {
 
 # ---- small expressions --------------------------------------------------------------------------
 
-# Expressions in the arguments a, b and c, as functions of little or no content.
+# Expressions in the arguments a, b and c that do little or nothing.
 SMALL = """
 a | a.ravel() | a.copy() | a[None] | a[:0] | a[None][:0] | a[0] | a[:1] | a[-1:] | a[1:] | a[:-1]
 a[::2] | a[::-1] | a[:, 0] | a[:, 1] | a[:, 2] | a[:, :2] | a[:, :3] | abs(a[:, 0]) | abs(a[:, 1])
@@ -432,7 +432,7 @@ np.array([a[b == label, :3].mean(0) for label in np.unique(b) if label > 0])
 int(np.ceil(1 / a**b))
 norm(a.mean(1)[None] - b.mean(1)[:, None], axis=2).argmin(1) | np.inf | a**b | 1 / a
 """
-# These do most of the work, and their mistake is the slip that a teacher would name.
+# These do most of the work, and their mistake is a genuine slip.
 NEARLY_RIGHT = {
     ("drop_invalid", "a[np.isfinite(a)]"),
     ("filter_ground", "a[a[:, 2] < b]"),
@@ -443,7 +443,7 @@ NEARLY_RIGHT = {
 
 @pytest.mark.filterwarnings("ignore")
 def test_no_small_expression_proves_a_slip(lesson):
-    """A mistake that a function of no content makes is cheap, so it keeps no points."""
+    """Known mistakes that these expressions make are marked as cheap, or as missing the task."""
     expressions = [text.strip() for text in SMALL.replace("\n", "|").split("|") if text.strip()]
     names = {"np": np, **{name: getattr(np.linalg, name) for name in ("norm", "eigh", "svd")}}
     assert len(expressions) > 100
@@ -477,7 +477,7 @@ def earned(lesson, answers, seed):
 
 
 def one_for_each(lesson, tables):
-    """Yield combinations with one answer per exercise of a lesson, until all answers are used."""
+    """Yield combinations of one answer per exercise of a lesson, until all answers are used."""
     columns = [
         [(exercise.name, name, answer) for name, answer in tables(exercise.name).items()]
         for exercise in lesson.machine_graded

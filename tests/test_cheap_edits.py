@@ -23,12 +23,12 @@ from utils.checks.diagnosis import diagnose
 from utils.notebooks import slicing
 from utils.notebooks.edits import edits_of
 
-SECONDS = 2  # time limit, as an edit may cause an endless loop
-MEMORY = 4 * 2**30  # additional bytes, as an edit may create huge arrays
+SECONDS = 2  # time limit, because an edit may cause an endless loop
+MEMORY = 4 * 2**30  # additional bytes, because an edit may create huge arrays
 
 
 def sources():
-    """Return the syntax nodes of functions in `test_cheap_answers`, by first line and node type."""
+    """Return the syntax nodes of all functions in `test_cheap_answers`, by first line and type."""
     tree = ast.parse(inspect.getsource(test_cheap_answers))
     kinds = (ast.Lambda, ast.FunctionDef)
     return {(node.lineno, type(node)): node for node in ast.walk(tree) if isinstance(node, kinds)}
@@ -38,7 +38,7 @@ SOURCES = sources()
 
 
 def as_text(function):
-    """Return a function of the table as the source of a definition, and the names it may use."""
+    """Return the source of a function in the table, and the names that it can use."""
     kind = ast.Lambda if function.__name__ == "<lambda>" else ast.FunctionDef
     node = SOURCES[function.__code__.co_firstlineno, kind]
     closure = inspect.getclosurevars(function).nonlocals
@@ -49,14 +49,14 @@ def as_text(function):
 
 
 def edited(function):
-    """Yield (source, function) for all functions one edit away from a function of the table."""
+    """Yield (source, function) for all functions one edit away from a function in the table."""
     text, names = as_text(function)
     names.pop("answer", None)
     statements, _ = slicing.parse_notebook([text])
     for edit in edits_of([text], statements):
         space = dict(names)
         with contextlib.suppress(Exception):
-            exec(edit.statement, space)  # a statement moved out of the function may fail
+            exec(edit.statement, space)  # an edit may move a failing statement out of the function
         changed = space.get(statements[0].node.name)
         if changed is not None:
             yield edit.statement, changed
@@ -86,7 +86,7 @@ def passes(check):
 
 
 def repairing_edits(exercise, function):
-    """Return the edits with which a function passes all checks that it failed."""
+    """Return the edits after which a function passes all the checks that it failed."""
     lesson = lesson_of(exercise)
     student = student_with(
         lesson,
@@ -116,7 +116,7 @@ def is_the_task(exercise, function):
 
 @pytest.fixture
 def bounded():
-    """Limit the memory, as the kernel kills a process that uses it up."""
+    """Limit the memory, because the kernel kills a process that uses it up."""
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     pages = int(Path("/proc/self/statm").read_text().split()[0])
     resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + MEMORY, hard))
@@ -129,7 +129,7 @@ def bounded():
 @pytest.mark.usefixtures("bounded")
 @pytest.mark.parametrize("exercise", test_cheap_answers.CHEAP)
 def test_no_cheap_answer_is_one_edit_from_a_right_one(exercise):
-    """Answers that miss the point of the exercise are left out, because they keep fewer points."""
+    """Answers that miss the point of the exercise are skipped, because they keep fewer points."""
     checks_of(exercise)  # declares the mistakes
     kept, tried = {}, 0
     with np.errstate(all="ignore"):
@@ -169,4 +169,4 @@ def test_a_slip_that_misses_the_task_keeps_fewer_points(sandbox):
     result = judge_files(submission, 5, sandbox, lesson).exercises[0]
     assert result.slip.before == "    return np.linalg.norm(cloud[:, :3], axis=1)"
     assert result.score == MISSED_TASK_KEEPS * result.max_score
-    assert result.score - result.slip.score <= result.max_score / 10  # what its checks earn
+    assert result.score - result.slip.score <= result.max_score / 10  # earned by checks

@@ -22,10 +22,10 @@ from utils.checks.assertions import (
     as_array,
     as_labels,
     assert_all_columns,
-    assert_nothing_left,
+    assert_empty_table,
     assert_order,
     assert_partition,
-    assert_places,
+    assert_positions,
     assert_rows,
     assert_same_set_of_rows,
     assert_untouched,
@@ -36,7 +36,7 @@ from utils.checks.assertions import (
 from utils.checks.core import ChecksFailed, run_check
 from utils.checks.display import Table, as_html
 from utils.checks.outcomes import Outcome
-from utils.checks.summary import details, resolve
+from utils.checks.summary import failure_texts, summarise
 from utils.checks.tips import locate, tip_for
 
 CLOUD = np.array([[1.0, 2.0, -1.5, 0.1], [3.0, 4.0, 0.5, 0.2], [5.0, 6.0, 1.5, 0.3]])
@@ -134,7 +134,9 @@ def test_the_table_escapes_text_from_students():
         return "<script>alert(1)</script>"
 
     outcome = run_check(checks_of("filter_ground")[0], filter_ground)
-    assert "<script>" not in as_html(resolve([outcome])) and "script" in as_html(resolve([outcome]))
+    assert "<script>" not in as_html(summarise([outcome])) and "script" in as_html(
+        summarise([outcome])
+    )
 
 
 @pytest.mark.parametrize(
@@ -194,13 +196,13 @@ def test_empty_answers_need_the_right_columns():
         (CLOUD[KEEP][::-1], (assert_order,)),
         (CLOUD[KEEP][:, :3], (assert_all_columns,)),
         (CLOUD[KEEP] * [1, 1, 1, 2], (assert_all_columns,)),
-        (CLOUD, (assert_places, assert_order, assert_all_columns)),
-        (CLOUD[[1, 1]], (assert_places, assert_order, assert_all_columns)),
-        (KEEP, (assert_places, assert_order, assert_all_columns)),
+        (CLOUD, (assert_positions, assert_order, assert_all_columns)),
+        (CLOUD[[1, 1]], (assert_positions, assert_order, assert_all_columns)),
+        (KEEP, (assert_positions, assert_order, assert_all_columns)),
     ],
 )
 def test_places_order_and_columns_are_checked_separately(answer, lost):
-    for look in (assert_places, assert_order, assert_all_columns):
+    for look in (assert_positions, assert_order, assert_all_columns):
         if look in lost:
             with pytest.raises(CheckFailed):
                 look(answer, CLOUD, KEEP)
@@ -210,14 +212,14 @@ def test_places_order_and_columns_are_checked_separately(answer, lost):
 
 def test_an_empty_answer_still_needs_the_columns_of_the_cloud():
     for nothing in ([], np.empty((0, 4)), np.empty((0, 3))):
-        assert_nothing_left(nothing, CLOUD, 3)
+        assert_empty_table(nothing, CLOUD, 3)
     for something, words in (
         (CLOUD[:1], "No rows should be left"),
         (np.empty((0, 3)), "columns"),
         (None, "None"),
     ):
         with pytest.raises(CheckFailed, match=words):
-            assert_nothing_left(something, CLOUD, 4)
+            assert_empty_table(something, CLOUD, 4)
 
 
 def test_excluding_a_point_on_the_limit_is_only_a_note(capsys):
@@ -262,7 +264,7 @@ def test_partitions_are_compared():
         with pytest.raises(CheckFailed, match=words):
             assert_partition(wrong, expected, cloud)
     assert_partition([], np.empty(0, dtype=int), np.empty((0, 3)))
-    # Label 0 is for points without a cluster, unless it is among the expected labels.
+    # Label 0 means "no cluster", unless it is among the expected labels.
     with pytest.raises(CheckFailed, match="2 of 4 points have the label 0, which means") as caught:
         assert_partition([1, 1, 0, 0], expected, cloud)
     assert "every point" in caught.value.hint
@@ -284,7 +286,7 @@ def test_a_changed_input_is_reported():
     assert_untouched(lambda values: None, np.array([1.0, np.nan]))
     with pytest.raises(CheckFailed, match="changed its input"):
         assert_untouched(lambda cloud: cloud.fill(1), CLOUD)
-    assert CLOUD[0, 0] == 1.0 and CLOUD[0, 1] == 2.0  # only a copy was changed
+    assert CLOUD[0, 0] == 1.0 and CLOUD[0, 1] == 2.0  # the function changed only a copy
 
 
 def test_messages_name_the_expected_labels_and_arrays():
@@ -383,7 +385,7 @@ def test_a_tip_may_depend_on_the_line():
     assert "left-hand side" in tip_for("ValueError", str(caught.value), "`a, b, c = answer`")
     for line in ("x, y, z = points[i]", "for x, y, z in cloud:", "x, y, z = cloud[near].T"):
         assert "intensity" in tip_for("ValueError", str(caught.value), f"`{line}`")
-    # The result of a call is not a row of a cloud, whatever its name. A plane has four numbers.
+    # These lines do not unpack a row of a cloud, so the tip must not mention the intensity.
     for line in (
         "a, b, c = plane_through(p, q, r)",
         "a, b, c = fit_plane(points)",
@@ -436,7 +438,7 @@ def test_importing_utils_loads_no_heavy_packages():
 
 
 def test_checks_of_an_exercise_have_different_titles(lesson):
-    """If two checks had the same title, a table would not show which one failed."""
+    """With equal titles, a table would not show which of two checks failed."""
     titles = []
 
     def record_and_skip(one_check):
@@ -482,7 +484,7 @@ def test_constants_are_read_only(request):
         f"{module.__name__}.{name}"
         for module in modules_of_checks()
         for name, value in vars(module).items()
-        if name != "__builtins__"  # shared with other tests of this process
+        if name != "__builtins__"  # shared by all modules
         for array in arrays_in(value)
         if array.flags.writeable or (array.base is not None and array.base.flags.writeable)
     }
@@ -490,7 +492,7 @@ def test_constants_are_read_only(request):
 
 
 def overwriting(function, read_only):
-    """Wrap a function so that it overwrites all its arguments after use."""
+    """Wrap a function so that it overwrites all its arguments after the call."""
 
     def overwrite(*arguments, **keywords):
         given = [*arguments, *keywords.values()]
@@ -517,7 +519,7 @@ def test_a_function_that_overwrites_its_arguments_loses_only_that_check(lesson, 
     names = [exercise.name for exercise in lesson.machine_graded]
     functions = {name: overwriting(getattr(reference, name), read_only) for name in names}
     if hasattr(reference, "KdTree"):
-        for name, function in functions.items():  # the lesson's class looks them up there
+        for name, function in functions.items():  # the lesson's class looks up its methods there
             monkeypatch.setitem(vars(reference), name, function)
         functions["KdTree"] = reference.KdTree
     student = SimpleNamespace(**functions, exercise="", close=lambda: None)
@@ -527,7 +529,7 @@ def test_a_function_that_overwrites_its_arguments_loses_only_that_check(lesson, 
         if test.failure and "changed its input" not in str(test.failure)
     }
     assert faults == {}
-    # Arguments must be writable, because an answer may have a good reason to change its copy.
+    # Arguments must be writable, because a right answer may also change its copy.
     allowed = {"filter_clusters"}  # a hidden test passes a read-only array on purpose
     assert set(read_only) <= allowed
 
@@ -586,7 +588,7 @@ def test_a_huge_answer_is_refused_quickly(name):
 
 
 def test_only_a_few_huge_answers_are_checked():
-    """Each huge answer takes the judge several seconds to read."""
+    """The judge stops after five huge answers, because reading each takes several seconds."""
     huge, calls = [0] * 1_100_000, []
     student = SimpleNamespace(
         filter_clusters=lambda *arguments, **keywords: calls.append(1) or huge,
@@ -600,7 +602,7 @@ def test_only_a_few_huge_answers_are_checked():
 
 
 def is_scene(one_check):
-    """Return whether a check has to generate a scene when it runs for the first time."""
+    """Return whether a check generates a scene when it runs for the first time."""
     return one_check.exercise == "detect_obstacles"
 
 
@@ -770,7 +772,7 @@ def test_yours_and_expected_are_never_the_same_text(name, wrong):
 def test_equal_texts_are_left_out():
     failure = CheckFailed("Something else is wrong.", yours="1 row", expected="1 row")
     [check_, *_] = checks_of("horizontal_distance")
-    labels = [label for label, _ in details(Outcome(check_, failure))]
+    labels = [label for label, _ in failure_texts(Outcome(check_, failure))]
     assert "What happened" in labels and not {"Yours", "Expected"} & {*labels}
 
 
@@ -788,7 +790,7 @@ def test_equal_texts_are_left_out():
 )
 def test_the_type_of_a_wrong_answer_is_named(answer, words):
     with pytest.raises(CheckFailed, match=words):
-        as_array(answer, columns=4, what="rows")
+        as_array(answer, columns=4, description="rows")
 
 
 def test_a_coroutine_is_named():
@@ -797,7 +799,7 @@ def test_a_coroutine_is_named():
 
     coroutine = returned()
     with pytest.raises(CheckFailed, match="Delete `async` before `def`"):
-        as_array(coroutine, columns=4, what="rows")
+        as_array(coroutine, columns=4, description="rows")
     coroutine.close()
 
 

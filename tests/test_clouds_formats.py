@@ -26,7 +26,7 @@ POINTS = [(1.5, -2.25, 0.125, 0.5), (-30.0, 4.0, -1.75, 0.0), (0.0, 0.0, 0.0, 1.
 
 
 def message_of(call, *arguments):
-    """Return the message of the CloudFileError that `call` has to raise."""
+    """Return the message of the CloudFileError that `call` must raise."""
     with pytest.raises(CloudFileError) as caught:
         call(*arguments)
     return str(caught.value)
@@ -72,7 +72,7 @@ def test_the_error_about_a_missing_file_names_folders_and_existing_files(tmp_pat
     message = message_of(read_cloud, tmp_path / "cloud.txt")
     assert "cloud.txt" in message and str(tmp_path) in message
     assert "street.pcd" in message and "notes.md" not in message
-    assert "no cloud file there" in message_of(read_cloud, tmp_path / "none" / "cloud.txt")
+    assert "no cloud files there" in message_of(read_cloud, tmp_path / "none" / "cloud.txt")
 
 
 def test_folders_unknown_suffixes_and_strange_names_are_explained(tmp_path):
@@ -115,7 +115,7 @@ class TestKitti:
 class TestNpz:
     @staticmethod
     def archive(name="cloud", value=None, raw=None, method=zipfile.ZIP_DEFLATED):
-        """Return an archive with one array, or with arbitrary bytes instead of the array."""
+        """Return an .npz archive with one array, or with the bytes `raw` instead."""
         if raw is None:
             stream = io.BytesIO()
             np.lib.format.write_array(stream, np.asarray(value), allow_pickle=True)

@@ -58,7 +58,7 @@ READERS = {
 
 @st.composite
 def damaged(draw, files):
-    """Draw a file that is damaged in a few places, or random bytes."""
+    """Draw a file with damage in a few places, or random bytes."""
     data = bytearray(draw(st.sampled_from(files) | st.binary(max_size=200)))
     for _ in range(draw(st.integers(0, 4))):
         first = draw(st.integers(0, len(data)))
@@ -80,7 +80,7 @@ def damaged(draw, files):
 
 @pytest.fixture(scope="module", autouse=True)
 def everything_imported(tmp_path_factory):
-    """Read intact files first, so that the memory of late imports is not attributed to a reader."""
+    """Read intact files first, so that memory for late imports is not attributed to a reader."""
     for decode, files in READERS.values():
         for data in files:
             decode(data, "whole")
@@ -100,12 +100,12 @@ def everything_imported(tmp_path_factory):
 
 
 def check(read, size: int):
-    """Call a reader on a file of `size` bytes; return its cloud, or None if it refused."""
+    """Call a reader on a file of `size` bytes; return its cloud, or None if it refuses the file."""
     tracemalloc.start()
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            # A lesson in an earlier test may have left a file open.
+            # An earlier test of a lesson may have left a file open.
             warnings.simplefilter("ignore", ResourceWarning)
             result = read()
     except CloudFileError as error:
@@ -246,7 +246,7 @@ def fuzz_recordings(folder, kind: str, examples: int) -> None:
 
     seed = recording(folder, kind)
     path.write_bytes(seed)
-    assert len(read()) == 2  # this also imports rosbags before memory is measured
+    assert len(read()) == 2  # also imports rosbags, before memory is measured
 
     @settings(max_examples=examples, deadline=None, suppress_health_check=list(HealthCheck))
     @given(damaged([seed]))

@@ -149,7 +149,7 @@ def drive(tmp_path):
     folder = tmp_path / "2011_09_26_drive_0005_sync"
     data = folder / "velodyne_points" / "data"
     data.mkdir(parents=True)
-    for frame in (0, 1, 3):  # some scans are missing in KITTI's drives
+    for frame in (0, 1, 3):  # some of KITTI's drives lack scans
         points = [(5.9, 1, -1, 0.5), (5.9, 1, 0.1, 0.5), (0, 0, 0, 0)]  # in, above, invalid
         write_cloud(data / f"{frame:010d}.bin", points)
     (folder / "velodyne_points" / "timestamps.txt").write_text(
@@ -217,5 +217,5 @@ def test_real_boxes_contain_as_many_points_as_their_table_states():
                 size=(value["l"], value["w"], value["h"]),
                 yaw=value["yaw"], kind="car", identity=0,
             )  # fmt: skip
-            # The table rounds centre and yaw to millimetres and milliradians.
+            # The table rounds the centre to millimetres and the yaw to milliradians.
             assert inside(frame, box).sum() == pytest.approx(value["npts"], rel=0.02, abs=2)

@@ -21,7 +21,7 @@ POINTS = [(1.5, -2.25, 0.125, 0.5), (-30.0, 4.0, -1.75, 0.0), (np.nan, 0.0, 0.0,
 
 def header(points=3, encoding="binary", fields="x y z intensity", size="4 4 4 4", kind="F F F F",
          count="1 1 1 1", width=None, height=1, **lines):  # fmt: skip
-    """Return the header of a PCD file. A keyword replaces a line, and None omits the line."""
+    """Return the header of a PCD file; keywords replace lines, or remove them if None."""
     entries = {
         "VERSION": "0.7",
         "FIELDS": fields,
@@ -166,7 +166,7 @@ def test_writing_refuses_an_unknown_encoding():
         (header(kind="F F F Q"), ["line 5", "TYPE"]),
         (header(count="2 1 1 1"), ["line 6", "COUNT"]),
         (header(count="1 1 1 0"), ["line 6", "COUNT"]),
-        (header(POINTS=None, WIDTH=None), ["neither POINTS nor WIDTH"]),
+        (header(POINTS=None, WIDTH=None), ["POINTS and WIDTH are missing"]),
         (header() + records()[:-1], ["byte", "3 points of 16 bytes", "47 bytes follow"]),
         (header(points=2) + records(), ["2 points", "48 bytes follow"]),
         (header() + b"1.5 -2.25 0.125 0.5\n" * 3, ["60 bytes follow"]),
@@ -181,12 +181,12 @@ def test_writing_refuses_an_unknown_encoding():
         (header(encoding="binary_compressed") + struct.pack("<II", 99, 48) + bytes(9),
          ["99 compressed bytes", "9 follow"]),
         (header(encoding="binary_compressed") + struct.pack("<II", 9, 47) + bytes(9),
-         ["3 points", "unpack to 47"]),
+         ["3 points", "decompress to 47"]),
         (header(encoding="binary_compressed") + struct.pack("<II", 9, 48) + bytes(9), ["damaged"]),
         (header(encoding="binary_compressed") + struct.pack("<II", 3, 48) + b"\x20\x09\x00",
          ["damaged", "before the beginning"]),
         (header(points=2**28 - 1, encoding="binary_compressed")
-         + struct.pack("<II", 9, 2**32 - 16) + bytes(9), ["unpack to 4294967280"]),
+         + struct.pack("<II", 9, 2**32 - 16) + bytes(9), ["decompress to 4294967280"]),
     ],
 )  # fmt: skip
 def test_errors_name_the_line_or_the_sizes(data, parts):
@@ -205,7 +205,7 @@ class TestLzf:
         [
             (b"", b""),
             (b"\x02abc", b"abc"),
-            (b"\x02abc\x20\x02", b"abcabc"),  # three bytes, copied from three bytes earlier
+            (b"\x02abc\x20\x02", b"abcabc"),  # a copy of the last three bytes
             (b"\x00a\xe0\xff\x00", b"a" * 265),  # the longest reference, which overlaps itself
             (b"\x01ab\x80\x01", b"abababab"),
         ],

@@ -1,4 +1,4 @@
-"""Small ROS recordings, which rosbags writes and which are read intact or damaged."""
+"""Reading small ROS recordings, written by rosbags, both intact and damaged."""
 
 from types import SimpleNamespace
 

@@ -1,4 +1,4 @@
-"""Clouds as text: all common notations are read, and errors explain files that are not clouds."""
+"""Clouds as text: all common notations are read, and errors explain why a file is not a cloud."""
 
 import time
 
@@ -78,8 +78,8 @@ def test_an_empty_cloud_needs_a_header(text, shape):
         ("1_0 2 3\n", ["line 1", "'1_0'"]),
         (",x,y,z\n0,1,2,3\n", ["line 1", "index column"]),
         ("intensity x y z\n0 1 2 3\n", ["line 1", "in this order"]),
-        ("3\n1 2 3\n4 5 6\n", ["line 1", "3 points are announced, but 2 follow"]),
-        ("1000000000000\n1 2 3\n", ["1000000000000 points are announced"]),
+        ("3\n1 2 3\n4 5 6\n", ["line 1", "the line announces 3 points, but 2 follow"]),
+        ("1000000000000\n1 2 3\n", ["announces 1000000000000 points"]),
         ("<!DOCTYPE html>\n<html>\n", ["web page"]),
         ("1 2 3\n\0\0\0\n", ["binary", "text"]),
     ],
@@ -115,7 +115,7 @@ def test_a_full_scan_is_read_quickly(tmp_path, rng):
     (tmp_path / "cloud.txt").write_bytes(encode_text(cloud, decimals=3))
     started = time.process_time()
     read = read_cloud(tmp_path / "cloud.txt")
-    assert time.process_time() - started < 10  # normally 0.1 s, but a minute with a loop over lines
+    assert time.process_time() - started < 10  # usually 0.1 s; with a loop over lines, a minute
     np.testing.assert_array_equal(read, cloud)
 
 

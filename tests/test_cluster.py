@@ -1,6 +1,6 @@
-"""Grading on a Dask cluster gives the same gradebook as grading here, or stops and can be resumed.
+"""Grading on a Dask cluster produces the same gradebook as local grading, or can be resumed.
 
-Dask's own command starts schedulers and workers, in an empty folder without the course.
+Dask's own command starts schedulers and workers in an empty folder, without the course.
 """
 
 import contextlib
@@ -45,7 +45,7 @@ PATIENCE = 240
 
 @pytest.fixture(scope="module")
 def local(tmp_path_factory, sandbox):
-    """Grade a class on this machine; return its folder, its verdicts and its gradebook's rows."""
+    """Grade a class on this machine; return its folder, verdicts and gradebook rows."""
     texts = {
         "broken": answer()[:5000],
         "half": answer("filter_ground"),
@@ -95,7 +95,7 @@ def grade_on(address, course, sandbox):
 
 @pytest.fixture
 def start(tmp_path):
-    """Return functions that start schedulers and workers in an empty folder and environment."""
+    """Return functions that start schedulers and workers with an empty folder and environment."""
     started = []
     home = tmp_path / "nowhere"
     home.mkdir()
@@ -149,7 +149,7 @@ def wait_for_workers(address, count):
 
 @pytest.fixture
 def after_first_verdict(monkeypatch):
-    """Return a function that schedules an action, which runs when the first verdict is written."""
+    """Return a function that schedules an action to run when the first verdict is written."""
 
     def schedule(action):
         def write(verdict, path, original=grade.write_verdict):
@@ -167,7 +167,7 @@ def after_first_verdict(monkeypatch):
 
 @pytest.mark.slow
 def test_workers_started_by_hand_give_the_same_gradebook(course, local, sandbox, start, capsys):
-    """A worker has two threads and Dask's nanny. A second run works without the cluster."""
+    """A worker with two threads and Dask's nanny grades; a second run needs no cluster."""
     address, process = start.scheduler()
     start.worker(address, threads=2)
     assert grade_on(address, course, sandbox) == commands.SUCCESS
@@ -178,8 +178,8 @@ def test_workers_started_by_hand_give_the_same_gradebook(course, local, sandbox,
     assert "5 unchanged" in capsys.readouterr().out
 
 
-# Attacks that might succeed on a cluster: a worker's process judges, submissions and messages are
-# sent over the network, and two notebooks share the processes of a worker.
+# Attacks that might succeed on a cluster, where a worker's process judges, submissions and messages
+# cross the network, and two notebooks share a worker.
 LOCKS = """
 import fcntl, glob, os, numpy, time
 FILES = sorted(glob.glob(os.path.dirname(numpy.__file__) + "/*/tests/*.py"))[:64]
@@ -220,7 +220,7 @@ def test_attacks_get_the_same_verdicts_on_a_cluster(tmp_path, sandbox, start):
     texts = {
         "brackets": with_brackets(answer()),
         **{name.replace(" ", "_"): hostile(body) for name, body in HOSTILE.items()},
-        # These two are neighbours in the alphabet, so they are judged at the same time.
+        # These two are adjacent in alphabetical order, so they are judged at the same time.
         "tells": hostile(right, f"{LOCKS}\nHELD = taken(True), time.sleep(3)"),
         "tells_hears": hostile(
             right.replace("return", "if HEARD: return"),
@@ -245,7 +245,7 @@ def test_attacks_get_the_same_verdicts_on_a_cluster(tmp_path, sandbox, start):
 
 @pytest.mark.slow
 def test_a_local_cluster_grades_with_processes(course, local, sandbox, monkeypatch):
-    """If a judge dies, one job fails. A changed course is sent to workers with an older version."""
+    """A dying process fails only its job, and each connection has its own version of the course."""
     with (
         distributed.LocalCluster(
             n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
@@ -262,7 +262,7 @@ def test_a_local_cluster_grades_with_processes(course, local, sandbox, monkeypat
         assert executor.submit(max, 1, 2).result() == 2
         with pytest.raises(ZeroDivisionError) as caught:
             executor.submit(divmod, 1, 0).result()
-        assert "Where it was judged" in caught.value.__notes__[0]
+        assert "In the judging process" in caught.value.__notes__[0]
 
         changed = BytesIO(cluster.packed_course())
         with zipfile.ZipFile(changed, "a") as archive:
@@ -291,7 +291,7 @@ def test_a_run_survives_the_loss_of_a_worker(course, local, sandbox, start, afte
 
 @pytest.mark.slow
 def test_unsuitable_workers_are_refused_and_named(course, local, sandbox, start, tmp_path, capfd):
-    """Without a suitable worker, no student is graded. One suitable worker is enough."""
+    """With only unsuitable workers, nothing is graded; with one suitable worker, everything is."""
     numpy = tmp_path / "stub" / "numpy-1.26.4.dist-info"
     numpy.mkdir(parents=True)
     (numpy / "METADATA").write_text("Metadata-Version: 2.1\nName: numpy\nVersion: 1.26.4\n")
@@ -360,7 +360,7 @@ sys.exit(cli.main(["grade", "--seed", sys.argv[2], "--sandbox", sys.argv[3],
 
 @pytest.mark.slow
 def test_the_same_command_resumes_a_stopped_or_killed_run(course, local, sandbox, start):
-    """Ctrl-C ends the run with a message, SIGKILL without one. The workers keep running."""
+    """After Ctrl-C or SIGKILL, the same command completes the run; the workers keep running."""
     address, _ = start.scheduler()
     start.worker(address)
     command = [sys.executable, "-c", RUN, str(course.root), str(SEED), sandbox.name, address]
@@ -391,7 +391,7 @@ def test_a_scheduler_that_does_not_answer_is_reported(course, sandbox, monkeypat
         assert f"No scheduler answers at {address}" in capsys.readouterr().err
     assert grade_on("tls://127.0.0.1:9", course, sandbox) == commands.FAULT
     assert "has none" in capsys.readouterr().err
-    with course_lock(course):  # the lock is free
+    with course_lock(course):  # fails if the run has kept the lock
         pass
 
 
@@ -437,7 +437,7 @@ def test_the_packed_course_contains_only_files_that_judging_reads():
 
 @pytest.mark.slow
 def test_reading_ahead_is_limited_by_the_free_workers(course, sandbox, monkeypatch):
-    """Each verdict is written before the next notebook is read."""
+    """With one free worker, each verdict is written before the next notebook is read."""
     monkeypatch.setattr(Inline, "capacity", 1, raising=False)
     rehearsed(course, LESSON)
     events = []

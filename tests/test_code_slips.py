@@ -1,4 +1,4 @@
-"""Slips that can be found in the source of a function, whatever the function should do."""
+"""Slips that are visible in the source of a function, whatever the function should do."""
 
 import linecache
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from utils.checks import check
-from utils.checks.code_slips import code_slip
+from utils.checks.code_slips import find_code_slip
 from utils.checks.core import ChecksFailed
 
 PRINTS = """
@@ -68,22 +68,22 @@ def defined(source, name="near", **names):
     ],
 )
 def test_a_slip_is_found_in_the_source(source, words):
-    slip = code_slip(defined(source), returned_none=True)
+    slip = find_code_slip(defined(source), returned_none=True)
     assert words in slip.says and slip.hint
 
 
 @pytest.mark.parametrize("title", INNOCENT)
 def test_innocent_code_has_no_slip(title):
-    assert code_slip(defined(INNOCENT[title]), returned_none=True) is None
+    assert find_code_slip(defined(INNOCENT[title]), returned_none=True) is None
 
 
 def test_a_function_without_source_has_no_slip():
     for function in (len, np.ndarray, eval("lambda cloud: print(cloud)")):
-        assert code_slip(function, returned_none=True) is None
+        assert find_code_slip(function, returned_none=True) is None
 
 
 def test_a_function_without_a_return_value_may_print():
-    assert code_slip(defined(PRINTS), returned_none=False) is None
+    assert find_code_slip(defined(PRINTS), returned_none=False) is None
 
 
 def test_the_check_shows_the_slip_with_the_first_failure(capsys):

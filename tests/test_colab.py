@@ -1,4 +1,4 @@
-"""Notebooks in Colab, where each notebook runs alone and with Colab's package versions."""
+"""Notebooks in Colab, where each one runs without the course's files and with Colab's packages."""
 
 import io
 import json
@@ -52,7 +52,7 @@ def run_setup(folder, address, in_colab=True):
     done = subprocess.run(
         [sys.executable, "-c", program], cwd=folder, capture_output=True, text=True
     )
-    assert done.stderr.count("\n") <= 6  # a sentence, not a page
+    assert done.stderr.count("\n") <= 6  # a message, not a long traceback
     return done.stdout.strip(), (done.stderr.strip().splitlines() or [""])[-1]
 
 
@@ -67,7 +67,7 @@ def test_setup_fetches_the_matching_version_once(tmp_path):
         assert run_setup(tmp_path, address) == ("Ready: a course.", "")
     assert requests == [ARCHIVE]
     assert names_in(tmp_path) == ["data", "utils"]
-    assert run_setup(tmp_path, address) == ("Ready: a course.", "")  # now without a connection
+    assert run_setup(tmp_path, address) == ("Ready: a course.", "")  # does not need a connection
 
 
 @only_like_colab
@@ -194,7 +194,7 @@ def test_matplotlib_draws_in_colab_if_pyvista_cannot_be_installed(monkeypatch, c
     monkeypatch.setenv("PIP_NO_INDEX", "1")
     problem = opengl.problem.__wrapped__()
     assert problem.startswith("PyVista cannot be installed (ERROR: ")
-    assert problem.endswith("), so matplotlib draws.")
+    assert problem.endswith("), so matplotlib draws the scene.")
     assert "half a minute" in capsys.readouterr().out
 
 
@@ -206,7 +206,7 @@ def place(pytestconfig):
 
 @pytest.fixture
 def colab_kernel(place, monkeypatch):
-    """Register the kernel "colab" with Jupyter; PyVista cannot be installed in it.
+    """Register the kernel "colab" with Jupyter, and prevent pip from installing packages.
 
     The environment is shared, and a notebook must also run without PyVista.
     """
@@ -216,7 +216,7 @@ def colab_kernel(place, monkeypatch):
 
 @pytest.fixture(scope="session")
 def course():
-    """Serve a published course; yield its notebooks by path, which fetch everything else."""
+    """Serve a published course; yield its notebooks by path. They fetch all other files."""
     with served({ARCHIVE: archive_of(course_files())}) as (address, requests):
         yield build.build_all(build.Origin(f"{address}/{REPOSITORY}", REVISION))
 
@@ -237,7 +237,7 @@ def test_a_solved_notebook_of_each_stage_fetches_the_course(stage, course, colab
     assert "Ready:" in written(notebook, "stdout")
 
 
-# Name look-ups and new connections fail, but Jupyter can still reach its kernel on this machine.
+# Blocks name look-ups and new connections, but lets Jupyter reach its kernel on this machine.
 NO_NETWORK = """
 import socket
 def unreachable(*anything, **more): raise OSError("no network")

@@ -101,7 +101,7 @@ def questions(outcome):
 
 
 def test_a_canvas_attempt_has_one_attachment_for_each_lesson(course):
-    """For each lesson, the attachment with the highest number counts."""
+    """Of several attachments for a lesson, the one with the highest ID counts."""
     files = canvas_files(
         "Lovelace, Ada",
         4001,
@@ -135,7 +135,7 @@ def test_late_work_from_canvas_has_no_time(course):
     assert outcome.late == ["ada"]
     assert set(placed(course, "ada")) == {f"{SIX}.ipynb"}
     folders = [course.submitted / student / STAGE for student in ("ada", "bjorn")]
-    with pytest.raises(SubmissionTimeUnknown, match="marks it late"):
+    with pytest.raises(SubmissionTimeUnknown, match="shows it as late"):
         submission_time(folders[:1])
     assert submission_time(folders[1:]) is None
     (folders[0] / "timestamp.txt").write_text("2026-11-22 18:30:00 UTC")
@@ -143,7 +143,7 @@ def test_late_work_from_canvas_has_no_time(course):
 
 
 def test_a_late_mark_is_removed_with_the_next_archive(course):
-    """The due date in Canvas was changed before the second download."""
+    """A submission is no longer late if the due date in Canvas moves before the next download."""
     for late, modified in ((True, MONDAY), (False, TUESDAY)):
         files = canvas_files("Lovelace, Ada", 4001, [(1, f"{SIX}.ipynb", notebook())], late)
         outcome = collect(course, archive(course, files, when=modified))
@@ -153,7 +153,7 @@ def test_a_late_mark_is_removed_with_the_next_archive(course):
 @pytest.mark.parametrize("form", ["NFC", "NFD"])
 @pytest.mark.parametrize("flagged", [True, False], ids=["marked as UTF-8", "not marked"])
 def test_students_are_found_by_their_canvas_names(course, form, flagged):
-    """`cy` has no number on the roster. Canvas removes apostrophes, blanks and capital letters."""
+    """Canvas changes "O'Neil, Cy" to "oneilcy"; `cy` has no Canvas ID on the roster."""
     files = canvas_files("O'Neil, Cy", 4711, [(1, f"{SIX}.ipynb", notebook())])
     files += canvas_files("Müller, Björn", 4002, [(2, f"{SEVEN}.ipynb", notebook(SEVEN))])
     path = archive(course, [(unicodedata.normalize(form, name), data) for name, data in files])
@@ -163,7 +163,7 @@ def test_students_are_found_by_their_canvas_names(course, form, flagged):
 
 
 def forget_utf8(path):
-    """Clear the bits in a zip that mark names as UTF-8, because Canvas does not set them."""
+    """Clear the flags in a zip that mark names as UTF-8, because Canvas does not set them."""
     data = bytearray(path.read_bytes())
     for signature, offset in ((b"PK\3\4", 6), (b"PK\1\2", 8)):
         position = data.find(signature)
@@ -207,7 +207,7 @@ def test_the_command_asks_for_the_members_of_a_canvas_group(course):
 
 
 def test_unusual_file_names_are_recognised(course, anonymous_course):
-    """Canvas replaces characters that are not allowed in file names by `_`."""
+    """Canvas replaces each character that is not allowed in a file name with `_`."""
     name = f'a/b\\c:d*e?"f<g>h|{SIX} (1) Übung.ipynb'
     (made,) = canvas_files("Jr., Cy 2", 77, [(3, name, notebook())])
     assert made[0] == f"jrcy2_77_3_a_b_c_d_e_f_g_h_{SIX} (1) Übung.ipynb"
@@ -257,7 +257,7 @@ TIMES = {
 
 @pytest.mark.parametrize("language", TIMES)
 def test_names_and_times_are_read_from_moodles_worksheet(course, language):
-    """A worksheet has titles and dates in the teacher's language. This course uses UTC."""
+    """The titles and dates of a worksheet are in the teacher's language."""
     (course.root / "deadlines.toml").write_text('timezone = "UTC"\n')
     files = [
         *moodle_files("A. L.", 5001, [(f"{SIX}.ipynb", notebook())]),
@@ -304,7 +304,7 @@ def test_times_are_read_from_a_table_by_id(course):
 
 
 def test_a_table_of_late_students_is_enough_if_the_platform_marks_late_work(course):
-    """Canvas marks late submissions, so all others are on time. Folders have no such marks."""
+    """Files that Canvas did not mark as late are on time; folders carry no such marks."""
     table = course.root / "times.csv"
     table.write_text("id,Last modified (submission)\nada,2026-10-14 14:14:00 UTC\n")
     files = [
@@ -328,9 +328,9 @@ def test_the_error_about_a_table_without_times_lists_its_columns(course):
 
 
 def test_members_of_moodle_teams_are_named_by_options_or_the_worksheet(course):
-    """An option or a column of the worksheet names a team's members.
+    """The members of a team come from an option or from a column of the worksheet.
 
-    The default group has no number.
+    The folder of the default group has no number.
     """
     path = archive(
         course,
@@ -482,7 +482,7 @@ def test_a_file_of_another_stage_is_collected_if_the_stage_is_named(course):
 
 
 def test_only_changed_notebooks_of_a_whole_course_count(course):
-    """Only changed notebooks count if a student submits a zip of the whole course."""
+    """If a student submits a zip of the whole course, its unchanged notebooks do not count."""
     files = [
         (f"ada/lab/notebooks/{STAGE}/{SIX}.ipynb", notebook()),
         ("ada/lab/notebooks/stage1_ransac/01_point_clouds.ipynb", released("01_point_clouds")),
@@ -510,7 +510,7 @@ def test_modules_next_to_a_notebook_are_collected(course):
 
 
 def test_a_resubmitted_module_gets_its_original_name(course):
-    """Canvas adds a number to the name, with which the module cannot be imported."""
+    """Canvas adds a number to the name of a resubmitted file, so `import helper` would fail."""
     files = [
         (1, "helper.py", b"x = 1"),
         (2, "helper-1.py", b"x = 2"),
@@ -540,7 +540,7 @@ def test_unclear_files_are_asked_about_only_while_a_lesson_is_missing(course):
 
 
 def test_modules_named_like_a_lesson_are_asked_about_only_while_it_is_missing(course):
-    """A `.py` file is only mentioned if the notebook of its lesson was submitted."""
+    """If the lesson's notebook was submitted too, the `.py` file is only mentioned."""
     files = [(f"ada/{lesson}.py", b"x = 1") for lesson in (SIX, SEVEN)]
     files += [(f"ada/{SIX}.ipynb", notebook())]
     outcome = collect(course, archive(course, files))
@@ -554,7 +554,7 @@ def test_a_student_with_only_a_picture_is_named(course):
 
 
 def test_two_submitters_are_one_student_only_if_an_option_says_so(course):
-    """Otherwise the work of one student could be judged as that of another."""
+    """Otherwise, one student's work could be judged as another's."""
     files = [
         *canvas_files("Lovelace, Ada", 4001, [(1, f"{SIX}.ipynb", notebook(text="ada"))]),
         *canvas_files("Byron, Annabella", 77, [(2, f"{SIX}.ipynb", notebook(text="bella"))]),
@@ -572,7 +572,7 @@ def test_two_submitters_are_one_student_only_if_an_option_says_so(course):
 
 
 def test_an_untouched_copy_is_ignored(course):
-    """A second download has "(1)" in its name, so it looks newer."""
+    """An untouched second download, with "(1)" in its name, does not replace the student's work."""
     files = [(f"ada/{SIX}.ipynb", notebook()), (f"ada/{SIX} (1).ipynb", released())]
     collect(course, archive(course, files))
     assert placed(course, "ada") == {f"{SIX}.ipynb": notebook()}
@@ -606,7 +606,7 @@ def test_the_copy_with_the_highest_number_or_latest_time_counts(course):
 
 
 def test_copies_without_an_order_become_a_question(course):
-    """A zip from Moodle contains the times of the download."""
+    """Times in Moodle's zips do not decide, because they are only the times of the download."""
     names = (f"a/{SIX}.ipynb", f"b/{SIX}.ipynb")
     files = moodle_files("Ada Lovelace", 1, [(name, notebook(text=name)) for name in names])
     files[1] = (*files[1], (2027, 1, 1, 0, 0, 0))
@@ -705,7 +705,7 @@ def remark_texts(outcome):
 
 
 def test_the_owner_is_asked_for_once_in_a_stage(course):
-    """The next archive of the stage uses the answer. For another stage, the command asks again."""
+    """Later archives of the stage reuse the answer; the command asks again for another stage."""
     team = moodle_files("Team Rot", 77, [(f"{SIX}.ipynb", notebook())])
     first = archive(course, team, "first.zip", when=MONDAY)
     collect(course, first, who={"TEAM ROT_77": "ada,cy"})
@@ -727,7 +727,7 @@ def test_a_second_answer_replaces_the_first(course):
 
 @pytest.mark.parametrize("inside", ["", "hw/", "a/b/"])
 def test_an_archive_of_one_student_may_have_any_folders(course, inside):
-    """The message about a zip in a student's folder suggests this option."""
+    """The option suggested by the message about a student's zip works for folders of any depth."""
     packed = course.submitted / "cy" / STAGE / "my homework.zip"
     packed.parent.mkdir(parents=True)
     names = (SIX, SEVEN)
@@ -740,7 +740,7 @@ def test_an_archive_of_one_student_may_have_any_folders(course, inside):
 
 
 def test_an_answer_for_a_loose_file_does_not_affect_other_students(course):
-    """The file has the same name as the archive of the class."""
+    """The answer names the archive of the class, but only its loose file goes to that student."""
     files = [(f"{SIX}.ipynb", notebook()), (f"ada/{SEVEN}.ipynb", notebook(SEVEN))]
     path = archive(course, files)
     assert set(questions(collect(course, path))) == {"submissions"}
@@ -766,7 +766,7 @@ def test_a_submitter_outside_the_course_is_skipped_from_then_on(course):
 
 
 def test_the_owner_is_asked_for_again_after_leaving_the_roster(course):
-    """The other members of a team keep the team's submission."""
+    """Other members of the student's team keep the team's submission."""
     files = [(f"eve/{SIX}.ipynb", notebook()), (f"team/{SIX}.ipynb", notebook(text="team"))]
     path = archive(course, files)
     collect(course, path, who={"eve": "ada", "team": "bjorn,cy"})
@@ -788,7 +788,7 @@ def test_damaged_stored_answers_do_not_stop_collecting(course):
 
 
 def test_the_choice_between_two_copies_is_asked_for_once(course):
-    """A third notebook for the lesson asks the question again."""
+    """The question returns only if a third notebook for the lesson arrives."""
     pair = [
         (f"ada/one/{SIX}.ipynb", notebook(text="one"), MONDAY),
         (f"ada/two/{SIX}.ipynb", notebook(text="two"), MONDAY),
@@ -836,7 +836,7 @@ def files_below(root):
 )
 @pytest.mark.parametrize("within", ["", "homework.zip"])
 def test_names_cannot_lead_outside_the_folder(course, name, within, tmp_path):
-    """The notebook is still collected, because old zip programs write such names."""
+    """The notebook is collected into the folder, because old zip programs write such names."""
     data = zipped([(name, notebook())])
     files = [("ada/homework.zip", data)] if within else [("ada/" + name, notebook())]
     files_before = files_below(tmp_path)
@@ -928,7 +928,7 @@ def test_the_exit_status_is_1_while_questions_are_open(course, command, capsys):
     path = archive(course, [(f"ada/{SIX}.ipynb", notebook()), (f"eve/{SIX}.ipynb", notebook())])
     assert command(path) == 1
     output = capsys.readouterr().out
-    assert "an answer is needed" in output and "--who eve=ID" in output
+    assert "until you decide" in output and "--who eve=ID" in output
     assert (
         "Students on the roster without a submission: 2 (bjorn, cy)." in output
         and "xcused" not in output
@@ -951,7 +951,7 @@ def test_excused_students_are_not_reported_as_missing(course, command, capsys):
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (["none.zip"], "There is no file or folder"),
+        (["none.zip"], "does not exist"),
         (["damaged.zip"], "is not a complete zip"),
         (["empty"], " is empty."),
         ([".", "--who", "x=nobody"], "no student on the roster has the id nobody"),
@@ -973,7 +973,7 @@ def test_students_with_an_undecided_time_are_named(course, command, capsys):
     table.write_text("id,Last modified (submission)\nada,-\n")
     path = archive(course, [(f"ada/{SIX}.ipynb", notebook())])
     assert command(path, "--timestamps", table) == 0
-    assert "It is not known whether these students were late: ada." in capsys.readouterr().out
+    assert "Lateness is undecided for: ada." in capsys.readouterr().out
 
 
 def test_an_option_cannot_lead_to_another_folder(anonymous_course):
@@ -1058,20 +1058,20 @@ def test_an_ambiguous_row_is_not_used(course):
     table = course.root / "times.csv"
     table.write_text("name,Last modified (submission)\nYan Yip,2026-10-20 10:00:00 UTC\n")
     outcome = collect(course, archive(course, [(f"yan/{SIX}.ipynb", notebook())]), times=table)
-    reason = "the table of times has no row or several rows for this student"
+    reason = "the table of submission times has no row for this student, or several rows"
     assert outcome.undecided == {"yan": reason}
 
 
 @pytest.mark.parametrize(
     ("number", "email", "known"),
     [
-        (11, "ada@x.edu", False),  # her line again
-        (77, "ada@x.edu", True),  # her number identifies her
+        (11, "ada@x.edu", False),  # a second row with her number
+        (77, "ada@x.edu", True),  # her own number, 11, decides
         (77, "eve@x.edu", True),
     ],
 )
 def test_a_students_text_cannot_make_another_student_late(course, number, email, known):
-    """In Moodle's files, a quotation mark after a backslash does not end a cell."""
+    """A text cannot forge a row, because a quotation mark after a backslash does not end a cell."""
     with_roster(course, "ada,Ada,Lovelace,ada@x.edu,,", "eve,Eve,Evil,eve@x.edu,,")
     table = course.root / "worksheet.csv"
     early, late = "Saturday, 10 October 2026, 10:00 AM", "Tuesday, 20 October 2026, 10:00 AM"
@@ -1096,7 +1096,7 @@ def test_a_namesake_with_another_number_becomes_a_question(course):
     path = archive(course, files)
     outcome = collect(course, path)
     assert states(outcome) == {}
-    assert "the roster has the number 126 (yan), not 999" in questions(outcome)["yipyan_999"]
+    assert "with the number 126 (yan), not 999" in questions(outcome)["yipyan_999"]
     assert states(collect(course, path, who={"yipyan_999": "yan"})) == {"yan": {"06": "new"}}
 
 
@@ -1143,18 +1143,18 @@ def test_an_unexpected_error_in_a_zip_does_not_affect_other_students(course, mon
 
     def look(data, name):
         if data == b"PK!":
-            raise IndexError  # an unexpected error
+            raise IndexError  # an unforeseen error
         return original(data, name)
 
     monkeypatch.setattr(inspection, "_unpack", look)
     files = [("ada/h.zip", b"PK!"), (f"cy/{SIX}.ipynb", notebook())]
     outcome = collect(course, archive(course, files))
     assert states(outcome)["cy"] == {"06": "new"}
-    assert questions(outcome)["ada/h.zip"].startswith("cannot be opened. Look at it")
+    assert questions(outcome)["ada/h.zip"].startswith("cannot be opened. Inspect the file")
 
 
 def test_a_damaged_zip_is_read_or_reported():
-    """Most changed bytes are in the central directory. The seed is fixed."""
+    """Most of the randomly changed bytes are in the central directory."""
     whole = zipped([(f"{SIX}.ipynb", notebook()), ("mine.py", b"x = 1"), ("b/y.txt", b"y" * 50)])
     directory = whole.find(b"PK\1\2")
     contents.cache_releases()
@@ -1180,14 +1180,14 @@ def test_too_many_bytes_in_several_zips_are_refused(course, monkeypatch):
     files = [(f"ada/{n}.zip", data) for n, data in enumerate(archives)]
     assert sum(map(len, archives)) < 4000
     texts = questions(collect(course, archive(course, files)))
-    assert "is, with the student's other files, more than" in texts["ada/1.zip"]
+    assert "brings the student's total to more than" in texts["ada/1.zip"]
     inner = zipped([(f"{n}.zip", data) for n, data in enumerate(archives)])
     outcome = collect(course, archive(course, [("ada/all.zip", inner)], "inner.zip"))
     assert "unpacks to more than" in questions(outcome)["ada/all.zip"]
 
 
 def test_a_long_text_in_moodles_worksheet_is_read(course):
-    """The worksheet contains the online texts."""
+    """Online texts in the worksheet may exceed csv's default limit for a cell."""
     table = course.root / "worksheet.csv"
     rows = [(5001, "Ada Lovelace", "x" * 140_000, "ada@x.edu", "14 October 2026, 2:14 PM")]
     table.write_text(worksheet(rows), "utf-8")
@@ -1195,7 +1195,7 @@ def test_a_long_text_in_moodles_worksheet_is_read(course):
     code = "import sys, csv; sys.path.insert(0, '.'); from pathlib import Path; " + (
         "from grader.classroom.collect.worksheet import read_worksheet; "
         f"print(len(read_worksheet(Path({str(table)!r}), None).rows))"
-    )  # in its own process, in which other tests have not changed the limit
+    )  # in its own process, where no other test has raised the limit
     result = subprocess.run(
         [sys.executable, "-c", code], cwd=PROJECT, capture_output=True, text=True
     )

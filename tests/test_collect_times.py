@@ -1,4 +1,4 @@
-"""The time of a submission, for any order of archives and for runs that stop at any moment."""
+"""The time of a submission, with archives in any order and runs that stop at any moment."""
 
 import contextlib
 from datetime import UTC, datetime
@@ -41,7 +41,7 @@ def folder(course):
 
 
 def time_of(course):
-    """Return the time of the stage, or the reason why it is unknown."""
+    """Return the submission time of the stage, or the reason why it is unknown."""
     try:
         return submission_time([folder(course)])
     except SubmissionTimeUnknown as reason:
@@ -95,7 +95,7 @@ def test_a_time_written_by_hand_counts_for_all_files_in_the_folder(course):
 
 
 def test_the_time_of_files_that_were_not_collected_counts(course):
-    """nbgrader may have collected a notebook, together with its time."""
+    """A file that nbgrader collected earlier determines the stage's time if its time is later."""
     folder(course).mkdir(parents=True)
     (folder(course) / f"{EIGHT}.ipynb").write_bytes(notebook(EIGHT))
     (folder(course) / "timestamp.txt").write_text("2026-10-20 12:00:00.250000 UTC")
@@ -109,11 +109,11 @@ def test_an_unreadable_time_stays_undecided(course):
     collect(course, lesson(course, SIX), times=table(course, EARLY))
     (folder(course) / "timestamp.txt").write_text("Tuesday, I think")
     collect(course, lesson(course, SEVEN), times=table(course, EARLY))
-    assert time_of(course) == "timestamp.txt has no readable time"
+    assert time_of(course) == "timestamp.txt does not contain a valid time"
 
 
 class Stopped(BaseException):
-    """Raised instead of pressing Ctrl-C."""
+    """Stands in for Ctrl-C."""
 
 
 def stop_at(change, calls, number, after):
@@ -136,7 +136,7 @@ def stop_at(change, calls, number, after):
 def test_new_work_never_gets_the_time_of_old_work_if_a_run_is_stopped(
     tmp_path, monkeypatch, after, written_by
 ):
-    """Running the same command again completes the run."""
+    """Stop a run at each change in turn. Running the same command again completes the run."""
     for number in range(1, 30):
         course = make_course(tmp_path / str(number))
         first, second = resubmission(course, notebook(text="first"), notebook(text="second"))

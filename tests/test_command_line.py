@@ -51,7 +51,7 @@ def test_numbers_must_be_at_least_1(call, value, capsys):
 
 @pytest.fixture
 def course(tmp_path, monkeypatch):
-    """Return an empty course, which the commands use, and fail if they request a sandbox."""
+    """Return an empty course for the commands, and fail if they request a sandbox."""
     course = Course(tmp_path)
     monkeypatch.setattr(commands, "Course", lambda: course)
     monkeypatch.setattr(commands, "choose_sandbox", lambda *_: pytest.fail("requested a sandbox"))
@@ -61,8 +61,8 @@ def course(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("file", "says"),
     [
-        (PROJECT / "notebooks", "is a folder, but judge takes one notebook."),
-        (PROJECT / "nothing.ipynb", "There is no file"),
+        (PROJECT / "notebooks", "is a folder. Name one notebook,"),
+        (PROJECT / "nothing.ipynb", "nothing.ipynb does not exist."),
         (PROJECT / "README.md", "README.md is not a notebook"),
         (optional_lessons()[0].released, "is an optional lesson. It has no points"),
     ],
@@ -76,16 +76,16 @@ def test_an_archive_without_notebooks_is_an_error(course, capsys):
     status = cli.main(["collect", str(PROJECT / "README.md"), "--stage", "stage3_obstacles"])
     output = capsys.readouterr()
     assert status == 2
-    assert "These files contain no notebook of stage3_obstacles." in output.err
+    assert "The archive contains no notebook of stage3_obstacles." in output.err
     assert "1 file\n" in output.out and "Collecting" not in output.err
 
 
 @pytest.mark.parametrize(
     ("call", "says"),
     [
-        ("similarity stage1_ransac", "collect ARCHIVE --stage STAGE"),
+        ("similarity stage1_ransac", "collect ARCHIVE --stage stage1_ransac"),
         ("feedback", "There is no feedback to write yet."),
-        ("collect nothing.zip --stage stage1_ransac", "There is no file or folder nothing.zip."),
+        ("collect nothing.zip --stage stage1_ransac", "nothing.zip does not exist."),
         ("report", "Nothing has been graded yet."),
     ],
 )

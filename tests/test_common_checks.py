@@ -10,7 +10,7 @@ from grader.course.lessons import load_reference
 from tests.course_lessons import COURSE
 from utils.checks import checks_of, common_checks
 from utils.checks.core import run_check
-from utils.checks.run_cache import one_run
+from utils.checks.run_cache import cached_run
 
 LESSONS = {exercise.name: lesson.name for lesson in COURSE for exercise in lesson.machine_graded}
 for name in LESSONS:
@@ -18,7 +18,7 @@ for name in LESSONS:
 
 
 def parameter(made, argument=""):
-    """Return a common check as a test parameter. Lessons with speed checks are marked as slow."""
+    """Return a common check as a test parameter, marked as slow if its lesson has speed checks."""
     slow = pytest.mark.slow if LESSONS[made.case.exercise][:2] in ("10", "12") else ()
     exercise = made.case.exercise
     return pytest.param(made, argument, id=f"{exercise} {made.name} {argument}", marks=slow)
@@ -27,7 +27,7 @@ def parameter(made, argument=""):
 def failures(exercise, function):
     """Return the message of each visible check that a function fails, by the check's name."""
     function.__name__ = exercise
-    with one_run():
+    with cached_run():
         outcomes = [run_check(check, function) for check in checks_of(exercise)]
     return {outcome.check.name: str(outcome.failure) for outcome in outcomes if outcome.failure}
 
@@ -85,7 +85,7 @@ def with_answer(change):
 
 
 def indexes_intensity(cloud, *others):
-    cloud[:, 3]  # fails without a fourth column
+    cloud[:, 3]  # raises IndexError without a fourth column
     return cloud, *others
 
 
@@ -96,7 +96,7 @@ def adds_intensity(cloud, *others):
 
 
 def needs_a_point(cloud, *others):
-    cloud[0]  # fails without points
+    cloud[0]  # raises IndexError without points
     return cloud, *others
 
 
@@ -151,8 +151,8 @@ def test_a_broken_promise_fails_only_its_check(made, _):
 
 # ---- arguments stay unchanged -------------------------------------------------------------------
 
-# Changes of arguments that are hard to notice, because they affect a column, label or number that a
-# plain case does not contain. In other arguments, the last number changes.
+# Changes of arguments that are hard to notice, because they affect a column, label or number that
+# plain cases lack. `changes_last` changes arguments that are not listed here.
 SIDE_EFFECTS = {
     "cloud": lambda cloud: cloud[:, 3:].fill(0.0),
     "cluster_labels": lambda labels: np.copyto(labels, -1, where=labels == 0),
@@ -167,7 +167,7 @@ def changes_last(values):
 
 
 def changing_argument(right, given, argument):
-    """Return the right function with a side effect: it changes one of its arguments."""
+    """Return the right function with a side effect on one of its arguments."""
     position = list(given).index(argument)
 
     def function(*arguments, **named):
@@ -198,7 +198,7 @@ def test_changing_an_argument_fails_only_that_check(made, argument):
 
 
 def also_about_writing(exercise):
-    """Return the names of the other checks that fail if changing the result changes the input."""
+    """Return the names of the other checks that fail if a function changes its argument."""
     return {"returns_a_new_array"} if exercise == "filter_clusters" else set()
 
 
@@ -226,8 +226,8 @@ def test_a_common_check_belongs_to_its_lesson(made, _):
 
 def test_in_full_adds_missing_features_to_a_plain_case():
     plain = {"cloud": np.zeros((3, 3)), "cluster_labels": np.array([1, 2, 2]), "min_num_points": 3}
-    full = common_checks.extended(plain)
-    dark_cloud = common_checks.extended({"cloud": np.zeros((3, 4))})["cloud"]
+    full = common_checks.extend_arguments(plain)
+    dark_cloud = common_checks.extend_arguments({"cloud": np.zeros((3, 4))})["cloud"]
     assert dark_cloud.shape == (3, 4) and dark_cloud[:, 3].all()
     assert list(full) == list(plain) and full["min_num_points"] == 3
     assert full["cloud"].shape == (5, 4) and full["cloud"][:, 3].all()
@@ -241,13 +241,15 @@ def test_in_full_returns_complete_values_unchanged():
         "cluster_labels": np.array([0, 2, 2]),
         "line": np.array([0.6, 0.8, 1.0]),
     }
-    assert all(common_checks.extended(plain)[name] is value for name, value in plain.items())
+    assert all(
+        common_checks.extend_arguments(plain)[name] is value for name, value in plain.items()
+    )
 
 
 def test_a_line_through_the_origin_is_moved_away_from_it():
-    assert common_checks.extended({"line": np.array([0.6, -0.8, 0.0])})["line"][2] != 0
+    assert common_checks.extend_arguments({"line": np.array([0.6, -0.8, 0.0])})["line"][2] != 0
     flat = {"points": np.ones((4, 2))}
-    assert common_checks.extended(flat)["points"] is flat["points"], (
+    assert common_checks.extend_arguments(flat)["points"] is flat["points"], (
         "points on a map have two columns"
     )
 

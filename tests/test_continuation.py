@@ -37,7 +37,7 @@ CELLS = {
     "first": "print('first', numbers[0])",
     "wrong": "print('wrong', largest(numbers))\nraise ValueError('of the lesson')",
     "second check": "check(found_by)",
-    # `interact` of ipywidgets shows tracebacks in this way.
+    # This is how `interact` of ipywidgets shows tracebacks.
     "slider": "try:\n    print('shown', 1 + largest(numbers))\n"
     "except Exception:\n    get_ipython().showtraceback()",
 }
@@ -49,7 +49,7 @@ TWICE = "largest has not passed its check, so this cell continues with the cours
 
 
 def stored_answers():
-    """Return the stored answers that were recorded from the solved story."""
+    """Return stored answers, recorded while the solved functions ran."""
     namespace = {}
     exec(f"{RIGHT}\n{DEFINE_FOUND}", namespace)
     recorder = lent.Recorder(["largest"], ["found"], namespace)
@@ -65,7 +65,7 @@ def stored_answers():
 
 
 def run_story(monkeypatch, tmp_path, *sources):
-    """Run cells, given as names in the story or as code, and return the events of each."""
+    """Run cells, given by their name in CELLS or as code; return each with its results."""
     cells = [key_of_cell(code) for code in (SETUP, DEFINE_FOUND, *CELLS.values())]
     (tmp_path / "lesson_99.json").write_text(json.dumps(stored_answers()))
     (tmp_path / "cells.json").write_text(json.dumps({"99": cells}))
@@ -128,8 +128,8 @@ def test_a_students_cell_uses_the_students_function(run):
 def test_a_students_cell_says_which_names_come_from_the_course(run):
     ran = run("data", NOTHING, "look", "check", "use", "mine = top + 1", "print(mine)")
     assert ran[-2].displayed == [
-        "top was computed with the course's answer for largest. To compute it with yours, run the "
-        "cell that makes it again."
+        "top was computed with the course's answer for largest. To use yours, rerun the cell that "
+        "computes it."
     ]
     assert (
         ran[-1].displayed[0].startswith("mine was computed with the course's answer for largest.")
@@ -170,7 +170,7 @@ def test_the_students_function_is_restored_after_a_cell_that_fails_anyway(run):
     ran = run("data", NOTHING, "look", "check", "use", "wrong", own_cell, "check", "call")
     assert ran[5].errors == ["ValueError: of the lesson"]
     assert (ran[6].printed, ran[6].displayed, ran[6].errors) == ("mine None\n", [], [])
-    assert ran[7].errors == ["ChecksFailed: one check failed"]  # largest is written but wrong
+    assert ran[7].errors == ["ChecksFailed: one check failed"]  # `largest` is written but wrong
 
 
 def test_a_slider_that_fails_runs_with_the_courses_answer(run):
@@ -241,7 +241,7 @@ def test_a_right_answer_to_a_lesson_shows_no_banner(name):
 def test_every_cell_below_a_wrong_answer_runs_to_the_end(lesson):
     """After a wrong answer, no traceback shows course code, and every later cell runs to the end.
 
-    Only two answers are drawn for each exercise, because each answer runs a whole notebook.
+    Two answers are drawn for each exercise, because each answer takes a run of the notebook.
     """
     for exercise in lesson.machine_graded:
         wrong = [answer for answer in answers_to(exercise.name) if not answer.right]

@@ -1,4 +1,4 @@
-"""A whole course from release to export, with the real commands, and faults at every step."""
+"""A whole course, from release to export, with the real commands and faults at every step."""
 
 import csv
 import errno
@@ -68,7 +68,7 @@ def submit(course, student, lesson, text, when=None, name=None):
 
 @pytest.fixture(scope="module")
 def verdicts(tmp_path_factory, sandbox):
-    """Judge two students once. All copies of the course can use these verdicts."""
+    """Judge two students once; all copies of the course can use the verdicts."""
     texts = {"ada": answer(), "bob": answer("voxel_grid")}
     made = make_course(tmp_path_factory.mktemp("judged") / "course", LESSON, texts, sandbox)
     judge_it(made, sandbox)
@@ -139,10 +139,10 @@ def files(folder):
 
 
 def report_of(course):
-    """Return the report without times of day and durations."""
+    """Return the report's HTML without dates, durations and counts of judged notebooks."""
     page = (course.report / "index.html").read_text()
     page = re.sub(r"<h2>Slowest notebooks</h2>.*?</table>", "", page, flags=re.DOTALL)
-    page = re.sub(r" \([^)]*judged [^)]*\)", "", page)  # counts of this run and earlier runs
+    page = re.sub(r" \([^)]*judged [^)]*\)", "", page)  # notebooks judged now and earlier
     return re.sub(r"\d+ \w+ \d{4}, \d\d:\d\d|\b\d+(\.\d)? s(econds)?\b", "", page)
 
 
@@ -156,7 +156,7 @@ def set_due(course, stage, when):
 
 
 def by_hand(course, student, score):
-    """Enter a manual mark, as Formgrader does."""
+    """Enter a manual mark as Formgrader does."""
     with book_of(course) as book:
         grade = book.find_grade("write_up", WRITTEN.name, WRITTEN.stage, student)
         grade.manual_score, grade.needs_manual_grade = score, False
@@ -216,7 +216,7 @@ def test_a_course_runs_from_release_to_export(course, sandbox, capsys, monkeypat
     assert entered(course)["bob", LESSON.stage, LESSON.name] == 30
     assert mark_of(course, "erin") == (8, False)
 
-    # The mark stays if other text changes. If the answer changes, it must be graded again.
+    # The mark stays if other text changes. If the answer changes, a person must grade it again.
     submit(course, "erin", WRITTEN, with_report(REPORT).replace("# 12 ·", "# Mine: 12 ·"))
     assert grade(course, sandbox, [WRITTEN.stage]) == commands.SUCCESS
     assert mark_of(course, "erin") == (8, False)
@@ -297,7 +297,7 @@ def test_an_unreadable_time_is_named(course, sandbox, capsys):
     assert grade(course, sandbox) == commands.SUCCESS
     output = capsys.readouterr()
     assert "The gradebook is not complete" not in output.err
-    assert "ada, stage3_obstacles: timestamp.txt has no readable time" in output.out
+    assert "ada, stage3_obstacles: timestamp.txt does not contain a valid time" in output.out
     assert entered(course)["ada", LESSON.stage, LESSON.name] == 30
 
 
@@ -376,7 +376,7 @@ def test_partial_files_of_an_earlier_run_are_removed(course, sandbox):
 @pytest.mark.slow
 @pytest.mark.parametrize("writes", [0, 1, 2, 3, 4, 5])
 def test_a_full_disk_is_reported_and_loses_nothing(writes, course, sandbox, monkeypatch, capsys):
-    """The disk is full after `writes` files, which are verdicts, fingerprints or the report."""
+    """The disk is full after `writes` files: verdicts, fingerprints or the report."""
     left, replace = [writes], os.replace
 
     def replace_until_full(*arguments):
@@ -385,7 +385,7 @@ def test_a_full_disk_is_reported_and_loses_nothing(writes, course, sandbox, monk
             raise OSError(errno.ENOSPC, "No space left on device")
         return replace(*arguments)
 
-    shutil.rmtree(course.verdicts)  # then also the record of the rehearsal is written again
+    shutil.rmtree(course.verdicts)  # includes the record of the rehearsal
     monkeypatch.setattr(commands, "Course", lambda: course)
     call = ["grade", "--seed", str(SEED), "--sandbox", sandbox.name]
     with monkeypatch.context() as patch:
@@ -420,7 +420,7 @@ def test_students_may_have_unusual_names(course, sandbox):
 
 
 def run_in_a_child(course, sandbox, after, number):
-    """Grade in a child process, and send it a signal after `after` seconds if it still runs.
+    """Grade in a child process, and send it a signal if it still runs after `after` seconds.
 
     Return "killed" if the signal ended the process, and otherwise "ended".
     """
@@ -449,7 +449,7 @@ def run_in_a_child(course, sandbox, after, number):
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL], ids=lambda number: number.name)
 @pytest.mark.parametrize("moments", [5, 50], ids=["five", "fifty"])
 def test_a_killed_run_is_completed_by_the_same_command(course, sandbox, number, moments):
-    """The signal arrives while the run is judging, writing the gradebook or writing the report."""
+    """The signals arrive while the run is judging, entering marks or writing the report."""
     for student in ("carol", "dave"):
         submit(course, student, LESSON, answer("voxel_grid"))
     submit(course, "erin", WRITTEN, with_report(REPORT))
@@ -483,7 +483,7 @@ def test_a_killed_run_is_completed_by_the_same_command(course, sandbox, number, 
             assert files(course.autograded) == copies
             assert report_of(course) == report
             assert not list(course.root.rglob("*.part"))
-    assert killed > 0.1 * moments  # on a busy machine the first run may take twice as long
+    assert killed > 0.1 * moments  # on a busy machine, the first run may have taken twice as long
 
 
 @pytest.mark.death

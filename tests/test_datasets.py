@@ -1,4 +1,4 @@
-"""Named samples: the search for files, the cache, and interrupted downloads.
+"""Named samples of recordings: finding files, the cache, and interrupted downloads.
 
 The only server in these tests listens on the loopback address.
 """
@@ -173,7 +173,7 @@ class TestDownload:
     def test_the_next_session_resumes_a_download(self, server, tmp_path):
         server.files["/a.bin"] = self.data
         server.breaks = [30_000, 0]
-        with pytest.raises(DownloadError, match="What has arrived is kept"):
+        with pytest.raises(DownloadError, match="continues where it stopped"):
             download(f"{server.address}/a.bin", tmp_path / "a.bin")
         assert (tmp_path / "a.bin.part").stat().st_size == 30_000
         download(f"{server.address}/a.bin", tmp_path / "a.bin")
@@ -208,7 +208,7 @@ class TestDownload:
 
 
 def kitti_archives():
-    """Yield the address and content of each of the three zip archives of a drive of two frames."""
+    """Yield the address and content of each of the three zip archives of a two-frame drive."""
     scan = struct.pack("<4f", 5, 0, -1, 0.5)
     sync = "2011_09_26/2011_09_26_drive_0005_sync"
     files = {
@@ -234,7 +234,7 @@ def kitti_archives():
 class TestFetchRecording:
     @pytest.fixture
     def city(self, server, monkeypatch):
-        """Replace udacity_city by a small recording on the loopback server."""
+        """Replace udacity_city with a small recording on the loopback server."""
         clouds = [np.full((2, 4), number, np.float32) for number in range(12)]
         names = {f"{number}.pcd": None for number in range(12)}
         for name, cloud in zip(names, clouds, strict=True):
@@ -291,6 +291,6 @@ class TestFetchRecording:
             for name in source.files
         ]
         assert len(urls) == 22 + 154 + 3 + 3
-        assert len(set(urls)) == len(urls) - 1  # the two drives share the calibration of their day
+        assert len(set(urls)) == len(urls) - 1  # the two drives of one day share its calibration
         assert urls[0].endswith("/src/sensors/data/pcd/data_1/0000000000.pcd")
         assert all(url.startswith("https://") for url in urls)

@@ -1,4 +1,4 @@
-"""Dates in deadlines.toml are copied to the gradebook, so that every penalty agrees with them."""
+"""Dates in deadlines.toml are copied to the gradebook, so every penalty agrees with them."""
 
 import shutil
 from datetime import UTC, datetime, timedelta
@@ -72,7 +72,7 @@ def test_the_due_date_of_a_stage_is_copied_to_the_gradebook(course):
     with gradebook.open_gradebook(course) as book:
         assert book.find_assignment(STAGE).duedate == datetime(2026, 3, 1, 11)
     assert lateness(course) == dict.fromkeys(EARNED, timedelta(hours=1))
-    assert grade_with(course, HEAD.replace("T12", "T14")) == {}  # the due date moves
+    assert grade_with(course, HEAD.replace("T12", "T14")) == {}  # the due date moves to 14:00
 
 
 def test_a_section_may_have_its_own_due_date(course):
@@ -128,7 +128,7 @@ def test_an_extension_across_a_change_of_clocks_ends_at_the_right_second(course,
 def test_dates_removed_from_the_file_are_removed_from_the_gradebook(course):
     section = f"[{STAGE}.sections]\nB = 2026-02-28T12:00:00\n"
     assert set(grade_with(course, HEAD + section)) == set(EARNED)
-    grade_with(course, HEAD.replace("-01T", "-02T"))  # another date in between
+    grade_with(course, HEAD.replace("-01T", "-02T"))  # changes the date temporarily
     others = 'timezone = "Europe/Berlin"\n[stage1_ransac]\ndue = 2026-03-01T12:00:00\n'
     assert "bob" in grade_with(course, HEAD + section)
     assert grade_with(course, others) == {}
@@ -151,7 +151,7 @@ def test_a_manual_date_returns_when_the_date_in_the_file_is_removed(course):
     grade_with(course, "")
     assert lateness(course) == dict.fromkeys(EARNED, timedelta(hours=2))
     grade_with(course, HEAD.replace("T12", "T18"))
-    with gradebook.open_gradebook(course) as book:  # a date entered after ours also stays
+    with gradebook.open_gradebook(course) as book:  # a date that a person enters later is also kept
         book.update_or_create_assignment(STAGE, duedate="2026-03-01 09:00:00")
     grade_with(course, "")
     assert lateness(course) == dict.fromkeys(EARNED, timedelta(hours=3))
@@ -213,7 +213,7 @@ def test_a_manual_extension_counts_until_the_file_names_the_student(course):
     assert "ada" not in grade_with(course, HEAD)
     (sentence,) = note_texts(course)
     assert sentence.startswith(f"ada, {STAGE}: the gradebook grants more time than deadlines.toml")
-    line = sentence.partition("students]: ")[2].partition(". To replace")[0]
+    line = sentence.partition("students]: ")[2].partition(". To change")[0]
     assert line == '"ada" = 2026-03-04T11:00:00Z'
     assert "ada" not in grade_with(course, f"{HEAD}[{STAGE}.students]\n{line}\n")
     assert note_texts(course) == []

@@ -1,4 +1,4 @@
-"""Due dates of the class, of sections and of single students, with extensions and excuses."""
+"""Due dates of the class, of sections and of individual students, with extensions and excuses."""
 
 import os
 import time
@@ -163,9 +163,9 @@ def test_students_may_have_their_own_dates_without_a_roster(course):
             "[stage1_ransac.students], Anna: no student on the roster has this id. Write anna.",
         ),
         ('[stage1_ransac.students]\nzoe = "excused"', "Correct it, or add a line to roster.csv."),
-        ('timezone = "Europe/Berlyn"', "this machine does not know the timezone 'Europe/Berlyn'."),
-        ('timezone = "../../etc/passwd"', "does not know the timezone"),
-        ("timezone = 2", "does not know the timezone 2."),
+        ('timezone = "Europe/Berlyn"', "the timezone 'Europe/Berlyn' is unknown"),
+        ('timezone = "../../etc/passwd"', "is unknown on this machine"),
+        ("timezone = 2", "the timezone 2 is unknown"),
     ],
 )
 def test_errors_name_the_entry_and_suggest_a_fix(course, written, says):

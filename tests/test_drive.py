@@ -63,7 +63,7 @@ def find_nothing(cloud):
 # The planner -------------------------------------------------------------------------------
 
 
-# Computed by hand: the distance in 0.5 s, plus the square of the speed over 14 m/s².
+# Computed by hand: the distance in 0.5 s, plus the square of the speed divided by 14 m/s².
 @pytest.mark.parametrize(
     ("speed", "metres"), [(0, 0.0), (7, 3.5 + 3.5), (14, 7.0 + 14.0), (2.8, 1.4 + 0.56)]
 )
@@ -94,7 +94,7 @@ def test_the_car_brakes_fully_for_obstacles_that_are_too_near():
     assert plan(7.0, 7.0, [thing(2.6 + 4.0)]).acceleration == -7.0
 
 
-# The corridor reaches 1.3 m to either side: half of the car and 0.4 m. The box is 1 m wide.
+# The corridor extends 1.3 m to either side: half the car's width plus 0.4 m. The box is 1 m wide.
 @pytest.mark.parametrize("y", [1.79, -1.79])
 def test_boxes_that_reach_into_the_corridor_count(y):
     assert room(thing(10.0, y), 7.0) == pytest.approx(7.4)
@@ -133,12 +133,12 @@ def test_a_box_on_the_bonnet_stops_the_car_forever():
     decision = plan(7.0, 7.0, [thing(0.9, length=1.4)])
     assert decision.acceleration == -7.0
     assert plan(0.0, 7.0, [thing(0.9, length=1.4)]).acceleration <= 0.0
-    along = thing(0.9, length=1.4, forward=7.0)  # a tracker sees it move with the ego car
+    along = thing(0.9, length=1.4, forward=7.0)  # to a tracker, it moves with the ego car
     assert plan(7.0, 7.0, [along]).acceleration == -7.0
 
 
 def test_a_moving_car_ahead_needs_less_room():
-    # If both cars drive at 7 m/s, the ego car needs the distance of half a second plus 2 m.
+    # If both cars drive at 7 m/s, the ego car needs the distance that it covers in 0.5 s, plus 2 m.
     assert needed_room(thing(10.0, forward=7.0), 7.0) == pytest.approx(5.5)
     assert needed_room(thing(10.0), 7.0) == pytest.approx(9.0)
     assert plan(7.0, 7.0, [thing(2.6 + 6.0, forward=7.0)]).acceleration == 0.0
@@ -169,7 +169,7 @@ def test_the_car_brakes_for_an_obstacle_in_three_consecutive_scans():
 
 
 def decide(*scans, speed=7.0):
-    """Return the planner's decision for each scan, which is a list of things."""
+    """Return the planner's decision for each scan; a scan is a list of things."""
     planner = Planner()
     return [planner.decide(speed, 8.0, things) for things in scans]
 
@@ -186,7 +186,7 @@ def test_three_obstacles_in_one_scan_each_do_not_stop_the_car():
 
 
 def test_unseen_tracks_over_the_car_do_not_count():
-    """The track of a raindrop coasts with the ego car, and other drops sometimes confirm it."""
+    """A track that coasts with the ego car counts only if it is seen in most scans."""
     drops = [thing(0.9, length=1.4, seen=scan % 3 == 0) for scan in range(24)]
     assert {decision.cause for decision in decide(*([drop] for drop in drops))} == {None}
     dirt = [thing(0.9, length=1.4, seen=scan % 3 > 0) for scan in range(24)]
@@ -194,14 +194,14 @@ def test_unseen_tracks_over_the_car_do_not_count():
 
 
 def test_raindrops_over_the_car_do_not_stop_it():
-    """Each scan has raindrops, at least half a metre away from those in the previous scan."""
+    """In each scan, the raindrops are at least half a metre from those in the previous scan."""
     ends = np.tile([0.2, 1.4, 0.7, 1.9, -0.8], 12)
     for decision in decide(*([thing(end, length=1.0)] for end in ends)):
         assert decision.cause is None and decision.acceleration > 0
 
 
 def test_dirt_on_the_bonnet_stops_the_car_after_a_second():
-    ends = 0.9 + np.tile([0.0, 0.1, -0.1], 5)  # thinned to patches of 0.2 m
+    ends = 0.9 + np.tile([0.0, 0.1, -0.1], 5)  # varies because voxels have sides of 0.2 m
     brakes = [
         decision.cause is not None
         for decision in decide(*([thing(end, length=1.4)] for end in ends))
@@ -210,7 +210,7 @@ def test_dirt_on_the_bonnet_stops_the_car_after_a_second():
 
 
 def test_the_car_brakes_as_soon_as_a_hidden_person_steps_off_the_kerb():
-    """The distance does not matter, and raindrops do not hide the person."""
+    """The car brakes whatever the distance to the person, with and without raindrops."""
     drops, nothing = [thing(0.5)], []
     for metres in (0.1, 1.0, 6.0):
         person = thing(2.6 + metres, -1.5, length=0.5, width=0.5)
@@ -221,21 +221,21 @@ def test_the_car_brakes_as_soon_as_a_hidden_person_steps_off_the_kerb():
 
 
 def test_road_users_who_approach_from_the_side_count_as_ahead():
-    """Their predicted position overlaps the ego car, but not their present one."""
+    """Their predicted position overlaps the ego car, although their present one does not."""
     cyclist = thing(9.0, 4.0, forward=-6.0, left=-2.0, length=1.8, width=0.6)
     assert room(cyclist, 8.0) < -0.5
     assert decide(*[[cyclist]] * 3, speed=8.0)[-1].cause is cyclist
 
 
 def test_boxes_that_extend_forward_from_the_car_count_as_ahead():
-    """One box contains raindrops and a person 2 m ahead. Another contains all points and jumps."""
+    """Such boxes may contain raindrops and a person 2 m ahead, or all points of a scan."""
     both, everything = thing(0.5, length=4.6), [thing(-20.0 - jump, length=60.0) for jump in (0, 3)]
     assert decide(*[[both]] * 3)[-1].cause is both
     assert decide(*([box] for box in everything * 2))[-1].cause is everything[1]
 
 
 def test_the_car_waits_for_a_person_next_to_the_bumper():
-    """The box of a person close to the bumper may begin behind the bumper."""
+    """A person next to the bumper counts, even if the box begins behind the bumper."""
     person = thing(2.2, 1.2, length=0.5, width=0.5)
     assert decide(*[[person]] * 4, speed=0.0)[-1].cause is person
 
@@ -256,7 +256,7 @@ def test_speeds_over_ground_are_estimated_from_a_moving_car():
 
 
 def test_a_jumping_box_has_no_speed():
-    """A box may jump because it grows and includes a neighbouring obstacle."""
+    """A box may jump because it grows to include a neighbouring obstacle."""
     motion = Motion()
     for scan in range(14):
         aside = 5.0 - 1.2 * (scan >= 7)
@@ -278,7 +278,7 @@ ALPHA_BETA = Tracker(
 @pytest.mark.parametrize("tracker", [None, ALPHA_BETA], ids=["the given motion", "a tracker"])
 @pytest.mark.parametrize("side", [-1, 1])
 def test_a_car_whose_box_shrinks_to_one_side_has_no_speed(tracker, side):
-    """From the tenth scan, its box contains only the side that faces the ego car's lane."""
+    """From the tenth scan on, the box contains only the side that faces the ego car's lane."""
     motion = motion_by(tracker)
     for scan in range(20):
         width = 1.6 if scan < 10 else 0.15
@@ -288,7 +288,7 @@ def test_a_car_whose_box_shrinks_to_one_side_has_no_speed(tracker, side):
 
 
 def match_all_with_first(previous, current, max_distance):
-    """Match every box with the first one, which is wrong."""
+    """Wrongly match every box with the first one."""
     return np.full(len(current), -1 if len(previous) == 0 else 0)
 
 
@@ -376,7 +376,7 @@ def test_a_failing_matching_is_reported_as_a_problem(partners, said):
 
 
 def test_the_students_tracker_estimates_velocities():
-    """The tracker works in coordinates of the ego car, in which parked cars move."""
+    """The estimates are right although the tracker uses ego coordinates, where parked cars move."""
     for _ in range(2):  # the second drive starts without tracks
         motion = motion_by(ALPHA_BETA)
         for scan in range(20):
@@ -472,7 +472,7 @@ def test_the_detector_gets_only_the_scan():
 
     def detect(cloud):
         seen.append(cloud)
-        cloud[:] = 0.0  # the detector may change its copy
+        cloud[:] = 0.0  # a detector may change its copy of the cloud
         return find_nothing(cloud)
 
     trip = drive(straight(), detect, seconds=0.5, clock=on_time, sensor=COARSE)
@@ -503,7 +503,7 @@ def test_with_true_boxes_the_car_stops_for_a_child_and_drives_on():
 
 
 def test_braking_for_an_empty_box_is_needless():
-    ghost = box(9.0, 0.0)[None] + (0, 0, 0.5)  # above the road
+    ghost = box(9.0, 0.0)[None] + (0, 0, 0.5)  # above the road, where it contains no returns
     trip = drive(straight(), lambda cloud: ghost, seconds=1.5, clock=on_time, sensor=COARSE)
     braking = measure(trip).brakings[0]
     assert braking.needless and braking.reason == "a box without returns"
@@ -643,7 +643,7 @@ def test_each_braking_in_a_notebook_links_to_its_frame():
     assert page.count("<details>") == len(trip.report.brakings) > 0
     assert page.count("data:image/png;base64,") == len(trip.report.brakings)
     assert "<script" not in page and "needless" in page and "aria-label" in page
-    # If the parent had the role of an image, screen readers would skip the links to frames.
+    # With role='img', screen readers would skip the links inside the SVG.
     assert "<svg" in page and "<a href='#braking-" in page and "role='img'" not in page
 
 
@@ -654,7 +654,7 @@ def test_films_and_pages_are_written(tmp_path):
     assert Image.open(tmp_path / "film.gif").n_frames == 3 and "street 1" in message
     trip.save(tmp_path / "strip.html")
     assert "<svg" in (tmp_path / "strip.html").read_text("utf-8")
-    with pytest.raises(ValueError, match="films end in"):
+    with pytest.raises(ValueError, match="film must end in"):
         trip.save(tmp_path / "film.avi")
 
 
@@ -675,7 +675,7 @@ def test_the_command_explains_errors(tmp_path, capsys):
     assert command.main([str(tmp_path / "none.ipynb")]) == 2
     assert "There is no notebook" in capsys.readouterr().out
     assert command.main(["--to", "film.mp4"]) == 2
-    assert "A film shows a single street" in capsys.readouterr().out
+    assert "--to writes one street" in capsys.readouterr().out
     for wrong in (["--street", "21"], ["--to", "film.avi"], ["--seconds", "no"]):
         with pytest.raises(SystemExit):
             command.main(wrong)
@@ -731,7 +731,7 @@ def above(metres):
 
 
 def half_width(metres):
-    low, high = (-5, -metres, -2.5), (35, metres, 1)  # the region of lesson 07
+    low, high = (-5, -metres, -2.5), (35, metres, 1)  # like the region of lesson 07
     return chain(region=lambda points: points[((points >= low) & (points <= high)).all(axis=1)])
 
 
@@ -751,8 +751,8 @@ def along_the_axes(points, labels):
     return np.reshape(rows, (-1, 8, 3))
 
 
-# Claims of lessons about drives: a street, a detector, words that the report of the drive must
-# contain, and words that it must not contain.
+# Claims that lessons make about drives: a street, a detector, words that the report of the drive
+# must contain, and words that it must not contain.
 CLAIMS = {
     "06: -1.2 m keeps asphalt": (6, above(-1.2), "road mistaken for an obstacle", "hits"),
     "06: -0.6 m does not stop the car": (6, above(-0.6), "", "needless"),
@@ -800,7 +800,7 @@ def test_the_first_box_that_blocks_the_lane_agrees_with_lesson_08(degrees, first
 @pytest.mark.proof
 @pytest.mark.parametrize(("threshold", "shared", "scans"), [(0.5, 3, 10), (0.6, 13, 14)])
 def test_lesson_05_states_how_often_two_people_share_a_box(threshold, shared, scans):
-    """The scan knows which object each point belongs to. Each person needs ten points."""
+    """Compare clusters of ten or more points with the true object of each point."""
     calls, cluster = [], DBSCAN(eps=threshold, min_samples=1)
 
     def clusters(points):
@@ -822,7 +822,7 @@ def test_lesson_05_states_how_often_two_people_share_a_box(threshold, shared, sc
     assert (sum(together), len(together)) == (shared, scans)
 
 
-# Names of wrong detectors, a street, and words in the report of the drive.
+# Wrong detectors, each with a street and words that the report of its drive contains.
 WRONG = [
     ("returns no boxes", 2, "never had a box"),
     ("one box around everything", 1, "needless: "),

@@ -1,4 +1,4 @@
-"""Edits that undo a slip, which is a mistake caused by one small edit."""
+"""Edits that undo a slip, which is a mistake of one small edit."""
 
 import ast
 import textwrap
@@ -8,7 +8,7 @@ import pytest
 from utils.notebooks import slicing
 from utils.notebooks.edits import MOST_EDITS, edits_of
 
-# Wrong and right lines for the body of a function with the parameters x, y, z, n and node.
+# Wrong and right lines of a function body; the parameters are x, y, z, n and node.
 SLIPS = {
     "an operator": ("return x + y * z", "return x + y / z"),
     "a sign": ("return a, b, -(a * x + b * y)", "return a, b, a * x + b * y"),
@@ -54,6 +54,36 @@ SLIPS = {
     "the order of two returned values": ("return x, y", "return y, x"),
     "the order of three returned values": ("return x, y, z", "return z, x, y"),
     "names": ("dx = x\nreturn dx + y", "dx = y\nreturn dx + y"),
+    "not and and for masks": ("return x[y and not z]", "return x[(y) & ~(z)]"),
+    "parentheses around comparisons": (
+        "return x[x == 0 & y == 0 & z == 0]",
+        "return x[(x == 0) & (y == 0) & (z == 0)]",
+    ),
+    "a tuple in arithmetic": ("return x + (y - z)", "return x + (np.array(y) - z)"),
+    "two parameters exchanged in a statement": (
+        "a = y < x\nb = (y > x) & (z > y)\nreturn a & b",
+        "a = y < x\nb = (z > x) & (y > z)\nreturn a & b",
+    ),
+    "a count that is never updated": (
+        "best = 0\nfor k in x:\n    n = f(k)\n    if n > best:\n        y = k\nreturn y",
+        "best = 0\nfor k in x:\n    n = f(k)\n    if n > best:\n        y = k\n"
+        "        best = n\nreturn y",
+    ),
+    "a statement that comes too late": (
+        "for k in x:\n    f(k)\n    y += k\n    z.append(k)\nreturn z",
+        "for k in x:\n    z.append(k)\n    f(k)\n    y += k\nreturn z",
+    ),
+    "row numbers for a mask": (
+        "if z:\n    return y, n\nreturn y, n",
+        "if z:\n    return y, np.isin(np.arange(len(x)), n)\n"
+        "return y, np.isin(np.arange(len(x)), n)",
+    ),
+    "a missing assignment in an if": (
+        "for k in x:\n    if k:\n        y = k\n    else:\n        z = k\nreturn y, z",
+        "for k in x:\n    if k:\n        y = k\n        z = k\n    else:\n        z = k\n"
+        "return y, z",
+    ),
+    "one truth value of an array": ("if x == y:\n    return z", "if (x == y).all():\n    return z"),
     "the other child": ("node.left = x", "node.right = x"),
     "min and max": ("return x.min(), x.max()", "return x.max(), x.max()"),
     "a return one level out": (
@@ -204,7 +234,7 @@ def test_a_slip_is_one_edit_away(slip):
 
 @pytest.mark.parametrize("slip", SLIPS)
 def test_the_lines_of_an_edit_form_its_statement(slip):
-    """The function has a decorator, and the text before it contains multi-byte characters."""
+    """The lines are right even after multi-byte characters and in a decorated function."""
     wrong = function('"""Länge, in m²."""\n' + SLIPS[slip][0])
     cells = ["import math\n", f"é = '²'\n\n@staticmethod\n{wrong}\nprint(é)"]
     edits = edits_in(*cells)
@@ -235,6 +265,22 @@ def test_moving_a_return_one_level_out_is_tried_first():
 
 
 @pytest.mark.slow
+def test_similar_names_are_exchanged_early():
+    """In a function with many names, other edits would otherwise use up the limit."""
+    code = """
+def line_through(p, q):
+    (px, py), (qx, qy) = p, q
+    length = math.dist(p, q)
+    if length == 0:
+        return None
+    a = (py - qy) / length
+    b = (qx - px) / length
+    return a, b, -(a * px + b * qy)
+"""
+    texts = [edit.text.strip() for edit in edits_in(code)]
+    assert "return a, b, -(a * px + b * py)" in texts[:200]
+
+
 def test_the_number_of_edits_is_limited():
     long = function("\n".join(f"x{k} = x + {k} * y - n" for k in range(100)))
     assert len(edits_in(long)) == MOST_EDITS

@@ -102,7 +102,7 @@ def test_students_who_leave_the_roster_keep_their_marks_and_are_named(course):
         marks(course)["bob", "test_filter_by_distance"][0] == 18
     )  # other students are still graded
     (sentence,) = notes(course, class_results(course), None)
-    assert sentence.startswith("'ada' has marks in the gradebook and is not on the roster")
+    assert sentence.startswith("'ada' has marks in the gradebook but is not on the roster")
     assert sentence.endswith("nbgrader db student remove ada --force")
 
 
@@ -198,7 +198,7 @@ def test_both_possible_owners_of_a_folder_are_named(course):
     submit(course, "yanyip", GROUND)
     (sentence,) = unmatched_folders(course, read_roster(course)).values()
     assert (
-        "It may belong to yan (Yan Yip) or yan2 (Yan Yip): rename the folder to the right"
+        "It may belong to yan (Yan Yip) or yan2 (Yan Yip). Rename the folder to the right"
         in sentence
     )
 

@@ -87,7 +87,7 @@ PLANE = find_lesson("03_ransac_plane")
 
 @pytest.fixture
 def copied(tmp_path, monkeypatch):
-    """Copy the source and the solution of the lesson on planes, so that tests can change them."""
+    """Return the lesson on planes with copies of its source and solution that tests can change."""
     folder = tmp_path / "solutions" / PLANE.name
     folder.mkdir(parents=True)
     shutil.copy(PLANE.source, folder)
@@ -96,12 +96,12 @@ def copied(tmp_path, monkeypatch):
     monkeypatch.setattr(Lesson, "solved", folder.parent / PLANE.solved.name)
     monkeypatch.setattr(
         judging, "verdict_key", lambda *about: ""
-    )  # it covers only the project's files
+    )  # the key covers only the project's own files
     return Lesson(PLANE.name, PLANE.stage)
 
 
 def add_slip(path):
-    """Add a slip to plane_through: its normals do not have unit length."""
+    """Add a slip to plane_through, so that its normals do not have unit length."""
     text = path.read_text("utf-8")
     assert text.count("normal = normal / length") == 1
     path.write_text(text.replace("normal = normal / length", "normal = normal * length"), "utf-8")
@@ -111,7 +111,7 @@ def add_slip(path):
 def test_a_slip_in_an_unbuilt_source_has_no_effect(copied, sandbox, tmp_path):
     path = tmp_path / PLANE.solved.name
     shutil.copy(PLANE.solved, path)
-    add_slip(path)  # the student's own slip
+    add_slip(path)  # the student submits the slip too
     add_slip(copied.source)
     results = {exercise.name: exercise for exercise in judge(path, 7, sandbox, copied).exercises}
     assert results["plane_through"].score < results["plane_through"].max_score
@@ -121,6 +121,6 @@ def test_a_slip_in_an_unbuilt_source_has_no_effect(copied, sandbox, tmp_path):
 
 @pytest.mark.slow
 def test_a_slip_in_the_built_solution_is_found_before_judging(copied, sandbox):
-    find_fault = judging.complaints_about_reference.__wrapped__  # without its cache
+    find_fault = judging.complaints_about_reference.__wrapped__  # bypasses the cache
     add_slip(copied.solved)
     assert any(text.startswith("plane_through, ") for text in find_fault(copied, 7, sandbox))

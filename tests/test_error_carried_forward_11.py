@@ -11,7 +11,7 @@ from utils.checks.core import ChecksFailed
 pytestmark = pytest.mark.slow
 
 LESSON = find_lesson("11_pca_boxes")
-# A solution that follows the hints of the lesson and uses any principal_axes.
+# An answer that follows the lesson's hints and calls the notebook's principal_axes.
 AS_HINTED = """\
 def get_oriented_boxes(cloud, cluster_labels):
     names = np.unique(cluster_labels[cluster_labels > 0])

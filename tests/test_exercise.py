@@ -1,4 +1,4 @@
-"""Checks that an exercise declares as examples and common checks."""
+"""Checks that an exercise declares: examples and common checks."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ WORDS = {"why": "It matters.", "hint": "Look."}
 
 @pytest.fixture
 def total(monkeypatch):
-    """Return an exercise on plain lists."""
+    """Return an exercise whose input is a plain list."""
     monkeypatch.setattr(core, "_CHECKS", {})
     exercise = Exercise(
         __name__, "total", {"numbers": [3.0, 4.0], "start": 1}, 8.0, title="Adds", weight=3, **WORDS

@@ -1,4 +1,4 @@
-"""Export of marks: the table of the class, the marks of an assignment, and the file paths."""
+"""Exports of marks: the table of the class, the marks of an assignment, and the file paths."""
 
 import csv
 import dataclasses
@@ -149,7 +149,7 @@ def test_totals_of_missing_excused_and_auditing_students_are_empty():
     assert [row[10] for row in rows[2:]] == ["marked; missing: " + SEVEN, EXCUSED, AUDITOR, MISSING]
     found, points = marks(SIX, results)
     assert points == {"ada": 0.0}
-    assert "Without a mark, because they audit the course: cy." in found.notes
+    assert "No mark, because auditing the course: cy." in found.notes
 
 
 def test_a_lesson_has_a_mark_while_another_lesson_of_its_stage_waits():
@@ -175,7 +175,7 @@ def test_marks_of_students_who_are_not_on_the_roster_are_reported():
     (note,) = table(results)[0].lost
     (other_note,) = collect_marks(ExportOptions(Course(), results, SIX)).lost
     for sentence in (note, other_note):
-        assert sentence.startswith("'ghost' has marks in the gradebook and is not on the roster")
+        assert sentence.startswith("'ghost' has marks in the gradebook but is not on the roster")
 
 
 # Marks of one assignment
@@ -190,7 +190,7 @@ def test_marks_of_a_stage_are_sums_minus_penalties():
     found, points = marks(THREE)
     assert points == {"ada": pytest.approx(42.345678), "bo": 0.0, "dee": 8.0}
     assert found.max_points == 50.0
-    assert "Without a mark, because they submitted nothing: cy." in found.notes
+    assert "No mark, because nothing was submitted: cy." in found.notes
     zeros = f"Counted as 0, because nothing was submitted: {SIX} of dee; {SEVEN} of bo."
     assert zeros in found.notes
 
@@ -203,14 +203,15 @@ def test_marks_of_a_lesson_are_points_minus_penalties():
 
 
 def test_waiting_marks_are_refused_unless_provisional():
-    with pytest.raises(ExportError, match=f"^Waiting: {TWELVE} of ada. .*--provisional"):
+    with pytest.raises(ExportError, match=f"^Not fully graded: {TWELVE} of ada. .*--provisional"):
         marks(FOUR)
     found, points = marks(FOUR, provisional=True)
     assert points == {"ada": 25.0}
     assert (
-        f"Provisional, because a grader still has to grade a part: {TWELVE} of ada." in found.notes
+        f"Provisional, because some work still has to be graded by hand: {TWELVE} of ada."
+        in found.notes
     )
-    assert "Without a mark, because they are excused: dee (Dee)." in found.notes
+    assert "No mark, because excused: dee (Dee)." in found.notes
 
 
 def test_notebooks_that_are_not_entered_have_no_mark_even_if_provisional():
@@ -219,7 +220,7 @@ def test_notebooks_that_are_not_entered_have_no_mark_even_if_provisional():
         marks(THREE, results)
     found, points = marks(THREE, results, provisional=True)
     assert points == {}
-    assert "Without a mark, because their submission is not entered yet: ada (Ada Lovelace)." in (
+    assert "No mark, because the submission is not in the gradebook yet: ada (Ada Lovelace)." in (
         found.notes
     )
 
@@ -256,9 +257,9 @@ def test_an_old_export_is_renamed_but_other_files_are_not_overwritten(tmp_path):
     assert third != before and third.read_bytes() == b"2"
     other = tmp_path / "mine.csv"
     other.write_bytes(b"mine")
-    with pytest.raises(ExportError, match="exists already"):
+    with pytest.raises(ExportError, match="already exists"):
         write_export(b"3", other, usual, None)
-    with pytest.raises(ExportError, match="is the file that is filled in"):
+    with pytest.raises(ExportError, match="is the file named by --into"):
         write_export(b"3", tmp_path / "." / "mine.csv", usual, other)
     assert other.read_bytes() == b"mine"
     folder = tmp_path / "folder"
@@ -316,7 +317,7 @@ def test_the_command_fills_in_a_gradebook_and_reports_missing_students(export, t
 def test_errors_of_the_command_suggest_a_fix(export, tmp_path, capsys):
     assert export("--format", "moodle", "--assignment", THREE) == commands.USAGE_ERROR
     assert (
-        "worksheet that Moodle offers for the assignment. Name that file" in capsys.readouterr().err
+        "worksheet that Moodle offers for the assignment. Name this file" in capsys.readouterr().err
     )
     assert export("--into", tmp_path) == commands.USAGE_ERROR
     assert "Leave out --into" in capsys.readouterr().err

@@ -1,4 +1,4 @@
-"""Faults of the judge, the machine or other students' code do not cost any student points."""
+"""No student loses points through faults of the judge, the machine or other students' code."""
 
 import contextlib
 import json
@@ -143,7 +143,7 @@ def test_a_fault_of_the_judge_is_recorded_and_costs_no_points(course, sandbox, m
     assert {verdict.status for verdict in verdicts.values()} == {FAILED}
     assert all("not the student's fault" in verdict.problems[0] for verdict in verdicts.values())
     assert "pytest ran 3 of 9" in verdicts["ada"].faults[0]
-    assert "faults" not in verdicts["ada"].as_dict()  # faults are shown to graders only
+    assert "faults" not in verdicts["ada"].as_dict()  # only graders see faults
     # The next run tries again.
     monkeypatch.setattr(program_run, "run_checks", original)
     assert {verdict.score for verdict in graded(course, sandbox).values()} == {30}
@@ -161,7 +161,7 @@ def test_a_fault_is_reported_for_an_untouched_notebook(monkeypatch):
 
 @pytest.mark.slow
 def test_a_faulty_check_is_not_a_wrong_answer(course, sandbox, monkeypatch):
-    """If an oracle fails for the reference, the oracle is faulty. Otherwise the answer is wrong."""
+    """If an oracle also fails for the reference, it is faulty. Otherwise, the answer is wrong."""
     original = program_run.run_checks
 
     def raising(*question):
@@ -169,7 +169,7 @@ def test_a_faulty_check_is_not_a_wrong_answer(course, sandbox, monkeypatch):
         return [type(outcome)(outcome.check, ZeroDivisionError("oracle")) for outcome in outcomes]
 
     rehearsed(course, LESSON, SEED)
-    complaints = judging.complaints_about_reference.__wrapped__  # without its cache
+    complaints = judging.complaints_about_reference.__wrapped__  # bypasses the cache
     monkeypatch.setattr(judging, "complaints_about_reference", complaints)
     monkeypatch.setattr(program_run, "run_checks", raising)
     verdict = graded(course, sandbox)["ada"]
@@ -180,7 +180,7 @@ def test_a_faulty_check_is_not_a_wrong_answer(course, sandbox, monkeypatch):
 
 
 def fail_once(monkeypatch):
-    """Make some checks raise OSError in the first run; return the list of checks in each run."""
+    """Make some checks raise OSError in the first run; return a list of the checks in each run."""
     original, calls = program_run.run_checks, []
 
     def failing_once(*question):
@@ -244,8 +244,8 @@ def test_rehearsals_are_stored(course, sandbox, monkeypatch):
 def three_lessons(course, monkeypatch):
     """Return a course with three lessons per student, the list of judged jobs, and complaints.
 
-    Functions that only record the jobs replace the judge. The complaints about the course's own
-    solutions are stored by lesson number.
+    The judge is replaced with functions that only record the jobs. Tests can add complaints about
+    the course's own solutions, by lesson number.
     """
     for lesson in ("07_filter_by_distance", "08_bounding_boxes"):
         for student in ("ada", "poison", "zoe"):
@@ -278,7 +278,7 @@ def test_the_first_verdict_does_not_wait_for_other_lessons(three_lessons, sandbo
         *("08", "08 ada", "08 poison", "08 zoe"),
     ]
     calls.clear()
-    assert len(judge_three(course, sandbox)) == 9  # these verdicts have no key
+    assert len(judge_three(course, sandbox)) == 9  # because these verdicts have no key
     assert sorted(calls)[:2] == ["06 ada", "06 poison"] and len(calls) == 9
 
 
@@ -298,9 +298,9 @@ def test_a_lesson_whose_solution_fails_is_not_judged(three_lessons, sandbox, wor
 
 
 class FakeJudge:
-    """Judge for a class of three that returns given outcomes and records calls and progress.
+    """A judge of a class of three that returns given outcomes and records calls and progress.
 
-    `outcomes` contains an error or fields of the verdict, by student and number of the call.
+    `outcomes` contains an exception or fields of the verdict, by student and number of the call.
     """
 
     def __init__(self, course, **outcomes):
@@ -340,7 +340,7 @@ class FakeJudge:
 
 @pytest.fixture
 def prepared(course):
-    """Return the course after a rehearsal of the lesson's own solution."""
+    """Return the course with a record that the lesson's own solution has been judged."""
     rehearsed(course, LESSON, SEED)
     return course
 
@@ -453,7 +453,7 @@ def test_an_existing_verdict_is_reused(prepared, monkeypatch):
 
 
 class Delayed(Inline):
-    """Executor that rehearses immediately, but judges after five seconds unless it is cancelled."""
+    """Executor that rehearses immediately, but judges after five seconds unless cancelled."""
 
     def submit(self, function, *arguments):
         if function is rehearsals.rehearse_one:
@@ -474,7 +474,7 @@ def test_waiting_jobs_are_cancelled_when_a_rehearsal_fails(three_lessons, sandbo
 
 
 class Busy(Inline):
-    """Executor that rehearses immediately, and judges for half a second without cancellation."""
+    """Executor that rehearses immediately, and judges for half a second, even if cancelled."""
 
     def submit(self, function, *arguments):
         if function is rehearsals.rehearse_one:
@@ -554,7 +554,7 @@ def crowded(student, others):
     processor = {min(os.sched_getaffinity(0))}
     student._ensure_running()
     os.sched_setaffinity(student._worker.pids[-1], processor)
-    # Each has its own session, because some kernels share a processor between sessions.
+    # Each process has its own session, because some kernels share processor time among sessions.
     command = [sys.executable, "-c", "while True: pass"]
     busy = [subprocess.Popen(command, start_new_session=True) for _ in range(others)]
     try:
@@ -580,7 +580,7 @@ def wait(seconds): time.sleep(seconds)
 @pytest.mark.slow
 @pytest.mark.parametrize("others", [1, 3, 7])
 def test_sharing_the_processor_does_not_cost_time(sandbox, others):
-    """A call needs 0.9 s, and the limit is 1 s. Next to three busy processes, it lasts 3.6 s."""
+    """The call needs 0.9 s of its 1 s; next to three busy processes, it lasts 3.6 s."""
     limits = Limits(call_seconds=1.0)
     with (
         StudentProxy(Program((NEEDS,), ("f",)), sandbox, limits) as student,
@@ -613,7 +613,7 @@ def children():
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["threads", "children"])
 def test_waiting_for_threads_or_children_that_lack_a_processor_is_not_sleep(sandbox, name):
-    """The kernel forgets waiting times of finished threads. The call needs 0.6 s of 2.5 s."""
+    """The call is not starved, although the kernel forgets the waits of finished threads."""
     program, limits = Program((SHORT_WORK,), (name,)), Limits(call_seconds=2.5)
     with StudentProxy(program, sandbox, limits) as student, crowded(student, 5):
         assert getattr(student, name)() is None
@@ -631,7 +631,7 @@ def test_a_call_that_is_too_slow_is_stopped_on_a_busy_machine_and_not_starved(sa
 
 @pytest.mark.slow
 def test_a_call_that_the_wall_clock_ends_is_starved(sandbox):
-    """The call gets an eighth of the processor, and might have finished with more."""
+    """The call gets an eighth of the processor, so it might have finished on an idle machine."""
     limits = Limits(call_seconds=8.0, wall_seconds=4.0)
     with StudentProxy(Program((NEEDS,), ("f",)), sandbox, limits) as student, crowded(student, 7):
         with pytest.raises(StudentStopped, match="4 seconds of elapsed time"):
@@ -660,14 +660,14 @@ def test_if_waiting_times_are_unknown_calls_have_more_time(sandbox, monkeypatch)
     program = Program((NEEDS,), ("f", "wait"))
     with StudentProxy(program, sandbox, Limits(call_seconds=0.5)) as student:
         assert student.f(0.1) == 0.1
-        student.wait(0.8)  # the processor may have been busy
+        student.wait(0.8)  # not stopped, because the processor may have been busy
         with pytest.raises(StudentStopped, match="did not answer"):
             student.wait(60)
         assert student.starved
 
 
 class FakeWorker:
-    """Worker that only reports how much time it has used."""
+    """A worker that only reports how much time it has used."""
 
     def __init__(self):
         self.worked, self.delayed, self.ready = 7.0, {1: 3.0, 2: 5.0}, False
@@ -684,11 +684,11 @@ class FakeWorker:
     [
         (1.0, 0.9, {1: 3.1, 2: 5.0}, 0.9),
         (1.0, 0.4, {1: 3.6, 2: 5.0}, 0.4),  # other processes also ran
-        (1.0, 0.0, {1: 3.0, 2: 5.0}, 1.0),  # it slept
-        (1.0, 0.1, {1: 3.2, 2: 5.2, 4: 0.3}, 0.7),  # threads that wait for each other
-        (1.0, 2.0, {1: 3.0, 2: 5.0}, 2.0),  # several threads at once
+        (1.0, 0.0, {1: 3.0, 2: 5.0}, 1.0),  # the call slept
+        (1.0, 0.1, {1: 3.2, 2: 5.2, 4: 0.3}, 0.7),  # threads waited for each other
+        (1.0, 2.0, {1: 3.0, 2: 5.0}, 2.0),  # several threads ran at once
         (3.0, 0.1, {1: 5.9, 2: 5.0}, 0.1),
-        (0.06, 0.0, {1: 3.05, 2: 5.0}, 0.01),  # the clock of the kernel has not ticked yet
+        (0.06, 0.0, {1: 3.05, 2: 5.0}, 0.01),  # the kernel's clock has not ticked yet
     ],
 )
 def test_a_call_is_charged_only_for_time_in_which_it_does_not_wait(
@@ -716,14 +716,14 @@ def test_time_of_the_judge_is_not_counted_as_sleep(monkeypatch):
 
 
 def test_threads_that_are_ready_to_run_do_not_sleep(monkeypatch):
-    """The kernel does not store waiting times of threads and children that have ended."""
+    """While threads are ready to run, a call waits and does not sleep."""
     now, ours, worker = [100.0], [2.0], FakeWorker()
     monkeypatch.setattr(time_budget.time, "monotonic", lambda: now[0])
     monkeypatch.setattr(time_budget, "own_seconds", lambda: ours[0])
     meter = time_budget.Meter(worker)
     for ready, worked, passed, at_work, taken in (
-        (True, 0.1, 1.0, 0.0, 0.1),  # other processes had the rest
-        (False, 0.0, 0.5, 0.2, 0.4),  # it slept, partly while the judge worked
+        (True, 0.1, 1.0, 0.0, 0.1),  # other processes ran in the rest of the time
+        (False, 0.0, 0.5, 0.2, 0.4),  # the call slept, partly while the judge worked
         (True, 0.2, 0.4, 0.0, 0.6),
         (True, 0.3, 1.0, 0.0, 0.9),
     ):
@@ -732,7 +732,7 @@ def test_threads_that_are_ready_to_run_do_not_sleep(monkeypatch):
         ours[0] += at_work
         meter.measure()
         assert meter.seconds == pytest.approx(taken)
-    # After its answer, a call seems to sleep, so the earlier share of sleep is used.
+    # A call that has answered seems to sleep, so the share of sleep before the answer is used.
     worker.ready = False
     now[0] += 1.0
     meter.measure(answered=True)
@@ -742,7 +742,7 @@ def test_threads_that_are_ready_to_run_do_not_sleep(monkeypatch):
 @pytest.mark.slow
 def test_sleep_takes_time_but_waiting_for_a_processor_does_not(sandbox):
     with StudentProxy(Program((NEEDS,), ("f", "wait")), sandbox) as student:
-        # Sleep is sampled, so on a busy machine some sleep counts as waiting for a processor.
+        # Sleep is sampled, so some sleep counts as waiting for a processor on a busy machine.
         assert student.wait.timed(1)[1] > 0.3
         with crowded(student, 11):
             assert student.f.timed(0.3)[1] < 1.8  # it lasts 3.6 s
@@ -818,12 +818,12 @@ def test_files_that_are_not_judged_are_listed_with_a_reason(course):
     (course.submitted / "ada" / "06_filter_ground.ipynb").write_text("{}")
     reasons = {str(path): reason for path, reason in unaccounted_files(course)}
     assert set(reasons.values()) == {
-        "it is not a notebook: submit 08_bounding_boxes.ipynb as Jupyter saves it",
-        "it is not a notebook: submit 06_filter_ground.ipynb as Jupyter saves it",
-        "it is a zip: run python -m grader collect 'submitted/ada/stage3_obstacles/my work.zip' "
+        "it is not a notebook; submit 08_bounding_boxes.ipynb as Jupyter saves it",
+        "it is not a notebook; submit 06_filter_ground.ipynb as Jupyter saves it",
+        "it is a zip; run python -m grader collect 'submitted/ada/stage3_obstacles/my work.zip' "
         "--stage stage3_obstacles --who 'my work=ada', and delete the zip",
-        "01_point_clouds belongs to stage1_ransac: move it to ada/stage1_ransac/",
-        "it is not in <student>/<stage>/: move it to ada/stage3_obstacles/",
+        "01_point_clouds belongs to stage1_ransac; move it to ada/stage1_ransac/",
+        "it is not in <student>/<stage>/; move it to ada/stage3_obstacles/",
     }
     assert len(find_submissions(course)) == 3
 
@@ -837,7 +837,7 @@ def test_files_that_are_not_judged_are_listed_with_a_reason(course):
         "06_Filter_Ground.IPYNB",
         "ada_lovelace_123_456_06_filter_ground-2.ipynb",
         "homework/06_filter_ground.ipynb",
-        "8 final.ipynb",  # recognised by its content
+        "8 final.ipynb",  # its content identifies the lesson
     ],
 )
 def test_a_renamed_file_is_recognised_and_noted(course, name):
@@ -872,8 +872,8 @@ def test_the_newest_of_several_files_counts(course):
 
 
 def test_the_doctor_shows_progress_of_the_rehearsals(course, sandbox, monkeypatch):
-    """If the solutions have already been judged, there is no progress bar."""
-    # Sandboxes and versions depend on the machine; other tests look at them.
+    """No progress bar is shown if the solutions have already been judged."""
+    # Sandboxes and versions depend on the machine; other tests cover them.
     monkeypatch.setattr(doctor, "_sandboxes", lambda: ())
     monkeypatch.setattr(doctor, "_versions", lambda: ())
     steps, bars = [], []
@@ -938,7 +938,7 @@ def test_the_doctor_checks_that_hidden_tests_cannot_be_read(monkeypatch):
 
 @pytest.mark.slow
 def test_visible_checks_run_before_hidden_tests(lesson):
-    """Otherwise a function could store a hidden test's input and reveal it in a visible check."""
+    """Otherwise, a function could store a hidden test's input and reveal it in a visible check."""
 
     def stub(*arguments, **keywords):
         raise NotImplementedError

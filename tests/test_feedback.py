@@ -99,7 +99,7 @@ def test_the_first_failure_is_shown_and_the_rest_are_folded():
     assert [test.name for test in folded.others] == ["hastens"]
     assert {fold.says: fold.count for fold in folded.groups} == {
         "1 more fails for the same reason.": 1,
-        "12 more cannot be tested before this is right.": 12,
+        "12 more cannot be tested until this is right.": 12,
         "2 more fail in the same way.": 2,
     }
     assert folded.groups[-1].titles == ("Is correct elsewhere (2 times)",)
@@ -165,7 +165,7 @@ def sentences(late=timedelta(), **more):
 
 
 def test_times_are_in_the_time_zone_of_the_course():
-    """This is also true at the end of summer time."""
+    """Times on either side of the end of summer time have different zone names."""
     due = datetime(2026, 10, 24, 21, 59, tzinfo=UTC)
     late = StageResult("ada", STAGE, MARKED, 1.0, 1.0, 0.0, due + DAY, due, DAY)
     (sentence,) = lateness_sentences(late, ZoneInfo("Europe/Berlin"))
@@ -181,7 +181,7 @@ def test_lateness_and_penalty_are_stated_in_words(monkeypatch):
     late, penalty = sentences(timedelta(days=2, hours=3, minutes=20), penalty=12.5)
     assert late.startswith("Submitted 2 days and 3 hours late, on 22 November 2026 at ")
     assert "It was due on 20 November 2026 at " in late
-    assert penalty == "12.5 points are subtracted because it is late."
+    assert penalty == "12.5 points are subtracted for lateness."
     assert sentences(timedelta(seconds=5))[0].startswith("Submitted 1 minute late, ")
     assert sentences(timedelta(hours=1))[0].startswith("Submitted 1 hour late, ")
     assert sentences(submitted_at=None) == sentences(due=None) == []
@@ -191,8 +191,8 @@ def test_lateness_and_penalty_are_stated_in_words(monkeypatch):
     "why",
     [
         "timestamp.txt is empty",
-        "the learning platform marks it late but gives no time",
-        "the table of times has no row for this student",
+        "the learning platform shows it as late, but without a time",
+        "the table of submission times has no row for this student",
     ],
 )
 def test_undecided_lateness_has_the_same_sentence_for_every_reason(why):
@@ -201,7 +201,7 @@ def test_undecided_lateness_has_the_same_sentence_for_every_reason(why):
 
 
 def test_an_excuse_comes_first_and_without_a_penalty():
-    """An excused student who still submits gets a page, even if the submission is late."""
+    """The page of an excused student mentions only the excuse, even after a late submission."""
     result = StageResult("ada", STAGE, EXCUSED, 90.0, 100.0, 9.0, DUE + DAY, DUE, DAY)
     (sentence,) = Feedback(Person("ada"), result, ()).sentences
     assert sentence.startswith("You are excused from this stage")
@@ -225,7 +225,7 @@ def verdict(lesson, student, exercises):
 
 
 def invented_verdict(lesson, student):
-    """Return a verdict on a student's notebook, in which only bjorn has a wrong answer."""
+    """Return a verdict on a student's notebook; only bjorn has a wrong answer."""
     if lesson == TEN:
         return verdict(lesson, student, (WRONG if student == "bjorn" else RIGHT,))
     exercises = tuple(
@@ -326,7 +326,7 @@ def pages(canvas_course, tmp_path, monkeypatch):
 
 
 def words(page):
-    """Return the text of a page in one line, without tags."""
+    """Return the text of a page on one line, without tags."""
     body = page.partition("<body>")[2]
     return re.sub(r"\s+", " ", html.unescape(re.sub(r"<[^>]+>", " ", body)))
 
@@ -374,7 +374,7 @@ def test_feedback_on_an_unstarted_stage_names_the_next_step_once():
 @pytest.mark.parametrize("other", [(WRONG, 6.25), (STUB, 2.0)])
 def test_a_stage_with_an_answer_or_a_manual_mark_counts_as_started(other):
     page = words(feedback_page(feedback_on((STUB, 0.0), other)))
-    assert "No exercise of this stage" not in page and "insert is not started." in page
+    assert "No exercise in this stage" not in page and "insert is not started." in page
 
 
 def test_points_for_a_single_slip_are_explained():
@@ -401,7 +401,7 @@ def test_a_page_shows_the_first_failure_in_full_and_the_rest_in_lines(pages):
     text = words(pages["bjorn"])
     assert "✗ Begin here: It parts" in text
     assert "Hint: Compare <cells>." in text
-    assert "12 more cannot be tested before this is right." in text
+    assert "12 more cannot be tested until this is right." in text
     assert text.count("This check waits") == 0
     assert "code cell 3, line 7 ( return a < b )" in text and "return a <= b" not in text
     assert "The last cell <b>breaks</b> off." in text
@@ -412,8 +412,8 @@ def test_written_answers_have_a_mark_and_a_comment(pages):
     page = pages["bjorn"]
     assert "write up 7.5 of 10" in words(page)
     assert "<em>unit</em>" in page and page.count("<math ") == 2
-    assert "to be graded, of 10" in words(pages["ada"])
-    assert "A grader still has to grade a part of this" in words(pages["ada"])
+    assert "not graded yet, of 10" in words(pages["ada"])
+    assert "Some answers still have to be graded by hand" in words(pages["ada"])
     assert "This answer is empty." in words(pages["cy"])
 
 
@@ -497,7 +497,7 @@ def test_pages_of_nbgrader_name_the_function_of_each_score(canvas_course):
     assert "img { max-width: 100%" in page
     assert "<mfrac>" in page and "12 more cannot be judged" not in page
     ten = (canvas_course.root / "feedback" / "bjorn" / STAGE / f"{TEN.name}.html").read_text()
-    assert "12 more cannot be tested before this is right." in ten
+    assert "12 more cannot be tested until this is right." in ten
 
 
 # ---- Canvas -------------------------------------------------------------------------------------
@@ -592,7 +592,7 @@ def moodle_course(root, teams=(), who=None):
     files, teams = [], dict(teams)
     for number, (student, first, last, *_) in enumerate(PEOPLE[:3], start=51):
         given = [(f"{lesson.name}.ipynb", data) for lesson, data in WORK[student]]
-        if student not in list(teams)[1:]:  # a team submits once
+        if student not in list(teams)[1:]:  # a team has only one submission
             files += moodle_files(*teams.get(student, (f"{first} {last}", number)), given)
     return make_course(root, files, who=who)
 
@@ -637,9 +637,9 @@ def test_a_student_with_two_moodle_assignments_gets_a_page_in_each(
 
 def test_students_not_collected_from_moodle_are_named(canvas_course, tmp_path, monkeypatch, capsys):
     assert write(canvas_course, monkeypatch, "--for", "moodle", "--to", str(tmp_path)) == 1
-    # Canvas's numbers look like Moodle's.
+    # Canvas's numbers must not be taken for Moodle's.
     assert not (tmp_path / f"{STAGE}_moodle.zip").exists()
-    assert "bjorn: their work was not collected from a Moodle zip" in capsys.readouterr().out
+    assert "bjorn: the work was not collected from a Moodle zip" in capsys.readouterr().out
 
 
 @pytest.mark.end_to_end

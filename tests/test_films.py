@@ -1,4 +1,4 @@
-"""Films are written to files and read again, and their frames are counted."""
+"""Writing films to files, reading them again, and counting their frames."""
 
 import gc
 
@@ -51,7 +51,7 @@ def test_a_gif_repeats_forever_at_the_given_rate(tmp_path, frames):
     assert (image.n_frames, image.size, image.info["loop"]) == (3, SIZE, 0)
     assert image.info["duration"] == 200
     image.seek(1)
-    assert max(image.convert("RGB").getcolors(10_000))[1] == (255, 255, 255)  # the paper
+    assert max(image.convert("RGB").getcolors(10_000))[1] == (255, 255, 255)  # the white background
 
 
 def test_a_png_is_the_first_frame(tmp_path, frames):
@@ -85,7 +85,7 @@ def test_a_detector_that_fails_immediately_raises_and_leaves_no_file(tmp_path, f
 
 
 def test_ctrl_c_leaves_neither_a_file_nor_messages(tmp_path, capfd):
-    """A separate process writes an MP4. It once complained that its file had been deleted."""
+    """ffmpeg, which writes the MP4, once complained that its file had been deleted."""
     pytest.importorskip("imageio_ffmpeg", reason=FFMPEG)
 
     def images():
@@ -111,14 +111,14 @@ def test_a_detector_that_fails_later_loses_one_frame(tmp_path, frames):
 
     def detect(cloud):
         calls.append(len(cloud))
-        if len(calls) == 3:  # the first frame is detected twice
+        if len(calls) == 3:  # the detector ran twice on the first frame
             raise IndexError("too far")
         return box_of_everything(cloud)
 
     film = record(frames, tmp_path / "f.gif", detect, size=SIZE, renderer="matplotlib")
     assert film.problems == ("frame 2, IndexError: too far",)
     assert film.boxes == (1, 1)
-    assert "failed in 1 of them. The first failure: frame 2" in film.recap
+    assert "the detector failed: 1. The first failure: frame 2" in film.recap
 
 
 def test_the_caption_contains_time_and_number(frames):

@@ -17,8 +17,8 @@ from grader.sandbox.student import StudentProxy
 from utils.checks.import_guard import BlockedModules
 from utils.notebooks.forbidden import StandIn, StandInModule
 
-# Imports all public modules of some packages. For each import that fails, it records the exception
-# and the module that was missing.
+# Imports all public modules of some packages. For each failed import, it records the exception and
+# the missing module.
 SWEEP = '''
 import contextlib, importlib, importlib.util, io, pkgutil, sys, warnings
 
@@ -49,7 +49,7 @@ def public_modules(tops):
             if not any(part[0] == "_" or part == "tests" for part in found.name.split(".")):
                 yield found.name
 '''
-# The same code for a notebook, in which modules may already have been imported.
+# Runs SWEEP like a notebook, in which some modules may already have been imported.
 IN_A_NOTEBOOK = (
     SWEEP
     + """
@@ -73,14 +73,14 @@ print(json.dumps([*failed, left]))
 
 
 def import_names(packages):
-    """Return the names with which Python imports packages."""
+    """Return the names under which Python imports packages."""
     names = {"scikit-learn": "sklearn"}
     return [names.get(package, package) for package in packages]
 
 
 @functools.cache
 def in_the_sandbox(packages, without, forbidden, sandbox):
-    """Return the modules that cannot be imported in the sandbox, and the number of all others."""
+    """Return the modules that cannot be imported in the sandbox, and the number of the others."""
     source = f"{SWEEP}\ndef f(tops, without):\n    return failures(tops, without)\n"
     program = Program((source,), ("f",), forbidden=forbidden, packages=packages)
     limits = Limits(call_seconds=100.0, total_seconds=200.0)
@@ -91,7 +91,7 @@ def in_the_sandbox(packages, without, forbidden, sandbox):
 
 @functools.cache
 def in_a_notebook(packages, without, forbidden, first=()):
-    """Return the same for a notebook while `check` runs, and assert that no stand-ins are left."""
+    """Like `in_the_sandbox`, but in a notebook during a check; assert that no stand-ins remain."""
     given = json.dumps([import_names(packages), without, forbidden, first])
     done = subprocess.run(
         [sys.executable, "-c", IN_A_NOTEBOOK, given],
@@ -179,7 +179,7 @@ def test_libraries_that_import_a_forbidden_module_work(name, sandbox):
 
 
 def test_hidden_modules_are_restored():
-    """All references are restored, even after an exception."""
+    """All references to modules are restored, even after an exception."""
     import scipy.sparse
     import sklearn.manifold._isomap as library
     from scipy.sparse import csgraph
@@ -224,7 +224,7 @@ def test_a_stand_in_can_be_used_like_a_class():
     assert {tree: 1}[tree] == 1 and tree | None and not hasattr(tree, "__len__")
 
     class Better(tree):
-        """Subclass of a stand-in."""
+        """A subclass of a stand-in."""
 
     for thing in (tree, Better, tree.build, module.function):
         with pytest.raises(ImportError, match="^package is not allowed in this lesson"):

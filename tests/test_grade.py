@@ -1,4 +1,4 @@
-"""A class is graded, from submissions to nbgrader's gradebook and feedback."""
+"""Grading a class, from submissions to nbgrader's gradebook and feedback."""
 
 import json
 import os
@@ -42,7 +42,7 @@ c.Judge.sandbox = {sandbox!r}
 """
 
 
-# Replaces the file of a submission after it has been judged.
+# Replaces the file of a submission after the file has been judged.
 JUDGE_AND_REPLACE = """
 from grader.lms import nbgrader_plugin
 right = nbgrader_plugin.current_verdict
@@ -71,7 +71,7 @@ def answer(*wrong):
 
 
 def quiet(done, total, what):
-    """Ignore the progress."""
+    """Ignore reports of progress."""
 
 
 def rehearsed(course, lesson, seed=SEED):
@@ -81,7 +81,7 @@ def rehearsed(course, lesson, seed=SEED):
 
 
 def make_course(root, lesson, texts, sandbox):
-    """Return a rehearsed course of one lesson; `texts` has the notebook of each student."""
+    """Return a rehearsed course of one lesson; `texts` maps students to their notebooks."""
     made = Course(root)
     rehearsed(made, lesson)
     for folder in ("solutions", "notebooks"):
@@ -285,7 +285,7 @@ def test_second_run_judges_only_changed_submissions(judged_course, sandbox, monk
 
 @pytest.mark.slow
 def test_a_verdict_without_a_fingerprint_is_judged_again(judged_course, sandbox):
-    """Verdicts of older versions have no fingerprint of the submission."""
+    """Verdicts from older versions contain no fingerprint of the submission."""
     path = judged_course.verdicts / "half" / LESSON.stage / f"{LESSON.name}.json"
     verdict = json.loads(path.read_text("utf-8"))
     fingerprint = verdict.pop("fingerprint")
@@ -295,7 +295,7 @@ def test_a_verdict_without_a_fingerprint_is_judged_again(judged_course, sandbox)
     judged = {item.student: verdict for item, verdict in judge_it(judged_course, sandbox)}
     assert json.loads(path.read_text("utf-8"))["fingerprint"] == fingerprint
     assert judged["half"] == grade.stored_verdict(judged_course, half, SEED)
-    assert not {"fingerprint", "key"} & judged["half"].as_dict().keys()  # students do not see these
+    assert not {"fingerprint", "key"} & judged["half"].as_dict().keys()  # not shown to students
 
 
 @pytest.mark.slow
@@ -348,7 +348,7 @@ def test_nbgrader_does_not_enter_a_submission_replaced_after_judging(judged_cour
 
 @pytest.mark.slow
 def test_copies_of_modules_have_the_judged_text(judged_course, sandbox):
-    """Copies have the text that the judge read, even if the judge replaced invalid bytes."""
+    """Copies of modules contain the judged text, in which invalid bytes are replaced."""
     folder = judged_course.submitted / "half" / LESSON.stage
     (folder / "helper.py").write_bytes(b"x = 'J\xfcrgen'\r\n")
     (folder / "seen.txt").write_bytes(b"\xfc")
@@ -417,7 +417,7 @@ def test_a_run_killed_in_the_middle_loses_nothing(course, sandbox):
 
 @pytest.mark.slow
 def test_plain_nbgrader_still_grades_with_the_visible_checks(course):
-    """Without the course's plugin, the graded cells are ordinary tests of nbgrader."""
+    """Without the course's plugin, graded cells are ordinary nbgrader tests."""
     import nbclient
     import nbformat
     from nbgrader.utils import determine_grade
@@ -519,7 +519,7 @@ def test_the_report_escapes_text_of_students(judged_course, sandbox):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    # Twelve students include one of each kind; that is tested with the stage with fewest notebooks.
+    # Twelve students include one of each kind, so the stage with the fewest notebooks has twelve.
     "stage, students",
     [(stage, 12 if stage == "stage2_clustering" else 4) for stage in stages()],
 )

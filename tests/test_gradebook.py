@@ -1,4 +1,4 @@
-"""The gradebook agrees with the verdicts after entering, comparing, correcting and withdrawing."""
+"""The gradebook agrees with the verdicts after marks are entered, corrected or withdrawn."""
 
 import dataclasses
 import datetime
@@ -35,7 +35,7 @@ GROUND = find_lesson("06_filter_ground")
 DISTANCE = find_lesson("07_filter_by_distance")
 STREAM = find_lesson("12_streaming_obstacles")
 STAGE = GROUND.stage
-# Points of each exercise by student and lesson; the numbers are not round.
+# Points of each exercise by student and lesson.
 EARNED = {
     "ada": {GROUND: (3.25, 8.5), DISTANCE: (11.75, 2.0, 4.5)},
     "bob": {DISTANCE: (19.5, 0.0, 1.25)},
@@ -54,9 +54,7 @@ def verdict_on(course, submission, earned, **more):
         for exercise, score in zip(submission.lesson.machine_graded, earned, strict=True)
     )
     fields = {
-        "status": "".join(
-            JUDGED
-        ),  # an equal text in another object, because verdicts are read from files
+        "status": "".join(JUDGED),  # equal but not identical, as in verdicts from files
         "key": f"of {submission.student} {earned}",
         "fingerprint": submission.read(course).fingerprint(),
     } | more
@@ -85,7 +83,7 @@ def verdicts(course, earned=EARNED, **more):
 
 
 def quiet(done, total, student):
-    """Ignore the progress."""
+    """Ignore reports of progress."""
 
 
 def make_course(root):
@@ -176,7 +174,7 @@ def test_entered_marks_agree_with_the_verdicts(course):
 
 
 def inode(course, student="ada"):
-    """Return the inode of a student's folder of copies, which changes if it is written again."""
+    """Return the inode of a student's folder of copies, which changes when copies are rewritten."""
     return (course.autograded / student / STAGE).stat().st_ino
 
 
@@ -228,7 +226,7 @@ def test_an_error_for_one_student_does_not_stop_others_or_leave_partial_marks(co
     def fail(notebook, *about):
         original(notebook, *about)
         tries.append(notebook)
-        if len(tries) == 2:  # the first of Ada's two notebooks has been written
+        if len(tries) == 2:  # after the first of Ada's two notebooks
             raise ValueError("no")
 
     monkeypatch.setattr(gradebook_writer, "_save", fail)
@@ -237,7 +235,7 @@ def test_an_error_for_one_student_does_not_stop_others_or_leave_partial_marks(co
     assert str(trouble.value).splitlines() == [
         "The gradebook is not complete:",
         f"ada, {STAGE}: ValueError: no",
-        f"ada, {STAGE}: it is not in the gradebook",
+        f"ada, {STAGE}: not in the gradebook",
     ]
     assert {student for student, _ in marks(course)} == {"bob"}
     assert not (course.autograded / "ada" / STAGE).exists()
@@ -259,7 +257,7 @@ def test_ctrl_c_leaves_no_partial_marks(course, monkeypatch):
 
 
 def differences_in(course, entry=None):
-    """Return how the gradebook differs from the verdicts on Ada, or from those in `entry`."""
+    """Return how the gradebook differs from `entry`, by default from the verdicts on Ada."""
     entry = entry or StageEntry("ada", STAGE, tuple(verdicts(course)[:2]))
     plugin = load_penalty_plugin(course)
     with gradebook.open_gradebook(course) as book:
@@ -267,7 +265,7 @@ def differences_in(course, entry=None):
 
 
 def alter(course, change):
-    """Change Ada's submission in the gradebook, as nbgrader or a person might."""
+    """Change Ada's submission in the gradebook, as nbgrader or an instructor might."""
     with gradebook.open_gradebook(course) as book:
         change(book.find_submission(STAGE, "ada"))
         book.db.commit()
@@ -338,7 +336,7 @@ def test_every_difference_is_named_and_corrected(entered, change, says):
         cell: (pytest.approx(score, abs=1e-8), most)
         for cell, (score, most) in expected_marks().items()
     }
-    # The points of a cell are corrected with the release, before students are entered.
+    # The maximum of a cell is corrected from the release, without entering students again.
     assert (inode(entered) == before) == (says is None or "is worth" in says)
 
 
@@ -354,13 +352,13 @@ def test_points_for_a_missing_notebook_are_a_difference(entered):
 
 def test_students_who_are_not_in_the_gradebook_are_named(entered):
     entry = StageEntry("eve", STAGE, ())
-    assert differences_in(entered, entry) == [f"eve, {STAGE}: it is not in the gradebook"]
+    assert differences_in(entered, entry) == [f"eve, {STAGE}: not in the gradebook"]
     (submission, verdict), _ = verdicts(entered)[:2]
     later = dataclasses.replace(submission, lesson=STREAM)
     other = dataclasses.replace(verdict, lesson=STREAM.name)
     judged = (*verdicts(entered)[:2], (later, other))
     assert differences_in(entered, StageEntry("ada", STAGE, judged)) == [
-        f"ada, {STAGE}, {STREAM.name}: it is not in the gradebook"
+        f"ada, {STAGE}, {STREAM.name}: not in the gradebook"
     ]
 
 
@@ -394,12 +392,10 @@ def registered(course):
 
 def test_only_released_lessons_are_registered(course):
     assert registered(course) == ([], {GROUND.name, DISTANCE.name})
-    shutil.rmtree(
-        course.released
-    )  # without a released folder, all lessons of the stage are registered
+    shutil.rmtree(course.released)  # without a release, all lessons of the stage are registered
     _, names = registered(course)
     assert len(names) == 4 and "08_bounding_boxes" in names
-    assert not (course.root / "notebooks").exists()  # the release is only read
+    assert not (course.root / "notebooks").exists()  # registering does not create a release
 
 
 def test_a_registered_stage_does_not_prevent_registering_another(course):
@@ -409,7 +405,7 @@ def test_a_registered_stage_does_not_prevent_registering_another(course):
         assert len(book.find_assignment("stage1_ransac").notebooks) == 3
 
 
-# Cells that are not in the release, by their kind.
+# Cells that are not in the release, by kind.
 EXTRA_CELLS = {
     "source": functools.partial(SourceCell, name="of_old", cell_type="code", source=""),
     "points": functools.partial(GradeCell, name="of_old", cell_type="code", max_score=0.0),
@@ -487,7 +483,7 @@ def test_withdrawn_work_is_removed_even_if_its_copies_are_gone(entered):
 )
 def test_manual_marks_and_comments_are_never_removed(entered, given):
     with gradebook.open_gradebook(entered) as book:
-        for student in EARNED:  # Formgrader leaves these if a mark is removed again
+        for student in EARNED:  # left behind when Formgrader removes a mark
             for notebook in book.find_submission(STAGE, student).notebooks:
                 notebook.grades[0].extra_credit, notebook.comments[0].manual_comment = 0.0, ""
         notebook = book.find_submission_notebook(DISTANCE.name, STAGE, "ada")
@@ -577,7 +573,7 @@ def test_lateness_of_an_unreadable_time_is_undecided(entered, text):
     set_due(entered, "11")
     assert undecided() == ["ada"]
     assert marks(entered) == expected_marks() and penalties(entered) == {}
-    path.unlink()  # without the file, no time is expected
+    path.unlink()  # without the file, a time is not required
     assert undecided() == []
     assert differences_in(entered) == []
 
@@ -609,7 +605,7 @@ def test_files_next_to_a_notebook_are_copied(course):
         *("helper.py", "README", "distances.csv", os.path.join("figures", "first", "street.txt")),
     }
     assert {path.stat().st_mode & 0o777 for path in files.values()} == {0o444}
-    assert files["helper.py"].read_text("utf-8") == "x = 1  # caf\ufffd"  # the text that was judged
+    assert files["helper.py"].read_text("utf-8") == "x = 1  # caf\ufffd"  # as judged
     assert {path.name for path in copies.parent.iterdir()} == {STAGE}  # no temporary folders
     (folder / "helper.py").unlink()
     enter_verdicts(course, verdicts(course, key="another"), [STAGE], quiet)
@@ -629,7 +625,7 @@ def test_folders_of_a_killed_run_are_removed(entered):
 
 
 class Session(SimpleNamespace):
-    """Database session that records calls."""
+    """A database session that records calls."""
 
     def __init__(self):
         super().__init__(calls=[])
@@ -672,7 +668,7 @@ def test_an_error_rolls_the_transaction_back(error):
 
 @pytest.fixture
 def written(tmp_path):
-    """Return a course of lesson 12, which has manual grading, and a function to enter an answer."""
+    """Return a course of lesson 12 and a function that enters a written answer."""
     course = Course(tmp_path / "course")
     (course.released / STREAM.stage).mkdir(parents=True)
     shutil.copy(STREAM.released, course.released / STREAM.stage)
@@ -692,9 +688,9 @@ def written(tmp_path):
 
 
 def about_answer(course, manual_score=None):
-    """Return the mark, whether it waits for manual grading, and the comment on an answer.
+    """Return the manual mark, whether the answer waits for grading, and the comment on it.
 
-    A `manual_score` is entered after the answer is read.
+    If `manual_score` is given, enter it first.
     """
     with gradebook.open_gradebook(course) as book:
         grade = book.find_grade("write_up", STREAM.name, STREAM.stage, "ada")
@@ -712,7 +708,7 @@ def test_a_changed_answer_must_be_graded_again(written):
     assert class_results(course).notebooks[0].standing == WAITING
     about_answer(course, 7.5)
     (course.autograded / "ada" / STREAM.stage / f"{STREAM.name}.ipynb").unlink()
-    enter_answer("It finds 14 of 17 cars.")  # the same again
+    enter_answer("It finds 14 of 17 cars.")  # the same answer again
     assert about_answer(course) == (7.5, False, None)
     enter_answer("It finds 15 of 17 cars.")
     assert about_answer(course) == (7.5, True, None)
@@ -724,7 +720,7 @@ def test_the_comment_on_a_missing_answer_says_so(written):
     enter_answer("")
     assert about_answer(course)[2] == "No response."
     assert class_results(course).notebooks[0].score == 1.25 * len(STREAM.machine_graded)
-    for found in range(8):  # for both orders of two checksums
+    for found in range(8):  # so that checksums occur in both orders
         enter_answer(f"It finds {found} of 17 cars.")
         assert about_answer(course)[2] is None
 
@@ -743,7 +739,7 @@ def test_the_location_of_the_gradebook_hides_the_password(course):
         "c.CourseDirectory.db_url = 'postgresql+pg8000://teacher:secret@host/grades'\n"
     )
     assert gradebook.gradebook_location(course) == "postgresql+pg8000://teacher:***@host/grades"
-    assert gradebook.gradebook_exists(course)  # only the server knows whether it exists
+    assert gradebook.gradebook_exists(course)  # assumed, because only the server could tell
 
 
 @pytest.mark.parametrize(

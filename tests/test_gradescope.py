@@ -1,4 +1,4 @@
-"""The autograder exported for Gradescope delivers the right marks when Gradescope runs it."""
+"""The autograder that is exported for Gradescope reports the right marks."""
 
 import dataclasses
 import io
@@ -74,7 +74,7 @@ def write(course, people=(ANNA, BO), **settings):
 def run(tmp_path, course):
     """Return a function that runs an exported autograder on a student's folder.
 
-    The result is the content that Gradescope reads, or the error message of the autograder.
+    The function returns the results that Gradescope reads, or the autograder's error message.
     """
 
     def run_autograder(exported, student, email):
@@ -91,7 +91,7 @@ def run(tmp_path, course):
         (root / "submission_metadata.json").write_text(json.dumps({"users": users}))
         script = (root / "source" / "run_autograder").read_text()
         assert script.startswith("#!/usr/bin/env python3\n")
-        # Gradescope runs the script in /autograder; only the path is different here.
+        # Gradescope runs the script in /autograder; only the path differs here.
         script = script.replace('Path("/autograder")', f"Path({str(root)!r})")
         process = subprocess.run(
             [sys.executable, "-I", "-c", script], cwd=root, capture_output=True, text=True
@@ -181,13 +181,13 @@ def test_marks_that_cannot_be_exported_are_named(course):
     without_email = Person("anna", "Anna", "Schmidt")
     (lost,) = write(course, (without_email, BO)).lost
     assert lost == (
-        "anna (Anna Schmidt), 12.5 points: Gradescope identifies students by e-mail, and the "
+        "anna (Anna Schmidt), 12.5 points: Gradescope identifies students by e-mail, but the "
         "roster has no address for this student."
     )
     (course.submitted / "anna" / STAGE / f"{SIX}.ipynb").write_text("{}")
     (lost,) = write(course).lost
     assert "was replaced after it was judged" in lost
     os.remove(course.submitted / "anna" / STAGE / f"{SIX}.ipynb")
-    assert "submitted/ has no submission" in write(course).lost[0]
+    assert "no longer in submitted/" in write(course).lost[0]
     shutil.rmtree(course.verdicts / "bo")
     assert "there is no verdict" in write(course).lost[1]

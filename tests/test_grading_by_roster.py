@@ -1,4 +1,4 @@
-"""The table, the doctor and the marks of one student follow the roster."""
+"""The table, `grader doctor` and the marks of a single student follow the roster."""
 
 from datetime import timedelta
 from pathlib import Path
@@ -37,7 +37,7 @@ WITHOUT_SANDBOX = SANDBOXES["process"]
 
 @pytest.fixture
 def course(tmp_path, monkeypatch):
-    """Return a course with submissions of Ada, Bob and a ghost; a fake judge gives their points."""
+    """Return a course with submissions of Ada, Bob and a ghost, and with a fake judge."""
     made = make_course(tmp_path / "course")
     (made.root / "roster.csv").write_text(ROSTER)
     (made.root / "deadlines.toml").write_text(DATES)
@@ -80,14 +80,14 @@ def test_the_table_distinguishes_marks_missing_excused_and_unknown_students(cour
     assert grade(course) == commands.FAULT
     output = capsys.readouterr()
     assert "'ghost' is not on the roster, so its scores are not entered." in output.err
-    # Two students are 27 hours late, and lose a tenth of 30 and of 20.75 points per day begun.
+    # Ada and Bob are 27 hours late, so they lose two tenths of 30 and of 20.75 points.
     assert cells(output.out, "ada")[1:] == ["11.8", "18.2", "1.1", "d", "-6"]
     assert cells(output.out, "bob")[1:] == ["-", "20.8", "1.1", "d", "-4.15"]
     assert cells(output.out, "idle")[1:] == ["-", "-"]
     assert cells(output.out, "eve")[1:] == ["ex", "ex"]
     assert cells(output.out, "ghost")[1:3] == ["3", "-"]
     assert "not on the roster, so no mark was entered" in output.out
-    assert "- submitted nothing · ex excused" in output.out and "a person has" not in output.out
+    assert "- nothing submitted · ex excused" in output.out and "a person has" not in output.out
     page = (course.report / "index.html").read_text("utf-8")
     people = len((course.root / "roster.csv").read_text("utf-8").splitlines()) - 1
     assert f"{people} students and 1 not on the roster, " in page
@@ -101,12 +101,12 @@ def test_zeros_and_waiting_marks_are_not_dashes(course, capsys, monkeypatch):
             row.manual_score = 0.0
         notebook.grades[0].needs_manual_grade = True
         book.db.commit()
-    submit(course, "yan", GROUND)  # not judged
+    submit(course, "yan", GROUND)  # submitted, but not judged
     capsys.readouterr()
     commands._print_class(course, verdicts(course), class_results(course), [])
     output = capsys.readouterr().out
     assert cells(output, "ada")[1] == "0*" and cells(output, "yan")[1:3] == ["?", "-"]
-    assert "* waits for a grader · ? not entered yet" in output
+    assert "* waiting for a grader · ? not entered yet" in output
 
 
 def test_lateness_names_its_stage_if_there_are_several(capsys):
@@ -182,7 +182,9 @@ def test_unknown_and_ambiguous_students_are_reported(course, capsys):
         "'nobody' is not on the roster, and has no folder in submitted/." in capsys.readouterr().err
     )
     (course.root / "roster.csv").write_text(ROSTER + "ada2,Ada,Ash,\n")
-    with pytest.raises(UnknownStudent, match="may be ada .Ada Ash. or ada2 .Ada Ash.. Use the id"):
+    with pytest.raises(
+        UnknownStudent, match="may be ada .Ada Ash. or ada2 .Ada Ash.. Name the student by id"
+    ):
         find_student(course, "Ada Ash")
     (course.root / "roster.csv").unlink()
     with pytest.raises(UnknownStudent, match="^'nobody' has no folder in submitted/"):
@@ -267,10 +269,13 @@ def test_the_doctor_reports_missing_files(course, monkeypatch):
         (course.root / name).unlink()
     texts = {subject: text for subject, good, text in findings(course, monkeypatch) if good}
     assert (
-        texts["roster"] == "there is no roster.csv: every folder in submitted/ counts as a student"
+        texts["roster"]
+        == "there is no roster.csv, so every folder in submitted/ counts as a student"
     )
-    assert texts["deadlines"].startswith("there is no deadlines.toml: the dates in the gradebook")
-    assert texts["sandbox process"].startswith("protects less; used only if you ask for")
+    assert texts["deadlines"].startswith(
+        "there is no deadlines.toml, so the dates in the gradebook"
+    )
+    assert texts["sandbox process"].startswith("protects less; used only with")
     assert texts["gradebook"] == f"{course.root / 'gradebook.db'}, with marks of 0 students"
 
 

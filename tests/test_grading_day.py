@@ -1,4 +1,4 @@
-"""A grading day only with commands: from the zips of two platforms to the marks in both."""
+"""A day of grading with commands only, from the zips of two platforms to the marks in both."""
 
 import csv
 import re
@@ -112,14 +112,14 @@ def test_a_grading_day_leads_from_two_zips_to_marks_in_two_platforms(course, tmp
     assert run("collect", first, "--stage", SIX.stage, "--who", "ghostgil_9999=-")[0] == 0
     times = ("--timestamps", file("times.csv", LATE_TIMES))
     status, output = run("collect", again, "--stage", SIX.stage, *times)
-    assert status == 0 and "1 replaced an older one" in output and "--who" not in output
+    assert status == 0 and "1 newer than the previous version" in output and "--who" not in output
     rows = [(n, f"{a} {b}", "", f"{i}@x.edu", "-") for i, a, b, _, _, n in PEOPLE]
     rows = [(*row[:4], "12 October 2026, 10:00 AM") for row in rows]
     moodle = ("collect", file("moodle.zip", from_moodle()), "--stage", TWELVE.stage)
     moodle += ("--timestamps", file("worksheet.csv", worksheet(rows)))
     assert run(*moodle, "--who", "Team Red_7=bjorn,cy")[0] == 0
 
-    # Judge it, and enter marks by hand.
+    # Judge the class, and enter marks by hand.
     status, output = run("grade")
     assert status == 0 and "8 notebooks: 8 judged" in output
     for student, mark in (("ada", 8.0), ("bjorn", 9.0), ("cy", 9.0)):
@@ -163,5 +163,5 @@ def test_a_grading_day_leads_from_two_zips_to_marks_in_two_platforms(course, tmp
     status, output = run("grade", "--student", "Björn Müller", SIX.stage)
     assert status == 0 and re.search(r"voxel_grid +- +20 +verdict", output)
     status, output = run("similarity", SIX.stage)
-    assert status == 0 and "the same file: bjorn, cy, dan" in output
+    assert status == 0 and "identical files: bjorn, cy, dan" in output
     assert run("release", "--solutions", SIX.stage)[0] == 1

@@ -1,4 +1,4 @@
-"""A verdict depends only on submission, rules and seed; CI can make missing sandboxes an error."""
+"""A verdict depends only on submission, rules and seed. CI can make a missing sandbox an error."""
 
 import json
 import os
@@ -54,7 +54,7 @@ def verdict_of(path, sandbox, folder=PROJECT, python=sys.executable, **environme
 
 @pytest.fixture(scope="module")
 def plain(half, sandbox):
-    """Return the verdict in an ordinary environment."""
+    """Return the verdict that the judge reaches in an ordinary environment."""
     verdict = verdict_of(half, sandbox)
     assert 0 < verdict["score"] < verdict["max_score"]
     return verdict
@@ -85,7 +85,7 @@ def test_no_variable_changes_a_verdict(environment, half, plain, sandbox):
 
 @pytest.mark.slow
 def test_files_of_pytest_do_not_change_a_verdict(half, plain, sandbox, tmp_path):
-    """Put files that pytest would read into the notebook's folder and the folders above it."""
+    """The judge ignores pytest's files in the notebook's folder and in the folders above it."""
     course = tmp_path / "above" / "course"
     course.mkdir(parents=True)
     for folder in (tmp_path, course.parent, course):
@@ -96,13 +96,13 @@ def test_files_of_pytest_do_not_change_a_verdict(half, plain, sandbox, tmp_path)
     copy = course / half.name
     copy.write_bytes(half.read_bytes())
     assert "raise" in (course / "conftest.py").read_text()
-    # With `-c`, Python searches the working folder for modules, so the judge starts elsewhere.
+    # With `-c`, Python imports from the working folder, so the judge starts in another folder.
     assert verdict_of(copy, sandbox) == plain
 
 
 @pytest.mark.slow
 def test_python_may_have_a_relative_path(half, plain, sandbox, tmp_path):
-    """Test a path that leads several folders up and down again."""
+    """The path leads several folders up and down again."""
     python = os.path.relpath(sys.executable, tmp_path)
     assert not os.path.isabs(python)
     assert verdict_of(half, sandbox, folder=tmp_path, python=python) == plain

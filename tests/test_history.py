@@ -1,4 +1,4 @@
-"""The log of marks records each change, its time, and the verdict or person behind it."""
+"""The log of marks records each change, its time, and the verdict or person that caused it."""
 
 import dataclasses
 import json
@@ -42,7 +42,7 @@ def course(entered_once, tmp_path):
 
 
 def enter_again(course, earned=EARNED, **more):
-    """Enter the class again; return (student, exercise, from, to, by) for each new change."""
+    """Enter the class again; return (student, exercise, before, after, by) for each new change."""
     before = len(list(read_changes(course)))
     enter_verdicts(course, verdicts(course, earned, **more), [STAGE], quiet)
     return [
@@ -66,7 +66,7 @@ def test_the_first_marks_are_logged_with_their_verdict(course):
     } == {
         (student, lesson.name, exercise.name): score
         for student, lessons in EARNED.items()
-        for lesson, scores in lessons.items()  # only submitted lessons
+        for lesson, scores in lessons.items()  # EARNED contains only submitted lessons
         for exercise, score in zip(lesson.machine_graded, scores, strict=True)
     }
     assert {change.before for change in changes} == {None} and {

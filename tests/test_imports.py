@@ -1,4 +1,4 @@
-"""The modules of utils load only the packages that they need, and never the grader."""
+"""The modules of `utils` load only the packages that they need, and never the grader."""
 
 import ast
 import importlib
@@ -82,6 +82,6 @@ def imported_by(path):
 
 def test_utils_never_imports_the_grader():
     imports = {path: set(imported_by(path)) for path in (PROJECT / "utils").rglob("*.py")}
-    assert any("numpy" in names for names in imports.values())  # the files have been read
+    assert any("numpy" in names for names in imports.values())  # proves that the files were read
     for path, names in imports.items():
         assert not [name for name in names if name.partition(".")[0] == "grader"], path

@@ -1,4 +1,4 @@
-"""The judge gives full points to right answers, fewer to wrong ones, and always a verdict."""
+"""Right answers get full points, wrong answers get fewer, and every notebook gets a verdict."""
 
 import ast
 import dataclasses
@@ -55,11 +55,11 @@ def detect_obstacles(cloud, threshold=0.5, min_num_points=10, ground_level=-1.2,
 
 
 def notebooks(right, few):
-    """Yield parameters (lesson, variants) of notebooks that together contain each variant once.
+    """Yield parameters (lesson, variants) of notebooks that together contain every variant.
 
-    A notebook has one variant of each exercise, until all have been used. If an exercise has no
-    wrong variants left, its stub stays. A wrong variant that also defines another exercise is
-    alone in its notebook. Only `make proof` runs more than `few` notebooks of a lesson.
+    A notebook contains one variant of each exercise. If an exercise has no wrong variants left, its
+    stub stays. A wrong variant that also defines another exercise is alone in its notebook. Only
+    `make proof` runs more than `few` notebooks of a lesson.
     """
     for lesson in COURSE:
         names = [exercise.name for exercise in lesson.machine_graded]
@@ -105,7 +105,7 @@ def faults_on_other_seeds(path, lesson, sandbox):
     """Return the failures of hidden tests with four more seeds.
 
     The failures depend on the scenes and not on the sandbox, so the functions run in this process.
-    In lessons with a given class they run in the sandbox, because the class exists only there.
+    In lessons with a given class, they run in the sandbox, because the class exists only there.
     """
     cells = read_notebook(path).code
     if lesson.header.given:
@@ -161,7 +161,7 @@ def test_a_detector_made_of_the_lessons_functions_earns_everything(sandbox, tmp_
 def test_untouched_notebook_earns_nothing(lesson, sandbox, tmp_path, monkeypatch):
     for_colab = tmp_path / f"{lesson.name}.ipynb"
     for_colab.write_bytes(make_standalone(lesson.released.read_bytes()))
-    # The text shows that the notebook is untouched, so no code runs and no sandbox is needed.
+    # The text shows that the notebook is untouched, so the judge needs no sandbox.
     from_text = [judge(path, 1, None) for path in (lesson.released, for_colab)]
     monkeypatch.setattr(preflight, "_is_as_released", lambda *about: False)
     judged = judge(lesson.released, 1, sandbox)
@@ -229,7 +229,7 @@ def notebook_of(lesson, variants, folder):
 
 @pytest.mark.parametrize("chosen, variants", list(notebooks(right=False, few=1)))
 def test_wrong_variants_lose_the_right_points(chosen, variants, sandbox, tmp_path, monkeypatch):
-    monkeypatch.setattr(repair, "ONE_SLIP_KEEPS", 0)  # without slips, only the checks decide
+    monkeypatch.setattr(repair, "ONE_SLIP_KEEPS", 0)  # so only the checks decide
     verdict = judge(notebook_of(chosen, variants, tmp_path), 1, sandbox, limits=LIMITS)
     broken = {answer.name: wrong_notes(answer, verdict) for answer in variants}
     assert broken == {answer.name: [] for answer in variants}
@@ -362,7 +362,7 @@ def test_only_full_marks_are_cached(sandbox, tmp_path, monkeypatch):
     assert (second.exercises, second.student, runs) == (first.exercises, "bob", 0)
     assert second.key != first.key
     assert judge_notebook(right + "\n# mine", student="eve")[1] == 1
-    # Another notebook adds only a key to the cache, because it shares the first results.
+    # Other notebooks add only keys to the cache, because they share the first one's results.
     assert all(
         exercise is stored.exercises[0]
         for others in judging._FULL_MARKS.values()
@@ -386,7 +386,7 @@ def test_renamed_file_is_recognised(tmp_path, sandbox):
 
 
 def test_verdicts_share_equal_results_in_memory(sandbox, tmp_path):
-    """In a class of ten thousand students, most results of checks are equal."""
+    """Sharing saves memory, because most results are equal in a class of ten thousand."""
     lesson = find_lesson("06_filter_ground")
     verdict = judge(lesson.released, 1, sandbox)
     write_verdict(verdict, tmp_path / "verdict.json")
@@ -460,7 +460,7 @@ def test_command_line_prints_one_json_object(sandbox):
 @pytest.mark.slow
 def test_command_line_explains_wrong_arguments(tmp_path):
     assert command("judge", tmp_path / "nothing.ipynb").returncode == 2
-    assert "There is no file" in command("judge", tmp_path / "nothing.ipynb").stderr
+    assert "does not exist" in command("judge", tmp_path / "nothing.ipynb").stderr
     assert command("grade", "stage9_none").returncode == 2
     assert "The stages are" in command("grade", "stage9_none").stderr
     assert command("frobnicate").returncode == 2

@@ -1,4 +1,4 @@
-"""Kept answers are read, including those that are edits of other answers."""
+"""Reading kept answers, including those that are stored as edits of other answers."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""The league drives in the sandbox, gives points, and writes a page with pseudonyms."""
+"""The league drives in the sandbox, awards points, and writes a page with pseudonyms."""
 
 import csv
 import html
@@ -153,7 +153,7 @@ ODD = {
 def test_a_detector_without_boxes_is_stopped_with_a_fixed_message(answer, sandbox):
     driven = drive_with(sandbox, returning(answer), seconds=4.0)
     assert driven.failed == MOST_FAILURES and driven.metres == 0
-    assert driven.stopped.startswith(f"It gave no boxes for {MOST_FAILURES} scans. ")
+    assert driven.stopped.startswith(f"It returned no boxes for {MOST_FAILURES} scans. ")
     assert driven.failure in driven.stopped
     assert "Secret" not in driven.stopped and "word" not in driven.stopped
 
@@ -182,7 +182,7 @@ def test_a_few_failed_scans_are_reported_but_do_not_stop_a_drive(sandbox):
     assert not driven.stopped and driven.failed == 4
     (sentence,) = events_of(driven)
     assert sentence == (
-        "It gave no boxes for 4 of the scans. detect_obstacles raised ZeroDivisionError."
+        "It returned no boxes for 4 of the scans. detect_obstacles raised ZeroDivisionError."
     )
 
 
@@ -269,7 +269,7 @@ def cheap_points(street, boxes):
 
 @pytest.mark.parametrize("name", ("no boxes", "boxes everywhere", "one box 4 m ahead"))
 def test_cheap_detectors_earn_hardly_any_points(name):
-    """The true boxes earn about 100 points; the next test compares all detectors with them."""
+    """True boxes earn about 100 points; the next test covers all cheap detectors and streets."""
     assert cheap_points(streets_of(SEED)[1], CHEAP[name]) <= 20
 
 
@@ -334,7 +334,7 @@ def course(tmp_path):
 
 @pytest.fixture
 def jobs(monkeypatch):
-    """Replace driving with a function that records each job; return the list of jobs."""
+    """Replace driving with a function that records each job; return the list of recorded jobs."""
     calls = []
 
     def drive_one(submitted_files, lesson, number, seed, sandbox):
@@ -437,7 +437,7 @@ def test_a_street_that_stops_the_true_boxes_does_not_count(course, jobs, sandbox
 
 def test_a_stage_without_a_detector_has_no_league(capsys):
     assert cli.main(["league", "stage3_obstacles"]) == 2
-    assert "No lesson of stage3_obstacles asks for a detector" in capsys.readouterr().err
+    assert "No exercise in stage3_obstacles is a detector" in capsys.readouterr().err
 
 
 def test_the_error_without_submissions_names_their_folder(tmp_path, monkeypatch, capsys):
@@ -474,10 +474,10 @@ def test_the_page_has_results_but_no_names(league_files):
         assert name not in text
     for words in (
         "does not affect marks",
-        "It braked without a reason: road mistaken for an obstacle, 9 m ahead, frame 31.",
+        "It braked for no reason: road mistaken for an obstacle, 9 m ahead, frame 31.",
         "The car hits a person at 20 km/h.",
         "did not answer within 5 seconds",
-        "not the detector&#39;s fault",
+        "not because of the detector",
         "Near misses: 1.",
         TRUE_BOXES,
         "No sandbox.",

@@ -1,4 +1,4 @@
-"""In lesson 03, a right RANSAC loop keeps its points with wrong helpers; planes are drawn."""
+"""Lesson 03: a right RANSAC loop keeps its points despite wrong helpers, and planes are drawn."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -10,7 +10,7 @@ from grader.judging.judge import judge
 from utils.checks import CheckFailed
 from utils.checks.lesson_03.fit_plane import assert_through_the_mean
 from utils.checks.lesson_03.planes import scattered_plane
-from utils.checks.lesson_03.results import assert_finds, assert_nearest_are_inliers
+from utils.checks.lesson_03.results import assert_finds_plane, assert_nearest_are_inliers
 
 RANSAC_PLANE = """\
 def ransac_plane(points, max_iterations, distance_tolerance, rng):
@@ -87,7 +87,7 @@ def test_planes_are_drawn_edge_on(plane, yours):
     points, belongs = scattered_plane(1, 40, 20, plane=plane)
     mask = np.arange(60) < 20
     for compare in (
-        lambda: assert_finds((yours, mask), points, 0.1, belongs),
+        lambda: assert_finds_plane((yours, mask), points, 0.1, belongs),
         lambda: assert_nearest_are_inliers((yours, mask), points),
         lambda: assert_through_the_mean(yours, points),
     ):

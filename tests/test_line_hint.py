@@ -1,4 +1,4 @@
-"""The hint about the line to change is true, and the search for it has no side effects."""
+"""The hint names a line whose change fixes the answer; the search has no side effects."""
 
 import os
 import threading
@@ -172,7 +172,7 @@ def test_two_mistakes_give_no_hint():
 
 
 def test_the_change_must_pass_all_shown_checks():
-    """A change that fixes the failed checks but breaks another one does not count."""
+    """A change that fixes the failed checks but fails another one is not suggested."""
 
     def never(function):
         raise AssertionError

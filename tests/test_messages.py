@@ -1,4 +1,4 @@
-"""Messages about failures contain the kind of failure, and only words from the notebook."""
+"""Messages about failures name the kind of failure, and quote only the notebook."""
 
 import ast
 
@@ -31,7 +31,7 @@ from utils.checks.failures import (
     fixed,
 )
 from utils.checks.outcomes import Outcome
-from utils.checks.summary import resolve
+from utils.checks.summary import summarise
 from utils.in_sandbox import ABSENT
 
 SHOWN = Check("shown", "f", "It works", "Look at it.", run=print)
@@ -50,7 +50,7 @@ def test_a_passed_check_has_no_message():
         shareable(outcome, True) is outcome
         and shareable(Outcome(HIDDEN, None), False).failure is None
     )
-    assert messages_of(resolve([outcome])) == {}
+    assert messages_of(summarise([outcome])) == {}
 
 
 WRONG = CheckFailed(
@@ -71,7 +71,7 @@ def test_messages_about_hidden_tests_have_no_numbers_and_no_answer(check, open_t
 
 
 def test_messages_about_visible_checks_have_counts_but_no_answer():
-    """An answer to a visible check may contain the input of a hidden test."""
+    """Messages omit the answer, because it may contain the input of a hidden test."""
     assert message_lines(SHOWN, WRONG) == ["3 of 17 rows are wrong: row 4", "Hint: Look at it."]
     secret = CheckFailed("2 of 5 are wrong, by 0.6763 and 67, 8; then 6, 7 and 63", yours="6763")
     shown = "2 of 5 are wrong, by … and 67, 8; then …, … and …"
@@ -98,10 +98,10 @@ SEE_PYTHON = "The check in the notebook shows Python's full error message."
 def test_the_pointer_to_the_notebook_occurs_once(failure, says):
     others = [CheckFailed("another"), CheckFailed("a third")]
     outcomes = [Outcome(SHOWN, failed) for failed in (failure, *others)]
-    messages = messages_of(resolve(outcomes))
+    messages = messages_of(summarise(outcomes))
     ends = [message.text.rsplit("\n", 1)[-1] for message in messages.values()]
     assert [end for end in ends if end in (SEE_ANSWER, SEE_PYTHON)] == [says or SEE_ANSWER]
-    hidden = messages_of(resolve([Outcome(HIDDEN, failure)]))
+    hidden = messages_of(summarise([Outcome(HIDDEN, failure)]))
     assert "in the notebook" not in "".join(message.text for message in hidden.values())
 
 
@@ -110,7 +110,7 @@ def test_the_kind_and_the_hint_of_a_failure_are_kept():
     assert (type(form), form.message, form.hint) == (WrongForm, "shape (…)", "Return rows.")
     plain = shareable_failure(Outcome(HIDDEN, CheckFailed("7 are wrong")), False)
     assert type(plain) is CheckFailed
-    # Only the judge sees the amount.
+    # The type is kept for the judge, although the message does not state the amount.
     assert type(shareable_failure(Outcome(HIDDEN, FarTooMuch("too much")), False)) is FarTooMuch
     waits = NotYet("It is sorted")
     shared = shareable_failure(Outcome(HIDDEN, waits), False)
@@ -240,7 +240,7 @@ def test_a_known_exception_is_explained(visible):
 )
 @pytest.mark.parametrize("visible", [True, False])
 def test_a_stub_is_not_started(inside, says, visible):
-    # A text that comes from a pipe is not the same object as the equal literal in the program.
+    # `join` creates a new string, because a text from a pipe is not identical to a literal.
     error = raised("".join(("NotImplemented", "Error")), inside=inside)
     failure = shareable_failure(Outcome(HIDDEN, error), visible)
     assert isinstance(failure, NotStarted) and failure.message.startswith(says)
@@ -268,7 +268,7 @@ def test_one_cause_is_shown_once_and_others_in_full():
         Outcome(Check("3", "f", "Third", "Three."), WrongForm("no array")),
         Outcome(Check("4", "f", "Fourth", "Four."), NotYet("First")),
     ]
-    messages = messages_of(resolve(outcomes, mistake=UPSIDE_DOWN))
+    messages = messages_of(summarise(outcomes, mistake=UPSIDE_DOWN))
     assert {outcome.check.name: message for outcome, message in messages.items()} == {
         "1": Message(
             "It is upside down.\nno array\nHint: Turn it round.", hint="Hint: Turn it round."
@@ -329,7 +329,7 @@ def test_fixed_numbers_stay_in_messages_about_hidden_tests():
     assert message_lines(HIDDEN, failure)[0] == (
         "Each of 0 to n - 1, -1.5 or (0, 0, 0), must occur … times, not …."
     )
-    # Fixed numbers do not count among the few numbers that a visible check's message may contain.
+    # A message about a visible check may contain only a few numbers; fixed numbers do not count.
     assert message_lines(SHOWN, CheckFailed(fixed("1, 2, 3, 4: ") + "5, 6, 7, 8 and 9"))[0] == (
         "1, 2, 3, 4: 5, 6, 7, 8 and …"
     )
@@ -345,7 +345,7 @@ FILES_WITH_CHECKS = [
 
 
 def calls_of(names):
-    """Yield the place and the arguments of each call of `names` in the code of the checks."""
+    """Yield the place and the arguments of each call to `names` in the code of the checks."""
     for path in FILES_WITH_CHECKS:
         for node in ast.walk(ast.parse(path.read_text("utf-8"))):
             if isinstance(node, ast.Call) and getattr(node.func, "id", "") in names:

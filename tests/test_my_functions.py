@@ -133,7 +133,7 @@ def test_notebooks_are_found_in_the_usual_folders(folder):
     write(folder / "b.ipynb", "def f():\n    return 'here'")
     assert load_my_functions("b.ipynb").f() == "here"
     assert load_my_functions(folder.parent / "stage3_obstacles" / "b.ipynb").f() == "neighbour"
-    # The notebooks of the course are found from any folder; untouched, they contain stubs.
+    # The course's notebooks, which are found from any folder, contain stubs.
     with pytest.raises(NotImplementedError, match="06_filter_ground.ipynb is still a stub"):
         load_my_functions("06_filter_ground.ipynb").filter_ground(None)
 
@@ -192,7 +192,7 @@ def test_an_error_after_magics_has_the_right_line_number(folder):
     assert caught.traceback[-1].lineno + 1 == 7
 
 
-# In each notebook, f() returns 42. Lines of three dashes separate the cells.
+# Notebooks in which f() returns 42. Lines of three dashes separate the cells.
 @pytest.mark.parametrize(
     "text",
     [
@@ -264,7 +264,7 @@ def test_a_function_that_uses_figures_does_not_draw_them(folder):
     with pytest.raises(NameError, match="axes"):
         functions.lowest(show=True)
     assert plt.get_fignums() == figures and not (folder / "measured").exists()
-    # The judge also computes the street for this function.
+    # The judge also runs the statements that compute the street, which this function needs.
     assert functions.exercise() == 1
 
 

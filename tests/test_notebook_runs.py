@@ -1,4 +1,4 @@
-"""Notebooks of the course are run, and a cell that stops a notebook is named."""
+"""Running the course's notebooks, and naming the cell that stops one."""
 
 import nbformat
 import pytest
@@ -7,7 +7,7 @@ from grader.course.notebook_runs import NotebookStopped, run_notebook
 
 
 def notebook_of(*sources):
-    """Return a notebook with these code cells; cells with a check may raise, as in a lesson."""
+    """Return a notebook with these code cells; as in a lesson, only checks may raise exceptions."""
     cells = [nbformat.v4.new_code_cell(source) for source in sources]
     for cell in cells:
         cell.metadata["tags"] = ["raises-exception"] * ("check" in cell.source)

@@ -1,4 +1,4 @@
-"""The notes of lessons 05 to 07 are remarks about deviations that do not cost points."""
+"""The notes of lessons 05 to 07 are remarks on deviations that do not cost points."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ def right_answer(exercise):
 
 
 def notes_on(exercise, function):
-    """Return the names of the notes about a function, which must pass all checks."""
+    """Return the names of the notes on a function; assert that it passes all checks."""
     function.__name__ = exercise
     assert not any(run_check(check, function).failure for check in checks_of(exercise))
     return {note.name for note in notes_of(exercise) if run_check(note, function).failure}

@@ -1,4 +1,4 @@
-"""A student's own class is judged instead of the class that the lesson gives."""
+"""A student's own class is judged instead of the class that the lesson provides."""
 
 import json
 
@@ -23,7 +23,7 @@ class Node:
     def __init__(self, point, index):
         self.point, self.index, self.left, self.right = point, index, None, None
 """
-# Methods that go down the tree in a loop.
+# Methods that descend the tree in a loop.
 INSERT = """
     def insert(self, point, index):
         new = Node(point, index)
@@ -59,7 +59,7 @@ INIT = "    def __init__(self):\n        self.root = None\n"
 
 
 def begin_with(action, method):
-    """Return a method with `action` as its first line."""
+    """Return the source of a method with `action` as its first line."""
     head, rest = method.strip("\n").split("\n", 1)
     return f"{head}\n        {action}\n{rest}\n"
 
@@ -367,7 +367,7 @@ def source_of(cell):
 
 
 def judge_text(text, sandbox, folder, **more):
-    """Judge a notebook; return the results by exercise, and the verdict."""
+    """Judge a notebook given as text; return the results by exercise, and the verdict."""
     path = folder / f"{LESSON.name}.ipynb"
     path.write_text(text, "utf-8")
     verdict = judge(path, 7, sandbox, LESSON, **more)
@@ -375,7 +375,7 @@ def judge_text(text, sandbox, folder, **more):
 
 
 def load_class(text):
-    """Return the class KdTree as it is after all definitions in the notebook."""
+    """Return the class KdTree after running all the definitions in the notebook."""
     cells = [source_of(cell) for cell in json.loads(text)["cells"] if cell["cell_type"] == "code"]
     namespace = {"__name__": "__main__"}
     for statement in slicing.slice_for(["KdTree"], slicing.parse_notebook(cells)[0]):

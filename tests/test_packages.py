@@ -1,4 +1,4 @@
-"""`check` accepts only packages that the judge has, and both say the same about other packages."""
+"""`check` accepts only the judge's packages, and prints the judge's message about others."""
 
 import importlib
 import sys
@@ -80,7 +80,7 @@ def test_a_progress_bar_for_notebooks_needs_no_widgets_in_the_judge(tmp_path, sa
 
 @pytest.fixture
 def foreign(tmp_path, monkeypatch):
-    """Install a package that the judge does not have into this Python."""
+    """Make a package importable that the judge does not have."""
     folder = tmp_path / "site-packages"
     folder.mkdir()
     (folder / "foreign_bars.py").write_text("def bar(values):\n    return values\n")
@@ -102,7 +102,7 @@ NOT_NEEDED = f"import foreign_bars\n{BODY.replace('bar(', '(')}"
 
 
 def defined(source, monkeypatch):
-    """Return the function as defined in a cell, so that Python can find its source."""
+    """Return the function defined by a cell whose source Python can find."""
     namespace = {"__name__": "__main__"}
     lines = source.splitlines(keepends=True)
     monkeypatch.setitem(

@@ -1,4 +1,4 @@
-"""Marks are exported to Canvas and Moodle; none is lost, and no other mark changes."""
+"""Exports to Canvas and Moodle lose no marks and change no other marks."""
 
 import dataclasses
 
@@ -26,7 +26,7 @@ POINTS = {"anna": 8.5, "björn": 31.25, "mary jane": 100.0, "cmd": 0.0}
 
 
 def marks(points=POINTS, people=PEOPLE, most=100.0, excused=(ILL,)):
-    """Return the results of a class in a stage with one lesson."""
+    """Return the results of a class in a stage that consists of one lesson."""
     notebooks, stages = [], []
     for person in people:
         score = points.get(person.id)
@@ -39,7 +39,7 @@ def marks(points=POINTS, people=PEOPLE, most=100.0, excused=(ILL,)):
 
 @pytest.fixture
 def fill(tmp_path):
-    """Return a function that fills in a platform's file."""
+    """Return a function that enters results in a platform's file."""
 
     def fill_in(platform, results, **order):
         path = tmp_path / "downloaded.csv"
@@ -83,7 +83,7 @@ def test_canvas_gets_each_mark_and_no_other_mark_changes(fill, settings):
     if settings.get("first_and_last"):
         course.students[0].name = "=cmd, Cid"
     exported = fill(course, marks())
-    # In the meantime, other marks and the points of the essay change in Canvas.
+    # After the download, other marks and the points of the essay change in Canvas.
     course.scores |= {(9001, 41): 19.0, (9002, 41): 11.0, (9005, 42): 60.0}
     course.assignments[41][1] = 25.0
     course.notes[9001] = "was ill"
@@ -115,7 +115,7 @@ def test_a_file_for_canvas_has_the_format_of_the_site(fill):
     )
     assert "\n    Points Possible;;;;;100,00\n" in text
     assert "\nSchmidt, Anna;9001;sis1;anna;A;8,5\n" in text
-    assert '\n"=""=cmd|\' /C calc\'!A0""";9004;' in text  # unchanged from Canvas's file
+    assert '\n"=""=cmd|\' /C calc\'!A0""";9004;' in text  # as in Canvas's file
     assert "Noah" not in text and "Test" not in text
 
 
@@ -149,7 +149,7 @@ def test_canvas_rows_are_found_by_any_key_of_the_roster(fill, roster):
     exported = fill(course, marks(points, people, excused=()))
     course.import_(exported.content)
     scores = {id: score for (id, assignment), score in course.scores.items() if assignment == 42}
-    if roster == "login":  # cmd has another login
+    if roster == "login":  # the student called cmd has another login
         assert scores.pop(9004, 0.0) == 0.0
     else:
         assert not exported.lost and scores.pop(9004) == 0.0
@@ -188,7 +188,7 @@ def test_ambiguous_students_are_named_and_get_no_mark(fill):
 
 def test_a_row_that_matches_two_people_gets_no_mark(fill):
     course = canvas_course()
-    other = Person("sis1", "Thea", "Dieb")  # her ID equals Anna's number in another system
+    other = Person("sis1", "Thea", "Dieb")  # Thea's ID equals Anna's SIS ID
     exported = fill(course, marks({"anna": 8.5, "sis1": 1.0}, (ANNA, other), excused=()))
     assert exported.placed == 0 and len(exported.lost) == 2
     assert "Schmidt, Anna may be anna or sis1" in exported.lost[0]
@@ -203,7 +203,7 @@ def test_a_canvas_number_takes_precedence_over_an_equal_id(fill):
 
 
 def test_an_id_that_equals_a_canvas_number_needs_the_same_name(fill):
-    """Without other keys, Canvas's number is compared with IDs, because folders may be named so."""
+    """IDs may be Canvas's numbers, but such a match does not count if the names differ."""
     course = canvas_course(sis=False)
     same, other = Person("9001", "Anna", "Schmidt"), Person("9002", "Zoe", "Zahn")
     nameless = Person("9003")
@@ -212,7 +212,7 @@ def test_an_id_that_equals_a_canvas_number_needs_the_same_name(fill):
     course.import_(exported.content)
     assert (course.scores[9001, 42], course.scores[9003, 42]) == (1.0, 3.0)
     assert course.scores[9002, 42] == 12.0
-    assert exported.lost == ("9002 (Zoe Zahn), 2 points: the file has no row for them.",)
+    assert exported.lost == ("9002 (Zoe Zahn), 2 points: the file has no row for this student.",)
 
 
 def test_another_name_with_the_same_number_is_noted(fill):
@@ -272,7 +272,7 @@ def test_a_namesake_with_another_number_gets_no_mark(fill):
         "anna (Anna Schmidt), 8.5 points: Schmidt, Anna has the number 7777 instead of 9001.",
     )
     assert not any("by name" in note for note in exported.notes)
-    # If both are in the file, Anna gets her mark.
+    # If the file contains both rows, Anna's row gets the mark.
     course.students.append(CanvasStudent(9001, "Schmidt, Anna", "sis1", "anna"))
     exported = fill(course, marks())
     course.import_(exported.content)
@@ -293,10 +293,10 @@ def test_numbers_of_another_kind_are_ignored(fill):
 @pytest.mark.parametrize(
     ("there", "said"),
     [
-        (85.0, "björn (Björn Müller) 12.00 by 31.25; ill (Ilse Krank) 85.00 by EX"),
-        (0.0, "björn (Björn Müller) 12.00 by 31.25; ill (Ilse Krank) 0.00 by EX"),
-        ("EX", "björn (Björn Müller) 12.00 by 31.25"),
-        (None, "björn (Björn Müller) 12.00 by 31.25"),
+        (85.0, "björn (Björn Müller) from 12.00 to 31.25; ill (Ilse Krank) from 85.00 to EX"),
+        (0.0, "björn (Björn Müller) from 12.00 to 31.25; ill (Ilse Krank) from 0.00 to EX"),
+        ("EX", "björn (Björn Müller) from 12.00 to 31.25"),
+        (None, "björn (Björn Müller) from 12.00 to 31.25"),
     ],
 )
 def test_a_mark_that_an_excuse_replaces_is_named(fill, there, said):
@@ -306,23 +306,23 @@ def test_a_mark_that_an_excuse_replaces_is_named(fill, there, said):
     exported = fill(course, marks())
     course.import_(exported.content)
     assert course.scores[9006, 42] == "EX"
-    assert f"Marks in the file that are replaced: {said}." in exported.notes
+    assert f"Marks changed in the file: {said}." in exported.notes
 
 
 def test_an_excuse_that_a_mark_replaces_is_named(fill):
     course = canvas_course()
     course.scores[9001, 42] = "EX"
-    replaced = "anna (Anna Schmidt) EX by 8.5; björn (Björn Müller) 12.00 by 31.25"
+    replaced = "anna (Anna Schmidt) from EX to 8.5; björn (Björn Müller) from 12.00 to 31.25"
     exported = fill(course, marks())
-    assert f"Marks in the file that are replaced: {replaced}." in exported.notes
+    assert f"Marks changed in the file: {replaced}." in exported.notes
 
 
 def test_excused_students_without_the_assignment_are_named(fill):
     exported = fill(canvas_course(assigned={42: {9001, 9002, 9003, 9004}}), marks())
     assert (exported.placed, exported.lost) == (4, ())
     assert b"EX" not in exported.content
-    (note,) = [note for note in exported.notes if note.startswith("Excused, so no mark is written")]
-    assert "ill (Ilse Krank): Canvas has not assigned it to them (N/A)" in note
+    (note,) = [note for note in exported.notes if note.startswith("Excused, but not marked")]
+    assert "ill (Ilse Krank): Canvas would ignore the mark" in note and "(N/A)" in note
 
 
 def test_a_mark_for_an_unassigned_student_is_reported(fill):
@@ -330,7 +330,7 @@ def test_a_mark_for_an_unassigned_student_is_reported(fill):
     exported = fill(course, marks())
     assert exported.placed == 3
     (lost,) = exported.lost
-    assert lost.startswith("anna (Anna Schmidt), 8.5 points: Canvas has not assigned it to them")
+    assert lost.startswith("anna (Anna Schmidt), 8.5 points: Canvas would ignore the mark")
 
 
 def test_students_missing_in_the_file_or_on_the_roster_are_named(fill):
@@ -338,7 +338,9 @@ def test_students_missing_in_the_file_or_on_the_roster_are_named(fill):
     course.students = [student for student in course.students if student.id not in (9001, 9005)]
     course.students.append(CanvasStudent(9300, "Gast, Gerd", "sis8", "gg"))
     exported = fill(course, marks())
-    assert exported.lost == ("anna (Anna Schmidt), 8.5 points: the file has no row for them.",)
+    assert exported.lost == (
+        "anna (Anna Schmidt), 8.5 points: the file has no row for this student.",
+    )
     assert "In the file but not on the roster: Gast, Gerd." in exported.notes
     absent = "On the roster but not in the file: noshow (Noah Show)."
     assert absent in exported.notes
@@ -418,15 +420,15 @@ def moodle_course(**settings):
 def test_moodle_gets_each_mark_and_no_other_mark_changes(fill, settings):
     course = moodle_course(**settings)
     exported = fill(course, marks())
-    # Noah is graded again in the meantime, and the upload may change records changed since then.
+    # Noah is graded again after the download. The upload may overwrite such newer records.
     course.grades[315], course.graded_at[315], course.comments[315] = 60.0, 90, "graded again"
     course.import_(exported.content, ignore_modified=True)
     assert course.grades == {311: 8.5, 312: 31.25, 313: 100.0, 314: 0.0, 315: 60.0}
     assert course.comments[312] == "<p>So, so;\nfine</p>" and course.comments[315] == "graded again"
     assert (exported.placed, exported.lost, course.skipped) == (4, (), [])
     mark = settings.get("decimal_mark", ".")
-    replaced = f"björn (Björn Müller) 12{mark}00 by 31{mark}25"
-    assert f"Marks in the file that are replaced: {replaced}." in exported.notes
+    replaced = f"björn (Björn Müller) from 12{mark}00 to 31{mark}25"
+    assert f"Marks changed in the file: {replaced}." in exported.notes
 
 
 def test_a_worksheet_keeps_its_format(fill):
@@ -437,9 +439,7 @@ def test_a_worksheet_keeps_its_format(fill):
         '\nTeilnehmer/in311,Anna Schmidt,as@x.edu,anna,Submitted for grading,"8,5","100,00",Ja,'
         in text
     )
-    assert (
-        "=cmd|' /C calc'!A0" in text
-    )  # Moodle compares the names with its own, so they stay unescaped
+    assert "=cmd|' /C calc'!A0" in text  # not escaped, because Moodle compares names with its own
 
 
 def test_marks_that_moodle_would_skip_are_named(fill):
@@ -447,9 +447,9 @@ def test_marks_that_moodle_would_skip_are_named(fill):
     exported = fill(course, marks({**POINTS, "mary jane": 101.0}))
     assert exported.placed == 2
     locked, above = exported.lost
-    assert locked.startswith("anna (Anna Schmidt), 8.5 points: their grade is locked in Moodle")
+    assert locked.startswith("anna (Anna Schmidt), 8.5 points: the grade is locked in Moodle")
     assert above.startswith(
-        "mary jane (Mary Jane O'Neil, Jr), 101 points: Moodle ignores marks above 100"
+        "mary jane (Mary Jane O'Neil, Jr), 101 points: Moodle silently ignores marks above 100"
     )
     course.import_(exported.content)
     assert not course.skipped
@@ -513,11 +513,13 @@ def test_anonymous_submissions_of_the_roster_are_joined_by_the_archive(fill, tmp
 
 
 def test_a_participant_number_is_not_taken_for_an_lms_id(fill):
-    """A participant's number differs in each assignment, so an lms_id may match it by chance."""
+    """Participant numbers differ between assignments, so an lms_id may match one by chance."""
     other = Person("x", "Xaver", "Unbekannt", lms_id="311")
     exported = fill(moodle_course(), marks({"x": 50.0}, (other,), excused=()))
     assert exported.placed == 0
-    assert exported.lost == ("x (Xaver Unbekannt), 50 points: the file has no row for them.",)
+    assert exported.lost == (
+        "x (Xaver Unbekannt), 50 points: the file has no row for this student.",
+    )
 
 
 def test_the_maximum_grade_of_moodle_is_kept(fill):
@@ -530,7 +532,7 @@ def test_the_maximum_grade_of_moodle_is_kept(fill):
 
 
 def test_an_ambiguous_grade_column_must_be_named(fill):
-    """Without submissions, the status is blank and equal grades look like a column of maxima."""
+    """If no status is set and all grades are equal, the grades look like a column of maxima."""
     course = moodle_course()
     course.grades = dict.fromkeys(range(311, 317), 10.0)
     for student in course.students:
@@ -555,9 +557,9 @@ def test_a_site_without_fractions_gets_readable_points(fill):
 @pytest.mark.parametrize(
     ("content", "says"),
     [
-        (b"", "has no table of students"),
+        (b"", "does not contain a table of students"),
         (b"PK\x03\x04\xff\xfe", "is not a CSV file in UTF-8"),
-        ("Student,ID\nMüller,1\n".encode("cp1252"), "save it as CSV UTF-8"),
+        ("Student,ID\nMüller,1\n".encode("cp1252"), "as CSV UTF-8"),
         (b"a,b\nc,d\n", "is not "),
         (b"Student,ID,SIS Login ID,Section,T (1)\nAnna,1,anna,A,1\n", "no row 'Points Possible'"),
         (b"Student,ID,Section,T (1)\n    Points Possible,,,1\n,,,,,,,5\n", "has 8 cells"),

@@ -1,4 +1,4 @@
-"""The player shows every scenario, with a simulated screen and without one."""
+"""The player shows every scenario, with and without a simulated screen."""
 
 import importlib.util
 import subprocess
@@ -29,7 +29,7 @@ def without_screen(monkeypatch, tmp_path):
 
 @pytest.fixture
 def notebook(monkeypatch):
-    """Return the namespace that replaces functions loaded from a notebook; tests fill it."""
+    """Return an empty namespace in place of a notebook's functions; tests fill it."""
     functions = SimpleNamespace()
     module = ModuleType("utils.notebooks.my_functions")
     module.load_my_functions = lambda path: functions
@@ -45,7 +45,7 @@ def test_built_in_scenarios_are_played(name, frames, tmp_path, capsys):
     assert play.main([name, "--frames", str(frames), "--record", "film.gif", *SMALL]) == 0
     assert Image.open("film.gif").n_frames == frames
     output = capsys.readouterr().out
-    assert "the true ones, which the simulator knows" in output
+    assert "the true boxes of the simulator" in output
     assert f"{frames} frame" in output
 
 
@@ -64,7 +64,7 @@ def test_folders_and_single_clouds_are_played(tmp_path, suffix, capsys):
     assert play.main([str(folder), "--record", "folder.gif", "--camera", "topdown", *SMALL]) == 0
     assert Image.open("folder.gif").n_frames == 3
     assert play.main([str(folder / f"1{suffix}"), "--record", "one.png", *SMALL]) == 0
-    assert "only the true boxes of labelled recordings" in capsys.readouterr().out
+    assert "only labelled recordings show boxes" in capsys.readouterr().out
 
 
 def test_bags_are_opened_with_their_topic(monkeypatch):
@@ -78,11 +78,11 @@ def test_without_a_screen_the_film_is_saved_under_the_scenarios_name(tmp_path, c
     pytest.importorskip("imageio_ffmpeg", reason=FFMPEG)
     assert play.main(["highway", "--frames", "2", *SMALL]) == 0
     assert (tmp_path / "highway.mp4").stat().st_size > 0
-    assert "so the film is written to highway.mp4" in capsys.readouterr().out
+    assert "Writing the film to highway.mp4" in capsys.readouterr().out
 
 
 def test_without_ffmpeg_the_film_is_a_gif(monkeypatch, tmp_path, capsys):
-    # All other packages are found, because the search for PyVista is done once and cached.
+    # Other packages can be found, because the result of the search for PyVista is cached.
     find_spec = importlib.util.find_spec
     hidden = {"imageio_ffmpeg"}
     monkeypatch.setattr(
@@ -92,7 +92,7 @@ def test_without_ffmpeg_the_film_is_a_gif(monkeypatch, tmp_path, capsys):
     )
     assert play.main(["highway", "--frames", "2", *SMALL]) == 0
     assert Image.open(tmp_path / "highway.gif").n_frames == 2
-    assert "so the film is written to highway.gif" in capsys.readouterr().out
+    assert "Writing the film to highway.gif" in capsys.readouterr().out
 
 
 def test_a_notebook_provides_the_detector(notebook, capsys):
@@ -126,7 +126,9 @@ def test_the_detector_takes_settings(notebook, capsys):
     assert play.main([*arguments, *settings, *SMALL]) == 0
     assert set(seen) == {(0.7, (-1.5, 2, 3))}
     assert play.main([*arguments, "--set", "tolerance=1"]) == 2
-    assert "no parameter tolerance. It has threshold, minimum." in capsys.readouterr().out
+    assert (
+        "no parameter tolerance. Its parameters are threshold, minimum." in capsys.readouterr().out
+    )
     for wrong in ("threshold", "threshold=", "1=2", "threshold=open('x')"):
         with pytest.raises(SystemExit):
             play.main([*arguments, "--set", wrong])
@@ -186,7 +188,7 @@ def test_layers_are_switched_from_the_command_line(monkeypatch):
 
 
 class FakeWindow:
-    """A stand-in for a window that the user closes after the second frame."""
+    """A stand-in for a window, which is closed after the second frame."""
 
     opened = []
 

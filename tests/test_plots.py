@@ -1,4 +1,4 @@
-"""Every figure is drawn for clouds of every size, and refuses typical wrong arguments."""
+"""All figures work for clouds of any size, and refuse typical wrong arguments."""
 
 import io
 import subprocess
@@ -165,11 +165,11 @@ ROWS = {
 
 @pytest.fixture(autouse=True)
 def strict_warnings():
-    """Turn warnings into errors, close all figures and require unchanged Matplotlib settings."""
+    """Turn warnings into errors, close all figures, and fail if Matplotlib's settings change."""
     before = dict(matplotlib.rcParams)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        # A lesson that an earlier test ran may have left a file open.
+        # An earlier test of a lesson may have left a file open.
         warnings.simplefilter("ignore", ResourceWarning)
         yield
     plt.close("all")
@@ -177,7 +177,7 @@ def strict_warnings():
 
 
 def png(axes):
-    """Return a figure as the bytes of a PNG file, rendered as in a notebook."""
+    """Return the bytes of a figure as a PNG file, rendered as in a notebook."""
     file = io.BytesIO()
     axes.figure.savefig(file, format="png", bbox_inches="tight")
     return file.getvalue()
@@ -315,7 +315,7 @@ def test_large_clouds_are_thinned_evenly_with_a_note():
     axes = plots.from_above(street(120_000), limits=(-100, 100, -100, 100))
     assert len(axes.collections[0].get_offsets()) == 30_000
     assert "1 of 4 points shown" in texts(axes)
-    # Every fourth point of a scan in scanner order would come from only 16 of the 64 beams.
+    # Taking every fourth point in scanner order would show only 16 of the 64 beams.
     beams = np.arange(120_000) % 64
     rows, _ = arguments.drawn_rows(axes, np.zeros(120_000), np.zeros(120_000))
     assert np.bincount(beams[rows]).min() > 350
@@ -424,7 +424,7 @@ def test_pruned_regions_are_the_largest_without_a_visited_node():
     root = balanced_tree(QUIZ)
     axes = plots.kd_search(QUIZ, root, (-6, 7), 3.0, [7, 0, 3], limits=(-10, 10, -10, 10))
     hatched = [patch for patch in axes.patches if patch.get_hatch() and patch.get_width()]
-    # The regions are right of the root, above node 0 in the left half, and left of node 3's cut.
+    # The pruned regions: right of the root, above node 0 in the left half, left of node 3's cut.
     lowers = np.array([patch.get_xy() for patch in hatched])
     sizes = np.array([(patch.get_width(), patch.get_height()) for patch in hatched])
     assert sizes.prod(axis=1).max() == pytest.approx(9.8 * 20)
@@ -494,7 +494,7 @@ def test_dark_styles_do_not_change_figures():
 
 
 def test_interactive_mode_set_at_the_first_figure_is_kept(monkeypatch):
-    # Jupyter turns on interactive mode at that moment; without it, later figures are not shown.
+    # Jupyter turns on interactive mode at the first figure; otherwise, later figures are not shown.
     def subplots(*arguments, subplots=plt.subplots, **options):
         matplotlib.interactive(True)
         return subplots(*arguments, **options)

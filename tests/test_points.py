@@ -1,4 +1,4 @@
-"""Points add up to the cent in all places where they are shown."""
+"""Points add up exactly, wherever they are shown."""
 
 import json
 from fractions import Fraction
@@ -66,7 +66,7 @@ def test_an_exercise_earns_the_sum_of_the_shares_of_its_passed_checks(cents, wei
 
 @pytest.mark.slow
 def test_a_verdict_adds_up(lesson, sandbox):
-    """Use a notebook with right, wrong and untouched exercises."""
+    """The points of right, wrong and untouched exercises add up to the verdict's score."""
     answers = {}
     for number, exercise in enumerate(lesson.machine_graded):
         kept = answers_to(exercise.name)
@@ -92,7 +92,7 @@ def test_a_verdict_adds_up(lesson, sandbox):
 
 
 def test_the_report_names_the_check_that_failed():
-    """Checks are identified by name, because two checks of an exercise may have the same title."""
+    """The report finds the check by name, because two checks of an exercise may share a title."""
     shown, hidden = (
         CheckResult(name, "Finds it", False, 0.0, 1.0, "", visible)
         for name, visible in (("finds_it", True), ("test_finds_it", False))

@@ -1,4 +1,4 @@
-"""In the pool, a judging process that dies or hangs does not affect the others."""
+"""A judging process that dies or hangs does not affect the other processes of the pool."""
 
 import os
 import struct
@@ -109,7 +109,7 @@ def test_an_exception_keeps_its_traceback(kind, comes):
 
 
 def test_a_process_is_idle_only_once_it_is_no_longer_busy():
-    """Otherwise a thread could take the process and then see it removed from the busy set."""
+    """Otherwise, a thread could take the process and then see it removed from the busy set."""
     with Pool(2) as judges:
 
         class Idle(list):

@@ -17,7 +17,7 @@ def no_stored_guesses(monkeypatch):
 
 @pytest.fixture
 def entry(monkeypatch):
-    """Return a list of the widgets that predictions create, in order of creation."""
+    """Return a list that collects the widgets that predictions create."""
     widgets = []
     for kind in ("RadioButtons", "FloatSlider", "Text"):
         build = getattr(ipywidgets, kind)

@@ -140,8 +140,8 @@ def big_outputs(notebook):
     notebook["cells"][1]["outputs"] = [junk]
 
 
-# Changes that can happen to a file, by name. Each has words that a note to the student must
-# contain, or no words if the file needs no note.
+# Changes that can happen to a file, by name. Each comes with words that the note to the student
+# must contain, or "" if no note is needed.
 EARNS_EVERYTHING = {
     "nothing at all": (lambda notebook: None, ""),
     "a byte order mark": (lambda notebook: b"\xef\xbb\xbf" + json.dumps(notebook).encode(), ""),
@@ -246,7 +246,7 @@ EARNS_EVERYTHING = {
 
 @pytest.mark.parametrize("change, says", EARNS_EVERYTHING.values(), ids=EARNS_EVERYTHING)
 def test_damage_to_a_file_costs_no_points(change, says):
-    """All code is found, the graded copy is complete and valid, and notes report all repairs."""
+    """All code is found, the graded copy is complete and valid, and a note reports each repair."""
     prepared = prepare(SubmittedFiles("06_filter_ground.ipynb", changed(change)), LESSON)
     answers = answers_in(LESSON, prepared.code)
     cloud = np.array([[0.0, 0, -2, 1], [1, 1, 1, 1], [1.01, 1, 1, 0]])
@@ -394,7 +394,7 @@ def from_cells(*cells, lesson=LESSON, modules=None, name="", lesson_name=""):
 
 
 def tagged(cell, grade_id):
-    """Return the cell with an nbgrader grade ID in its metadata."""
+    """Return a copy of a cell with an nbgrader grade ID."""
     return {**cell, "metadata": {"nbgrader": {"grade_id": grade_id}}}
 
 
@@ -413,12 +413,12 @@ def test_prepared_notebooks_are_immutable():
 @pytest.mark.parametrize(
     ("cells", "kinds"),
     [
-        # A text that quotes code remains text, even in an exercise's cell.
+        # A text cell that quotes code remains text, even if it is an exercise's cell.
         ([text("```\n" + GROUND + "\n```")], ["markdown"]),
         ([tagged(text("Like this:\n```\n" + GROUND + "\n```"), "filter_ground")], ["markdown"]),
         ([text("Above: def filter_ground(cloud)")], ["markdown"]),
         ([text(GROUND), code(VOXELS)], ["code", "code"]),
-        # If the function is also in a code cell, the text cell is an old version.
+        # If a code cell also defines the function, the text cell is taken for an old version.
         ([text(GROUND), code(GROUND)], ["markdown", "code"]),
         ([code(GROUND), text(GROUND)], ["code", "markdown"]),
         ([tagged(text(GROUND), "filter_ground"), code(GROUND)], ["markdown", "code"]),
@@ -428,10 +428,10 @@ def test_prepared_notebooks_are_immutable():
             [code(GROUND), tagged(text(GROUND), "filter_ground"), code(GROUND)],
             ["code", "markdown", "code"],
         ),
-        # Text in the exercise's cell is the answer, and code above it was an attempt.
+        # A text cell with the exercise's ID is the answer, and code above it was an attempt.
         ([code(GROUND), tagged(text(GROUND), "filter_ground")], ["code", "code"]),
         ([tagged(text("My answer."), "filter_ground")], ["markdown"]),
-        # The first of several text cells is used.
+        # Of several text cells, the first counts.
         ([text(GROUND), text(GROUND)], ["code", "markdown"]),
         ([text(GROUND + "\n" + VOXELS), text(VOXELS)], ["code", "markdown"]),
         # A function that no other cell defines is not lost.
@@ -460,14 +460,14 @@ TWO = GROUND.format(1) + "\n" + VOXELS.format(2)
 @pytest.mark.parametrize(
     ("cells", "ground", "voxels"),
     [
-        # Code cells have run, so their functions count in any position; the text adds the others.
+        # Functions in code cells take precedence at any position; the text cell adds the others.
         ([text(TWO), code(GROUND.format(3))], "3", "2"),
         ([code(GROUND.format(3)), text(TWO)], "3", "2"),
         ([code(GROUND.format(4)), code(GROUND.format(3)), text("Mine."), text(TWO)], "3", "2"),
         ([code(VOXELS.format(3)), text(TWO)], "1", "3"),
         ([text(TWO), code(VOXELS.format(3))], "1", "3"),
         ([code(GROUND.format(3)), tagged(text(TWO), "voxel_grid")], "3", "2"),
-        # The same applies to two text cells if the first is needed.
+        # The first of two text cells also takes precedence over the second.
         ([text(GROUND.format(3)), text(TWO)], "3", "2"),
         ([code(GROUND.format(3)), text(TWO), tagged(text(TWO), "voxel_grid")], "3", "2"),
     ],
@@ -496,7 +496,7 @@ def test_another_cells_definition_counts_before_a_text_cells(cells, ground, voxe
 @pytest.mark.parametrize(
     ("cells", "order"),
     [
-        # The text cell moves directly above the code that counts, below cells that it may need.
+        # The text cell moves to just above the code that counts, below cells that it may need.
         (["x = 1", "y = 2", GROUND, text(TWO)], ["x = 1", "y = 2", TWO, GROUND]),
         # A text cell that is already above the code stays, because cells in between may call it.
         (["x = 1", text(TWO), "voxel_grid(x)", GROUND], ["x = 1", TWO, "voxel_grid(x)", GROUND]),
@@ -510,7 +510,7 @@ def test_a_text_cell_is_moved_above_the_code_that_defines_its_function(cells, or
 def test_a_text_cell_is_judged_for_the_only_function_not_defined_elsewhere():
     """Code takes precedence over text, and the first text over later ones.
 
-    Text cells that define more functions move above the cells that count.
+    A text cell that also defines other functions moves above the cells that count for these.
     """
 
     def cell(number, *names):
@@ -773,7 +773,7 @@ def test_text_that_may_be_the_answer_is_left_to_the_grader():
 
 
 def released_text_cell(number):
-    """Return a text cell of lesson 12 as released."""
+    """Return a text cell of lesson 12 as it was released."""
     cells = json.loads(WRITTEN.released.read_text())["cells"]
     return text("".join(cells[number]["source"]))
 
@@ -804,14 +804,14 @@ OWN = tagged(STUB, "write_up")
 
 
 def prompt():
-    """Return the cell with the question of the write-up."""
+    """Return the cell that contains the write-up's question."""
     return released_text_cell(index_of("write_up") - 1)
 
 
 def test_an_answer_in_its_own_cell_ignores_text_below():
     answer = tagged(text("It finds 14 of 17."), "write_up")
     assert write_up(answer, text("A remark."))[:2] == ("It finds 14 of 17.", True)
-    # Editors may copy the cell with its ID; an empty copy has no effect.
+    # An editor may copy the cell with its ID. The copy is appended, unless it is empty.
     more = tagged(text("And 3 more."), "write_up")
     written, certain, cells, own, notes = write_up(OWN, answer, more, text("A remark."))
     assert (written, certain, own) == ("It finds 14 of 17.\n\nAnd 3 more.", True, answer["source"])
@@ -829,12 +829,12 @@ def test_an_answer_in_its_own_cell_ignores_text_below():
     ],
 )
 def test_an_answer_in_a_code_cell_is_read_as_text_with_a_note(written, shown):
-    """Comment signs in a code cell are removed, but a heading above a text is kept."""
+    """Comment signs are removed from a code cell, but a text cell keeps its heading."""
     answer, certain, _, own, notes = write_up(code(written, **OWN["metadata"]))
     assert (answer, certain, own) == (shown, True, written)
     assert len(notes) == 1 and "write_up was in a code cell" in notes[0]
     assert write_up(tagged(text(written), "write_up"))[::4] == (written, [])
-    # A stub in a code cell is an empty answer and needs no note.
+    # The released text in a code cell is an empty answer and needs no note.
     assert write_up(code("YOUR ANSWER HERE", **OWN["metadata"]))[::4] == ("", [])
 
 
@@ -862,10 +862,10 @@ def test_an_answer_whose_cell_was_deleted_is_found_below_its_question():
     assert (written, certain, own) == ("First.\n\nSecond.", True, "First.")
     assert kept == [prompt()["source"], "First."] and len(notes) == 1
     assert write_up(prompt(), text("You see 14."), text("And 3."))[0] == "You see 14.\n\nAnd 3."
-    # This is the released cell without its metadata, so no other answer is searched for.
+    # STUB is the released cell without metadata, so other text does not count as an answer.
     written, certain, kept, own, notes = write_up(text("A remark."), prompt(), STUB)
     assert (written, certain, own, notes) == ("", True, "YOUR ANSWER HERE", [])
-    assert write_up(STUB, prompt())[3] is None  # a stub above the question is a different cell
+    assert write_up(STUB, prompt())[3] is None  # above the question, STUB is not the answer's cell
 
 
 def test_only_text_that_may_be_an_answer_is_uncertain():

@@ -1,4 +1,4 @@
-"""The prices of likely slips agree with `docs/prices.md`, and a teacher would find them fair."""
+"""The prices of likely slips agree with `docs/prices.md` and are fair."""
 
 import pytest
 

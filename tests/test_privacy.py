@@ -14,7 +14,7 @@ from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.standings import class_results
 from tests.test_gradebook import STAGE, make_course, quiet, verdicts
 
-NEEDLE = "Needle-Eyre"  # a last name that does not occur anywhere else
+NEEDLE = "Needle-Eyre"  # a last name that occurs nowhere else
 
 
 def readme_commands():
@@ -76,7 +76,7 @@ def test_deleting_a_student_removes_all_traces_and_keeps_the_other_students(tmp_
         assert [student.id for student in book.students] == ["bob"]
     enter_verdicts(
         course, verdicts(course), [STAGE], quiet
-    )  # grading again must not add the student again
+    )  # grading again must not restore the student
     assert b"ada" not in (course.root / "marks.jsonl").read_bytes()
     assert {notebook.student for notebook in class_results(course).notebooks} == {"bob"}
     assert (course.root / "handed_back" / "x" / "bob.html").exists()

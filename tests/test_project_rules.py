@@ -13,7 +13,7 @@ from grader.course.paths import PROJECT
 from grader.sandbox import SANDBOXES
 from tests import mutants
 
-# Layers of the grader from bottom to top; a layer imports only from itself and lower layers.
+# Layers of the grader, lowest first. A layer imports only from itself and from lower layers.
 LAYERS = ("course", "intake", "sandbox", "judging", "classroom", "lms")
 
 
@@ -38,7 +38,7 @@ def test_no_layer_of_the_grader_imports_from_a_higher_layer(room):
 
 
 def imports_within(root, folders):
-    """Return the modules in some folders, each with the modules among them that it imports."""
+    """Return the import graph within some folders: the set of imported modules for each module."""
     files = {
         ".".join(path.relative_to(root).with_suffix("").parts).removesuffix(".__init__"): path
         for folder in folders
@@ -47,7 +47,7 @@ def imports_within(root, folders):
     found = {}
     for module, path in files.items():
         names = set(imported_by(path)) & files.keys() - {module}
-        # `from package import module` uses only the module, not the package itself.
+        # `from package import module` counts as an import of the module, not of the package.
         found[module] = {name for name in names if not any(n.startswith(f"{name}.") for n in names)}
     return found
 
@@ -91,7 +91,7 @@ def test_sandboxes_are_objects_and_not_names():
 
 
 def test_tests_that_only_make_proof_runs_in_full_exist(request):
-    """Every name in `A_FEW_OF_MANY` exists; otherwise a renamed test would always run in full."""
+    """Every name in `A_FEW_OF_MANY` exists; otherwise, a renamed test would always run in full."""
     conftest = next(
         plugin
         for plugin in request.config.pluginmanager.get_plugins()
@@ -107,7 +107,7 @@ def test_tests_that_only_make_proof_runs_in_full_exist(request):
 @pytest.mark.slow
 @pytest.mark.parametrize("processes", [0, 2])
 def test_a_hanging_test_is_named(processes, tmp_path):
-    """The run also ends. `make test` uses the same settings with a longer timeout."""
+    """A run with a hanging test ends. `make test` uses the same settings with a longer timeout."""
     (tmp_path / "test_still.py").write_text(
         "import threading, pytest\n"
         "def test_still(): threading.Lock().acquire() and threading.Event().wait()\n"

@@ -1,5 +1,6 @@
-"""The judge proves that an answer has a single slip by strict rules, tested with stand-ins."""
+"""The strict rules by which the judge proves a single slip, tested with stand-ins."""
 
+import copy
 import functools
 import itertools
 import operator
@@ -10,7 +11,7 @@ import numpy as np
 import pytest
 
 from grader.course import rules
-from grader.course.lessons import find_lesson, lesson_of, load_reference
+from grader.course.lessons import all_lessons, find_lesson, lesson_of, load_reference
 from grader.intake.preflight import cells_as_released
 from grader.judging import mistake_diagnosis, repair, results
 from grader.judging.error_carried_forward import CarriedForward
@@ -23,7 +24,7 @@ from grader.sandbox.program import Program
 from grader.sandbox.student import TOOK_TOO_LONG
 from grader.sandbox.time_budget import Budget
 from tests.students import student_with
-from utils.checks import Check, checks_of
+from utils.checks import Check, checks_of, diagnosis
 from utils.checks.diagnosis import Mistake, imitation_of, known_mistakes
 from utils.checks.failures import CheckFailed, WrongForm
 from utils.checks.outcomes import Outcome
@@ -53,7 +54,7 @@ FAILED = outcomes_of("line_through", FAIL)
 
 @pytest.fixture
 def tried(monkeypatch):
-    """Return a list of the calls of `find_repair`, whose replacement never finds a repair."""
+    """Replace `find_repair` with a function that finds nothing; return a list of its calls."""
     found = []
 
     def find_repair(setting, program, exercise, failed, likeliest):
@@ -136,7 +137,7 @@ def test_a_named_mistake_may_explain_an_answer_that_no_edit_repairs(tried, monke
         (SETTING, SUBMITTED, "line_through", {"line_through 0", "line_through 2"}),
         (SETTING, SUBMITTED, "ransac_line", {"ransac_line 0"}),
     ]
-    # Answers that a function gives with a wrong helper do not explain its answers with a right one.
+    # A mistake found with a wrong helper does not explain the answers with a right helper.
     carried = {"line_through": CarriedForward(outcomes_of("line_through", FAIL), "", REPAIRED)}
     assert repair.find_slips(SETTING, SUBMITTED, run, carried) == {}
 
@@ -153,14 +154,14 @@ def test_an_edit_is_preferred_to_a_named_mistake(monkeypatch):
 
 
 class EditedStudent:
-    """A stand-in for a student with predefined failures, without an edit and with each edit.
+    """A stand-in for a student; its failures without and with each edit are predefined.
 
     Parameters
     ----------
     fails : list of str
-        The failures without an edit, then with edit 0, 1, …, as letters: "e" for the edit itself,
-        "a" and "b" for two visible checks, "x" and "y" for two hidden tests. A capital letter
-        means that the call hangs.
+        The failures without an edit, then with edits 0, 1, and so on. Letters stand for failures:
+        "e" for the edit itself, "a" and "b" for two visible checks, "x" and "y" for two hidden
+        tests. A capital letter means that the call hangs.
     seconds : float
         Processor seconds for each edit that is tried.
     stops : bool
@@ -224,7 +225,7 @@ class EditedStudent:
 
 @pytest.fixture
 def passing(monkeypatch):
-    """Return a function that returns the numbers of the edits with which a student passes."""
+    """Return a function that returns the numbers of the edits after which a student passes."""
 
     def passing(
         student,
@@ -239,7 +240,7 @@ def passing(monkeypatch):
         monkeypatch.setattr(repair, "StudentProxy", student)
         monkeypatch.setattr(repair, "visible_calls", lambda *about: student.calls(shown))
         monkeypatch.setattr(repair, "hidden_calls", student.hidden)
-        # The judge's own process uses as much processor time as the student's.
+        # The judge's own process appears to use as much processor time as the student's.
         monkeypatch.setattr(repair.time, "process_time", lambda: 50.0 + student.cpu_seconds)
         monkeypatch.setattr(repair.time, "monotonic", clock)
         setting = Setting(LINE, 1, None, limits, budget)
@@ -258,7 +259,7 @@ def test_an_edit_passes_if_all_failed_visible_and_hidden_checks_pass(passing):
     assert passing(student) == [5]
     assert student.hidden_made == 1 and student.tried == 7
     assert (student.program, student.counted_as) == (SUBMITTED, "line_through")
-    # Calls that hang with an edit must not count against the answer without the edit.
+    # Hanging calls of an edited answer must not shorten the limits of the unedited answer.
     assert student.exercise not in ("line_through", "")
     assert passing(EditedStudent(["xy", "x", ""]), shown="") == [1]
 
@@ -276,7 +277,7 @@ def test_an_edit_that_hangs_in_a_hidden_test_is_judged(passing):
 def test_an_answer_that_passes_when_repeated_gets_no_edits(passing):
     student = EditedStudent(["bxy", "", ""])
     assert passing(student) == [] and student.tried == 0
-    assert passing(EditedStudent(["axy", ""])) == [0]  # only the first check is repeated
+    assert passing(EditedStudent(["axy", ""])) == [0]  # because only the first check is repeated
 
 
 def test_an_answer_gets_no_edits_if_its_first_hidden_test_passes_when_repeated(passing):
@@ -290,10 +291,10 @@ def test_after_a_hang_in_the_first_check_other_edits_get_less_time_for_it(passin
     long, short = repair.SECONDS_OF_A_CALL, repair.SECONDS_OF_A_FIRST_CALL
     assert short < long / 5
     first_times = [seconds for letter, seconds in student.given if letter == "a"]
-    # The first value belongs to the answer without an edit.
+    # The first limit applied to the answer without an edit.
     assert first_times == [long, long, long, long, short, short, short]
     assert {seconds for letter, seconds in student.given if letter in "bxy"} == {long}
-    # If the answer itself hangs, most of its edits hang as well.
+    # If the answer itself hangs, so do most of its edits, so all edits have short limits.
     student = EditedStudent(["Abxy", "A", ""])
     assert passing(student) == [1]
     assert [seconds for letter, seconds in student.given if letter == "a"] == [long, short, short]
@@ -313,7 +314,7 @@ def test_cached_results_of_one_edit_are_not_used_for_the_next(passing, monkeypat
 
 
 def test_interrupted_calls_count_as_hanging_and_raised_exceptions_do_not():
-    name = (TOOK_TOO_LONG + " ").strip()  # an equal string, as it arrives from another process
+    name = (TOOK_TOO_LONG + " ").strip()  # equal but not identical, as if from another process
     assert repair._was_stopped(StudentError("f", name))
     assert repair._was_stopped(StudentStopped("It is gone."))
     others = (None, FAIL, StudentError("f", "IndexError"), StudentError("f", "ZeroDivisionError"))
@@ -367,20 +368,18 @@ def test_raising_lines_include_the_line_of_the_call():
         (0.0, 400),
         (0.002, 400),  # 1.6 s
         (0.01, 320),  # 6.4 s
-        (0.05, 176),  # 16 s are over after 160 edits; the time is checked 16 edits later
+        (0.05, 176),  # 160 edits take 16 s; the time is checked after 16 more
     ],
 )
 def test_edits_are_tried_until_the_time_is_over(passing, seconds, tried):
-    student = EditedStudent(["abxy"] * 401, seconds)  # plus the same time in the judge
+    student = EditedStudent(["abxy"] * 401, seconds)  # the judge takes as long again
     assert passing(student) == [] and student.tried == tried
 
 
 def test_the_search_is_shorter_if_the_mark_cannot_change(passing, monkeypatch):
     student = EditedStudent(["abxy"] * 401, 0.01)
     passing(student, likeliest=0)
-    assert (
-        student.tried == 112
-    )  # 0.02 s for each of 100 edits; the time is checked only after some more
+    assert student.tried == 112  # 100 edits take 2 s; the time is checked after 12 more
     given = []
     monkeypatch.setattr(repair, "find_repair", lambda *about: given.append(about[-1]))
     for passed in (1, 2):
@@ -391,7 +390,7 @@ def test_the_search_is_shorter_if_the_mark_cannot_change(passing, monkeypatch):
 
 def test_the_time_is_checked_after_each_slow_edit(passing):
     seconds = itertools.count(100.0)
-    student = EditedStudent(["abxy"] * 200, 1.3)  # plus the same time in the judge
+    student = EditedStudent(["abxy"] * 200, 1.3)  # the judge takes as long again
     assert passing(student, clock=lambda: next(seconds)) == [] and student.tried == 7
 
 
@@ -406,11 +405,11 @@ def test_calls_are_limited_to_the_time_of_a_right_answer(passing):
 
 def test_edits_use_the_notebooks_remaining_time(passing):
     budget = Budget(Limits())
-    student = EditedStudent(["abxy"] * 100, slept=0.56)  # nine seconds between two time checks
+    student = EditedStudent(["abxy"] * 100, slept=0.56)  # nine seconds pass between two time checks
     assert passing(student, budget=budget) == [] and student.tried == 2 * repair.EDITS_PER_LOOK
     assert student.budget is budget
     assert budget.seconds == pytest.approx(180 - 0.56 * 2 * repair.EDITS_PER_LOOK)
-    # Time that is spent between edits, for example to judge one completely, does not count.
+    # Time between edits does not count, for example the time for judging an edit completely.
     student = EditedStudent(["abxy", *["", "a"] * 40], slept=0.01)
 
     def judge_it():
@@ -482,7 +481,7 @@ PROGRAM = Program(("import numpy", CELL, "fifth\nsixth"), ("line_through",))
 
 @pytest.fixture
 def judged_as(monkeypatch):
-    """Return a function that searches for a repair, given the results of the runs with edits.
+    """Return a function that searches for a repair; each run with an edit has a given result.
 
     The function returns the repair and a list of the runs.
     """
@@ -491,7 +490,7 @@ def judged_as(monkeypatch):
         runs, waiting = [], list(tries)
 
         def run(setting, program, wanted, keep_going):
-            assert not keep_going  # the first failure already disproves an edit
+            assert not keep_going  # because one failure disproves an edit
             names = ("line", "line_through", "ransac_line")
             checks = [Check("a", "".join(name), "a title", "a hint") for name in names]
             runs.append((program.cells, [check.exercise for check in checks if wanted(check)]))
@@ -529,7 +528,7 @@ def test_a_run_with_a_fault_proves_nothing(judged_as):
 
 
 class FakeStudent:
-    """A stand-in for a student with this function as `line_through`, and two other functions."""
+    """A stand-in for a student with a given `line_through` and two other functions."""
 
     def __init__(self, function):
         self.line_through, self.helper, self.plane = function, print, len
@@ -548,7 +547,7 @@ OTHERS = [Check("check", name, "a title", "a hint") for name in ("line", "ransac
 
 @pytest.fixture
 def explains(monkeypatch):
-    """Return a function that says whether a mistake explains the answers of a function.
+    """Return a function that returns whether a mistake explains the answers of a function.
 
     The right answer to a call is the number itself.
     """
@@ -595,7 +594,7 @@ def doubled(number, scale):
 
 
 def half_without_sign(number, scale):
-    """Give a wrong answer to the same call as `without_sign`, but a different one."""
+    """Return a wrong answer to the same call as `without_sign`, but a different answer."""
     return abs(number) + (number < 0)
 
 
@@ -639,10 +638,10 @@ def test_a_mistake_without_a_player_explains_nothing(explains):
 
 
 @pytest.mark.slow
-@pytest.mark.xdist_group("10_accelerated_clustering")  # creating the scenes takes seconds
+@pytest.mark.xdist_group("10_accelerated_clustering")  # shares scenes, which take seconds to create
 @pytest.mark.parametrize("step", [4, 1], ids=["some", "all"])
 def test_every_known_mistake_runs_within_seconds(step):
-    """The judge runs the mistakes in its own process, even on dense clouds of 20 000 points."""
+    """Mistakes are fast on dense clouds of 20 000 points, because the judge itself runs them."""
     exercise = "euclidean_clustering_accelerated"
     lesson = lesson_of(exercise)
     right = vars(load_reference(lesson.name))
@@ -655,7 +654,32 @@ def test_every_known_mistake_runs_within_seconds(step):
         run_checks(lesson, student, 1, lambda check: check.exercise == exercise)
         assert time.process_time() - start < 20, (
             mistake.says
-        )  # seconds; each mistake once took 45 or more
+        )  # seconds; each mistake used to take 45 or more
+
+
+@pytest.mark.parametrize(
+    "exercise", [graded.name for lesson in all_lessons() for graded in lesson.machine_graded]
+)
+def test_an_imitation_gives_the_answers_that_its_mistake_predicts(exercise):
+    """The solution may return a tuple, although predictions compute with arrays."""
+    assert checks_of(exercise)
+    solution = mistake_diagnosis._solution(lesson_of(exercise), exercise)
+    known = diagnosis._KNOWN.get(exercise)
+    for mistake in known.mistakes if known else ():
+        if (imitation := imitation_of(exercise, mistake, solution)) is None:
+            continue
+        for case in known.cases:
+            expected = mistake.predicts(known.right(*copy.deepcopy(case)), *copy.deepcopy(case))
+            assert imitation.same(imitation.call(*case), expected), mistake.says
+
+
+def test_an_imitation_also_returns_none_where_the_solution_does():
+    checks_of("line_through")
+    solution = mistake_diagnosis._solution(LINE, "line_through")
+    imitation = imitation_of("line_through", known_mistakes("line_through")[0], solution)
+    answer = imitation.call((1.0, 2.0), (1.0, 2.0))
+    assert answer is None and imitation.same(None, answer)
+    assert not imitation.same((1.0, 0.0, -1.0), answer)
 
 
 def test_the_solution_is_the_lessons_own_and_is_loaded_once():

@@ -1,4 +1,4 @@
-"""Work in a child process returns a result, or raises an error with the reason in one sentence."""
+"""Work in a child process returns a result, or raises an error that states the reason."""
 
 import json
 import os
@@ -123,9 +123,9 @@ def test_no_open_files_or_processes_are_left(short_limits):
 
 
 def test_the_child_has_no_files_of_the_judge_open():
-    """The child has no pipe of the judge open, so a pipe's reader notices when the judge ends."""
+    """The child does not keep the judge's pipes open, so readers notice when the judge ends."""
     pipes = [os.pipe() for _ in range(2)]
-    os.close(pipes[0][0])  # the child's own pipe gets a lower number than the other pipes
+    os.close(pipes[0][0])  # the child's own pipe will get this lower number
     open_numbers = reader_process.run_in_child(
         "file.ipynb", lambda: [int(name) for name in os.listdir("/dev/fd")]
     )
@@ -139,7 +139,7 @@ def test_the_child_has_no_files_of_the_judge_open():
 
 
 def test_the_child_uses_default_signal_handlers(monkeypatch):
-    """The child uses the default handlers, even if the judge ignores the signals."""
+    """The child does not inherit handlers, even if the judge ignores the signals."""
     before = signal.signal(signal.SIGTERM, signal.SIG_IGN)
     try:
         names = (signal.SIGINT, signal.SIGTERM, signal.SIGXCPU)
@@ -156,7 +156,7 @@ def test_the_child_uses_default_signal_handlers(monkeypatch):
 
 @pytest.fixture
 def limits(monkeypatch):
-    """Return a function that returns the limits that are set under given hard limits."""
+    """Return a function that returns the limits that the child sets under given hard limits."""
 
     def limits(hard):
         found = {}
@@ -191,7 +191,7 @@ def test_the_reply_limit_fits_the_largest_file_and_the_memory():
 
 
 def test_a_busy_machine_has_enough_time():
-    """Six seconds of work once took two minutes next to processes with a higher priority."""
+    """The wait is long, because six seconds of work once took two minutes on a busy machine."""
     assert 50 * reader_process.CPU_SECONDS < reader_process.LONGEST_WAIT < pool.LONGEST_JOB
 
 
@@ -208,7 +208,7 @@ def test_exit_codes_of_exceeded_limits_mean_too_costly():
 
 
 class Pipe:
-    """A replacement for `select.poll` and `os.read`; its pipe delivers these parts."""
+    """A replacement for `select.poll` and `os.read` that delivers the given parts."""
 
     def __init__(self, monkeypatch, parts, times=(100.0,)):
         self.parts, self.waited, self.sizes = list(parts), [], []

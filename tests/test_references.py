@@ -43,7 +43,7 @@ def test_voxel_grid_works_on_the_whole_scan(ground):
     thinned = ground.voxel_grid(cloud, 0.2)
     cells = {tuple(cell) for cell in np.floor(cloud[:, :3] / 0.2).astype(int).tolist()}
     assert len(thinned) == len(cells)
-    # Centroids stay in their cells. If all points share a cell, the result is their mean.
+    # Centroids are in their points' cells. If all points share a cell, the result is their mean.
     assert {tuple(cell) for cell in np.floor(thinned[:, :3] / 0.2).astype(int).tolist()} <= cells
     assert np.allclose(
         ground.voxel_grid(cloud[cloud[:, 0] > 0][:, [0, 0, 0]] % 1.0, 5.0),

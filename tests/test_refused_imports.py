@@ -1,4 +1,4 @@
-"""`check()` refuses and allows the same libraries as the judge."""
+"""`check` refuses and allows the same libraries as the judge."""
 
 import contextlib
 
@@ -86,7 +86,7 @@ def NAME(cloud, threshold=0.5):
 
 
 def growing_answer(imported, prepare, neighbours):
-    """Return an answer to lesson 05 that grows clusters, with an expression for the neighbours."""
+    """Return an answer to lesson 05 that grows clusters; `neighbours` is an expression."""
     source = GROWING.replace("IMPORT", imported).replace("PREPARE", prepare)
     return source.replace("NEIGHBOURS", neighbours)
 
@@ -118,7 +118,7 @@ SEARCHES = {
         f"np.flatnonzero({DISTANCES} < threshold)",
     ),
 }
-# Answers that use a forbidden module through another library, with the module in the message.
+# Answers that use a forbidden module through another library, and the module that is named.
 INDIRECT_IMPORTS = {
     "a name in a library": (
         growing_answer(
@@ -213,7 +213,7 @@ def test_a_search_for_neighbours_earns_everything_in_05(way, sandbox, tmp_path, 
 @pytest.mark.slow
 @pytest.mark.parametrize("way", INDIRECT_IMPORTS)
 def test_a_forbidden_module_inside_a_library_is_refused_in_05(way, sandbox, tmp_path, capsys):
-    """Both the first `check`, which imports libraries, and the second one refuse the answer."""
+    """The second `check` also refuses the answer, although the libraries are already imported."""
     source, module = INDIRECT_IMPORTS[way]
     sentence = "not allowed in this lesson: it does the exercise for you"
     for _ in range(2):
@@ -235,7 +235,7 @@ def test_a_library_that_does_the_clustering_is_refused_in_10(way, sandbox, tmp_p
 @pytest.mark.slow
 @pytest.mark.parametrize("way", GRAPH_COMPONENTS)
 def test_connected_components_are_allowed_in_10(way, sandbox, tmp_path, capsys):
-    """The answers list all pairs and lose points for taking too long, but are not refused."""
+    """Answers that list all pairs take too long and lose points, but they are not refused."""
     output = check_output(TEN[1], GRAPH_COMPONENTS[way], capsys)
     assert "not allowed" not in output
     assert "[passed] Finds the only close pair of points in two crowded cells" in output
@@ -244,7 +244,7 @@ def test_connected_components_are_allowed_in_10(way, sandbox, tmp_path, capsys):
 
 
 def test_the_lessons_own_tools_pass_all_checks_of_10(tmp_path, capsys):
-    """Test the lesson's plan, with `components` from a cell above the exercise."""
+    """A right answer may call `components`, which a cell above the exercise defines."""
     lesson = find_lesson(TEN[0])
     plan = next(answer.source for answer in answers_to(TEN[1]) if answer.right)
     path = tmp_path / f"{lesson.name}.ipynb"

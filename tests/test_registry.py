@@ -48,7 +48,7 @@ TEST = {
     "points": 7,
     "solution": False,
 }
-# A lesson as in the author guide: a folder and a module of checks, without an entry in any list.
+# A lesson as in the author guide: a folder and a module of checks. No list names it.
 TOY = {
     "solutions/stage4_realtime/14_toy/lesson.py": """\
 # ---
@@ -245,7 +245,7 @@ def test_a_lesson_is_added_with_a_folder_and_a_module_of_checks(project_copy, sa
 
 @pytest.fixture
 def registry(tmp_path, monkeypatch):
-    """Return a function that writes lessons from texts by path, and returns the course's faults."""
+    """Return a function that writes lessons (text by path) and returns the registry's faults."""
 
     def make(sources):
         for path, text in sources.items():
@@ -304,12 +304,12 @@ def test_a_course_with_faults_is_not_built(monkeypatch, capsys):
 
 
 def test_two_lessons_cannot_declare_checks_for_the_same_exercise(monkeypatch):
-    """A process judges many lessons, so the checks of one would also count in the other."""
+    """One process judges many lessons, so the checks of one would also count in the other."""
     monkeypatch.setattr(core, "_CHECKS", {})
 
     def declare(lesson, exercise):
         def finds_it(function):
-            """Check nothing; `__module__` is set to a lesson below."""
+            """Accept every answer; `__module__` is set below."""
 
         finds_it.__module__ = f"utils.checks.{lesson}"
         core.visible(exercise, title="Finds it", why="", hint="")(finds_it)
@@ -323,12 +323,12 @@ def test_two_lessons_cannot_declare_checks_for_the_same_exercise(monkeypatch):
 
 
 def test_every_answer_claims_existing_checks(lesson):
-    """Otherwise a misspelt check in an answer's claims would be noticed only during judging."""
+    """Otherwise, a misspelt check in an answer's claims would be noticed only during judging."""
     hidden = set(re.findall(r"^def (test_\w+)", lesson.tests.read_text("utf-8"), re.M))
     for exercise in lesson.machine_graded:
         known = hidden | {check.name for check in checks_of(exercise.name)}
         for answer in answers_to(exercise.name):
-            for claim in answer.loses:  # the start of a name, perhaps with a parameter
+            for claim in answer.loses:  # the first part of a name, perhaps with a parameter
                 prefix = claim.partition("[")[0]
                 assert any(name.startswith(prefix) for name in known), f"{answer.name}: {claim}"
 
@@ -345,7 +345,7 @@ def test_every_lesson_has_its_files(lesson):
 
 
 def test_no_list_names_a_lesson():
-    """Only a lesson's own files contain its name as a string."""
+    """No other file of `grader` and `utils` contains a lesson's name as a string."""
     names = {lesson.name for lesson in all_lessons()}
     own = ("lesson_", "test_0", "test_1")
     for path in [*(PROJECT / "grader").rglob("*.py"), *(PROJECT / "utils").rglob("*.py")]:
@@ -366,7 +366,7 @@ def test_the_header_contains_the_lessons_rules():
 
 
 def test_jupyterlab_keeps_the_header(tmp_path):
-    """JupyterLab opens and saves a lesson's source through jupytext."""
+    """The header survives when JupyterLab opens and saves a lesson's source through jupytext."""
     source = find_lesson("04_kd_tree").source
     shutil.copy(PROJECT / "pyproject.toml", tmp_path)
     saved = tmp_path / source.name

@@ -1,4 +1,4 @@
-"""Releases for students work: zips, notebooks through nbgrader, and solutions."""
+"""Releases for students: zips, notebooks through nbgrader, and solutions."""
 
 import io
 import json
@@ -110,7 +110,7 @@ def test_student_requirements_cover_all_imports_of_the_notebooks():
         for package in packages
         if package in distributions()
     }
-    # Windows for 3D scenes and films are optional.
+    # Packages for films and for windows with 3D scenes are optional.
     extra = own_pins("requirements-3d.txt").keys() | {"vtk"}
     assert needed - extra <= pins.keys()
     assert {"jupyterlab", "ipykernel"} <= pins.keys()
@@ -124,7 +124,7 @@ def test_a_notebook_that_reveals_a_solution_is_not_released(tmp_path, monkeypatc
 
 
 def first_cells(path, count):
-    """Return a notebook with only its first code cells."""
+    """Return a notebook that contains only its first code cells."""
     notebook = nbformat.read(path, as_version=4)
     notebook.cells = [cell for cell in notebook.cells if cell.cell_type == "code"][:count]
     return notebook
@@ -144,7 +144,7 @@ def test_a_zip_runs_in_any_folder(zips, tmp_path, monkeypatch):
 
 
 def exchange(root, folder):
-    """Return nbgrader's exchange factory and its arguments for a course's or student's folder."""
+    """Return nbgrader's exchange factory, and its arguments for a course's or student's folder."""
     config = configure(Config(), folder)
     config.Exchange.root = str(root)
     config.CourseDirectory.assignment_id = STAGE
@@ -154,7 +154,7 @@ def exchange(root, folder):
 
 @pytest.fixture
 def fetched(tmp_path, monkeypatch):
-    """Return the folder of a fetched stage, with one notebook that is not part of the course."""
+    """Return the folder of a fetched stage, to which the instructor has added a notebook."""
     course, student = tmp_path / "course", tmp_path / "student"
     source = course / "notebooks" / STAGE
     source.mkdir(parents=True)
@@ -295,7 +295,7 @@ def test_due_dates_in_the_gradebook_also_count_for_solutions(course, capsys):
         book.grant_extension(STAGE, "anna", weeks=52_000)
     assert cli.main(call) == 1
     assert "is still open for anna until" in capsys.readouterr().err
-    write_extension(course, "2026-02-07T12:00:00")  # now the file has a date for this student
+    write_extension(course, "2026-02-07T12:00:00")  # now the file also has Anna's date
     assert cli.main(call) == 0
 
 

@@ -1,4 +1,4 @@
-"""An answer that a single edit makes right keeps most of its points."""
+"""An answer that is one edit away from a right one keeps most of its points."""
 
 import json
 import statistics
@@ -63,7 +63,7 @@ ENDLESS = WRONG_SIGN.replace(
 
 
 def judge_with(sandbox, lesson=LINE, limits=None, **answers):
-    """Judge a notebook of right answers in which some are replaced.
+    """Judge a notebook of right answers, some of which are replaced.
 
     Returns
     -------
@@ -110,7 +110,7 @@ def test_a_slip_in_the_students_own_helper_is_a_slip(sandbox):
 
 
 def test_an_endless_loop_does_not_need_a_process_for_each_edit(sandbox, monkeypatch):
-    """Calls that hang are interrupted, and the process continues."""
+    """Hanging calls are interrupted, so that the same process can try the next edit."""
     started, tried = [], []
     start, hold_with = type(sandbox).start, repair._FailedChecks.pass_with
 
@@ -131,7 +131,7 @@ def test_an_endless_loop_does_not_need_a_process_for_each_edit(sandbox, monkeypa
 
 
 def test_the_caller_of_a_wrong_function_can_also_be_repaired(sandbox):
-    """The search uses a right helper instead of the wrong one."""
+    """The search for the caller's slip uses a right helper instead of the wrong one."""
     wrong = solution_of("ransac_line").replace("max_iterations)", "max_iterations - 1)", 1)
     assert wrong != solution_of("ransac_line")
     _, exercises = judge_with(sandbox, line_through=TWO_MISTAKES, ransac_line=wrong)
@@ -145,13 +145,13 @@ def drop_invalid(cloud):
     rows = finite[:, 0] & finite[:, 1] & finite[:, 2]
     return cloud[rows]
 """
-# Like the answer above, but this answer also drops duplicate rows.
+# Like KEEPS_LOST, but also drops duplicate rows.
 ALSO_UNIQUE = KEEPS_LOST.replace("return cloud[rows]", "return np.unique(cloud[rows], axis=0)")
 DROPS_NOTHING = "def drop_invalid(cloud):\n    return cloud.copy()"
 
 
 def test_a_named_mistake_that_explains_every_answer_is_one_slip(sandbox):
-    """The answer applies only half of the rule, and no single edit adds the other half."""
+    """The answer applies half of the rule. No edit fixes it, but a named mistake explains it."""
     lesson = find_lesson("01_point_clouds")
     _, exercises = judge_with(sandbox, lesson, drop_invalid=KEEPS_LOST)
     drop = exercises["drop_invalid"]
@@ -166,13 +166,12 @@ def test_a_named_mistake_that_explains_every_answer_is_one_slip(sandbox):
 
 @pytest.mark.parametrize("otherwise", ["a, b, a * p[0] + b * p[1]", "None", "b, a, 0"])
 def test_a_random_answer_earns_no_more_than_its_wrong_half(sandbox, otherwise):
-    """A random answer earns no more than an answer that is always wrong in the same way.
+    """An answer that is right or wrong at random earns no more than its wrong half alone.
 
-    Each edit that repairs the random answer also repairs the wrong one, which does not depend on
-    chance.
+    Each edit that repairs the random answer also repairs the wrong half.
     """
     earned = []
-    # By chance, a single random answer sometimes earns more, so the median of five counts.
+    # A single random answer may earn more by luck, so the median of five counts.
     for heads in (*["np.random.default_rng().random() < 0.5"] * 5, "False", "True"):
         text = RANDOM_ANSWER.format(heads=heads, otherwise=otherwise)
         _, exercises = judge_with(sandbox, line_through=text)

@@ -1,4 +1,4 @@
-"""Replays show a run as it happened, and mark a step as wrong only if that is certain."""
+"""Replays show a run as it happened, and mark a step as wrong only if it certainly is."""
 
 import contextlib
 import io
@@ -39,7 +39,7 @@ RUNS = {
 
 
 def function_of(exercise, source=None, name="the hints followed to the letter"):
-    """Return a function as defined in a notebook, with the helpers of its lesson."""
+    """Return a function as a notebook would define it, with its lesson's helpers."""
     space = {"np": np, "deque": deque, "math": math, "dist": math.dist, "__name__": "notebook"}
     for helper in HELPERS[exercise]:
         exec(source_of(helper), space)
@@ -73,7 +73,7 @@ def test_one_round_is_best_and_no_point_is_at_the_tolerance(task):
     rng, counts = np.random.default_rng(task.seed), []
     for _ in range(ROUNDS):
         sample = task.xyz[rng.choice(len(task.points), task.size, replace=False)]
-        if task is LINE:  # twice the area of a triangle, divided by the length of its base
+        if task is LINE:  # distance: twice the area of a triangle, divided by its base
             base = np.append(sample[1] - sample[0], 0)
             arms = np.column_stack([task.xyz - sample[0], np.zeros(len(task.xyz))])
         else:
@@ -120,8 +120,8 @@ def test_the_queue_matches_the_table_in_the_lesson():
         "Point 0 gets label 1. In the queue: 0.",
         "Point 0 is visited. Points 2 and 4 get label 1. In the queue: 2, 4.",
         "Point 2 is visited. Point 5 gets label 1. In the queue: 4, 5.",
-        "Point 4 is visited. No point joins. In the queue: 5.",
-        "Point 5 is visited. No point joins. In the queue: no point.",
+        "Point 4 is visited. No point gets a label. In the queue: 5.",
+        "Point 5 is visited. No point gets a label. In the queue: no point.",
         "Point 1 gets label 2. In the queue: 1.",
     ]
     assert len(says) == 1 + len(GROUPS) + len(POINTS)
@@ -171,7 +171,7 @@ def test_rounds_show_the_samples_of_the_generator():
 
 # ---- wrong answers -----------------------------------------------------------------------------
 
-# For each wrong answer, the text of the step that is marked as wrong, and a part of the reason.
+# For each wrong answer, the text of the step that is marked as wrong, and part of the reason.
 WRONG = {
     "euclidean_clustering": {
         "compares with the first point of the cluster only": ("Point 5 gets label 3", "point 2"),
@@ -188,7 +188,7 @@ WRONG = {
         "forgets the height": ("Point 1 is visited", "and 9 have the same label"),
         "the threshold is written into the function": ("Point 3 is visited", "Point 7 is 0.71 m"),
         "a cluster never ends": ("Point 0 is visited", "for the second time"),
-        "everything is one cluster": ("Labels of points", "no chain of steps"),
+        "everything is one cluster": ("Labels of points", "no chain of points"),
         "every point is its own cluster": ("Labels of points", "closer than 0.8 m"),
         "each point gets the label of an earlier neighbour": (
             "Point 11 gets label 4",
@@ -283,7 +283,7 @@ def test_a_point_drawn_twice_is_reported():
 
 @pytest.mark.slow
 def test_choosing_by_distance_instead_of_count_is_accepted():
-    """The lesson suggests MSAC, so MSAC is accepted although it chooses other samples."""
+    """The replay accepts MSAC, which the lesson suggests, although it chooses other samples."""
     source = source_of("ransac_line").replace(
         "if mask.sum() > best_mask.sum()",
         "cost = np.sum(np.minimum(point_line_distance(points, candidate), 0.5) ** 2)\n"
@@ -338,7 +338,7 @@ def euclidean_clustering(cloud, threshold=0.5):
 @pytest.mark.parametrize("has_threads", [True, False])
 def test_an_endless_run_is_stopped(has_threads, monkeypatch):
     monkeypatch.setattr(tracer, "SECONDS", 0.5)
-    if not has_threads:  # as with Python in a browser
+    if not has_threads:  # Python in a browser has no threads
 
         def refuse(thread):
             raise RuntimeError("can't start new thread")
@@ -439,7 +439,7 @@ def test_a_wrong_tree_is_not_blamed_on_the_search():
 
 @pytest.fixture
 def shown(monkeypatch):
-    """Return a list of the texts that the player shows, with "figure" for each figure."""
+    """Return a list that collects the player's texts, and "figure" for each figure."""
     seen = []
     monkeypatch.setattr(player, "show", lambda html, text: seen.append(text))
     monkeypatch.setattr(plt, "show", lambda: seen.append("figure") or plt.close("all"))
@@ -447,7 +447,7 @@ def shown(monkeypatch):
 
 
 def replace_interact(monkeypatch):
-    """Return a list that will contain the player's slider, which works without a browser."""
+    """Replace `interact` with a version for tests; return a list that collects its sliders."""
     sliders = []
 
     def interact(step):

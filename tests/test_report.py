@@ -259,13 +259,13 @@ def test_exercises_that_were_not_started_are_not_listed_as_mistakes(tmp_path):
     )
     page = report(tmp_path, [*empty, wrong])
     assert "<code>&lt;</code> stands where <code>&gt;=</code> is asked for." in page
-    assert "have not started an exercise: <code>filter_ground</code> (3)." in page
+    assert "with the number of students: <code>filter_ground</code> (3)." in page
 
 
 def scores_and_passes(number):
-    """Return different scores in other checks, and whether each student passes a check.
+    """Return each student's score in other checks, and whether the student passes a check.
 
-    Students with a high score are more likely to pass.
+    Students with higher scores are more likely to pass.
     """
     random = np.random.default_rng(5)
     other_scores = random.permutation(number) / 4
@@ -355,7 +355,7 @@ def test_only_the_reports_own_script_runs(tmp_path):
     )
 
 
-# Texts that identify a student or that a student wrote; the page without names has none of them.
+# Texts that identify a student or that a student wrote, which the page without names must omit.
 SECRET = (
     "whostudent",
     "firstname",

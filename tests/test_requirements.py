@@ -37,12 +37,12 @@ BROWSER = {"selenium"}  # for tests/hub.py, which runs in an environment that .c
 
 
 def normal(name):
-    """Return the normalised name of a distribution on PyPI."""
+    """Return a distribution's name in PyPI's normalised form."""
     return re.sub(r"[-_.]+", "-", name).lower()
 
 
 def own_pins(file):
-    """Return the versions that a file itself pins by distribution."""
+    """Return the versions that a file itself pins, by distribution."""
     text = (PROJECT / file).read_text("utf-8")
     return {
         normal(name): version for name, version in re.findall(r"^([\w.-]+)==([\w.]+)", text, re.M)
@@ -50,7 +50,7 @@ def own_pins(file):
 
 
 def pins(file):
-    """Return the versions that a file and its included files pin by distribution."""
+    """Return the versions that a file and the files it includes pin, by distribution."""
     included = re.findall(r"^-r (\S+)", (PROJECT / file).read_text("utf-8"), re.M)
     found = own_pins(file)
     for other in included:
@@ -82,7 +82,7 @@ def third_party_imports():
 
 @functools.cache
 def distributions():
-    """Return the distributions that contain a package, by the package's name."""
+    """Return the distributions that provide each importable package."""
     return metadata.packages_distributions()
 
 
@@ -129,7 +129,7 @@ def test_constraints_pin_all_requirements(file):
 @pytest.mark.parametrize("file", FILES)
 def test_every_requirement_is_a_pin_and_every_file_is_constrained(file):
     text = (PROJECT / file).read_text("utf-8")
-    assert re.search(r"^-[rc] ", text, re.M)  # requirements.txt names the constraints
+    assert re.search(r"^-[rc] ", text, re.M)  # constrained directly or by requirements.txt
     pattern = (
         r"(#.*|-r requirements[\w-]*\.txt|-c constraints\.txt|[\w.-]+==[\w.]+( ; [^#]+)?( +#.*)?|)"
     )
@@ -137,7 +137,7 @@ def test_every_requirement_is_a_pin_and_every_file_is_constrained(file):
 
 
 def test_constraints_work_on_every_machine():
-    """The file has no address, folder or hash, so it works with every Python on every machine."""
+    """Without addresses, folders and hashes, the file works for every Python on every machine."""
     lines = (PROJECT / "constraints.txt").read_text("utf-8").splitlines()
     pattern = r"(#.*|[\w.-]+==[\w.]+( ; [\w.' ()<>=!]+)?( +# via [\w., -]+)?)"
     assert not [line for line in lines if not re.fullmatch(pattern, line)]
@@ -147,7 +147,7 @@ def dependencies_of(name):
     """Yield the requirements of an installed distribution on this machine, without extras."""
     try:
         requirements = metadata.requires(name) or ()
-    except metadata.PackageNotFoundError:  # for example a wheel for other machines
+    except metadata.PackageNotFoundError:  # for example, a wheel for other machines
         return
     for text in requirements:
         requirement = Requirement(text)

@@ -1,4 +1,4 @@
-"""The roster is read, and people are found by id, name, e-mail or login."""
+"""Reading the roster, and finding people by id, name, e-mail or login."""
 
 import unicodedata
 
@@ -122,7 +122,7 @@ def test_two_ids_may_differ_only_in_case(course):
         ("131", ["mary jane"]),
         ("126", ["126"]),  # an id takes precedence over an lms_id
         ("Schmidt, Anna", ["anna", "anna2"]),
-        ("bm42", []),  # a login has to match exactly
+        ("bm42", []),  # a login must match exactly
         ("ghost", []),
         ("", []),
         (" ", []),

@@ -1,4 +1,4 @@
-"""The rules of the judge and the gradebook, tested one by one without judging a notebook."""
+"""The rules of the judge and the gradebook, each tested without judging a notebook."""
 
 import dataclasses
 import itertools
@@ -52,7 +52,7 @@ def outcomes_of(exercise, *passes):
 
 
 def follow(monkeypatch, uses, outcomes, again):
-    """Return `carry_forward`'s better results, and the corrected programs that it ran."""
+    """Run `carry_forward` on given outcomes; return its results and the corrected programs."""
     programs = []
 
     program = Program(("pass",), LINE.names)
@@ -73,7 +73,7 @@ ALL_PASS = [*outcomes_of("line_through", True, True), *outcomes_of("ransac_line"
 
 
 def test_later_exercises_are_never_replaced_by_right_ones(monkeypatch):
-    """Otherwise `line_through` could take its answer from a right `ransac_line`."""
+    """Otherwise, `line_through` could take its answer from a right `ransac_line`."""
     uses = {"ransac_line": ("line_through",), "line_through": ("ransac_line",)}
     better, programs = follow(monkeypatch, uses, BOTH_WRONG, ALL_PASS)
     assert set(better) == {"ransac_line"} and len(programs) == 1
@@ -111,7 +111,7 @@ STOP = StudentStopped("it did not answer")
         (NO, None, None, NO),
         (NO, NO, None, None),
         (NO, NO, NO, NO),
-        (None, STOP, NO, None),  # a stopped process has given no answer
+        (None, STOP, NO, None),  # a stopped process does not count as an answer
         (NO, STOP, None, NO),
         (STOP, NO, None, STOP),
         (STOP, STOP, None, None),
@@ -126,7 +126,7 @@ def test_a_check_with_inconsistent_tries_fails(first, once_more, with_right, cou
 @pytest.mark.parametrize("stops", [0.0, 0.3, 1.0])
 @pytest.mark.parametrize("chance", np.linspace(0.0, 1.0, 11))
 def test_a_random_answer_gains_nothing_from_a_wrong_helper(chance, stops):
-    """An answer that stops its process in one of the tries also gains nothing."""
+    """An answer that stops its process in some of the tries also gains nothing."""
     (check,) = (outcome.check for outcome in outcomes_of("ransac_line", True))
     for where in itertools.product([False, True], repeat=3):
         expected = 0.0
@@ -144,7 +144,7 @@ def test_a_random_answer_gains_nothing_from_a_wrong_helper(chance, stops):
 
 
 def test_a_perfect_exercise_is_also_run_again(monkeypatch):
-    """Otherwise a random answer would run again only after a failure, and could only gain."""
+    """Otherwise, a random answer would run again only after a failure, and could only gain."""
     uses = {"ransac_line": ("line_through",)}
     first = [*outcomes_of("line_through", False), *outcomes_of("ransac_line", True, True)]
     for again, passes in (((True, True), None), ((False, False), [False, False])):
@@ -194,7 +194,7 @@ def test_a_failed_second_run_does_not_count(monkeypatch, fault, starved):
 
 
 def test_each_exercise_is_run_again_separately(monkeypatch):
-    """If an exercise cannot be carried forward, later ones still can."""
+    """If the run for one exercise fails, later exercises are still run again."""
     plane = find_lesson("03_ransac_plane")
     names = [exercise.name for exercise in plane.machine_graded]
     lost = [outcome for name in names for outcome in outcomes_of(name, False, name == names[3])]
@@ -292,7 +292,7 @@ def test_a_different_submission_time_is_a_difference(submitted_files, hour):
         )
     )
     *found, last = differences(course, book, entry, None, Deadlines({}))
-    assert last.endswith("it is not in the gradebook")
+    assert last.endswith(": not in the gradebook")
     assert bool(found) == (hour != 12) and all("submission time" in one for one in found)
 
 
@@ -332,7 +332,7 @@ def test_the_last_of_several_cells_that_define_an_exercise_is_graded():
 
 
 def test_a_written_answer_is_found_below_the_last_copy_of_its_question():
-    """A student may copy the question to the top, and answer below the original."""
+    """A student may copy the question to the top but answer below the original."""
     cells = json.loads(WRITTEN.released.read_text("utf-8"))["cells"]
     names = [cell["metadata"].get("nbgrader", {}).get("grade_id") for cell in cells]
     question = "".join(cells[names.index("write_up") - 1]["source"])
@@ -355,7 +355,7 @@ def test_brightness_of_a_kerb_depends_on_the_angle_of_the_ray(yaw):
     road = Ground(pose=Pose(0.0, 0.0, 0.0, yaw), width=7.0, kerb=0.5)
     normal = np.array([-math.sin(yaw), math.cos(yaw), 0.0])
     along = np.array([math.cos(yaw), math.sin(yaw), 0.0])
-    target = 3.5 * normal + 6.0 * along + [0.0, 0.0, 0.25]  # halfway up the face of the kerb
+    target = 3.5 * normal + 6.0 * along + [0.0, 0.0, 0.25]  # halfway up the kerb's face
     eye = np.array([0.0, 0.0, 1.7])
     ray = (target - eye) / np.linalg.norm(target - eye)
     distance, cosine = road.crossings(ray[:, None], tuple(eye))

@@ -1,10 +1,10 @@
-"""During a run, assertions and answers that many checks share are computed only once."""
+"""Within a run, assertions and answers that several checks share are computed only once."""
 
 import numpy as np
 import pytest
 
 from utils.checks.failures import CheckFailed
-from utils.checks.run_cache import answer_to, once, one_run
+from utils.checks.run_cache import answer_to, cached_run, once
 
 
 def counted(outcomes):
@@ -31,14 +31,14 @@ def g():
 
 def test_an_assertion_runs_once_per_run():
     assertion, calls = counted([None])
-    with one_run():
+    with cached_run():
         assertion(f), assertion(f), assertion(g)
     assert calls == [f, g]
 
 
 def test_a_cached_failure_is_raised_each_time():
     assertion, calls = counted([CheckFailed("wrong"), None])
-    with one_run():
+    with cached_run():
         for _ in range(3):
             with pytest.raises(CheckFailed, match="wrong"):
                 assertion(f)
@@ -47,20 +47,20 @@ def test_a_cached_failure_is_raised_each_time():
 
 def test_the_next_run_starts_with_an_empty_cache():
     assertion, calls = counted([CheckFailed("wrong"), None])
-    with one_run(), pytest.raises(CheckFailed):
+    with cached_run(), pytest.raises(CheckFailed):
         assertion(f)
-    with one_run():
+    with cached_run():
         assertion(f)
-        with one_run():
+        with cached_run():
             assertion(f)
         assertion(f)
     assert len(calls) == 3
 
 
 def test_other_exceptions_are_not_cached():
-    """A process that was stopped may answer the next time."""
+    """Only check failures are cached, because a process that was stopped may answer next time."""
     assertion, calls = counted([OSError("stopped"), None])
-    with one_run():
+    with cached_run():
         with pytest.raises(OSError):
             assertion(f)
         assertion(f)
@@ -76,7 +76,7 @@ def test_nothing_is_cached_outside_a_run():
 def test_arguments_are_part_of_the_cache_key():
     calls = []
     assertion = once(lambda function, about: calls.append(about))
-    with one_run():
+    with cached_run():
         assertion(f, 1), assertion(f, 2), assertion(f, 1)
     assert calls == [1, 2]
 
@@ -91,7 +91,7 @@ def test_a_cached_answer_is_a_copy():
         return mine
 
     question = np.ones(2)
-    with one_run():
+    with cached_run():
         first, second = (answer_to(counts, "one", question) for _ in range(2))
         other = answer_to(counts, "other", question)
     assert len(given) == 2
@@ -109,7 +109,7 @@ def test_only_arrays_are_cached():
         calls.append(array)
         return iter(array)
 
-    with one_run():
+    with cached_run():
         for _ in range(2):
             assert [*answer_to(lists, "one", np.ones(2))] == [1, 1]
     assert len(calls) == 2

@@ -1,4 +1,4 @@
-"""The checks of a lesson are run, tested with an artificial lesson and student."""
+"""Running the checks of a lesson, tested with an artificial lesson and student."""
 
 import dataclasses
 import gc
@@ -19,11 +19,11 @@ from grader.judging.runner import JudgeFault, JudgeTimeout, run_checks
 from grader.sandbox import SandboxUnavailable
 from grader.sandbox.failures import StudentStopped
 from utils.checks import Check, CheckFailed
-from utils.checks.assertions import needs
+from utils.checks.assertions import precondition
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import FarTooMuch, WrongForm
 from utils.checks.outcomes import Outcome
-from utils.checks.run_cache import answer_to, once, one_run
+from utils.checks.run_cache import answer_to, cached_run, once
 from utils.checks.size_limits import MOST_NUMBERS
 
 FILTER = find_lesson("06_filter_ground")
@@ -116,7 +116,7 @@ def test_visible_checks_run_first_and_each_on_its_own_exercise(made):
 
 
 def test_folders_above_a_lesson_are_not_scanned(made, monkeypatch):
-    """Otherwise notebooks would take longer in a home directory with many folders."""
+    """Otherwise, judging would be slower in a home directory with many folders."""
     lesson, listed, scandir = made(TWO), [], os.scandir
 
     def noted(path="."):
@@ -139,7 +139,7 @@ def test_only_selected_checks_run(made):
 
 
 def test_the_rest_is_skipped_if_one_failure_decides(made):
-    """Each call of a slow answer may take seconds."""
+    """Skipping saves time, because each call of a slow answer may take seconds."""
     student, hidden = (
         RecordingStudent(),
         TWO.replace('student.g("second")', 'student.g("second"); 1 / 0'),
@@ -162,7 +162,7 @@ def test_some_checks_can_be_run_again_later(made):
         *(Check(name, "f", "", "") for name in ("test_first", "test_of_another_lesson")),
     ]
     (hidden,) = runner.hidden_calls(lesson, student, SEED, checks)
-    assert student.calls == []  # the calls are only prepared
+    assert student.calls == []  # the calls have only been prepared
     for _ in range(2):
         with pytest.raises(CheckFailed):
             hidden()
@@ -251,11 +251,11 @@ def test_an_interrupt_in_a_hidden_test_ends_the_run(made):
 
 def test_a_slow_comparison_is_interrupted_and_the_timer_restored(made, monkeypatch):
     monkeypatch.setattr(runner, "SECONDS_OF_A_TEST", 0.05)
-    hidden = TWO.replace('student.g("second")', "for _ in range(10**8): pass")  # takes seconds
+    hidden = TWO.replace('student.g("second")', "for _ in range(10**8): pass")  # would take seconds
     student, before = RecordingStudent(), signal.getsignal(signal.SIGPROF)
     outcomes = run_checks(made(hidden), student, SEED)
     assert failures(outcomes) == {"test_second": JudgeTimeout, "test_first": CheckFailed}
-    assert student.closed == 1  # the process may have been sending a reply
+    assert student.closed == 1  # closed, because its process may have been sending a reply
     assert signal.getitimer(signal.ITIMER_PROF) == (0.0, 0.0)
     assert signal.getsignal(signal.SIGPROF) is before
 
@@ -303,7 +303,7 @@ def test_an_exercise_is_given_up_after_five_huge_answers(made):
     assert [name for name, failure in found.items() if failure is StudentStopped] == [
         *("f5", "f6", "test_first"),
     ]
-    assert "test_second" not in found  # it belongs to the other exercise
+    assert "test_second" not in found  # test_second belongs to the other exercise
     assert len(student.calls) == 9 + 1
 
 
@@ -342,12 +342,12 @@ def test_slow_comparisons_of_wrong_answers_have_one_limit(made, monkeypatch):
 
 
 class Answer:
-    """An answer that can be referred to weakly."""
+    """An answer that supports weak references."""
 
 
 @pytest.mark.parametrize("how", ["CheckFailed('no')", "ZeroDivisionError", "WrongForm('no')"])
 def test_no_answer_outlives_its_check(made, how):
-    """Neither an outcome, nor a cached precondition, nor pytest keeps the frames of a failure."""
+    """Outcomes, cached preconditions and pytest do not keep the frames of a failure."""
     answers = weakref.WeakSet()
 
     def answer():
@@ -357,7 +357,7 @@ def test_no_answer_outlives_its_check(made, how):
 
     @once
     def require(function):
-        with needs("an answer"):
+        with precondition("an answer"):
             kept = answer()
             function(kept is not None)
             raise CheckFailed("no")
@@ -383,7 +383,7 @@ def test_second(student):
             return lambda *_: answer()
 
     student = Answering()
-    with one_run():
+    with cached_run():
         outcomes = run_checks(made(hidden, checks), student, SEED)
         gc.collect()
         assert len(failures(outcomes)) == 4 and len(answers) == 0
@@ -406,7 +406,7 @@ def test_an_answer_larger_than_any_right_one_is_not_cached():
         asked.append(len(cloud))
         return np.zeros(MOST_NUMBERS + len(cloud) - 1)
 
-    with one_run():
+    with cached_run():
         for rows in (1, 1, 2, 2):
             answer_to(function, rows, np.zeros(rows))
     assert asked == [1, 2, 2]
@@ -507,7 +507,7 @@ def test_each_wrong_exercise_is_explained_once(run_once):
 
 
 def test_outcomes_of_an_exercise_are_found_by_an_equal_name():
-    """The name in a notebook and the name in a test may be different objects."""
+    """Names are compared by value: a notebook's and a test's may be different objects."""
     outcomes = [Outcome(Check("a", "voxel_grid", "", ""), NO)]
     results = program_run.RunResults(tuple(outcomes))
     assert results.outcomes_of("".join(("voxel", "_grid"))) == outcomes

@@ -38,7 +38,7 @@ def test_an_oracle_runs_once_for_each_content(counted):
     assert len(calls) == 1
     with pytest.raises(ValueError, match="read-only"):
         first[0] = 7
-    # The same bytes in another shape or type, other clouds, and below another setting.
+    # Each needs a new result: the same bytes in another shape or type, and other clouds.
     others = [cloud.reshape(3, 4), cloud.view(np.int64), cloud + 1, cloud[:0], cloud[:0, :2]]
     for other in others:
         assert np.array_equal(doubled(other, 0.5), 2 * other)
@@ -140,7 +140,7 @@ def test_centroids_of_voxels_agree_with_a_loop(columns):
     order = np.lexsort(voxels.T), np.lexsort(np.array(expected).T)
     assert np.allclose(voxels[order[0]], np.array(expected)[order[1]], atol=1e-12)
     assert samples.voxel_centroids(cloud[:0], 0.5).shape == (0, columns)
-    # A second dtype would show if the function confused bytes with columns.
+    # Another dtype shows that the function does not confuse bytes with columns.
     assert np.allclose(samples.voxel_centroids(cloud.astype(np.float32), 0.5), voxels, atol=1e-6)
 
 
@@ -173,4 +173,4 @@ def test_obstacles_are_near_rows_of_the_street_above_the_road():
     everything = samples.obstacles_of_street(8, 10**7)
     assert len(everything) == wanted.sum()
     assert_rows_of(everything, street[wanted])
-    assert not np.array_equal(everything, street[wanted])  # in random order
+    assert not np.array_equal(everything, street[wanted])  # a patch's rows are in random order

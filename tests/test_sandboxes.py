@@ -22,7 +22,7 @@ from grader.sandbox.student import StudentProxy
 
 
 class Streams:
-    """A worker with its standard streams as pipes, as in a container."""
+    """A worker that communicates through its standard streams, as in a container."""
 
     def __init__(self):
         command = [sys.executable, "-I", "-B", str(WORKER), "0", "1"]
@@ -74,7 +74,7 @@ class Container:
 
 @pytest.fixture
 def container(monkeypatch):
-    """Register the sandbox for one test, and return it."""
+    """Register the third sandbox for one test, and return it."""
     monkeypatch.setitem(SANDBOXES, Container.name, Container())
     return choose_sandbox(Container.name)
 
@@ -82,14 +82,14 @@ def container(monkeypatch):
 @pytest.mark.slow
 @pytest.mark.parametrize("is_shared", [0, 1])
 def test_a_jail_contains_the_library_that_python_was_built_with(is_shared, monkeypatch):
-    """Python finds this library through its own path, not among the system's libraries."""
+    """A shared libpython may be outside the system's library folders."""
     variables = {"Py_ENABLE_SHARED": is_shared, "LIBDIR": "/opt/lib", "INSTSONAME": "libpy.so.1"}
     monkeypatch.setattr(sysconfig, "get_config_var", variables.get)
     assert (Path("/opt/lib/libpy.so.1") in jail._python()) == is_shared
 
 
 def test_a_third_sandbox_is_selected_by_its_name(container, tmp_path, capsys):
-    """Test all steps from the command line to the points."""
+    """The name selects the sandbox at all steps, from the command line to the points."""
     lesson = find_lesson("06_filter_ground")
     right, wrong = (
         next(answer for answer in answers_to("voxel_grid") if answer.right == is_right)
@@ -111,7 +111,7 @@ def test_a_third_sandbox_is_selected_by_its_name(container, tmp_path, capsys):
 
 
 def test_hanging_and_dying_are_distinguished_in_a_third_sandbox(container):
-    """The judge stops both, although it knows nothing about processes in such a sandbox.
+    """The judge stops both, although it cannot see the processes in such a sandbox.
 
     Each case has its own function, because a function that was stopped gets less time later.
     """
@@ -129,6 +129,6 @@ def test_hanging_and_dying_are_distinguished_in_a_third_sandbox(container):
         assert student.answer() == "answer"
         with pytest.raises(StudentStopped, match="did not answer within"):
             student.hang()
-        with pytest.raises(StudentStopped, match="ended itself"):
+        with pytest.raises(StudentStopped, match="killed it"):
             student.kill()
         assert student.answer() == "answer"

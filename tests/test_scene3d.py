@@ -1,4 +1,4 @@
-"""3D scenes work: cameras, layers, the pictures of both renderers, and the interactive view."""
+"""3D scenes: cameras, layers, the pictures of both renderers, and the interactive view."""
 
 import base64
 import itertools
@@ -91,7 +91,7 @@ def test_a_camera_is_found_in_any_case_and_an_unknown_one_is_reported():
     assert as_camera("topdown") is CAMERAS["TopDown"]
     with pytest.raises(ValueError, match="XY, TopDown, Side, FPS"):
         as_camera("birdseye")
-    with pytest.raises(ValueError, match="upward direction"):
+    with pytest.raises(ValueError, match="must not be parallel"):
         Camera((0, 0, 5), (0, 0, 0)).axes()
 
 
@@ -141,7 +141,7 @@ def test_a_plane_without_direction_is_refused(street):
 
 def test_splitting_planes_of_a_kd_tree_end_even_with_a_cycle():
     root = Node((0, 0, 0), Node((-5, 1, 0)), Node((5, -1, 0)))
-    root.left.left = root  # a cycle, as a wrong `insert` may build
+    root.left.left = root  # a cycle, such as a wrong `insert` may build
     cuts = list(solids.kd_cuts(root, (-10, -10, -10), (10, 10, 10), depth=5))
     assert [cut.axis for cut in cuts] == [0, 1, 1]
     assert cuts[1].corners[:, 0].max() == 0  # the left child's plane ends at the root's plane
@@ -302,8 +302,8 @@ def test_eye_dome_lighting_darkens_points_behind_an_edge_and_not_the_background(
     depth = np.full((9, 9), np.inf)
     depth[:, 2:5], depth[:, 5:7] = 10.0, 20.0
     lit = eye_dome(image, depth)
-    assert (lit[4, 5] < 150).all()  # just behind the edge of the near wall
-    assert (lit[4, [2, 3, 4, 7, 8, 0]] == 200).all()  # the wall itself and the background
+    assert (lit[4, 5] < 150).all()  # darker just behind the edge of the near wall
+    assert (lit[4, [2, 3, 4, 7, 8, 0]] == 200).all()  # wall and background stay bright
 
 
 # Output -------------------------------------------------------------------------------
@@ -370,7 +370,7 @@ def test_the_view_has_at_most_20_000_points_and_half_a_megabyte(street):
     content = content_of(page)
     colours = [base64.b64decode(part["colours"]) for part in content["points"]]
     assert sum(map(len, colours)) / 3 <= viewer.MOST_POINTS
-    assert "123,000 points, 16% of them shown" in content["note"]
+    assert "16% of 123,000 points shown" in content["note"]
     assert len(page) < 500_000
 
 
@@ -383,7 +383,7 @@ def test_the_view_keeps_positions_to_the_millimetre(street):
 def test_the_view_needs_no_other_file_and_accepts_any_title(street):
     title = "</script><script>alert(1)</script>"
     page = viewer.page(Scene(title).add_cloud(street), Camera((9, 9, 9), (0, 0, 0)), '"&<')
-    assert page.count("</script>") == 2  # the data and the program
+    assert page.count("</script>") == 2  # one for the data and one for the program
     assert "http" not in page and "src=" not in page
     content = content_of(page)
     assert content["title"] == title and content["alt"] == '"&<'

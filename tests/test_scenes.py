@@ -1,4 +1,4 @@
-"""In simulated scenes, the truth fits the cloud, and a seed always gives the same scene."""
+"""In simulated scenes, the truth agrees with the cloud, and a seed always gives the same scene."""
 
 import hashlib
 import math
@@ -66,7 +66,7 @@ def frame(name):
 
 
 class TestTruth:
-    """The truth of every scene has these properties."""
+    """Properties that the truth of every scene must have."""
 
     def test_arrays_have_matching_lengths(self, name, frame):
         swept, n = frame.scan, len(frame.cloud)
@@ -88,8 +88,8 @@ class TestTruth:
             cosine, sine = math.cos(box.yaw), math.sin(box.yaw)
             x, y, z = (points - box.centre).T
             inside = np.column_stack([cosine * x + sine * y, cosine * y - sine * x, z])
-            # The solids of walls and hedges reach below their boxes. Where the ground slopes down
-            # from the middle of the box, this lower part is visible.
+            # The solids of walls and hedges extend below their boxes. This part is visible if the
+            # ground slopes down from the middle of the box.
             sink = 0.03 * box.size[0] if box.kind in ("wall", "foliage") else 0.0
             excess = np.abs(inside) - np.array(box.size) / 2 - (0, 0, sink)
             assert excess.max() <= slack, (box, excess.max(axis=0))
@@ -152,7 +152,7 @@ def test_identities_and_sizes_are_constant_in_a_stream_and_motion_is_small(make)
 def test_velocity_is_the_motion_of_a_box_over_the_ground():
     frames = cyclist()[30:32]
     boxes = [{box.identity: box for box in frame.boxes} for frame in frames]
-    # The parked cars show how the ego car moves: fit the rigid motion between two frames.
+    # The rigid motion of the parked cars between two frames shows how the ego car moves.
     parked = [i for i in boxes[0].keys() & boxes[1].keys() if boxes[0][i].velocity == (0.0, 0.0)]
     a, b = (np.array([complex(*box[i].centre[:2]) for i in parked]) for box in boxes)
     turn = np.vdot(a - a.mean(), b - b.mean())
@@ -309,7 +309,7 @@ def test_the_highway_has_as_many_returns_per_object_as_the_published_recording()
     from tests.benchmarks.compare_real import highway_counts, read_highway
 
     ours = highway_counts(simple_highway().cloud[:, :3])
-    # The recorded points have noise that is uniform on 0 to 0.2 m, so 0.1 m on average.
+    # The noise of the recorded points is uniform between 0 and 0.2 m, so it averages 0.1 m.
     theirs = highway_counts(read_highway(Path(REAL)) - 0.1)
     assert sum(ours) == len(simple_highway().cloud) and sum(theirs) == 976
     for mine, recorded in zip(ours, theirs, strict=True):
@@ -317,7 +317,7 @@ def test_the_highway_has_as_many_returns_per_object_as_the_published_recording()
 
 
 def test_a_seed_gives_the_same_bytes_as_in_earlier_releases():
-    """If these checksums change, all clouds that hidden tests draw also change."""
+    """If these checksums change, so do all clouds that hidden tests draw."""
     frames = simple_highway(1), random_street(1, 0.5, CHEAP), cyclist(1)[3]
     digests = (hashlib.sha256(np.round(frame.cloud, 3).tobytes()).hexdigest() for frame in frames)
     assert [digest[:12] for digest in digests] == ["2635125a4faf", "c9e745b6c15f", "36f326700c0a"]

@@ -1,4 +1,4 @@
-"""The score card agrees with counts by hand, `score_boxes` and other estimates of the errors."""
+"""The score card agrees with counts by hand, `score_boxes` and other error estimates."""
 
 from types import SimpleNamespace
 
@@ -18,7 +18,7 @@ def car(x, y=0.0, identity=1, returns=100, kind="car", size=(4.0, 2.0, 1.5)):
 
 
 def frame_of(*boxes, cloud=None, objects=None):
-    """Return a frame in which no object hides another, unless a cloud is given."""
+    """Return a frame; without a cloud, no object in it is hidden."""
     cloud = np.zeros((0, 3)) if cloud is None else np.asarray(cloud, dtype=float)
     objects = np.asarray([] if objects is None else objects, dtype=int)
     return SimpleNamespace(boxes=boxes, cloud=cloud, scan=SimpleNamespace(objects=objects))
@@ -45,7 +45,7 @@ def test_hits_are_counted_at_three_overlaps_and_by_distance():
     ]  # fmt: skip
     assert card["recall beyond 20 m"].values == (1, 0, 0)
     assert [row.count for row in card.rows[:6]] == [4, 3, 3, 1, 1, 1]
-    assert np.isnan(card["F1"].errors).all()  # a single frame has no spread
+    assert np.isnan(card["F1"].errors).all()  # undefined for a single frame
 
 
 def test_the_card_agrees_with_score_boxes_on_a_street():

@@ -105,7 +105,7 @@ def test_overlaps_agree_with_results_computed_by_hand():
     assert_allclose(plane_iou(square, square + (1, 0, 9)), 1 / 3)
     assert_allclose(space_iou(square, square + (0, 0, 9)), 0.0)
     assert_allclose(plane_iou(square, square + (2, 0, 0)), 0.0, atol=1e-12)
-    # Two squares, one turned by an eighth of a circle, share a regular octagon.
+    # Two squares, one rotated by 45 degrees, intersect in a regular octagon.
     octagon = 8 * (np.sqrt(2) - 1)
     turned = corners(0, 0, 0, 2, 2, 2, np.pi / 4)[None]
     assert_allclose(plane_iou(square, turned), octagon / (8 - octagon))
@@ -198,7 +198,7 @@ def test_the_true_boxes_of_a_street_score_full_marks():
 
 
 def tracked(truth, found):
-    """Return a frame, given the x of true and of detected boxes by label."""
+    """Return a frame; `truth` and `found` map labels to the x of the boxes."""
     return TrackedFrame(
         np.array([corners(x) for x in found.values()]),
         tuple(found),
@@ -215,9 +215,9 @@ def test_a_faithful_tracker_never_switches():
 def test_each_change_of_label_is_one_switch():
     frames = [
         tracked({1: 0, 2: 10}, {7: 0, 8: 10}),
-        tracked({1: 0, 2: 10}, {8: 0, 7: 10}),  # both swapped
-        tracked({1: 0, 2: 10}, {8: 0}),  # one missed
-        tracked({1: 0, 2: 10}, {8: 0, 9: 10}),  # found again under a new label
+        tracked({1: 0, 2: 10}, {8: 0, 7: 10}),  # both labels are swapped
+        tracked({1: 0, 2: 10}, {8: 0}),  # one object is missed
+        tracked({1: 0, 2: 10}, {8: 0, 9: 10}),  # the object is found again, under a new label
     ]
     assert score_stream(frames) == Score(7, 0, 1, 3)
 

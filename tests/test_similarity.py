@@ -34,7 +34,7 @@ def answer(exercise, source):
 
 
 def written(exercise, right=None):
-    """Return the kept answers to an exercise by name, as if each name were a student."""
+    """Return the kept answers to an exercise by name; each name stands for a student."""
     found = {
         variant.name: answer(exercise, variant.source)
         for variant in answers_to(exercise)
@@ -57,13 +57,13 @@ def names_of(comparison):
 @pytest.mark.slow
 @pytest.mark.parametrize("exercise", ALL)
 def test_independent_answers_are_not_flagged(exercise, monkeypatch):
-    """The right answers were written independently, so no pair is flagged at lower thresholds."""
+    """Right answers, which were written independently, are not flagged even at lower thresholds."""
     monkeypatch.setattr(comparison, "LEAST_SHARE", comparison.LEAST_SHARE - 0.1)
     monkeypatch.setattr(comparison, "LEAST_BITS", comparison.LEAST_BITS - 3)
     assert compared(exercise, written(exercise, right=True)).pairs == ()
 
 
-# Pairs in which one answer is an edit of the other. At least one answer of a pair is wrong.
+# Pairs of answers, at least one of them wrong, in which one is an edited version of the other.
 CHANGED = {
     "ransac_line": [("does not test for None", "the two points in one array")],
     "get_bounding_boxes": [("minimum and maximum with elif", "elif, the maximum first")],
@@ -281,7 +281,7 @@ def test_a_copy_is_found(disguise):
 
 
 def renamed(source):
-    """Return a copy of the source with other variable names and another layout."""
+    """Return the source with other variable names and another layout."""
     trees = [ast.parse(cell) for cell in source.split(ANOTHER_CELL)]
     nodes = [node for tree in trees for node in ast.walk(tree) if isinstance(node, ast.Name)]
     own = {node.id for node in nodes if isinstance(node.ctx, ast.Store)}
@@ -401,7 +401,7 @@ def test_the_command_prints_similar_answers(course, monkeypatch, capsys):
 
 
 @pytest.mark.parametrize(
-    "stage, words", [("stage9", "no stage stage9"), (LESSON.stage, "fewer than two")]
+    "stage, words", [("stage9", "no stage stage9"), (LESSON.stage, "Fewer than two")]
 )
 def test_the_command_reports_a_missing_class(stage, words, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(commands, "Course", lambda: Course(tmp_path))

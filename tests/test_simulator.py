@@ -1,4 +1,4 @@
-"""The scanner agrees with exact formulas, marching along rays and statistics."""
+"""The scanner agrees with exact formulas, with marching along rays, and with statistics."""
 
 import math
 from dataclasses import replace
@@ -38,7 +38,7 @@ def thing(*solids, kind="car", identity=1, pose=ORIGIN, speed=0.0, turn_rate=0.0
 
 
 def random_solids(rng, count):
-    """Return boxes, frusta, cylinders and balls around the sensor, near and far."""
+    """Return random boxes, frusta, cylinders and balls around the sensor, near and far."""
     solids = []
     for _ in range(count):
         centre = (*rng.uniform(-15, 15, 2), rng.uniform(-1, 3))
@@ -57,7 +57,7 @@ def random_solids(rng, count):
 
 
 def contains(solid, points):
-    """Return a mask of the points (..., 3) inside a solid, from the solid's definition."""
+    """Return whether each point (..., 3) is inside a solid, according to the solid's definition."""
     if hasattr(solid, "normals"):
         return np.all(points @ solid.normals.T <= solid.offsets, axis=-1)
     if hasattr(solid, "base"):
@@ -82,7 +82,7 @@ def test_a_ray_enters_a_solid_where_marching_along_it_does(seed):
     inside = contains(solid, rays.T[:, None] * steps[None, :, None])
     enter, leave, cosine = solid.crossings(rays)
     hit = (leave >= enter) & (leave > 0)
-    # Marching may miss a part that is thinner than a step, but never hits empty space.
+    # Marching may miss a part thinner than a step, but it never reports a hit in empty space.
     assert not np.any(inside.any(axis=1) & ~hit)
     assert np.all((leave - np.maximum(enter, 0))[hit & ~inside.any(axis=1)] <= step + 1e-9)
     outside = inside.any(axis=1) & (enter > 0)
@@ -302,7 +302,7 @@ def test_the_stated_share_of_echoes_is_lost():
 
 
 def share_seen(distance, material, weakest_signal):
-    """Return the share of rays that return from a wall perpendicular to the beam."""
+    """Return the share of rays that a wall perpendicular to the beam returns."""
     sensor = replace(EXACT, azimuth_step=math.radians(0.2), elevations=layers(40, 1.0, -1.0))
 
     def returns(material, weakest_signal):
@@ -318,7 +318,7 @@ def test_glass_loses_the_stated_share_of_echoes():
 
 
 def test_weak_echoes_are_lost():
-    # A wall of reflectivity 0.4, at 50 m and perpendicular to the beam, returns a signal of 1.6.
+    # A wall of reflectivity 0.4 returns a signal of 1.6 from 50 m, if perpendicular to the beam.
     assert abs(share_seen(50, Material(0.4), 1.6) - (1 - math.exp(-1))) < 0.05
     dark, far, near = (
         share_seen(distance, Material(reflectivity), 1.6)
@@ -402,7 +402,7 @@ def test_the_presets_are_the_published_sensors():
         ({"elevations": ()}, "at least one beam"),
         ({"azimuth_step": 0.0}, "azimuth step"),
         ({"azimuth_step": math.nan}, "azimuth step"),
-        ({"minimum_range": 90.0}, "ranges run"),
+        ({"minimum_range": 90.0}, "minimum range"),
     ],
 )
 def test_a_sensor_without_rays_is_refused(change, words):

@@ -1,4 +1,4 @@
-"""The website's pages show outputs, do not give solutions away and use no other host."""
+"""The website's pages show outputs, do not reveal solutions, and load nothing from other hosts."""
 
 import base64
 import html
@@ -66,7 +66,7 @@ ANSWER = {"question": "How many?", "answer": "7 m", "why": "Because 3 < 4."}
 
 
 def scene():
-    """Return the data that a cell displays for a scene, as a dictionary by MIME type."""
+    """Return what a cell displays for a 3D scene, as data by MIME type."""
     drawn = Scene("A corner").add_cloud(np.array([[0, 0, 0], [1, 1, 1.0]]))
     return output.bundle_of(drawn, "XY", True, (320, 240), "matplotlib", 'A "corner" in space')
 
@@ -92,7 +92,7 @@ def site(tmp_path_factory):
 
 
 def text_of(path):
-    """Return the text of a page without tags; this does not use `site_checks`'s parser."""
+    """Return the text of a page without tags, independently of the parser in `site_checks`."""
     plain = re.sub(r"<(script|style)\b.*?</\1>", "", path.read_text("utf-8"), flags=re.S)
     return html.unescape(re.sub(r"<[^>]+>", "", plain))
 
@@ -301,7 +301,7 @@ def test_an_optional_lesson_runs_if_its_packages_are_installed(
     monkeypatch.setattr(builder, "write_site", lambda *_: None)
     assert cli.main(["site", "--to", str(tmp_path)]) == 0
     assert tuple(run_lessons) == (all_lessons() if missing else every_lesson())
-    said = "The page of 13_compiled_loops shows no outputs. To add them, install numba"
+    said = "The page of 13_compiled_loops shows no outputs. To add outputs, install numba"
     assert (said in capsys.readouterr().out) == bool(missing)
 
 
@@ -309,7 +309,7 @@ def test_an_optional_lesson_runs_if_its_packages_are_installed(
 
 
 def secrets():
-    """Yield each line of a solution that the released notebook does not contain."""
+    """Yield each line of a solution that no released notebook contains."""
     notebooks = "\n".join(
         "".join(cell["source"])
         for lesson in every_lesson()
@@ -320,7 +320,7 @@ def secrets():
         text = lesson.source.read_text("utf-8")
         for region in re.findall("### BEGIN SOLUTION\n(.*?)### END SOLUTION", text, re.S):
             for line in map(str.strip, region.splitlines()):
-                # Short lines occur in any program, and `# from` lines contain no code.
+                # Short lines may occur in any program, and lines with `# from` contain no code.
                 if (
                     len(line) > 15
                     and not line.startswith("# from ")

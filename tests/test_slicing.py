@@ -9,12 +9,12 @@ from utils.notebooks import slicing
 
 
 def notebook(text):
-    """Return the code cells of a text in which a line of --- separates two cells."""
+    """Return the code cells of a text in which lines of --- separate the cells."""
     return [textwrap.dedent(cell) for cell in textwrap.dedent(text).split("---\n")]
 
 
 def sliced(text, *names):
-    """Run the slice of a notebook; return the namespace, the slice's source and the problems."""
+    """Run the slice of a notebook; return the namespace, the source of the slice, and problems."""
     statements, problems = slicing.parse_notebook(notebook(text))
     kept, namespace = slicing.slice_for(names or ("f",), statements), {"__name__": "__main__"}
     for statement in kept:

@@ -1,4 +1,4 @@
-"""With the checks alone, likely slips earn about the points that a teacher would give."""
+"""From the checks alone, likely slips earn about as many points as a teacher would give."""
 
 import ast
 import importlib
@@ -34,7 +34,7 @@ def solution_of(exercise):
 
 
 def with_slip(exercise, slip):
-    """Return the lesson and its solution's functions, one of which has the slip."""
+    """Return the lesson, and the functions of its solution, one of them with the slip."""
     lesson, source = lesson_of(exercise), slip.applied_to(solution_of(exercise))
     answers = vars(load_reference(lesson.name))
     space = dict(answers[exercise].__globals__)
@@ -43,7 +43,7 @@ def with_slip(exercise, slip):
 
 
 def share_of(exercise, slip):
-    """Return the share of an exercise's weight that a slip earns, and the failed checks' names."""
+    """Return the share of the points that a slip earns, and the names of the failed checks."""
     lesson, answers = with_slip(exercise, slip)
     outcomes = run_checks(
         lesson, student_with(lesson, answers), SEED, lambda check: check.exercise == exercise

@@ -12,7 +12,7 @@ DEGREE = np.radians(1.0)
 
 
 def turned(model):
-    """Return a line or plane with its normal turned by one degree."""
+    """Return a line or plane with its normal rotated by one degree."""
     if model is None:
         return None
     normal, offset = np.array(model[:-1], dtype=float), model[-1]
@@ -43,7 +43,7 @@ def shrunk(boxes):
 
 
 def model_turned(result):
-    """Return a RANSAC result with its model turned by one degree and the same inliers."""
+    """Return a RANSAC result with its model rotated by one degree and the same inliers."""
     model, inliers = result
     return turned(model), inliers
 
@@ -64,8 +64,8 @@ OFF = {
 }
 
 
-# Exercises in which a slightly wrong answer may earn more than 1/3, with the largest share. Their
-# checks also cover results that stay right, such as random draws and numbers of cells.
+# Exercises in which a slightly wrong answer may earn more than 1/3, and the most that it may earn.
+# Their checks also cover results that stay right, such as random draws and numbers of cells.
 LARGEST_SHARES = {"ransac_line": 0.9, "ransac_plane": 0.9, "voxel_grid": 0.7}
 
 
@@ -75,7 +75,7 @@ LARGEST_SHARES = {"ransac_line": 0.9, "ransac_plane": 0.9, "voxel_grid": 0.7}
 def test_slightly_wrong_answers_lose_points(exercise, seed):
     """A slightly wrong answer earns at most a third, or its share in `LARGEST_SHARES`.
 
-    This applies to visible checks and to hidden tests.
+    This applies to the visible checks and the hidden tests separately.
     """
     lesson = lesson_of(exercise)
     reference = load_reference(lesson.name)

@@ -1,4 +1,4 @@
-"""Standalone notebooks need no other file."""
+"""Standalone notebooks do not need any other files."""
 
 import base64
 import hashlib
@@ -37,7 +37,7 @@ def written(tmp_path_factory):
 
 
 def unpacked(notebook):
-    """Return the files that the setup cell of a notebook contains, by name."""
+    """Return the files in the setup cell of a notebook, by name."""
     (cell,) = [
         "".join(cell["source"])
         for cell in json.loads(notebook)["cells"]

@@ -1,4 +1,4 @@
-"""Each submission has the right standing (missing, excused, waiting or marked) and lateness."""
+"""Each submission gets the right standing (missing, excused, waiting or marked) and lateness."""
 
 import datetime
 import shutil
@@ -65,7 +65,7 @@ def entered_once(tmp_path_factory):
 
 @pytest.fixture
 def course(entered_once, tmp_path):
-    """Return a course with two lessons by Ada, one of which has 0 points, and one by Bob."""
+    """Return a course to which Ada submitted two lessons, one worth 0 points, and Bob one."""
     shutil.copytree(entered_once, tmp_path / "course")
     paths._folder.cache_clear()
     return Course(tmp_path / "course")

@@ -124,7 +124,7 @@ def test_keys_ignore_the_last_digits():
 
 
 def stub(cloud, level=0.0):
-    """Contain only a docstring and a plan, like the lessons' stubs."""
+    """Raise NotImplementedError, after a docstring and a plan as in the lessons' stubs."""
     # 1. a step
     raise NotImplementedError()
 
@@ -208,7 +208,7 @@ def test_a_check_calls_the_stub_itself():
 
 
 def test_calls_of_a_check_are_not_recorded():
-    """Calls that the checked function makes are also not recorded."""
+    """Calls that a checked function makes to other functions are not recorded either."""
 
     def check(function):
         assert len(function(CLOUD, 3.0)) == int((CLOUD[:, 2] >= 3.0).sum())

@@ -1,4 +1,4 @@
-"""Calls into the sandbox reach a student's objects, locate exceptions, and can be interrupted."""
+"""Calls into the sandbox: a student's objects, the places of exceptions, and interrupts."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.program import Program
 from grader.sandbox.quotation import sentence_on
 from grader.sandbox.student import TOOK_TOO_LONG, StudentProxy
-from utils.checks.assertions import call_each, reach
+from utils.checks.assertions import call_each, get_attribute_path
 
 TREE = """
 import numpy as np
@@ -134,10 +134,10 @@ def test_a_path_of_attributes_is_one_request(student):
     tree = student.KdTree()
     call_each(tree.insert, [([row, 0.0], row) for row in range(300)])
     calls_before = student._calls
-    assert reach(tree, ["root", *["left"] * 299]).index == 0
-    assert reach(tree, ["root", *["left"] * 300]) is None
+    assert get_attribute_path(tree, ["root", *["left"] * 299]).index == 0
+    assert get_attribute_path(tree, ["root", *["left"] * 300]) is None
     with pytest.raises(StudentError, match="AttributeError"):
-        reach(tree, ["root", *["left"] * 301])
+        get_attribute_path(tree, ["root", *["left"] * 301])
     assert student._calls <= calls_before + 4
 
 
@@ -153,7 +153,7 @@ def test_calls_and_attribute_paths_work_on_local_objects():
     points, local = np.zeros((2, 2)), Local()
     call_each(local.note, zip(points, [3, 4], strict=True))
     assert [index for _, index in local.seen] == [3, 4] and not points.any()
-    assert reach(local, ["note", "__func__", "__name__"]) == "note"
+    assert get_attribute_path(local, ["note", "__func__", "__name__"]) == "note"
 
 
 def test_walking_a_cycle_is_up_to_the_caller(sandbox):
@@ -223,7 +223,7 @@ def answer(number):
 
 
 def test_an_exception_is_placed_at_the_call_in_the_exercise(sandbox):
-    """The call may be in a helper that only this exercise uses."""
+    """An exception in another exercise's function is reported at the call in this exercise."""
     program = Program((FINISHED, CALLS_IT), ("finished", "answer"))
     with StudentProxy(program, sandbox, Limits(call_seconds=5)) as student:
         student.exercise = "answer"
@@ -236,7 +236,7 @@ def test_an_exception_is_placed_at_the_call_in_the_exercise(sandbox):
             "answer raised TypeError (code cell 2, line 3: `return finished(number)`, which calls "
             "code cell 1, line 3: `a, b = line`)."
         )
-        # A hidden test shows only the place of the call, and no code.
+        # The message about a hidden test contains only the place of the call, not the code.
         assert error.safe_sentence == "answer raised TypeError (code cell 2, line 3)."
         student.exercise = "finished"
         with pytest.raises(StudentError) as caught:

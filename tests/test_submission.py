@@ -1,4 +1,4 @@
-"""Submissions are read, and their fingerprints are computed."""
+"""Reading submissions, and computing their fingerprints."""
 
 import dataclasses
 import errno
@@ -29,7 +29,7 @@ def test_a_module_cannot_continue_a_notebook():
     assert with_module.fingerprint() != with_cell.fingerprint()
 
 
-# With few letters, Hypothesis often draws different splits of the same text.
+# Short texts of few letters, so different fields often join to the same text.
 TEXTS = st.text("a\0 1", max_size=2)
 HANDED_IN = st.builds(
     SubmittedFiles,

@@ -1,4 +1,4 @@
-"""The submission time of a student with one or two folders is known or undecided."""
+"""The submission time of a student with one or two folders, or why it is unknown."""
 
 import os
 from datetime import UTC, datetime
@@ -14,7 +14,7 @@ OCTOBER = datetime(2026, 10, 1, 10, tzinfo=UTC)
 
 @pytest.fixture
 def folders(tmp_path):
-    """Return two folders of one student, whose ID has two spellings; each folder has a notebook."""
+    """Return two folders of a student whose ID is spelt in two ways, each with a notebook."""
     for name in ("ada", "Ada"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "06.ipynb").write_text("{}")
@@ -36,7 +36,7 @@ def test_the_later_of_two_times_counts(folders):
 def test_late_work_without_a_time_is_undecided(folders):
     write_record(LATE, folders[0])
     write_time(folders[1], "2026-10-01 10:00:00 UTC")
-    with pytest.raises(SubmissionTimeUnknown, match="marks it late but gives no time"):
+    with pytest.raises(SubmissionTimeUnknown, match="shows it as late, but without a time"):
         submission_time(folders)
     write_time(folders[0], "2026-09-01 10:00:00 UTC")  # the instructor decided
     assert submission_time(folders) == OCTOBER
@@ -69,7 +69,7 @@ def test_time_zones_are_read(folders, zone):
 @pytest.mark.parametrize("zone", ["AEDT", "PM"])
 def test_an_unknown_time_zone_is_not_utc(folders, zone):
     write_time(folders[0], f"2026-10-01 11:30:00 {zone}")
-    with pytest.raises(SubmissionTimeUnknown, match=f"this machine does not know, '{zone}'"):
+    with pytest.raises(SubmissionTimeUnknown, match=f"unknown on this machine, '{zone}'"):
         submission_time(folders)
     assert known_time(folders) is None
 

@@ -17,15 +17,15 @@ from grader.course.paths import PROJECT
 from grader.judging.messages import shareable
 from tests.prerequisites import PATIENCE
 from utils.checks import check, core, diagnosis, display
-from utils.checks.assertions import CheckFailed, WrongForm, as_labels, needs
+from utils.checks.assertions import CheckFailed, WrongForm, as_labels, precondition
 from utils.checks.core import ChecksFailed, noted, run_check, visible
-from utils.checks.diagnosis import Mistake, diagnose, mistakes
+from utils.checks.diagnosis import Mistake, declare_mistakes, diagnose
 from utils.checks.failures import NotYet
-from utils.checks.limits import TimeUp, limited
+from utils.checks.limits import TimeUp, limit_resources
 from utils.checks.line_hint import Line
 from utils.checks.outcomes import Check, Outcome
 from utils.checks.static_analysis import functions_used, refused_modules
-from utils.checks.summary import resolve
+from utils.checks.summary import summarise
 
 
 @pytest.fixture
@@ -44,7 +44,7 @@ def declared(title, exercise="double", weight=1, **more):
 
 
 def shown_by(function, capsys, **options):
-    """Return what a failing `check` prints."""
+    """Return the output of a `check` that fails."""
     with pytest.raises(ChecksFailed):
         check(function, "double", **options)
     return capsys.readouterr().out
@@ -111,7 +111,7 @@ def test_a_check_that_needs_a_failed_one_waits(exercise, capsys):
 
     @declared("also doubles halves")
     def halves(double):
-        with needs("whole numbers are doubled"):
+        with precondition("whole numbers are doubled"):
             doubles(double)
         if double(0.5) != 1:
             raise CheckFailed("A half does not give 1.")
@@ -123,7 +123,7 @@ def test_a_check_that_needs_a_failed_one_waits(exercise, capsys):
 
 
 def test_a_wrong_form_does_not_make_other_checks_wait():
-    with pytest.raises(WrongForm), needs("anything"):
+    with pytest.raises(WrongForm), precondition("anything"):
         as_labels(None, 3)
 
 
@@ -145,7 +145,7 @@ CASES = ((np.array([1.0, 2.0]),), (np.array([3.0, 0.0]),), (np.array([0.0, 0.0])
 
 
 def test_a_mistake_is_shown_only_if_it_explains_every_answer(exercise):
-    mistakes(
+    declare_mistakes(
         "double",
         Mistake("It is squared.", lambda right, x: x**2),
         Mistake("Nothing is done.", lambda right, x: x),
@@ -164,15 +164,15 @@ def test_a_mistake_is_shown_only_if_it_explains_every_answer(exercise):
 def test_a_mistake_needs_two_cases_and_no_competing_mistake(exercise):
     squared = Mistake("It is squared.", lambda right, x: x**2)
     rival = Mistake("It is multiplied by itself.", lambda right, x: x * x)
-    mistakes("double", squared, rival, cases=CASES, right=lambda x: 2 * x)
+    declare_mistakes("double", squared, rival, cases=CASES, right=lambda x: 2 * x)
     assert diagnose("double", lambda x: x * x) is None
-    mistakes("double", squared, cases=CASES[1:], right=lambda x: 2 * x)
+    declare_mistakes("double", squared, cases=CASES[1:], right=lambda x: 2 * x)
     assert diagnose("double", lambda x: x * x) is None, "a single case may agree by chance"
 
 
 def test_a_mistake_does_not_explain_an_exception(exercise, capsys):
-    """The mistake explains the answers to all cases, but not the exception for an empty array."""
-    mistakes(
+    """The mistake explains all wrong answers, but not an exception for an empty array."""
+    declare_mistakes(
         "double",
         Mistake("It is squared.", lambda right, x: x**2),
         cases=CASES,
@@ -196,7 +196,9 @@ def test_a_mistake_does_not_explain_an_exception(exercise, capsys):
 
 
 def test_a_function_that_changes_its_arguments_does_not_change_cases(exercise):
-    mistakes("double", Mistake("Zero.", lambda right, x: 0 * x), cases=CASES, right=lambda x: 2 * x)
+    declare_mistakes(
+        "double", Mistake("Zero.", lambda right, x: 0 * x), cases=CASES, right=lambda x: 2 * x
+    )
 
     def double(x):
         x *= 0
@@ -207,7 +209,7 @@ def test_a_function_that_changes_its_arguments_does_not_change_cases(exercise):
 
 
 def test_a_mistake_is_shown_where_the_hint_was(exercise, capsys):
-    mistakes(
+    declare_mistakes(
         "double",
         Mistake("It is squared.", lambda right, x: x**2, "Multiply by 2."),
         cases=CASES,
@@ -225,12 +227,12 @@ def test_a_mistake_is_shown_where_the_hint_was(exercise, capsys):
 
 
 def test_every_known_mistake_predicts_its_own_answers(lesson):
-    """Each mistake predicts answers that differ from the solution's and from other mistakes'."""
+    """Each mistake predicts answers that neither the solution nor another mistake gives."""
     for one in lesson.machine_graded:
         core.checks_of(one.name)  # importing the checks declares the mistakes
         known = diagnosis._KNOWN.get(one.name)
         if known is None or known.call is not diagnosis._plain_call:
-            continue  # mistakes with their own calls are tested only by kept answers
+            continue  # only kept answers test mistakes that define their own calls
         for mistake in known.mistakes:
 
             def function(*case, mistake=mistake, known=known):
@@ -294,7 +296,7 @@ def test_a_loop_in_a_check_is_stopped(exercise, capsys, monkeypatch, function):
     declared("three")(lambda double: None)
 
     def brief_deaf():
-        """Suppress the first two interrupts, but not the third."""
+        """Catch the first two interrupts, but not the third."""
         for _ in range(2):
             with contextlib.suppress(BaseException):
                 endless(0)
@@ -309,7 +311,7 @@ def test_a_loop_in_a_check_is_stopped(exercise, capsys, monkeypatch, function):
 
 @pytest.mark.parametrize("handler", [signal.SIG_IGN, signal.SIG_DFL])
 def test_the_time_limit_works_without_interrupts(handler):
-    """A process that a script starts in the background ignores interrupts."""
+    """The limit also works in background processes of scripts, which ignore interrupts."""
 
     def busy():
         end = time.monotonic() + 600
@@ -318,7 +320,7 @@ def test_the_time_limit_works_without_interrupts(handler):
 
     before = signal.signal(signal.SIGINT, handler)
     try:
-        with pytest.raises(TimeUp), limited(0.1):
+        with pytest.raises(TimeUp), limit_resources(0.1):
             busy()
         assert signal.getsignal(signal.SIGINT) is handler
     finally:
@@ -333,14 +335,14 @@ def test_a_check_may_ask_about_a_timeout(exercise, capsys, monkeypatch):
 
 
 def test_the_time_limit_does_not_suppress_an_interrupt():
-    with pytest.raises(KeyboardInterrupt), limited(30):
+    with pytest.raises(KeyboardInterrupt), limit_resources(30):
         raise KeyboardInterrupt
 
 
 def test_the_time_limit_never_interrupts_later_code():
     for _ in range(20):
         try:
-            with limited(0.002):
+            with limit_resources(0.002):
                 time.sleep(0.002)
         except TimeUp:
             pass
@@ -361,10 +363,10 @@ def busy_for(seconds):
 def test_without_threads_an_endless_loop_is_still_stopped(monkeypatch):
     monkeypatch.setattr(threading.Thread, "start", no_thread)
     start = time.monotonic()
-    with pytest.raises(TimeUp), limited(0.1):
+    with pytest.raises(TimeUp), limit_resources(0.1):
         busy_for(600)
     assert time.monotonic() - start < PATIENCE
-    with limited(20):
+    with limit_resources(20):
         busy_for(0.01)
     assert sys.gettrace() is None
 
@@ -382,7 +384,7 @@ def test_in_another_thread_nothing_is_limited():
     found = []
 
     def work():
-        with limited(0.01):
+        with limit_resources(0.01):
             time.sleep(0.05)
             found.append(1)
 
@@ -398,9 +400,9 @@ def test_in_another_thread_nothing_is_limited():
 def test_too_much_memory_is_an_error_and_not_a_crash():
     script = """
 import numpy as np
-from utils.checks.limits import limited
+from utils.checks.limits import limit_resources
 try:
-    with limited(20):
+    with limit_resources(20):
         np.ones(2**50)
 except MemoryError:
     print("caught")
@@ -491,7 +493,7 @@ def test_a_summary_in_a_notebook_folds_and_colours():
     failed = core.Check("first", "double", "one", "hint")
     same = core.Check("second", "double", "two", "hint")
     failure = WrongForm("<b>None</b>")
-    html = display.as_html(resolve([Outcome(failed, failure), Outcome(same, failure)]))
+    html = display.as_html(summarise([Outcome(failed, failure), Outcome(same, failure)]))
     assert "<details><summary>1 more check fails for the same reason" in html
     assert "&lt;b&gt;None" in html and "<b>None" not in html
 
@@ -502,9 +504,9 @@ def test_failures_fixed_by_one_edit_have_one_cause():
         Outcome(core.Check(name, "double", name, "hint", run=print), CheckFailed(f"{name} fails"))
         for name in ("first", "second", "third")
     ]
-    assert resolve(outcomes).others == tuple(outcomes[1:])
+    assert summarise(outcomes).others == tuple(outcomes[1:])
     for about in ({"line_hint": Line(3, "return x")}, {"one_mistake": True}):
-        story = resolve(outcomes, **about)
+        story = summarise(outcomes, **about)
         assert (story.first, story.same, story.others) == (outcomes[0], tuple(outcomes[1:]), ())
 
 
@@ -516,10 +518,10 @@ def test_a_precondition_is_shown_if_no_other_check_fails():
     checks = core.checks_of("drop_invalid")
     outcomes = [run_check(declared, sorts_and_collects) for declared in checks]
     assert [type(each.failure) for each in outcomes if each.failure] == [NotYet]
-    story = resolve(outcomes)
+    story = summarise(outcomes)
     assert "This check waits" not in story.first.failure.message
     assert story.first.failure.is_about_the_check and not story.waiting
-    # Of a hidden test, the judge shows only the precondition.
+    # The judge shows only the precondition of a hidden test.
     hidden = Check("test_all", "drop_invalid", "All", "")
     shared = shareable(Outcome(hidden, NotYet("it works", CheckFailed("7"))), open_to_all=False)
     assert shared.failure.reason is None

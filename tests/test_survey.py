@@ -1,4 +1,4 @@
-"""After one edit, a right answer loses points or is still equivalent to the solution.
+"""A right answer after one edit either loses points or is still equivalent to the solution.
 
 `python -m tests.survey` prints a table for all solutions. With the name of an exercise, it prints
 the table for all right answers to that exercise.
@@ -147,7 +147,7 @@ def test_an_edit_of_a_right_answer_loses_points_or_is_equivalent(case):
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_few_answers_lose_more_than_three_fifths_for_one_edit(sandbox):
-    """Judge a fixed sample of each solution's edits in the sandbox, including the slip search."""
+    """In a sample of each solution's edits, fewer than a tenth lose more than three fifths."""
     lost = [loss for exercise in EXERCISES for loss in losses_of(exercise, sandbox)]
     assert len(lost) > 5 * len(EXERCISES)
     severe = [(one.before, one.after) for share, one in lost if share > MOST]

@@ -49,7 +49,7 @@ def loop_without_a_line(cloud):
 
 
 def after(function, monkeypatch, slow=""):
-    """Return the message about a function that hangs."""
+    """Run a function that hangs as an answer, and return the message about it."""
     monkeypatch.setattr(core, "SECONDS", 0.2)
     name = function.__name__
     check = Check("check", name, "It ends", "hint", run=lambda one: one(np.ones((3, 3))), slow=slow)

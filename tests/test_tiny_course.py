@@ -1,4 +1,4 @@
-"""The grader works with another course, which has exercises on plain lists."""
+"""The grader works with another course, whose exercises use plain lists."""
 
 import csv
 import json
@@ -146,7 +146,7 @@ def test_the_grader_does_not_name_the_subject_of_a_course():
     subject = re.compile(
         r"(?<![a-z])(clouds?|lidar|scanners?|simulators?|drives?|obstacles?)(?![a-z])"
     )
-    # Allowed: the project's name, examples of stages, a package, and the drives of a computer.
+    # Allowed: the project's name, examples of stages, a package, and network and disk drives.
     others = re.compile(
         r"lidar[-_ ]obstacle[-_ ]lab|stage\d_\w+|cloudpickle|network drive|drive letter"
     )

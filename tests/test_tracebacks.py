@@ -1,4 +1,4 @@
-"""When a cell raises an exception, its empty figures are closed and the others stay open."""
+"""When a cell raises an exception, its empty figures are closed, and the others stay open."""
 
 import matplotlib.pyplot as plt
 import pytest

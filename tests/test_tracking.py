@@ -15,7 +15,7 @@ def boxes_at(*centres):
 
 
 def nearest(previous, current, limit):
-    """Match each box with the nearest previous box, or -1; enough if objects are far apart."""
+    """Match each box with the nearest previous box, or -1. This works if objects are far apart."""
     partners = []
     for box in current:
         away = [np.hypot(*(box - old).mean(axis=0)[:2]) for old in previous]
@@ -58,7 +58,7 @@ def test_without_a_prediction_the_last_position_counts():
 def test_a_track_has_its_corrected_state():
     tracker = Tracker(nearest, predict=moved, correct=halfway, gain=0.25, newcomer=(-2, 0, 0))
     tracker.update(boxes_at((10, 0)), 0.5)
-    tracker.update(boxes_at((9.4, 0), (40, 0)), 0.5)  # expected at 9
+    tracker.update(boxes_at((9.4, 0), (40, 0)), 0.5)  # the first box was expected at 9
     centres = tracker.tracks.boxes.mean(axis=1)[:, 0]
     np.testing.assert_allclose(centres, [9.1, 40])
     np.testing.assert_allclose(tracker.tracks.velocities, [(-1, 1, 1), (-2, 0, 0)])

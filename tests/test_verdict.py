@@ -1,4 +1,4 @@
-"""Verdicts are stored, published and validated."""
+"""Storing, publishing and validating verdicts."""
 
 import dataclasses
 import json
@@ -109,7 +109,7 @@ def test_the_sentence_about_a_slip_has_its_place_and_its_score(before, shown, sc
 
 
 def change_of(*way, to):
-    """Return a function that sets one field of a file's content, or deletes it if `to` is None."""
+    """Return a function that sets one field of a verdict file, or deletes it if `to` is None."""
 
     def change(content):
         *before, last = way
@@ -126,13 +126,13 @@ def change_of(*way, to):
 @pytest.mark.parametrize(
     "change",
     [
-        change_of("exercises", to=7),  # TypeError
-        change_of("exercises", to=None),  # KeyError
+        change_of("exercises", to=7),  # would raise TypeError
+        change_of("exercises", to=None),  # would raise KeyError
         change_of("faults", to=None),
         change_of("score", to=None),
         change_of("more", to=1),
         change_of("exercises", 0, "tests", 0, "name", to=None),
-        change_of("exercises", 0, "tests", 0, "name", to=[]),  # cannot be hashed
+        change_of("exercises", 0, "tests", 0, "name", to=[]),  # not hashable
     ],
 )
 def test_an_invalid_file_gives_no_verdict(tmp_path, change):

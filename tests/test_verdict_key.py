@@ -105,7 +105,7 @@ def read_while_judging(lesson, notebooks, folder, sandbox):
 
 
 def files_of_project(path):
-    """Yield the project files at a path.
+    """Yield the project's source files at a path.
 
     A folder stands for all its modules, and a compiled module for its source.
     """
@@ -127,8 +127,8 @@ def assert_covered(lesson, notebooks, folder, sandbox):
     read = read_while_judging(lesson, notebooks, folder, sandbox)
     missing = sorted(str(file.relative_to(PROJECT)) for file in read - files_that_decide(lesson))
     assert not missing, f"{', '.join(missing)}: read while judging, and not in the key"
-    # These files are always read, which shows that the audit hook works. The solution contains the
-    # right helpers, which are not needed in a lesson with one exercise.
+    # These files are always read, so their absence would mean that the audit hook fails. The
+    # solution provides right helpers, which a lesson with one exercise does not need.
     assert {lesson.source, lesson.released, lesson.tests} <= read
     assert lesson.solved in read or len(lesson.machine_graded) == 1
 
@@ -140,13 +140,13 @@ def test_every_file_that_is_read_while_judging_is_in_the_key(lesson, sandbox, tm
 
 @pytest.mark.slow
 def test_every_source_of_right_helpers_is_in_the_key(sandbox, tmp_path):
-    """Use the fastest lesson; the test above covers all lessons."""
+    """Judge only the fastest lesson; the test above covers all lessons."""
     assert_covered(find_lesson("01_point_clouds"), (entangled,), tmp_path, sandbox)
 
 
 @pytest.mark.slow
 def test_every_imported_module_is_in_the_key(lesson):
-    """Python's parser also finds imports that no notebook of the tests reaches."""
+    """Parsing the source also finds imports that no notebook in these tests reaches."""
     covered = files_that_decide(lesson)
     modules = set().union(*(modules_of(file) for file in covered if file.suffix == ".py"))
     imported = {file for module in modules for file in files_of(module)}
@@ -257,7 +257,7 @@ def forget():
 
 @pytest.fixture
 def artificial_lesson(tmp_path, monkeypatch):
-    """Return the lesson of an artificial project in its own folder."""
+    """Create an artificial project in its own folder, and return its lesson."""
     for name, text in FILES.items():
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(text)
@@ -403,8 +403,8 @@ def test_a_comment_in_a_plotting_module_keeps_all_verdicts_valid(copy):
         (
             "solutions/stage2_clustering/05_euclidean_clustering/lesson.py",
             ("05",),
-        ),  # it contains the list of forbidden modules
-        ("solutions/stage1_ransac/03_ransac_plane.ipynb", ("03",)),  # it contains the right helpers
+        ),  # contains the list of forbidden modules
+        ("solutions/stage1_ransac/03_ransac_plane.ipynb", ("03",)),  # contains the right helpers
         ("utils/checks/clusters.py", ("05", "10")),
     ],
 )

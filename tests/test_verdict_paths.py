@@ -1,4 +1,4 @@
-"""The judge reaches its verdicts by these rules; artificial outcomes replace runs of checks."""
+"""The rules by which the judge reaches verdicts, tested with artificial outcomes of checks."""
 
 import dataclasses
 import json
@@ -32,7 +32,7 @@ from utils.checks.outcomes import Outcome
 
 FILTER = find_lesson("06_filter_ground")
 NO = CheckFailed("no")
-# One function is changed, because the checks of an untouched notebook would not run at all.
+# One function is written, because the checks of an untouched notebook would not run at all.
 WRITTEN = {"filter_ground": "def filter_ground(cloud, ground_level=-1.2):\n    return cloud"}
 PROGRAM = Program(("pass",), ())
 FEW = Limits(total_seconds=20.0)
@@ -72,7 +72,7 @@ def judge_with(monkeypatch):
             return dataclasses.replace(again, outcomes=outcomes)
 
         monkeypatch.setattr(judging, "run_program", run)
-        monkeypatch.setattr(judging, "_FULL_MARKS", {})  # forget which submissions were right
+        monkeypatch.setattr(judging, "_FULL_MARKS", {})  # clears the cache of right submissions
         monkeypatch.setattr(judging, "complaints_about_reference", lambda *about: complaints)
         monkeypatch.setattr(judging, "carry_forward", lambda *about: (better or {}, late))
         monkeypatch.setattr(judging, "find_slips", lambda *about: {})

@@ -40,7 +40,7 @@ VALUES = st.recursive(
 
 
 def parts(message):
-    """Return the two parts of an encoded message: the JSON tree, and the blob with the arrays."""
+    """Return the two parts of an encoded message: the JSON tree, and the bytes of the arrays."""
     tree_size, blob_size = wire_format.HEADER.unpack(message[:8])
     assert len(message) == 8 + tree_size + blob_size
     return message[8 : 8 + tree_size], message[8 + tree_size :]
@@ -118,13 +118,13 @@ def test_arrays_of_any_layout_arrive_writable(array):
     ],
 )
 def test_homogeneous_and_mixed_lists_cross_alike(value):
-    """A list with one plain type is checked as a whole, which must not let other values through."""
+    """Lists of a single plain type are checked as a whole, which must not let other values pass."""
     assert there_and_back(value) == type(value)(there_and_back(item) for item in value)
 
 
 @pytest.mark.slow
 def test_a_list_of_many_rows_is_quick():
-    """The time is proportional to the number of arrays; quadratic time would mean minutes."""
+    """Encoding and decoding take linear time; quadratic time would be minutes."""
     rows = list(np.random.default_rng(1).normal(size=(60_000, 4)))
     begin = time.process_time()
     assert np.array_equal(there_and_back(rows), rows)
@@ -294,7 +294,7 @@ def test_messages_with_false_sizes_are_refused(tree):
 
 
 def test_two_arrays_cannot_share_bytes():
-    """A hundred thousand arrays that share one megabyte would take a hundred gigabytes."""
+    """A message of a few megabytes could otherwise expand to a hundred gigabytes of arrays."""
     claim = b'{"array":["|u1",[1048576]]}'
     with pytest.raises(WireError):
         wire_format.decode(b'{"list":[' + b",".join([claim] * 100_000) + b"]}", bytes(2**20))
@@ -305,7 +305,7 @@ def test_two_arrays_cannot_share_bytes():
     [b'{"set":[]}', b'{"array":["|b1",[0]]}', b'{"generator":["1","1",0,0]}', b'"ab"', b"1.5,null"],
 )
 def test_many_small_values_are_refused_before_memory_is_allocated(unit):
-    """Decoding them would take ten seconds, and fifty times as much memory as their bytes."""
+    """Decoding the values would take ten seconds and fifty times as much memory as the message."""
     most = wire_format.MAXIMUM_TREE - 20
     tree = bytearray(b'{"list":[' + b",".join([unit] * (most // (len(unit) + 1))) + b"]}")
     tracemalloc.start()
@@ -332,7 +332,7 @@ def test_the_largest_cloud_crosses_as_a_list_of_rows():
 
 
 def test_keys_that_collide_are_refused():
-    """Building a set of keys with equal hashes takes quadratic time."""
+    """Keys with equal hashes are refused, because building a set of them takes quadratic time."""
     modulus = 2**61 - 1
     colliding = b",".join(b"%d" % (n * modulus) for n in range(1, 100_000))
     begin = time.process_time()
@@ -356,7 +356,7 @@ def test_lone_surrogates_are_replaced():
     ids=["a number", "a long one", "a command to the terminal", "the name of a field"],
 )
 def test_the_name_of_a_students_class_does_not_cross(value):
-    """The name could contain the question of a hidden test."""
+    """Only a general description is sent, because the name could contain hidden input."""
     assert there_and_back([value])[0].type_name in (
         "an object of a custom class",
         "an array of void",
@@ -415,7 +415,7 @@ def test_the_time_limit_applies_while_data_trickles_in(pipe):
 
 
 def test_withdrawn_data_does_not_block_the_reader(pipe, monkeypatch):
-    """The writer may read its own data back after `poll` has reported the data."""
+    """The reader does not block if the writer reads its own data back after `poll` reported it."""
     wait, calls = wire._wait, []
 
     def hasty(descriptor, seconds, event):

@@ -98,9 +98,9 @@ def health() -> str:
     install = "%pip install" if sys.platform == "emscripten" else "pip install"
     needed = ("numpy", "scipy", "matplotlib", "shapely")
     if missing := [name for name in needed if not util.find_spec(name)]:
-        return f"Not ready. Install what is missing with: {install} {' '.join(missing)}"
+        return f"Not ready. Install the missing packages: {install} {' '.join(missing)}"
     if not (Path(__file__).parent.parent / "data" / "cloud.txt").exists():
-        return "Not ready. The file data/cloud.txt is missing: unzip the whole course folder."
+        return "Not ready. The file data/cloud.txt is missing. Unzip the whole course folder."
     ready = f"Ready: Python {platform.python_version()}, NumPy {metadata.version('numpy')}."
     if not ("ipywidgets" in sys.modules or util.find_spec("ipywidgets")):
         ready += f" To make sliders move, run: {install} ipywidgets"

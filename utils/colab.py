@@ -29,12 +29,14 @@ def install_pyvista() -> str:
     str
         pip's error message; empty if the installation succeeded.
     """
-    print("Installing PyVista, once in a session: about half a minute.", flush=True)
+    print("Installing PyVista. This takes half a minute, once per session.", flush=True)
     with tempfile.TemporaryDirectory() as folder:
         pip = subprocess.run(pip_install(Path(folder)), capture_output=True, text=True)
     importlib.invalidate_caches()
     errors = [line for line in pip.stderr.splitlines() if line.startswith("ERROR")]
-    return "" if pip.returncode == 0 else (errors or [f"pip ended with {pip.returncode}"])[-1]
+    return (
+        "" if pip.returncode == 0 else (errors or [f"pip exited with status {pip.returncode}"])[-1]
+    )
 
 
 def pip_install(folder: Path) -> list[str]:

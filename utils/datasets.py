@@ -81,7 +81,7 @@ def load_sequence(name: str = "city", seed: int = 0) -> Sequence:
     folder = cache_folder() / "sequences" / f"{name}-{seed}-{_simulator_version()}"
     frames = CachedFrames(stream, folder, range(len(stream)))
     missing = [index for index in range(len(frames)) if not frames.path(index).exists()]
-    for index in progress(missing, f"Making the sequence {name}") if missing else ():
+    for index in progress(missing, f"Simulating the sequence {name}") if missing else ():
         if not _write_frame(stream[index], frames.path(index)):
             break  # the disk is full or read-only, so frames are simulated on access
     return frames

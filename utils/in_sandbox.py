@@ -19,7 +19,8 @@ INSTALLED = ("numpy", "scipy", "matplotlib", "shapely", "scikit-learn", "tqdm")
 """Packages that every answer may use, by their names on PyPI; a lesson may forbid parts of them."""
 
 ABSENT = (
-    "the judge has only Python itself, NumPy, SciPy, Matplotlib, Shapely, scikit-learn and tqdm"
+    "the judge provides only Python itself, NumPy, SciPy, Matplotlib, Shapely, scikit-learn and "
+    "tqdm"
 )
 """Reason why a module is missing, for messages of `check` and of the judge."""
 

@@ -163,13 +163,13 @@ def load_detector(
         names = ", ".join(sorted(vars(functions))) or "none"
         raise ValueError(
             f"{Path(notebook).name} has no function {DETECTOR}(cloud). "
-            f"You write it in lesson 12. The functions in it are: {names}."
+            f"You write this function in lesson 12. The notebook defines: {names}."
         )
     detect = getattr(functions, DETECTOR)
     if getattr(detect, "is_stub", False):
         raise ValueError(
             f"{DETECTOR} in {Path(notebook).name} is not written yet. Write it and save the "
-            "notebook; or leave out the notebook to see the true boxes."
+            "notebook, or leave out the notebook to see the true boxes."
         )
     parameters = inspect.signature(detect).parameters.values()
     known = [parameter.name for parameter in parameters][1:]
@@ -178,7 +178,11 @@ def load_detector(
     if unknown and not takes_all:
         raise ValueError(
             f"{DETECTOR} has no parameter {unknown[0]}. "
-            + (f"It has {', '.join(known)}." if known else "Its only parameter is the cloud.")
+            + (
+                f"Its parameters are {', '.join(known)}."
+                if known
+                else "Its only parameter is the cloud."
+            )
         )
     return functools.partial(detect, **(settings or {})), tracker_of(functions)
 
@@ -236,17 +240,17 @@ def _run(options: argparse.Namespace) -> None:
     )
     if detect is None:
         print(
-            "No detector was given, so the boxes are the true ones, which the simulator knows."
+            "Without --detector, the boxes are the true boxes of the simulator."
             if options.what in SIMULATED
-            else "No detector was given, so only the true boxes of labelled recordings are shown. "
-            "To see yours, add --detector 12_streaming_obstacles.ipynb"
+            else "Without --detector, only labelled recordings show boxes, which are the true "
+            "boxes. To see yours, add --detector 12_streaming_obstacles.ipynb"
         )
     if options.record is None and has_screen():
         play(programme, detect, options.camera, options.size, tracker)
         return
     path = options.record or Path(Path(options.what).stem + suffix_of_films())
     if options.record is None:
-        print(f"No window can be opened here, so the film is written to {path}.")
+        print(f"No window can be opened here. Writing the film to {path}.")
     film = record(
         programme.frames,
         path,
@@ -268,20 +272,28 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "what",
         metavar="WHAT",
-        help=f"{', '.join(SIMULATED)}; {', '.join(RECORDED)} (downloaded once); a folder of "
-        "clouds, a .bag, .db3 or .mcap recording, or one cloud",
+        help=f"simulated stream: {', '.join(SIMULATED)}; recording to download: "
+        f"{', '.join(RECORDED)}; or the path of a folder of clouds, a .bag, .db3 or .mcap "
+        "recording, or one cloud",
     )
-    parser.add_argument("--detector", metavar="NOTEBOOK", help=f"notebook with {DETECTOR}(cloud)")
+    parser.add_argument(
+        "--detector",
+        metavar="NOTEBOOK",
+        help=f"notebook that defines {DETECTOR}(cloud) (default: show the true boxes)",
+    )
     parser.add_argument(
         "--set",
         nargs="+",
         default=[],
         type=_setting,
         metavar="NAME=VALUE",
-        help="parameters of the detector, such as threshold=0.7",
+        help="values for parameters of the detector, such as threshold=0.7",
     )
     parser.add_argument(
-        "--record", type=Path, metavar="FILE", help="write an .mp4, .gif or .png file"
+        "--record",
+        type=Path,
+        metavar="FILE",
+        help="write an .mp4, .gif or .png file instead of opening a window",
     )
     parser.add_argument(
         "--camera",
@@ -290,9 +302,15 @@ def _parser() -> argparse.ArgumentParser:
         metavar="CAMERA",
         help=f"viewpoint: {', '.join(CAMERAS)} (default: XY)",
     )
-    parser.add_argument("--frames", type=_count, metavar="N", help="play only the first N frames")
     parser.add_argument(
-        "--size", type=_size, default=SIZE, metavar="WxH", help="size in pixels (960x540)"
+        "--frames", type=_count, metavar="N", help="play only the first N frames (default: all)"
+    )
+    parser.add_argument(
+        "--size",
+        type=_size,
+        default=SIZE,
+        metavar="WxH",
+        help="width and height in pixels (default: 960x540)",
     )
     for name, verb in (("show", "on"), ("hide", "off")):
         parser.add_argument(
@@ -301,10 +319,14 @@ def _parser() -> argparse.ArgumentParser:
             default=[],
             choices=LAYERS,
             metavar="LAYER",
-            help=f"turn layers {verb}",
+            help=f"turn {verb} these layers",
         )
-    parser.add_argument("--seed", type=int, default=0, help="seed of the simulated street")
-    parser.add_argument("--topic", help="topic of a ROS recording")
+    parser.add_argument(
+        "--seed", type=int, default=0, help="seed of a simulated stream (default: 0)"
+    )
+    parser.add_argument(
+        "--topic", help="topic to read from a ROS recording (default: the only one with clouds)"
+    )
     return parser
 
 
@@ -327,7 +349,7 @@ def _setting(text: str) -> tuple[str, object]:
 
 def _count(text: str) -> int:
     if not text.isdigit() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number of frames, at least 1")
+        raise argparse.ArgumentTypeError(f"must be a whole number of at least 1, not {text!r}")
     return int(text)
 
 

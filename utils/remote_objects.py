@@ -18,7 +18,8 @@ class Remote:
 
     Checks test for this class rather than for a method, because a student's class may have methods
     of any name. Functions have `observe`, `timed` and `each`; objects have `reach`. These do the
-    same as `observe`, `timed`, `call_each` and `reach` in `utils.checks.assertions`.
+    same as `observe`, `time_call`, `call_each` and `get_attribute_path` in
+    `utils.checks.assertions`.
     """
 
 

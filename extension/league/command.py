@@ -18,12 +18,14 @@ def add_league(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "league",
         run_league,
-        "Let a simulated car drive with each student's detector, and rank the class. This game "
-        "does not affect marks. It writes league/STAGE.html with pseudonyms, and "
-        "report/league_STAGE.csv, which links pseudonyms to students.",
+        "Drive a simulated car with each student's detector, and rank the class. This game does "
+        "not affect marks. Write league/STAGE.html with pseudonyms, and report/league_STAGE.csv, "
+        "which links pseudonyms to students.",
         "stage4_realtime",
     )
-    league.add_argument("stage", metavar="STAGE", help="stage, such as stage4_realtime")
+    league.add_argument(
+        "stage", metavar="STAGE", help="stage with a detector, such as stage4_realtime"
+    )
     cli.add_judging_options(league)
     cli.add_executor_options(league)
     league.set_defaults(workers=None)
@@ -43,7 +45,7 @@ def run_league(options: argparse.Namespace) -> int:
     course, lesson = Course(), lesson_of_league(options.stage)
     if lesson is None:
         print(
-            f"No lesson of {options.stage} asks for a detector. Choose one of: "
+            f"No exercise in {options.stage} is a detector. Choose a stage with one: "
             f"{', '.join(filter(lesson_of_league, stages()))}.",
             file=sys.stderr,
         )
@@ -61,8 +63,9 @@ def run_league(options: argparse.Namespace) -> int:
                 season = drive_class(course, lesson, seed, sandbox, open_executor, workers, advance)
             if not season.students:
                 print(
-                    f"No student can drive: {course.submitted}/<student>/{options.stage}/ has no "
-                    f"{lesson.name}.ipynb. Run: python -m grader collect ARCHIVE --stage STAGE",
+                    f"There is no {lesson.name}.ipynb in "
+                    f"{course.submitted}/<student>/{options.stage}/. "
+                    f"Run: python -m grader collect ARCHIVE --stage {options.stage}",
                     file=sys.stderr,
                 )
                 return commands.USAGE_ERROR
@@ -70,7 +73,7 @@ def run_league(options: argparse.Namespace) -> int:
     except (AlreadyRunning, ExecutorLost) as error:
         print(console.plain(error), file=sys.stderr)
         return commands.FAULT
-    print(f"League: {page}\nReal names (do not show them to the class): {names_path}")
+    print(f"League: {page}\nReal names (do not show this file to the class): {names_path}")
     for fault in season.faults:
         console.tell(f"Not driven: {fault}")
     return commands.FAULT if season.faults else commands.SUCCESS
@@ -81,8 +84,6 @@ def league_links(course: Course) -> list[tuple[str, str]]:
     links = []
     for path in sorted(course.report.glob("league_*.csv")):
         stage = path.stem.removeprefix("league_")
-        links.append(
-            (f"../league/{quote(stage)}.html", f"the league of {stage}, to show to the class")
-        )
-        links.append((quote(path.name), f"the real names in the league of {stage}"))
+        links.append((f"../league/{quote(stage)}.html", f"league of {stage}, to show to the class"))
+        links.append((quote(path.name), f"real names in the league of {stage}"))
     return links

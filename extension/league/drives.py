@@ -199,7 +199,7 @@ class _SandboxedDetector:
         if failure:
             self.failed, self.failure = self.failed + 1, self.failure or failure
         if self.failed >= MOST_FAILURES:
-            raise StudentStopped(f"It gave no boxes for {self.failed} scans. {self.failure}")
+            raise StudentStopped(f"It returned no boxes for {self.failed} scans. {self.failure}")
         self.answers.append(boxes)
         return boxes / 1000
 

@@ -127,18 +127,18 @@ def write_league(course: Course, season: Season, seed: int, warning: str = "") -
 def events_of(result: DriveResult) -> Iterator[str]:
     """Yield a sentence about each problem in a drive, without text that the student chose."""
     if result.fault:
-        yield "This street could not be driven. That is not the detector's fault."
+        yield "The drive failed, but not because of the detector."
     if result.stopped:
         yield result.stopped
     if result.collision:
         yield result.collision
     for description, needless in zip(result.brakings, result.needless, strict=True):
         if needless:
-            yield f"It braked without a reason: {description}."
+            yield f"It braked for no reason: {description}."
     if result.near_misses:
         yield f"Near misses: {result.near_misses}."
     if result.failed and not result.stopped:
-        yield f"It gave no boxes for {result.failed} of the scans. {result.failure}"
+        yield f"It returned no boxes for {result.failed} of the scans. {result.failure}"
 
 
 def _film(season: Season, ranked: Sequence[Standing], display_name: object) -> LeagueFilm | None:
@@ -166,7 +166,7 @@ def _film(season: Season, ranked: Sequence[Standing], display_name: object) -> L
         (drive for drive in best.drives if drive[2]), key=lambda drive: failed(drive[0])
     )
     comparison = (
-        f"{failed(street)} of the other {len(others)} students earned no metres there."
+        f"{failed(street)} of the other {len(others)} students scored no metres there."
         if others
         else ""
     )

@@ -44,7 +44,7 @@ def write_skeleton(name: str, stage: str = OWN_STAGE) -> list[Path]:
         )
     if not re.fullmatch(rf"stage\w+|{OPTIONAL}", stage):
         raise UnusableName(
-            f"{stage!r} is not a valid stage name. It must begin with stage, such as "
+            f"{stage!r} is not a valid stage name. Begin the name with stage, such as "
             f"--stage {OWN_STAGE}."
         )
     number, exercise = found.groups()

@@ -73,7 +73,9 @@ def _missing_parts(lesson: Lesson) -> Iterator[Finding]:
     for exercise in lesson.machine_graded:
         yield from _missing_from_exercise(exercise, lesson)
     if lesson.machine_graded and not lesson.tests.is_file():
-        raise _LessonUnusable(f"There is no file {lesson.tests.relative_to(PROJECT)}. Write it.")
+        raise _LessonUnusable(
+            f"{lesson.tests.relative_to(PROJECT)} does not exist. Write the hidden tests there."
+        )
 
 
 def _judged_solution(lesson: Lesson, sandbox: Sandbox) -> Finding:
@@ -105,7 +107,7 @@ def _notebooks(lesson: Lesson) -> Iterator[Finding]:
         path.write_bytes(recorded)
         yield Finding(
             True,
-            "Its answers, which students without an answer can use, were stored in "
+            "The results that are lent to students without an answer were stored in "
             f"{path.relative_to(PROJECT)}.",
         )
     try:
@@ -119,7 +121,7 @@ def _notebooks(lesson: Lesson) -> Iterator[Finding]:
 def _judged_answers(lesson: Lesson, sandbox: Sandbox) -> Iterator[Finding]:
     score = judge(lesson.released, SEEDS[0], sandbox).score
     sentence = f"The untouched notebook earns {score:g} points."
-    yield Finding(score == 0, sentence if score == 0 else f"{sentence} It should earn none.")
+    yield Finding(score == 0, sentence if score == 0 else f"{sentence} It should earn 0.")
     for exercise in lesson.machine_graded:
         yield from _answers(exercise, lesson, sandbox)
 
@@ -129,9 +131,8 @@ def _missing_from_exercise(exercise: Exercise, lesson: Lesson) -> Iterator[Findi
     if count < FEWEST_CHECKS:
         yield Finding(
             False,
-            f"The number of visible checks for {name} is {count}. In "
-            f"utils/checks/lesson_{lesson.number}.py, add one for each property, until there are "
-            f"at least {FEWEST_CHECKS}.",
+            f"Visible checks for {name}: {count}. Add one for each property in "
+            f"utils/checks/lesson_{lesson.number}.py, until there are at least {FEWEST_CHECKS}.",
         )
     if lesson.tests.is_file() and f'"{name}"' not in lesson.tests.read_text("utf-8"):
         yield Finding(
@@ -213,7 +214,7 @@ def wrong_notes(answer: KeptAnswer, verdict: Verdict) -> list[str]:
     (result,) = (exercise for exercise in verdict.exercises if exercise.name == answer.exercise)
     failed = {test.name: test.message for test in result.tests if not test.passed}
     if answer.right:
-        return [] if result.score == result.max_score else [f"It loses {_names(failed)}."]
+        return [] if result.score == result.max_score else [f"It fails {_names(failed)}."]
     return [*_wrong_losses(answer, result, failed), *_wrong_quotes(answer, result, verdict)]
 
 
@@ -221,14 +222,14 @@ def _wrong_losses(
     answer: KeptAnswer, result: ExerciseResult, failed: dict[str, str]
 ) -> Iterator[str]:
     if not answer.loses:
-        yield "It does not say which checks it loses: add a line `# loses: ...`."
+        yield "Its notes do not list the checks that it fails. Add a line `# loses: ...`."
     names, claimed = [test.name for test in result.tests], {*answer.loses}
     passed = claimed - _with_short_names(failed)
     others = [name for name in failed if not _with_short_names([name]) & claimed]
     if unknown := claimed - _with_short_names(names):
         yield f"There is no check {_names(sorted(unknown))}. The checks are: {_names(names)}."
     elif passed or (answer.loses_only and others):
-        yield f"It loses {_names(failed)}, but its note says {_names(answer.loses)}."
+        yield f"It fails {_names(failed)}, but its note lists {_names(answer.loses)}."
     if result.score == result.max_score:
         yield "It earns all points, although it is wrong."
 
@@ -236,10 +237,9 @@ def _wrong_losses(
 def _wrong_quotes(answer: KeptAnswer, result: ExerciseResult, verdict: Verdict) -> Iterator[str]:
     messages = "\n".join([*(test.message for test in result.tests), *verdict.problems])
     if answer.says not in messages:
-        yield f"No message says {answer.says!r}. The messages are: {_quoted(result)}"
-    shown = [
-        mistake.says for mistake in known_mistakes(answer.exercise) if mistake.says in result.cause
-    ]
+        yield f"No message contains {answer.says!r}. The messages are: {_quoted(result)}"
+    known = dict.fromkeys(mistake.says for mistake in known_mistakes(answer.exercise))
+    shown = [sentence for sentence in known if sentence in result.cause]
     if len(shown) != bool(answer.told) or answer.told not in "".join(shown):
         wanted = f"the mistake {answer.told!r}" if answer.told else "no mistake"
         yield f"The student should see {wanted}, but sees {shown or 'none'}."

@@ -75,8 +75,8 @@ def connect(address: str, sandbox: str, notify: Callable[[str], None]) -> Execut
     # A client that fails because it has no certificates hangs when Python exits.
     if address.startswith("tls:") and not distributed.Security().tls_client_cert:
         raise ExecutorLost(
-            f"{address} requires certificates, and this machine's Dask configuration has none. Add "
-            "them under distributed.comm.tls, as docs/platforms/cluster.md shows."
+            f"{address} requires certificates, but this machine's Dask configuration contains "
+            "none. Add them under distributed.comm.tls, as in docs/platforms/cluster.md."
         )
     try:
         client = _client(address)
@@ -84,7 +84,7 @@ def connect(address: str, sandbox: str, notify: Callable[[str], None]) -> Execut
         raise ExecutorLost(
             f"No scheduler answers at {address} ({error}). Start one with: dask "
             "scheduler\nand one or more workers with: dask worker ADDRESS\nVerdicts are "
-            "kept; the same command continues from here."
+            "kept. Run the same command again to continue."
         ) from None
     return Cluster(client, address, sandbox, notify)
 

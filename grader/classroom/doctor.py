@@ -113,7 +113,7 @@ def _version(name: str) -> str | None:
 def _sandboxes() -> Iterator[Finding]:
     for sandbox in SANDBOXES.values():
         if sandbox.warning:
-            remark = f"protects less; used only if you ask for --sandbox {sandbox.name}"
+            remark = f"protects less; used only with --sandbox {sandbox.name}"
             yield Finding(f"sandbox {sandbox.name}", True, remark)
             continue
         try:
@@ -132,8 +132,8 @@ def _boundary(course: Course) -> Finding:
     return Finding(
         "boundary",
         False,
-        f"student code could read {exposed[0]}, because it is in a folder that every "
-        "sandbox shows. Move it, for example below your home folder.",
+        f"student code could read {exposed[0]}, because it is in a folder that is visible in every "
+        "sandbox. Move it, for example into your home folder.",
     )
 
 
@@ -149,7 +149,7 @@ def _seed(course: Course) -> Finding:
     return Finding(
         "seed",
         not is_readable_by_others,
-        f"{course.seed_file} can be read by others. Run: chmod 600 {course.seed_file}"
+        f"other users can read {course.seed_file}. Run: chmod 600 {course.seed_file}"
         if is_readable_by_others
         else "created, and readable only by you",
     )
@@ -186,7 +186,9 @@ def _roster(course: Course) -> Iterator[Finding]:
     roster = read_roster(course)
     if roster is None:
         yield Finding(
-            "roster", True, "there is no roster.csv: every folder in submitted/ counts as a student"
+            "roster",
+            True,
+            "there is no roster.csv, so every folder in submitted/ counts as a student",
         )
         return
     sections = Counter(person.section for person in roster.people if person.section)
@@ -228,7 +230,7 @@ def _deadlines(course: Course) -> Finding:
         return Finding("deadlines", False, str(error))
     if deadlines is None:
         return Finding(
-            "deadlines", True, "there is no deadlines.toml: the dates in the gradebook apply"
+            "deadlines", True, "there is no deadlines.toml, so the dates in the gradebook apply"
         )
     texts = []
     for stage, dates in deadlines.stages.items():
@@ -243,7 +245,9 @@ def _deadlines(course: Course) -> Finding:
         if dates.lessons is not None:
             parts.append(f"lessons that count: {' '.join(name[:2] for name in dates.lessons)}")
         texts.append(f"{stage} {', '.join(parts)}")
-    return Finding("deadlines", True, "; ".join(texts) or "deadlines.toml names no stage")
+    return Finding(
+        "deadlines", True, "; ".join(texts) or "deadlines.toml does not contain any dates"
+    )
 
 
 def _local_time(deadlines: Deadlines, due: datetime) -> str:

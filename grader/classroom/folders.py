@@ -32,7 +32,7 @@ def find_student(course: Course, text: str) -> str:
     people = roster.find_people(text) if roster else ()
     if len(people) > 1:
         names = " or ".join(person.display_name for person in people)
-        raise UnknownStudent(f"{text!r} may be {names}. Use the id.")
+        raise UnknownStudent(f"{text!r} may be {names}. Name the student by id.")
     if people:
         return people[0].id
     if text in _folders(course):
@@ -80,7 +80,7 @@ def _question(course: Course, roster: Roster, folder: str) -> str:
         return f"{beginning} Either {add}, or rename the folder to the student's id."
     if len(people) > 1:
         names = " or ".join(person.display_name for person in people)
-        return f"{beginning} It may belong to {names}: rename the folder to the right id, or {add}."
+        return f"{beginning} It may belong to {names}. Rename the folder to the right id, or {add}."
     commands = " && ".join(_moves(course, folder, people[0]))
     return f"{beginning} If it belongs to {people[0].display_name}: {commands}; otherwise {add}."
 

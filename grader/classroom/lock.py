@@ -38,8 +38,8 @@ def course_lock(course: Course) -> Iterator[None]:
             file.seek(0)
             process_id = file.read(20).strip() or "unknown"
             raise AlreadyRunning(
-                f"Another run is grading this course (process {process_id}). Wait until it ends "
-                "and run the command again; nothing is judged twice."
+                f"Another run is grading this course (process {process_id}). Wait until that run "
+                "ends, then run the command again. Nothing is judged twice."
             ) from None
         file.truncate(0)
         file.write(f"{os.getpid()}\n")

@@ -178,7 +178,7 @@ def run_job(job: bytes) -> bytes:
         return pickle.dumps((True, function(*arguments)))
     except Exception as error:
         # A traceback cannot be pickled, but a note on the exception can.
-        error.add_note("Where it was judged:\n" + traceback.format_exc())
+        error.add_note("In the judging process:\n" + traceback.format_exc())
         try:
             return pickle.dumps((False, error))
         except Exception:

@@ -100,7 +100,7 @@ class Submission:
             several_folders = len({file.parts[0] for file in files}) > 1
             newest, *ignored = [str(file) if several_folders else file.name for file in files]
             yield (
-                f"Several files are for this lesson. The newest, {newest}, was judged, and "
+                f"Several files belong to this lesson. The newest, {newest}, was judged, and "
                 f"these were not: {', '.join(ignored)}. If the newest is the wrong file, submit "
                 "only the right one."
             )
@@ -195,14 +195,14 @@ def _reason(course: Course, file: Path) -> str:
     lesson = _lesson_of_file(file)
     if len(path.parts) < 3 or path.parts[1] not in stages():
         folder = f"{student}/{lesson.stage}/" if lesson and len(path.parts) > 1 else ""
-        return "it is not in <student>/<stage>/" + (folder and f": move it to {folder}")
+        return "it is not in <student>/<stage>/" + (folder and f"; move it to {folder}")
     if lesson:
-        return f"{lesson.name} belongs to {lesson.stage}: move it to {student}/{lesson.stage}/"
+        return f"{lesson.name} belongs to {lesson.stage}; move it to {student}/{lesson.stage}/"
     if path.suffix.lower() == ".zip":
         words = [file.relative_to(course.root).as_posix(), "--stage", path.parts[1], "--who"]
         command = " ".join(map(shlex.quote, [*words, f"{path.stem}={student}"]))
-        return f"it is a zip: run python -m grader collect {command}, and delete the zip"
+        return f"it is a zip; run python -m grader collect {command}, and delete the zip"
     lesson = lesson_by_name(path.name)
     if lesson:
-        return f"it is not a notebook: submit {lesson.name}.ipynb as Jupyter saves it"
+        return f"it is not a notebook; submit {lesson.name}.ipynb as Jupyter saves it"
     return "" if path.suffix == ".py" else "it is not a notebook of the course"

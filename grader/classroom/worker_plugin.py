@@ -197,7 +197,7 @@ class JudgeClient:
 
     def _receive_greeting(self, folder: Path) -> dict:
         if not self._pipe.poll(SLOWEST_START):
-            raise UnsuitableWorker(f"Its Python has not started within {SLOWEST_START} s.")
+            raise UnsuitableWorker(f"Its Python did not start within {SLOWEST_START} s.")
         try:
             return self._pipe.recv()
         except EOFError:

@@ -164,7 +164,7 @@ def _zone(file: str, name: object) -> tzinfo | None:
         return zoneinfo.ZoneInfo(name)
     except (zoneinfo.ZoneInfoNotFoundError, ValueError, TypeError, OSError) as error:
         raise DeadlinesError(
-            f"{file}: this machine does not know the timezone {name!r}. Write one such as "
+            f"{file}: the timezone {name!r} is unknown on this machine. Write one such as "
             f'"Europe/Berlin" or "UTC". Without this line, the timezone of this machine is used.'
         ) from error
 
@@ -252,7 +252,7 @@ def _check_names(location: str, dates: StageDates, roster: Roster | None) -> Non
     """Raise `DeadlinesError` if a name is not on the roster, because its date has no effect."""
     if dates.sections and roster is None:
         raise DeadlinesError(
-            f"{location}.sections]: the sections are not known, because there is no roster.csv. "
+            f"{location}.sections]: the sections are unknown, because there is no roster.csv. "
             f"Write one with the columns id and section, or set dates for single students."
         )
     if roster is None:

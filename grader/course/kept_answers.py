@@ -81,7 +81,7 @@ def _kept_answer(
     if unknown := notes.keys() - {*NOTES}:
         raise MalformedAnswers(
             f"{exercise}, {name}: there is no note {', '.join(unknown)}. The notes are: "
-            f"{', '.join(NOTES)}. If it is a comment of the student, leave an empty line above it."
+            f"{', '.join(NOTES)}. If this is a student's comment, leave an empty line above it."
         )
     if like := notes.get("like"):
         if like not in bodies:
@@ -129,9 +129,9 @@ def edited(source: str, edits: str, name: str) -> str:
         places = [at for at in range(len(lines)) if lines[at : at + len(before)] == before]
         if len(places) != 1:
             raise MalformedAnswers(
-                f"{name}: the answer to edit contains {before[0]!r} with the lines below it "
-                f"{len(places)} times. To identify one place, add the line above it, with = before "
-                "it."
+                f"{name}: {before[0]!r} and the lines below it occur {len(places)} times in the "
+                "answer to edit, not once. To identify one place, add the line above, prefixed "
+                "with =."
             )
         changes.append((places[0], len(before), after))
     for at, count, after in reversed(changes):

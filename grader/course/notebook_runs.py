@@ -25,7 +25,7 @@ def run_notebook(notebook: NotebookNode, folder: Path, *, checks_may_fail: bool 
     folder : pathlib.Path
         The working directory of the kernel.
     checks_may_fail : bool
-        Whether calls of ``check`` may raise, as they do in a notebook without answers.
+        Whether calls to ``check`` may raise, as they do in a notebook without answers.
 
     Raises
     ------

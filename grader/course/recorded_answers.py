@@ -109,9 +109,9 @@ def stored_bytes(lesson: Lesson, path: Path) -> bytes:
             for name, answers in functions.items()
         }
         raise UnstorableAnswers(
-            f"{lesson.name}: the answers take {len(text):,} bytes, but at most {LARGEST:,} may be "
-            "stored. In the header, name a function of the notebook that summarises them, "
-            f"`lent: [...]`. Bytes of each function now: {sizes}"
+            f"{lesson.name}: the answers take up {len(text):,} bytes, but at most {LARGEST:,} may "
+            "be stored. Under `lent:` in the header, list a function of the notebook that "
+            f"summarises them. Bytes per function: {sizes}"
         )
     return text.encode()
 

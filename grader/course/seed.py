@@ -53,7 +53,7 @@ def _long_enough(seed: int, remedy: str) -> int:
     if seed < SHORTEST:
         better = secrets.randbits(127) | SHORTEST
         raise ShortSeed(
-            f"The seed {seed} is so small that students could find it by trying, and then predict "
-            f"every hidden test. {remedy} to let the grader draw one, or use this one: {better}"
+            f"The seed {seed} is so small that students could guess it and predict every hidden "
+            f"test. {remedy} to let the grader draw a seed, or use this one: {better}"
         )
     return seed

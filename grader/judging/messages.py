@@ -129,8 +129,8 @@ def shareable_failure(outcome: Outcome, visible: bool) -> CheckFailed:
         return kind(words(error.marked), hint=error.hint)
     if isinstance(error, JudgeTimeout):
         return WrongForm(
-            "Comparing the answer took longer than for any right answer. Is the answer much "
-            "larger than it should be?"
+            "Comparing the answer took longer than it does for any right answer. Is the answer "
+            "much larger than it should be?"
         )
     return WrongForm(
         "The answer could not be compared with the right one "

@@ -103,10 +103,10 @@ def run_program(
             )
         except JudgeFault as error:
             fault = str(error)
-        if explain:
-            mistakes = _mistakes(outcomes, student, budget)
         observed = (tuple(student.problems), student.uses, student.starved)
-        return RunResults(tuple(outcomes), *observed, mistakes, fault)
+    if explain:
+        mistakes = _mistakes(outcomes, setting, program, budget)
+    return RunResults(tuple(outcomes), *observed, mistakes, fault)
 
 
 def untouched_results(lesson: Lesson) -> RunResults:
@@ -118,13 +118,18 @@ def untouched_results(lesson: Lesson) -> RunResults:
 
 
 def _mistakes(
-    outcomes: Iterable[Outcome], student: StudentProxy, budget: Budget
+    outcomes: Iterable[Outcome], setting: Setting, program: Program, budget: Budget
 ) -> dict[str, Mistake]:
-    """Return the mistake that explains an exercise's wrong answers, by the exercise's name."""
+    """Return the mistake that explains an exercise's wrong answers, by the exercise's name.
+
+    A new process answers, because the earlier one may have been stopped too often to start again.
+    """
+    wrong = {o.check.exercise for o in outcomes if isinstance(o.failure, CheckFailed)}
+    if not wrong:
+        return {}
     found = {}
-    for outcome in outcomes:
-        exercise = outcome.check.exercise
-        if isinstance(outcome.failure, CheckFailed) and exercise not in found:
+    with StudentProxy(program, setting.sandbox, setting.limits, budget) as student:
+        for exercise in sorted(wrong):
             student.exercise, seconds = exercise, budget.seconds
             found[exercise] = diagnose(exercise, getattr(student, object_to_diagnose(exercise)))
             budget.add_failed_seconds(exercise, seconds - budget.seconds)

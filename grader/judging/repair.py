@@ -33,7 +33,7 @@ from grader.sandbox.student import TOOK_TOO_LONG, StudentProxy
 from grader.sandbox.time_budget import Budget
 from utils.checks.diagnosis import Mistake
 from utils.checks.outcomes import Outcome
-from utils.checks.run_cache import one_run
+from utils.checks.run_cache import cached_run
 
 # If a mark depends on the search, this many edits are always tried, so that the mark does not
 # depend on the speed of the machine. Only the upper time limits can end the search earlier.
@@ -243,7 +243,7 @@ class _FailedChecks:
         edit, the other edits get much less time here.
         """
         self._student.interrupts_after = self._first_seconds
-        with one_run():
+        with cached_run():
             failure = _failure_of(next(iter(self)))
         if _was_stopped(failure):
             self._first_seconds = SECONDS_OF_A_FIRST_CALL
@@ -259,7 +259,7 @@ class _FailedChecks:
         if _failure_of(functools.partial(self._student.edit, number)) or self.first_fails():
             return False
         self._student.interrupts_after = SECONDS_OF_A_CALL
-        with one_run():  # answers that were computed with another edit must not be reused
+        with cached_run():  # answers that were computed with another edit must not be reused
             for index, call in enumerate(self):
                 failure = _failure_of(call) if index else None
                 if failure is not None:

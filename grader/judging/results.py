@@ -12,7 +12,7 @@ from grader.judging.repair import Repair
 from grader.judging.verdict import CheckResult, ExerciseResult, Slip
 from utils.checks.diagnosis import Mistake
 from utils.checks.outcomes import Outcome
-from utils.checks.summary import resolve
+from utils.checks.summary import summarise
 
 
 def unjudged_results(lesson: Lesson) -> tuple[ExerciseResult, ...]:
@@ -46,7 +46,7 @@ def result_of(
     if carried:
         sentences, mistake, outcomes = [carried.sentence], None, carried.outcomes
     shareable_outcomes = [shareable(outcome, open_to_all=carried is None) for outcome in outcomes]
-    story = resolve(shareable_outcomes, mistake=mistake, one_mistake=proven is not None)
+    story = summarise(shareable_outcomes, mistake=mistake, one_mistake=proven is not None)
     messages = messages_of(story)
     maxima = shares(exercise.points, [outcome.check.weight for outcome in outcomes])
     checks = tuple(

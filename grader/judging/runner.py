@@ -33,7 +33,7 @@ from utils.checks import Check, checks_of
 from utils.checks.diagnosis import object_to_diagnose
 from utils.checks.failures import CheckFailed, FarTooMuch, NotYet
 from utils.checks.outcomes import Outcome
-from utils.checks.run_cache import one_run
+from utils.checks.run_cache import cached_run
 
 # Limit on the processor seconds of one test in this process, not counting the student's code. The
 # same limit applies to all failed checks of an exercise together.
@@ -308,7 +308,7 @@ def outcomes_of_untouched(lesson: Lesson) -> tuple[Outcome, ...]:
 
 def _run(lesson: Lesson, runner: _Runner) -> list[Outcome]:
     importlib.import_module(f"utils.checks.lesson_{lesson.number}")  # registers the checks
-    with one_run():
+    with cached_run():
         for exercise in lesson.machine_graded:
             for check in filter(runner.selected, checks_of(exercise.name)):
                 runner.run_visible(check)

@@ -39,8 +39,7 @@ _PICTURE = re.compile(r"(?<!\u200b)attachment:([^\s)>\"']*)")
 LONG_COPY = 40_000
 """Number of characters up to which every page is rendered within a few seconds."""
 MISSING_ANSWER_NOTE = (
-    "*This cell was missing. There is text elsewhere in the notebook that may be the answer: "
-    "please look for it.*"
+    "*This cell was missing. Text elsewhere in the notebook may be the answer. Please look for it.*"
 )
 
 

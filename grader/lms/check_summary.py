@@ -15,7 +15,7 @@ from grader.judging.verdict import CheckResult, ExerciseResult, MessageKind
 # Kinds of messages that are grouped, each with the wording for one check and for several.
 GROUPED_OPENINGS = {
     MessageKind.SAME_REASON: ("fails for the same reason", "fail for the same reason"),
-    MessageKind.WAITING: ("cannot be tested before this is right",) * 2,
+    MessageKind.WAITING: ("cannot be tested until this is right",) * 2,
 }
 SAME_FAILURE = ("fails in the same way", "fail in the same way")
 

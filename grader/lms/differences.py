@@ -34,7 +34,7 @@ def differences(
     try:
         submission = book.find_submission(entry.stage, entry.student)
     except MissingEntry:
-        return [f"{entry.name}: it is not in the gradebook"]
+        return [f"{entry.name}: not in the gradebook"]
     sentences = []
     if submission.timestamp != known_time(entry.folders(course)):
         sentences.append(f"{entry.name}: the gradebook has a different submission time")
@@ -66,9 +66,7 @@ def differences(
         ):
             sentences.append(f"{label}: the autograded copy belongs to another verdict")
     missing = set(verdicts) - {notebook.name for notebook in submission.notebooks}
-    return sentences + [
-        f"{entry.name}, {name}: it is not in the gradebook" for name in sorted(missing)
-    ]
+    return sentences + [f"{entry.name}, {name}: not in the gradebook" for name in sorted(missing)]
 
 
 def _scores(verdict: Verdict | None) -> dict[str, tuple[float, float]]:

@@ -72,7 +72,7 @@ class CollectOrdinaryFiles(ExchangeCollect):
         if not student or not student.isprintable():
             raise NotCollected("does not begin with the name of a student.")
         if time == datetime.min:
-            raise NotCollected("has no time in its name, as `nbgrader submit` would write it.")
+            raise NotCollected("does not have the time that `nbgrader submit` puts in the name.")
         folder = Path(
             self.coursedir.format_path(self.coursedir.submitted_directory, student, stage)
         )
@@ -121,7 +121,7 @@ class CollectOrdinaryFiles(ExchangeCollect):
         finally:
             os.close(top)
         if not files:
-            raise NotCollected("contains no file that can be collected.")
+            raise NotCollected("does not contain any file that can be collected.")
         return files, datetime.fromtimestamp(latest, UTC).replace(tzinfo=None)
 
     @contextlib.contextmanager
@@ -140,7 +140,7 @@ class CollectOrdinaryFiles(ExchangeCollect):
                 self._leave_out(shown, "is not an ordinary file")
                 yield None
             elif status.st_size > most:
-                self._leave_out(shown, f"is too large; {most // 2**20} MB are left")
+                self._leave_out(shown, f"is larger than the remaining {most // 2**20} MB")
                 yield None
             else:
                 yield file

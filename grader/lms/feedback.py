@@ -127,10 +127,10 @@ class Feedback:
             return ("You audit the course, so none of these points count.",)
         waiting = self.result.standing == WAITING
         untouched = (
-            "No exercise of this stage was started. If you can still submit, replace "
+            "No exercise in this stage was started. If you can still submit, replace "
             "`raise NotImplementedError` with your code and submit the notebooks again."
         )
-        about = "A grader still has to grade a part of this, so the points are not final."
+        about = "Some answers still have to be graded by hand, so the points are not final."
         return (
             *([untouched] if self.is_untouched else ()),
             *([about] if waiting else ()),
@@ -284,7 +284,7 @@ def lateness_sentences(result: StageResult, zone: tzinfo | None = None) -> Itera
         punctuality = f"{_format_span(result.late)} late" if result.late else "on time"
         yield f"Submitted {punctuality}, on {submitted_at}. It was due on {due}."
     if result.penalty:
-        yield f"{format_points(result.penalty)} points are subtracted because it is late."
+        yield f"{format_points(result.penalty)} points are subtracted for lateness."
 
 
 def _format_time(when: datetime, zone: tzinfo | None) -> str:

@@ -56,7 +56,7 @@ def build_moodle_archive(
         person = feedback.person
         own_files = [file for file in sources.get(person.id, {}).values() if file.participant]
         if not own_files:
-            skipped.append(f"{person.id}: their work was not collected from a Moodle zip")
+            skipped.append(f"{person.id}: the work was not collected from a Moodle zip")
             continue
         for owner, number in sorted({(file.owner, file.participant) for file in own_files}):
             name = owner.removesuffix(f"_{number}")
@@ -96,7 +96,7 @@ def build_canvas_archive(
         if team:
             skipped.append(f"{id}: {_TEAM.format(min(team))}")
         elif not contents:
-            skipped.append(f"{id}: none of their notebooks was collected from a Canvas zip")
+            skipped.append(f"{id}: no notebook was collected from a Canvas zip")
     return FeedbackArchive(files, tuple(skipped))
 
 

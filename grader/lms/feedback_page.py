@@ -68,7 +68,7 @@ def _name(feedback: ExerciseFeedback) -> str:
 
 def _mark(feedback: ExerciseFeedback) -> str:
     if feedback.mark.waiting:
-        return f"to be graded, of {format_points(feedback.exercise.points)}"
+        return f"not graded yet, of {format_points(feedback.exercise.points)}"
     return f"{format_points(feedback.mark.score)} of {format_points(feedback.exercise.points)}"
 
 

@@ -65,7 +65,7 @@ def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) ->
         label = f"{stage.student}, {stage.stage}"
         if stage.undecided:
             yield (
-                f"{label}: {stage.undecided}, so lateness is undecided. Write the time "
+                f"{label}: {stage.undecided}, so lateness is undecided. Write the submission time "
                 "into timestamp.txt in that folder, such as 2026-11-22 18:30:00 UTC, and run "
                 "grade again."
             )
@@ -73,9 +73,9 @@ def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) ->
             until = stage.due.astimezone(UTC)
             yield (
                 f"{label}: the gradebook grants more time than {deadlines_path(course).name}, "
-                f"until {until:%Y-%m-%d %H:%M} UTC, and this date counts. To keep it, add it to "
-                f'the file below [{stage.stage}.students]: "{stage.student}" = '
-                f"{until:%Y-%m-%dT%H:%M:%S}Z. To replace it, write another date there."
+                f"until {until:%Y-%m-%d %H:%M} UTC, and the later date counts. To keep it, add "
+                f'this line to the file below [{stage.stage}.students]: "{stage.student}" = '
+                f"{until:%Y-%m-%dT%H:%M:%S}Z. To change it, write another date there."
             )
     yield from assignment_notes(results, deadlines)
     yield from excessive_notes(results)
@@ -92,8 +92,8 @@ def unlisted_notes(results: ClassResults) -> Iterator[str]:
     """Yield one sentence for each student with marks who is not on the roster."""
     for student in results.unlisted:
         yield (
-            f"{student!r} has marks in the gradebook and is not on the roster, so tables and "
-            "exports omit them. Add a line to roster.csv, or remove the marks: "
+            f"{student!r} has marks in the gradebook but is not on the roster, so tables and "
+            "exports omit these marks. Add a line to roster.csv, or remove the marks: "
             f"nbgrader db student remove {shlex.quote(student)} --force"
         )
 

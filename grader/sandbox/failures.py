@@ -84,7 +84,7 @@ class StudentStopped(RemoteStopped):
     reason : str
         A text that identifies the cause of the stop; by default the sentence.
     out_of_time : bool
-        Whether a call of the student's function took too long.
+        Whether a call to the student's function took too long.
     """
 
     def __init__(self, sentence: str, reason: str = "", out_of_time: bool = False) -> None:
@@ -102,8 +102,8 @@ def why_it_ended(code: int | None) -> str:
     """
     if code in (137, -9):
         return (
-            "The system stopped the notebook's process, because it used too much memory or "
-            "ended itself."
+            "The notebook's process was killed. Either it used too much memory, or the notebook "
+            "killed it."
         )
     if code in (152, -24):
         return "The notebook's process used up its processor time. Is there an endless loop?"

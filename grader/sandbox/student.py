@@ -493,7 +493,8 @@ class StudentProxy:
 def _is_in_short_ranges(place: str, ranges: Sequence[Sequence[int]]) -> bool:
     """Return whether a place is in ranges of lines with at most `MOST_LINES` lines in total.
 
-    The place comes from the student's process. In a long exercise, its line could encode a message.
+    The place comes from the student's process. In a long exercise, the line number could encode a
+    message.
 
     Parameters
     ----------

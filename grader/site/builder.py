@@ -27,7 +27,7 @@ THEME = Path(__file__).parent / "templates" / "theme"
 SITE_MARKER = "searchindex.js"  # an existing folder with this file is a site
 EARLIEST = "315532800"  # 1 January 1980 in seconds, so that the site does not depend on the clock
 REPLACEMENTS = {
-    # The icons come from a font, so this script of 1.5 MB is not needed.
+    # The icons come from a font, so this 1.5 MB script is not needed.
     re.compile(r' *<script [^>]*src="[^"]*fontawesome\.js[^"]*"></script>\n'): "",
     # These labels differ from the visible text. Without them, screen readers read that text.
     re.compile(r'(<summary) aria-label="Toggle hidden content"'): r"\1",

@@ -16,7 +16,9 @@ from grader.site.pictures import Pictures
 from grader.site.widget_states import ANSWER, POSITION, QUESTION
 
 TO_ROOT = "../"  # from the folder of a lesson's stage to the root of the site
-FILM_ALT = "A film with the pictures that the cell above draws. The text around it says what moves."
+FILM_ALT = (
+    "A film of the pictures that the cell above draws. The surrounding text describes the motion."
+)
 DATA = re.compile(r'<img src="data:image/(?:png|gif);base64,([^"]+)"( alt="[^"]*")?[^>]*>')
 SCENE = re.compile(
     r'<iframe srcdoc="([^"]*)" title="([^"]*)" width="(\d+)" height="(\d+)"[^>]*></iframe>'

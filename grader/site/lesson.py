@@ -20,7 +20,7 @@ from grader.site.widget_states import QUESTION
 
 FOLDED_TAGS = {"folded", "setup"}
 TITLE = re.compile(r"# @title (.*?)(?: \(you need not read this\))?(?: \{.*\})?\n")
-SETUP_TITLE = "Brings the tools of the course"
+SETUP_TITLE = "Loads the tools of the course"
 ASKING_TITLE = "Asks for your guess"
 
 

@@ -1,7 +1,7 @@
 """Helpers for attacks: run hostile code in the sandbox and read its report.
 
-The hostile code really runs. Its function returns a report on what it achieved. The tests read this
-report, and also check the grader's side.
+The hostile code really runs, and its function reports what it achieved. The tests read this report
+and also check for effects on the grader.
 """
 
 import os
@@ -29,7 +29,7 @@ needs_namespaces = pytest.mark.skipif(
 
 
 def with_attacks(names, attacks):
-    """Parametrize a test. `attacks` maps the description of each attack to its values."""
+    """Parametrize a test; `attacks` maps the description of each attack to its arguments."""
     attacks = {
         description: values if isinstance(values, tuple) else (values,)
         for description, values in attacks.items()
@@ -40,7 +40,7 @@ def with_attacks(names, attacks):
 
 
 def function(body, name="f", parameters="*arguments"):
-    """Return the source of a function with this body."""
+    """Return the source code of a function with the given body."""
     return f"def {name}({parameters}):\n" + textwrap.indent(body.strip("\n"), "    ") + "\n"
 
 
@@ -53,13 +53,13 @@ def attack(source, forbidden=(), packages=PACKAGES, modules=None, **limits):
 
 
 def outcome_of(source, *arguments, **options):
-    """Return the answer of `f` as the judge receives it."""
+    """Call `f` in the sandbox and return its answer as the judge receives it."""
     with attack(source, **options) as student:
         return student.f(*arguments)
 
 
 def stopped_by(source, *arguments, calls=3, **limits):
-    """Return the message with which the sandbox stops this code; fail if it is not stopped."""
+    """Call `f` until the sandbox stops it; return the sandbox's message, or fail."""
     begin = time.monotonic()
     with attack(source, **limits) as student, pytest.raises(StudentStopped) as stopped:
         for _ in range(calls):

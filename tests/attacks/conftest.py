@@ -1,4 +1,4 @@
-"""Fixtures of the attacks: the attacked sandbox, and a function that submits answers."""
+"""Fixtures for the attacks: the attacked sandbox, and a function that submits answers."""
 
 import json
 
@@ -40,5 +40,5 @@ def submit(filter_lesson, tmp_path):
 
 @pytest.fixture
 def verdict_text():
-    """Return a function that converts the published form of a verdict to text."""
+    """Return a function that converts a verdict to JSON text, as published."""
     return lambda verdict: json.dumps(verdict.as_dict(), ensure_ascii=False)

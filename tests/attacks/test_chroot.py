@@ -1,4 +1,4 @@
-"""Attacks on the chroot sandbox, which is for a container that judges only one student.
+"""Attacks on the chroot sandbox, which is meant for containers that judge only one student.
 
 With `ATTACKED=chroot`, the attacks in the other files also run in this sandbox.
 """
@@ -179,7 +179,7 @@ def test_the_number_of_processes_is_limited():
 
 
 def test_memory_of_orphaned_processes_counts():
-    """An orphaned process is still a descendant of the jailer, which measures it."""
+    """The memory of an orphaned process counts, because it is still a descendant of the jailer."""
     body = (
         "import os, time, numpy as np\n"
         "if os.fork() == 0:\n    os.setsid()\n    if os.fork(): os._exit(0)\n"

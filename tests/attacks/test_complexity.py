@@ -1,7 +1,7 @@
 """Texts that try to slow down the grader's parsers, which run outside the sandbox.
 
-A text that is twice as long may take twice as long, but not four times as long. Otherwise a text
-cell of 200 KB would delay grading for the whole class.
+Doubling the length of a text may double the time, but not quadruple it. Otherwise, a text cell of
+200 KB would delay grading for the whole class.
 """
 
 import contextlib
@@ -24,10 +24,10 @@ from grader.lms.sanitizer import as_code, sanitize_markdown
 from utils.notebooks.reading import UnreadableNotebook, decode_notebook
 
 LESSON = find_lesson("12_streaming_obstacles")
-MOST = 2.5  # permitted ratio of processor times if the text doubles
+MOST = 2.5  # permitted ratio of processor times when the text doubles in length
 TRIES = 3
 SHORTEST = 0.04  # seconds; shorter times cannot be measured reliably
-LARGEST = 400_000  # characters; work on a text of this length that takes SHORTEST is fast enough
+LARGEST = 400_000  # characters; a text of this length that takes less than SHORTEST is fast enough
 
 ALPHABETS = {
     "brackets": "](",
@@ -69,7 +69,7 @@ ALPHABETS = {
 
 
 def notebook_with(cells):
-    """Return the released notebook with additional cells, given as (kind, source), as bytes."""
+    """Return the bytes of the released notebook with additional cells, each (kind, source)."""
     notebook = json.loads(fill_in(LESSON, {}))
     for kind, source in cells:
         cell = {"cell_type": kind, "metadata": {}, "source": source}
@@ -82,14 +82,14 @@ def submission_of(cells):
 
 
 def draft_of(cells):
-    """Return the draft on which the preflight steps work."""
+    """Return the draft that the preflight steps work on."""
     submission = submission_of(cells)
     notebook = submission.notebook()
     return preflight._Draft(LESSON, submission, notebook, list(notebook.cells))
 
 
 def processor_seconds(prepare, work, times=3):
-    """Return the minimum processor time of several runs, without the time to prepare them."""
+    """Return the minimum processor time of `work` over several runs, excluding `prepare`."""
     found = []
     for _ in range(times):
         material = prepare()
@@ -144,7 +144,7 @@ def test_a_file_is_read_in_linear_time(letters):
 @pytest.mark.parametrize("kind", ["code", "markdown", "raw"])
 @pytest.mark.parametrize("letters", ALPHABETS.values(), ids=ALPHABETS)
 def test_a_cell_is_read_in_linear_time(letters, kind):
-    """Preflight and the copy for Formgrader take linear time for one long cell."""
+    """Preflight and the copy for Formgrader take linear time if one cell is long."""
 
     def show(draft):
         prepared = preflight.prepare(draft, LESSON)
@@ -157,7 +157,7 @@ def test_a_cell_is_read_in_linear_time(letters, kind):
 @pytest.mark.slow
 @pytest.mark.parametrize("letters", ALPHABETS.values(), ids=ALPHABETS)
 def test_a_verdict_is_shown_in_linear_time(letters, tmp_path):
-    """The report on a class and the copy for Formgrader take linear time for a long message."""
+    """The class report and the copy for Formgrader take linear time if a message is long."""
 
     def verdict(size):
         message = text(letters, size)
@@ -179,7 +179,7 @@ def test_a_verdict_is_shown_in_linear_time(letters, tmp_path):
 @pytest.mark.parametrize("step", preflight.STEPS, ids=lambda step: step.__name__)
 @pytest.mark.parametrize("kinds", [("code",), ("markdown",), ("raw",), ("code", "markdown")])
 def test_many_cells_are_prepared_in_linear_time(step, kinds):
-    """The cells define an exercise, are marked as graded, or look like a written answer."""
+    """Each preflight step takes linear time if many cells define or claim to be exercises."""
     sources = ["def match_boxes(a): return 1", "match_boxes = 1\nimport helper", "An answer.", ""]
 
     def material(size):

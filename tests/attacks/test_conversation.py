@@ -1,4 +1,4 @@
-"""Attacks through replies: invalid messages, deceptive values and strange exceptions."""
+"""Attacks through replies to the judge: invalid messages, deceptive values and odd exceptions."""
 
 import os
 import re
@@ -94,7 +94,7 @@ ANSWER = b'{"dict":[["id",%d],["result",%s]]}'
             "try: os.kill(os.getppid(), 15)\nfinally: os._exit(0)",
             "ended",
         ),
-        "kills itself": ("os.kill(os.getpid(), 9)", "memory or ended itself"),
+        "kills itself": ("os.kill(os.getpid(), 9)", "or the notebook killed it"),
         "crashes": ("import ctypes; ctypes.string_at(1)", "crashed"),
         "exits but leaves a child running": ("if os.fork(): os._exit(0)\ntime.sleep(60)", "ended"),
         "replaces itself with another program": (
@@ -162,7 +162,7 @@ def test_the_time_of_a_reply_in_pieces_is_charged_to_the_notebook():
 
 
 def test_the_judge_never_blocks_in_a_read_or_write():
-    """Data that `poll` reported may have disappeared: student code can read its own output."""
+    """The pipes do not block, because student code can read output that `poll` has reported."""
     worker = SANDBOX.start(Limits())
     try:
         assert not os.get_blocking(worker.read_end)
@@ -184,9 +184,9 @@ def f(cloud): threading.Timer(0.05, os.kill, (os.getpid(), 19)).start()
 
 
 def test_reading_the_request_before_the_worker_stops_the_student():
-    """If student code reads the request before the worker does, the judge gets no reply.
+    """Student code that takes a request from the worker is stopped, because no reply is sent.
 
-    Here a signal handler reads the next request while the worker is waiting for it.
+    A signal handler in the student's code reads the request while the worker waits for it.
     """
     body = """
 def thief(*anything):
@@ -204,7 +204,7 @@ signal.setitimer(signal.ITIMER_REAL, 0.2)
 
 
 def test_a_thread_that_races_the_worker_for_a_request_gains_nothing():
-    """If the worker wins the race, the answer is honest. Otherwise, the student is stopped."""
+    """If the worker wins the race, its answer is honest. Otherwise, the student is stopped."""
     body = """
 def thief():
     while True:
@@ -299,7 +299,7 @@ def test_forged_object_numbers_are_refused():
 
 
 def test_forged_attributes_are_ignored():
-    """A reply may contain attributes that were not requested, with invalid numbers and names."""
+    """The judge ignores forged attributes, including those with invalid object numbers or names."""
     source = function("return Thing()") + "class Thing:\n    first = 1\n"
     with attack(source) as student:
         thing = student.f(1)
@@ -500,7 +500,7 @@ def test_deceptive_values_arrive_as_plain_data(body):
     },
 )
 def test_strange_failures_get_a_short_message(body, sentence):
-    """The message is one short printable line, and the same worker continues."""
+    """The message is one short printable line, and the worker answers the next call."""
     with attack("import numpy as np\n" + function(body), call_seconds=3.0) as student:
         with pytest.raises(StudentError) as raised:
             student.f()
@@ -557,7 +557,7 @@ def test_tampering_with_python_does_not_affect_other_students(body):
 
 
 def test_overwriting_arguments_changes_only_copies():
-    """The judge's own arguments stay the same, and `observe` returns the changed copies."""
+    """The judge's own arguments do not change; `observe` returns the changed copies."""
     body = "for a in arguments:\n    a[:] = [9] * len(a)\nreturn arguments[0]"
     array, numbers = np.ones(2), [1, 2]
     with attack(function(body)) as student:
@@ -568,7 +568,7 @@ def test_overwriting_arguments_changes_only_copies():
 
 
 def test_forged_changes_of_arguments_affect_only_copies():
-    """A forged report of changed arguments does not reach the judge's objects."""
+    """A forged report of changed arguments cannot change the judge's objects."""
     forged = (
         'say(b\'{"dict":[["id",1],["result",null],["shared",{"list":["x",-1,true,99]}],'
         '["arguments",{"list":[{"array":["<f8",[2]]},{"list":[7]},null]}]]}\', b"\\0" * 16)\n'

@@ -1,4 +1,4 @@
-"""Detectors in a league that look for the street's data instead of detecting obstacles."""
+"""League detectors that search for the street's data instead of detecting obstacles."""
 
 import numpy as np
 
@@ -44,7 +44,7 @@ def answers_of(sandbox, source):
 
 
 def test_a_detector_finds_no_street_seed_or_other_submission(tmp_path):
-    """A detector only gets scans; without the sandbox, the same code does find these files."""
+    """The sandbox hides these files from a detector, which would find them without a sandbox."""
     for name in (".course_seed", "submitted/ada/notebook.ipynb", "verdicts/ada/street_1.json"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text("a secret")

@@ -14,7 +14,7 @@ pytestmark = pytest.mark.slow
 LINE = find_lesson("02_ransac_line")
 SIGNATURE = "def ransac_line(points, max_iterations=100, distance_tolerance=0.1, rng=None):\n"
 WRONG_LINE = "def line_through(first, second):\n    return 1.0, 0.0, 0.0\n"
-# Fails exactly one check: there is no line through two equal points, so None is right.
+# Fails exactly one check. Two equal points do not define a line, so it should return None.
 ONE_WRONG = (
     "def line_through(first, second):\n"
     "    (x, y), (u, v) = first[:2], second[:2]\n"
@@ -48,7 +48,7 @@ def judged(lesson, tmp_path, **answers):
 
 
 def test_feedback_does_not_reveal_the_correct_helper(tmp_path):
-    """A mostly right answer returns the code of its helper, so that a visible check shows it."""
+    """Feedback does not quote an answer that returns the code of its helper."""
     thief = RANSAC.replace("def ransac_line", "def honest") + (
         "\n" + SIGNATURE + "    if isinstance(rng, int):\n"
         "        code = line_through.__code__\n"
@@ -66,14 +66,14 @@ def test_feedback_does_not_reveal_the_correct_helper(tmp_path):
 
 
 def test_a_correct_helper_earns_no_points_for_a_wrong_one(tmp_path):
-    """The wrong helper keeps its low score, although a correct one was used elsewhere."""
+    """The wrong helper keeps its low score when a correct one replaces it for a later exercise."""
     results, _ = judged(LINE, tmp_path, line_through=WRONG_LINE, ransac_line=RANSAC)
     assert results["ransac_line"].score == results["ransac_line"].max_score
     assert results["line_through"].score < results["line_through"].max_score / 2
 
 
 def test_later_exercises_are_not_replaced_for_earlier_ones(tmp_path):
-    """An early exercise gets no correct version of a later one, which might contain its answer."""
+    """An early exercise cannot call the correct version of a later one to obtain its answer."""
     early = "def line_through(first, second):\n    return ransac_line([first, second])[0]\n"
     results, _ = judged(LINE, tmp_path, line_through=early, ransac_line=SIGNATURE + "    return 1")
     assert results["line_through"].score < results["line_through"].max_score / 5
@@ -103,7 +103,7 @@ def test_the_judge_never_parses_student_code(tmp_path, monkeypatch):
 
 
 def test_a_different_answer_in_the_second_run_gains_nothing(tmp_path):
-    """The answer fails on purpose in the first run, to get a second run with correct helpers."""
+    """An answer that fails deliberately, to get a second run with correct helpers, earns little."""
     counts = ONE_WRONG.replace("    (x, y)", "    ASKED.append(1)\n    (x, y)", 1)
     turn = (
         "\n" + SIGNATURE + "    if ASKED and not MINE: return None\n"

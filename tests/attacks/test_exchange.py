@@ -21,7 +21,7 @@ LATER = "2026-01-11 10:00:00.000000 UTC"
 
 @pytest.fixture
 def inbound(tmp_path):
-    """Return the folder of the exchange in which every account may create folders."""
+    """Return the exchange's inbound folder, in which every account may create folders."""
     folder = tmp_path / "exchange" / "lidar_obstacle_lab" / "inbound"
     folder.mkdir(parents=True)
     return folder
@@ -29,7 +29,7 @@ def inbound(tmp_path):
 
 @pytest.fixture
 def collect(tmp_path, inbound, caplog):
-    """Return a function that collects a stage, and returns its files and warnings."""
+    """Return a function that collects a stage and returns the collected files and the warnings."""
     course = tmp_path / "course"
     course.mkdir()
 
@@ -60,7 +60,7 @@ def collect(tmp_path, inbound, caplog):
 
 
 def submit(inbound, files, student=ME, time=TIME, links=()):
-    """Make the folder of a submission."""
+    """Create the folder of a submission and return its path."""
     folder = inbound / f"{student}+{STAGE}+{time}+secret"
     folder.mkdir()
     for name, text in files.items():
@@ -80,7 +80,7 @@ def test_notebooks_and_modules_are_collected_with_their_time(inbound, collect):
 
 
 def test_links_are_not_followed(inbound, collect, tmp_path):
-    """Not to the solution, a neighbour's answer, an endless device, or a whole folder."""
+    """Links to the solution, an endless device, a folder or a missing file are left out."""
     secret = tmp_path / "course" / "solution.ipynb"
     secret.write_text("the solution")
     links = {NOTEBOOK: secret, "a.ipynb": "/nowhere", "b.ipynb": "/dev/zero", "c": secret.parent}
@@ -127,7 +127,7 @@ def test_another_students_name_is_refused(inbound, collect):
 
 
 def test_a_time_that_the_student_set_is_named(inbound, collect):
-    """The time in the file counts for nothing, and the one in the name is compared."""
+    """The folder's time replaces the one in `timestamp.txt` and is checked for plausibility."""
     submit(inbound, {NOTEBOOK: "{}", "timestamp.txt": "1999-01-01 00:00:00 UTC"})
     collected, warnings = collect()
     assert collected[f"{ME}/{STAGE}/timestamp.txt"] == TIME
@@ -148,7 +148,7 @@ def test_too_much_is_refused_and_the_earlier_submission_stays(inbound, collect, 
 
 
 def test_only_the_first_entries_of_a_bottomless_folder_are_read(inbound, collect):
-    """A walk to the bottom would use up all descriptors, or end in a RecursionError."""
+    """Walking to the bottom would use up all file descriptors or raise a RecursionError."""
     folder = submit(inbound, {NOTEBOOK: "{}", "parts/more.py": "y = 2"})
     (folder / "/".join("z" * 300)).mkdir(parents=True)
     submit(inbound, {NOTEBOOK: "{}"}, student="zoe")

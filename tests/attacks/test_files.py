@@ -1,4 +1,4 @@
-"""Hostile submissions: files that break readers, links, modules, and strange folder names."""
+"""Hostile submissions: malformed notebooks, links, modules, and strange folder names."""
 
 import functools
 import json
@@ -138,7 +138,7 @@ def test_a_file_that_is_too_large_is_refused(tmp_path):
     },
 )
 def test_the_judge_reads_the_code_that_the_instructor_sees(number, shown, tmp_path):
-    """A notebook may have both `cells` and `worksheets`, or both `source` and `input`."""
+    """The notebook's format number decides whether `cells` or `worksheets` are judged."""
     cell = {"cell_type": "code", "source": "cells source", "input": "cells input"}
     old = {"cell_type": "code", "source": "worksheets source", "input": "worksheets input"}
     content = {"nbformat": number, "metadata": {}, "cells": [cell]}
@@ -192,7 +192,7 @@ def test_the_judge_reads_the_code_that_the_instructor_sees(number, shown, tmp_pa
     },
 )
 def test_a_cell_that_breaks_parsers_does_not_affect_other_cells(cell):
-    """The other cells in the notebook still work."""
+    """The function in the second cell works, whatever the first cell contains."""
     program = Program((cell, "def f(): return 1"), ("f",))
     with StudentProxy(program, SANDBOX, Limits(**{**SHORT, "start_seconds": 20.0})) as student:
         assert student.f() == 1
@@ -249,7 +249,7 @@ def test_deeply_nested_metadata_gets_a_verdict(submit, filter_lesson):
     ],
 )
 def test_a_submitted_module_hides_no_other_module(name):
-    """A module with the name of one that the worker or a lesson uses does not replace it."""
+    """A submitted module does not replace a worker's or lesson's module of the same name."""
     body = "import numpy, utils, os, json\ndef f():\n    return numpy.arange(3) + 1\n"
     with attack(body, modules={name: "raise SystemExit('in the way')"}) as student:
         assert student.f().tolist() == [1, 2, 3]
@@ -336,7 +336,7 @@ def test_a_link_to_another_submission_earns_no_points(link, course, filter_lesso
     link(mine, good, filter_lesson.stage, f"{filter_lesson.name}.ipynb")
     by_student = {submission.student: submission for submission in find_submissions(course)}
     assert "good" in by_student
-    if "mallory" in by_student:  # the search may skip linked folders
+    if "mallory" in by_student:  # linked folders may be skipped
         submitted = by_student["mallory"].read(course)
         assert submitted.data == b"" and "link" in submitted.complaint
         verdict = judge_and_store(course, by_student["mallory"], SEED, SANDBOX)
@@ -344,7 +344,7 @@ def test_a_link_to_another_submission_earns_no_points(link, course, filter_lesso
 
 
 def test_swapping_the_file_while_it_is_judged_gains_nothing(course, filter_lesson):
-    """The bytes are read only once, so the verdict's key belongs to the bytes that were judged."""
+    """The file is read only once, so the verdict's key belongs to the judged bytes."""
     submission = find_submissions(course)[0]
     submitted = submission.read(course)
     submission.path.write_text(json.dumps(notebook_of("x = 1")))
@@ -399,7 +399,7 @@ def test_strange_student_names_are_harmless(name, course, filter_lesson, capsys)
 
 
 def test_a_path_as_a_student_name_is_refused(course, filter_lesson):
-    """Submissions outside `submitted` are not found, and cannot be read by their paths."""
+    """Submissions outside `submitted` are not found, and `read` refuses their paths."""
     outside = course.root / "x" / filter_lesson.stage
     outside.mkdir(parents=True)
     (outside / f"{filter_lesson.name}.ipynb").write_bytes(filter_lesson.released.read_bytes())

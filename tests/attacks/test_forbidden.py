@@ -31,7 +31,7 @@ def attack_on(lesson, source):
 @pytest.mark.slow
 @with_attacks("forbidding", FORBIDDING)
 def test_forbidden_code_is_not_in_memory_after_libraries_import_it(forbidding):
-    """Only stand-ins are in memory, but no code, class or function of a forbidden module."""
+    """Memory contains stand-ins, but no code, classes or functions of forbidden modules."""
     source = (
         "# scipy is named here, so it may have been imported.\n"
         + HUNGRY
@@ -65,7 +65,8 @@ def f(forbidden):
     assert stand_ins and loaded > 200, "libraries imported the module"
 
 
-# Each attempt assigns `had`, which is then called with the adjacency matrix of two close points.
+# Each attempt assigns a function to `had`. The test calls it with the adjacency matrix of two
+# close points.
 ROADS = {
     "imports the module": "import scipy.sparse.csgraph as g\nhad = g.NAME",
     "imports the function": "from scipy.sparse.csgraph import NAME as had",
@@ -124,7 +125,7 @@ QUIET_ROADS = {
     "os.close(write)\n"
     "had = lambda near: (1, list(os.read(read, 99)) or [][0])",
 }
-# These attempts use the stand-in, and cannot reach the module even if it is allowed.
+# These attempts misuse the stand-in, so they do not work in a lesson that allows the module.
 ABOUT_STAND_INS = {
     "creates a stand-in with its metaclass": "had = lambda near: type.__call__(one)(near)",
     "creates a stand-in without a call": "had = lambda near: one.__new__(one)(near)",
@@ -156,7 +157,7 @@ SENTENCE = "scipy.sparse.csgraph is not allowed in this lesson: it does the exer
 
 
 def ends_of(roads, lesson_name):
-    """Return the result of each attempt: the components that it found, or an exception."""
+    """Return the result of each attempt: the components that it found, or its exception."""
     source = TRAVEL
     for number, road in enumerate(roads.values()):
         lines = ["one = sklearn.manifold._isomap.NAME", *road.split("\n"), "return had"]
@@ -182,7 +183,7 @@ def test_no_attempt_reaches_the_forbidden_function():
 
 @pytest.mark.slow
 def test_every_attempt_works_if_the_lesson_allows_the_module():
-    """If the attempts never worked, the tests above could not fail."""
+    """These attempts reach an allowed module; otherwise, the tests above could not fail."""
     roads = ROADS | QUIET_ROADS
     ends = ends_of(roads, "10_accelerated_clustering")
     assert ends == dict.fromkeys(roads, "components: [0, 0]")

@@ -60,15 +60,16 @@ def looked(monkeypatch, forks):
 
 
 def test_a_forked_worker_has_no_more_rights_than_one_started_in_the_sandbox(monkeypatch):
-    """Compare open files, privileges, groups, limits, signals, paths, variables and processes."""
+    """Both have the same open files, privileges, groups, limits, signals, paths and variables."""
     forked, started = looked(monkeypatch, True), looked(monkeypatch, False)
-    # The forked worker's parent is outside, so its ID is shown as 0. The other's is process 1.
+    # The forked worker's parent is outside the sandbox, so its ID appears as 0. The other worker's
+    # parent is process 1.
     assert (forked.pop("parent"), started.pop("parent")) == (0, 1)
-    # The three standard streams and the two pipes.
+    # three standard streams and two pipes
     assert len(forked.pop("files")) == 5
     started.pop("files")
-    # A forked worker has no inheritable capabilities. Bubblewrap leaves two to a worker of root,
-    # which drops them itself.
+    # A forked worker has no inheritable capabilities. If root runs the test, bubblewrap leaves two
+    # to a started worker, which drops them itself.
     assert forked["status"].pop(0) == "0" * 16
     started["status"].pop(0)
     assert forked == started
@@ -76,7 +77,7 @@ def test_a_forked_worker_has_no_more_rights_than_one_started_in_the_sandbox(monk
 
 
 def test_all_namespaces_are_separate():
-    """A worker that entered only some namespaces would share the others with the grader."""
+    """A worker shares only the time namespace with the grader, and for root the user namespace."""
     names = sorted(os.listdir("/proc/self/ns"))
     body = "import os\nreturn {name: os.readlink('/proc/self/ns/' + name) for name in names}"
     inside = outcome_of(function(body, parameters="names"), names)
@@ -85,7 +86,7 @@ def test_all_namespaces_are_separate():
 
 
 def test_the_fork_server_and_the_judge_cannot_be_reached():
-    """They cannot be reached by signals, through their memory, or through a folder in /proc."""
+    """A worker can neither send signals to these processes nor open their memory in /proc."""
     body = (
         "import os, signal\nreached = []\n"
         "for number in [0, -1, *numbers]:\n"
@@ -125,7 +126,7 @@ def test_only_packages_of_the_lesson_are_preloaded():
 
 
 def test_slow_packages_are_imported_only_if_the_code_names_them():
-    forbidden = ("no_such_module",)  # not used elsewhere, so a new server starts
+    forbidden = ("no_such_module",)  # no other test forbids this module, so a new server starts
     search = "import sys\nreturn sorted(name for name in sys.modules if name[:3] == 'sci')"
     assert outcome_of(function(search), forbidden=forbidden) == []
     named = outcome_of(function(f"# scipy\n{search}"), forbidden=forbidden)
@@ -143,7 +144,7 @@ def test_slow_packages_are_imported_only_if_the_code_names_them():
     ],
 )
 def test_forbidden_modules_are_not_in_memory(forbidden, preloaded):
-    """A module that was preloaded for one lesson or by another module would also be in others."""
+    """The fork server does not preload a forbidden module, not even through another module."""
     names = outcome_of(function(SCIPY_IN_MEMORY), forbidden=forbidden)
     inside = tuple(f"{name}." for name in forbidden)
     assert not [name for name in names if f"{name}.".startswith(inside)]
@@ -161,7 +162,7 @@ def test_the_end_of_a_worker_ends_only_its_children():
         first.f(False)
         assert second.f() == 2
         children = [number for pid in first._worker.pids for number in tree(pid)]
-        with pytest.raises(StudentStopped, match="ended itself"):
+        with pytest.raises(StudentStopped, match="killed it"):
             first.f(True)
         assert second.f() == 2
     deadline = time.monotonic() + PATIENCE
@@ -182,7 +183,7 @@ def test_a_killed_fork_server_is_started_again():
 
 
 def parents(pid):
-    """Return a list with the process that forked a worker's parent."""
+    """Return a list with the ID of the process that forked a worker's parent."""
     for _ in range(2):
         with open(f"/proc/{pid}/stat") as stat:
             pid = int(stat.read().rpartition(")")[2].split()[1])
@@ -204,7 +205,7 @@ def test_workers_can_be_forked_concurrently():
 
 
 def test_a_killed_judge_leaves_no_processes(tmp_path):
-    """A judge that is killed cannot clean up."""
+    """The worker and the fork server end when the judge is killed and cannot clean up."""
     program = (
         "import sys, time\nfrom grader.sandbox import SANDBOXES, Limits\n"
         "worker = SANDBOXES['bubblewrap'].start(Limits(), (), ('numpy',))\n"
@@ -226,8 +227,8 @@ def test_a_killed_judge_leaves_no_processes(tmp_path):
 
 @pytest.mark.slow
 def test_a_judge_killed_while_building_a_sandbox_leaves_no_processes(tmp_path):
-    """With bubblewrap's option --die-with-parent, a waiting process would be left behind."""
-    # The test's processes are identified by the path of its folder in their environment.
+    """All processes end. Bubblewrap's option --die-with-parent would leave a waiting process."""
+    # The processes are identified by the path of the test's folder in their environment.
     program = (
         "import os, signal, sys, time\nfrom grader.sandbox import bubblewrap, Limits\n"
         "from grader.sandbox.launcher import ENVIRONMENT\n"
@@ -256,7 +257,7 @@ def test_a_judge_killed_while_building_a_sandbox_leaves_no_processes(tmp_path):
 
 
 def started_with(mark):
-    """Return the processes whose environment contains the text `mark`."""
+    """Return the IDs of processes whose environment contains the text `mark`."""
     found = []
     for number in filter(str.isdigit, os.listdir("/proc")):
         with contextlib.suppress(OSError):

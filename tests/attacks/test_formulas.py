@@ -1,4 +1,4 @@
-"""MathJax commands in a student's written answer, also tested in a real browser."""
+"""Attacks with MathJax commands in a written answer, also tested in a real browser."""
 
 import html.parser
 import json
@@ -13,7 +13,7 @@ from tests import browser
 from tests.attacks.attack import with_attacks
 from tests.prerequisites import MATHJAX
 
-# The host that a page would contact or link to because of a command.
+# The host named in the hostile commands, which a page must not contact.
 EVIL = "evil.example"
 ORDERS = {
     "a link": r"$\href{javascript:alert(1)}{x}$",
@@ -79,7 +79,7 @@ def test_the_text_of_a_command_is_kept(text):
 
 
 def test_unsafe_formulas_are_shown_as_code():
-    """If programs disagree on the end of the formula, only the command's name is split."""
+    """Unsafe formulas become code, unless programs disagree on where the formula ends."""
     differ = ("a link in a text", "a link after a backslash", "a link in a formula without an end")
     for name in ORDERS.keys() - differ - {name for name in ORDERS if "entity" in name}:
         assert "`" in sanitize_markdown(ORDERS[name]), name
@@ -100,7 +100,7 @@ def test_formulas_of_the_lessons_are_unchanged(taught):
 
 
 class _DangerCollector(html.parser.HTMLParser):
-    """Collect links, scripts and forged grades in a page that MathJax has rendered."""
+    """Collects links, scripts and forged grades in a page that MathJax has rendered."""
 
     def __init__(self):
         super().__init__()
@@ -111,7 +111,7 @@ class _DangerCollector(html.parser.HTMLParser):
         self._within_code = tag == "code"
         for name, value in attributes:
             value = (value or "").lower()
-            inner = tag == "use" and value.startswith("#mjx-")  # letters drawn by MathJax
+            inner = tag == "use" and value.startswith("#mjx-")  # a glyph that MathJax draws
             if name in ("href", "xlink:href", "src", "data-href") and not inner:
                 self.found.append((tag, name, value))
             if name.startswith("on") or (name == "style" and "url" in value):
@@ -127,7 +127,7 @@ class _DangerCollector(html.parser.HTMLParser):
 
 
 def browsed(texts, entry, folder):
-    """Return the dangerous parts of a page, the code that it shows, and its requests."""
+    """Render texts in a browser; return the page's dangerous parts, its code and its requests."""
     page, requests = browser.seen(browser.page_of(texts, entry), folder, EVIL)
     reader = _DangerCollector()
     reader.feed(page)

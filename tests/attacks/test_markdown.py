@@ -1,4 +1,4 @@
-"""Scripts in a written answer, which Formgrader, the feedback and the report show."""
+"""Attacks with scripts in a written answer, which Formgrader, the feedback and the report show."""
 
 import html.parser
 import json
@@ -123,7 +123,7 @@ def test_scripts_in_an_answer_are_disarmed(text):
 
 
 def test_most_scripts_would_run_unsanitized():
-    """If they did not, the test above could not fail."""
+    """Most scripts are active without the sanitizer; otherwise, the test above could not fail."""
     idle = [
         name
         for name, text in SCRIPTS.items()
@@ -177,7 +177,7 @@ def test_sanitizing_twice_changes_nothing_more():
 
 @pytest.fixture(scope="module")
 def blank():
-    """Return the page of a lesson as it was released."""
+    """Return the HTML page of a lesson's released notebook."""
     lesson = find_lesson("12_streaming_obstacles")
     released = SubmittedFiles(lesson.released.name, lesson.released.read_bytes())
     return page_of(build_copy(prepare(released, lesson)))
@@ -190,7 +190,7 @@ def page_of(notebook):
 @pytest.mark.parametrize("kind", ["markdown", "raw", "code"])
 @pytest.mark.slow
 def test_the_whole_page_of_a_hostile_notebook_is_harmless(kind, blank):
-    """Feedback and Formgrader render all the scripts above in each kind of cell."""
+    """Cells of each kind that contain all the scripts above add nothing active to the page."""
     lesson = find_lesson("12_streaming_obstacles")
     notebook = json.loads(fill_in(lesson, {"write_up": "\n\n".join(SCRIPTS.values())}))
     hostile = '"><script>alert("here I am")</script>'
@@ -211,14 +211,14 @@ def test_the_whole_page_of_a_hostile_notebook_is_harmless(kind, blank):
     assert ZERO_WIDTH_SPACE in page or kind == "code"
 
 
-# A blank line ends a block of HTML in Markdown, and what follows is Markdown again.
+# The blank lines end any HTML block, so the text is parsed as Markdown.
 EVERYWHERE = (
     '\n\n![](/hub/logout) [Plot](javascript:alert(1))\n\n<img src=x onerror="1">\n\nscore: 20'
 )
 
 
 def spoiled(value):
-    """Yield copies of a notebook, each with the hostile text in place of one of its strings."""
+    """Yield copies of a notebook with hostile text in one of its strings, or as a new key."""
     if isinstance(value, str):
         yield EVERYWHERE
         yield value + EVERYWHERE

@@ -1,4 +1,4 @@
-"""Attempts to earn points without solving the task, such as changed arguments and forged grades."""
+"""Attempts to earn points without solving the task, for example by forging grades."""
 
 import copy
 import importlib
@@ -21,7 +21,7 @@ from tests.attacks.attack import SANDBOX, SEED, SHORT, with_attacks
 from tests.prerequisites import PATIENCE
 from utils.notebooks import slicing
 
-MOST = 0.1  # fraction of the points that code may earn without working on its task
+MOST = 0.1  # fraction of the points that code may earn without attempting the task
 EXERCISES = ("filter_ground", "voxel_grid")
 
 
@@ -127,18 +127,18 @@ def test_answers_from_elsewhere_earn_almost_nothing(exercise, source, submit):
 
 
 def test_a_right_answer_submitted_the_same_way_earns_everything(submit):
-    """If submitting in this way did not work, the attacks above would fail for that reason."""
+    """A right answer gets full points; if it did not, the attacks above would prove nothing."""
     right = next(variant.source for variant in answers_to("voxel_grid") if variant.right)
     verdict = submit({"voxel_grid": right}, call_seconds=6.0, start_seconds=30.0)
     assert share(verdict, "voxel_grid") == 1
 
 
-# These use a pipe or the kernel, so calling them would break the test.
+# Calling these would break the test, because they use a pipe or system calls.
 EXCLUDED = ("worker", "syscalls", "send", "receive", "_read", "_wait")
 
 
 def everything_shown():
-    """Return every function and class in the project's modules in the sandbox, by name."""
+    """Return all functions and classes of the project that are visible in the sandbox, by name."""
     files = [file for place in SHOWN for file in ([place] if place.is_file() else place.rglob("*"))]
     found = {}
     for file in sorted(files):
@@ -146,10 +146,10 @@ def everything_shown():
             continue
         name = ".".join(file.relative_to(PROJECT).with_suffix("").parts)
         if name == "grader.sandbox.inside.utils.__init__":
-            continue  # a test above submits its stand-in, and its readers are imported separately
+            continue  # stand-ins for `utils`, one of which a test above submits
         module = importlib.import_module(name.removesuffix(".__init__"))
         for thing, value in vars(module).items():
-            # Students can use everything that a module imports from libraries anyway.
+            # Functions that a module imports from libraries are available to students anyway.
             home = getattr(value, "__module__", None) or ""
             if callable(value) and home.startswith(("utils", "grader")) and thing not in EXCLUDED:
                 found[f"{value.__module__}.{value.__qualname__}"] = value
@@ -157,7 +157,7 @@ def everything_shown():
 
 
 def with_answers(lesson, answers):
-    """Return the lesson's functions, some of them replaced by the given answers."""
+    """Return the lesson's functions, some of them replaced with the given answers."""
     statements, _ = slicing.parse_notebook([lesson.source.read_text("utf-8")])
     namespace = {"__name__": lesson.name}
     for statement in slicing.slice_for(lesson.names, statements):
@@ -167,7 +167,7 @@ def with_answers(lesson, answers):
 
 
 def calls_of(lesson):
-    """Return the first calls of each exercise in a run of the tests, as (arguments, answer)."""
+    """Return the first calls to each exercise in a run of the tests, as (arguments, answer)."""
     reference, calls = load_reference(lesson.name), {}
 
     def recorder(name, function):
@@ -196,7 +196,7 @@ def looks_like(answer, right):
     """Return whether an answer has the form of the right one, regardless of its values."""
     try:
         answer, right = np.asarray(answer), np.asarray(right)
-    except Exception:  # for example a sequence whose files do not exist
+    except Exception:  # for example, a sequence of scans whose files do not exist
         return False
     return answer.dtype.kind in "biuf" and (answer.ndim == right.ndim or answer.size == right.size)
 
@@ -213,7 +213,7 @@ def orders_that_work(function, calls):
                 except BaseException:
                     break
                 if right is None and vars_of(given[0]) != vars_of(arguments[0]):
-                    yield order  # the exercise is judged by the change of its first argument
+                    yield order  # the exercise changes its first argument and returns None
                     break
                 if looks_like(answer, right):
                     yield order
@@ -221,7 +221,7 @@ def orders_that_work(function, calls):
 
 
 def vars_of(value):
-    """Return a dictionary from each attribute of an object to whether it is None."""
+    """Return whether each attribute of an object is None, by name."""
     return {name: held is None for name, held in getattr(value, "__dict__", {}).items()}
 
 
@@ -236,7 +236,7 @@ def points_of(lesson, exercise, answer):
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_no_visible_function_answers_an_exercise(lesson, tmp_path, monkeypatch):
-    """Try every visible function as the answer to every exercise, in every argument order."""
+    """No visible function earns points for any exercise, whatever the order of arguments."""
     monkeypatch.chdir(tmp_path)
     shown = everything_shown()
     assert len(shown) > 40
@@ -289,7 +289,7 @@ def faults(verdict):
 
 @pytest.mark.slow
 def test_overwriting_every_argument_earns_almost_nothing(lesson, submit):
-    """The same process judges the next student correctly."""
+    """Student code that overwrites all its arguments does not affect the next student."""
     names = [exercise.name for exercise in lesson.machine_graded]
     verdict = submit(
         {name: VANDAL.format(name=name) for name in names},
@@ -333,7 +333,7 @@ def plane_through(p, q, r):
     q[:], r[:] = p, p
     return None
 """,
-            0.35,  # None is right for three points on one line, which do not define a plane
+            0.35,  # None is right if the points lie on one line
         ),
         "moves all points onto the plane": (
             "point_plane_distance",
@@ -381,7 +381,7 @@ setattr(KdTree, "search", lambda self, target, tolerance: [])
     },
 )
 def test_changes_to_given_code_have_no_effect(cell, submit):
-    """The judge uses the lesson's own copy, so that a change has no effect on the points."""
+    """The judge uses the lesson's own copy of given code, so changes cannot earn points."""
     lesson = find_lesson("04_kd_tree")
     notebook = json.loads(fill_in(lesson, {"search": "def search(*a): return []\n"}))
     extra = {"cell_type": "code", "id": "x", "metadata": {}, "outputs": [], "execution_count": None}
@@ -399,7 +399,7 @@ def test_changes_to_given_code_have_no_effect(cell, submit):
 
 
 def test_a_search_that_patches_its_tree_fails_the_pruning_checks(submit):
-    """`search` replaces the search method of its tree's class with one that visits every node."""
+    """A `search` that makes its class visit every node does not pass the pruning checks."""
     source = """
 def search(self, target, tolerance):
     def everything(tree, target, tolerance):
@@ -463,7 +463,7 @@ def test_forged_metadata_outputs_and_keys_earn_nothing(submit, filter_lesson):
 )
 def test_attacks_on_the_judge_earn_almost_nothing(source, submit):
     cheat = f"def {{name}}(*a, **k):\n    {source}\n    return a[0]\n"
-    # Returning the cloud itself is right only if nothing has to be removed.
+    # Returning the cloud unchanged is right only in cases where nothing must be removed.
     assert submit({name: cheat.replace("{name}", name) for name in EXERCISES}).score < 5
 
 
@@ -492,7 +492,7 @@ def test_attacks_on_the_judge_earn_almost_nothing(source, submit):
     },
 )
 def test_huge_or_strange_answers_are_judged_in_time(claim, submit):
-    """The verdict is ready in time, and awards hardly any points."""
+    """The verdict is ready in time and awards few points."""
     answers = {
         name: f"import numpy as np\ndef {name}(cloud, *a, **k): return {claim}\n"
         for name in EXERCISES

@@ -1,4 +1,4 @@
-"""Attempts to put hidden input, markup or terminal commands into the feedback."""
+"""Attempts to smuggle hidden input, markup or terminal commands into the feedback."""
 
 import ast
 import json
@@ -27,7 +27,7 @@ from utils.notebooks import edits
 
 pytestmark = pytest.mark.slow
 
-# A function that encodes the digits of its input as letters and tries to publish them.
+# A function that encodes a number from its input in letters and tries to publish them.
 LEAKING_FUNCTION = """
 def {name}(*arguments, **keywords):
     import numpy as np, os, sys, warnings
@@ -50,7 +50,7 @@ def hidden_words(verdict):
 
 @pytest.fixture
 def shown(tmp_path, capsys):
-    """Return a function that collects every output that shows a verdict to a person."""
+    """Return a function that collects all the outputs that show a verdict to people."""
 
     def shown(verdict):
         lesson = find_lesson(verdict.lesson)
@@ -112,13 +112,13 @@ def shown(tmp_path, capsys):
     },
 )
 def test_feedback_does_not_reveal_hidden_input(body, submit, filter_lesson, shown, tmp_path):
-    """A function of the lesson tries to publish hidden input in a text."""
+    """No output shows hidden input, wherever the answer puts it."""
     source = LEAKING_FUNCTION.format(name="filter_ground", body=body)
     verdict = submit({"filter_ground": source})
     assert verdict.status == "judged" and len(hidden_words(verdict)) > 15
     assert [words for words in hidden_words(verdict) if LEAK.search(words)] == []
     assert [problem for problem in verdict.problems if LEAK.search(problem)] == []
-    # Messages about visible checks do not show it either, because code can pass on hidden input.
+    # Even messages about visible checks must not show it, because code could save hidden input.
     for text in shown(verdict):
         assert not LEAK.search(text)
         assert not re.search("[\x1b\u202e\x07]", text)
@@ -154,7 +154,7 @@ f = tell()
     },
 )
 def test_a_failing_cell_does_not_reveal_another_notebooks_secret(body):
-    """A cell has not seen hidden input, but may have received some from another notebook."""
+    """Messages about a failing cell cannot contain data that came from another notebook."""
     source = LEAKING_CELL.format(body=body) + "def f(): return 1\n"
     with attack(source, forbidden=("sklearn.cluster",)) as student:
         student.f()
@@ -183,7 +183,7 @@ def test_the_number_of_reported_failing_cells_is_limited():
     },
 )
 def test_an_answer_does_not_reveal_another_notebooks_secret(name, body, submit):
-    """The student can see the answer at home, where other students' data is out of reach."""
+    """Messages do not quote the answer, which could contain data from another notebook."""
     source = f"import numpy as np\ndef {name}(cloud, *arguments):\n    {body}\n"
     verdict = submit({name: source})
     said = [test.message for exercise in verdict.exercises for test in exercise.tests]
@@ -192,7 +192,7 @@ def test_an_answer_does_not_reveal_another_notebooks_secret(name, body, submit):
 
 
 def test_exit_codes_are_not_shown(submit):
-    """An exit code that is shown could carry 256 values for each test."""
+    """Messages omit the exit code, which could reveal 8 bits of hidden input per test."""
     body = "os._exit(int(abs(numbers[0]) * 7) % 250 + 1)"
     verdict = submit({"filter_ground": LEAKING_FUNCTION.format(name="filter_ground", body=body)})
     messages = [test.message for exercise in verdict.exercises for test in exercise.tests]
@@ -204,7 +204,7 @@ def test_exit_codes_are_not_shown(submit):
     "name", ["01_point_clouds", "04_kd_tree", "08_bounding_boxes", "12_streaming_obstacles"]
 )
 def test_types_do_not_reveal_hidden_input(name, submit):
-    """The functions of a lesson try the type that they return, then the type that they raise."""
+    """The names of returned and raised types do not reach messages about hidden tests."""
     lesson = find_lesson(name)
     for body in ("return type(word, (), {})()", "raise type(word, (Exception,), {})(word)"):
         answers = {
@@ -218,7 +218,7 @@ def test_types_do_not_reveal_hidden_input(name, submit):
 
 
 def test_messages_contain_no_numbers_from_hidden_input(submit):
-    """Nearly right answers get messages about rows and values."""
+    """Messages about the rows and values of nearly right answers contain no digits."""
     answers = {
         "filter_ground": "def filter_ground(cloud, level=-1.2): return cloud[cloud[:, 2] > 0.5]\n",
         "voxel_grid": "def voxel_grid(cloud, size=0.2): return cloud[::2] + 0.1\n",
@@ -244,7 +244,7 @@ def test_a_failure_is_described_only_by_type_and_place(kind, place):
 
 
 def test_the_reported_calling_line_is_in_the_exercise_itself():
-    """Only a line of the exercise's function is reported as the one that led to the failure."""
+    """The line reported as leading to the failure is in the exercise's own function."""
     body = """
 def nest(line, more):
     return compile("\\n" * (line - 1) + more, "code cell 1", "exec")
@@ -267,7 +267,7 @@ exec(nest(35, "exec(inner)"), {"inner": nest(30, "1 / 0")})
     },
 )
 def test_places_outside_the_notebook_are_not_shown(name):
-    """An invented line number could encode any hidden input."""
+    """Invented cells and lines are not shown, because they could encode hidden input."""
     body = f"exec(compile('\\n' * 987654 + '1/0', {name!r}, 'exec'))"
     with attack(function(body), call_seconds=8.0) as student, pytest.raises(StudentError) as error:
         student.f(np.zeros(3))
@@ -290,7 +290,7 @@ def {name}(cloud, *arguments, **keywords):
     },
 )
 def test_only_lines_of_the_function_are_shown(where, submit):
-    """A cell may have thousands of lines, so a message names a line of the function or none."""
+    """A message names only lines of the function, because a cell may have thousands of lines."""
     here = "\ndef here(): return int(here.__code__.co_filename.split()[-1])\n" + "\n" * 3000
     source = LEAKING_LINE.format(name="filter_ground", where=where) + here
     verdict = submit({"filter_ground": source})
@@ -308,7 +308,7 @@ def test_lines_of_a_very_long_notebook_are_not_shown(submit):
 
 
 def test_lines_of_a_very_long_function_are_not_shown(submit):
-    """A line number of a long function would carry too much information."""
+    """Line numbers in a long function are omitted, because they could reveal too much."""
     body = "    if row == {0}: return 1 / 0\n"
     head = "def filter_ground(cloud, *a, **k):\n    row = int(abs(cloud[0][0]) * 1000) % {0}\n"
     for count, is_shown in ((40, True), (400, False)):
@@ -322,7 +322,7 @@ WORDS, SMALL_NUMBERS = 16, 100
 
 
 def blanks_of(lesson):
-    """Return the number of blanks in each message that a lesson's checks can give."""
+    """Return the number of variable parts in each message of a lesson's checks."""
     checks = PROJECT / "utils" / "checks"
     files = [path for path in checks.glob("*.py") if not path.name.startswith("lesson_")]
     files += [*checks.glob(f"lesson_{lesson.number}.py"), lesson.tests]
@@ -336,7 +336,7 @@ def blanks_of(lesson):
 
 
 def blanks_in(message):
-    """Return the number of blanks in a message, or the maximum if it cannot be read from code."""
+    """Return the number of variable parts in a message, or the maximum if it is unknown."""
     if isinstance(message, ast.Constant):
         return 0
     if isinstance(message, ast.Call) and getattr(message.func, "id", "") == "fixed":
@@ -350,15 +350,17 @@ def blanks_in(message):
 
 
 def test_the_threat_model_states_how_much_a_failure_can_leak():
-    """Count the bits that a student controls: whether, what and where to raise, and the tip."""
+    """Student code chooses the type, line and tip of an exception, or another failure."""
     tips_for = {kind: {""} for kind in (*KNOWN_EXCEPTIONS, "another")}
     for kinds, _, _, tip in tips._TIPS:
         for kind in kinds.split("|"):
             tips_for.setdefault(kind, {""}).add(tip)
     raised = sum(map(len, tips_for.values())) * (MOST_LINES + 1)
-    # In a message without numbers, all blanks together are filled with one of at most WORDS words.
+    # Messages about hidden tests omit numbers. The variable parts of each message together have at
+    # most WORDS values.
     wrong = max(sum(WORDS ** (n > 0) for n in blanks_of(lesson)) for lesson in all_lessons())
-    # The check passes, fails with one of our messages, takes too long, or the process dies.
+    # Otherwise, the check passes, fails with one of our messages, takes too long, or loses its
+    # process.
     ends_otherwise = 1 + wrong + 10
     bits = math.ceil(math.log2(raised + ends_otherwise))
     threats = (PROJECT / "docs" / "security.md").read_text("utf-8")
@@ -368,7 +370,7 @@ def test_the_threat_model_states_how_much_a_failure_can_leak():
 
 
 def test_the_threat_model_states_how_much_an_exercise_can_leak():
-    """The searches for a known mistake and for a repairing edit use hidden input."""
+    """The searches for a known mistake and for an edit use hidden input, so they leak bits too."""
     exercises = [exercise.name for lesson in all_lessons() for exercise in lesson.machine_graded]
     mistakes = max(len([*checks_of(name)] and [*known_mistakes(name)]) for name in exercises)
     threats = (PROJECT / "docs" / "security.md").read_text("utf-8")
@@ -380,7 +382,7 @@ def test_the_threat_model_states_how_much_an_exercise_can_leak():
 
 
 def test_the_threat_model_states_how_much_checks_and_cells_can_leak():
-    """Visible checks and cells do not see hidden input, so their messages may say more."""
+    """Messages about visible checks and cells may say more, as these do not see hidden input."""
     tips_for = {
         kind: {""} for kind in (*NAMED_EXCEPTIONS, "an exception that the line raises", "another")
     }
@@ -393,8 +395,8 @@ def test_the_threat_model_states_how_much_checks_and_cells_can_leak():
     for kinds, pattern, _ in SENTENCES:
         words += sum(len(tips_for[kind]) for kind in kinds.split("|")) * names ** ("(" in pattern)
     raised = words * (MAX_NOTEBOOK_LINES + 1)
-    called = raised * (MOST_LINES + 1)  # and the line of the exercise that led to the failure
-    # Each blank of a message is filled with a number or a word.
+    called = raised * (MOST_LINES + 1)  # and the exercise's line that led to the failure
+    # Each variable part of a message is a number or a word.
     is_wrong = max(
         sum((SMALL_NUMBERS + 1) ** min(n, FEW_NUMBERS) for n in blanks_of(lesson))
         for lesson in all_lessons()

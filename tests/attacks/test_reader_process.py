@@ -1,4 +1,4 @@
-"""Files that are too costly to read: one student gets a message, and the class is still graded."""
+"""Files that are too costly to read: the student gets a message, and the class is still graded."""
 
 import itertools
 import json
@@ -69,7 +69,7 @@ def test_reading_in_another_process_gives_the_same_result():
 
 
 def make_vulnerable(monkeypatch, module, name, work=loop_forever):
-    """Make one of the grader's functions vulnerable to the hostile text."""
+    """Replace a function of the grader with one that calls `work` on the hostile text."""
     right = getattr(module, name)
 
     def holed(given, *others):
@@ -97,7 +97,7 @@ def test_a_fault_of_the_grader_costs_no_points(small_limits, sandbox, monkeypatc
 
 @pytest.mark.slow
 def test_text_that_is_too_slow_to_render_is_left_out(small_limits):
-    """The Markdown renderer of the feedback and of Formgrader needs minutes for this text."""
+    """Text that would keep the Markdown renderer busy for minutes is left out of the copy."""
     submission = submission_of("\\\\( \\) " * 60_000)
     assert preflight.prepare_to_judge(submission, LESSON).code
     copy, complaint = autograded.build_copy_in_process(submission, LESSON)
@@ -140,7 +140,7 @@ def grade(course, sandbox, monkeypatch):
 def test_the_class_is_graded_despite_a_costly_file(
     module, name, score, small_limits, course, sandbox, monkeypatch, capsys
 ):
-    """A file that is too slow for preflight loses its points. One too slow to copy is not shown."""
+    """A file that is too slow for preflight earns 0; one that is too slow to copy is not shown."""
     make_vulnerable(monkeypatch, module, name)
     status = grade(course, sandbox, monkeypatch)
     said = " ".join((lambda seen: seen.out + seen.err)(capsys.readouterr()).split())

@@ -54,7 +54,8 @@ def f(paths):
         str(PROJECT / "grader" / "sandbox" / "inside"),
     ]
     written = outcome_of(source, everywhere)
-    # A project in /tmp is in the sandbox's own /tmp. Only its shown subfolders are read-only.
+    # A project in /tmp appears in the sandbox's own, writable /tmp. Only its shown subfolders are
+    # read-only.
     own = {str(PROJECT), sys.prefix} if PROJECT.is_relative_to("/tmp") else set()
     assert {"/tmp", "/dev/shm"} <= set(written) <= {"/tmp", "/dev/shm"} | own
     assert not (PROJECT / "utils" / "clouds" / "x").exists()
@@ -207,7 +208,7 @@ def test_memory_taken_between_two_calls_counts():
 
 
 def test_lowering_its_oom_score_does_not_save_a_process(monkeypatch):
-    """Code that resets `oom_score_adj` is still stopped when the machine runs out of memory."""
+    """A process that resets `oom_score_adj` is still stopped when memory runs out."""
     refuse = """
 try:
     open("/proc/self/oom_score_adj", "w").write("0")
@@ -227,7 +228,7 @@ except OSError:
 
 @pytest.mark.parametrize("others", [0, 1])
 def test_only_a_lack_of_memory_makes_a_killed_process_starved(others, monkeypatch):
-    """The kernel counts the processes that it kills; a process that kills itself adds none."""
+    """A process is starved only if the kernel's count of out-of-memory kills has increased."""
     kills = iter([5, 5 + others])
     monkeypatch.setattr(launcher, "killed_for_memory", lambda: next(kills))
     with attack(function("import os\nos.kill(os.getpid(), 9)")) as student:
@@ -237,7 +238,7 @@ def test_only_a_lack_of_memory_makes_a_killed_process_starved(others, monkeypatc
 
 
 def test_a_process_above_its_own_limit_is_not_starved(monkeypatch):
-    monkeypatch.setattr(launcher, "killed_for_memory", lambda: time.monotonic())  # ever more
+    monkeypatch.setattr(launcher, "killed_for_memory", lambda: time.monotonic())  # grows
     source = HOLD + function("children(12, 256)\ntime.sleep(60)")
     with attack(source, call_seconds=20.0, total_memory=1500 * MEBIBYTE) as student:
         with pytest.raises(StudentStopped, match=TOO_MUCH):
@@ -267,7 +268,7 @@ def f():
 
 
 def test_no_process_outlives_the_worker():
-    """The processes are forked twice and have their own session. Names identify them."""
+    """Even processes that were forked twice, in their own session, end with the worker."""
     source = """
 import ctypes, os, time
 def f(name):
@@ -362,7 +363,7 @@ def f():
 
 @pytest.fixture(scope="module")
 def numbers():
-    """Return the numbers of the system calls on this machine, by name."""
+    """Return the number of each system call on this machine, by name."""
     machine = os.uname().machine
     if machine not in syscalls.MACHINES:
         skip_or_fail(f"an x86-64 or arm64 processor, not {machine}: another machine")

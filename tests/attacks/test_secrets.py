@@ -1,7 +1,7 @@
-"""Check that no input in the sandbox reveals the seed from which other inputs are drawn.
+"""Check that no input in the sandbox reveals the seed of other inputs.
 
 NumPy's seeding can be inverted, so the state of a generator reveals its seed. The constants below
-are those of `numpy.random.SeedSequence` and of PCG64.
+come from `numpy.random.SeedSequence` and PCG64.
 """
 
 import copy
@@ -24,7 +24,7 @@ WORD, PCG = 2**32, 2**128
 PCG_MULTIPLIER = 0x2360ED051FC65DA44385DF649FCCF645
 INIT_A, MULT_A, INIT_B, MULT_B = 0x43B0D7E5, 0x931E8875, 0x8B51F9DD, 0x58F38DED
 MIX_L, MIX_R = 0xCA01F9DD, 0x4973F715
-PUBLIC = 100_000  # smaller numbers are run counts, sizes and the like, which are public anyway
+PUBLIC = 100_000  # smaller numbers are sizes and counts, which are public anyway
 SEED = 0xC0FFEE_5EED_0F_A_C0FFEE_5EED
 
 
@@ -41,7 +41,7 @@ def constants(first, factor, count):
 
 
 def seed_behind(generator):
-    """Return the seed of a generator of NumPy, if the seed has at most 128 bits."""
+    """Return the seed of a NumPy generator, if the seed has at most 128 bits."""
     state = generator.bit_generator.state["state"]
     backwards = (state["state"] - state["inc"]) * pow(PCG_MULTIPLIER, -1, PCG) - state["inc"]
     high, low = backwards % PCG >> 64, backwards % 2**64
@@ -71,7 +71,7 @@ def seed_behind(generator):
 
 @pytest.mark.parametrize("seed", [0, 7, 2026, 2**32 + 5, 29034951985294, 2**127 + 12345])
 def test_seeding_can_be_inverted(seed):
-    """If the inverse were wrong, the tests below could not fail."""
+    """`seed_behind` returns the seed; otherwise, the tests below could not fail."""
     generator = np.random.default_rng(seed)
     assert seed_behind(generator) == seed
 
@@ -109,7 +109,7 @@ def test_hidden_input_does_not_reveal_a_seed(lesson, monkeypatch):
     def listening(function):
         def ask(*arguments, **keywords):
             for value in everything_in([arguments, keywords]):
-                crossed.append(copy.deepcopy(value))  # before a draw changes its state
+                crossed.append(copy.deepcopy(value))  # copied before a draw changes the state
             return function(*arguments, **keywords)
 
         return ask

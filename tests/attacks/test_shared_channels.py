@@ -1,7 +1,7 @@
-"""Hidden channels between two notebooks through the read-only files that both can see.
+"""Attempts to signal from one notebook to another through read-only files that both can see.
 
 One notebook sends eight bits and the other tries to receive them, at the same time or afterwards.
-The received bits must all be equal, although the sent bits are not.
+The received bits must all be equal, although the sent bits differ.
 """
 
 import contextlib
@@ -12,8 +12,8 @@ import pytest
 from tests.attacks.attack import attack, outcome_of, with_attacks
 
 BITS = [0, 1, 1, 0, 1, 0, 0, 1]
-# Code that both sides share. Each channel defines `tell(number)`, which sends a bit that is 1, and
-# `hear(number)`, which receives a bit. The receiver may also prepare with `listen(number)`.
+# Code that both sides share. Each channel defines `tell(number)`, which sends a 1 as bit `number`,
+# and `hear(number)`, which receives the bit. The receiver may also prepare with `listen(number)`.
 COMMON = """
 import ctypes, errno, fcntl, glob, mmap, os, struct, threading, time
 import numpy as np
@@ -68,7 +68,7 @@ def heard():
             said.append(None)
     return said
 """
-# The kernel reads ahead, so reading one page also loads nearby pages.
+# Reading a page sends a bit. Each bit has its own file, because the kernel also loads nearby pages.
 PAGES = """
 def listen(number):
     if AT_ONCE: out_of_memory(number)
@@ -199,7 +199,7 @@ def test_no_bits_reach_another_notebook(way, simultaneous):
 
 
 def test_processes_of_one_notebook_can_still_use_locks():
-    """The sandbox disables futexes in shared pages, so the locks of a notebook poll instead."""
+    """Locks still work: they poll, because the sandbox disables futexes in shared pages."""
     source = """
 import multiprocessing
 def slow(number):

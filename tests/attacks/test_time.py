@@ -19,11 +19,11 @@ from tests.attacks.test_resources import HOLD
 from tests.prerequisites import PATIENCE
 
 LINE = find_lesson("02_ransac_line")
-# A quarter of the default limits, so that an exercise may cost at most a quarter of 15 seconds.
+# A quarter of the default limits, so an exercise may cost at most a quarter of 15 seconds.
 QUARTER = {"start_seconds": 2.5, "call_seconds": 2.5, "total_seconds": 45.0, "restarts": 3}
 MOST = 15 / 4
 SPIN = "while True: pass"
-# Ignores SIGCHLD, so that the kernel forgets the processor time of unreaped children.
+# Ignores SIGCHLD, so that the kernel discards the processor time of its children.
 UNREAPED = """
 signal.signal(signal.SIGCHLD, signal.SIG_IGN)
 while True:
@@ -85,7 +85,7 @@ while True:
 )
 @pytest.mark.slow
 def test_code_that_delays_the_class_costs_one_time_limit(body):
-    """The time limit is spent once per exercise, not once per check, and counts as used time."""
+    """Slow code uses up the time limit once per exercise, not once per check."""
     begin = time.monotonic()
     reasons = set()
     with attack(PREPARED + function(body), **QUARTER) as student:
@@ -142,7 +142,7 @@ for _ in range(50):
 @pytest.mark.slow
 @with_attacks("unnoticed", UNNOTICED)
 def test_processor_time_of_unreaped_children_counts(unnoticed):
-    """The sandbox reaps them, so the kernel counts their processor time even on a busy machine."""
+    """Attempts to ignore SIGCHLD have no effect, so the processor time of children counts."""
     body = unnoticed + CHILDREN
     with attack(PREPARED + function(body), call_seconds=60.0, total_seconds=90.0) as student:
         student.start()
@@ -180,7 +180,7 @@ return libc.sigaction(int(signal.SIGCHLD), None, act), int(act[0])
 
 @pytest.mark.slow
 def test_many_sleeping_calls_share_one_budget():
-    """Each call ends in time, but the total time of all calls is limited."""
+    """Each call is within its limit, but all calls together exceed the notebook's budget."""
     with attack("import time\ndef f(): time.sleep(0.6)", total_seconds=2.0) as student:
         with pytest.raises(StudentStopped):
             for _ in range(10):
@@ -190,7 +190,7 @@ def test_many_sleeping_calls_share_one_budget():
 
 @pytest.mark.slow
 def test_many_quick_calls_share_one_budget():
-    """Each call is too short to be measured, but the total time is limited."""
+    """Each call is too short to be measured, but the total elapsed time is limited."""
     begin = time.monotonic()
     with (
         attack("import time\ndef f(): time.sleep(0.02)", wall_seconds=3.0) as student,
@@ -223,7 +223,7 @@ def test_endless_cells_cost_one_time_limit():
 )
 @pytest.mark.slow
 def test_a_notebook_that_never_starts_is_not_searched_for_edits(statement, submit, monkeypatch):
-    """Each further start would cost the full start limit again."""
+    """The search for an edit is skipped, because each start would cost the full start limit."""
     starts, start = [], type(SANDBOX).start
 
     def counted(*arguments):
@@ -245,7 +245,7 @@ def test_the_threat_model_states_what_an_exercise_may_cost():
         f"{limits.total_seconds:.0f} seconds in which its code works",
         f"and {limits.wall_seconds:.0f} seconds of wall time",
         f"waits {limits.call_seconds:.0f} seconds for the first",
-        # The exercise runs once unchanged and once with correct helpers.
+        # An exercise may run again with correct helpers.
         f"at most {math.ceil(first)} seconds, and {math.ceil(2 * again)} more if the exercise is",
     ):
         assert sentence in threats
@@ -267,7 +267,7 @@ SLEEPY = {
 
 @pytest.fixture
 def budgets(monkeypatch):
-    """Return the list of all budgets that are created from now on."""
+    """Return a list to which every new `Budget` is added."""
     created = []
 
     class Recorded(Budget):
@@ -284,7 +284,7 @@ def budgets(monkeypatch):
 def test_a_wrong_function_that_is_slow_gets_no_more_time_than_one_that_hangs(
     submit, budgets, monkeypatch
 ):
-    """Each call returns within its limit, so only the failed checks can tell."""
+    """Each call stays within its limit, so the time is cut because of the failed checks."""
     monkeypatch.setattr(repair, "LEAST_CPU_SECONDS", 0.5)
     answer = "def line_through(p, q):\n    import time\n    time.sleep(1)\n    return 1.0, 2.0, 3.0"
     verdict = submit({"line_through": answer}, lesson=LINE, **QUARTER)
@@ -295,13 +295,13 @@ def test_a_wrong_function_that_is_slow_gets_no_more_time_than_one_that_hangs(
 
 @pytest.mark.slow
 def test_a_notebook_of_sleeping_functions_has_one_budget(submit, budgets):
-    """The notebook is also judged twice, because its last exercise calls the others."""
+    """All functions share one budget, as does the second run of the exercise that calls others."""
     verdict = submit(SLEEPY, lesson=LINE, call_seconds=1.0, total_seconds=5.0, restarts=3)
     assert verdict.score == 0 and not verdict.starved
     for exercise in verdict.exercises:
         messages = [test.message for test in exercise.tests]
         assert sum("did not answer" in message for message in messages) <= 1
-        # On a busy machine, the budget may end before the last exercise has used up its tries.
+        # On a busy machine, the budget may run out before the last exercise has had all its tries.
         others = ("For the same reason", "Not tried: the notebook had used up its")
         repeated = [text for text in messages if any(other in text for other in others)]
         assert len(repeated) >= len(messages) - 1

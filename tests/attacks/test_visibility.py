@@ -90,7 +90,7 @@ def test_secret_files_cannot_be_opened(path):
         assert not student.f(str(PROJECT / path))
 
 
-# Lists, inside the sandbox, everything that can be imported and from where.
+# Lists everything that can be imported inside the sandbox, and where it comes from.
 WALK = """
 import importlib, importlib.util, os, pkgutil, sys
 def f():
@@ -172,7 +172,7 @@ def test_unlisted_packages_cannot_be_imported(how):
 
 
 def test_shared_libraries_of_unlisted_packages_cannot_be_loaded():
-    """VTK and PCL cannot be loaded as shared libraries without Python's import."""
+    """Code that loads shared libraries without Python's import does not find VTK or PCL."""
     source = """
 import ctypes, os
 def f(roots):
@@ -183,7 +183,7 @@ def f(roots):
                       if ".so" in name and any(w in name.lower() for w in ("vtk", "pcl"))]
     return found
 """
-    # Debian's Python is in /usr, and the system's own libraries there are shown on purpose.
+    # In /usr, only Python's folders; the system's own libraries are visible on purpose.
     roots = [sys.prefix]
     for root in (sys.base_prefix, "/usr", "/usr/local"):
         roots += glob.glob(f"{root}/lib/python3*")
@@ -191,7 +191,7 @@ def f(roots):
 
 
 def test_a_forbidden_library_has_no_files():
-    """Even code that removes the refusing importer does not find files to import."""
+    """Even without the importer that refuses the library, there are no files to import."""
     source = """
 import glob, importlib, subprocess, sys
 def f():
@@ -244,7 +244,7 @@ def f():
 
 
 def test_open_files_of_the_grader_are_out_of_reach():
-    """They cannot be opened through another process's root in /proc or the parent's memory."""
+    """Code cannot reach the files through a process's root in /proc or the parent's memory."""
     source = """
 import os
 def f():
@@ -262,7 +262,7 @@ def f():
 
 
 def test_no_network_is_reachable():
-    """Try a server on this machine, one elsewhere, and sockets of unusual families."""
+    """Code cannot reach a server on this machine or elsewhere, or open unusual sockets."""
     with socket.socket() as server:
         server.bind(("127.0.0.1", 0))
         server.listen()
@@ -331,7 +331,7 @@ def f(name, processes):
 
 @needs_namespaces
 def test_two_sandboxes_of_one_user_are_separate():
-    """Files, abstract sockets, ports, process IDs and signals do not connect them."""
+    """The sandboxes do not share files, abstract sockets, ports, process IDs or signals."""
     name = secrets.token_hex(4)
     with attack(HOST) as first, attack(GUEST) as second:
         assert first.f(name) == "here"
@@ -339,12 +339,12 @@ def test_two_sandboxes_of_one_user_are_separate():
         assert len(numbers) >= 2
         assert second.f(name, numbers) == []
         with pytest.raises(StudentError, match="in use|OSError|exists"):
-            first.f(name)  # still running and still bound to its port
+            first.f(name)  # still running and holding its port
 
 
 @needs_namespaces
 def test_a_submission_leaves_nothing_behind_for_the_next():
-    """Files, modules, variables and processes are gone when the judge continues."""
+    """No files, modules, variables or processes remain when the judge continues."""
     leave = """
 import builtins, os, sys
 def f():
@@ -374,7 +374,7 @@ def f():
 
 @pytest.fixture
 def elsewhere(tmp_path, monkeypatch):
-    """Return a function that puts a project into a subfolder and lists the visible files."""
+    """Return a function that creates a project and Python and lists the visible files."""
 
     def put(project, prefix, base, system=()):
         project, prefix, base = (tmp_path / place for place in (project, prefix, base))
@@ -441,7 +441,7 @@ def test_the_location_of_project_and_python_does_not_matter(
 
 
 def test_the_sandbox_of_an_ordinary_user_also_confines_root(monkeypatch):
-    """The sandbox for ordinary users also works if root is treated as one."""
+    """Root cannot leave the sandbox either, if it is treated as an ordinary user."""
     monkeypatch.setattr(users, "is_root", lambda: False)
     identity = {"user": 65534, "group": 65534, "extra_groups": []} if os.geteuid() == 0 else {}
     script = (
@@ -470,6 +470,6 @@ def test_the_sandbox_of_an_ordinary_user_also_confines_root(monkeypatch):
 
 
 def test_a_worker_can_start_in_this_sandbox():
-    """If no code ran, the tests above would pass for the wrong reason."""
+    """The worker starts; if no code ran, the tests above would pass for the wrong reason."""
     worker = SANDBOX.start(Limits())
     assert worker.stop() in (-9, 137)

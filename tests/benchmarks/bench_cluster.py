@@ -46,9 +46,9 @@ def make_class(root, students):
 
 
 def cpu_seconds(course, sandbox):
-    """Return the processor seconds per notebook when this process judges one after another.
+    """Judge all notebooks one after another; return the mean processor seconds.
 
-    This is a lower bound, because processes of a killed sandbox are not counted.
+    This is a lower bound, because the time of processes killed with a sandbox is not counted.
     """
     submissions = find_submissions(course)
     for submission in submissions[: len(all_lessons())]:  # fill caches of scenes and right answers
@@ -65,7 +65,7 @@ def judge(course, submission, sandbox):
 
 
 def core_seconds(course, sandbox):
-    """Return the paid core seconds per notebook: cores times the time from joining to the end."""
+    """Return the billed core seconds per notebook: cores times seconds from joining to the end."""
     with LocalCluster(
         n_workers=1, threads_per_worker=processors(), dashboard_address=None
     ) as cluster:

@@ -53,7 +53,7 @@ def scans() -> Iterator[tuple[str, np.ndarray]]:
 
 
 def worst_cases() -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
-    """Yield the name, points and right labels of clouds for which a grid of cells helps least."""
+    """Yield the name, points and right labels of clouds on which a grid of cells helps least."""
     rng = np.random.default_rng(3)
     inner, outer = (v / np.linalg.norm(v, axis=1)[:, None] for v in rng.normal(size=(2, 30_000, 3)))
     nested = np.vstack([0.05 * inner, (0.05 + RADIUS + 1e-4) * outer])
@@ -62,13 +62,13 @@ def worst_cases() -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
         nested,
         np.arange(60_000) // 30_000,
     )
-    edge = 1e7 ** (1 / 3) * RADIUS / 3**0.5  # one point per ten cells
+    edge = 1e7 ** (1 / 3) * RADIUS / 3**0.5  # such that there is one point per ten cells
     sparse = rng.uniform(0, edge, (1_000_000, 3))
     yield "a million points, one for every ten cells", sparse, all_pairs(sparse)()
 
 
 def row(name: str, result: Result, ours: Result, right: str) -> list[str]:
-    """Return the cells in one row of the table."""
+    """Return the cells of one table row."""
     middle, low, high = result.times_as_long_as(ours)
     spread = np.nanpercentile(result.seconds, (25, 75)) * 1000
     return [
@@ -114,7 +114,7 @@ def compare(
 
 
 def turns_side_by_side(scan: np.ndarray, count: int) -> np.ndarray:
-    """Return `count` points: whole turns of the scanner, 300 m apart, and a part of another."""
+    """Return `count` points: copies of a scan, 300 m apart, the last one incomplete."""
     turns = [scan + [0, 300.0 * number, 0] for number in range(-(-count // len(scan)))]
     few = np.random.default_rng(0).permutation(turns.pop())[: count - len(scan) * len(turns)]
     return np.ascontiguousarray(np.vstack([*turns, few]))

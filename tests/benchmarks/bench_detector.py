@@ -2,10 +2,10 @@
 
 The two detectors run in turn on `cloud.txt`, ROUNDS times each. Quality is the F1 score over one
 frame of each of the eight streets of lesson 12, and of eight other streets. The standard errors
-come from a jackknife over streets. The labelled frames in REAL_CLOUDS give recall with Wilson's
-95 % interval, which is wide because there are only a few cars.
+come from a jackknife over streets. Recall is measured on the labelled frames in REAL_CLOUDS, with
+Wilson's 95 % interval, which is wide because there are only a few cars.
 
-The rows cannot be compared with each other directly; a note below them says why.
+Rows of the table are not directly comparable; a note below the table says why.
 `search_detector.py` searches for better parameters.
 
 The script adds its results to `.bench/measured.json`, under "detector by steps" and "quality".
@@ -60,7 +60,7 @@ def detector_with(change: Callable[[dict], dict]) -> Callable[[np.ndarray], np.n
 
 
 class TimedDetector:
-    """The detector, with a timer around each step that it calls."""
+    """The detector with a timer around each of its steps."""
 
     def __init__(self) -> None:
         self._seconds: dict[str, float] = {}
@@ -110,7 +110,7 @@ def step_times(cloud: np.ndarray) -> dict[str, list[float]]:
 
 
 def f1_of_streets(seeds: range) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Return F1 at each of `OVERLAPS`, and its standard errors."""
+    """Return F1 at each of `OVERLAPS`, and the standard errors."""
     detect = load_reference("12_streaming_obstacles").detect_obstacles
     frames = [scenes.city_block(seed, frames=1)[0] for seed in seeds]
     card = score_card([detect(frame.cloud) for frame in frames], frames, CARRIAGEWAY)

@@ -1,4 +1,4 @@
-"""Time how fast one writer enters a class into a growing gradebook, in SQLite and PostgreSQL.
+"""Measure how fast one writer enters a class in a growing gradebook, in SQLite and PostgreSQL.
 
 All students submit the solved notebooks of the first stage, which are judged only once. The script
 skips PostgreSQL if Debian's package ``postgresql`` is not installed.
@@ -28,7 +28,7 @@ STAGE = stages()[0]
 
 
 def make_course(root, database):
-    """Return a course without students that uses a database."""
+    """Return a course without students whose gradebook is in the given database."""
     shutil.copytree(PROJECT / "notebooks" / STAGE, root / "notebooks" / STAGE)
     line = f"get_config().CourseDirectory.db_url = {database!r}\n" if database else ""
     (root / "nbgrader_config.py").write_text(CONFIGURATION.format(project=str(PROJECT)) + line)

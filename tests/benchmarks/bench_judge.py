@@ -1,16 +1,16 @@
 """Compare the speed of the judge with nbgrader's own autograde on the same submissions.
 
 Both programs grade copies of each lesson's solved notebook. They run in turn from the command line,
-each in its own copy of the course. The benchmark stops if either gives less than full marks.
+each in its own copy of the course. The benchmark stops if either awards less than full marks.
 nbgrader executes one notebook after another in a kernel. Its time per notebook is the difference
-between a class of two and a class of one, which excludes its start. The judge is timed on a whole
-class, including its start, sandbox, report and gradebook. ROUNDS is the number of repetitions.
+between a class of two and a class of one, which excludes start-up. The judge is timed on a whole
+class, including start-up, sandbox, report and gradebook. ROUNDS is the number of repetitions.
 
 The time for a class of 200 in all lessons is extrapolated from a run inside this process, which
 can observe each verdict as it arrives.
 
-Run the benchmark on an otherwise idle machine. nbgrader uses one hardware thread, and has a whole
-core as long as the core's other thread is idle. The judge uses all threads anyway. Other work on
+Run the benchmark on an otherwise idle machine. nbgrader uses one hardware thread, and gets a whole
+core while the core's other thread is idle. The judge uses all threads anyway. Other work on
 the machine may therefore slow nbgrader more than the judge.
 
     python tests/benchmarks/bench_judge.py [STAGE ...]
@@ -45,7 +45,7 @@ from tests.benchmarks.racing import save_results
 
 STUDENTS = 20
 ROUNDS = int(os.environ.get("ROUNDS", 3))
-# Seconds that nbgrader took for one of the shorter notebooks of the course's first edition.
+# Seconds that nbgrader took for one of the shorter notebooks in the course's first edition.
 FIRST_EDITION = 4.0
 # Configuration of plain nbgrader, which runs notebooks and counts the visible checks that pass.
 PLAIN = """\
@@ -59,9 +59,9 @@ SEED = 1
 
 @dataclass(frozen=True)
 class Times:
-    """Seconds for a stage, and peak megabytes of this process, which reads and writes files.
+    """Seconds for a stage, and the peak memory of this process in megabytes.
 
-    `further` has the seconds for each further notebook, by the lesson's name.
+    `further` maps each lesson to the seconds for each further notebook.
     """
 
     first: float
@@ -81,7 +81,7 @@ def make_course(root, students, lessons):
             root / folder,
             ignore=shutil.ignore_patterns("*.py", "*.md", "*.png", "*.gif"),
         )
-    # nbgrader runs notebooks in their own folder, where they find the course in a folder above.
+    # nbgrader runs each notebook in its own folder. The notebook finds these in a parent folder.
     for name in ("utils", "data"):
         (root / name).symlink_to(PROJECT / name)
     for number in range(students):
@@ -95,8 +95,8 @@ def make_course(root, students, lessons):
 def _as_written_by(number, lesson):
     """Return the solved notebook with a student's comment in each answer.
 
-    Without these comments the notebooks would be identical, and the judge would take all results
-    but the first from its cache.
+    Without these comments, the notebooks would be identical, and the judge would reuse its first
+    verdict for all of them.
     """
     notebook = json.loads(lesson.solved.read_text("utf-8"))
     for cell in notebook["cells"]:
@@ -140,7 +140,7 @@ def time_judge(lessons, folder):
 
 
 def seconds_between_verdicts(times):
-    """Return the mean seconds between verdicts in the middle half, which excludes start-up."""
+    """Return the mean seconds between verdicts in the middle half of a run."""
     few, most = len(times) // 4, 3 * len(times) // 4
     return (times[most] - times[few]) / (most - few)
 
@@ -178,7 +178,7 @@ def assert_full_marks(root, stage, notebooks):
 
 
 def time_nbgrader(lessons, folder, students):
-    """Return the seconds that plain nbgrader takes if its gradebook already has the stage."""
+    """Return the seconds that plain nbgrader takes if its gradebook already contains the stage."""
     stage, course = lessons[0].stage, make_course(folder, students, lessons)
     with open_gradebook(course) as book:
         register_stages(course, book, [stage])

@@ -23,7 +23,7 @@ HEIGHTS = (-30, -2.0, -1.6, -1.2, -0.5, 0.0, 0.5, 1.0, 10)
 
 
 def read_highway(folder: Path) -> np.ndarray:
-    """Return the published highway frame in sensor coordinates; its own origin is on the road."""
+    """Return the published highway frame, whose origin is on the road, in sensor coordinates."""
     lines = (folder / "simpleHighway.pcd").read_text().split("DATA ascii\n")[1]
     return np.array(lines.split(), dtype=float).reshape(-1, 3) - highway_sensor().origin
 
@@ -94,7 +94,7 @@ def print_table(clouds: dict[str, np.ndarray]) -> None:
 
 
 def _figures(cloud: np.ndarray):
-    """Yield the label and the text of every number in a cloud's column."""
+    """Yield each row's label and formatted number for one cloud."""
     reach = np.hypot(cloud[:, 0], cloud[:, 1])
     yield "returns", f"{len(cloud):,}".replace(",", " ")
     for low, high, value in zip(RANGES, RANGES[1:], share(reach, RANGES), strict=False):

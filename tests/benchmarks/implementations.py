@@ -1,4 +1,4 @@
-"""Implementations of clustering and box detection: those of the lessons and of other libraries.
+"""Implementations of clustering and box detection, from the lessons and from other libraries.
 
 The other libraries, and Numba for lesson 13, are in their own environment:
 
@@ -36,7 +36,7 @@ if os.environ.get("PEERS"):
 
 
 def _called(function: Callable[[np.ndarray], np.ndarray]) -> Implementation:
-    """Turn a function of a cloud into a `Implementation`."""
+    """Convert a function of a cloud to an `Implementation`."""
 
     @functools.wraps(function)
     def implementation(cloud: np.ndarray) -> Callable[[], np.ndarray]:
@@ -53,7 +53,7 @@ def _compiled(name: str) -> Callable[[np.ndarray], np.ndarray]:
 
 @_called
 def taught(cloud: np.ndarray) -> np.ndarray:
-    """Cluster as lesson 10 teaches."""
+    """Cluster in the way that lesson 10 teaches."""
     lesson = load_reference("10_accelerated_clustering")
     return lesson.euclidean_clustering_accelerated(cloud, RADIUS)
 
@@ -175,7 +175,7 @@ class PclPeer:
         self.process = self._program.pid
 
     def __call__(self) -> np.ndarray:
-        """Return the labels of the points, or as many zeros as there are boxes."""
+        """Return the points' labels, or one zero per detected box."""
         try:
             self._program.stdin.write("\n")
             self._program.stdin.flush()

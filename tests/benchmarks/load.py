@@ -1,8 +1,8 @@
 """Check that right notebooks lose no points on a busy machine.
 
 The script judges a class of right answers with one job per processor: first on an otherwise idle
-machine, then with one, two and four busy processes for each processor. Rehearsals come first. The
-exit status is 1 if a right notebook loses a point. Run the script on an otherwise idle machine:
+machine, then with one, two and four busy processes for each processor. The lessons are rehearsed
+first. The exit status is 1 if a right notebook loses a point.
 
     PYTHONPATH=. python tests/benchmarks/load.py [NOTEBOOKS]     # 100 by default; an hour or two
 """
@@ -32,7 +32,7 @@ SEED = 1
 
 
 def submit(course, count):
-    """Write `count` submissions, cycling through the lessons and their right answers."""
+    """Write `count` submissions, cycling through all lessons and right answers."""
     for number, lesson in zip(range(count), itertools.cycle(all_lessons()), strict=False):
         answers = {}
         for exercise in lesson.machine_graded:
@@ -46,7 +46,7 @@ def submit(course, count):
 @contextlib.contextmanager
 def busy(count):
     """Run `count` busy processes with the same priority as this one."""
-    # Each process has its own session, because some kernels divide processor time by session.
+    # Each process has its own session, because some kernels share processor time among sessions.
     command = [sys.executable, "-c", "while True: pass"]
     others = [subprocess.Popen(command, start_new_session=True) for _ in range(count)]
     try:
@@ -58,7 +58,7 @@ def busy(count):
 
 
 def judge_under_load(load, course, sandbox):
-    """Judge the class under a load; return verdicts, submissions judged again, and seconds."""
+    """Judge the class under a load; return verdicts, repeated submissions and seconds."""
     for verdicts in course.verdicts.glob("student*"):
         shutil.rmtree(verdicts)
     judged_submissions = []
@@ -84,7 +84,7 @@ def main(count=NOTEBOOKS):
 
 
 def measure_loads(course, count):
-    """Judge under each load, print a row for each and the lost points; return the exit status."""
+    """Judge under each load, print the times and lost points, and return the exit status."""
     sandbox, lost, twice = choose_sandbox(), [], []
     submit(course, count)
     with EXECUTORS["processes"](processors()) as executor:

@@ -19,7 +19,7 @@ ROUNDS = int(os.environ.get("ROUNDS", 9))
 # Seconds after which a slow implementation skips its remaining rounds.
 PATIENCE = float(os.environ.get("PATIENCE", 20))
 
-# A function from a cloud to a callable that does the work once and returns the answer.
+# Takes a cloud and returns a callable that does the work once and returns the answer.
 Implementation = Callable[[np.ndarray], Callable[[], np.ndarray]]
 
 
@@ -34,7 +34,7 @@ class Result:
     Attributes
     ----------
     seconds : ndarray, shape (rounds,)
-        Time of each round; NaN for skipped rounds.
+        Time of each round, or NaN if the round was skipped.
     answer : ndarray
     memory : float
         Peak bytes of a separate process, minus its bytes before the call; NaN if the system does
@@ -56,7 +56,7 @@ class Result:
         return float(np.nanmin(self.seconds))
 
     def times_as_long_as(self, other: Result) -> tuple[float, float, float]:
-        """Return the median, lowest and highest ratio to another result's times, round by round."""
+        """Return the median, minimum and maximum of the ratios to another result's times."""
         quotients = self.seconds / other.seconds
         return tuple(float(value) for value in np.nanpercentile(quotients, (50, 0, 100)))
 
@@ -76,13 +76,13 @@ def race(
     Returns
     -------
     dict of str to Result
-        Results of the installed implementations; a line is printed for each missing one.
+        Results of the installed implementations. A line is printed for each of the others.
     """
     ready, answers = {}, {}
     for name, implementation in implementations.items():
         try:
             work = implementation(cloud)
-            answers[name] = work()  # imports, compiles, warms up
+            answers[name] = work()  # imports, compiles and warms up
             ready[name] = work
         except (ImportError, Missing) as reason:
             print(f"  {name} is skipped: {reason}")
@@ -105,7 +105,7 @@ def race(
 
 
 def peak_of(implementation: Implementation, cloud: np.ndarray) -> float:
-    """Return the additional bytes that a second call needs at its peak, in a separate process."""
+    """Return the peak bytes that a call adds in a separate process, after a call to warm up."""
     if not Path("/proc/self/clear_refs").exists():
         return float("nan")
     with multiprocessing.get_context("spawn").Pool(1) as pool:

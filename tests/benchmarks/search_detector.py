@@ -5,15 +5,15 @@ is the mean of two numbers: F1 of the boxes on the carriageway, averaged over th
 the recall of pedestrians and cyclists in the whole region. Without the recall, the search would
 choose a minimum cluster size that excludes all pedestrians.
 
-The best five settings then run on streets that were held back from the search. The best of many
-settings was partly lucky in the search, but this luck does not carry over to other streets. Today's
-parameters run there as well, and so does FINER, with voxels of half the side and at least 30 points
-in a cluster. The centroid of a voxel is up to half a voxel inside the surface, which matters for a
-person but hardly for a car. The result is the mean difference from today's score on these streets,
-with a jackknife standard error.
+The best five settings then run on streets that were held back from the search, because the best
+of many settings is partly lucky on the streets of the search. Today's parameters also run there,
+as does FINER, with voxels of half the side and at least 30 points in a cluster. The centroid of a
+voxel is up to half a voxel inside the surface, which matters for a person but hardly for a car.
+The result is the mean difference from today's score on these streets, with a jackknife standard
+error.
 
-Lesson 12 keeps today's parameters. Its detector is also used for driving, with a scanner that has a
-third of the returns. There, with a minimum of 30 points, a child would be detected too late.
+Lesson 12 keeps today's parameters. Its detector also drives a car whose scanner produces a third of
+the returns. With a minimum of 30 points, that car would detect a child too late.
 
     python tests/benchmarks/search_detector.py
 """
@@ -38,7 +38,7 @@ SETTINGS = int(os.environ.get("SETTINGS", 150))
 SEARCHED, HELD_BACK = range(200, 212), range(300, 324)  # lesson 12 uses seeds 0 to 7
 PEOPLE = ("pedestrian", "cyclist")
 BEST = 5
-TIMED = 4  # frames, each three times
+TIMED = 4  # frames to time, three times each
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Setting:
 TODAY = Setting()
 FINER = Setting(
     least=30, voxel=0.1
-)  # with finer voxels, an object keeps three times as many points
+)  # with these voxels, an object keeps three times as many points
 # Values are drawn uniformly on a logarithmic scale between these limits.
 RANGES = {
     "threshold": (0.25, 1.0),
@@ -82,7 +82,7 @@ def drawn(rng: np.random.Generator) -> Setting:
 
 
 def detector(setting: Setting) -> Callable[[np.ndarray], np.ndarray]:
-    """Return lesson 12's detector with a setting; steps with fixed values are patched."""
+    """Return lesson 12's detector with a setting; steps with hard-coded values are patched."""
 
     def changed(steps: dict) -> dict:
         search, fit, thin = steps["ransac_plane"], steps["fit_plane"], steps["voxel_grid"]
@@ -91,7 +91,7 @@ def detector(setting: Setting) -> Callable[[np.ndarray], np.ndarray]:
                 low, rounds, setting.tolerance, seed
             ),
             # The detector's limit is fixed at 0.3 m. Scaling the plane scales the distances, which
-            # has the same effect as the limit `near_road`.
+            # has the same effect as changing the limit to `near_road`.
             "fit_plane": lambda road: np.multiply(fit(road), 0.3 / setting.near_road),
             "voxel_grid": lambda points, _: thin(points, setting.voxel),
         }
@@ -122,7 +122,7 @@ def f1(sums: np.ndarray) -> float:
 
 
 def recall(sums: np.ndarray) -> float:
-    """Return the share of people that were detected."""
+    """Return the share of people who were detected."""
     return float(sums[4] / sums[5])
 
 

@@ -53,7 +53,7 @@ def _checked(boxes: np.ndarray) -> np.ndarray:
     if boxes.size == 0:
         return boxes.reshape(0, 8, 3)
     if boxes.ndim != 3 or boxes.shape[1:] != (8, 3):
-        raise ValueError(f"Boxes are arrays of shape (N, 8, 3); this one has {boxes.shape}.")
+        raise ValueError(f"Boxes must have shape (N, 8, 3), not {boxes.shape}.")
     return boxes
 
 

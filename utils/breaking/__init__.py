@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from utils.breaking.puzzles import PUZZLES, Puzzle
-from utils.checks.limits import TimeUp, limited
+from utils.checks.limits import TimeUp, limit_resources
 from utils.display import show
 from utils.lent import is_written, own
 from utils.remote_objects import ENDLESS
@@ -38,7 +38,7 @@ def show_broken(function: Callable) -> None:
 
     function, shown = own(function), puzzle.example
     try:
-        with limited(SECONDS):
+        with limit_resources(SECONDS):
             right = puzzle.answer_of(function, shown)
             puzzle.comparable(right)
             answers = {
@@ -101,12 +101,12 @@ def _verdict(puzzle: Puzzle, function: Callable, letter: str, given: ArrayLike |
     except (TypeError, ValueError):
         cloud = np.empty(0)
     if cloud.ndim != 2 or cloud.shape[1] != puzzle.example.shape[1] or len(cloud) > MOST_ROWS:
-        return f"✗ A cloud is a list of at most {MOST_ROWS} rows [{puzzle.columns}]."
+        return f"✗ Use a list of at most {MOST_ROWS} rows [{puzzle.columns}]."
     if not np.isfinite(cloud).all():
         return "✗ Use finite numbers. The versions differ on ordinary points."
     version, others = puzzle.versions[letter], [name for name in puzzle.versions if name != letter]
     try:
-        with limited(SECONDS):
+        with limit_resources(SECONDS):
             right = puzzle.comparable(puzzle.answer_of(function, cloud))
             differ = [
                 name

@@ -260,9 +260,7 @@ PUZZLES = {
         np.array(_CROWDED, dtype=float),
         {
             "A": Version(_first_of_cell, "It looks only at the first point of each cell.", 3),
-            "B": Version(
-                _touching_cells, "It joins points if their cells touch, and no others.", 2
-            ),
+            "B": Version(_touching_cells, "It joins points exactly when their cells touch.", 2),
             "C": Version(
                 lambda cluster, cloud: _labels(cluster, _flat(cloud)), "It ignores the height.", 2
             ),

@@ -27,12 +27,12 @@ TOLERANCE = 1e-3
 
 
 @contextlib.contextmanager
-def needs(basic: str) -> Iterator[None]:
+def precondition(requirement: str) -> Iterator[None]:
     """Raise `NotYet` instead of the failures of a precondition, which the context tests.
 
     Parameters
     ----------
-    basic : str
+    requirement : str
         The precondition, as a clause: "the right points are kept".
     """
     try:
@@ -40,7 +40,7 @@ def needs(basic: str) -> Iterator[None]:
     except (WrongForm, NotYet):
         raise
     except CheckFailed as failure:
-        raise NotYet(basic, failure) from None
+        raise NotYet(requirement, failure) from None
 
 
 def frozen(value: object) -> object:
@@ -63,12 +63,12 @@ def frozen(value: object) -> object:
     return array
 
 
-def table(text: str) -> np.ndarray:
+def parse_table(text: str) -> np.ndarray:
     """Return a read-only array of the rows of numbers in a text, such as ``"1 2 0.5; 3 4 0.5"``."""
     return frozen(np.array([row.split() for row in text.split(";")], dtype=float))
 
 
-def marked(text: str, *last: float) -> tuple[np.ndarray, np.ndarray]:
+def parse_marked_points(text: str, *last: float) -> tuple[np.ndarray, np.ndarray]:
     """Parse a text such as ``"8 8 -; 6.5 6.5 +"`` into points and a mask.
 
     Parameters
@@ -83,7 +83,7 @@ def marked(text: str, *last: float) -> tuple[np.ndarray, np.ndarray]:
     return frozen(points), frozen(np.array([row[-1] == "+" for row in rows]))
 
 
-def brief(value: object) -> str:
+def brief_text(value: object) -> str:
     """Return a value as text of at most 90 characters; rows of up to 20 numbers stay complete."""
     if isinstance(value, np.generic):
         value = value.item()  # 2, not np.int64(2)
@@ -146,18 +146,18 @@ def metres_text(distance: float, digits: int = 2) -> str:
 
 
 def distinct_texts(
-    show: Callable[[object, int], str], yours: object, expected: object
+    to_text: Callable[[object, int], str], yours: object, expected: object
 ) -> tuple[str, str]:
     """Return two values as texts with enough digits to make the texts differ.
 
     Parameters
     ----------
-    show : callable
+    to_text : callable
         Takes a value and the number of decimal places; returns a text.
     yours, expected : object
     """
     for digits in range(2, 8):
-        texts = show(yours, digits), show(expected, digits)
+        texts = to_text(yours, digits), to_text(expected, digits)
         if texts[0] != texts[1]:
             break
     return texts
@@ -166,9 +166,9 @@ def distinct_texts(
 def as_array(
     answer: object,
     columns: int | None = None,
-    what: str = "an array",
-    most: int = MOST_NUMBERS,
-    each: str = "point",
+    description: str = "an array",
+    max_count: int = MOST_NUMBERS,
+    row_noun: str = "point",
 ) -> np.ndarray:
     """Convert an answer to a numeric array.
 
@@ -177,11 +177,11 @@ def as_array(
     answer : object
     columns : int, optional
         Require shape (n, columns).
-    what : str
+    description : str
         The expected kind of answer, for the message.
-    most : int
+    max_count : int
         As for `utils.checks.size_limits.as_numbers`.
-    each : str
+    row_noun : str
         What one row describes, for the message.
 
     Raises
@@ -193,43 +193,45 @@ def as_array(
         raise WrongForm(
             "The function returned None. Does every path through it end with `return`?",
             yours="None",
-            expected=what,
+            expected=description,
         )
     try:
-        array = as_numbers(answer, most)
+        array = as_numbers(answer, max_count)
     except TooLarge as error:
-        raise FarTooMuch(str(error), yours=brief(answer), expected=what) from None
+        raise FarTooMuch(str(error), yours=brief_text(answer), expected=description) from None
     except NotNumbers:
         # In the judge, objects of other types arrive as stand-ins with a `type_name`. The student
         # chose that name, so it must not be part of the message.
         kind = getattr(answer, "type_name", "") or type(answer).__name__
         if kind in _ONE_BY_ONE:
             raise WrongForm(
-                f"The function returned a {kind} instead of {what}. Convert it with list(...).",
+                f"The function returned a {kind} instead of {description}. "
+                "Convert it with list(...).",
                 yours=f"a {kind}",
-                expected=what,
+                expected=description,
             ) from None
         if about := _ABOUT_TYPES.get(kind):
-            raise WrongForm(about, yours=kind, expected=what) from None
+            raise WrongForm(about, yours=kind, expected=description) from None
         pair = isinstance(answer, tuple) and len(answer) == 2
         raise WrongForm(
-            f"The function returned {'a pair' if pair else 'something else'} instead of {what}.",
-            yours=f"{kind}: {brief(answer)}",
-            expected=what,
+            f"The function returned {'a pair' if pair else 'something else'} instead of "
+            f"{description}.",
+            yours=f"{kind}: {brief_text(answer)}",
+            expected=description,
         ) from None
     if columns is not None:
-        if each == "point" and _is_result_of_where(answer):
+        if row_noun == "point" and _is_result_of_where(answer):
             raise WrongForm(
                 "These are row numbers in a tuple, as np.where returns them. Return the rows "
                 "themselves: cloud[mask].",
-                yours=brief(array[0]),
-                expected=what,
+                yours=brief_text(array[0]),
+                expected=description,
             )
         if array.size == 0 and array.ndim == 1:
             array = array.reshape(0, columns)
         if array.ndim != 2 or array.shape[1] != columns:
             raise WrongForm(
-                _about_rows(array, columns, each),
+                _explain_row_shape(array, columns, row_noun),
                 yours=f"{array.dtype} numbers of shape {array.shape}",
                 expected=f"shape (n, {columns})",
             )
@@ -243,25 +245,25 @@ def _is_result_of_where(answer: object) -> bool:
     return answer[0].ndim == 1 and answer[0].dtype.kind == "i"
 
 
-def _about_rows(array: np.ndarray, columns: int, each: str) -> str:
+def _explain_row_shape(array: np.ndarray, columns: int, row_noun: str) -> str:
     """Explain why an array does not have one row for each point or other object."""
-    is_cloud = each == "point"
+    is_cloud = row_noun == "point"
     if is_cloud and array.dtype.kind in "iu" and array.ndim == 1:
         return "If these are row numbers, return the rows themselves: cloud[rows]."
     if is_cloud and array.dtype.kind == "b" and array.ndim == 1:
         return "This is a mask, with True or False for each point. Return the rows: cloud[mask]."
     if array.ndim == 2 and array.shape[0] == columns:
         return (
-            f"The answer has {columns} rows, as if each {each} were a column. Return one row per "
-            f"{each}, with {columns} columns."
+            f"The answer has {columns} rows, as if each {row_noun} were a column. Return one row "
+            f"per {row_noun}, with {columns} columns."
         )
-    return f"The shape is {array.shape}. Return one row per {each}, with {columns} columns" + (
+    return f"The shape is {array.shape}. Return one row per {row_noun}, with {columns} columns" + (
         ", as in the input." if is_cloud else "."
     )
 
 
-def in_shape(
-    yours: np.ndarray, expected: tuple[int, ...], each: str, columns: int = 0
+def as_shape(
+    yours: np.ndarray, expected: tuple[int, ...], content: str, columns: int = 0
 ) -> np.ndarray:
     """Return an answer in the expected shape, or raise an error that explains a common slip.
 
@@ -271,7 +273,7 @@ def in_shape(
     ----------
     yours : numpy.ndarray
     expected : tuple of int
-    each : str
+    content : str
         The required content, such as "one distance for each of the 5 points".
     columns : int
         Number of columns of the input cloud; 0 if the input is not a cloud.
@@ -304,7 +306,7 @@ def in_shape(
         elif columns and shape == (columns,):
             words = f" There are {columns}, one for each column. Use {fixed('axis=1')}."
     raise WrongForm(
-        f"There must be {each}.{words}", yours=f"shape {shape}", expected=f"shape {expected}"
+        f"There must be {content}.{words}", yours=f"shape {shape}", expected=f"shape {expected}"
     )
 
 
@@ -320,33 +322,37 @@ def assert_rows(answer: object, cloud: np.ndarray, keep: np.ndarray, view: str =
     view : {"side", "above"}
         Viewpoint of the picture.
     """
-    yours = as_array(answer, columns=cloud.shape[1], what="an array of rows of the cloud")
+    yours = as_array(answer, columns=cloud.shape[1], description="an array of rows of the cloud")
     expected = cloud[keep]
-    if yours.shape == expected.shape and _close(yours, expected):
+    if yours.shape == expected.shape and _is_close(yours, expected):
         return
-    sides = {"yours": _count(yours), "expected": _count(expected)}
+    sides = {"yours": _row_count_text(yours), "expected": _row_count_text(expected)}
     if len(yours) > len(cloud):
         raise CheckFailed("The answer has more rows than the cloud.", **sides)
     mine = _membership(cloud, yours)
     if mine is None:
         raise CheckFailed(
             "Some of the returned rows are not rows of the cloud: their values changed.",
-            yours=brief(yours),
-            expected=brief(expected),
+            yours=brief_text(yours),
+            expected=brief_text(expected),
             hint="Keep or drop whole rows, and do not write into them.",
         )
     if len(yours) == len(expected) and np.array_equal(mine, keep):
         raise CheckFailed(
-            "These are the right rows in another order.",
+            "The rows are right, but in the wrong order.",
             **sides,
             hint="A mask keeps the order: cloud[mask].",
         )
     missing, extra = np.flatnonzero(keep & ~mine), np.flatnonzero(mine & ~keep)
     parts = []
     if len(missing):
-        parts.append(f"{_count(missing)} missing, for example {point_text(cloud[missing[0]])}")
+        parts.append(
+            f"{_row_count_text(missing)} missing, for example {point_text(cloud[missing[0]])}"
+        )
     if len(extra):
-        parts.append(f"{_count(extra)} too many, for example {point_text(cloud[extra[0]])}")
+        parts.append(
+            f"{_row_count_text(extra)} too many, for example {point_text(cloud[extra[0]])}"
+        )
     if not parts and len(yours) < len(expected):
         parts.append("rows that occur twice are kept only once")
     message = "; ".join(parts) or "some rows occur more than once"
@@ -357,13 +363,13 @@ def assert_rows(answer: object, cloud: np.ndarray, keep: np.ndarray, view: str =
     )
 
 
-def assert_places(
+def assert_positions(
     answer: object,
     cloud: np.ndarray,
     keep: np.ndarray,
     view: str = "side",
     given: str | None = None,
-    show: Callable[[np.ndarray], str] | None = None,
+    points_to_text: Callable[[np.ndarray], str] | None = None,
 ) -> None:
     """Assert that the answer contains the points of ``cloud[keep]``, in any order.
 
@@ -380,12 +386,12 @@ def assert_places(
         Viewpoint of the picture.
     given : str, optional
         The arguments of the call, for the message.
-    show : callable, optional
+    points_to_text : callable, optional
         Takes points, shape (m, 3), and returns a short text. By default, the text is their number.
     """
-    yours, places = _places(answer, cloud), cloud[:, :3]
+    yours, places = _positions(answer, cloud), cloud[:, :3]
     expected = places[keep]
-    if len(yours) == len(expected) and _close(yours, expected):
+    if len(yours) == len(expected) and _is_close(yours, expected):
         return
     mine = _membership(places, yours) if len(yours) <= len(cloud) else None
     if mine is not None and len(yours) == len(expected) and np.array_equal(mine, keep):
@@ -393,8 +399,8 @@ def assert_places(
     try:
         assert_rows(yours, places, keep, view)
     except CheckFailed as failure:
-        if show and len(yours) <= len(cloud):
-            failure.yours, failure.expected = show(yours), show(expected)
+        if points_to_text and len(yours) <= len(cloud):
+            failure.yours, failure.expected = points_to_text(yours), points_to_text(expected)
         failure.given = given
         raise
 
@@ -405,16 +411,16 @@ def assert_order(answer: object, cloud: np.ndarray, keep: np.ndarray) -> None:
     Parameters
     ----------
     answer, cloud, keep : object
-        As for `assert_places`.
+        As for `assert_positions`.
     """
-    with needs("the right points are kept"):
-        assert_places(answer, cloud, keep)
-    yours, expected = _places(answer, cloud), cloud[keep, :3]
-    if not _close(yours, expected):
+    with precondition("the right points are kept"):
+        assert_positions(answer, cloud, keep)
+    yours, expected = _positions(answer, cloud), cloud[keep, :3]
+    if not _is_close(yours, expected):
         row = np.flatnonzero(~np.isclose(yours, expected, rtol=0, atol=TOLERANCE).all(axis=1))[0]
         mine, right = distinct_texts(point_text, yours[row], expected[row])
         raise CheckFailed(
-            "These are the right rows in another order.",
+            "The rows are right, but in the wrong order.",
             yours=f"row {row} is {mine}",
             expected=f"row {row} is {right}",
         )
@@ -426,10 +432,10 @@ def assert_all_columns(answer: object, cloud: np.ndarray, keep: np.ndarray) -> N
     Parameters
     ----------
     answer, cloud, keep : object
-        As for `assert_places`.
+        As for `assert_positions`.
     """
-    with needs("the right points are kept"):
-        assert_places(answer, cloud, keep)
+    with precondition("the right points are kept"):
+        assert_positions(answer, cloud, keep)
     yours, columns = as_array(answer), cloud.shape[1]
     if yours.ndim != 2 or yours.shape[1] != columns:
         raise CheckFailed(
@@ -440,12 +446,12 @@ def assert_all_columns(answer: object, cloud: np.ndarray, keep: np.ndarray) -> N
     if _membership(cloud, yours) is None:
         raise CheckFailed(
             "The coordinates are right, but the values in the other columns are not.",
-            yours=brief(yours),
-            expected=brief(cloud[keep]),
+            yours=brief_text(yours),
+            expected=brief_text(cloud[keep]),
         )
 
 
-def assert_nothing_left(answer: object, cloud: np.ndarray, columns: int) -> None:
+def assert_empty_table(answer: object, cloud: np.ndarray, columns: int) -> None:
     """Assert that the answer is a table that has columns but no rows.
 
     Parameters
@@ -458,9 +464,9 @@ def assert_nothing_left(answer: object, cloud: np.ndarray, columns: int) -> None
         whether that number is right.
     """
     wanted = "an array without rows"
-    yours = as_array(answer, what=wanted)
+    yours = as_array(answer, description=wanted)
     if yours.ndim != 2 or yours.shape[1] != columns:
-        yours = as_array(answer, columns=cloud.shape[1], what=wanted)
+        yours = as_array(answer, columns=cloud.shape[1], description=wanted)
     if len(yours):
         raise CheckFailed(
             "No rows should be left here.",
@@ -469,13 +475,13 @@ def assert_nothing_left(answer: object, cloud: np.ndarray, columns: int) -> None
         )
 
 
-def _places(answer: object, cloud: np.ndarray) -> np.ndarray:
+def _positions(answer: object, cloud: np.ndarray) -> np.ndarray:
     """Return x, y and z from rows of a cloud, which may lack the other columns."""
     wanted = "an array of rows of the cloud"
-    yours = as_array(answer, what=wanted)
+    yours = as_array(answer, description=wanted)
     if yours.ndim == 2 and yours.shape[1] == 3:
         return yours
-    return as_array(answer, columns=cloud.shape[1], what=wanted)[:, :3]
+    return as_array(answer, columns=cloud.shape[1], description=wanted)[:, :3]
 
 
 def assert_same_set_of_rows(answer: object, expected: np.ndarray) -> None:
@@ -486,7 +492,7 @@ def assert_same_set_of_rows(answer: object, expected: np.ndarray) -> None:
     answer : object
     expected : numpy.ndarray, shape (n, columns)
     """
-    yours = as_array(answer, columns=expected.shape[1], what="an array of points")
+    yours = as_array(answer, columns=expected.shape[1], description="an array of points")
     if len(yours) != len(expected):
         raise CheckFailed(
             f"There are {len(yours)} rows, expected {len(expected)}.",
@@ -494,7 +500,7 @@ def assert_same_set_of_rows(answer: object, expected: np.ndarray) -> None:
             expected=f"{len(expected)} rows",
         )
     if len(expected) and not np.isfinite(yours).all():
-        raise CheckFailed("Some values are not finite.", yours=brief(yours))
+        raise CheckFailed("Some values are not finite.", yours=brief_text(yours))
     if not len(expected):
         return
     from scipy.spatial import cKDTree
@@ -506,15 +512,15 @@ def assert_same_set_of_rows(answer: object, expected: np.ndarray) -> None:
     if len(extra):
         row, partner = yours[extra[0]], expected[partners[extra[0]]]
         raise CheckFailed(
-            f"{_count(extra)} should not be there.",
-            yours=f"for example {brief(row)}",
-            expected=f"the nearest right row is {brief(partner)}",
+            f"{_row_count_text(extra)} should not be there.",
+            yours=f"for example {brief_text(row)}",
+            expected=f"the nearest right row is {brief_text(partner)}",
         )
     if len(np.unique(partners)) < len(expected):
         raise CheckFailed("Some rows occur twice, and others are missing.")
 
 
-def as_labels(answer: object, n: int, of: str = "points") -> np.ndarray:
+def as_labels(answer: object, n: int, noun: str = "points") -> np.ndarray:
     """Convert an answer to labels, which are whole numbers.
 
     Parameters
@@ -522,40 +528,41 @@ def as_labels(answer: object, n: int, of: str = "points") -> np.ndarray:
     answer : object
     n : int
         Number of points.
-    of : str
+    noun : str
         The labelled objects, if they are not points, for the message.
 
     Returns
     -------
     numpy.ndarray of int, shape (n,)
     """
-    labels = as_array(answer, what="an array of labels")
-    labels = in_shape(labels, (n,), f"one label for each of the {n} {of}")
+    labels = as_array(answer, description="an array of labels")
+    labels = as_shape(labels, (n,), f"one label for each of the {n} {noun}")
     if labels.dtype.kind == "b":
         raise WrongForm(
-            f"This is a mask, with True or False for each of the {of}. Labels are whole numbers.",
-            yours=brief(labels),
+            f"This is a mask, with True or False for each of the {noun}. Labels are whole numbers.",
+            yours=brief_text(labels),
         )
     if labels.dtype.kind == "f" and not np.array_equal(labels, np.round(labels)):
-        raise WrongForm("Labels must be whole numbers.", yours=brief(labels))
+        raise WrongForm("Labels must be whole numbers.", yours=brief_text(labels))
     return labels.astype(np.int64)
 
 
-def overlaps(labels: np.ndarray, others: np.ndarray) -> tuple[int, int, int]:
+def count_overlaps(labels: np.ndarray, other_labels: np.ndarray) -> tuple[int, int, int]:
     """Count the groups of two partitions, and the pairs of groups that share points.
 
     Parameters
     ----------
-    labels, others : numpy.ndarray of int, shape (n,)
+    labels, other_labels : numpy.ndarray of int, shape (n,)
 
     Returns
     -------
     tuple of int
-        Number of pairs that share points, of groups in `labels`, and of groups in `others`. The
-        three are equal if and only if both partitions group the points in the same way.
+        Number of pairs that share points, of groups in `labels`, and of groups in
+        `other_labels`. The three are equal if and only if both partitions group the points in the
+        same way.
     """
     groups, mine = np.unique(labels, return_inverse=True)
-    other_groups, theirs = np.unique(others, return_inverse=True)
+    other_groups, theirs = np.unique(other_labels, return_inverse=True)
     # Sorting one number per pair is ten times as fast as sorting pairs.
     pairs = np.unique(mine * len(other_groups) + theirs)
     return len(pairs), len(groups), len(other_groups)
@@ -571,7 +578,7 @@ def assert_partition(answer: object, expected: np.ndarray, cloud: np.ndarray) ->
     cloud : numpy.ndarray, shape (n, 3) or (n, 4)
     """
     yours = as_labels(answer, len(cloud))
-    shared, number_yours, number_expected = overlaps(yours, expected)
+    shared, number_yours, number_expected = count_overlaps(yours, expected)
     if shared == number_yours == number_expected:
         return
     hint = ""
@@ -601,7 +608,7 @@ def assert_partition(answer: object, expected: np.ndarray, cloud: np.ndarray) ->
 
 
 def assert_close(
-    answer: object, expected: ArrayLike, what: str, tolerance: float = TOLERANCE
+    answer: object, expected: ArrayLike, noun: str, tolerance: float = TOLERANCE
 ) -> None:
     """Assert that the answer has the expected shape and, within a tolerance, the expected values.
 
@@ -609,22 +616,22 @@ def assert_close(
     ----------
     answer : object
     expected : array_like
-    what : str
+    noun : str
         Plural noun for the numbers in the message, such as "distances".
     tolerance : float
         Largest absolute difference that is accepted.
     """
     expected = np.asarray(expected)
-    yours = as_array(answer, what=f"an array of {what}")
-    yours = in_shape(yours, expected.shape, f"{what} of shape {expected.shape}")
+    yours = as_array(answer, description=f"an array of {noun}")
+    yours = as_shape(yours, expected.shape, f"{noun} of shape {expected.shape}")
     if not np.allclose(yours, expected, rtol=0, atol=tolerance, equal_nan=True):
         wrong = np.count_nonzero(
             ~np.isclose(yours, expected, rtol=0, atol=tolerance, equal_nan=True)
         )
         raise CheckFailed(
-            f"{wrong} of {expected.size} {what} are wrong.",
-            yours=brief(yours),
-            expected=brief(expected),
+            f"{wrong} of {expected.size} {noun} are wrong.",
+            yours=brief_text(yours),
+            expected=brief_text(expected),
         )
 
 
@@ -647,7 +654,7 @@ def observe(function: Callable, *arguments: object) -> Observed:
     return Observed(result, copies, frozenset(shared))
 
 
-def timed(function: Callable, *arguments: object) -> tuple[object, float]:
+def time_call(function: Callable, *arguments: object) -> tuple[object, float]:
     """Call a function on copies of its arguments; return the answer and the time in seconds.
 
     The time is processor time. A function in the sandbox is timed there.
@@ -671,7 +678,7 @@ def call_each(function: Callable, calls: Iterable[tuple]) -> list:
     return [function(*copy.deepcopy(arguments)) for arguments in calls]
 
 
-def reach(value: object, names: Sequence[str]) -> object:
+def get_attribute_path(value: object, names: Sequence[str]) -> object:
     """Return `value.first.second` for two names; a remote value needs only one message."""
     if isinstance(value, Remote):
         return value.reach(names)
@@ -686,7 +693,7 @@ def assert_untouched(function: Callable, *arguments: object) -> None:
 def assert_arguments_unchanged(seen: Observed, *arguments: object) -> None:
     """Assert that an observed call did not change its arguments."""
     for before, after in zip(arguments, seen.arguments, strict=False):
-        if not _unchanged(before, after):
+        if not _is_unchanged(before, after):
             raise CheckFailed(
                 "The function changed its input. Work on a copy, or build a new array.",
                 **_first_change(before, after),
@@ -697,12 +704,12 @@ def _first_change(before: object, after: object) -> dict[str, str]:
     """Return the first changed row or the whole argument, before and after the call, as text."""
     arrays = isinstance(before, np.ndarray) and isinstance(after, np.ndarray)
     if not arrays or before.ndim == 0 or after.shape != before.shape:
-        return {"yours": brief(after), "expected": brief(before)}
+        return {"yours": brief_text(after), "expected": brief_text(before)}
     rows = zip(before, after, strict=True)
-    row = next((row for row, (old, new) in enumerate(rows) if not _unchanged(old, new)), 0)
+    row = next((row for row, (old, new) in enumerate(rows) if not _is_unchanged(old, new)), 0)
     return {
-        "yours": f"after the call, row {row} is {brief(after[row])}",
-        "expected": f"as before the call: {brief(before[row])}",
+        "yours": f"after the call, row {row} is {brief_text(after[row])}",
+        "expected": f"as before the call: {brief_text(before[row])}",
     }
 
 
@@ -715,7 +722,7 @@ def assert_new_array(function: Callable, *arguments: object) -> None:
         )
 
 
-def _unchanged(before: object, after: object) -> bool:
+def _is_unchanged(before: object, after: object) -> bool:
     """Return whether two values are equal; the second is untrusted and may be of any type."""
     if isinstance(before, np.random.Generator):
         return True  # a function may draw from a generator, which changes its state
@@ -723,7 +730,7 @@ def _unchanged(before: object, after: object) -> bool:
         return (
             type(before) is type(after)
             and len(before) == len(after)
-            and all(map(_unchanged, before, after))
+            and all(map(_is_unchanged, before, after))
         )
     if not isinstance(before, np.ndarray):
         return type(before) is type(after) and bool(before == after)
@@ -733,7 +740,7 @@ def _unchanged(before: object, after: object) -> bool:
     return bool(np.array_equal(before, after, equal_nan=numbers))
 
 
-def _close(yours: np.ndarray, expected: np.ndarray) -> bool:
+def _is_close(yours: np.ndarray, expected: np.ndarray) -> bool:
     return bool(np.allclose(yours, expected, rtol=0, atol=TOLERANCE, equal_nan=True))
 
 
@@ -754,5 +761,5 @@ def _rounded(rows: np.ndarray) -> np.ndarray:
     return np.round(np.ascontiguousarray(rows, dtype=np.float32), 3) + np.float32(0)
 
 
-def _count(rows: np.ndarray) -> str:
+def _row_count_text(rows: np.ndarray) -> str:
     return "1 row" if len(rows) == 1 else f"{len(rows)} rows"

@@ -17,7 +17,7 @@ from utils.checks.assertions import (
     CheckFailed,
     WrongForm,
     as_array,
-    brief,
+    brief_text,
     point_text,
 )
 from utils.checks.failures import fixed
@@ -48,16 +48,17 @@ def as_cluster_boxes(answer: object, cluster_labels: np.ndarray) -> np.ndarray:
     count = len(_box_labels(cluster_labels))
     if count == 0 and isinstance(answer, (list, tuple)) and not answer:
         return np.empty((0, 8, 3))  # an empty list is accepted
-    boxes = as_array(answer, what="an array of boxes")
+    boxes = as_array(answer, description="an array of boxes")
     sides = {"yours": f"shape {boxes.shape}", "expected": f"shape ({count}, 8, 3)"}
     if count == 0 and boxes.size == 0 and boxes.shape != (0, 8, 3):
         raise CheckFailed("Even an array without boxes must have the usual shape.", **sides)
     if boxes.ndim != 3 or boxes.shape[1:] != (8, 3):
-        raise WrongForm(_wrong_shape(boxes.shape), **sides)
+        raise WrongForm(_explain_shape(boxes.shape), **sides)
     if len(boxes) != count:
         raise CheckFailed(
-            f"Your function returned {_many(len(boxes), 'box')} for {_many(count, 'cluster')}.",
-            given=f"labels that occur: {brief(np.unique(cluster_labels))}",
+            f"Your function returned {_count_text(len(boxes), 'box')} for "
+            f"{_count_text(count, 'cluster')}.",
+            given=f"labels that occur: {brief_text(np.unique(cluster_labels))}",
             hint="Return one box for each label above 0 that occurs, and no others: "
             "np.unique(cluster_labels) lists the labels.",
             **sides,
@@ -67,9 +68,9 @@ def as_cluster_boxes(answer: object, cluster_labels: np.ndarray) -> np.ndarray:
         broken = boxes[bad[0]][~np.isfinite(boxes[bad[0]]).all(axis=1)]
         size = np.count_nonzero(cluster_labels == _box_labels(cluster_labels)[bad[0]])
         raise CheckFailed(
-            f"{_box(bad[0], cluster_labels)} has a corner that is not finite.",
-            given=f"a cluster of {_many(size, 'point')}",
-            yours=brief(broken[0]),
+            f"{_name_in_row(bad[0], cluster_labels)} has a corner that is not finite.",
+            given=f"a cluster of {_count_text(size, 'point')}",
+            yours=brief_text(broken[0]),
         )
     return boxes.astype(float)
 
@@ -124,23 +125,23 @@ def assert_box_corners(
     if all(any(same_corners(mine, box) for mine in yours) for box in expected):
         raise CheckFailed(
             "These are the right boxes in another order.",
-            given=f"labels that occur: {brief(np.unique(cluster_labels))}",
+            given=f"labels that occur: {brief_text(np.unique(cluster_labels))}",
             yours=f"row {row} is not the box of label {labels[row]}",
             expected="one box for each label, in ascending order of the labels",
             hint="Loop over the labels from the smallest to the largest: np.unique sorts them.",
         )
     points = cloud[cluster_labels == labels[row], :3]
-    raise _corner_failure(yours[row], expected[row], points, _box(row, cluster_labels))
+    raise _describe_difference(yours[row], expected[row], points, _name_in_row(row, cluster_labels))
 
 
-def _corner_failure(
-    mine: np.ndarray, right: np.ndarray, points: np.ndarray, name: str
+def _describe_difference(
+    yours: np.ndarray, expected: np.ndarray, points: np.ndarray, name: str
 ) -> CheckFailed:
     """Describe how a box differs: by one of its six bounds if axis-aligned, else by a corner."""
-    place = right[_missing_corner(mine, right)]
-    nearest = mine[np.linalg.norm(mine - place, axis=1).argmin()]
-    ends = np.array([[box.min(axis=0), box.max(axis=0)] for box in (mine, right)])
-    is_axis_aligned = same_corners(mine, corners_between(*ends[0]))
+    place = expected[_missing_corner(yours, expected)]
+    nearest = yours[np.linalg.norm(yours - place, axis=1).argmin()]
+    ends = np.array([[box.min(axis=0), box.max(axis=0)] for box in (yours, expected)])
+    is_axis_aligned = same_corners(yours, corners_between(*ends[0]))
     # The picture shows the axis that the message names.
     axis = int((np.abs(ends[0] - ends[1]) > TOLERANCE).any(axis=0).argmax())
     if not is_axis_aligned:
@@ -148,15 +149,17 @@ def _corner_failure(
     view = "side" if axis == 2 else "above"
 
     def draw() -> None:
-        _draw(points, mine, right, [place], view, "The circle should contain a corner of your box")
+        _draw_box(
+            points, yours, expected, [place], view, "The circle should contain a corner of your box"
+        )
 
     if is_axis_aligned:
         # Choose a corner at the wrong end, because the corners at the other end may be right.
         end = np.abs(ends[0] - ends[1])[:, axis].argmax()
-        place = right[np.isclose(right[:, axis], ends[1][end, axis])][0]
+        place = expected[np.isclose(expected[:, axis], ends[1][end, axis])][0]
         letter, given = "xyz"[axis], None
         if len(points) <= 20:
-            given = f"{letter} of its points: {brief(points[:, axis])}"
+            given = f"{letter} of its points: {brief_text(points[:, axis])}"
         return CheckFailed(
             f"{name} does not end where its points end along {letter}.",
             given=given,
@@ -164,10 +167,10 @@ def _corner_failure(
             expected="from {:.2f} to {:.2f}".format(*ends[1][:, axis]),
             draw=draw,
         )
-    if all(any(_same(corner, wanted) for wanted in right) for corner in mine):
+    if all(any(_is_same_corner(corner, wanted) for wanted in expected) for corner in yours):
         return CheckFailed(
             f"{name} has some corners twice and others not at all.",
-            yours=f"{len(np.unique(mine.round(3), axis=0))} different corners",
+            yours=f"{len(np.unique(yours.round(3), axis=0))} different corners",
             expected=f"also a corner at {point_text(place)}",
             draw=draw,
         )
@@ -188,9 +191,9 @@ def assert_upright(answer: object, cloud: np.ndarray, cluster_labels: np.ndarray
     cloud : numpy.ndarray, shape (n, 3) or (n, 4)
     cluster_labels : numpy.ndarray of int, shape (n,)
     """
-    for box, points, name in _each(answer, cloud, cluster_labels):
+    for box, points, name in _boxes_with_points(answer, cloud, cluster_labels):
         _assert_level(box, points, name)
-        _rectangle(box, points, name)
+        _require_footprint(box, points, name)
 
 
 def assert_heights(answer: object, cloud: np.ndarray, cluster_labels: np.ndarray) -> None:
@@ -202,7 +205,7 @@ def assert_heights(answer: object, cloud: np.ndarray, cluster_labels: np.ndarray
     cloud : numpy.ndarray, shape (n, 3) or (n, 4)
     cluster_labels : numpy.ndarray of int, shape (n,)
     """
-    for box, points, name in _each(answer, cloud, cluster_labels):
+    for box, points, name in _boxes_with_points(answer, cloud, cluster_labels):
         for word, which, yours, right in (
             ("floor", "lowest", box[:, 2].min(), points[:, 2].min()),
             ("roof", "highest", box[:, 2].max(), points[:, 2].max()),
@@ -213,11 +216,11 @@ def assert_heights(answer: object, cloud: np.ndarray, cluster_labels: np.ndarray
                     f"{which} point.",
                     yours=f"z = {yours:.2f}",
                     expected=f"z = {right:.2f}",
-                    draw=lambda box=box, points=points: _draw(points, box, view="side"),
+                    draw=lambda box=box, points=points: _draw_box(points, box, view="side"),
                 )
 
 
-def assert_holds(
+def assert_contains_points(
     answer: object, cloud: np.ndarray, cluster_labels: np.ndarray, given: str | None = None
 ) -> None:
     """Assert that, seen from above, each box contains all points of its cluster.
@@ -233,8 +236,8 @@ def assert_holds(
     given : str, optional
         The arguments of the call, for the message.
     """
-    for box, points, name in _each(answer, cloud, cluster_labels):
-        rectangle = _rectangle(box, points, name)
+    for box, points, name in _boxes_with_points(answer, cloud, cluster_labels):
+        rectangle = _require_footprint(box, points, name)
         across = np.linalg.norm(np.ptp(points[:, :2], axis=0))
         if _area(rectangle) > (1.2 * across + _SLACK) ** 2:
             raise CheckFailed(
@@ -244,9 +247,9 @@ def assert_holds(
                 expected=f"less than {max(across**2, 0.1):.1f} square metres",
                 hint="Take the minimum and maximum of the points of one label, after turning "
                 "them by minus yaw.",
-                draw=lambda box=box, points=points: _draw(points, box),
+                draw=lambda box=box, points=points: _draw_box(points, box),
             )
-        outside = _outside(points[:, :2], rectangle)
+        outside = _distances_outside(points[:, :2], rectangle)
         if outside.max() <= _SLACK:
             continue
         farthest, missed = points[outside.argmax()], np.count_nonzero(outside > _SLACK)
@@ -256,7 +259,7 @@ def assert_holds(
             given=given,
             yours=f"{point_text(farthest)} is {outside.max():.2f} m outside",
             expected="every point of the cluster inside",
-            draw=lambda box=box, points=points, farthest=farthest: _draw(
+            draw=lambda box=box, points=points, farthest=farthest: _draw_box(
                 points, box, circles=[farthest], title="The circled point is outside its box"
             ),
         )
@@ -283,9 +286,9 @@ def assert_headings(
         The arguments of the call, for the message.
     """
     for (box, points, name), heading in zip(
-        _each(answer, cloud, cluster_labels), headings, strict=True
+        _boxes_with_points(answer, cloud, cluster_labels), headings, strict=True
     ):
-        sides = np.diff(_rectangle(box, points, name)[:3], axis=0)
+        sides = np.diff(_require_footprint(box, points, name)[:3], axis=0)
         along = sides[np.linalg.norm(sides, axis=1).argmax()]
         yours = np.degrees(np.arctan2(along[1], along[0]))
         off = abs((yours - heading + 45) % 90 - 45)
@@ -295,7 +298,7 @@ def assert_headings(
                 given=given,
                 yours=f"a side at {yours % 90:.0f}° to the x axis",
                 expected=f"a side at {heading % 90:.0f}°",
-                draw=lambda box=box, points=points: _draw(
+                draw=lambda box=box, points=points: _draw_box(
                     points, box, title="The box and the points of its cluster"
                 ),
             )
@@ -322,16 +325,16 @@ def assert_snug(
         The arguments of the call, for the message.
     """
     for (box, points, name), smallest in zip(
-        _each(answer, cloud, cluster_labels), smallest_areas, strict=True
+        _boxes_with_points(answer, cloud, cluster_labels), smallest_areas, strict=True
     ):
-        area = _area(_rectangle(box, points, name))
+        area = _area(_require_footprint(box, points, name))
         if area > LOOSE * smallest + _SLACK:
             raise CheckFailed(
                 f"{name} covers far more ground than it needs.",
                 given=given,
                 yours=f"{area:.1f} square metres",
                 expected=f"about {smallest:.1f} square metres",
-                draw=lambda box=box, points=points: _draw(points, box),
+                draw=lambda box=box, points=points: _draw_box(points, box),
             )
 
 
@@ -348,7 +351,7 @@ def footprint(box: np.ndarray) -> np.ndarray | None:
     numpy.ndarray, shape (4, 2), or None
         Corners in cyclic order; None unless they form a rectangle with one corner above each.
     """
-    pairs = _pairs(box)
+    pairs = _corner_pairs(box)
     below, above = box[pairs[:, 0], :2], box[pairs[:, 1], :2]
     if np.abs(below - above).max() > _SLACK:
         return None
@@ -368,7 +371,7 @@ def _deviation_from_rectangle(corners: np.ndarray) -> float:
     return max(middles_apart, abs(math.dist(third, first) - math.dist(fourth, second)))
 
 
-def _pairs(box: np.ndarray) -> np.ndarray:
+def _corner_pairs(box: np.ndarray) -> np.ndarray:
     """Return pairs of rows, (4, 2): each corner of the floor and the corner above it."""
     if np.ptp(box[:, 2]) > 4 * TOLERANCE:
         order = np.argsort(box[:, 2], kind="stable")
@@ -386,7 +389,7 @@ def _pairs(box: np.ndarray) -> np.ndarray:
     return np.array(pairs)
 
 
-def _each(
+def _boxes_with_points(
     answer: object, cloud: np.ndarray, cluster_labels: np.ndarray
 ) -> Iterator[tuple[np.ndarray, np.ndarray, str]]:
     """Yield each box (8, 3), the points (m, 3) of its cluster, and a name for the message."""
@@ -395,19 +398,19 @@ def _each(
     clusters = [np.asarray(cloud[cluster_labels == label, :3], dtype=float) for label in labels]
     _assert_order(boxes, clusters)
     for box, points, label in zip(boxes, clusters, labels, strict=True):
-        yield box, points, _box_of(label)
+        yield box, points, _name_of_label(label)
 
 
-def _rectangle(box: np.ndarray, points: np.ndarray, name: str) -> np.ndarray:
+def _require_footprint(box: np.ndarray, points: np.ndarray, name: str) -> np.ndarray:
     rectangle = footprint(box)
     if rectangle is None:
         raise CheckFailed(
             f"{name} does not have a rectangular floor.",
-            yours=brief(box[:, :2]),
+            yours=brief_text(box[:, :2]),
             expected="four corners with right angles and another corner above each",
             hint="Turn the box about z only. Then each corner of the roof has the same x and y "
             "as the one below it.",
-            draw=lambda: _draw(points, box),
+            draw=lambda: _draw_box(points, box),
         )
     return rectangle
 
@@ -416,7 +419,7 @@ def _area(rectangle: np.ndarray) -> float:
     return float(np.prod(np.linalg.norm(np.diff(rectangle[:3], axis=0), axis=1)))
 
 
-def _outside(points: np.ndarray, rectangle: np.ndarray) -> np.ndarray:
+def _distances_outside(points: np.ndarray, rectangle: np.ndarray) -> np.ndarray:
     """Return how far points (n, 2) are outside a rectangle (4, 2) of any size; negative inside."""
     reach = np.linalg.norm(np.diff(rectangle[:3], axis=0), axis=1).max() / 2
     if reach <= TOLERANCE:  # so small that rounding alone determines the heading
@@ -448,7 +451,7 @@ def _assert_level(box: np.ndarray, points: np.ndarray, name: str) -> None:
             f"{name} is tilted: its floor or its roof is not level.",
             yours=f"corners of one face differ in height by {uneven:.2f} m",
             expected="turned about z only",
-            draw=lambda: _draw(points, box, view="side"),
+            draw=lambda: _draw_box(points, box, view="side"),
         )
 
 
@@ -456,18 +459,18 @@ def _missing_corner(yours: np.ndarray, expected: np.ndarray) -> int | None:
     """Return the index of the first expected corner without a partner; None if all have one."""
     free = list(range(8))
     for corner, place in enumerate(expected):
-        partner = next((row for row in free if _same(yours[row], place)), None)
+        partner = next((row for row in free if _is_same_corner(yours[row], place)), None)
         if partner is None:
             return corner
         free.remove(partner)
     return None
 
 
-def _same(corner: np.ndarray, other: np.ndarray) -> bool:
+def _is_same_corner(corner: np.ndarray, other: np.ndarray) -> bool:
     return bool(np.abs(corner - other).max() <= TOLERANCE)
 
 
-def _wrong_shape(shape: tuple[int, ...]) -> str:
+def _explain_shape(shape: tuple[int, ...]) -> str:
     if len(shape) == 3 and shape[1:] == (3, 8):
         return "The corners are in columns: each corner must be a row (x, y, z)."
     if len(shape) == 3 and shape[1:] == (8, 4):
@@ -483,11 +486,11 @@ def _box_labels(cluster_labels: np.ndarray) -> np.ndarray:
     return np.unique(cluster_labels[cluster_labels > 0])
 
 
-def _box(row: int, cluster_labels: np.ndarray) -> str:
-    return _box_of(_box_labels(cluster_labels)[row])
+def _name_in_row(row: int, cluster_labels: np.ndarray) -> str:
+    return _name_of_label(_box_labels(cluster_labels)[row])
 
 
-def _box_of(label: int) -> str:
+def _name_of_label(label: int) -> str:
     return f"The box of label {label}"
 
 
@@ -495,12 +498,12 @@ def _lower_first(name: str) -> str:
     return name[0].lower() + name[1:]
 
 
-def _many(count: int, noun: str) -> str:
+def _count_text(count: int, noun: str) -> str:
     plural = noun + ("es" if noun.endswith("x") else "s")
     return f"{count} {noun if count == 1 else plural}"
 
 
-def _draw(
+def _draw_box(
     points: np.ndarray,
     yours: np.ndarray,
     expected: np.ndarray | None = None,

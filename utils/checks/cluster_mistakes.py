@@ -9,8 +9,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from utils.checks.assertions import CheckFailed, as_array, frozen, overlaps
-from utils.checks.clusters import in_order
+from utils.checks.assertions import CheckFailed, as_array, count_overlaps, frozen
+from utils.checks.clusters import renumber_by_appearance
 from utils.checks.diagnosis import Mistake
 
 # Directions of lines along which a distance in the plane, or along one axis, differs from the
@@ -30,11 +30,11 @@ def same_clusters(answer: object, predicted: np.ndarray) -> bool:
         return False
     if yours.shape != predicted.shape or yours.ndim != 1:
         return False
-    shared, number, _ = overlaps(yours, predicted)
+    shared, number, _ = count_overlaps(yours, predicted)
     return shared == number and np.array_equal(np.unique(yours), np.unique(predicted))
 
 
-def on_a_line(
+def points_on_line(
     places: Sequence[float], brightness: float = 0.0, direction: ArrayLike = _DIRECTIONS[0]
 ) -> np.ndarray:
     """Return points on a straight line through the sensor.
@@ -56,7 +56,7 @@ def on_a_line(
     return np.column_stack([cloud, brightness * np.array(places)]) if brightness else cloud
 
 
-def cut_line(cloud: np.ndarray, joins: Callable) -> np.ndarray:
+def label_line(cloud: np.ndarray, joins: Callable) -> np.ndarray:
     """Label points on a line; a new cluster begins wherever two adjacent points are not joined.
 
     Parameters
@@ -73,10 +73,10 @@ def cut_line(cloud: np.ndarray, joins: Callable) -> np.ndarray:
     order = np.argsort(cloud[:, :3].sum(axis=1))
     labels = np.empty(len(cloud), dtype=int)
     labels[order] = np.concatenate([[0], np.cumsum(~joins(cloud[order], order))])
-    return in_order(labels)
+    return renumber_by_appearance(labels)
 
 
-def measured_by(measure: Callable) -> Callable:
+def prediction_with_measure(measure: Callable) -> Callable:
     """Return the prediction for a function that measures the gaps with `measure`.
 
     Parameters
@@ -92,19 +92,21 @@ def measured_by(measure: Callable) -> Callable:
     """
 
     def predicts(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.ndarray:
-        return cut_line(cloud, lambda line, _: measure(np.diff(line, axis=0), threshold) < 1)
+        return label_line(cloud, lambda line, _: measure(np.diff(line, axis=0), threshold) < 1)
 
     return predicts
 
 
-def length(steps: np.ndarray) -> np.ndarray:
+def lengths(steps: np.ndarray) -> np.ndarray:
     """Return the length of each step, computed from all its columns; shape (n,)."""
     return np.linalg.norm(steps, axis=1)
 
 
-def labels_on_a_line(cloud: np.ndarray, threshold: float) -> np.ndarray:
+def right_labels_of_line(cloud: np.ndarray, threshold: float) -> np.ndarray:
     """Return the right labels of points on a line, shape (n,)."""
-    return measured_by(lambda steps, limit: length(steps[:, :3]) / limit)(None, cloud, threshold)
+    return prediction_with_measure(lambda steps, limit: lengths(steps[:, :3]) / limit)(
+        None, cloud, threshold
+    )
 
 
 def distance_mistakes() -> tuple[Mistake, ...]:
@@ -112,34 +114,34 @@ def distance_mistakes() -> tuple[Mistake, ...]:
     return (
         Mistake(
             "The distance is compared with threshold ** 2, so 0.5 acts like 0.25.",
-            measured_by(lambda steps, limit: length(steps[:, :3]) / limit**2),
+            prediction_with_measure(lambda steps, limit: lengths(steps[:, :3]) / limit**2),
             "np.linalg.norm gives distances. Compare them with threshold itself.",
         ),
         Mistake(
             "The squared distance is compared with threshold itself, so 0.5 acts like 0.71.",
-            measured_by(lambda steps, limit: length(steps[:, :3]) ** 2 / limit),
+            prediction_with_measure(lambda steps, limit: lengths(steps[:, :3]) ** 2 / limit),
             "Take the square root first, as np.linalg.norm does.",
         ),
         Mistake(
             "A fixed threshold of 0.5 is used instead of the parameter threshold.",
-            measured_by(lambda steps, limit: length(steps[:, :3]) / 0.5),
+            prediction_with_measure(lambda steps, limit: lengths(steps[:, :3]) / 0.5),
             "Compare with the parameter threshold.",
         ),
         Mistake(
             "Intensity is used as a fourth coordinate.",
-            measured_by(lambda steps, limit: length(steps) / limit),
+            prediction_with_measure(lambda steps, limit: lengths(steps) / limit),
             "The columns cloud[:, :3] are the coordinates.",
         ),
         Mistake(
             "The height is left out: distances are measured only along x and y.",
-            measured_by(lambda steps, limit: length(steps[:, :2]) / limit),
+            prediction_with_measure(lambda steps, limit: lengths(steps[:, :2]) / limit),
             "The columns cloud[:, :3] are the coordinates, z among them.",
         ),
-        *(_measured_along(axes) for axes in ([1, 2], [0, 2], [0], [1], [2])),
+        *(_mistake_along_axes(axes) for axes in ([1, 2], [0, 2], [0], [1], [2])),
     )
 
 
-def _measured_along(axes: list[int]) -> Mistake:
+def _mistake_along_axes(axes: list[int]) -> Mistake:
     """Return the mistake of measuring distances along some of the axes only.
 
     Parameters
@@ -150,7 +152,7 @@ def _measured_along(axes: list[int]) -> Mistake:
     names = " and ".join("xyz"[axis] for axis in axes)
     return Mistake(
         f"Distances are measured only along {names}.",
-        measured_by(lambda steps, limit: length(steps[:, axes]) / limit),
+        prediction_with_measure(lambda steps, limit: lengths(steps[:, axes]) / limit),
         "The columns cloud[:, :3] are the coordinates: x, y and z.",
     )
 
@@ -183,7 +185,7 @@ def label_mistakes() -> tuple[Mistake, ...]:
     )
 
 
-def lines_of_points() -> tuple[tuple[np.ndarray, float], ...]:
+def line_cases() -> tuple[tuple[np.ndarray, float], ...]:
     """Return cases (cloud, threshold) in which each wrong measure splits at different gaps."""
     rng = np.random.default_rng(9)
     found = []
@@ -194,7 +196,7 @@ def lines_of_points() -> tuple[tuple[np.ndarray, float], ...]:
     )
     for (gaps, threshold, brightness), direction in zip(cases, _DIRECTIONS, strict=True):
         places = rng.permutation(1 + np.cumsum([0, *gaps, *(threshold * _TOO_WIDE)]))
-        found.append((on_a_line(places, brightness, direction), threshold))
+        found.append((points_on_line(places, brightness, direction), threshold))
     return frozen_cases(found)
 
 

@@ -10,11 +10,11 @@ from utils.checks.assertions import (
     as_array,
     as_labels,
     assert_partition,
-    brief,
+    brief_text,
+    count_overlaps,
     frozen,
-    needs,
-    overlaps,
     point_text,
+    precondition,
 )
 from utils.checks.failures import fixed
 from utils.checks.run_cache import once
@@ -46,7 +46,7 @@ def row_of_points(
     return np.array(start) + np.outer(np.arange(n) * step, along)
 
 
-def in_order(labels: ArrayLike) -> np.ndarray:
+def renumber_by_appearance(labels: ArrayLike) -> np.ndarray:
     """Relabel clusters as 1, 2, ... in the order of their first points; shape (n,)."""
     _, first, which = np.unique(labels, return_index=True, return_inverse=True)
     return np.argsort(np.argsort(first))[which] + 1
@@ -59,7 +59,7 @@ def _three_groups() -> tuple[np.ndarray, np.ndarray]:
         row_of_points([3.0, 7.0, 0.5], 0.1, 3),
     ]
     order = np.array([7, 9, 0, 1, 4, 8, 5, 2, 3, 6])
-    return np.vstack(groups)[order], in_order(np.repeat([1, 2, 3], [4, 3, 3])[order])
+    return np.vstack(groups)[order], renumber_by_appearance(np.repeat([1, 2, 3], [4, 3, 3])[order])
 
 
 # These groups are so dense and so far apart that a function finds them even if it handles chains,
@@ -68,14 +68,14 @@ GROUPS, LABELS = frozen(_three_groups())
 
 
 @once
-def assert_works(euclidean_clustering: Callable) -> None:
+def require_simplest_clusters(euclidean_clustering: Callable) -> None:
     """Assert that the function finds the simplest clusters; raise `NotYet` if not.
 
     The function must separate groups that are far apart, and join a row of neighbours.
     """
-    with needs("groups of points that are far apart are separate clusters"):
+    with precondition("groups of points that are far apart are separate clusters"):
         assert_partition(euclidean_clustering(GROUPS.copy(), 1.0), LABELS, GROUPS)
-    with needs("a chain of neighbours is one cluster"):
+    with precondition("a chain of neighbours is one cluster"):
         row = row_of_points([2.0, 0.0, 0.0], 0.45, 7)
         assert_partition(euclidean_clustering(row.copy(), 0.8), np.ones(7, int), row)
 
@@ -98,11 +98,11 @@ def assert_clusters(
         if failure.is_about_the_check and len(cloud) <= _MOST_COMPARED:
             yours = as_labels(answer, len(cloud))
             failure.given = _nearest_wrong_pair(yours, expected, cloud, threshold)
-            failure.yours, failure.expected = _in_words(yours), _in_words(expected)
+            failure.yours, failure.expected = _labels_text(yours), _labels_text(expected)
         raise
 
 
-def is_whole(answer: object, expected: np.ndarray) -> bool:
+def keeps_clusters_whole(answer: object, expected: np.ndarray) -> bool:
     """Return whether an answer keeps every cluster of `expected` in one piece.
 
     Parameters
@@ -110,15 +110,19 @@ def is_whole(answer: object, expected: np.ndarray) -> bool:
     answer : object
     expected : numpy.ndarray of int, shape (n,)
     """
-    shared, _, number_expected = overlaps(as_labels(answer, len(expected)), expected)
+    shared, _, number_expected = count_overlaps(as_labels(answer, len(expected)), expected)
     return shared == number_expected
 
 
-def _in_words(labels: np.ndarray) -> str:
-    return f"{counted(labels)}, labels {brief(labels)}" if len(labels) <= 12 else counted(labels)
+def _labels_text(labels: np.ndarray) -> str:
+    return (
+        f"{cluster_count_text(labels)}, labels {brief_text(labels)}"
+        if len(labels) <= 12
+        else cluster_count_text(labels)
+    )
 
 
-def counted(labels: np.ndarray) -> str:
+def cluster_count_text(labels: np.ndarray) -> str:
     """Return the number of clusters as text, such as "3 clusters"."""
     count = len(np.unique(labels))
     return "1 cluster" if count == 1 else f"{count} clusters"
@@ -138,7 +142,7 @@ def _nearest_wrong_pair(
     )
 
 
-def assert_from_one(answer: object, n: int) -> None:
+def assert_labels_from_one(answer: object, n: int) -> None:
     """Assert that the labels are the numbers from 1 to the number of clusters.
 
     Parameters
@@ -152,8 +156,8 @@ def assert_from_one(answer: object, n: int) -> None:
     if not np.array_equal(found, wanted):
         raise CheckFailed(
             fixed("The labels are not 1 to N, where N is the number of clusters."),
-            yours=brief(found),
-            expected=brief(wanted),
+            yours=brief_text(found),
+            expected=brief_text(wanted),
         )
 
 
@@ -169,13 +173,14 @@ def assert_numbered_by_appearance(euclidean_clustering: Callable) -> None:
     # The first point is isolated, so code that starts with another point numbers it differently.
     cloud = np.vstack([[-6.0, -8.0, 0.5], GROUPS])
     labels = as_labels(euclidean_clustering(cloud.copy(), 1.0), len(cloud))
-    if not np.array_equal(labels, in_order(labels)):
+    if not np.array_equal(labels, renumber_by_appearance(labels)):
         raise CheckFailed(
-            f"The first labels are {brief(labels[:5])} instead of {brief(in_order(labels)[:5])}."
+            f"The first labels are {brief_text(labels[:5])} instead of "
+            f"{brief_text(renumber_by_appearance(labels)[:5])}."
         )
 
 
-def assert_an_array(euclidean_clustering: Callable) -> None:
+def assert_is_array(euclidean_clustering: Callable) -> None:
     """Assert that the labels are an array, not a list or tuple."""
     answer = euclidean_clustering(GROUPS.copy(), 1.0)
     if isinstance(answer, (list, tuple)):

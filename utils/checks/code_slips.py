@@ -36,7 +36,7 @@ class CodeSlip:
     hint: str
 
 
-def code_slip(function: Callable, returned_none: bool) -> CodeSlip | None:
+def find_code_slip(function: Callable, returned_none: bool) -> CodeSlip | None:
     """Return the first slip in the source of a function, or None.
 
     Parameters
@@ -50,24 +50,24 @@ def code_slip(function: Callable, returned_none: bool) -> CodeSlip | None:
         [node] = ast.parse(textwrap.dedent(inspect.getsource(function))).body
         if isinstance(node, ast.FunctionDef) and isinstance(function, FunctionType):
             return (
-                (_prints(node) if returned_none else None)
-                or _returns_in_a_loop(node)
-                or _keeps_a_default(node)
-                or _reads_the_notebook(node, function)
+                (_find_print(node) if returned_none else None)
+                or _find_return_in_loop(node)
+                or _find_mutable_default(node)
+                or _find_notebook_variable(node, function)
             )
     return None
 
 
-def _inside(node: ast.AST) -> Iterator[ast.AST]:
+def _walk_body(node: ast.AST) -> Iterator[ast.AST]:
     """Yield the nodes inside a node, but not those of functions and classes defined in it."""
     for child in ast.iter_child_nodes(node):
         if not isinstance(child, (ast.FunctionDef, ast.Lambda, ast.ClassDef)):
             yield child
-            yield from _inside(child)
+            yield from _walk_body(child)
 
 
-def _prints(node: ast.FunctionDef) -> CodeSlip | None:
-    parts = list(_inside(node))
+def _find_print(node: ast.FunctionDef) -> CodeSlip | None:
+    parts = list(_walk_body(node))
     gives = (ast.Yield, ast.YieldFrom)
     if any(
         isinstance(part, gives) or (isinstance(part, ast.Return) and part.value) for part in parts
@@ -81,12 +81,12 @@ def _prints(node: ast.FunctionDef) -> CodeSlip | None:
     return None
 
 
-def _returns_in_a_loop(node: ast.FunctionDef) -> CodeSlip | None:
-    for loop in _inside(node):
+def _find_return_in_loop(node: ast.FunctionDef) -> CodeSlip | None:
+    for loop in _walk_body(node):
         if not isinstance(loop, _LOOPS) or not isinstance(loop.body[-1], ast.Return):
             continue
         is_endless = isinstance(loop, ast.While) and isinstance(loop.test, ast.Constant)
-        jumps = any(isinstance(part, (ast.Continue, ast.Break)) for part in _inside(loop))
+        jumps = any(isinstance(part, (ast.Continue, ast.Break)) for part in _walk_body(loop))
         if not (is_endless or jumps):
             return CodeSlip(
                 "`return` is inside a loop, so the loop ends after its first round.",
@@ -95,11 +95,11 @@ def _returns_in_a_loop(node: ast.FunctionDef) -> CodeSlip | None:
     return None
 
 
-def _keeps_a_default(node: ast.FunctionDef) -> CodeSlip | None:
+def _find_mutable_default(node: ast.FunctionDef) -> CodeSlip | None:
     names = [argument.arg for argument in (*node.args.posonlyargs, *node.args.args)]
     defaults = zip(reversed(names), reversed(node.args.defaults), strict=False)
     kept = {name for name, default in defaults if isinstance(default, _MUTABLE)}
-    for part in _inside(node):
+    for part in _walk_body(node):
         target = None
         if isinstance(part, ast.Call) and isinstance(part.func, ast.Attribute):
             target = part.func.value if part.func.attr in _CHANGES else None
@@ -114,14 +114,14 @@ def _keeps_a_default(node: ast.FunctionDef) -> CodeSlip | None:
     return None
 
 
-def _reads_the_notebook(node: ast.FunctionDef, function: FunctionType) -> CodeSlip | None:
+def _find_notebook_variable(node: ast.FunctionDef, function: FunctionType) -> CodeSlip | None:
     read = {part.id for part in ast.walk(node) if isinstance(part, ast.Name) and _is_read(part)}
     parameters = [argument.arg for argument in (*node.args.posonlyargs, *node.args.args)]
     unread = [name for name in parameters if name not in read]
     data = (np.ndarray, Number, list, tuple)
     used = [
         part.id
-        for part in _inside(node)
+        for part in _walk_body(node)
         if isinstance(part, ast.Name)
         and _is_read(part)
         and part.id in function.__code__.co_names

@@ -19,7 +19,9 @@ from utils.checks.common_checks import Case, promise
 _STRAYS = ((30.0, 20.0, 4.0), (-20.0, -9.0, -1.0))
 
 
-def gaps(case: Case, name: str, labels: Sequence[int], *, hint: str, weight: float = 1) -> None:
+def promise_label_gaps(
+    case: Case, name: str, labels: Sequence[int], *, hint: str, weight: float = 1
+) -> None:
     """Check the boxes of labels with gaps; `labels` replace the labels 1, 2, ... of the case."""
 
     @promise(
@@ -33,10 +35,10 @@ def gaps(case: Case, name: str, labels: Sequence[int], *, hint: str, weight: flo
     )
     def check(function: Callable) -> None:
         case.precondition(function)
-        _labelled(case, labels).assert_right(function)
+        _with_labels(case, labels).assert_right(function)
 
 
-def ascending(case: Case, name: str, labels: Sequence[int], *, weight: float = 1) -> None:
+def promise_label_order(case: Case, name: str, labels: Sequence[int], *, weight: float = 1) -> None:
     """Check that boxes are in label order; `labels` replace the labels 1, 2, ... of the case."""
 
     @promise(
@@ -50,17 +52,17 @@ def ascending(case: Case, name: str, labels: Sequence[int], *, weight: float = 1
     )
     def check(function: Callable) -> None:
         case.precondition(function)
-        _labelled(case, labels).assert_right(function)
+        _with_labels(case, labels).assert_right(function)
 
 
-def _labelled(case: Case, labels: Sequence[int]) -> Case:
+def _with_labels(case: Case, labels: Sequence[int]) -> Case:
     """Return the case with other labels instead of 1, 2, ..."""
     given = {**case.given, "cluster_labels": np.array([0, *labels])[case.given["cluster_labels"]]}
     boxes = case.expected
     return replace(case, given=given, expected=None if boxes is None else boxes[np.argsort(labels)])
 
 
-def noise(case: Case, name: str, *, weight: float = 1) -> None:
+def promise_no_box_for_noise(case: Case, name: str, *, weight: float = 1) -> None:
     """Check that points with label 0 get no box."""
     given = {
         "cloud": np.vstack([_STRAYS, case.first, _STRAYS]),
@@ -85,7 +87,7 @@ def noise(case: Case, name: str, *, weight: float = 1) -> None:
             raise
 
 
-def no_boxes(case: Case, name: str, *, hint: str, weight: float = 1) -> None:
+def promise_empty_result(case: Case, name: str, *, hint: str, weight: float = 1) -> None:
     """Check that the shape is (0, 8, 3) without clusters and without points."""
 
     @promise(
@@ -104,9 +106,9 @@ def no_boxes(case: Case, name: str, *, hint: str, weight: float = 1) -> None:
             as_cluster_boxes(function(cloud.copy(), labels.copy()), labels)
 
 
-def fourth_column(case: Case, name: str, *, weight: float = 1) -> None:
+def promise_intensity_ignored(case: Case, name: str, *, weight: float = 1) -> None:
     """Check that intensity does not affect the boxes."""
-    common_checks.fourth_column(
+    common_checks.promise_fourth_column(
         case,
         name,
         np.linspace(9, -9, len(case.first)),
@@ -117,9 +119,9 @@ def fourth_column(case: Case, name: str, *, weight: float = 1) -> None:
     )
 
 
-def untouched(case: Case, name: str, *, hint: str, weight: float = 1) -> None:
+def promise_untouched(case: Case, name: str, *, hint: str, weight: float = 1) -> None:
     """Check that the function changes neither the cloud nor the labels."""
-    common_checks.untouched(
+    common_checks.promise_untouched(
         case,
         name,
         title="Leaves the cloud and the labels untouched",

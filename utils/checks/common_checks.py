@@ -6,8 +6,8 @@ weight and the texts. The promise becomes an ordinary visible check, in the orde
     _CROP = Case(__name__, "crop_region", {"cloud": _ROOM, "minimum": ..., "maximum": ...},
                  expected=_INSIDE, compare=assert_boxed, precondition=assert_crops)
 
-    common_checks.names(_CROP, "names_the_corners", why="Others may call crop_region(cloud, ...).")
-    common_row_checks.order(_CROP, "crops_in_order")
+    common_checks.promise_names(_CROP, "names_the_corners", why="Others may call it by name.")
+    common_row_checks.promise_order(_CROP, "crops_in_order")
 
 Promises for certain kinds of exercises are in `common_row_checks`, `common_box_checks` and
 `common_cluster_checks`.
@@ -107,7 +107,7 @@ class Promise:
     Attributes
     ----------
     kind : str
-        Name of the function that declares it, such as "untouched".
+        Short name, such as "untouched" for `promise_untouched`.
     case : Case
     name : str
         Name of the check.
@@ -157,7 +157,7 @@ def promise(kind: str, case: Case, name: str, **words: object) -> Callable:
 # ---- promises of every exercise ----------------------------------------------------------------
 
 
-def names(
+def promise_names(
     case: Case,
     name: str,
     *,
@@ -174,7 +174,9 @@ def names(
         case.assert_right_answer(function(**case.copies))
 
 
-def default(case: Case, argument: str, *, title: str, why: str, weight: float = 1) -> Callable:
+def promise_default(
+    case: Case, argument: str, *, title: str, why: str, weight: float = 1
+) -> Callable:
     """Return a decorator for an assertion that omits an argument to test its default.
 
     Parameters
@@ -205,7 +207,7 @@ def default(case: Case, argument: str, *, title: str, why: str, weight: float = 
     return declare
 
 
-def untouched(
+def promise_untouched(
     case: Case,
     name: str,
     *,
@@ -214,8 +216,8 @@ def untouched(
     title: str = "Leaves its input untouched",
     weight: float = 1,
 ) -> None:
-    """Check that the function changes neither its arguments nor those of `extended`."""
-    full = extended(case.given)
+    """Check that the function changes neither its arguments nor those of `extend_arguments`."""
+    full = extend_arguments(case.given)
     is_more = any(full[argument] is not value for argument, value in case.given.items())
 
     @promise("untouched", case, name, title=title, why=why, hint=hint, weight=weight)
@@ -233,7 +235,7 @@ def untouched(
             return  # other checks test whether the function accepts four columns or the label 0
 
 
-def extended(given: Mapping[str, object]) -> dict[str, object]:
+def extend_arguments(given: Mapping[str, object]) -> dict[str, object]:
     """Extend the arguments of a call with everything that a function might overwrite.
 
     Clouds get intensities, labels get zeros, and lines and planes get an offset from the origin.
@@ -261,7 +263,7 @@ def extended(given: Mapping[str, object]) -> dict[str, object]:
 # ---- columns -----------------------------------------------------------------------------------
 
 
-def three_columns(case: Case, name: str, *, hint: str, weight: float = 1) -> None:
+def promise_three_columns(case: Case, name: str, *, hint: str, weight: float = 1) -> None:
     """Check that the function accepts the cloud of the case without its intensity column."""
 
     @promise(
@@ -278,7 +280,7 @@ def three_columns(case: Case, name: str, *, hint: str, weight: float = 1) -> Non
         case.with_first(case.first[:, :3]).assert_right(function)
 
 
-def fourth_column(
+def promise_fourth_column(
     case: Case,
     name: str,
     intensities: Sequence[float],
@@ -303,7 +305,7 @@ def fourth_column(
 # ---- one number per point: `expected` has an entry for each -------------------------------------
 
 
-def few_points(case: Case, name: str, *, title: str, why: str, weight: float = 1) -> None:
+def promise_few_points(case: Case, name: str, *, title: str, why: str, weight: float = 1) -> None:
     """Check that the answer is one number for one point and empty for an empty cloud."""
     hint = "Compute with whole columns. You do not need a loop over the points or a special case."
 

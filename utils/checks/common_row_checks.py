@@ -15,14 +15,14 @@ from utils.checks.assertions import (
     CheckFailed,
     as_array,
     assert_all_columns,
-    assert_nothing_left,
+    assert_empty_table,
     assert_order,
 )
 from utils.checks.common_checks import Case, promise
 from utils.checks.core import noted
 
 
-def all_columns(
+def promise_all_columns(
     case: Case,
     name: str,
     *,
@@ -45,7 +45,7 @@ def all_columns(
         assert_all_columns(case.answer_of(function), case.first, case.expected)
 
 
-def order(case: Case, name: str, *, weight: float = 1) -> None:
+def promise_order(case: Case, name: str, *, weight: float = 1) -> None:
     """Check that the kept rows keep their order."""
 
     @promise(
@@ -62,7 +62,7 @@ def order(case: Case, name: str, *, weight: float = 1) -> None:
         assert_order(case.answer_of(function), case.first, case.expected)
 
 
-def nothing_left(
+def promise_empty_table(
     case: Case,
     name: str,
     *,
@@ -86,11 +86,11 @@ def nothing_left(
         case.precondition(function)
         columns = as_array(case.answer_of(function)).shape[1]
         for few in (cloud[:0], cloud[removed[:1]], cloud[removed]):
-            assert_nothing_left(case.with_first(few).answer_of(function), few, columns)
+            assert_empty_table(case.with_first(few).answer_of(function), few, columns)
         one_kept.assert_right(function)
 
 
-def untouched(
+def promise_untouched(
     case: Case,
     name: str,
     *,
@@ -99,10 +99,10 @@ def untouched(
 ) -> None:
     """Check that the function does not change the cloud."""
     hint = "cloud[mask] is already a new array. Do not assign into cloud."
-    common_checks.untouched(case, name, why=why, hint=hint, weight=weight)
+    common_checks.promise_untouched(case, name, why=why, hint=hint, weight=weight)
 
 
-def array(case: Case, name: str) -> None:
+def note_array(case: Case, name: str) -> None:
     """Add a note, which costs no points, if the rows are in a list or lose their columns."""
 
     def check(function: Callable) -> None:

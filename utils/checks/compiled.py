@@ -13,7 +13,7 @@ import sys
 from collections.abc import Callable
 from types import FunctionType
 
-from utils.checks.assertions import brief
+from utils.checks.assertions import brief_text
 from utils.checks.failures import CheckFailed
 
 
@@ -34,7 +34,7 @@ def as_python(function: Callable) -> Callable:
         if _is_compiled(value):
             names[name] = _with_globals(value.py_func, names)
         elif value is numba.njit or value is numba.jit:
-            names[name] = _no_compilation
+            names[name] = _skip_compilation
     python = _with_globals(function.py_func, names)
     python.compiled = function
     return python
@@ -62,13 +62,13 @@ def assert_compiles(python: Callable, call: Callable[[Callable], object]) -> Non
         answer = call(compiled)
     except Exception as error:
         raise CheckFailed(
-            f"Numba cannot compile this function. {_reason(error, compiled)}"
+            f"Numba cannot compile this function. {_explain_error(error, compiled)}"
         ) from None
     if answer != expected:
         raise CheckFailed(
-            f"The compiled function returns {brief(answer)}, but the Python code returns "
-            f"{brief(expected)}. Does it read beyond the end of an array? Numba does not check "
-            "this."
+            f"The compiled function returns {brief_text(answer)}, but the Python code returns "
+            f"{brief_text(expected)}. Does it read beyond the end of an array? Numba does not "
+            "check this."
         )
 
 
@@ -85,12 +85,12 @@ def _with_globals(function: FunctionType, names: dict) -> FunctionType:
     return copied
 
 
-def _no_compilation(function: Callable | None = None, **options: object) -> Callable:
+def _skip_compilation(function: Callable | None = None, **options: object) -> Callable:
     """Return a function unchanged; this decorator replaces `njit`, with or without options."""
-    return function or _no_compilation
+    return function or _skip_compilation
 
 
-def _reason(error: Exception, compiled: Callable) -> str:
+def _explain_error(error: Exception, compiled: Callable) -> str:
     """Return Numba's explanation of an error as one sentence, with the line if Numba names it."""
     # Remove addresses and paths, which do not help the student.
     text = re.sub(r" at 0x\w+|, defined at .*", "", str(error))

@@ -10,25 +10,25 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from utils.checks.code_slips import code_slip
+from utils.checks.code_slips import find_code_slip
 from utils.checks.compiled import as_python
 from utils.checks.diagnosis import Mistake, diagnose
 from utils.checks.failures import CheckFailed, NotStarted, Raised, Stopped, UnusableModule
 from utils.checks.import_guard import BlockedModules
-from utils.checks.limits import TimeUp, limited
+from utils.checks.limits import TimeUp, limit_resources
 from utils.checks.line_hint import find_line_hint
 from utils.checks.outcomes import Check, Outcome
-from utils.checks.run_cache import one_run
+from utils.checks.run_cache import cached_run
 from utils.checks.static_analysis import (
     absent_modules,
-    forbidden_in,
+    forbidden_modules,
     functions_used,
     refused_modules,
 )
-from utils.checks.summary import resolve
+from utils.checks.summary import summarise
 from utils.checks.timeouts import explanation, loops_around
 from utils.checks.tips import locate, tip_for
-from utils.checks.waiting_cells import remember
+from utils.checks.waiting_cells import record_result
 from utils.in_sandbox import ABSENT, CALL_SECONDS
 from utils.lent.events import report_check
 from utils.lent.stubs import own
@@ -123,15 +123,15 @@ def checks_of(exercise: str) -> tuple[Check, ...]:
     LookupError
         If the course has no such exercise.
     """
-    return tuple(declared for declared in _all_of(exercise) if not declared.is_note)
+    return tuple(declared for declared in _checks_and_notes_of(exercise) if not declared.is_note)
 
 
 def notes_of(exercise: str) -> tuple[Check, ...]:
     """Return the notes of an exercise, which cost no points; see `checks_of`."""
-    return tuple(declared for declared in _all_of(exercise) if declared.is_note)
+    return tuple(declared for declared in _checks_and_notes_of(exercise) if declared.is_note)
 
 
-def _all_of(exercise: str) -> list[Check]:
+def _checks_and_notes_of(exercise: str) -> list[Check]:
     modules = _modules_of_lessons()
     while exercise not in _CHECKS and modules:
         importlib.import_module(modules.pop(0))
@@ -155,30 +155,30 @@ def _modules_of_lessons() -> list[str]:
 def run_check(one_check: Check, function: Callable) -> Outcome:
     """Run one check within the limits of time and memory."""
     try:
-        with limited(SECONDS):
+        with limit_resources(SECONDS):
             one_check.run(function)
     except CheckFailed as failure:
         return Outcome(one_check, failure)
     except TimeUp as over:
-        return Outcome(one_check, _stopped(one_check, over, function))
+        return Outcome(one_check, _describe_timeout(one_check, over, function))
     except Exception as error:
-        return Outcome(one_check, _raised(one_check, error, function))
+        return Outcome(one_check, _describe_exception(one_check, error, function))
     return Outcome(one_check, None)
 
 
-def _stopped(one_check: Check, over: TimeUp, function: Callable) -> Stopped:
+def _describe_timeout(one_check: Check, time_up: TimeUp, function: Callable) -> Stopped:
     """Describe a call that exceeded its time limit, and the loop that it was in."""
     timeout = f"{one_check.exercise} did not return within {SECONDS} s"
-    reason = explanation(loops_around(over.__cause__, function), one_check.slow)
+    reason = explanation(loops_around(time_up.__cause__, function), one_check.slow)
     advice = "If one of your cells hangs, press the stop button ■ in the toolbar."
     return Stopped(f"{timeout}{reason} {advice}")
 
 
-def _raised(one_check: Check, error: Exception, function: Callable) -> CheckFailed:
+def _describe_exception(one_check: Check, error: Exception, function: Callable) -> CheckFailed:
     """Explain an exception to the student whose function raised it."""
     exercise = one_check.exercise
-    if isinstance(error, ImportError) and error.name in forbidden_in(one_check.lesson):
-        return _refusal(exercise, [error.name])
+    if isinstance(error, ImportError) and error.name in forbidden_modules(one_check.lesson):
+        return _refuse_modules(exercise, [error.name])
     kind, (name, place, line) = type(error).__name__, locate(error, function)
     if isinstance(error, NotImplementedError):
         return NotStarted(exercise, name or exercise)
@@ -212,9 +212,9 @@ def check(function: Callable, exercise: str | None = None) -> None:
     checks = checks_of(exercise)
     table, begin = Table(checks), time.process_time()
     if refused := refused_modules(_method_or_function(function, exercise), checks[0].lesson):
-        outcomes = [Outcome(checks[0], _refusal(exercise, refused))]
+        outcomes = [Outcome(checks[0], _refuse_modules(exercise, refused))]
     elif absent := absent_modules(_method_or_function(function, exercise), checks[0].lesson):
-        outcomes = [Outcome(checks[0], _unavailable(exercise, absent))]
+        outcomes = [Outcome(checks[0], _report_missing_modules(exercise, absent))]
     else:
         outcomes = _run_all(checks, function, table)
     seconds = time.process_time() - begin
@@ -225,27 +225,30 @@ def check(function: Callable, exercise: str | None = None) -> None:
     if failed and not any(
         isinstance(outcome.failure, NotStarted | UnusableModule | Stopped) for outcome in failed
     ):
-        mistake, wrong_helper = _mistake(exercise, function), _find_wrong_helper(exercise, function)
+        mistake, wrong_helper = (
+            _find_mistake(exercise, function),
+            _find_wrong_helper(exercise, function),
+        )
         if not (mistake or wrong_helper):
             returned_none = any(outcome.failure.yours == "None" for outcome in failed)
-            slip = code_slip(_method_or_function(function, exercise), returned_none)
+            slip = find_code_slip(_method_or_function(function, exercise), returned_none)
         if not wrong_helper and threading.current_thread() is threading.main_thread():
             lost = [outcome.check for outcome in failed]
             hint = find_line_hint(function, checks, lost)
     notes = [] if failed else [run_check(note, function) for note in notes_of(exercise)]
     has_notes = any(note.failure for note in notes)
-    summary = resolve(outcomes, checks, mistake, notes, wrong_helper, hint, slip=slip)
+    summary = summarise(outcomes, checks, mistake, notes, wrong_helper, hint, slip=slip)
     if not failed and seconds > SLOW_SECONDS:
-        summary = replace(summary, notes=(*summary.notes, _slowness(exercise, seconds)))
+        summary = replace(summary, notes=(*summary.notes, _make_slowness_note(exercise, seconds)))
     table.finish(summary)
     stopped = any(isinstance(outcome.failure, Stopped) for outcome in failed)
-    remember(exercise, written, not (summary.first or has_notes))
+    record_result(exercise, written, not (summary.first or has_notes))
     report_check(exercise, not summary.first, stopped)
     if summary.first:
         raise ChecksFailed(summary.in_one_line)
 
 
-def _slowness(exercise: str, seconds: float) -> Outcome:
+def _make_slowness_note(exercise: str, seconds: float) -> Outcome:
     """Return the note on an answer that is right but slow."""
     note = Check(
         "is_slow",
@@ -269,7 +272,7 @@ def _method_or_function(function: Callable, exercise: str) -> Callable:
 
 def _run_all(checks: tuple[Check, ...], function: Callable, table: Table) -> list[Outcome]:
     """Run checks with forbidden modules blocked; if one is used, return only the refusal."""
-    with BlockedModules(forbidden_in(checks[0].lesson)) as blocked:
+    with BlockedModules(forbidden_modules(checks[0].lesson)) as blocked:
         outcomes = None
         while outcomes is None:
             outcomes = _run_each(checks, function, table, blocked)
@@ -287,7 +290,7 @@ def _run_each(
     checks must start again.
     """
     outcomes = []
-    with one_run():
+    with cached_run():
         for one_check in checks:
             outcomes.append(run_check(one_check, function))
             if blocked.hide():
@@ -298,7 +301,7 @@ def _run_each(
     return outcomes
 
 
-def _refusal(exercise: str, modules: list[str]) -> UnusableModule:
+def _refuse_modules(exercise: str, modules: list[str]) -> UnusableModule:
     names = " and ".join(modules)
     return UnusableModule(
         f"{exercise} uses {names}, which is not allowed in this lesson: it does the exercise for "
@@ -306,14 +309,14 @@ def _refusal(exercise: str, modules: list[str]) -> UnusableModule:
     )
 
 
-def _unavailable(exercise: str, modules: list[str]) -> UnusableModule:
+def _report_missing_modules(exercise: str, modules: list[str]) -> UnusableModule:
     names = " and ".join(modules)
     return UnusableModule(f"{exercise} uses {names}, but {ABSENT}.")
 
 
-def _mistake(exercise: str, function: Callable) -> Mistake | None:
+def _find_mistake(exercise: str, function: Callable) -> Mistake | None:
     try:
-        with limited(SECONDS):
+        with limit_resources(SECONDS):
             return diagnose(exercise, function)
     except TimeUp:
         return None

@@ -10,7 +10,14 @@ import numpy as np
 
 import utils
 from utils.boxes import Box, distance_outside
-from utils.checks.assertions import CheckFailed, WrongForm, as_array, brief, needs, point_text
+from utils.checks.assertions import (
+    CheckFailed,
+    WrongForm,
+    as_array,
+    brief_text,
+    point_text,
+    precondition,
+)
 from utils.checks.boxes import footprint
 from utils.checks.failures import fixed
 from utils.checks.run_cache import answer_to, once
@@ -30,7 +37,7 @@ _LARGEST_OF_A_PERSON = 3.0  # square metres
 _CARS_FOUND = "in the scan of this check, isolated cars near the sensor have separate boxes"
 
 
-def detected(detect_obstacles: Callable, frame: Frame) -> object:
+def detect_once(detect_obstacles: Callable, frame: Frame) -> object:
     """Return the detector's answer for an unchanged frame, cached for the run of checks."""
     return answer_to(detect_obstacles, frame, frame.cloud)
 
@@ -44,7 +51,7 @@ def as_boxes(answer: object) -> np.ndarray:
     """
     if isinstance(answer, (list, tuple)) and not answer:
         return np.empty((0, 8, 3))
-    boxes = as_array(answer, what="an array of boxes")
+    boxes = as_array(answer, description="an array of boxes")
     if boxes.size == 0 and boxes.shape[:1] == (0,):
         return np.empty((0, 8, 3))
     if boxes.ndim != 3 or boxes.shape[1:] != (8, 3):
@@ -65,7 +72,7 @@ def as_boxes(answer: object) -> np.ndarray:
         bad = np.flatnonzero(~np.isfinite(boxes).all(axis=(1, 2)))[0]
         raise WrongForm(
             "A box has a corner that is not finite.",
-            yours=brief(boxes[bad]),
+            yours=brief_text(boxes[bad]),
             hint="Remove returns that are not finite before you fit boxes. A cluster of one point "
             "has no direction and its length is 0, so do not divide by it.",
         )
@@ -93,11 +100,11 @@ def box_of(obstacle: Box, boxes: np.ndarray, frame: Frame) -> int | None:
     if len(_boxes_on(obstacle, boxes)) > _MOST_BOXES_ON_ONE:
         return None
     shares = {
-        int(number): _within(returns, boxes[number], 0.2).mean()
+        int(number): _is_inside(returns, boxes[number], 0.2).mean()
         for number in _boxes_over(boxes, obstacle.centre, 4.0)
     }
     fitting = {
-        number: _fits(boxes[number], obstacle)
+        number: _is_box_size_plausible(boxes[number], obstacle)
         for number, share in shares.items()
         if share >= _MIN_SHARE
     }
@@ -129,7 +136,7 @@ def assert_contained(answer: object, obstacle: Box, frame: Frame) -> None:
     returns = frame.cloud[frame.scan.objects == obstacle.identity, :3]
     returns = returns[returns[:, 2] > obstacle.centre[2] - obstacle.size[2] / 2 + 0.55]
     if not any(
-        _within(returns, boxes[number], 0.2).mean() >= _MIN_SHARE
+        _is_inside(returns, boxes[number], 0.2).mean() >= _MIN_SHARE
         for number in _boxes_over(boxes, obstacle.centre, 4.0)
     ):
         raise CheckFailed(
@@ -137,7 +144,7 @@ def assert_contained(answer: object, obstacle: Box, frame: Frame) -> None:
             given=_visible_part(obstacle, frame),
             yours=f"{len(boxes)} boxes in that scan",
             expected=f"a box around that {name}",
-            draw=lambda: _draw(frame, boxes, [obstacle.corners], "missed"),
+            draw=lambda: _draw_boxes(frame, boxes, [obstacle.corners], "missed"),
         )
 
 
@@ -154,7 +161,7 @@ def assert_separate_boxes(answer: object, frame: Frame, gap: float) -> None:
     cars = [box for box in frame.boxes if box.kind == "car"]
     for box in boxes:
         shares = [
-            _within(frame.cloud[frame.scan.objects == car.identity, :3], box, 0.2).mean()
+            _is_inside(frame.cloud[frame.scan.objects == car.identity, :3], box, 0.2).mean()
             for car in cars
         ]
         if min(shares) > 0.5:
@@ -162,7 +169,7 @@ def assert_separate_boxes(answer: object, frame: Frame, gap: float) -> None:
                 f"Two cars that are parked {gap} m apart share one box.",
                 yours="one box around both",
                 expected="a box for each",
-                draw=lambda box=box: _draw(frame, boxes, [box], "two cars"),
+                draw=lambda box=box: _draw_boxes(frame, boxes, [box], "two cars"),
                 hint="Two objects become one cluster if the threshold is larger than the gap "
                 "between them. Do you pass threshold on to the clustering?",
             )
@@ -179,7 +186,7 @@ def assert_no_boxes_on_road(answer: object, frame: Frame) -> None:
             given="a road that climbs",
             yours=f"{len(boxes)} boxes in that scan",
             expected="boxes around cars, a lorry and a person",
-            draw=lambda: _draw(frame, boxes, ghosts, "road"),
+            draw=lambda: _draw_boxes(frame, boxes, ghosts, "road"),
         )
 
 
@@ -196,14 +203,14 @@ def require_cars_found(answer: object, frame: Frame) -> None:
     utils.checks.failures.NotYet
         If they are not found.
     """
-    with needs(_CARS_FOUND):
+    with precondition(_CARS_FOUND):
         assert_cars_found([answer], [frame])
 
 
 @once
 def require_cars_found_in_frame(detect_obstacles: Callable, frame: Frame) -> None:
     """Apply `require_cars_found` to the detector's answer for an unchanged frame."""
-    require_cars_found(detected(detect_obstacles, frame), frame)
+    require_cars_found(detect_once(detect_obstacles, frame), frame)
 
 
 def assert_few_ghosts(answers: Sequence[object], frames: Sequence[Frame]) -> None:
@@ -220,7 +227,7 @@ def assert_few_ghosts(answers: Sequence[object], frames: Sequence[Frame]) -> Non
                 "There are far more boxes than objects in the street.",
                 yours=f"{len(boxes)} boxes",
                 expected=f"fewer than {most}",
-                draw=lambda frame=frame, boxes=boxes: _draw(frame, boxes),
+                draw=lambda frame=frame, boxes=boxes: _draw_boxes(frame, boxes),
                 hint=_SPLIT_HINT,
             )
         total += len(boxes)
@@ -228,13 +235,13 @@ def assert_few_ghosts(answers: Sequence[object], frames: Sequence[Frame]) -> Non
     if len(ghosts) <= 0.4 * total:
         return
     box, frame, boxes = ghosts[0]
-    inside_box = np.count_nonzero(_within(_sorted_by_x(frame)[0], box, 0.05))
+    inside_box = np.count_nonzero(_is_inside(_sorted_by_x(frame)[0], box, 0.05))
     raise CheckFailed(
         f"{len(ghosts)} of {total} boxes contain more road than obstacle, or nothing at all, for "
         f"example {point_text(box[:, :2].mean(axis=0))}.",
         yours=f"{inside_box or 'no'} return{'s' if inside_box != 1 else ''} in that box",
         expected="boxes around cars, people, poles and walls",
-        draw=lambda: _draw(
+        draw=lambda: _draw_boxes(
             frame, boxes, [ghost for ghost, home, _ in ghosts if home is frame], "nothing in it"
         ),
     )
@@ -250,7 +257,7 @@ def assert_no_box_on_ego_car(answer: object, frame: Frame) -> None:
             "A box is where the ego car is.",
             yours=f"a box with its centre at {point_text(centres[inside][0])}",
             expected="no box with its centre between x = -1.5 and 2.6 m, y = -1.7 and 1.7 m",
-            draw=lambda: _draw(frame, boxes, boxes[inside], "ego car"),
+            draw=lambda: _draw_boxes(frame, boxes, boxes[inside], "ego car"),
         )
 
 
@@ -259,7 +266,7 @@ def assert_no_box_at_sensor(answer: object, frame: Frame) -> None:
     boxes = as_boxes(answer)
     sensor = np.zeros((1, 3))
     near = _boxes_over(boxes, sensor[0], 0.1)
-    at = [number for number in near if _within(sensor, boxes[number], 0.1).any()]
+    at = [number for number in near if _is_inside(sensor, boxes[number], 0.1).any()]
     if at:
         raise CheckFailed(
             fixed(
@@ -269,7 +276,7 @@ def assert_no_box_at_sensor(answer: object, frame: Frame) -> None:
             yours=f"a box from {point_text(boxes[at[0]].min(axis=0))} to "
             f"{point_text(boxes[at[0]].max(axis=0))}",
             expected="no box there",
-            draw=lambda: _draw(frame, boxes, boxes[at], "lost returns"),
+            draw=lambda: _draw_boxes(frame, boxes, boxes[at], "lost returns"),
         )
 
 
@@ -292,7 +299,7 @@ def assert_raindrops_ignored(answer: object, frame: Frame, drops: np.ndarray) ->
             "Single returns in the air have boxes.",
             yours=f"boxes around {wet} of {len(drops)} drops of rain",
             expected="none around clusters of one point",
-            draw=lambda: _draw(frame, boxes, small[(away < 0.5).any(axis=1)], "a drop"),
+            draw=lambda: _draw_boxes(frame, boxes, small[(away < 0.5).any(axis=1)], "a drop"),
         )
 
 
@@ -307,13 +314,15 @@ def assert_no_box_left(answer: object, car: Box, frame: Frame) -> None:
     frame : utils.simulator.frames.Frame
     """
     boxes = as_boxes(answer)
-    left = [number for number in _boxes_on(car, boxes) if _fits(boxes[number], car)]
+    left = [
+        number for number in _boxes_on(car, boxes) if _is_box_size_plausible(boxes[number], car)
+    ]
     if left:
         raise CheckFailed(
             "A box is around an empty place: the car that was there in another scan is gone.",
             yours=f"a box at {point_text(car.centre[:2])}",
             expected="boxes only around objects in this scan",
-            draw=lambda: _draw(frame, boxes, boxes[left], "nothing in it"),
+            draw=lambda: _draw_boxes(frame, boxes, boxes[left], "nothing in it"),
         )
 
 
@@ -322,14 +331,14 @@ def assert_boxes_turned(answer: object, frame: Frame) -> None:
     boxes = as_boxes(answer)
     pairs = [(car, box_of(car, boxes, frame)) for car in clear_cars(frame)]
     pairs = [(car, boxes[number]) for car, number in pairs if number is not None]
-    area = sum(np.prod(_sides(box)) for _, box in pairs)
+    area = sum(np.prod(_side_lengths(box)) for _, box in pairs)
     true_area = sum(car.size[0] * car.size[1] for car, _ in pairs)
     if area > _MAX_AREA_RATIO * true_area:
         raise CheckFailed(
             "The boxes of cars at an angle are much larger than the cars.",
             yours=f"{area / len(pairs):.1f} square metres on average",
             expected=f"about {true_area / len(pairs):.1f} square metres",
-            draw=lambda: _draw(frame, boxes, [car.corners for car, _ in pairs], "true"),
+            draw=lambda: _draw_boxes(frame, boxes, [car.corners for car, _ in pairs], "true"),
         )
 
 
@@ -340,7 +349,7 @@ def assert_upright(answer: object) -> None:
         if max(np.ptp(heights[:4]), np.ptp(heights[4:])) > 2e-3 or footprint(box) is None:
             raise CheckFailed(
                 "Not all boxes are upright with a rectangular floor.",
-                yours=brief(box),
+                yours=brief_text(box),
                 expected="four corners at one height with right angles, and four above them",
             )
 
@@ -378,7 +387,7 @@ def _assert_found(
         given=_visible_part(obstacle, frame),
         yours=f"{len(boxes)} boxes in that scan",
         expected="for each, a box around most of its returns and little else",
-        draw=lambda: _draw(
+        draw=lambda: _draw_boxes(
             frame,
             boxes,
             [item[0].corners for item in missed if item[2] is frame],
@@ -397,10 +406,10 @@ def _describe_miss(obstacle: Box, boxes: np.ndarray) -> tuple[str, str]:
         return f"there are {pieces} boxes on it", _SPLIT_HINT
     if not len(over):
         return "no box is over it", ""  # empty: the check has its own hint
-    longest = max(max(_sides(box)) for box in over)
+    longest = max(max(_side_lengths(box)) for box in over)
     if longest > max(obstacle.size[:2]) + 1.0:
         return (
-            f"the box over it is {longest:.1f} m long, the {_name(obstacle)} "
+            f"the box over it is {longest:.1f} m long, the {_object_name(obstacle)} "
             f"{obstacle.size[0]:.1f} m",
             _MERGED_HINT,
         )
@@ -411,16 +420,16 @@ def _visible_part(obstacle: Box, frame: Frame) -> str:
     returns = frame.cloud[frame.scan.objects == obstacle.identity, :3]
     cubes = len(np.unique(np.floor(returns[returns[:, 2] > -1.2] / 0.2), axis=0))
     return (
-        f"a {_name(obstacle)} with {len(returns)} returns, which fill {cubes} cubes of 0.2 m above "
-        "z = -1.2 m"
+        f"a {_object_name(obstacle)} with {len(returns)} returns, which fill {cubes} cubes of "
+        "0.2 m above z = -1.2 m"
     )
 
 
-def _name(obstacle: Box) -> str:
+def _object_name(obstacle: Box) -> str:
     return {"pedestrian": "person"}.get(obstacle.kind, obstacle.kind)
 
 
-def _rectangle(box: np.ndarray) -> np.ndarray:
+def _floor_rectangle(box: np.ndarray) -> np.ndarray:
     """Return the floor (4, 2) of an upright box, or the smallest rectangle around another box."""
     floor = footprint(box)
     if floor is not None:
@@ -437,25 +446,25 @@ def _rectangle(box: np.ndarray) -> np.ndarray:
     return np.array([[a, c], [b, c], [b, d], [a, d]]) @ axes
 
 
-def _sides(box: np.ndarray) -> np.ndarray:
+def _side_lengths(box: np.ndarray) -> np.ndarray:
     """Return length and width (m) of a box, seen from above."""
-    return np.linalg.norm(np.diff(_rectangle(box)[:3], axis=0), axis=1)
+    return np.linalg.norm(np.diff(_floor_rectangle(box)[:3], axis=0), axis=1)
 
 
-def _fits(box: np.ndarray, obstacle: Box) -> bool:
+def _is_box_size_plausible(box: np.ndarray, obstacle: Box) -> bool:
     """Return whether a box is not much larger than a car or person."""
-    long, wide = np.sort(_sides(box))[::-1]
+    long, wide = np.sort(_side_lengths(box))[::-1]
     most = max(2.5 * obstacle.size[0] * obstacle.size[1], _LARGEST_OF_A_PERSON)
     return long <= obstacle.size[0] + 2.0 and long * wide <= most
 
 
-def _within(points: np.ndarray, box: np.ndarray, margin: float) -> np.ndarray:
+def _is_inside(points: np.ndarray, box: np.ndarray, margin: float) -> np.ndarray:
     """Return a mask (n,) of the points (n, 3) inside a box that is enlarged by a margin (m)."""
     low, high = box.min(axis=0), box.max(axis=0)
     level = (points[:, 2] >= low[2] - margin) & (points[:, 2] <= high[2] + margin)
     if np.hypot(*(high - low)[:2]) < 1e-9:
         return level  # the box of a single return has no sides
-    return level & (distance_outside(points[:, :2], _rectangle(box)) <= margin)
+    return level & (distance_outside(points[:, :2], _floor_rectangle(box)) <= margin)
 
 
 @functools.lru_cache(maxsize=64)
@@ -468,7 +477,7 @@ def _sorted_by_x(frame: Frame) -> tuple[np.ndarray, np.ndarray]:
 def _contains_obstacle(box: np.ndarray, frame: Frame) -> bool:
     points, obstacle = _sorted_by_x(frame)
     first, last = np.searchsorted(points[:, 0], [box[:, 0].min() - 0.1, box[:, 0].max() + 0.1])
-    inside_box = obstacle[first:last][_within(points[first:last], box, 0.05)]
+    inside_box = obstacle[first:last][_is_inside(points[first:last], box, 0.05)]
     return 2 * np.count_nonzero(inside_box) > len(inside_box)
 
 
@@ -476,7 +485,7 @@ def _boxes_on(obstacle: Box, boxes: np.ndarray) -> np.ndarray:
     """Return the indices of the boxes whose centres are in the footprint of a car or person."""
     centres = boxes.mean(axis=1)
     centres[:, 2] = obstacle.centre[2]
-    return np.flatnonzero(_within(centres, obstacle.corners, 0.0))
+    return np.flatnonzero(_is_inside(centres, obstacle.corners, 0.0))
 
 
 def _boxes_over(boxes: np.ndarray, centre: Sequence[float], margin: float = 0.0) -> np.ndarray:
@@ -485,7 +494,7 @@ def _boxes_over(boxes: np.ndarray, centre: Sequence[float], margin: float = 0.0)
     return np.flatnonzero(((low <= centre[:2]) & (high >= centre[:2])).all(axis=1))
 
 
-def _draw(
+def _draw_boxes(
     frame: Frame,
     boxes: np.ndarray,
     reference: Sequence[np.ndarray] = (),

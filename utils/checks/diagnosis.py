@@ -46,16 +46,16 @@ class Mistake:
 
 
 @dataclass(frozen=True)
-class _Known:
+class _KnownMistakes:
     cases: tuple
     right: Callable
-    mistakes: tuple[Mistake, ...]
+    declare_mistakes: tuple[Mistake, ...]
     same: Callable
     call: Callable
     class_name: str
 
 
-_KNOWN: dict[str, _Known] = {}
+_KNOWN: dict[str, _KnownMistakes] = {}
 
 
 def same_array(answer: object, predicted: object) -> bool:
@@ -76,12 +76,12 @@ def _plain_call(function: Callable, *case: object) -> object:
     return function(*case)
 
 
-def mistakes(
+def declare_mistakes(
     exercise: str,
     *known: Mistake,
     cases: Sequence[tuple],
     right: Callable,
-    same: Callable = same_array,
+    is_same: Callable = same_array,
     call: Callable = _plain_call,
     class_name: str = "",
 ) -> None:
@@ -95,7 +95,7 @@ def mistakes(
         Positional arguments of a few small calls.
     right : callable
         Takes the arguments of a case; returns the right answer.
-    same : callable
+    is_same : callable
         Takes an answer and a prediction; returns whether they are equal.
     call : callable
         Takes the function and the arguments of a case; returns the answer. By default, it calls
@@ -103,7 +103,7 @@ def mistakes(
     class_name : str
         Name of the class that `call` takes instead of the function, if the exercise is a method.
     """
-    _KNOWN[exercise] = _Known(tuple(cases), right, known, same, call, class_name)
+    _KNOWN[exercise] = _KnownMistakes(tuple(cases), right, known, is_same, call, class_name)
 
 
 def object_to_diagnose(exercise: str) -> str:
@@ -191,6 +191,12 @@ def imitation_of(exercise: str, mistake: Mistake, right: Callable) -> Imitation 
     def call(*arguments: object, **keywords: object) -> object:
         bound = signature.bind(*copy.deepcopy(arguments), **copy.deepcopy(keywords))
         bound.apply_defaults()
-        return mistake.predicts(right(*copy.deepcopy(bound.args)), *bound.args)
+        answer = right(*copy.deepcopy(bound.args))
+        if isinstance(answer, tuple):  # such as (a, b, c); predictions compute with arrays
+            answer = np.array(answer)
+        return None if answer is None else mistake.predicts(answer, *bound.args)
 
-    return Imitation(call, known.same)
+    def same(answer: object, predicted: object) -> bool:
+        return answer is None if predicted is None else known.same(answer, predicted)
+
+    return Imitation(call, same)

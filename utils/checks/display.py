@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from html import escape
 
 from utils.checks.outcomes import Check, Outcome
-from utils.checks.summary import Summary, details
+from utils.checks.summary import Summary, failure_texts
 from utils.display import shell
 
 # White text on these colours has a contrast of at least 4.5:1. Words and symbols also name the
@@ -125,7 +125,7 @@ def as_html(summary: Summary) -> str:
 
 def _all_details(summary: Summary) -> list[tuple[str, str]]:
     """Return the details of the first failure, preceded by the function to fix first, if any."""
-    lines = details(summary.first, summary.mistake)
+    lines = failure_texts(summary.first, summary.mistake)
     if summary.wrong_helper:
         sentence = f"{summary.wrong_helper}, which this function calls, fails its own checks."
         lines.insert(0, ("Fix this first", sentence))

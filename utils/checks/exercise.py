@@ -21,7 +21,7 @@ from dataclasses import replace
 import numpy as np
 
 from utils.checks import common_checks
-from utils.checks.assertions import as_array, assert_close, brief, in_shape, needs
+from utils.checks.assertions import as_array, as_shape, assert_close, brief_text, precondition
 from utils.checks.common_checks import Case
 from utils.checks.core import visible
 from utils.checks.failures import CheckFailed, WrongForm
@@ -30,17 +30,17 @@ TOLERANCE = 1e-6
 # For each promise: the function that declares it, the name of the check, and default texts.
 PROMISES = {
     "names": (
-        common_checks.names,
+        common_checks.promise_names,
         "keeps_the_names",
         {"why": "Others may pass the arguments by name."},
     ),
     "untouched": (
-        common_checks.untouched,
+        common_checks.promise_untouched,
         "leaves_its_input",
         {"why": "Later cells use the same input.", "hint": "Work on a copy."},
     ),
     "three_columns": (
-        common_checks.three_columns,
+        common_checks.promise_three_columns,
         "takes_three_columns",
         {"hint": "Select the columns x, y and z by index, and use no others."},
     ),
@@ -70,10 +70,10 @@ class Exercise:
     def __init__(
         self, lesson: str, name: str, given: Mapping[str, object], expected: object, **words: object
     ) -> None:
-        plain = Case(lesson, name, given, expected, compare=_compare)
+        plain = Case(lesson, name, given, expected, compare=_assert_case_answer)
 
         def require_plain_case(function: Callable) -> None:
-            with needs("a plain call returns the right answer"):
+            with precondition("a plain call returns the right answer"):
                 plain.assert_right(function)
 
         self._case = replace(plain, precondition=require_plain_case)
@@ -146,20 +146,22 @@ def assert_answer(answer: object, expected: object, given: str | None = None) ->
         if _is_numeric(expected) and np.ndim(expected):
             assert_close(answer, expected, "numbers", TOLERANCE)
         elif _is_numeric(expected):
-            number = in_shape(as_array(answer, what="a number"), (), "one number")
+            number = as_shape(as_array(answer, description="a number"), (), "one number")
             if not np.isclose(number, expected, rtol=0, atol=TOLERANCE, equal_nan=True):
-                raise CheckFailed("The number is wrong.", **_both(answer, expected))
+                raise CheckFailed("The number is wrong.", **_yours_and_expected(answer, expected))
         elif type(answer) is not type(expected):
-            raise WrongForm("The answer has the wrong type.", **_both(answer, expected))
+            raise WrongForm(
+                "The answer has the wrong type.", **_yours_and_expected(answer, expected)
+            )
         elif answer != expected:
-            raise CheckFailed("The answer is wrong.", **_both(answer, expected))
+            raise CheckFailed("The answer is wrong.", **_yours_and_expected(answer, expected))
     except CheckFailed as failure:
         failure.given = failure.given or given
         raise
 
 
-def _both(answer: object, expected: object) -> dict[str, str]:
-    return {"yours": brief(answer), "expected": brief(expected)}
+def _yours_and_expected(answer: object, expected: object) -> dict[str, str]:
+    return {"yours": brief_text(answer), "expected": brief_text(expected)}
 
 
 def _is_numeric(value: object) -> bool:
@@ -171,6 +173,6 @@ def _is_numeric(value: object) -> bool:
         return False
 
 
-def _compare(answer: object, *given_and_expected: object) -> None:
+def _assert_case_answer(answer: object, *given_and_expected: object) -> None:
     *given, expected = given_and_expected
-    assert_answer(answer, expected, ", ".join(map(brief, given)))
+    assert_answer(answer, expected, ", ".join(map(brief_text, given)))

@@ -10,28 +10,28 @@ from utils.checks.assertions import (
     TOLERANCE,
     CheckFailed,
     as_array,
+    as_shape,
     assert_all_columns,
-    assert_nothing_left,
+    assert_empty_table,
     assert_order,
-    assert_places,
+    assert_positions,
     distinct_texts,
     frozen,
-    in_shape,
     metres_text,
-    needs,
+    parse_table,
     point_text,
-    table,
+    precondition,
 )
 from utils.checks.common_checks import Case
 from utils.checks.core import noted, visible
-from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.run_cache import once
 
 # ---- horizontal_distance -----------------------------------------------------------------------
 
 # Points at the height of the sensor with intensity 0. Their distances are whole numbers, as in
 # 3-4-5 triangles.
-_FLAT = table("3 4 0 0; -6 8 0 0; 5 -12 0 0; 0 7 0 0; -2 0 0 0")
+_FLAT = parse_table("3 4 0 0; -6 8 0 0; 5 -12 0 0; 0 7 0 0; -2 0 0 0")
 _DISTANCES = frozen(np.array([5.0, 10.0, 13.0, 7.0, 2.0]))
 # The same points, first with other intensities, then at heights from the road to the treetops.
 _AT_ALL_INTENSITIES = frozen(_FLAT + np.outer([0.1, 0.9, 0.5, 1.0, 0.8], [0, 0, 0, 1]))
@@ -48,9 +48,9 @@ def assert_distances(answer: object, cloud: np.ndarray, expected: np.ndarray) ->
     expected : numpy.ndarray, shape (n,)
         Horizontal distances in metres.
     """
-    yours = as_array(answer, what="an array of distances")
+    yours = as_array(answer, description="an array of distances")
     each_point = "the only point" if len(cloud) == 1 else f"each of the {len(cloud)} points"
-    yours = in_shape(yours, expected.shape, f"one distance for {each_point}")
+    yours = as_shape(yours, expected.shape, f"one distance for {each_point}")
     wrong = np.flatnonzero(~np.isclose(yours, expected, rtol=0, atol=TOLERANCE).reshape(-1))
     if len(wrong):
         verb = "is" if len(wrong) == 1 else "are"
@@ -66,14 +66,14 @@ def assert_distances(answer: object, cloud: np.ndarray, expected: np.ndarray) ->
 @once
 def require_distances_at_sensor_height(horizontal_distance: Callable) -> None:
     """Raise `NotYet` if distances of points at the height of the sensor are wrong."""
-    with needs("the distances of points at the height of the sensor are right"):
+    with precondition("the distances of points at the height of the sensor are right"):
         assert_distances(horizontal_distance(_FLAT.copy()), _FLAT, _DISTANCES)
 
 
 @once
 def require_distances_at_all_heights(horizontal_distance: Callable) -> None:
     """Raise `NotYet` if distances of points at various heights are wrong."""
-    with needs("the distances of points at other heights are right"):
+    with precondition("the distances of points at other heights are right"):
         assert_distances(horizontal_distance(_AT_ALL_HEIGHTS.copy()), _AT_ALL_HEIGHTS, _DISTANCES)
 
 
@@ -136,19 +136,19 @@ _STREET_CASE = Case(
     compare=assert_distances,
     precondition=require_distances_at_all_heights,
 )
-common_checks.three_columns(
+common_checks.promise_three_columns(
     _STREET_CASE,
     "works_on_three_columns",
     hint="Select x and y as cloud[:, 0] and cloud[:, 1]. Then it does not matter how many "
     "columns follow.",
 )
-common_checks.few_points(
+common_checks.promise_few_points(
     _STREET_CASE,
     "works_on_few_points",
     title="Works on a single point and on an empty cloud",
     why="A filter may leave no points.",
 )
-common_checks.untouched(
+common_checks.promise_untouched(
     _STREET_CASE,
     "leaves_its_input",
     why="The next step of the pipeline still needs the cloud.",
@@ -174,8 +174,8 @@ def _assert_array(answer: object) -> None:
 # Clouds and their distances, keyed by the number of points. Each common mistake gives a wrong
 # answer for both clouds.
 _CLOUDS = {
-    3: table("5 12 0.6 0.7; 3 -4 1.2 0.9; -8 6 -1.7 0.3"),
-    5: table("-4 -3 2.2 0.5; 8 -15 -1.5 0.8; -12 5 0.9 0.2; 6 8 -0.7 0.6; -7 24 3.1 0.4"),
+    3: parse_table("5 12 0.6 0.7; 3 -4 1.2 0.9; -8 6 -1.7 0.3"),
+    5: parse_table("-4 -3 2.2 0.5; 8 -15 -1.5 0.8; -12 5 0.9 0.2; 6 8 -0.7 0.6; -7 24 3.1 0.4"),
 }
 _CLOUD_DISTANCES = {
     3: frozen(np.array([13.0, 5.0, 10.0])),
@@ -187,7 +187,7 @@ def _lengths(vectors: np.ndarray) -> np.ndarray:
     return np.array([math.hypot(*vector) for vector in vectors.tolist()])
 
 
-mistakes(
+declare_mistakes(
     "horizontal_distance",
     Mistake(
         "These are lengths of (x, y, z): they include the height.",
@@ -259,8 +259,8 @@ mistakes(
 
 _NAN, _INF = np.nan, np.inf
 # No coordinate of these points is 0, and no point has coordinates that add up to 0.
-_GOOD = table("6 0.5 -1.7 0.2; 0.4 5 -0.5 0.9; 7 1 3 0; 2 -3.5 1 0.4; -9 4 0.3 0.6")
-_ORIGIN = table("0 0 0 0; -0 0 -0 0; 0 0 0 0")
+_GOOD = parse_table("6 0.5 -1.7 0.2; 0.4 5 -0.5 0.9; 7 1 3 0; 2 -3.5 1 0.4; -9 4 0.3 0.6")
+_ORIGIN = parse_table("0 0 0 0; -0 0 -0 0; 0 0 0 0")
 _BRIGHT_ORIGIN = frozen(_ORIGIN + np.outer([0.3, 1.0, 0.01], [0, 0, 0, 1]))
 _NANS = frozen(
     np.array(
@@ -284,14 +284,14 @@ _INFINITE = frozen(
 )
 
 
-def _mixed(*lost: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _mix_rows(*lost: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return a shuffled cloud of good and lost rows and the mask of the good ones."""
     cloud = np.vstack([_GOOD, *lost])
     order = np.random.default_rng(4).permutation(len(cloud))
     return cloud[order], order < len(_GOOD)
 
 
-def assert_drops(drop_invalid: Callable, *lost: np.ndarray) -> None:
+def assert_drops_lost_rows(drop_invalid: Callable, *lost: np.ndarray) -> None:
     """Assert that lost rows are dropped and good rows stay.
 
     Parameters
@@ -300,8 +300,8 @@ def assert_drops(drop_invalid: Callable, *lost: np.ndarray) -> None:
     *lost : numpy.ndarray, shape (m, 4)
         Rows that must be dropped.
     """
-    cloud, good = _mixed(*lost)
-    assert_places(drop_invalid(cloud.copy()), cloud, good, view="above")
+    cloud, good = _mix_rows(*lost)
+    assert_positions(drop_invalid(cloud.copy()), cloud, good, view="above")
 
 
 @once
@@ -310,11 +310,11 @@ def require_lost_returns_dropped(drop_invalid: Callable) -> None:
 
     One kind is enough, so that a function that keeps the other kind can still pass other checks.
     """
-    with needs("lost returns are dropped and the others are kept"):
+    with precondition("lost returns are dropped and the others are kept"):
         try:
-            assert_drops(drop_invalid, _ORIGIN)
+            assert_drops_lost_rows(drop_invalid, _ORIGIN)
         except CheckFailed:
-            assert_drops(drop_invalid, _NANS)
+            assert_drops_lost_rows(drop_invalid, _NANS)
 
 
 @visible(
@@ -325,7 +325,7 @@ def require_lost_returns_dropped(drop_invalid: Callable) -> None:
     hint="Compare the coordinates with 0. A row is lost when all three are 0.",
 )
 def drops_the_origin(drop_invalid: Callable) -> None:
-    assert_drops(drop_invalid, _ORIGIN)
+    assert_drops_lost_rows(drop_invalid, _ORIGIN)
 
 
 @visible(
@@ -337,7 +337,7 @@ def drops_the_origin(drop_invalid: Callable) -> None:
 )
 def drops_bright_returns(drop_invalid: Callable) -> None:
     require_lost_returns_dropped(drop_invalid)
-    assert_drops(drop_invalid, _BRIGHT_ORIGIN)
+    assert_drops_lost_rows(drop_invalid, _BRIGHT_ORIGIN)
 
 
 @visible(
@@ -349,7 +349,7 @@ def drops_bright_returns(drop_invalid: Callable) -> None:
     "anything, so a comparison with NaN does not find it.",
 )
 def drops_nan(drop_invalid: Callable) -> None:
-    assert_drops(drop_invalid, _NANS)
+    assert_drops_lost_rows(drop_invalid, _NANS)
 
 
 @visible(
@@ -361,7 +361,7 @@ def drops_nan(drop_invalid: Callable) -> None:
 )
 def drops_infinite_rows(drop_invalid: Callable) -> None:
     require_lost_returns_dropped(drop_invalid)
-    assert_drops(drop_invalid, _INFINITE)
+    assert_drops_lost_rows(drop_invalid, _INFINITE)
 
 
 @visible(
@@ -395,7 +395,7 @@ def keeps_points_with_a_zero(drop_invalid: Callable) -> None:
         ]
     )
     answer = drop_invalid(crossing.copy())
-    assert_places(answer, crossing, np.ones(len(crossing), dtype=bool), view="above")
+    assert_positions(answer, crossing, np.ones(len(crossing), dtype=bool), view="above")
 
 
 @visible(
@@ -409,7 +409,7 @@ def keeps_near_points(drop_invalid: Callable) -> None:
     require_lost_returns_dropped(drop_invalid)
     near = frozen(_GOOD * [0.01, 0.01, 0.01, 1])
     answer = drop_invalid(near.copy())
-    assert_places(answer, near, np.ones(len(near), dtype=bool), view="above")
+    assert_positions(answer, near, np.ones(len(near), dtype=bool), view="above")
 
 
 @visible(
@@ -423,7 +423,9 @@ def allows_missing_intensity(drop_invalid: Callable) -> None:
     require_lost_returns_dropped(drop_invalid)
     cloud = _GOOD.copy()
     cloud[:3, 3] = _NAN, _INF, 0.0
-    assert_places(drop_invalid(cloud.copy()), cloud, np.ones(len(cloud), dtype=bool), view="above")
+    assert_positions(
+        drop_invalid(cloud.copy()), cloud, np.ones(len(cloud), dtype=bool), view="above"
+    )
 
 
 @visible(
@@ -462,7 +464,7 @@ def keeps_the_order(drop_invalid: Callable) -> None:
 )
 def works_on_three_columns(drop_invalid: Callable) -> None:
     require_lost_returns_dropped(drop_invalid)
-    cloud, _ = _mixed(_ORIGIN, _NANS)
+    cloud, _ = _mix_rows(_ORIGIN, _NANS)
     four = as_array(drop_invalid(cloud.copy()))[:, :3]
     three = as_array(drop_invalid(cloud[:, :3].copy()), columns=3)
     if not np.array_equal(three, four, equal_nan=True):
@@ -484,17 +486,17 @@ def works_on_empty_clouds(drop_invalid: Callable) -> None:
     require_lost_returns_dropped(drop_invalid)
     columns = as_array(drop_invalid(_GOOD.copy())).shape[1]
     for rows in (_ORIGIN[:0], _ORIGIN):
-        assert_nothing_left(drop_invalid(rows.copy()), rows, columns)
+        assert_empty_table(drop_invalid(rows.copy()), rows, columns)
 
 
-_MIXED_SCAN, _IS_GOOD = frozen(_mixed(_ORIGIN, _NANS, _INFINITE))
-common_row_checks.untouched(
+_MIXED_SCAN, _IS_GOOD = frozen(_mix_rows(_ORIGIN, _NANS, _INFINITE))
+common_row_checks.promise_untouched(
     Case(
         __name__,
         "drop_invalid",
         {"cloud": _MIXED_SCAN},
         _IS_GOOD,
-        assert_places,
+        assert_positions,
         require_lost_returns_dropped,
     ),
     "leaves_the_scan",
@@ -549,7 +551,7 @@ _SCANS = {
             ]
         )
     ),
-    6: table("2 2 1 0.2; 0 0 0 0.3; 0 3 0 0.2; 0 0 0 0; 4 -5 1 0.1; 3 1 2 0.7"),
+    6: parse_table("2 2 1 0.2; 0 0 0 0.3; 0 3 0 0.2; 0 0 0 0; 4 -5 1 0.1; 3 1 2 0.7"),
 }
 _GOOD_ROWS = {14: (0, 3, 7, 8, 9, 12, 13), 9: (1, 4, 5, 6, 8), 6: (0, 2, 4, 5)}
 
@@ -567,7 +569,7 @@ def _is_finite(value: float) -> bool:
     return math.isfinite(value)
 
 
-mistakes(
+declare_mistakes(
     "drop_invalid",
     Mistake(
         "Nothing is dropped: the function returns the whole cloud.",

@@ -12,18 +12,18 @@ from utils.checks.assertions import (
     CheckFailed,
     WrongForm,
     as_array,
-    brief,
+    as_shape,
+    brief_text,
     call_each,
     distinct_texts,
     frozen,
-    in_shape,
     metres_text,
-    needs,
     point_text,
+    precondition,
 )
 from utils.checks.common_checks import Case
 from utils.checks.core import noted, visible
-from utils.checks.diagnosis import Mistake, mistakes, same_array
+from utils.checks.diagnosis import Mistake, declare_mistakes, same_array
 from utils.checks.failures import NotYet, fixed
 from utils.checks.run_cache import once
 
@@ -58,13 +58,13 @@ def as_line(answer: object) -> np.ndarray:
             yours="None",
             expected="three numbers (a, b, c)",
         )
-    line = as_array(answer, what="three numbers (a, b, c)").astype(float)
+    line = as_array(answer, description="three numbers (a, b, c)").astype(float)
     if line.shape != (3,):
         raise WrongForm(
             "A line is three numbers (a, b, c).", yours=f"shape {line.shape}", expected="shape (3,)"
         )
     if not np.isfinite(line).all():
-        raise CheckFailed("Some of the three numbers are not finite.", yours=brief(line))
+        raise CheckFailed("Some of the three numbers are not finite.", yours=brief_text(line))
     return line
 
 
@@ -73,7 +73,7 @@ def _normal_length(line: np.ndarray) -> float:
     if length < 1e-9:
         raise CheckFailed(
             fixed("The normal (a, b) has length 0, so the line has no direction."),
-            yours=brief(line),
+            yours=brief_text(line),
         )
     return length
 
@@ -111,7 +111,7 @@ def assert_unit_normal(answer: object) -> None:
     if abs(length - 1) > TOLERANCE:
         raise CheckFailed(
             fixed("The normal (a, b) must have length 1."),
-            yours=f"length {length:.3f} in {brief(line)}",
+            yours=f"length {length:.3f} in {brief_text(line)}",
             expected="length 1",
         )
 
@@ -119,7 +119,7 @@ def assert_unit_normal(answer: object) -> None:
 @once
 def require_slanted_lines(line_through: Callable) -> None:
     """Raise `NotYet` if slanted lines are wrong."""
-    with needs("a slanted line passes through its two points"):
+    with precondition("a slanted line passes through its two points"):
         for p, q in _PAIRS:
             assert_on_line(line_through(np.array(p), np.array(q)), p, q)
 
@@ -131,7 +131,7 @@ def assert_no_line(line_through: Callable, point: ArrayLike) -> None:
         raise CheckFailed(
             "Infinitely many lines pass through two equal points, so the answer must be None.",
             given=f"the point {point_text(point)} twice",
-            yours=brief(answer),
+            yours=brief_text(answer),
             expected="None",
         )
 
@@ -223,7 +223,7 @@ def finds_lines_through_close_points(line_through: Callable) -> None:
 
 
 _P, _Q = frozen((np.array(_PAIRS[0][0]), np.array(_PAIRS[0][1])))
-common_checks.untouched(
+common_checks.promise_untouched(
     Case(__name__, "line_through", {"p": _P, "q": _Q}, None, as_line, require_slanted_lines),
     "leaves_the_points",
     why="p and q are rows of the points, which the next round still needs.",
@@ -249,7 +249,7 @@ def _same_line(answer: object, predicted: np.ndarray) -> bool:
     return same_array(answer, predicted) or same_array(answer, -np.asarray(predicted))
 
 
-mistakes(
+declare_mistakes(
     "line_through",
     Mistake(
         "The line is right, but its normal is as long as the distance between the points.",
@@ -294,7 +294,7 @@ mistakes(
     ),
     cases=[(np.array(p), np.array(q)) for p, q in _SECOND_POINTS.items()],
     right=lambda p, q: _LINES[tuple(p.tolist())],
-    same=_same_line,
+    is_same=_same_line,
 )
 
 # ---- distances ---------------------------------------------------------------------------------
@@ -321,22 +321,22 @@ def assert_line_distances(
     expected : numpy.ndarray, shape (n,)
         Distances in metres.
     """
-    yours = as_array(answer, what="an array of distances")
+    yours = as_array(answer, description="an array of distances")
     each_point = "the only point" if len(points) == 1 else f"each of the {len(points)} points"
     if yours.shape == ():
         raise WrongForm(
             f"There must be one distance for {each_point}, but the answer is a single number.",
-            yours=brief(yours.item()),
+            yours=brief_text(yours.item()),
             expected=f"shape {expected.shape}",
         )
-    yours = in_shape(yours, expected.shape, f"one distance for {each_point}")
+    yours = as_shape(yours, expected.shape, f"one distance for {each_point}")
     wrong = np.flatnonzero(~np.isclose(yours, expected, rtol=0, atol=TOLERANCE).reshape(-1))
     if len(wrong):
         verb = "is" if len(wrong) == 1 else "are"
         mine, right = distinct_texts(metres_text, yours[wrong[0]], expected[wrong[0]])
         raise CheckFailed(
             f"{len(wrong)} of {len(points)} distances {verb} wrong.",
-            given=f"the line {brief(np.asarray(line))} and the point "
+            given=f"the line {brief_text(np.asarray(line))} and the point "
             f"{point_text(points[wrong[0]])}",
             yours=mine,
             expected=right,
@@ -360,7 +360,7 @@ def _draw_circles(points: np.ndarray, line: np.ndarray, distances: np.ndarray) -
 @once
 def require_plain_distances(point_line_distance: Callable) -> None:
     """Raise `NotYet` if the plain case is wrong."""
-    with needs("distances from a line through (0, 0) are right on its positive side"):
+    with precondition("distances from a line through (0, 0) are right on its positive side"):
         answer = point_line_distance(_POSITIVE_SIDE.copy(), _SLANTED.copy())
         assert_line_distances(answer, _POSITIVE_SIDE, _SLANTED, _DISTANCES)
 
@@ -417,7 +417,7 @@ def adds_c(point_line_distance: Callable) -> None:
     hint="Compute the whole sum including c, then take its absolute value.",
 )
 def measures_on_both_sides_of_any_line(point_line_distance: Callable) -> None:
-    with needs("c is added and no distance is negative"):
+    with precondition("c is added and no distance is negative"):
         adds_c(point_line_distance)
         measures_on_both_sides(point_line_distance)
     points = np.vstack([-_POSITIVE_SIDE, _POSITIVE_SIDE])
@@ -467,7 +467,7 @@ _PLAIN_CASE = Case(
     compare=assert_line_distances,
     precondition=require_plain_distances,
 )
-common_checks.few_points(
+common_checks.promise_few_points(
     _PLAIN_CASE,
     "works_on_few_points",
     title="Works on a single point and on no points",
@@ -497,7 +497,7 @@ def returns_an_array(point_line_distance: Callable) -> None:
         )
 
 
-common_checks.untouched(
+common_checks.promise_untouched(
     _PLAIN_CASE,
     "leaves_points_and_line",
     why="The next round of RANSAC needs the points as they were.",
@@ -526,7 +526,7 @@ def _signed_distances(points: np.ndarray) -> np.ndarray:
     return _SIGNED_DISTANCES[len(points)]
 
 
-mistakes(
+declare_mistakes(
     "point_line_distance",
     Mistake(
         "Distances on one side of the line are negative: the absolute value is missing.",
@@ -612,7 +612,7 @@ def as_line_and_mask(answer: object, n: int) -> tuple[np.ndarray | None, np.ndar
     if not isinstance(answer, (tuple, list)) or len(answer) != 2:
         raise WrongForm(
             "The function must return two things, the line and the mask.",
-            yours=brief(answer),
+            yours=brief_text(answer),
             expected="a pair (line, inliers)",
         )
     line, inliers = answer
@@ -622,7 +622,7 @@ def as_line_and_mask(answer: object, n: int) -> tuple[np.ndarray | None, np.ndar
             yours="None",
             expected=f"{n} values, each True or False",
         )
-    mask = as_array(inliers, what="a mask of True and False")
+    mask = as_array(inliers, description="a mask of True and False")
     if mask.shape == (3,) and n != 3 and isinstance(line, np.ndarray) and line.shape == (n,):
         raise WrongForm(
             "The two returned values are in the wrong order: return the line first, then the mask.",
@@ -635,7 +635,7 @@ def as_line_and_mask(answer: object, n: int) -> tuple[np.ndarray | None, np.ndar
         raise WrongForm(
             f"The inliers must be a mask: True or False for each of the {n} points."
             f"{_kind_of_array(mask)}",
-            yours=brief(mask),
+            yours=brief_text(mask),
             expected=f"shape ({n},), dtype bool",
         )
     mask = mask.astype(bool)
@@ -712,7 +712,7 @@ def _inlier_count(mask: np.ndarray) -> str:
 
 
 def wall_and_clutter(
-    seed: int | Sequence[int], inliers: int, others: int, noise: float = 0.1
+    seed: int | Sequence[int], inliers: int, outliers: int, noise: float = 0.1
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return shuffled points near a random line and points at least 1 m away from it.
 
@@ -720,16 +720,16 @@ def wall_and_clutter(
     ----------
     seed : int or sequence of int
         Seed of the random generator that draws the line and the points.
-    inliers, others : int
+    inliers, outliers : int
         Number of points near the line, and of points away from it.
     noise : float
         Largest distance between the line and the points near it, in metres.
 
     Returns
     -------
-    points : numpy.ndarray, shape (inliers + others, 2)
+    points : numpy.ndarray, shape (inliers + outliers, 2)
         Points within about 15 m of the origin.
-    on_line : numpy.ndarray of bool, shape (inliers + others,)
+    on_line : numpy.ndarray of bool, shape (inliers + outliers,)
         True for the points near the line.
     """
     rng = np.random.default_rng(seed)
@@ -738,7 +738,7 @@ def wall_and_clutter(
     normal = np.array([-direction[1], direction[0]])
     wall = np.outer(rng.uniform(-10, 10, inliers), direction)
     wall += np.outer(offset + rng.uniform(-noise, noise, inliers), normal)
-    clutter = rng.uniform(-10, 10, (others, 2))
+    clutter = rng.uniform(-10, 10, (outliers, 2))
     offsets = clutter @ normal - offset
     shifts = np.where(np.abs(offsets) < 1, np.where(offsets < 0, -1.0, 1.0), 0.0)
     points = np.vstack([wall, clutter + np.outer(shifts, normal)])
@@ -762,7 +762,7 @@ def follows_wall(line: np.ndarray | None, wall: np.ndarray, tolerance: float) ->
     return line is not None and (distances_from(line, wall) <= tolerance).mean() >= 0.8
 
 
-def assert_finds(
+def assert_finds_line(
     ransac_line: Callable,
     runs: Sequence[tuple[np.ndarray, np.ndarray]],
     needed: int,
@@ -783,7 +783,7 @@ def assert_finds(
     """
     answers, missed, found = [], [], 0
     for seed, (points, on_line) in enumerate(runs):
-        line, mask = _run(ransac_line, points, max_iterations, tolerance, seed)
+        line, mask = _run_once(ransac_line, points, max_iterations, tolerance, seed)
         answers.append((line, mask))
         if not follows_wall(line, points[on_line], tolerance):
             missed.append((points, line, mask))
@@ -805,7 +805,7 @@ def assert_finds(
         )
 
 
-def _run(
+def _run_once(
     ransac_line: Callable, points: np.ndarray, max_iterations: int, tolerance: float, seed: int
 ) -> tuple[np.ndarray | None, np.ndarray]:
     """Return the line and the mask of one run with a generator made from `seed`."""
@@ -843,16 +843,19 @@ def _hint_from_runs(
     ):
         return " Each mask marks the points that are farther from the line than the threshold."
 
-    def after(rounds: int) -> list[tuple]:
+    def run_all(rounds: int) -> list[tuple]:
         return [
-            _run(ransac_line, points, rounds, tolerance, seed)
+            _run_once(ransac_line, points, rounds, tolerance, seed)
             for seed, (points, _) in enumerate(runs)
         ]
 
-    after_one = after(1)
-    if all(_lines_equal(first[0], last[0]) for first, last in zip(after_one, answers, strict=True)):
-        return f" With {fixed('1 round')} instead of {max_iterations}, the answers are the same."
-    after_half = after(max_iterations // 2)
+    after_one = run_all(1)
+    both = list(zip(after_one, answers, strict=True))
+    if all(_lines_equal(first[0], last[0]) for first, last in both):
+        masks_equal = all(np.array_equal(first[1], last[1]) for first, last in both)
+        same = "the answers are the same" if masks_equal else "only the masks differ, not the lines"
+        return f" With {fixed('1 round')} instead of {max_iterations}, {same}."
+    after_half = run_all(max_iterations // 2)
     fewer = sum(
         last.sum() < first.sum() for (_, first), (_, last) in zip(after_half, answers, strict=True)
     )
@@ -868,8 +871,8 @@ def _hint_from_runs(
 @once
 def require_line_among_outliers(ransac_line: Callable) -> None:
     """Raise `NotYet` if the line is not found among outliers."""
-    with needs("the line is found among outliers"):
-        assert_finds(ransac_line, _CLOUDS, 8, 30, 0.4)
+    with precondition("the line is found among outliers"):
+        assert_finds_line(ransac_line, _CLOUDS, 8, 30, 0.4)
 
 
 @visible(
@@ -882,7 +885,7 @@ def require_line_among_outliers(ransac_line: Callable) -> None:
     "the loop.",
 )
 def finds_the_line(ransac_line: Callable) -> None:
-    assert_finds(ransac_line, _CLOUDS, 8, 60, 0.4)
+    assert_finds_line(ransac_line, _CLOUDS, 8, 60, 0.4)
 
 
 _RANSAC_CASE = Case(
@@ -898,7 +901,7 @@ _RANSAC_CASE = Case(
     compare=lambda answer, points, *_: as_line_and_mask(answer, len(points)),
     precondition=require_line_among_outliers,
 )
-common_checks.untouched(
+common_checks.promise_untouched(
     _RANSAC_CASE,
     "leaves_its_input",
     why="The next search needs the same points.",
@@ -931,24 +934,24 @@ def mask_belongs_to_line(ransac_line: Callable) -> None:
 )
 def includes_the_threshold(ransac_line: Callable) -> None:
     require_line_among_outliers(ransac_line)
-    assert_border_is_inlier(ransac_line, np.array([[0.0, 0.0], [8.0, 0.0], [4.0, 1.0]]))
+    assert_threshold_is_inclusive(ransac_line, np.array([[0.0, 0.0], [8.0, 0.0], [4.0, 1.0]]))
 
 
-def assert_border_is_inlier(ransac_line: Callable, three: np.ndarray) -> None:
+def assert_threshold_is_inclusive(ransac_line: Callable, points: np.ndarray) -> None:
     """Assert that a point exactly `distance_tolerance` away from the line counts as an inlier.
 
     Parameters
     ----------
     ransac_line : callable
-    three : numpy.ndarray, shape (3, 2)
+    points : numpy.ndarray, shape (3, 2)
         Three points with whole-numbered coordinates, so that distances are exact. The first two
         are on a line parallel to an axis, and the third is exactly 1 m from that line.
     """
-    axis = int(three[0, 1] == three[1, 1])  # the axis of the normal
-    exact = np.insert(np.eye(2)[axis], 2, -three[0, axis])
+    axis = int(points[0, 1] == points[1, 1])  # the axis of the normal
+    exact = np.insert(np.eye(2)[axis], 2, -points[0, axis])
     matching_lines = 0
     for seed in range(30):
-        answer = ransac_line(three.copy(), 3, 1.0, np.random.default_rng(seed))
+        answer = ransac_line(points.copy(), 3, 1.0, np.random.default_rng(seed))
         line, mask = as_line_and_mask(answer, 3)
         # Skip other lines: one that was refitted to its inliers may be off in the last digits.
         if line is None or not (np.array_equal(line, exact) or np.array_equal(line, -exact)):
@@ -956,8 +959,8 @@ def assert_border_is_inlier(ransac_line: Callable, three: np.ndarray) -> None:
         if not mask[2]:
             raise CheckFailed(
                 "A point at exactly distance_tolerance from the line is not marked.",
-                given=f"distance_tolerance=1.0, the line {brief(line)} and the point "
-                f"{point_text(three[2])}",
+                given=f"distance_tolerance=1.0, the line {brief_text(line)} and the point "
+                f"{point_text(points[2])}",
                 yours="False",
                 expected="True",
             )
@@ -977,7 +980,7 @@ def draws_enough_samples(ransac_line: Callable) -> None:
     require_line_among_outliers(ransac_line)
     assert_no_round_is_missing(ransac_line)
     # About one sample in 25 gives the line.
-    assert_finds(ransac_line, [wall_and_clutter(7, 14, 46)] * 12, 8, 250, 0.3)
+    assert_finds_line(ransac_line, [wall_and_clutter(7, 14, 46)] * 12, 8, 250, 0.3)
 
 
 def assert_no_round_is_missing(ransac_line: Callable) -> None:
@@ -1128,7 +1131,7 @@ def finds_axis_parallel_lines_among_outliers(ransac_line: Callable) -> None:
     for column in (0, 1):
         points = np.random.default_rng(column).uniform(-9, 9, (30, 2))
         points[:20, column] = 4.0
-        assert_finds(ransac_line, [(points, np.arange(30) < 20)] * 6, 3, 80, 0.2)
+        assert_finds_line(ransac_line, [(points, np.arange(30) < 20)] * 6, 3, 80, 0.2)
 
 
 @visible(
@@ -1174,7 +1177,7 @@ def _lines_equal(first: np.ndarray | None, second: np.ndarray | None) -> bool:
 
 
 def _line_text(line: np.ndarray | None) -> str:
-    return "None" if line is None else brief(line)
+    return "None" if line is None else brief_text(line)
 
 
 @visible(
@@ -1263,10 +1266,10 @@ def returns_for_too_few_points(ransac_line: Callable) -> None:
         assert_nothing_found(
             ransac_line(points.copy(), 10, 0.3, np.random.default_rng(0)), len(points)
         )
-    assert_two_are_enough(ransac_line, _TRIANGLE[:2])
+    assert_two_points_are_enough(ransac_line, _TRIANGLE[:2])
 
 
-def assert_two_are_enough(ransac_line: Callable, pair: np.ndarray) -> None:
+def assert_two_points_are_enough(ransac_line: Callable, pair: np.ndarray) -> None:
     """Assert that at least one of 12 runs finds the line through two different points."""
     for seed in range(12):
         answer = ransac_line(pair.copy(), 10, 0.3, np.random.default_rng(seed))
@@ -1289,7 +1292,7 @@ def assert_nothing_found(answer: object, n: int) -> None:
             "There are no points, so there is no line."
             if n == 0
             else "A single point does not define a line.",
-            yours=brief((line, mask)),
+            yours=brief_text((line, mask)),
             expected="(None, all False)",
         )
 
@@ -1297,14 +1300,14 @@ def assert_nothing_found(answer: object, n: int) -> None:
 @visible(
     "ransac_line",
     weight=2,
-    title="Accepts a whole number, a seed, as rng",
+    title="Accepts an integer seed as rng",
     why="A seed can be written to a log file; a generator cannot.",
     hint="Begin with rng = np.random.default_rng(rng): it makes a generator from a whole number "
     "and returns a generator unchanged.",
 )
 def takes_a_seed(ransac_line: Callable) -> None:
     require_line_among_outliers(ransac_line)
-    with needs("the same generator gives the same answer"):
+    with precondition("the same generator gives the same answer"):
         assert_repeats(ransac_line, np.random.default_rng)
     assert_repeats(ransac_line, int)
     found = 0
@@ -1322,7 +1325,7 @@ def takes_a_seed(ransac_line: Callable) -> None:
         )
 
 
-common_checks.names(
+common_checks.promise_names(
     _RANSAC_CASE,
     "keeps_the_names",
     why="In ransac_line(points, max_iterations=40, distance_tolerance=0.1, rng=1), the names "

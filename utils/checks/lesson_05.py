@@ -14,35 +14,35 @@ from utils.checks import common_checks, common_cluster_checks
 from utils.checks.assertions import (
     CheckFailed,
     as_labels,
-    brief,
+    brief_text,
     frozen,
 )
 from utils.checks.cluster_mistakes import (
     distance_mistakes,
     frozen_cases,
     label_mistakes,
-    labels_on_a_line,
-    length,
-    lines_of_points,
-    measured_by,
-    on_a_line,
+    lengths,
+    line_cases,
+    points_on_line,
+    prediction_with_measure,
+    right_labels_of_line,
     same_clusters,
 )
 from utils.checks.clusters import (
     GROUPS,
     LABELS,
-    assert_an_array,
     assert_clusters,
-    assert_from_one,
     assert_integer_labels,
+    assert_is_array,
+    assert_labels_from_one,
     assert_numbered_by_appearance,
     assert_separates_at_the_threshold,
-    assert_works,
-    is_whole,
+    keeps_clusters_whole,
+    require_simplest_clusters,
     row_of_points,
 )
 from utils.checks.core import noted, visible
-from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.diagnosis import Mistake, declare_mistakes
 
 # With this step and threshold, each point of a row has one neighbour on either side, even if a
 # function squares the distance or the threshold.
@@ -60,7 +60,7 @@ _SEVEN_POINTS = frozen(
 )
 _SEVEN_LABELS = frozen(np.array([1, 2, 1, 2, 1, 1, 3]))
 # Labels of the three groups with a single point before and after them, as text.
-_LABELS_WITH_SINGLES = brief(np.array([1, *(LABELS + 1), LABELS.max() + 2]))
+_LABELS_WITH_SINGLES = brief_text(np.array([1, *(LABELS + 1), LABELS.max() + 2]))
 
 
 @visible(
@@ -86,15 +86,14 @@ _JOINED_HINT = (
     weight=13,
     title="Joins a chain of neighbours into one cluster, however long it is",
     why="The ends of a wall are metres apart, but it is one obstacle.",
-    hint="Put each point that you label into the queue, so that your code searches for its "
-    "neighbours too.",
+    hint="Also search for the neighbours of each point that joins the cluster.",
 )
 def follows_chains(euclidean_clustering: Callable) -> None:
     answer = euclidean_clustering(_SEVEN_POINTS.copy(), _THRESHOLD)
     try:
         assert_clusters(answer, _SEVEN_LABELS, _SEVEN_POINTS, _THRESHOLD)
     except CheckFailed as failure:
-        joined = failure.is_about_the_check and is_whole(answer, _SEVEN_LABELS)
+        joined = failure.is_about_the_check and keeps_clusters_whole(answer, _SEVEN_LABELS)
         failure.hint = failure.hint or (_JOINED_HINT if joined else "")
         raise
     wall = row_of_points([0.0, 0.0, 0.0], _STEP, 30)
@@ -114,18 +113,18 @@ def follows_chains(euclidean_clustering: Callable) -> None:
     "begins. An isolated point is a cluster too, even if it is the first or last of the cloud.",
 )
 def counts_from_one(euclidean_clustering: Callable) -> None:
-    assert_works(euclidean_clustering)
-    assert_from_one(euclidean_clustering(GROUPS.copy(), 1.0), len(GROUPS))
+    require_simplest_clusters(euclidean_clustering)
+    assert_labels_from_one(euclidean_clustering(GROUPS.copy(), 1.0), len(GROUPS))
     # The first and the last point are isolated.
     cloud = np.vstack([[-6.0, -8.0, 0.5], GROUPS, [-9.0, 4.0, 0.5]])
     answer = euclidean_clustering(cloud.copy(), 1.0)
     try:
-        assert_from_one(answer, len(cloud))
+        assert_labels_from_one(answer, len(cloud))
     except CheckFailed as failure:
         if failure.is_about_the_check:
             failure.given = "an isolated point, then three groups, then another isolated point"
             failure.yours, failure.expected = (
-                brief(as_labels(answer, len(cloud))),
+                brief_text(as_labels(answer, len(cloud))),
                 _LABELS_WITH_SINGLES,
             )
         raise
@@ -154,12 +153,12 @@ def uses_the_threshold(euclidean_clustering: Callable) -> None:
 
 
 _CASE = common_cluster_checks.case_of(__name__, "euclidean_clustering")
-common_cluster_checks.default(
+common_cluster_checks.promise_default(
     _CASE,
     "keeps_the_default",
     why="Later cells call euclidean_clustering(obstacles) without a threshold.",
 )
-common_checks.names(
+common_checks.promise_names(
     _CASE, "keeps_the_names", why="Other code may call euclidean_clustering(cloud, threshold=0.3)."
 )
 
@@ -173,7 +172,7 @@ common_checks.names(
     "three columns.",
 )
 def measures_all_directions_alike(euclidean_clustering: Callable) -> None:
-    assert_works(euclidean_clustering)
+    require_simplest_clusters(euclidean_clustering)
     # Pairs of points in five directions. Even a wrong threshold must treat all directions alike.
     directions = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1], [1, -1, 0]], dtype=float)
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
@@ -199,26 +198,26 @@ def _direction_text(direction: np.ndarray) -> str:
     return f"{'xyz'[np.argmax(direction)]}" if abs(signs).sum() == 1 else f"{tuple(signs.tolist())}"
 
 
-common_cluster_checks.intensity(
+common_cluster_checks.promise_intensity_ignored(
     _CASE,
     "ignores_intensity",
     why="A white stripe on a black bumper is brighter, not farther away. In many recordings, "
     "intensity goes from 0 to 255.",
     weight=7,
 )
-common_cluster_checks.few_points(
+common_cluster_checks.promise_few_points(
     _CASE,
     "takes_the_smallest",
     why="A filter sometimes removes every point.",
     hint="A loop over the points of an empty cloud does nothing. Return an array of length 0.",
     weight=2,
 )
-common_cluster_checks.equal_points(
+common_cluster_checks.promise_equal_points(
     _CASE,
     "joins_equal_points",
     hint="Equal points are at distance 0, which is below any threshold.",
 )
-common_cluster_checks.untouched(_CASE, "leaves_its_input")
+common_cluster_checks.promise_untouched(_CASE, "leaves_its_input")
 
 
 @visible(
@@ -230,7 +229,7 @@ common_cluster_checks.untouched(_CASE, "leaves_its_input")
     hint="Put points into a queue, and work in a loop until the queue is empty.",
 )
 def labels_a_long_wall(euclidean_clustering: Callable) -> None:
-    assert_works(euclidean_clustering)
+    require_simplest_clusters(euclidean_clustering)
     # Python allows 1000 nested calls by default, and 3000 in a notebook.
     n = min(sys.getrecursionlimit(), 3000) + 100
     wall = row_of_points([-n * _STEP / 2, 5.0, 0.0], _STEP, n)
@@ -246,11 +245,11 @@ def labels_a_long_wall(euclidean_clustering: Callable) -> None:
     why="On a nearby wall, a point has dozens of neighbours. If it gets its label when it leaves "
     "the queue, it enters the queue dozens of times and adds its own neighbours each time.",
     hint="Label new neighbours when they enter the queue, not when they leave it.",
-    slow="points enter the queue again and again. Label new neighbours when they enter it, not "
+    slow="does each point enter the queue only once? Label new neighbours when they enter it, not "
     "when they leave it.",
 )
 def labels_a_dense_wall(euclidean_clustering: Callable) -> None:
-    assert_works(euclidean_clustering)
+    require_simplest_clusters(euclidean_clustering)
     wall = np.stack(np.meshgrid(np.arange(20) * 0.1, [3.0], np.arange(20) * 0.1), axis=-1)
     cloud = wall.reshape(-1, 3)
     assert_clusters(euclidean_clustering(cloud.copy(), 0.8), np.ones(400, int), cloud, 0.8)
@@ -266,7 +265,7 @@ def labels_a_dense_wall(euclidean_clustering: Callable) -> None:
     "np.array(labels).",
 )
 def returns_an_array(euclidean_clustering: Callable) -> None:
-    assert_an_array(euclidean_clustering)
+    assert_is_array(euclidean_clustering)
 
 
 @noted(
@@ -301,25 +300,25 @@ def separates_at_the_threshold(euclidean_clustering: Callable) -> None:
 # ---- common mistakes ---------------------------------------------------------------------------
 
 
-def _around_first_points(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.ndarray:
+def _predict_balls(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.ndarray:
     """Label balls as in the lesson: all unlabelled points near the first unlabelled point."""
     places, labels = cloud[:, :3], np.zeros(len(cloud), dtype=int)
     while 0 in labels:
-        near = length(places - places[np.argmin(labels)]) < threshold
+        near = lengths(places - places[np.argmin(labels)]) < threshold
         labels[near & (labels == 0)] = labels.max() + 1
     return labels
 
 
-def _in_one_pass(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.ndarray:
+def _predict_one_pass(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.ndarray:
     """Give each point the label of the first earlier point that is near."""
     labels = []
     for place in cloud[:, :3]:
-        near = np.flatnonzero(length(cloud[: len(labels), :3] - place) < threshold)
+        near = np.flatnonzero(lengths(cloud[: len(labels), :3] - place) < threshold)
         labels.append(labels[near[0]] if len(near) else max(labels, default=0) + 1)
     return np.array(labels)
 
 
-def _no_cluster_begins_at(row: int) -> Callable:
+def _prediction_without_cluster_at(row: int) -> Callable:
     """Return a prediction in which an isolated point in this row keeps the label 0."""
 
     def predicts(right: np.ndarray, *case: object) -> np.ndarray:
@@ -331,7 +330,7 @@ def _no_cluster_begins_at(row: int) -> Callable:
     return predicts
 
 
-def _first_rows(right: np.ndarray, *case: object) -> np.ndarray:
+def _predict_first_rows(right: np.ndarray, *case: object) -> np.ndarray:
     """Label each point with the row, counted from 1, of the first point of its cluster."""
     return np.array([right.tolist().index(label) + 1 for label in right])
 
@@ -339,7 +338,7 @@ def _first_rows(right: np.ndarray, *case: object) -> np.ndarray:
 # Points on a line. The first point of the cloud, the last, or both are isolated.
 _SINGLES_AT_THE_ENDS = frozen_cases(
     [
-        (on_a_line(places), 0.6)
+        (points_on_line(places), 0.6)
         for places in (
             [9.0, 1.0, 3.4, 1.4, 3.0, 1.8],
             [5.0, 2.0, 2.3, 5.3, 2.6, 8.0],
@@ -348,29 +347,29 @@ _SINGLES_AT_THE_ENDS = frozen_cases(
     ]
 )
 
-mistakes(
+declare_mistakes(
     "euclidean_clustering",
     *distance_mistakes(),
     Mistake(
         "The distances along x, y and z are added up, which is more than the straight distance.",
-        measured_by(lambda steps, limit: np.abs(steps[:, :3]).sum(axis=1) / limit),
+        prediction_with_measure(lambda steps, limit: np.abs(steps[:, :3]).sum(axis=1) / limit),
         "The distance is the square root of dx² + dy² + dz².",
     ),
     Mistake(
         "Only the longest of the distances along x, y and z counts; all three should count.",
-        measured_by(lambda steps, limit: np.abs(steps[:, :3]).max(axis=1) / limit),
+        prediction_with_measure(lambda steps, limit: np.abs(steps[:, :3]).max(axis=1) / limit),
         "The distance is the square root of dx² + dy² + dz².",
     ),
     Mistake(
         "Only points close to the first point of a cluster join it: balls instead of chains.",
-        _around_first_points,
+        _predict_balls,
         "Put each point that joins into the queue, and search for its own neighbours.",
         is_cheap=True,
     ),
     Mistake(
         "Each point takes the label of an earlier neighbour, and clusters that meet later keep two "
         "labels.",
-        _in_one_pass,
+        _predict_one_pass,
         "Complete one cluster, with a queue, before you begin the next.",
         is_cheap=True,
     ),
@@ -381,21 +380,21 @@ mistakes(
     ),
     Mistake(
         "The counter goes up at every point; it should go up only when a new cluster begins.",
-        _first_rows,
+        _predict_first_rows,
         "First make sure that the point has no label, then increase the counter.",
     ),
     Mistake(
         "No cluster begins at the first point; if it is isolated, it keeps the label 0.",
-        _no_cluster_begins_at(0),
+        _prediction_without_cluster_at(0),
         "Start the loop over the points at 0: range(len(cloud)).",
     ),
     Mistake(
         "No cluster begins at the last point; if it is isolated, it keeps the label 0.",
-        _no_cluster_begins_at(-1),
+        _prediction_without_cluster_at(-1),
         "Let the loop run to the last point: range(len(cloud)).",
     ),
     *label_mistakes(),
-    cases=(*lines_of_points(), *_SINGLES_AT_THE_ENDS),
-    right=labels_on_a_line,
-    same=same_clusters,
+    cases=(*line_cases(), *_SINGLES_AT_THE_ENDS),
+    right=right_labels_of_line,
+    is_same=same_clusters,
 )

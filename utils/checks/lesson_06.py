@@ -13,22 +13,22 @@ from utils.checks.assertions import (
     CheckFailed,
     WrongForm,
     as_array,
-    assert_nothing_left,
-    assert_places,
+    assert_empty_table,
+    assert_positions,
     distinct_texts,
     frozen,
-    needs,
+    parse_table,
     points_text,
-    table,
+    precondition,
 )
 from utils.checks.common_checks import Case
 from utils.checks.core import noted, visible
-from utils.checks.diagnosis import Mistake, mistakes, same_array
+from utils.checks.diagnosis import Mistake, declare_mistakes, same_array
 from utils.checks.failures import fixed
 from utils.checks.run_cache import once
 
 # Returns from the road about 1.7 m below the sensor, a bumper, a kerb, a door, a roof and a sign.
-_GROUND_CLOUD = table(
+_GROUND_CLOUD = parse_table(
     "6 0.5 -1.73 0.2; 6.2 0.5 -0.9 0.9; 8 -2 -1.58 0.3; 8.1 -2 -1.15 0.4; 9 3 0.1 0.6; "
     "9.5 3 -1.7 0.1; 4 1 1.4 0.8"
 )
@@ -50,12 +50,12 @@ def assert_no_ground_left(
         The ground level that the function was given, in metres, for the message.
     """
     is_small = len(cloud) <= 12
-    assert_places(
+    assert_positions(
         answer,
         cloud,
         keep,
         given=f"{_heights_text(cloud)}, ground_level {level:g}" if is_small else None,
-        show=_heights_text if is_small else None,
+        points_to_text=_heights_text if is_small else None,
     )
 
 
@@ -67,7 +67,7 @@ def _heights_text(points: np.ndarray) -> str:
 @once
 def require_ground_removed(filter_ground: Callable) -> None:
     """Assert that road points are removed and higher ones stay; raise `NotYet` if not."""
-    with needs("points above ground_level stay and road points are removed"):
+    with precondition("points above ground_level stay and road points are removed"):
         assert_no_ground_left(
             filter_ground(_GROUND_CLOUD.copy(), -1.2), _GROUND_CLOUD, _IS_ABOVE, -1.2
         )
@@ -112,7 +112,7 @@ _GROUND_CASE = Case(
 )
 
 
-@common_checks.default(
+@common_checks.promise_default(
     _GROUND_CASE,
     "ground_level=-1.2",
     title="Uses a ground level of -1.2 m by default",
@@ -123,28 +123,30 @@ def keeps_the_default(filter_ground: Callable) -> None:
     cloud = np.array([[5, 1, z, 0.5] for z in (-1.23, -1.17, -1.02, -1.4)])
     keep = np.array([False, True, True, False])
     given = f"{_heights_text(cloud)}, ground_level not given"
-    assert_places(filter_ground(cloud.copy()), cloud, keep, given=given, show=_heights_text)
+    assert_positions(
+        filter_ground(cloud.copy()), cloud, keep, given=given, points_to_text=_heights_text
+    )
 
 
-common_checks.names(
+common_checks.promise_names(
     _GROUND_CASE,
     "keeps_the_names",
     why="Later lessons call filter_ground(cloud, ground_level=-1.5).",
 )
-common_row_checks.all_columns(_GROUND_CASE, "keeps_the_columns", weight=2)
-common_row_checks.order(_GROUND_CASE, "keeps_the_order", weight=2)
-common_checks.three_columns(
+common_row_checks.promise_all_columns(_GROUND_CASE, "keeps_the_columns", weight=2)
+common_row_checks.promise_order(_GROUND_CASE, "keeps_the_order", weight=2)
+common_checks.promise_three_columns(
     _GROUND_CASE,
     "takes_three_columns",
     hint="Compare only cloud[:, 2]. Then the number of columns does not matter.",
 )
-common_row_checks.nothing_left(
+common_row_checks.promise_empty_table(
     _GROUND_CASE,
     "works_on_small_clouds",
     hint="No special case is needed: a mask without any True selects no rows.",
     weight=2,
 )
-common_row_checks.untouched(_GROUND_CASE, "leaves_its_input", weight=2)
+common_row_checks.promise_untouched(_GROUND_CASE, "leaves_its_input", weight=2)
 
 
 @noted(
@@ -158,14 +160,14 @@ def keeps_points_at_the_level(filter_ground: Callable) -> None:
     assert_no_ground_left(filter_ground(cloud.copy(), -1.25), cloud, np.arange(3) > 0, -1.25)
 
 
-common_row_checks.array(_GROUND_CASE, "returns_an_array")
+common_row_checks.note_array(_GROUND_CASE, "returns_an_array")
 
 
 def _rows_above(cloud: np.ndarray, values: np.ndarray, level: float) -> np.ndarray:
     return np.array([row for row, value in zip(cloud, values, strict=True) if value - level > 0])
 
 
-mistakes(
+declare_mistakes(
     "filter_ground",
     Mistake(
         "The comparison is the wrong way round: points below ground_level stay and points above "
@@ -239,11 +241,11 @@ mistakes(
 # Separate checks cover rounding to the nearest cell and starting the grid at the lowest corner of
 # the cloud, so both give the right cells here. For the same reason, all points in a cell have the
 # same intensity.
-_CELLS = table(
+_CELLS = parse_table(
     "0.48 0.22 0.29 0.3; 1.02 1.03 1.08 0.7; 0.42 0.28 0.22 0.3; 0.45 0.67 0.26 0.5; "
     "0.45 0.25 0.24 0.3; 1.06 1.07 1.04 0.7; 3.47 0.28 0.25 0.2; 5.06 0.24 2.89 0.9"
 )
-_CENTROIDS = table(
+_CENTROIDS = parse_table(
     "0.45 0.25 0.25 0.3; 0.45 0.67 0.26 0.5; 1.04 1.05 1.06 0.7; 3.47 0.28 0.25 0.2; "
     "5.06 0.24 2.89 0.9"
 )
@@ -271,8 +273,8 @@ def assert_row_per_cell(answer: object, cloud: np.ndarray, number: int, size: fl
         raise CheckFailed(
             f"There are {'fewer' if len(yours) < number else 'more'} rows than occupied cells.",
             given=_call_text(cloud, size),
-            yours=_row_count(len(yours)),
-            expected=_row_count(number),
+            yours=_row_count_text(len(yours)),
+            expected=_row_count_text(number),
         )
     return yours
 
@@ -307,13 +309,13 @@ def assert_centroids(answer: object, cloud: np.ndarray, expected: np.ndarray, si
 @once
 def require_row_per_cell(voxel_grid: Callable) -> None:
     """Assert that there is one point per occupied cell; raise `NotYet` if not."""
-    with needs("there is one point per occupied cell"):
+    with precondition("there is one point per occupied cell"):
         assert_row_per_cell(voxel_grid(_CELLS.copy(), 0.2), _CELLS, len(_CENTROIDS), 0.2)
 
 
 def _xyz(answer: object, cloud: np.ndarray) -> np.ndarray:
     """Return x, y and z of an answer, which may lack the other columns."""
-    yours, description = as_array(answer, what="an array of points"), "an array of points"
+    yours, description = as_array(answer, description="an array of points"), "an array of points"
     if yours.ndim == 2 and yours.shape[1] == 3:
         return yours
     if yours.ndim == 1 and yours.size == cloud.shape[1] and yours.dtype.kind != "b":
@@ -322,7 +324,7 @@ def _xyz(answer: object, cloud: np.ndarray) -> np.ndarray:
             yours=f"shape {yours.shape}",
             expected=f"shape (1, {cloud.shape[1]})",
         )
-    return as_array(answer, columns=cloud.shape[1], what=description)[:, :3]
+    return as_array(answer, columns=cloud.shape[1], description=description)[:, :3]
 
 
 def _call_text(cloud: np.ndarray, size: float) -> str | None:
@@ -330,10 +332,10 @@ def _call_text(cloud: np.ndarray, size: float) -> str | None:
 
 
 def _points_or_count(points: np.ndarray, digits: int = 2) -> str:
-    return points_text(points, digits) if len(points) <= 8 else _row_count(len(points))
+    return points_text(points, digits) if len(points) <= 8 else _row_count_text(len(points))
 
 
-def _row_count(number: int) -> str:
+def _row_count_text(number: int) -> str:
     return f"{number} row{'s' if number != 1 else ''}"
 
 
@@ -374,9 +376,9 @@ def averages_each_cell(voxel_grid: Callable) -> None:
 )
 def averages_the_intensity(voxel_grid: Callable) -> None:
     require_row_per_cell(voxel_grid)
-    cloud = table("0.02 0.04 0.06 0.02; 0.08 0.08 0.02 0.16; 0.08 0.06 0.04 0.12")
+    cloud = parse_table("0.02 0.04 0.06 0.02; 0.08 0.08 0.02 0.16; 0.08 0.06 0.04 0.12")
     yours = as_array(voxel_grid(cloud.copy(), 0.2))
-    with needs("each row is the mean of the points in its cell"):
+    with precondition("each row is the mean of the points in its cell"):
         assert_centroids(yours, cloud, cloud.mean(axis=0, keepdims=True), 0.2)
     if yours.shape[1] != 4:
         raise CheckFailed(
@@ -450,7 +452,8 @@ def floors_below_zero(voxel_grid: Callable) -> None:
 
 
 # Pairs of cells that may get the same home-made key, such as the sum of the indices, their joined
-# digits, a sum of products with primes, or the indices without their signs.
+# digits, a sum of products with primes, the indices without their signs, or the digits of a number
+# to base 100. In the course's scan, the last of these keys merges one in twenty cells.
 _CONFUSABLE = (
     ((1, 0, 0), (0, 1, 0)),
     ((1, 11, 1), (11, 1, 1)),
@@ -461,6 +464,12 @@ _CONFUSABLE = (
     ((5, -2, 2), (5, 1, 2)),
     ((5, 2, -1), (5, 2, 0)),
     ((12, 0, 0), (2, 1, 0)),
+    ((100, 0, 0), (0, 1, 0)),
+    ((100, 0, 0), (0, 0, 1)),
+    ((0, 100, 0), (1, 0, 0)),
+    ((0, 100, 0), (0, 0, 1)),
+    ((0, 0, 100), (1, 0, 0)),
+    ((0, 0, 100), (0, 1, 0)),
 )
 
 
@@ -526,7 +535,7 @@ _GRID_CASE = Case(
 )
 
 
-@common_checks.default(
+@common_checks.promise_default(
     _GRID_CASE,
     "voxel_size=0.2",
     title="Uses cells of 0.2 m by default",
@@ -542,14 +551,14 @@ def uses_the_default_size(voxel_grid: Callable) -> None:
         failure.marked = fixed(
             "voxel_grid(cloud) and voxel_grid(cloud, 0.2) give different results."
         )
-        failure.expected = f"{_row_count(len(explicit))}, as with voxel_size=0.2"
+        failure.expected = f"{_row_count_text(len(explicit))}, as with voxel_size=0.2"
         raise
 
 
-common_checks.names(
+common_checks.promise_names(
     _GRID_CASE, "keeps_the_names", why="Later lessons call voxel_grid(points, voxel_size=0.1)."
 )
-common_checks.three_columns(
+common_checks.promise_three_columns(
     _GRID_CASE,
     "thins_three_columns",
     hint="Take the number of columns from the cloud: cloud.shape[1].",
@@ -567,13 +576,13 @@ def thins_small_clouds(voxel_grid: Callable) -> None:
     require_row_per_cell(voxel_grid)
     columns = as_array(voxel_grid(_CELLS.copy(), 0.2)).shape[1]
     empty = np.empty((0, 4))
-    assert_nothing_left(voxel_grid(empty.copy(), 0.2), empty, columns)
+    assert_empty_table(voxel_grid(empty.copy(), 0.2), empty, columns)
     horizontal = np.array([[3.47, -1.05, 0.0, 0.4]])  # z is 0 for a horizontal beam
     for point in (_CELLS[:1], horizontal):
         assert_row_per_cell(voxel_grid(point.copy(), 0.2), point, 1, 0.2)
 
 
-common_checks.untouched(
+common_checks.promise_untouched(
     _GRID_CASE,
     "leaves_its_input",
     why="The next step may need the full cloud again.",
@@ -582,7 +591,7 @@ common_checks.untouched(
 )
 
 
-common_row_checks.array(_GRID_CASE, "gives_an_array")
+common_row_checks.note_array(_GRID_CASE, "gives_an_array")
 
 
 @noted(
@@ -598,7 +607,7 @@ def rounds_down(voxel_grid: Callable) -> None:
     assert_row_per_cell(voxel_grid(cloud.copy(), 0.25), cloud, 2, 0.25)
 
 
-def _merged_without_signs(cloud: np.ndarray, size: float) -> np.ndarray:
+def _merge_without_signs(cloud: np.ndarray, size: float) -> np.ndarray:
     """Merge rows whose cell indices have the same absolute values."""
     cells = np.floor(np.abs(cloud[:, :3]) / size)
     _, which = np.unique(cells, axis=0, return_inverse=True)
@@ -606,13 +615,13 @@ def _merged_without_signs(cloud: np.ndarray, size: float) -> np.ndarray:
     return np.array([cloud[which == cell].mean(axis=0) for cell in range(which.max() + 1)])
 
 
-def _merged(
+def _merge_cells(
     cloud: np.ndarray,
     step: float,
     first: float | np.ndarray = 0.0,
     columns: int = 3,
     merge: Callable = np.mean,
-    without: tuple = (),
+    missing_borders: tuple = (),
 ) -> np.ndarray:
     """Merge rows that share a cell; cell borders are at `first`, `first` ± `step`, ...
 
@@ -627,10 +636,10 @@ def _merged(
         Number of columns that determine the cell.
     merge : callable
         Takes the rows of a cell and ``axis=0``; returns one row.
-    without : tuple of int
+    missing_borders : tuple of int
         Numbers of the missing borders.
     """
-    steps = np.array([number for number in range(-60, 61) if number not in without])
+    steps = np.array([number for number in range(-60, 61) if number not in missing_borders])
     borders = np.broadcast_to(first, cloud.shape[1])[:, None] + step * steps
     cells = (cloud[:, :columns, None] >= borders[None, :columns]).sum(axis=2).tolist()
     groups = [[row for row in range(len(cloud)) if cells[row] == cell] for cell in cells]
@@ -665,17 +674,17 @@ def _sorted_rows(rows: np.ndarray) -> np.ndarray:
     return rows[np.lexsort(np.round(rows.astype(float), 3).T[::-1] + 0.0)]
 
 
-mistakes(
+declare_mistakes(
     "voxel_grid",
     Mistake(
         "The rows of each cell are added up, but the sums are not divided by the counts.",
-        lambda right, cloud, size: _merged(cloud, size, merge=np.sum),
+        lambda right, cloud, size: _merge_cells(cloud, size, merge=np.sum),
         "Return sums / counts[:, None]. With counts as a column, each row is divided by its own "
         "count.",
     ),
     Mistake(
         "Only the last row of each cell is added, and the result is divided by the count.",
-        lambda right, cloud, size: _merged(
+        lambda right, cloud, size: _merge_cells(
             cloud, size, merge=lambda rows, axis: rows[-1] / len(rows)
         ),
         "sums[which] += rows changes each entry only once, even if `which` contains its index "
@@ -683,20 +692,20 @@ mistakes(
     ),
     Mistake(
         "The sums are whole numbers, so every addition cuts off the decimals.",
-        lambda right, cloud, size: _merged(cloud, size, merge=_truncated_mean),
+        lambda right, cloud, size: _merge_cells(cloud, size, merge=_truncated_mean),
         "Use np.zeros(shape) without dtype=int. np.zeros_like of an integer array cuts off the "
         "decimals as well.",
     ),
     Mistake(
         "Your code returns the first point of each cell. It should return the mean of all points "
         "in the cell.",
-        lambda right, cloud, size: _merged(cloud, size, merge=lambda rows, axis: rows[0]),
+        lambda right, cloud, size: _merge_cells(cloud, size, merge=lambda rows, axis: rows[0]),
         "Add up the rows of each cell with np.add.at, and divide by the counts.",
     ),
     Mistake(
         "Your code returns the last point of each cell. It should return the mean of all points "
         "in the cell.",
-        lambda right, cloud, size: _merged(cloud, size, merge=lambda rows, axis: rows[-1]),
+        lambda right, cloud, size: _merge_cells(cloud, size, merge=lambda rows, axis: rows[-1]),
         "Add up the rows of each cell with np.add.at, and divide by the counts.",
     ),
     Mistake(
@@ -714,56 +723,61 @@ mistakes(
     ),
     Mistake(
         "Coordinates are rounded towards zero, so the two cells next to zero are merged.",
-        lambda right, cloud, size: _merged(cloud, size, without=(0,)),
+        lambda right, cloud, size: _merge_cells(cloud, size, missing_borders=(0,)),
         "Call np.floor first: .astype(int) alone only cuts off the decimals.",
     ),
     Mistake(
         "The sign is lost, so a cell on the left and its mirror image on the right are merged.",
-        lambda right, cloud, size: _merged_without_signs(cloud, size),
+        lambda right, cloud, size: _merge_without_signs(cloud, size),
         "Do not use abs: np.floor(xyz / voxel_size) may be negative.",
     ),
     Mistake(
         "Coordinates are rounded to the nearest whole number, so every cell starts half a cell "
         "too early.",
-        lambda right, cloud, size: _merged(cloud, size, first=size / 2),
+        lambda right, cloud, size: _merge_cells(cloud, size, first=size / 2),
         "Use np.floor instead of np.round.",
     ),
     Mistake(
         "The cells start at the lowest corner of the cloud. They should start at multiples of "
         "voxel_size.",
-        lambda right, cloud, size: _merged(cloud, size, first=cloud.min(axis=0)),
+        lambda right, cloud, size: _merge_cells(cloud, size, first=cloud.min(axis=0)),
         "Do not subtract the minimum: np.floor(xyz / voxel_size) may be negative.",
     ),
     Mistake(
         "z is not used, so every cell is a column of unlimited height.",
-        lambda right, cloud, size: _merged(cloud, size, columns=2),
+        lambda right, cloud, size: _merge_cells(cloud, size, columns=2),
         "Use three columns for the cell: cloud[:, :3].",
     ),
     Mistake(
         "The intensity is used to choose the cell, so points at the same place are not merged if "
         "their brightness differs.",
-        lambda right, cloud, size: _merged(cloud, size, columns=4),
+        lambda right, cloud, size: _merge_cells(cloud, size, columns=4),
         "Compute the cells from cloud[:, :3] only.",
     ),
     Mistake(
         "The cell size is fixed at 0.2 m; voxel_size is ignored.",
-        lambda right, cloud, size: _merged(cloud, 0.2),
+        lambda right, cloud, size: _merge_cells(cloud, 0.2),
         "Divide by voxel_size.",
     ),
     Mistake(
         "voxel_size is not used, so all cells are 1 m wide.",
-        lambda right, cloud, size: _merged(cloud, 1.0),
+        lambda right, cloud, size: _merge_cells(cloud, 1.0),
         "Divide by voxel_size before np.floor.",
     ),
     Mistake(
         "The coordinates are multiplied by voxel_size. They should be divided by it.",
-        lambda right, cloud, size: _merged(cloud, 1 / size),
+        lambda right, cloud, size: _merge_cells(cloud, 1 / size),
     ),
-    Mistake(
-        "The last cell is missing: your code writes each cell when the next one begins, and no "
-        "cell follows the last one.",
-        lambda right, cloud, size: right[np.lexsort(np.floor(right[:, :3] / size).T[::-1])][:-1],
-        "Write the last cell after the loop.",
+    *(
+        Mistake(
+            "The last cell is missing: your code writes each cell when the next one begins, and "
+            "no cell follows the last one.",
+            lambda right, cloud, size, by=by: right[
+                np.lexsort(np.floor(right[:, :3] / size).T[by])
+            ][:-1],
+            "Write the last cell after the loop.",
+        )
+        for by in (slice(None, None, -1), slice(None))  # sorted first by x, or first by z
     ),
     Mistake(
         "Nothing is merged: the whole cloud is returned unchanged.",
@@ -772,24 +786,26 @@ mistakes(
     ),
     cases=(
         (
-            table(
+            parse_table(
                 "0.3 0.1 0.1 0.1; -0.23 0.1 0.3 0.1; 0.45 0.2 0.4 0.9; 0.7 0.1 0.1 0.4; "
                 "0.35 0.1 0.9 0.3; 1.4 0.3 0.1 0.2; -0.71 0.2 0.3 0.6"
             ),
             0.5,
         ),
         (
-            table(
+            parse_table(
                 "1.3 -1.2 0.4 0.2; 2.3 -0.7 0.3 4.6; 1.1 -0.9 3.4 0.5; 3.9 0.6 0.2 0.8; "
                 "1.8 -1.6 0.9 2.3; 2.9 -1.1 0.1 0.6; -3.2 -0.3 0.6 0.7"
             ),
             2.0,
         ),
         (
-            table("0.11 0.33 0.22 0.1; 0.07 0.37 0.21 0.2; 0.14 0.31 0.28 0.9; 0.33 0.13 0.27 0.2"),
+            parse_table(
+                "0.11 0.33 0.22 0.1; 0.07 0.37 0.21 0.2; 0.14 0.31 0.28 0.9; 0.33 0.13 0.27 0.2"
+            ),
             0.5,
         ),
     ),
-    right=lambda cloud, size: _merged(cloud, size),
-    same=_same_rows,
+    right=lambda cloud, size: _merge_cells(cloud, size),
+    is_same=_same_rows,
 )

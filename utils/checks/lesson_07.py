@@ -15,17 +15,17 @@ from utils.checks import common_checks, common_row_checks
 from utils.checks.assertions import (
     CheckFailed,
     as_array,
-    assert_places,
-    brief,
+    assert_positions,
+    brief_text,
     frozen,
-    marked,
-    needs,
+    parse_marked_points,
+    parse_table,
     points_text,
-    table,
+    precondition,
 )
 from utils.checks.common_checks import Case
 from utils.checks.core import noted, visible
-from utils.checks.diagnosis import Mistake, mistakes, same_array
+from utils.checks.diagnosis import Mistake, declare_mistakes, same_array
 from utils.checks.run_cache import once
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 # Low, dim points ahead of the car on the left, in no particular order. All are so near or so far
 # that every measure of distance in the plane gives the same answer: separate checks cover
 # directions, corners, heights and intensities.
-_SCATTERED, _NEAR = marked(
+_SCATTERED, _NEAR = parse_marked_points(
     "6 0.5 -1.5 0.2 +; 2 15 0.2 0.8 -; 3 6 -0.9 0.9 +; 14 1 -1.1 0.3 -; 11 11.5 -1 0.4 -; "
     "1.5 8 0.3 0.6 +; 4 4 -0.4 0.5 +; 12 4 -0.7 0.1 -"
 )
@@ -42,14 +42,14 @@ _SCATTERED, _NEAR = marked(
 _MINIMUM, _MAXIMUM = (-10.0, -5.0, -2.0), (30.0, 6.0, 1.0)
 # Each point is inside the box, or outside it on all three axes: above the maximum on at least one
 # axis and below the minimum on another.
-_CROP_CLOUD, _INSIDE = marked(
+_CROP_CLOUD, _INSIDE = parse_marked_points(
     "1 2 -1 0.5 +; -12 -8 1.5 0.2 -; 28 -4 0.5 0.1 +; 40 -9 1.6 0.3 -; 33 7 -2.4 0.4 -; "
     "-9 5.5 0.9 0.9 +; -15 7 -2.6 0.6 -; 12 0 -1.9 0.4 +"
 )
 _EGO_BOX = (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)
 # Returns of the ego car, and others that are outside its box on all three axes: above the maximum
 # on one axis and below the minimum on another.
-_EGO_CLOUD, _IS_EGO = marked(
+_EGO_CLOUD, _IS_EGO = parse_marked_points(
     "-1.3 0.4 -0.6 0.3 +; 5 -3 0.5 0.4 -; 1 -1 -0.5 0.5 +; -2 -2 0.3 0.2 -; "
     "12 -4.2 -1.4 0.7 -; 0.9 1 -0.9 0.5 +; -3 8 -1.6 0.9 -"
 )
@@ -89,14 +89,14 @@ def assert_points_left(
 def _assert_any_corner_type(function: Callable, kind: Callable) -> None:
     """Assert that corners of type `kind` give the same rows as tuples, right or wrong."""
     with_tuples, with_kind = (
-        as_array(function(_CUBE_DIAGONAL.copy(), *corners), what="the rows")
+        as_array(function(_CUBE_DIAGONAL.copy(), *corners), description="the rows")
         for corners in (_CUBE, map(kind, _CUBE))
     )
     if not np.array_equal(with_tuples, with_kind):
         raise CheckFailed(
             "The same corners give different rows when they are not tuples.",
-            given=f"six points on a line, and corners {brief(kind(_CUBE[0]))} and "
-            f"{brief(kind(_CUBE[1]))}",
+            given=f"six points on a line, and corners {brief_text(kind(_CUBE[0]))} and "
+            f"{brief_text(kind(_CUBE[1]))}",
             yours=f"{len(with_kind)} rows",
             expected=f"{len(with_tuples)} rows, as your function returns with tuples",
         )
@@ -139,11 +139,11 @@ def _assert_remaining(
     view: str,
     outline: Callable,
 ) -> None:
-    """Call `assert_places`; draw the border into its picture and describe a small cloud."""
+    """Call `assert_positions`; draw the border into its picture and describe a small cloud."""
     is_small = len(cloud) <= 8
     given = f"points {points_text(cloud)}, {settings}" if is_small else None
     try:
-        assert_places(answer, cloud, keep, view, given, points_text if is_small else None)
+        assert_positions(answer, cloud, keep, view, given, points_text if is_small else None)
     except CheckFailed as failure:
         if difference := failure.draw:
             failure.draw = lambda: outline(difference())
@@ -180,14 +180,14 @@ def _widen_limits(axes: Axes, low: Sequence[float], high: Sequence[float]) -> No
 @once
 def require_near_points_kept(filter_by_distance: Callable) -> None:
     """Assert that near points stay and far ones are removed; raise `NotYet` if not."""
-    with needs("near points stay and far points are removed"):
+    with precondition("near points stay and far points are removed"):
         assert_points_left(filter_by_distance(_SCATTERED.copy(), 10.0), _SCATTERED, 10.0, _NEAR)
 
 
 @once
 def require_crop(crop_region: Callable) -> None:
     """Assert that only points inside the box stay; raise `NotYet` if not."""
-    with needs("points inside the box stay and points outside are removed"):
+    with precondition("points inside the box stay and points outside are removed"):
         answer = crop_region(_CROP_CLOUD.copy(), _MINIMUM, _MAXIMUM)
         assert_points_left_by_box(answer, _CROP_CLOUD, _MINIMUM, _MAXIMUM, _INSIDE)
 
@@ -195,7 +195,7 @@ def require_crop(crop_region: Callable) -> None:
 @once
 def require_ego_removed(remove_ego_returns: Callable) -> None:
     """Assert that only points inside the box are removed; raise `NotYet` if not."""
-    with needs("points inside the box are removed and points outside stay"):
+    with precondition("points inside the box are removed and points outside stay"):
         assert_points_left_by_box(
             remove_ego_returns(_EGO_CLOUD.copy(), *_EGO_BOX), _EGO_CLOUD, *_EGO_BOX, ~_IS_EGO
         )
@@ -222,7 +222,9 @@ def keeps_near_points(filter_by_distance: Callable) -> None:
 )
 def works_in_all_directions(filter_by_distance: Callable) -> None:
     require_near_points_kept(filter_by_distance)
-    cloud, near = marked("-6 2 +; -14 1 -; -3 -6 +; 3 -13 -; 2 -7 +; -11 -12 -", -0.5, 0.3)
+    cloud, near = parse_marked_points(
+        "-6 2 +; -14 1 -; -3 -6 +; 3 -13 -; 2 -7 +; -11 -12 -", -0.5, 0.3
+    )
     assert_points_left(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near)
 
 
@@ -235,7 +237,7 @@ def works_in_all_directions(filter_by_distance: Callable) -> None:
 )
 def keeps_a_circle(filter_by_distance: Callable) -> None:
     require_near_points_kept(filter_by_distance)
-    cloud, near = marked("8 8 -; 6.5 6.5 +; 9.5 5 -; 9 3 +", -0.5, 0.3)
+    cloud, near = parse_marked_points("8 8 -; 6.5 6.5 +; 9.5 5 -; 9 3 +", -0.5, 0.3)
     assert_points_left(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near)
 
 
@@ -249,7 +251,7 @@ def keeps_a_circle(filter_by_distance: Callable) -> None:
 )
 def ignores_height(filter_by_distance: Callable) -> None:
     require_near_points_kept(filter_by_distance)
-    cloud, near = marked("11 1 0 0.1 -; 6 2 9 0.1 +; 4 3 -12 0.1 +; 13 2 -0.2 0.1 -")
+    cloud, near = parse_marked_points("11 1 0 0.1 -; 6 2 9 0.1 +; 4 3 -12 0.1 +; 13 2 -0.2 0.1 -")
     assert_points_left(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near, "side")
 
 
@@ -263,7 +265,7 @@ def ignores_height(filter_by_distance: Callable) -> None:
 )
 def ignores_intensity(filter_by_distance: Callable) -> None:
     require_near_points_kept(filter_by_distance)
-    cloud, near = marked("6 0.5 0.2 255 +; 12 0.5 0.2 0 -; 2 7 0.2 40 +; 11 6 0.2 3 -")
+    cloud, near = parse_marked_points("6 0.5 0.2 255 +; 12 0.5 0.2 0 -; 2 7 0.2 40 +; 11 6 0.2 3 -")
     try:
         assert_points_left(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near)
     except CheckFailed as failure:
@@ -296,7 +298,7 @@ _NEAR_CASE = Case(
 )
 
 
-@common_checks.default(
+@common_checks.promise_default(
     _NEAR_CASE,
     "distance=10.0",
     title="Uses a distance of 10 m by default",
@@ -307,26 +309,26 @@ def keeps_the_default(filter_by_distance: Callable) -> None:
     cloud = np.array([[x, 0.1, -0.2, 0.3] for x in (9.8, 10.2, 7.0, 13.0)])
     near = np.array([True, False, True, False])
     given = f"points {points_text(cloud)}, distance not given"
-    assert_places(filter_by_distance(cloud.copy()), cloud, near, "above", given, points_text)
+    assert_positions(filter_by_distance(cloud.copy()), cloud, near, "above", given, points_text)
 
 
-common_checks.names(
+common_checks.promise_names(
     _NEAR_CASE, "keeps_the_names", why="Other code may call filter_by_distance(cloud, distance=25)."
 )
-common_row_checks.all_columns(_NEAR_CASE, "keeps_the_columns", weight=2)
-common_row_checks.order(_NEAR_CASE, "keeps_the_order", weight=2)
-common_checks.three_columns(
+common_row_checks.promise_all_columns(_NEAR_CASE, "keeps_the_columns", weight=2)
+common_row_checks.promise_order(_NEAR_CASE, "keeps_the_order", weight=2)
+common_checks.promise_three_columns(
     _NEAR_CASE,
     "works_with_three_columns",
     hint="Use only the columns that you need, cloud[:, 0] and cloud[:, 1].",
 )
-common_row_checks.nothing_left(
+common_row_checks.promise_empty_table(
     _NEAR_CASE,
     "works_on_small_clouds",
     hint="No special case is needed: a mask without any True selects no rows.",
     weight=2,
 )
-common_row_checks.untouched(_NEAR_CASE, "leaves_its_input", weight=2)
+common_row_checks.promise_untouched(_NEAR_CASE, "leaves_its_input", weight=2)
 
 
 @noted(
@@ -336,11 +338,11 @@ common_row_checks.untouched(_NEAR_CASE, "leaves_its_input", weight=2)
     "distance, but in a hand-made example one may be.",
 )
 def keeps_points_at_the_distance(filter_by_distance: Callable) -> None:
-    cloud, near = marked("3 4 -0.5 0.1 +; 6 1 -0.5 0.1 -; 1 2 -0.5 0.1 +")
+    cloud, near = parse_marked_points("3 4 -0.5 0.1 +; 6 1 -0.5 0.1 -; 1 2 -0.5 0.1 +")
     assert_points_left(filter_by_distance(cloud.copy(), 5.0), cloud, 5.0, near)
 
 
-common_row_checks.array(_NEAR_CASE, "returns_an_array")
+common_row_checks.note_array(_NEAR_CASE, "returns_an_array")
 
 
 @visible(
@@ -365,7 +367,7 @@ def keeps_points_inside(crop_region: Callable) -> None:
 )
 def removes_points_outside_in_x_or_y(crop_region: Callable) -> None:
     require_crop(crop_region)
-    cloud, keep = marked("-11 2 -1 -; 31 2 -1 -; 1 2 -1 +; 1 -6 -1 -; 1 7 -1 -", 0.4)
+    cloud, keep = parse_marked_points("-11 2 -1 -; 31 2 -1 -; 1 2 -1 +; 1 -6 -1 -; 1 7 -1 -", 0.4)
     assert_points_left_by_box(
         crop_region(cloud.copy(), _MINIMUM, _MAXIMUM), cloud, _MINIMUM, _MAXIMUM, keep
     )
@@ -380,7 +382,7 @@ def removes_points_outside_in_x_or_y(crop_region: Callable) -> None:
 )
 def removes_points_below_or_above(crop_region: Callable) -> None:
     require_crop(crop_region)
-    cloud, keep = marked("1 2 -2.5 -; 1 2 -1 +; 1 2 1.5 -", 0.4)
+    cloud, keep = parse_marked_points("1 2 -2.5 -; 1 2 -1 +; 1 2 1.5 -", 0.4)
     answer = crop_region(cloud.copy(), _MINIMUM, _MAXIMUM)
     assert_points_left_by_box(answer, cloud, _MINIMUM, _MAXIMUM, keep, "side")
 
@@ -393,7 +395,7 @@ def removes_points_below_or_above(crop_region: Callable) -> None:
 )
 def keeps_points_on_faces(crop_region: Callable) -> None:
     require_crop(crop_region)
-    on_faces = table("-10 0 0; 30 0 0; 0 -5 0; 0 6 0; 0 0 -2; 0 0 1")
+    on_faces = parse_table("-10 0 0; 30 0 0; 0 -5 0; 0 6 0; 0 0 -2; 0 0 1")
     on_faces = np.column_stack([on_faces, np.full(6, 0.4)])
     answer = crop_region(on_faces.copy(), _MINIMUM, _MAXIMUM)
     assert_points_left_by_box(answer, on_faces, _MINIMUM, _MAXIMUM, np.full(6, True))
@@ -439,23 +441,23 @@ _CROP_CASE = Case(
     compare=assert_points_left_by_box,
     precondition=require_crop,
 )
-common_checks.names(
+common_checks.promise_names(
     _CROP_CASE,
     "names_the_corners",
     why="Other code may call crop_region(cloud, minimum=..., maximum=...).",
 )
-common_row_checks.all_columns(
+common_row_checks.promise_all_columns(
     _CROP_CASE, "crops_all_columns", hint="Compare cloud[:, :3], but index cloud itself.", weight=2
 )
-common_row_checks.order(_CROP_CASE, "crops_in_order")
-common_checks.three_columns(
+common_row_checks.promise_order(_CROP_CASE, "crops_in_order")
+common_checks.promise_three_columns(
     _CROP_CASE,
     "crops_three_columns",
     hint="Use cloud[:, :3]: it exists with three columns and with four.",
 )
-common_row_checks.nothing_left(_CROP_CASE, "crops_small_clouds", weight=2)
-common_row_checks.untouched(_CROP_CASE, "crop_leaves_its_input")
-common_row_checks.array(_CROP_CASE, "gives_an_array")
+common_row_checks.promise_empty_table(_CROP_CASE, "crops_small_clouds", weight=2)
+common_row_checks.promise_untouched(_CROP_CASE, "crop_leaves_its_input")
+common_row_checks.note_array(_CROP_CASE, "gives_an_array")
 
 
 @visible(
@@ -481,7 +483,9 @@ def removes_points_inside(remove_ego_returns: Callable) -> None:
 )
 def keeps_points_outside_in_x_or_y(remove_ego_returns: Callable) -> None:
     require_ego_removed(remove_ego_returns)
-    cloud, keep = marked("0.5 0 -0.7 -; 9 0 -0.7 +; -4 0 -0.7 +; 0.5 6 -0.7 +; 0.5 -3 -0.7 +", 0.4)
+    cloud, keep = parse_marked_points(
+        "0.5 0 -0.7 -; 9 0 -0.7 +; -4 0 -0.7 +; 0.5 6 -0.7 +; 0.5 -3 -0.7 +", 0.4
+    )
     assert_points_left_by_box(remove_ego_returns(cloud.copy(), *_EGO_BOX), cloud, *_EGO_BOX, keep)
 
 
@@ -494,7 +498,7 @@ def keeps_points_outside_in_x_or_y(remove_ego_returns: Callable) -> None:
 )
 def keeps_points_above_or_below(remove_ego_returns: Callable) -> None:
     require_ego_removed(remove_ego_returns)
-    cloud, keep = marked("0.5 0 2 +; 0.5 0 -0.7 -; 0.5 0 -1.6 +", 0.4)
+    cloud, keep = parse_marked_points("0.5 0 2 +; 0.5 0 -0.7 -; 0.5 0 -1.6 +", 0.4)
     assert_points_left_by_box(
         remove_ego_returns(cloud.copy(), *_EGO_BOX), cloud, *_EGO_BOX, keep, "side"
     )
@@ -510,7 +514,7 @@ def keeps_points_above_or_below(remove_ego_returns: Callable) -> None:
 def removes_points_on_faces(remove_ego_returns: Callable) -> None:
     require_ego_removed(remove_ego_returns)
     box = (-1.5, -1.75, -1.0), (2.5, 1.75, -0.5)
-    on_faces = table(
+    on_faces = parse_table(
         "-1.5 0 -0.75; 2.5 0 -0.75; 0 -1.75 -0.75; 0 1.75 -0.75; 0 0 -1; 0 0 -0.5; 7 6 0.5"
     )
     on_faces = np.column_stack([on_faces, np.full(7, 0.4)])
@@ -560,23 +564,23 @@ _EGO_CASE = Case(
     compare=assert_points_left_by_box,
     precondition=require_ego_removed,
 )
-common_checks.names(
+common_checks.promise_names(
     _EGO_CASE,
     "names_the_ego_box",
     why="Other code may call remove_ego_returns(cloud, minimum=..., maximum=...).",
 )
-common_row_checks.all_columns(
+common_row_checks.promise_all_columns(
     _EGO_CASE, "keeps_all_columns", hint="Compare cloud[:, :3], but index cloud itself.", weight=2
 )
-common_row_checks.order(_EGO_CASE, "keeps_the_row_order")
-common_checks.three_columns(
+common_row_checks.promise_order(_EGO_CASE, "keeps_the_row_order")
+common_checks.promise_three_columns(
     _EGO_CASE,
     "removes_with_three_columns",
     hint="Use cloud[:, :3]: it exists with three columns and with four.",
 )
-common_row_checks.nothing_left(_EGO_CASE, "removes_from_small_clouds", weight=2)
-common_row_checks.untouched(_EGO_CASE, "removal_leaves_its_input")
-common_row_checks.array(_EGO_CASE, "leaves_an_array")
+common_row_checks.promise_empty_table(_EGO_CASE, "removes_from_small_clouds", weight=2)
+common_row_checks.promise_untouched(_EGO_CASE, "removal_leaves_its_input")
+common_row_checks.note_array(_EGO_CASE, "leaves_an_array")
 
 
 def _rows_at_most(cloud: np.ndarray, values: np.ndarray, limit: float) -> np.ndarray:
@@ -587,7 +591,7 @@ def _horizontal_distances(cloud: np.ndarray) -> np.ndarray:
     return np.abs(cloud[:, :2] @ [1, 1j])  # the absolute value of the complex number x + iy
 
 
-mistakes(
+declare_mistakes(
     "filter_by_distance",
     Mistake(
         "The comparison is the wrong way round: far points stay and near points are removed.",
@@ -713,26 +717,26 @@ mistakes(
     ),
     cases=(
         (
-            table(
+            parse_table(
                 "12 3 0.1 0.1; 1 1.5 0.5 0.1; 2 2.1 0.3 0.2; 2.8 2.6 0.2 0.1; -1.1 -2 2.5 0.1; "
                 "1.5 1 0.2 9; -7 1 0.1 0.1; 0.8 0.9 0.1 0.1; 1 -6 0.1 0.3"
             ),
             3.0,
         ),
         (
-            table(
+            parse_table(
                 "4 4.5 0.2 0.3; 3 3.5 0.3 0.2; -30 -2 0.1 0.2; 1 3 -4.5 0.1; 2 -1.2 0.1 7; "
                 "1 1.2 0.1 0.4; 2 -13 0.4 0.2; 26 2 0.1 0.1; -3 40 0.2 0.6"
             ),
             5.0,
         ),
-        (table("3 2 0.1 0.1; -2 5 11 0.1; 1 2 0.1 14"), 12.0),
+        (parse_table("3 2 0.1 0.1; -2 5 11 0.1; 1 2 0.1 14"), 12.0),
         (
-            table("1 1.5 6 0.1; 2 -9 0.3 0.2; -1.5 2 -3.9 0.1; 0.5 3 0.2 0.1; -6 1 0.1 0.2"),
+            parse_table("1 1.5 6 0.1; 2 -9 0.3 0.2; -1.5 2 -3.9 0.1; 0.5 3 0.2 0.1; -6 1 0.1 0.2"),
             4.0,
         ),
         (
-            table("2 3 -8 0.1; -3 20 0.5 0.3; 5 4 4.5 0.2; -6 -2 -5 0.1; 30 2 1 0.4"),
+            parse_table("2 3 -8 0.1; -3 20 0.5 0.3; 5 4 4.5 0.2; -6 -2 -5 0.1; 30 2 1 0.4"),
             7.0,
         ),
     ),
@@ -763,7 +767,7 @@ def _same_rows(answer: object, predicted: np.ndarray) -> bool:
 # axes. The last three clouds have no points outside.
 _BOXES = (
     (
-        table(
+        parse_table(
             "2 1 0.5 0.5; 9 1 0.5 0.1; 2 -7 0.5 0.2; 2 1 5 0.3; 0.5 0.5 -0.7 0.4; -8 -9 0 0.6; "
             "9 8 7 0.7; -5 -6 -7 0.8; -9 0.5 8 0.2; 3 -1 0.5 0.9"
         ),
@@ -771,7 +775,7 @@ _BOXES = (
         (4.0, 2.0, 1.5),
     ),
     (
-        table(
+        parse_table(
             "0.5 6 -0.5 0.5; 0 5 3 0.1; 9 5.5 -0.5 0.2; 40 -9 0.2 0.2; -14 -8 -4 0.3; "
             "0.5 6.5 -6 0.2; 0.5 -1 -0.6 0.4; 35 9.5 4 0.7"
         ),
@@ -779,7 +783,7 @@ _BOXES = (
         (1.5, 7.0, 0.5),
     ),
     (
-        table(
+        parse_table(
             "1 2 3.5 0.3; 3 2.5 3.5 0.1; 2 4 3.5 0.1; 2 2.5 3 0.5; 2 3 3.5 0.2; 0 9 8 0.2; "
             "0.5 1 2 0.6"
         ),
@@ -787,23 +791,23 @@ _BOXES = (
         (3.0, 4.0, 5.0),
     ),
     (
-        table("4 2 1 0.3; 2 2 1 0.1; 2 1 0 0.2"),
+        parse_table("4 2 1 0.3; 2 2 1 0.1; 2 1 0 0.2"),
         (0.0, 0.0, 0.0),
         (4.0, 4.0, 4.0),
     ),
     (
-        table("0.5 -0.5 1.5 0.3; 1.5 0.5 2.5 0.1"),
+        parse_table("0.5 -0.5 1.5 0.3; 1.5 0.5 2.5 0.1"),
         (0.0, -1.0, 1.0),
         (2.0, 1.0, 3.0),
     ),
     (
-        table("-3.5 2.5 -1 0.7; -2.5 3.5 0.5 0.2; -1.5 4.5 0 0.1"),
+        parse_table("-3.5 2.5 -1 0.7; -2.5 3.5 0.5 0.2; -1.5 4.5 0 0.1"),
         (-4.0, 2.0, -1.5),
         (-1.0, 5.0, 1.0),
     ),
 )
 
-mistakes(
+declare_mistakes(
     "crop_region",
     Mistake(
         "The mask is inverted: points inside are removed and points outside stay.",
@@ -865,10 +869,10 @@ mistakes(
     ),
     cases=_BOXES,
     right=_rows_inside,
-    same=_same_rows,
+    is_same=_same_rows,
 )
 
-mistakes(
+declare_mistakes(
     "remove_ego_returns",
     Mistake(
         "The mask is inverted: points inside stay and points outside are removed.",
@@ -931,5 +935,5 @@ mistakes(
     ),
     cases=_BOXES,
     right=_rows_outside,
-    same=_same_rows,
+    is_same=_same_rows,
 )

@@ -5,7 +5,14 @@ from collections.abc import Callable
 import numpy as np
 
 from utils.checks import common_box_checks, common_checks
-from utils.checks.assertions import CheckFailed, as_array, brief, frozen, needs, table
+from utils.checks.assertions import (
+    CheckFailed,
+    as_array,
+    brief_text,
+    frozen,
+    parse_table,
+    precondition,
+)
 from utils.checks.boxes import (
     assert_box_corners,
     corners_between,
@@ -13,12 +20,12 @@ from utils.checks.boxes import (
 )
 from utils.checks.common_checks import Case
 from utils.checks.core import noted, visible
-from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.run_cache import once
 
 # A cluster around the origin whose first point is not extreme on any axis. The initial values of a
 # search for its box and the order of the points do not matter here: separate checks cover these.
-_POINTS = table(
+_POINTS = parse_table(
     "0.5 0.2 -0.1; -2 0.4 0.3; 3 -0.3 0.2; 0.1 -1.5 -0.4; -0.6 2.5 0.1; 1 0.7 -1.2; -0.2 -0.5 0.8"
 )
 _LOW, _HIGH = frozen((np.array([-2.0, -1.5, -1.2]), np.array([3.0, 2.5, 0.8])))
@@ -33,7 +40,7 @@ _LABELS = frozen(np.repeat([1, 2, 3], 7))
 @once
 def require_single_box(get_bounding_boxes: Callable) -> None:
     """Assert that a single cluster gets the right box; raise `NotYet` if not."""
-    with needs("a single cluster gets the right box"):
+    with precondition("a single cluster gets the right box"):
         labels = np.ones(7, dtype=int)
         answer = get_bounding_boxes(_POINTS.copy(), labels.copy())
         assert_box_corners(answer, _BOX[None], _POINTS, labels)
@@ -42,7 +49,7 @@ def require_single_box(get_bounding_boxes: Callable) -> None:
 @once
 def require_three_boxes(get_bounding_boxes: Callable) -> None:
     """Assert that three clusters get the right boxes; raise `NotYet` if not."""
-    with needs("each of three clusters gets the right box"):
+    with precondition("each of three clusters gets the right box"):
         answer = get_bounding_boxes(_CLOUD.copy(), _LABELS.copy())
         assert_box_corners(answer, _BOXES, _CLOUD, _LABELS)
 
@@ -100,7 +107,7 @@ def does_not_round(get_bounding_boxes: Callable) -> None:
 )
 def works_in_all_directions(get_bounding_boxes: Callable) -> None:
     require_three_boxes(get_bounding_boxes)
-    shifts = table("9 6 3; -9 -6 -3")
+    shifts = parse_table("9 6 3; -9 -6 -3")
     cloud = np.vstack([_POINTS + shift for shift in shifts])
     labels = np.repeat([1, 2], 7)
     boxes = np.stack([_BOX + shift for shift in shifts])
@@ -134,7 +141,7 @@ _THREE_CASE = Case(
     compare=lambda answer, cloud, labels, boxes: assert_box_corners(answer, boxes, cloud, labels),
     precondition=require_three_boxes,
 )
-common_box_checks.gaps(
+common_box_checks.promise_label_gaps(
     _THREE_CASE,
     "allows_gaps",
     [2, 5, 9],
@@ -142,8 +149,8 @@ common_box_checks.gaps(
     "includes labels that do not occur.",
     weight=2,
 )
-common_box_checks.ascending(_THREE_CASE, "orders_boxes_by_label", [2, 3, 1], weight=2)
-common_box_checks.noise(_THREE_CASE, "ignores_noise", weight=2)
+common_box_checks.promise_label_order(_THREE_CASE, "orders_boxes_by_label", [2, 3, 1], weight=2)
+common_box_checks.promise_no_box_for_noise(_THREE_CASE, "ignores_noise", weight=2)
 
 
 @visible(
@@ -155,7 +162,7 @@ common_box_checks.noise(_THREE_CASE, "ignores_noise", weight=2)
 )
 def works_on_few_points(get_bounding_boxes: Callable) -> None:
     require_three_boxes(get_bounding_boxes)
-    first, second, third = table("6 2 -1.1; 5 2.6 -0.5; -3 -4.6 -1")
+    first, second, third = parse_table("6 2 -1.1; 5 2.6 -0.5; -3 -4.6 -1")
     cloud = np.vstack([first, second, third, first, second, third, third, third])
     labels = np.array([1, 1, 2, 3, 3, 4, 4, 4])
     pair = corners_between(np.minimum(first, second), np.maximum(first, second))
@@ -164,20 +171,20 @@ def works_on_few_points(get_bounding_boxes: Callable) -> None:
     assert_box_corners(answer, np.stack([pair, post, pair, post]), cloud, labels)
 
 
-common_box_checks.fourth_column(_THREE_CASE, "ignores_intensity", weight=2)
-common_box_checks.no_boxes(
+common_box_checks.promise_intensity_ignored(_THREE_CASE, "ignores_intensity", weight=2)
+common_box_checks.promise_empty_result(
     _THREE_CASE,
     "returns_the_empty_shape",
     hint="np.array([]) has shape (0,). End with .reshape(-1, 8, 3), or start from "
     "np.zeros((number_of_boxes, 8, 3)).",
     weight=2,
 )
-common_checks.names(
+common_checks.promise_names(
     _THREE_CASE,
     "keeps_the_names",
     why="Other code may call get_bounding_boxes(cloud=..., cluster_labels=...).",
 )
-common_box_checks.untouched(
+common_box_checks.promise_untouched(
     _THREE_CASE, "leaves_its_input", hint="Write the corners into a new array."
 )
 
@@ -196,8 +203,8 @@ def numbers_the_corners(get_bounding_boxes: Callable) -> None:
         if np.abs(box[corner] - place).max() > 1e-3:
             raise CheckFailed(
                 f"Corner {corner} is in another place.",
-                yours=brief(box[corner]),
-                expected=brief(place),
+                yours=brief_text(box[corner]),
+                expected=brief_text(place),
             )
 
 
@@ -329,7 +336,7 @@ def _same_boxes(answer: object, predicted: np.ndarray) -> bool:
     return yours.shape == predicted.shape and all(map(same_corners, yours, predicted))
 
 
-mistakes(
+declare_mistakes(
     "get_bounding_boxes",
     Mistake(
         "Because of `elif`, a point is compared with the maximum only if it is not a new "
@@ -435,5 +442,5 @@ mistakes(
     ),
     cases=tuple((cloud, labels) for cloud, labels, _ in _STREETS),
     right=_right_boxes,
-    same=_same_boxes,
+    is_same=_same_boxes,
 )

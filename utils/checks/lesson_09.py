@@ -11,13 +11,13 @@ from utils.checks.assertions import (
     as_array,
     as_labels,
     assert_new_array,
-    brief,
+    brief_text,
     frozen,
-    needs,
+    precondition,
 )
 from utils.checks.common_checks import Case
 from utils.checks.core import noted, visible
-from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.failures import NotYet, fixed
 from utils.checks.run_cache import once
 
@@ -55,13 +55,13 @@ def assert_right_clusters_left(
         for cluster in [*not_removed[:1], *removed[:1]]
     ]
     text = "; ".join(parts)
-    show = _summary if _summary(yours) != _summary(expected) else brief
+    show = _summary_text if _summary_text(yours) != _summary_text(expected) else brief_text
     raise CheckFailed(
         f"{text[0].upper()}{text[1:]}." if text else NOISE_MESSAGE,
         given=_call_text(labels, minimum) if len(labels) <= 20 or minimum is not None else None,
         yours=show(yours),
         expected=show(expected),
-        draw=lambda: _draw(labels, yours, expected),
+        draw=lambda: _draw_clusters(labels, yours, expected),
     )
 
 
@@ -76,7 +76,7 @@ def _assert_different_labels(yours: np.ndarray, labels: np.ndarray, minimum: int
             f"Clusters {merged[0]} and {merged[1]} now have the same label, so two obstacles "
             "became one.",
             given=_call_text(labels, minimum) if len(labels) <= 20 or minimum is not None else None,
-            yours=brief(yours),
+            yours=brief_text(yours),
         )
 
 
@@ -99,7 +99,7 @@ def assert_labels_kept(answer: object, labels: np.ndarray, expected: np.ndarray)
             "even if this leaves gaps.",
             yours=f"label {yours[index]}",
             expected=f"label {expected[index]}",
-            draw=lambda: _draw(labels, yours, expected),
+            draw=lambda: _draw_clusters(labels, yours, expected),
         )
 
 
@@ -109,7 +109,7 @@ _BASIC_PROPERTY = "clusters with too few points are removed and the others stay"
 @once
 def require_small_clusters_removed(filter_clusters: Callable) -> None:
     """Assert that small clusters are removed and large ones stay; raise `NotYet` if not."""
-    with needs(_BASIC_PROPERTY):
+    with precondition(_BASIC_PROPERTY):
         assert_right_clusters_left(filter_clusters(_LABELS.copy(), 3), _LABELS, _KEPT)
 
 
@@ -129,14 +129,14 @@ def require_most_clusters_right(filter_clusters: Callable) -> None:
 
 def _call_text(labels: np.ndarray, minimum: int | None) -> str:
     if len(labels) <= 20:
-        text = f"labels {brief(labels)}"
+        text = f"labels {brief_text(labels)}"
     else:
         sizes = [np.count_nonzero(labels == label) for label in np.unique(labels)]
         text = f"clusters of {', '.join(map(str, sizes[:-1]))} and {sizes[-1]} points"
     return text + (f"; minimum {minimum}" if minimum is not None else "")
 
 
-def _draw(labels: np.ndarray, yours: np.ndarray, expected: np.ndarray) -> None:
+def _draw_clusters(labels: np.ndarray, yours: np.ndarray, expected: np.ndarray) -> None:
     """Draw each cluster as a row of points, one row per label."""
     place = np.array([np.count_nonzero(labels[:i] == label) for i, label in enumerate(labels)])
     names, row = np.unique(labels, return_inverse=True)
@@ -161,7 +161,7 @@ def _cluster_text(labels: np.ndarray, cluster: int) -> str:
     return f"cluster {cluster}, with {count} point{'s' if count != 1 else ''},"
 
 
-def _summary(labels: np.ndarray) -> str:
+def _summary_text(labels: np.ndarray) -> str:
     """Return the labels above 0 and the number of noise points as a short text."""
     in_use = np.unique(labels[labels > 0]).tolist()
     names = ", ".join(map(str, in_use[:8])) + (", ..." if len(in_use) > 8 else "")
@@ -207,8 +207,8 @@ def writes_zeros(filter_clusters: Callable) -> None:
     if (yours < 0).any():
         raise CheckFailed(
             fixed("Points of removed clusters must get the label 0, not a negative one."),
-            yours=brief(yours),
-            expected=brief(_KEPT),
+            yours=brief_text(yours),
+            expected=brief_text(_KEPT),
         )
 
 
@@ -273,7 +273,7 @@ _FILTERED_CASE = Case(
 )
 
 
-@common_checks.default(
+@common_checks.promise_default(
     _FILTERED_CASE,
     "min_num_points=100",
     title="Uses a minimum of 100 by default",
@@ -297,7 +297,7 @@ def keeps_the_default(filter_clusters: Callable) -> None:
         )
 
 
-common_checks.names(
+common_checks.promise_names(
     _FILTERED_CASE,
     "keeps_the_names",
     why="Later lessons call filter_clusters(labels, min_num_points=10).",
@@ -307,7 +307,7 @@ common_checks.names(
 @visible(
     "filter_clusters",
     weight=5,
-    title="Keeps large clusters, whatever their size",
+    title="Keeps large clusters, however large they are",
     why="A wall, a lorry or the car ahead has hundreds or thousands of points in a scan.",
     hint="There is a minimum but no maximum: compare the size only with min_num_points.",
 )
@@ -335,9 +335,9 @@ def keeps_label_zero(filter_clusters: Callable) -> None:
     if (yours[labels == 0] > 0).any():
         raise CheckFailed(
             NOISE_MESSAGE,
-            given=f"labels {brief(labels)}, minimum 3",
-            yours=brief(yours),
-            expected=brief(np.where(labels == 2, 2, 0)),
+            given=f"labels {brief_text(labels)}, minimum 3",
+            yours=brief_text(yours),
+            expected=brief_text(np.where(labels == 2, 2, 0)),
         )
 
 
@@ -378,7 +378,7 @@ def works_on_few_points(filter_clusters: Callable) -> None:
         )
 
 
-common_checks.untouched(
+common_checks.promise_untouched(
     _FILTERED_CASE,
     "leaves_its_input",
     why="The next step may try another minimum on the same labels.",
@@ -454,7 +454,7 @@ def _next_cluster_sizes(right: np.ndarray, labels: np.ndarray, minimum: int) -> 
     return np.where(sizes[labels] < minimum, 0, labels)
 
 
-mistakes(
+declare_mistakes(
     "filter_clusters",
     Mistake(
         "`<=` is used instead of `<`, so clusters of exactly min_num_points points are removed.",

@@ -12,21 +12,21 @@ from utils.checks.assertions import (
     CheckFailed,
     WrongForm,
     as_array,
-    brief,
+    brief_text,
     frozen,
-    needs,
+    precondition,
 )
 from utils.checks.boxes import (
+    assert_contains_points,
     assert_headings,
     assert_heights,
-    assert_holds,
     assert_snug,
     assert_upright,
     same_corners,
 )
 from utils.checks.common_checks import Case
 from utils.checks.core import noted, visible
-from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.failures import fixed
 from utils.checks.run_cache import once
 
@@ -71,7 +71,7 @@ def as_axes(answer: object) -> np.ndarray:
     CheckFailed
         If the answer has another shape or contains numbers that are not finite.
     """
-    axes = as_array(answer, what="three axes, one in each column")
+    axes = as_array(answer, description="three axes, one in each column")
     if axes.shape != (3, 3):
         message = fixed(
             "Three axes with three components each form a 3 x 3 matrix, however many points there "
@@ -86,7 +86,7 @@ def as_axes(answer: object) -> np.ndarray:
             )
         raise WrongForm(message, yours=f"shape {axes.shape}", expected="shape (3, 3)")
     if not np.isfinite(axes).all():
-        raise CheckFailed("Some components are not finite.", yours=brief(axes))
+        raise CheckFailed("Some components are not finite.", yours=brief_text(axes))
     return axes.astype(float)
 
 
@@ -134,8 +134,8 @@ def assert_sorted_by_spread(answer: object, points: np.ndarray, given: str | Non
         raise CheckFailed(
             "The columns are not sorted by the spread of the points along them.",
             given=given,
-            yours=f"standard deviations {brief(spread)}",
-            expected=f"the largest first, {brief(np.sort(spread)[::-1])}",
+            yours=f"standard deviations {brief_text(spread)}",
+            expected=f"the largest first, {brief_text(np.sort(spread)[::-1])}",
         )
 
 
@@ -157,11 +157,11 @@ def assert_orthonormal(answer: object) -> None:
     if np.abs(lengths - 1).max() > 1e-3:
         raise CheckFailed(
             fixed("Not every axis has length 1."),
-            yours=f"lengths {brief(lengths)}",
+            yours=f"lengths {brief_text(lengths)}",
             expected="1, 1 and 1",
         )
     if np.abs(axes.T @ axes - np.eye(3)).max() > 1e-3:
-        raise CheckFailed("The axes are not at right angles to each other.", yours=brief(axes))
+        raise CheckFailed("The axes are not at right angles to each other.", yours=brief_text(axes))
 
 
 def _axes_of(sides: Sequence[float], degrees: float) -> np.ndarray:
@@ -170,7 +170,7 @@ def _axes_of(sides: Sequence[float], degrees: float) -> np.ndarray:
 
 
 def _axis_text(axis: np.ndarray) -> str:
-    return brief(np.round(axis, 3) + 0.0)
+    return brief_text(np.round(axis, 3) + 0.0)
 
 
 def _block_text(sides: Sequence[float], degrees: float) -> str:
@@ -201,7 +201,7 @@ _LEANING_TEXT = "a block of {:g} x {:g} x {:g} m that leans forwards and to the 
 @once
 def require_directions(principal_axes: Callable) -> None:
     """Assert that the function finds the directions of a turned block; raise `NotYet` if not."""
-    with needs("the columns run along the length, width and height of a block"):
+    with precondition("the columns run along the length, width and height of a block"):
         for sides in _SIDES:
             block = _turn(_grid(*sides), 25)
             assert_directions(principal_axes(block), _axes_of(sides, 25))
@@ -326,7 +326,7 @@ def centres_the_points(principal_axes: Callable) -> None:
         assert_directions(
             answer,
             _axes_of(sides, 50),
-            f"{_block_text(sides, 50)}, with its centre at {brief(place)}",
+            f"{_block_text(sides, 50)}, with its centre at {brief_text(place)}",
         )
 
 
@@ -407,7 +407,7 @@ _BLOCK_CASE = Case(
     compare=lambda answer, points, axes: assert_directions(answer, axes),
     precondition=require_directions,
 )
-common_checks.fourth_column(
+common_checks.promise_fourth_column(
     _BLOCK_CASE,
     "ignores_intensity",
     np.linspace(0, 90, len(_TURNED_BLOCK)),
@@ -436,13 +436,13 @@ def works_on_few_points(principal_axes: Callable) -> None:
     assert_right_handed(principal_axes(pair[:0].copy()))
 
 
-common_checks.names(
+common_checks.promise_names(
     _BLOCK_CASE.without_precondition,
     "keeps_the_name",
     title="Keeps the name of the parameter",
     why="Other programs may call principal_axes(points=...), as the docstring allows.",
 )
-common_checks.untouched(
+common_checks.promise_untouched(
     _BLOCK_CASE.with_first(frozen(_TURNED_BLOCK + [9.0, -4.0, -0.9])),
     "leaves_its_input",
     why="The next step of the pipeline uses the same points.",
@@ -493,7 +493,7 @@ def _same_axes(answer: object, predicted: np.ndarray) -> bool:
     return yours.shape == (3, 3) and np.allclose(np.abs(yours), np.abs(predicted), atol=1e-3)
 
 
-mistakes(
+declare_mistakes(
     "principal_axes",
     Mistake(
         "The axes are right, but the columns are in order of increasing spread.",
@@ -525,7 +525,7 @@ mistakes(
     ),
     cases=_BLOCKS,
     right=_right_axes,
-    same=_same_axes,
+    is_same=_same_axes,
 )
 
 
@@ -565,8 +565,10 @@ _STRAIGHT = frozen(_street(0, 0))
 @once
 def require_straight_boxes(get_oriented_boxes: Callable) -> None:
     """Assert that the boxes of clusters along x contain their points; raise `NotYet` if not."""
-    with needs("the boxes of two clusters along the x axis contain their points"):
-        assert_holds(get_oriented_boxes(_STRAIGHT.copy(), _LABELS.copy()), _STRAIGHT, _LABELS)
+    with precondition("the boxes of two clusters along the x axis contain their points"):
+        assert_contains_points(
+            get_oriented_boxes(_STRAIGHT.copy(), _LABELS.copy()), _STRAIGHT, _LABELS
+        )
 
 
 def _two_blocks_text(*headings: float) -> str:
@@ -601,7 +603,7 @@ def contains_all_points(get_oriented_boxes: Callable) -> None:
         street = np.vstack([_street(heading, heading), *tips])
         labels = np.concatenate([_LABELS, np.repeat([1, 2], len(tip_offsets))])
         answer = get_oriented_boxes(street.copy(), labels.copy())
-        assert_holds(answer, street, labels, _two_blocks_text(heading, heading))
+        assert_contains_points(answer, street, labels, _two_blocks_text(heading, heading))
 
 
 @visible(
@@ -711,17 +713,17 @@ _BOXES_CASE = Case(
     "get_oriented_boxes",
     {"cloud": _STRAIGHT, "cluster_labels": _LABELS},
     expected=None,
-    compare=lambda answer, cloud, labels, _: assert_holds(answer, cloud, labels),
+    compare=lambda answer, cloud, labels, _: assert_contains_points(answer, cloud, labels),
     precondition=require_straight_boxes,
 )
-common_box_checks.gaps(
+common_box_checks.promise_label_gaps(
     _BOXES_CASE,
     "allows_gaps",
     [3, 8],
     hint="Loop over np.unique(cluster_labels[cluster_labels > 0]).",
 )
-common_box_checks.ascending(_BOXES_CASE, "follows_the_labels", [2, 1])
-common_box_checks.noise(_BOXES_CASE, "leaves_noise_alone", weight=6)
+common_box_checks.promise_label_order(_BOXES_CASE, "follows_the_labels", [2, 1])
+common_box_checks.promise_no_box_for_noise(_BOXES_CASE, "leaves_noise_alone", weight=6)
 
 
 @visible(
@@ -737,23 +739,23 @@ def works_on_small_clusters(get_oriented_boxes: Callable) -> None:
     turned_line = _turn(line, 89)  # 89° is the last angle of a search in whole degrees
     points = np.vstack([[[4.0, 4.0, 1.0]], line, np.full((3, 3), -6.0), turned_line])
     labels = np.repeat([1, 2, 3, 4], [1, 9, 3, 9])
-    assert_holds(get_oriented_boxes(points.copy(), labels.copy()), points, labels)
+    assert_contains_points(get_oriented_boxes(points.copy(), labels.copy()), points, labels)
 
 
-common_box_checks.no_boxes(
+common_box_checks.promise_empty_result(
     _BOXES_CASE,
     "works_without_clusters",
     hint="np.array([]) has shape (0,). End with .reshape(-1, 8, 3).",
     weight=2,
 )
-common_box_checks.fourth_column(_BOXES_CASE, "ignores_intensity_in_boxes")
-common_checks.names(
+common_box_checks.promise_intensity_ignored(_BOXES_CASE, "ignores_intensity_in_boxes")
+common_checks.promise_names(
     _BOXES_CASE.without_precondition,
     "keeps_the_names",
     why="Other programs may call get_oriented_boxes(cloud=..., cluster_labels=...).",
     weight=0.5,
 )
-common_box_checks.untouched(
+common_box_checks.promise_untouched(
     _BOXES_CASE,
     "leaves_cloud_and_labels",
     hint="cloud[mask, :3] is already a new array. cloud[:, 2] = 0 changes the input.",
@@ -845,18 +847,20 @@ def _turned_twice(box: np.ndarray) -> np.ndarray:
     return _make_box(moved_centre, *_enclosing_sides(box, 2 * heading), height, heading)
 
 
-def _turned_about_sensor(times: int) -> Callable:
+def _prediction_turned_about_sensor(times: int) -> Callable:
     """Return a prediction: the right boxes, turned about the sensor by `times` their heading."""
     return lambda right, cloud, labels: np.stack(
         [_turn(box, times * _box_parameters(box)[4]) for box in right]
     )
 
 
-def _change_each(change: Callable) -> Callable:
+def _prediction_with_changed_boxes(change: Callable) -> Callable:
     return lambda right, cloud, labels: np.stack([change(box) for box in right])
 
 
-def _around_the_mean(right: np.ndarray, cloud: np.ndarray, labels: np.ndarray) -> np.ndarray:
+def _predict_boxes_around_mean(
+    right: np.ndarray, cloud: np.ndarray, labels: np.ndarray
+) -> np.ndarray:
     """Return boxes of the right size, centred on the means of their points."""
     means = [cloud[labels == label, :3].mean(axis=0) for label in (1, 2)]
     return right + (np.array(means) - right.mean(axis=1))[:, None]
@@ -903,50 +907,50 @@ def _same_boxes(answer: object, predicted: np.ndarray) -> bool:
     )
 
 
-mistakes(
+declare_mistakes(
     "get_oriented_boxes",
     Mistake(
         "The boxes are not turned at all: their sides are parallel to x and y.",
-        _change_each(_axis_aligned),
+        _prediction_with_changed_boxes(_axis_aligned),
         "Turn the points by minus yaw before you take minimum and maximum.",
     ),
     Mistake(
         "Both points and corners are turned by minus yaw. The corners must be turned back by plus "
         "yaw.",
-        _turned_about_sensor(-2),
+        _prediction_turned_about_sensor(-2),
         "Turn the points by minus yaw and the corners by plus yaw.",
     ),
     Mistake(
         "Points and corners are both turned by plus yaw.",
-        _change_each(_turned_twice),
+        _prediction_with_changed_boxes(_turned_twice),
         "Turn the points by minus yaw and the corners by plus yaw.",
     ),
     Mistake(
         "The corners are not turned back, so the boxes are where the turned points were.",
-        _turned_about_sensor(-1),
+        _prediction_turned_about_sensor(-1),
         "After you have built the corners from minimum and maximum, turn them by plus yaw.",
     ),
     Mistake(
         "The boxes are turned by minus the heading.",
-        _change_each(_negative_heading),
+        _prediction_with_changed_boxes(_negative_heading),
         "Turn the points by minus yaw first, and the corners by plus yaw afterwards. If you use "
         "np.arctan2, pass y first and then x, from one column of the axes.",
     ),
     Mistake(
         "The boxes are the largest rectangles around their points, not the smallest, so they are "
         "off by 45°.",
-        _change_each(_turned_by_45),
+        _prediction_with_changed_boxes(_turned_by_45),
         "np.argmin finds the position of the smallest area, np.argmax the position of the largest.",
     ),
     Mistake(
         "A number of degrees, or the index of the smallest area, is used as an angle in radians.",
-        _change_each(_degrees_as_radians),
+        _prediction_with_changed_boxes(_degrees_as_radians),
         "The angle is angles[areas.argmin()], not areas.argmin(). Use np.radians(30) for 30°.",
     ),
     Mistake(
         "Each box is centred on the mean of its points. The mean is closer to the side with more "
         "points.",
-        _around_the_mean,
+        _predict_boxes_around_mean,
         "The centre is half-way between minimum and maximum.",
     ),
     Mistake(
@@ -958,5 +962,5 @@ mistakes(
     ),
     cases=_STREETS,
     right=_right_boxes,
-    same=_same_boxes,
+    is_same=_same_boxes,
 )

@@ -22,14 +22,14 @@ class TimeUp(Exception):
 
 
 @contextlib.contextmanager
-def limited(seconds: float) -> Iterator[None]:
+def limit_resources(seconds: float) -> Iterator[None]:
     """Raise `TimeUp` in the context after a time limit, and MemoryError before memory runs out.
 
     Only the main thread can be interrupted; other threads have no time limit. If no thread can be
     started, as in a browser, a trace function reads the clock at each line. Loops are then several
     times slower, and code that catches all exceptions is interrupted only once, without effect.
     """
-    with limited_memory():
+    with limit_memory():
         if threading.current_thread() is not threading.main_thread():
             yield
             return
@@ -44,13 +44,13 @@ def limited(seconds: float) -> Iterator[None]:
 
         watch = threading.Thread(target=alarm, daemon=True)
         trace = _clock_tracer(seconds, timed_out)
-        with _interruptible():
+        with _allow_interrupts():
             try:
                 try:
-                    _start(watch, trace)
+                    _start_clock(watch, trace)
                     yield
                 finally:
-                    _stop(over, watch, trace, timed_out)
+                    _stop_clock(over, watch, trace, timed_out)
             except KeyboardInterrupt as interrupt:
                 if timed_out.is_set():
                     raise TimeUp from interrupt
@@ -58,7 +58,7 @@ def limited(seconds: float) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _interruptible() -> Iterator[None]:
+def _allow_interrupts() -> Iterator[None]:
     """Enable interrupts in the context; a shell script starts background jobs without them."""
     before = signal.getsignal(signal.SIGINT)
     if before in (signal.SIG_IGN, signal.SIG_DFL):
@@ -70,7 +70,7 @@ def _interruptible() -> Iterator[None]:
             signal.signal(signal.SIGINT, before)
 
 
-def _start(watch: threading.Thread, trace: Callable) -> None:
+def _start_clock(watch: threading.Thread, trace: Callable) -> None:
     try:
         watch.start()
     except RuntimeError:
@@ -90,7 +90,7 @@ def _clock_tracer(seconds: float, timed_out: threading.Event) -> Callable:
     return trace
 
 
-def _stop(
+def _stop_clock(
     over: threading.Event, watch: threading.Thread, trace: Callable, timed_out: threading.Event
 ) -> None:
     """Stop the clock; ignore an interrupt that arrives while it stops."""
@@ -109,7 +109,7 @@ def _stop(
 
 
 @contextlib.contextmanager
-def limited_memory() -> Iterator[None]:
+def limit_memory() -> Iterator[None]:
     """Limit memory in the context to a share of the free memory; Linux only."""
     with contextlib.ExitStack() as after:
         with contextlib.suppress(ImportError, OSError, ValueError, StopIteration):

@@ -21,9 +21,9 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from types import FunctionType
 
-from utils.checks.limits import limited_memory
+from utils.checks.limits import limit_memory
 from utils.checks.outcomes import Check
-from utils.checks.run_cache import one_run
+from utils.checks.run_cache import cached_run
 from utils.display import shell
 from utils.notebooks import slicing
 from utils.notebooks.edits import Edit, edits_of
@@ -97,14 +97,14 @@ def find_line_hint(
         if len(statements) == 1 and isinstance(statements[0].node, ast.FunctionDef):
             edits = edits_of([text], statements)
             order = [*failed, *(check for check in checks if check not in failed)]
-            numbers = sorted(_lines_that_pass(function, statements[0], edits, order))
+            numbers = sorted(_find_passing_lines(function, statements[0], edits, order))
             rows = text.split("\n")
             lines = tuple(Line(first + at - 1, rows[at - 1].strip()) for at in numbers)
             return LineHint(lines) if 0 < len(lines) <= MOST_LINES else None
     return None
 
 
-def _lines_that_pass(
+def _find_passing_lines(
     function: Callable, statement: slicing.Statement, edits: list[Edit], checks: list[Check]
 ) -> set[int]:
     """Find the numbers of the lines where an edit makes all checks pass, in a forked copy."""
@@ -118,7 +118,7 @@ def _lines_that_pass(
         try:
             _isolate()
             signal.setitimer(signal.ITIMER_PROF, SECONDS)
-            for line in _passing(function, statement, edits, checks):
+            for line in _search_passing_lines(function, statement, edits, checks):
                 os.write(write_end, b"%d " % line)
                 signal.setitimer(signal.ITIMER_PROF, SECONDS_FOR_OTHERS)
         finally:
@@ -138,7 +138,7 @@ def _lines_that_pass(
     return {int(line) for line in received.split()}
 
 
-def _passing(
+def _search_passing_lines(
     function: Callable, statement: slicing.Statement, edits: list[Edit], checks: list[Check]
 ) -> Iterator[int]:
     """Yield the first line of each edit that makes all checks pass, each line once.
@@ -147,7 +147,7 @@ def _passing(
     cancels. An edit of the `def` line says nothing about the body of the function.
     """
     found, best = set(), None
-    for number, changed in _changed(function, statement, edits):
+    for number, changed in _edited_functions(function, statement, edits):
         line, rank = edits[number].first, edits[number].rank
         if best is not None and rank > best:
             return
@@ -178,15 +178,15 @@ def _isolate() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGPROF, signal.SIG_DFL)  # ends this process
     for clock in (signal.SIGVTALRM, signal.SIGALRM):
-        signal.signal(clock, _too_long)
+        signal.signal(clock, _raise_timeout)
     sys.addaudithook(refuse)
 
 
-def _too_long(*_: object) -> None:
+def _raise_timeout(*_: object) -> None:
     raise TimeoutError
 
 
-def _changed(
+def _edited_functions(
     function: Callable, statement: slicing.Statement, edits: list[Edit]
 ) -> Iterator[tuple[int, Callable]]:
     """Yield the index of each edit, and the function after that edit."""
@@ -233,7 +233,7 @@ def _passes(check: Check, function: Callable) -> bool:
     signal.setitimer(signal.ITIMER_VIRTUAL, SECONDS_OF_A_CHECK)
     signal.setitimer(signal.ITIMER_REAL, PATIENCE * SECONDS_OF_A_CHECK)
     try:
-        with limited_memory(), one_run():
+        with limit_memory(), cached_run():
             check.run(function)
     except BaseException:
         return False

@@ -16,7 +16,7 @@ _CACHE: ContextVar[dict | None] = ContextVar("known", default=None)
 
 
 @contextlib.contextmanager
-def one_run() -> Iterator[None]:
+def cached_run() -> Iterator[None]:
     """Enable the cache of `once` and `answer_to` for a run of checks on the same functions."""
     token = _CACHE.set({})
     try:

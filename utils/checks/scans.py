@@ -40,12 +40,12 @@ def half_sensor() -> Sensor:
 
 
 @functools.cache
-def street(further: float = 0.0) -> Frame:
+def street(distance: float = 0.0) -> Frame:
     """Return a scan of the street in `data/cloud.txt`, from the same or another place on the road.
 
     Parameters
     ----------
-    further : float
+    distance : float
         Distance along the road from the place of the scan in that file, in metres.
     """
     from utils.scenes import ROAD
@@ -54,7 +54,7 @@ def street(further: float = 0.0) -> Frame:
     from utils.simulator.pose import Pose
     from utils.simulator.streets import EGO_LANE, world_of
 
-    world = world_of(ROAD, lesson_obstacles()).seen_from(Pose(further, EGO_LANE))
+    world = world_of(ROAD, lesson_obstacles()).seen_from(Pose(distance, EGO_LANE))
     return observe(world, half_sensor(), 12)
 
 
@@ -70,15 +70,15 @@ def square(seed: int) -> Frame:
     Most checks of detectors use these scans. To save time, they omit returns farther away than
     the cars.
     """
-    frames = (_some_square((seed, 12, attempt), 3, 0) for attempt in itertools.count())
+    frames = (_random_square((seed, 12, attempt), 3, 0) for attempt in itertools.count())
     frame = next(frame for frame in frames if len(clear_cars(frame)) == 3)
-    return _with_rows(frame, np.hypot(frame.cloud[:, 0], frame.cloud[:, 1]) < SQUARE_REACH)
+    return _select_returns(frame, np.hypot(frame.cloud[:, 0], frame.cloud[:, 1]) < SQUARE_REACH)
 
 
 @functools.lru_cache(maxsize=64)
 def walk(seed: int) -> Frame:
     """Return a scan as in `square`, but of one car and three people, all clear of others."""
-    frames = (_some_square((seed, 21, attempt), 1, 3) for attempt in itertools.count())
+    frames = (_random_square((seed, 21, attempt), 1, 3) for attempt in itertools.count())
     return next(
         frame for frame in frames if len(clear_cars(frame)) == 1 and len(clear_people(frame)) == 3
     )
@@ -95,7 +95,7 @@ def crossing(seed: int) -> Frame:
     y = rng.uniform(-0.05, 0.05)
     x = math.sqrt(9.98**2 - (length / 2 + abs(y)) ** 2) - width / 2  # the corners are within 10 m
     yaw = np.radians(90 + 180 * rng.integers(2))
-    return _on_a_square([placed(car(length, width, rng.uniform(1.45, 1.6)), x, y, yaw)], rng, seed)
+    return _scan_square([placed(car(length, width, rng.uniform(1.45, 1.6)), x, y, yaw)], rng, seed)
 
 
 CLIMB = 0.04  # rise of the road in `climb`, in metres per metre
@@ -137,7 +137,7 @@ def car_across(frame: Frame) -> Box:
     )
 
 
-def _some_square(seed: Sequence[int], cars: int, people: int) -> Frame:
+def _random_square(seed: Sequence[int], cars: int, people: int) -> Frame:
     from utils.simulator.streets import placed, some_car, some_walker
 
     rng = np.random.default_rng(seed)
@@ -150,10 +150,10 @@ def _some_square(seed: Sequence[int], cars: int, people: int) -> Frame:
         obstacle = placed(some_car(rng) if len(obstacles) < cars else some_walker(rng), x, y, yaw)
         if len(obstacles) < cars + people and _has_room(obstacle, obstacles):
             obstacles.append(obstacle)
-    return _on_a_square(obstacles, rng, seed)
+    return _scan_square(obstacles, rng, seed)
 
 
-def _on_a_square(
+def _scan_square(
     obstacles: list[Obstacle], rng: np.random.Generator, seed: int | Sequence[int]
 ) -> Frame:
     """Return a scan of obstacles around the sensor, two walking pedestrians and houses."""
@@ -171,14 +171,14 @@ def _on_a_square(
     return observe(world_of(ground, [*obstacles, *street(rng, houses)]), half_sensor(), seed)
 
 
-def _has_room(obstacle: Obstacle, others: Sequence[Obstacle]) -> bool:
+def _has_room(obstacle: Obstacle, other_obstacles: Sequence[Obstacle]) -> bool:
     """Return whether an obstacle is near the sensor, and clear of the ego car and the others."""
     if not 4.0 < math.hypot(obstacle.pose.x, obstacle.pose.y) < 0.98 * NEAR[obstacle.kind]:
         return False
     rim = _rim(obstacle)
     if ((rim > EGO_CAR[0] - FREE) & (rim < EGO_CAR[1] + FREE)).all(axis=1).any():
         return False
-    gaps = (np.linalg.norm(rim[:, None] - _rim(other), axis=2).min() for other in others)
+    gaps = (np.linalg.norm(rim[:, None] - _rim(other), axis=2).min() for other in other_obstacles)
     return all(gap > 1.2 * FREE for gap in gaps)
 
 
@@ -203,16 +203,16 @@ def _rim(obstacle: Obstacle) -> np.ndarray:
 @functools.lru_cache(maxsize=64)
 def clear_cars(frame: Frame) -> tuple[Box, ...]:
     """Return the cars that no detector may miss: near, with many returns, clear of others."""
-    return _clear(frame, "car")
+    return _clear_objects(frame, "car")
 
 
 @functools.lru_cache(maxsize=64)
 def clear_people(frame: Frame) -> tuple[Box, ...]:
     """Return the people that no detector may miss; see `clear_cars`."""
-    return _clear(frame, "pedestrian")
+    return _clear_objects(frame, "pedestrian")
 
 
-def _clear(frame: Frame, kind: str) -> tuple[Box, ...]:
+def _clear_objects(frame: Frame, kind: str) -> tuple[Box, ...]:
     from scipy.spatial import cKDTree
 
     xyz, objects = frame.cloud[:, :3], frame.scan.objects
@@ -231,14 +231,14 @@ def _clear(frame: Frame, kind: str) -> tuple[Box, ...]:
     return tuple(chosen)
 
 
-def without(car: Box, frame: Frame) -> Frame:
+def remove_car(car: Box, frame: Frame) -> Frame:
     """Return a frame without the returns and the box of one car; its shadow remains."""
     boxes = tuple(box for box in frame.boxes if box.identity != car.identity)
-    left = _with_rows(frame, frame.scan.objects != car.identity)
+    left = _select_returns(frame, frame.scan.objects != car.identity)
     return dataclasses.replace(left, boxes=boxes)
 
 
-def _with_rows(frame: Frame, rows: np.ndarray) -> Frame:
+def _select_returns(frame: Frame, rows: np.ndarray) -> Frame:
     """Return a frame with only the returns that a mask selects, but with all its boxes."""
     columns = {
         field.name: getattr(frame.scan, field.name)[rows]
@@ -266,7 +266,7 @@ def ego_car_points(seed: int) -> np.ndarray:
     return rows
 
 
-def with_invalid(cloud: np.ndarray, seed: int) -> np.ndarray:
+def insert_invalid(cloud: np.ndarray, seed: int) -> np.ndarray:
     """Insert 3000 lost returns into a cloud: at (0, 0, 0), or with a NaN or infinite coordinate.
 
     Parameters

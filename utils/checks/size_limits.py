@@ -27,13 +27,13 @@ class NotNumbers(Exception):
     """An answer is not an array of numbers or a list of them."""
 
 
-def as_numbers(answer: object, most: int = MOST_NUMBERS) -> np.ndarray:
+def as_numbers(answer: object, max_count: int = MOST_NUMBERS) -> np.ndarray:
     """Convert an answer to an array of booleans, whole numbers or floats.
 
     Parameters
     ----------
     answer : object
-    most : {1_000_000, 100}
+    max_count : {1_000_000, 100}
         Number of values that a right answer does not exceed.
 
     Returns
@@ -51,13 +51,13 @@ def as_numbers(answer: object, most: int = MOST_NUMBERS) -> np.ndarray:
     if isinstance(answer, np.ma.MaskedArray) and np.ma.is_masked(answer):
         raise NotNumbers
     if not isinstance(answer, np.ndarray):
-        _assert_plain_numbers(answer, most)
+        _assert_plain_numbers(answer, max_count)
         try:
             answer = np.asarray(answer)
         except Exception:  # rows of different lengths, or an `__array__` written by the student
             raise NotNumbers from None
     _assert_flat(answer.ndim)
-    _assert_few(answer.size, most)
+    _assert_few(answer.size, max_count)
     if answer.dtype.kind not in "biuf":
         raise NotNumbers
     return answer
@@ -92,14 +92,14 @@ class _Short(reprlib.Repr):
 _SHORT = _Short()
 
 
-def _assert_plain_numbers(answer: object, most: int) -> None:
+def _assert_plain_numbers(answer: object, max_count: int) -> None:
     """Refuse lists that are too long or too deeply nested, or contain text or other objects."""
     count, waiting = 0, [(answer, 0)]
     while waiting:
         value, depth = waiting.pop()
         if isinstance(value, (list, tuple)):
             count += len(value)
-            _assert_few(count, most)
+            _assert_few(count, max_count)
             _assert_flat(depth)
             kinds = set(map(type, value))
             if int in kinds and kinds <= _NUMBERS:
@@ -110,7 +110,7 @@ def _assert_plain_numbers(answer: object, most: int) -> None:
                 waiting += [(item, depth + 1) for item in value]
         elif isinstance(value, np.ndarray):
             count += value.size
-            _assert_few(count, most)
+            _assert_few(count, max_count)
             _assert_flat(value.ndim + depth)
         elif isinstance(value, int):
             _assert_short(value)
@@ -118,10 +118,10 @@ def _assert_plain_numbers(answer: object, most: int) -> None:
             raise NotNumbers
 
 
-def _assert_few(count: int, most: int) -> None:
-    if count > most:
+def _assert_few(count: int, max_count: int) -> None:
+    if count > max_count:
         raise TooLarge(
-            f"The answer contains more than {_WORDS[most]} values. No right answer does."
+            f"The answer contains more than {_WORDS[max_count]} values. No right answer does."
         )
 
 

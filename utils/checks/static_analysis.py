@@ -42,7 +42,7 @@ def refused_modules(function: Callable, lesson: str) -> list[str]:
     list of str
         The names as listed in the lesson's header.
     """
-    forbidden = forbidden_in(lesson)
+    forbidden = forbidden_modules(lesson)
     used = set(_modules_of(function)) if forbidden else ()
     return [
         module for module in forbidden if any(f"{name}.".startswith(f"{module}.") for name in used)
@@ -56,7 +56,7 @@ def absent_modules(function: Callable, lesson: str) -> list[str]:
     are modules that the notebook imports in a ``try`` statement, which provides a fallback. A
     lesson that is not judged may use every module. The parameters are those of `refused_modules`.
     """
-    if lesson not in _forbidden():
+    if lesson not in _load_forbidden_modules():
         return []
     tops = dict.fromkeys(name.partition(".")[0] for name in _modules_of(function))
     return [
@@ -115,33 +115,33 @@ def functions_used(function: Callable) -> dict[str, Callable]:
     """Return the notebook's functions that a function calls, directly or indirectly, by name."""
     return {
         name: own(value)
-        for part in _functions(function)
-        for code in _codes(part.__code__)
+        for part in _functions_reached_from(function)
+        for code in _nested_codes(part.__code__)
         for name, value in _globals_in(code, part)
         if isinstance(value, FunctionType) and value is not function
     }
 
 
-def forbidden_in(lesson: str) -> tuple[str, ...]:
+def forbidden_modules(lesson: str) -> tuple[str, ...]:
     """Return the modules that a lesson forbids; see `refused_modules`."""
-    return tuple(_forbidden().get(lesson, ()))
+    return tuple(_load_forbidden_modules().get(lesson, ()))
 
 
 @functools.cache
-def _forbidden() -> dict[str, list[str]]:
+def _load_forbidden_modules() -> dict[str, list[str]]:
     return json.loads(_FORBIDDEN.read_text("utf-8"))
 
 
 def _modules_of(function: Callable) -> Iterator[str]:
     """Yield the dotted names of the modules that code imports, or reaches through globals."""
-    for part in _functions(function):
-        for code in _codes(part.__code__):
+    for part in _functions_reached_from(function):
+        for code in _nested_codes(part.__code__):
             for instruction in dis.get_instructions(code):
                 if instruction.opname == "IMPORT_NAME":
                     yield instruction.argval
                     yield from (f"{instruction.argval}.{name}" for name in code.co_names)
             for _, value in _globals_in(code, part):
-                yield from _reached(value, code.co_names)
+                yield from _reached_modules(value, code.co_names)
 
 
 def _globals_in(code: CodeType, function: FunctionType) -> Iterator[tuple[str, object]]:
@@ -151,7 +151,7 @@ def _globals_in(code: CodeType, function: FunctionType) -> Iterator[tuple[str, o
             yield instruction.argval, function.__globals__.get(instruction.argval)
 
 
-def _reached(value: object, names: tuple[str, ...]) -> Iterator[str]:
+def _reached_modules(value: object, names: tuple[str, ...]) -> Iterator[str]:
     """Yield the names of a module and its submodules in `names`, or of another value's module."""
     waiting, seen = [value], []
     while waiting:
@@ -164,7 +164,7 @@ def _reached(value: object, names: tuple[str, ...]) -> Iterator[str]:
             waiting += [vars(value).get(name) for name in names]
 
 
-def _functions(function: object) -> list[FunctionType]:
+def _functions_reached_from(function: object) -> list[FunctionType]:
     """Return a function, the functions it calls, and the methods of classes it uses.
 
     Only functions and classes of the same notebook are included.
@@ -181,14 +181,14 @@ def _functions(function: object) -> list[FunctionType]:
         if isinstance(value, type):
             waiting += vars(value).values()
         else:
-            for code in _codes(value.__code__):
+            for code in _nested_codes(value.__code__):
                 waiting += [used for _, used in _globals_in(code, value)]
     return [used for used in found if isinstance(used, FunctionType)]
 
 
-def _codes(code: CodeType) -> Iterator[CodeType]:
+def _nested_codes(code: CodeType) -> Iterator[CodeType]:
     """Yield a code object and those nested in it."""
     yield code
     for value in code.co_consts:
         if isinstance(value, CodeType):
-            yield from _codes(value)
+            yield from _nested_codes(value)

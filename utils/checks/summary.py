@@ -69,7 +69,7 @@ class Summary:
         return f"{failed} of {count} checks failed.\n{title}"
 
 
-def resolve(
+def summarise(
     outcomes: Sequence[Outcome],
     checks: Sequence[Check] = (),
     mistake: Mistake | None = None,
@@ -123,7 +123,9 @@ def resolve(
     return Summary(passed, first, same, others, waiting, notes, mistake, wrong_helper, line_hint)
 
 
-def details(outcome: Outcome, mistake: Mistake | CodeSlip | None = None) -> list[tuple[str, str]]:
+def failure_texts(
+    outcome: Outcome, mistake: Mistake | CodeSlip | None = None
+) -> list[tuple[str, str]]:
     """Return the texts that explain a failure, each as (label, text).
 
     Parameters
@@ -139,7 +141,7 @@ def details(outcome: Outcome, mistake: Mistake | CodeSlip | None = None) -> list
     lines = [
         ("What your code does", mistake.says if mistake else ""),
         ("What happened", failure.message),
-        *([("Where", _where(failure))] if isinstance(failure, Raised) else []),
+        *([("Where", _location_text(failure))] if isinstance(failure, Raised) else []),
         ("In plain words", failure.tip),
         ("Given", failure.given),
         *comparison,
@@ -150,7 +152,7 @@ def details(outcome: Outcome, mistake: Mistake | CodeSlip | None = None) -> list
     return [(label, text) for label, text in lines if text]
 
 
-def _where(failure: Raised) -> str:
+def _location_text(failure: Raised) -> str:
     line = f": `{failure.line}`" if failure.line else ""
     return f"{failure.place}{line}" if failure.place else ""
 

@@ -57,12 +57,12 @@ def loops_around(error: BaseException, function: Callable) -> list[Loop]:
     found = [
         loop
         for code, line in reversed(student_frames(error, function))
-        for loop in _loops_of(code, line)
+        for loop in _loops_around_line(code, line)
     ]
     return [loop for loop in found if loop.condition] or found
 
 
-def _loops_of(code: CodeType, at: int) -> Iterator[Loop]:
+def _loops_around_line(code: CodeType, line: int) -> Iterator[Loop]:
     """Yield the loops of a function around a line of its cell, the innermost first."""
     with contextlib.suppress(OSError, TypeError, SyntaxError):
         lines, first = inspect.getsourcelines(code)
@@ -70,7 +70,7 @@ def _loops_of(code: CodeType, at: int) -> Iterator[Loop]:
         nodes = [
             node
             for node in ast.walk(ast.parse("\n".join(rows)))
-            if _is_loop_around(node, at - first)
+            if _is_loop_around(node, line - first)
         ]
         for node in sorted(nodes, key=lambda node: -node.lineno):
             condition = ast.unparse(node.test) if isinstance(node, ast.While) else ""

@@ -65,7 +65,7 @@ def missing_file(
         f"no such file in {' or '.join(map(str, searched))}",
         f"The cloud files there are: {listing(there)}."
         if there
-        else "There is no cloud file there; check the spelling of the folder.",
+        else "There are no cloud files there. Check the name of the folder.",
     )
 
 
@@ -77,7 +77,7 @@ def read_bytes(path: Path, suffixes: Container[str] = ()) -> bytes:
         raise missing_file(path.name, [path.parent], suffixes) from None
     except IsADirectoryError:
         raise file_error(
-            path, "", "this is a folder, expected a file", "Use read_sequence for a folder."
+            path, "", "found a folder, expected a file", "Use read_sequence for a folder."
         ) from None
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
         raise file_error(path, "", f"the file cannot be opened ({error})") from None

@@ -63,7 +63,7 @@ def read_cloud(path: str | os.PathLike) -> np.ndarray:
         raise file_error(
             path,
             "",
-            "this is a folder, expected a file",
+            "found a folder, expected a file",
             "Read a folder of clouds with read_sequence.",
         )
     form = _format_of(path)
@@ -113,5 +113,5 @@ def _format_of(path: Path) -> Format:
             path,
             "",
             f"found {kind}, expected a file ending in {', '.join(SUFFIXES)}",
-            "Recordings (.bag, .db3, .mcap) are read with read_bag, folders with read_sequence.",
+            "Read recordings (.bag, .db3, .mcap) with read_bag, and folders with read_sequence.",
         ) from None

@@ -37,15 +37,15 @@ def decompress(data: bytes, size: int) -> bytes:
             distance = ((control & 31) << 8 | data[position - 1]) + 1
             start = len(unpacked) - distance
             if start < 0:
-                raise ValueError(f"byte {position - 1} refers to a place before the beginning")
+                raise ValueError(f"byte {position - 1} refers to data before the beginning")
             repeated = unpacked[start : start + length]
             if distance < length:  # a copy that overlaps its own output repeats a pattern
                 repeated = (repeated * (length // distance + 1))[:length]
             unpacked += repeated
         if len(unpacked) > size:
-            raise ValueError(f"the data unpack to more than {size} bytes")
+            raise ValueError(f"the data decompress to more than {size} bytes")
     if position != end or len(unpacked) != size:
-        raise ValueError(f"{len(unpacked)} bytes are unpacked instead of {size}")
+        raise ValueError(f"the data decompress to {len(unpacked)} bytes instead of {size}")
     return bytes(unpacked)
 
 

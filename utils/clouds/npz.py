@@ -70,8 +70,8 @@ def _read_member(archive: zipfile.ZipFile, name: str) -> np.ndarray:
         raise file_error(
             name,
             f"byte {member.header_offset}",
-            f"{member.compress_size} bytes "
-            f"claim to unpack to {member.file_size}, which no cloud does",
+            f"{member.compress_size} bytes would decompress to {member.file_size}, which is "
+            "impossible for a cloud",
         )
     try:
         with archive.open(member) as stream:
@@ -86,7 +86,7 @@ def _read_member(archive: zipfile.ZipFile, name: str) -> np.ndarray:
             name,
             "array 'cloud'",
             f"the array is damaged ({excerpt(error, 80)})",
-            "Copy the file again from where it came from.",
+            "Copy the file again from its source.",
         ) from None
     cloud = values.reshape(shape, order="F" if by_column else "C")
     target = np.float32 if kind.kind == "f" and kind.itemsize == 4 else np.float64

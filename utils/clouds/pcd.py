@@ -53,7 +53,7 @@ def encode_pcd(cloud: np.ndarray, encoding: str = "binary") -> bytes:
         The encoding is unknown.
     """
     if encoding not in ENCODINGS:
-        raise ValueError(f"encoding is one of {', '.join(ENCODINGS)}, not {encoding!r}")
+        raise ValueError(f"encoding must be one of {', '.join(ENCODINGS)}, not {encoding!r}")
     columns = cloud.shape[1]
     kind = cloud.dtype.newbyteorder("<")
     header = (
@@ -113,7 +113,7 @@ def _faulty_line(lines: list[str], columns: int, lines_above: int, name: str) ->
                 f"found {excerpt(line)}, expected {columns} numbers as the header says",
                 ADVICE,
             )
-    return file_error(name, f"line {lines_above + 1}", "these are not lines of numbers")
+    return file_error(name, f"line {lines_above + 1}", "expected lines of numbers")
 
 
 def _binary(body: memoryview, header: PcdHeader, name: str) -> np.ndarray:
@@ -142,7 +142,7 @@ def _compressed(body: memoryview, header: PcdHeader, name: str) -> np.ndarray:
         raise file_error(
             name,
             f"byte {header.start}",
-            f"{packed} compressed bytes are announced, {len(body) - 8} follow",
+            f"expected {packed} compressed bytes, but {len(body) - 8} follow",
             ADVICE,
         )
     points = unpacked // header.step
@@ -151,7 +151,7 @@ def _compressed(body: memoryview, header: PcdHeader, name: str) -> np.ndarray:
         or unpacked != points * header.step
         or (unpacked > packed * lzf.LARGEST_RATIO)
     ):
-        raise _wrong_size(header, f"{packed} bytes claim to unpack to {unpacked}", name)
+        raise _wrong_size(header, f"{packed} bytes would decompress to {unpacked}", name)
     try:
         raw = lzf.decompress(bytes(body[8 : 8 + packed]), unpacked)
     except ValueError as error:

@@ -84,7 +84,7 @@ def _checked_header(entries: dict[str, tuple[int, list[str]]], start: int, name:
             name,
             f"line {line}",
             f"found DATA {excerpt(' '.join(words))}, expected one of {', '.join(ENCODINGS)}",
-            "Save the cloud in one of these.",
+            "Save the cloud in one of these encodings.",
         )
     names = tuple(word.lower() for word in entries["FIELDS"][1])
     for axis in "xyz":
@@ -105,8 +105,8 @@ def _checked_header(entries: dict[str, tuple[int, list[str]]], start: int, name:
             name,
             f"line {line}",
             f"found TYPE {excerpt(' '.join(types))} with SIZE "
-            f"{excerpt(' '.join(map(str, sizes)))}, expected for each of "
-            f"{len(names)} fields I or U of 1, 2, 4 or 8 bytes or F of 4 or 8",
+            f"{excerpt(' '.join(map(str, sizes)))}, expected one type and size for each of "
+            f"{len(names)} fields: I or U with 1, 2, 4 or 8 bytes, or F with 4 or 8",
         )
     if min(counts) < 1 or any(counts[names.index(axis)] != 1 for axis in "xyz"):
         raise file_error(
@@ -122,7 +122,7 @@ def _checked_header(entries: dict[str, tuple[int, list[str]]], start: int, name:
         announced.append(_numbers(entries, "WIDTH", 1, name)[0] * height)
     if not announced:
         raise file_error(
-            name, "header", "there is neither POINTS nor WIDTH, expected the number of points"
+            name, "header", "POINTS and WIDTH are missing, expected the number of points"
         )
     dtypes = tuple(np.dtype(kind.lower()).newbyteorder("<") for kind in kinds)
     return PcdHeader(

@@ -62,7 +62,7 @@ def read_sequence(folder: str | os.PathLike, suffix: str | None = None) -> Cloud
         raise file_error(
             folder,
             "",
-            "this is a file, expected a folder of clouds",
+            "found a file, expected a folder of clouds",
             "Read one cloud with read_cloud.",
         )
     if not folder.is_dir():
@@ -92,7 +92,7 @@ def read_sequence(folder: str | os.PathLike, suffix: str | None = None) -> Cloud
             folder,
             "",
             f"the folder contains {counts} files, expected one kind",
-            f'Choose, for instance suffix="{kinds.most_common(1)[0][0]}".',
+            f'Choose one kind, for instance suffix="{kinds.most_common(1)[0][0]}".',
         )
     return CloudFolder(tuple(paths))
 

@@ -67,7 +67,7 @@ def decode_text(data: bytes, name: str = "cloud.txt") -> np.ndarray:
         raise file_error(
             name,
             f"line {first + 1}",
-            f"{announced} points are announced, but {len(rows)} follow",
+            f"the line announces {announced} points, but {len(rows)} follow",
             "Was the file copied completely?",
         )
     return rows
@@ -115,7 +115,7 @@ def _characters(data: bytes, name: str) -> str:
         raise file_error(
             name,
             f"character {position}",
-            "this is binary data, expected text",
+            "found binary data, expected text",
             "Give the file the suffix of its format: .bin, .pcd or .npz.",
         )
     if text.lstrip()[:1] == "<":

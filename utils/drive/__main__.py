@@ -42,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _drive(options: argparse.Namespace, detect: object, tracker: object) -> int:
     streets = [STREETS[number - 1] for number in options.street or range(1, len(STREETS) + 1)]
     if options.to and len(streets) != 1:
-        print("A film shows a single street. Choose it, for example with --street 3.")
+        print("--to writes one street. Choose it, for example with --street 3.")
         return 2
     done: dict[int, Result] = {}
     stopped = False
@@ -78,7 +78,10 @@ def _parser() -> argparse.ArgumentParser:
         epilog="Streets: " + " · ".join(f"{street.number} {street.title}" for street in STREETS),
     )
     parser.add_argument(
-        "notebook", nargs="?", metavar="NOTEBOOK", help="notebook with detect_obstacles(cloud)"
+        "notebook",
+        nargs="?",
+        metavar="NOTEBOOK",
+        help="notebook that defines detect_obstacles(cloud) (default: drive with the true boxes)",
     )
     parser.add_argument(
         "--street",
@@ -86,13 +89,13 @@ def _parser() -> argparse.ArgumentParser:
         nargs="+",
         choices=range(1, len(STREETS) + 1),
         metavar="N",
-        help=f"numbers of the streets, 1 to {len(STREETS)} (default: all)",
+        help=f"numbers of the streets to drive, 1 to {len(STREETS)} (default: all)",
     )
     parser.add_argument(
         "--to",
         type=_file,
         metavar="FILE",
-        help="write a film (.mp4, .gif), its last picture (.png), or a page with the frame of each "
+        help="write a film (.mp4, .gif), its last picture (.png), or a page that shows each "
         "braking event (.html)",
     )
     parser.add_argument(
@@ -107,7 +110,7 @@ def _parser() -> argparse.ArgumentParser:
 def _file(text: str) -> Path:
     path = Path(text)
     if path.suffix not in SUFFIXES:
-        raise argparse.ArgumentTypeError(f"{path.name} does not end in {', '.join(SUFFIXES)}")
+        raise argparse.ArgumentTypeError(f"{path.name} must end in one of {', '.join(SUFFIXES)}")
     return path
 
 
@@ -117,7 +120,7 @@ def _seconds(text: str) -> float:
     except ValueError:
         seconds = 0.0
     if not 1.0 <= seconds <= 60.0:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number of seconds from 1 to 60")
+        raise argparse.ArgumentTypeError(f"must be a number from 1 to 60, not {text!r}")
     return seconds
 
 

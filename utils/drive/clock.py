@@ -16,7 +16,7 @@ STANDARD = 0.020
 """Seconds of processor time that `_work` takes on the reference machine."""
 
 REMEMBERED = 5
-"""Number of latest calls in the median, so that a hiccup of the machine does not count."""
+"""Number of latest calls whose median counts, so that one slow call does not matter."""
 
 
 class Clock:

@@ -212,12 +212,12 @@ def _detections_of_hit(drive: Drive) -> str:
         if len(moment.boxes) and within.any(axis=1).mean() >= 0.3:
             boxed.append(moment.number)
     if not seen:
-        return "It had too few returns in every scan."
+        return "It had too few returns in each of the last scans."
     if not boxed:
         return f"It was in {len(seen)} of the last scans, but never had a box."
     end = drive.moments[-1]
     age = (end.number - (end.seen or 0)) / 10
     if age > 0.35:
-        return f"It had a box, but the car knew only boxes that were {age:.1f} s old."
+        return f"It had a box, but the latest boxes that the car received were {age:.1f} s old."
     share = f"It was in {len(seen)} of the last scans and had a box in {len(boxed)} of them"
     return f"{share}, for the first time {(end.number - boxed[0]) / 10:.1f} s before the collision."

@@ -28,7 +28,7 @@ PATIENCE = 3
 """Number of consecutive scans for which a track is kept without a box."""
 
 WINDOW, OLD_ENOUGH = 7, 4
-"""Most and fewest places from which a speed is estimated; with fewer, the speed is 0."""
+"""Number of latest places from which a speed is estimated, and the minimum for a speed above 0."""
 
 SLOWEST = 0.5
 """Smallest speed in m/s that counts; anything slower is noise in the box."""

@@ -27,7 +27,7 @@ from utils.drive.rules import (
 )
 
 LOOKS = 5
-"""Number of times until standstill for which the planner predicts the place of a thing."""
+"""Number of moments before standstill for which the planner predicts the place of a thing."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,9 +1,9 @@
 """Constants of a drive, chosen for these streets and compared with published values.
 
 The car is the same as in the lessons: the scanner is in the middle of the roof, 2.6 m behind the
-front bumper. As in lesson 07, the car reacts after half a second and brakes with 7 m/s², which
-takes 9 m from 30 km/h. No standard defines the side margin, the gap at standstill, the comfort
-limits and the jerk. Their values let a simple planner drive well.
+front bumper. As in lesson 07, the car reacts after half a second and brakes at 7 m/s². From
+30 km/h, it stops within 9 m. No standard defines the side margin, the gap at standstill, the
+comfort limits and the jerk. Their values let a simple planner drive well.
 
 References
 ----------

@@ -223,7 +223,7 @@ def _streets() -> Iterable[Street]:
     yield Street(19, "A pedestrian runs", actors=(adult(80, v30, pace=2.22),), plan=crowded)
     yield Street(
         20,
-        "All of it",
+        "Everything at once",
         rain=40,
         dirt=True,
         slope=0.03,

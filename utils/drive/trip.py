@@ -42,7 +42,7 @@ class Trip:
             from utils.drive.timeline import write_page
 
             write_page(self.drive, self.report, path)
-            return "speed over time, and the frame of each braking event."
+            return "A page with the speed over time and the frame of each braking event."
         from utils.drive.film import film
 
         return film(self.drive, self.report, path).recap
@@ -62,7 +62,7 @@ class Trip:
         if self.drive.problems:
             failed, first = len(self.drive.problems), self.drive.problems[0]
             words.append(
-                f"  The detector failed for {failed} of the scans. The first failure: {first}"
+                f"  Scans for which the detector failed: {failed}. The first failure: {first}"
             )
         return "\n".join(words)
 
@@ -94,7 +94,7 @@ def comfort(report: Report) -> list[str]:
     if report.near_misses:
         words.append(f"Near misses: {report.near_misses}.")
     if report.age > 0.15:
-        words.append(f"The detector is late: the car used scans that were {report.age:.1f} s old.")
+        words.append(f"The detector is slow. The car used scans that were {report.age:.1f} s old.")
     return words
 
 

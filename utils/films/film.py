@@ -252,5 +252,7 @@ def checked_boxes(found: ArrayLike) -> np.ndarray:
     if boxes.size == 0:
         return np.empty((0, 8, 3))
     if boxes.ndim != 3 or boxes.shape[1:] != (8, 3):
-        raise ValueError(f"A detector must return boxes (N, 8, 3); yours returned {boxes.shape}.")
+        raise ValueError(
+            f"A detector must return boxes of shape (N, 8, 3); yours has shape {boxes.shape}."
+        )
     return boxes

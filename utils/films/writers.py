@@ -58,7 +58,7 @@ class Film:
             )
         if self.problems:
             words.append(
-                f"The detector failed in {len(self.problems)} of them. The first failure: "
+                f"Frames in which the detector failed: {len(self.problems)}. The first failure: "
                 f"{self.problems[0]}."
             )
         return " ".join(words)
@@ -134,7 +134,7 @@ def write_film(path: Path, images: Iterator[np.ndarray], frames_per_second: floa
         The path has an unknown suffix.
     """
     if path.suffix not in WRITERS:
-        raise ValueError(f"{path.name}: films end in {', '.join(WRITERS)}.")
+        raise ValueError(f"The name of a film must end in {', '.join(WRITERS)}, not {path.name!r}.")
     unfinished = path.with_name(f".{path.name}.part{path.suffix}")
     try:
         WRITERS[path.suffix](unfinished, images, frames_per_second)

@@ -49,7 +49,7 @@ class _Cell:
     generators: list[tuple[np.random.Generator, dict]]
     figures: set[int]
     passed: set[str] = field(default_factory=set)
-    failure: tuple | None = None  # arguments for a delayed call of showtraceback
+    failure: tuple | None = None  # arguments for a delayed call to showtraceback
 
 
 class Continuation:

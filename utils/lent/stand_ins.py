@@ -146,8 +146,8 @@ class Lender:
         listed = " and ".join(f"`{function}`" for function in sorted(functions))
         self._show_once(
             name,
-            f"`{name}` was computed with **the course's answer** for {listed}. To compute it with "
-            "yours, run the cell that makes it again.",
+            f"`{name}` was computed with **the course's answer** for {listed}. To use yours, rerun "
+            "the cell that computes it.",
         )
 
     def announce_returned(self, name: str) -> None:

@@ -171,26 +171,28 @@ def _with_return(block: str, function: ast.AST, names: Names) -> Iterator[tuple[
 def _with_assignment(block: str, function: ast.AST) -> Iterator[str]:
     """Yield the block with an added assignment in a loop, such as `best = row`.
 
-    The name on the left is set only before the loop and occurs in a `return`. The name on the right
-    is set in the loop.
+    The name on the left occurs in a `return` or in the condition of an `if`. It is set only before
+    the loop, or the assignment follows another one in an `if`. The name on the right is set in the
+    loop.
     """
     lines = block.split("\n")
-    shown = {
-        name.id
+    used = [
+        node.test if isinstance(node, ast.If) else node
         for node in ast.walk(function)
-        if isinstance(node, ast.Return)
-        for name in ast.walk(node)
-        if isinstance(name, ast.Name)
-    }
+        if isinstance(node, (ast.Return, ast.If))
+    ]
+    shown = {name.id for node in used for name in ast.walk(node) if isinstance(name, ast.Name)}
     for loop in ast.walk(function):
         if isinstance(loop, (ast.For, ast.While)):
             nodes = list(ast.walk(loop))
             inside = {node.id: True for node in nodes if _is_set(node)}
-            assignments = [node for node in nodes if isinstance(node, ast.Assign)]
             before = {node.id for node in ast.walk(function) if _is_set(node)} - inside.keys()
-            for node in assignments:
+            in_if = {child for node in nodes if isinstance(node, ast.If) for child in node.body}
+            for node in nodes:
+                if not isinstance(node, ast.Assign):
+                    continue
                 first, indent = node.end_lineno, " " * node.col_offset
-                for kept in sorted(shown & before):
+                for kept in sorted(shown & ({*before, *inside} if node in in_if else before)):
                     for name in inside:
                         text = f"{indent}{kept} = {name}"
                         yield "\n".join([*lines[:first], text, *lines[first:]])
@@ -252,6 +254,14 @@ def _moved_in(lines: list[str], body: list[ast.stmt], outer: int) -> Iterator[tu
             here, there = before.lineno - 1, before.end_lineno
             exchanged = lines[first:last] + lines[there:first] + lines[here:there]
             yield 2, "\n".join([*lines[:here], *exchanged, *lines[last:]])
+        for earlier in body[: max(position - 1, 0)]:  # further up
+            start = earlier.lineno - 1
+            moved = [*lines[first:last], *lines[start:first]]
+            yield 3, "\n".join([*lines[:start], *moved, *lines[last:]])
+        for later in body[position + 2 :]:  # further down
+            end = later.end_lineno
+            moved = [*lines[last:end], *lines[first:last]]
+            yield 3, "\n".join([*lines[:first], *moved, *lines[end:]])
         if len(body) > 1:
             yield 1, "\n".join([*lines[:first], *lines[last:]])
     for word in _JUMPS:

@@ -203,7 +203,7 @@ def edits_of_node(
         yield from _operators(source, node.values, [node.op] * (len(node.values) - 1))
         yield from _single_operands(source, node.values, node)
         sign = " & " if isinstance(node.op, ast.And) else " | "
-        yield 1, *source.span(node), sign.join(f"({source.of(value)})" for value in node.values)
+        yield 1, *source.span(node), sign.join(_as_mask(source, value) for value in node.values)
     elif isinstance(node, ast.BinOp):
         yield from _of_binary(source, node)
     elif isinstance(node, ast.UnaryOp):
@@ -232,7 +232,8 @@ def edits_of_node(
             yield 1, *source.span(node), twin
         shown = isinstance(parent, (ast.Return, ast.Tuple, ast.Compare))
         for name in names.bound if node.id in names.bound else ():
-            yield 2 if shown else 4, *source.span(node), name
+            rank = 1 if _are_easily_confused(name, node.id) else 2 if shown else 4
+            yield rank, *source.span(node), name
         if isinstance(parent, ast.Tuple):
             yield 2, *source.span(node), f"*{node.id}"
     elif isinstance(node, ast.keyword) and node.arg and isinstance(parent, ast.Call):
@@ -261,6 +262,21 @@ def edits_of_node(
         yield from _with_a_name(source, node, parent, field, names)
 
 
+def _as_mask(source: SourceText, node: ast.expr) -> str:
+    """Return the text of an operand in parentheses, with ~ instead of not."""
+    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
+        return f"~({source.of(node.operand)})"
+    return f"({source.of(node)})"
+
+
+def _are_easily_confused(one: str, other: str) -> bool:
+    """Return whether two names differ in one character, such as `px` and `qx`, or `p` and `q`."""
+    pairs = [pair for pair in zip(one, other, strict=False) if pair[0] != pair[1]]
+    if len(one) != len(other) or len(pairs) != 1:
+        return False
+    return len(one) > 1 or abs(ord(one) - ord(other)) == 1
+
+
 def _operators(
     source: SourceText,
     operands: list[ast.expr],
@@ -282,6 +298,10 @@ def _of_comparison(
 ) -> Iterator[tuple[int, int, int, str]]:
     """Change the operator, drop the comparison, or replace a side with a copy of the other."""
     yield from _operators(source, [node.left, *node.comparators], node.ops, _COMPARISONS)
+    for sign in ("&", "|"):  # x == 0 & y == 0 becomes (x == 0) & (y == 0)
+        sides = source.of(node).split(sign)
+        if len(node.ops) == len(sides) > 1:
+            yield -1, *source.span(node), f" {sign} ".join(f"({side.strip()})" for side in sides)
     if len(node.ops) > 1:
         return
     yield 2, *source.span(node), f"({source.of(node.left)})"
@@ -553,6 +573,8 @@ def _wrapped(
     inner = text if atom else f"({text})"
     if tested or isinstance(parent, ast.BoolOp):
         yield 0, begin, end, f"(not {inner})"
+        for method in (".all()", ".any()") if isinstance(node, ast.Compare) else ():
+            yield 1, begin, end, inner + method
     elif isinstance(parent, ast.Subscript):
         for rank, sign in ((0, "~"), (1, "-")) if field == "slice" else ():
             yield rank, begin, end, sign + inner
@@ -606,6 +628,8 @@ def _with_a_name(
     inner = source.of(node)
     for call in _CALLS if isinstance(node, (ast.Name, ast.Attribute)) else ():
         yield 3, begin, end, call.format(inner)
+    if operand and isinstance(node, ast.Name) and node.id in names.arguments:
+        yield 1, begin, end, f"np.array({inner})"
     atom = isinstance(node, (ast.Name, ast.Attribute, ast.Subscript, ast.Call))
     for name in names.bound if isinstance(node, ast.Name) else ():
         if name not in names.arguments and name != node.id:

@@ -14,8 +14,9 @@ def edits_of_several_nodes(
 ) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
     """Yield the rank of each edit, and all its replacements.
 
-    Such slips are a notebook variable or a number used instead of a parameter, two names that are
-    exchanged throughout, and several calls that lack the same axis.
+    Such slips are a notebook variable or a number used instead of a parameter, two parameters that
+    are exchanged in a statement or throughout, several calls that lack the same axis, and row
+    numbers that are returned instead of a mask.
 
     Parameters
     ----------
@@ -37,6 +38,14 @@ def edits_of_several_nodes(
         exchanged = {one: other, other: one}
         both = [node for node in read if node.id in exchanged]
         yield 1, [(*source.span(node), exchanged[node.id]) for node in both]
+    for statement in nodes:
+        if isinstance(statement, (ast.Assign, ast.AugAssign, ast.Return)):
+            inside = [node for node in ast.walk(statement) if isinstance(node, ast.Name)]
+            for one, other in itertools.combinations(names.arguments[1:], 2):
+                exchanged = {one: other, other: one}
+                both = [node for node in inside if node.id in exchanged]
+                if len({node.id for node in both}) > 1:
+                    yield 1, [(*source.span(node), exchanged[node.id]) for node in both]
     attributes = [node for node in nodes if isinstance(node, ast.Attribute)]
     for one, other in TWINS:
         exchanged = {one: other, other: one}
@@ -45,6 +54,23 @@ def edits_of_several_nodes(
             ends = [(source.span(node)[1], node.attr) for node in both]
             yield 1, [(end - len(name), end, exchanged[name]) for end, name in ends]
     yield from _axes_of_several_calls(source, nodes)
+    yield from _masks_of_returned_rows(source, nodes, names)
+
+
+def _masks_of_returned_rows(
+    source: SourceText, nodes: list[ast.AST], names: Names
+) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
+    """Turn a name in all `return` statements from row numbers of the first argument into a mask."""
+    places: dict[str, list[tuple[int, int]]] = {}
+    for node in nodes:
+        if isinstance(node, ast.Return) and node.value is not None:
+            values = node.value.elts if isinstance(node.value, ast.Tuple) else [node.value]
+            for value in values:
+                if isinstance(value, ast.Name):
+                    places.setdefault(value.id, []).append(source.span(value))
+    for rows, spans in places.items() if names.arguments else ():
+        mask = f"np.isin(np.arange(len({names.arguments[0]})), {rows})"
+        yield 0, [(*span, mask) for span in spans]
 
 
 def _axes_of_several_calls(

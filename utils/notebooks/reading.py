@@ -125,8 +125,8 @@ def _decode(draft: _Draft) -> str:
         draft.text = data.decode(encoding)
     except UnicodeDecodeError:
         raise UnreadableNotebook(
-            f"{draft.name} is not a notebook: it is not text. Save it again in Jupyter and "
-            "submit the .ipynb file."
+            f"{draft.name} is not a notebook, because it is not text. Save the notebook again in "
+            "Jupyter and submit the .ipynb file."
         ) from None
     if not draft.text.strip(" \t\r\n\0"):
         raise UnreadableNotebook(
@@ -158,8 +158,8 @@ def _parse(draft: _Draft) -> str:
         draft.content = _whole_cells(text)
         if not draft.content["cells"]:
             raise UnreadableNotebook(
-                f"{draft.name} is not a notebook: it is not valid JSON. It may have been cut "
-                "off while it was uploaded; submit it again."
+                f"{draft.name} is not a notebook, because it is not valid JSON. The upload may "
+                "have been cut off. Submit the file again."
             ) from None
         return (
             f"{draft.name} is damaged or cut off after {len(draft.content['cells'])} of its "
@@ -204,7 +204,7 @@ def _find_cells(draft: _Draft) -> str:
     lists = [sheet.get("cells") for sheet in sheets if isinstance(sheet, dict)]
     if not any(isinstance(cells, list) for cells in lists):
         raise UnreadableNotebook(
-            f"{draft.name} is JSON but not a notebook: it has no cells. Submit the .ipynb "
+            f"{draft.name} is JSON but not a notebook, because it has no cells. Submit the .ipynb "
             "file that Jupyter saves."
         )
     draft.old = old
@@ -227,7 +227,7 @@ def _read_cells(draft: _Draft) -> str:
     odd = len(draft.found) - len(cells)
     if odd:
         cells, were = ("entry", "was") if odd == 1 else ("entries", "were")
-        return f"{odd} {cells} of {draft.name} cannot be read as cells and {were} left out."
+        return f"{odd} {cells} of {draft.name} could not be read and {were} left out."
     return ""
 
 

@@ -299,7 +299,7 @@ def growth(
     titles = [f"step {step}" for step in range(len(frames))] if titles is None else list(titles)
     if len(titles) != len(frames):
         raise ValueError(
-            f"titles must contain one title per step: {len(frames)}, not {len(titles)}."
+            f"titles must contain one title per step, so {len(frames)}, not {len(titles)}."
         )
     own_figure = axes is None
     columns = min(columns, max(1, len(frames)))

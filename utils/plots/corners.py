@@ -144,7 +144,7 @@ def _as_corners(corners: ArrayLike) -> np.ndarray:
         return np.empty((0, 8, 3))
     if corners.ndim != 3 or corners.shape[1:] != (8, 3):
         raise ValueError(
-            "corners must have shape (N, 8, 3): for each box eight corners (x, y, z); "
+            "corners must have shape (N, 8, 3), with eight corners (x, y, z) per box; "
             f"yours has {corners.shape}."
         )
     return corners

@@ -120,7 +120,7 @@ def _coefficients(model: ArrayLike, count: int, name: str) -> np.ndarray:
     except (TypeError, ValueError):
         model = np.empty(0)
     if model.shape != (count,):
-        raise ValueError(f"{name} must be the {count} numbers ({letters}); yours is {model!r}.")
+        raise ValueError(f"{name} must be {count} numbers ({letters}); yours is {model!r}.")
     length = np.linalg.norm(model[:-1])
     if not np.isfinite(model).all() or length == 0:
         raise ValueError(

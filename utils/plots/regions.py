@@ -266,7 +266,8 @@ def _cells(axes: Axes, root: Node | None) -> list[_Cell]:
         point = np.ravel(cell.node.point)
         if len(point) != 2:
             raise ValueError(
-                f"Only trees of points (x, y) divide the plane; a node has {len(point)} numbers."
+                "Regions can be drawn only for points (x, y); a node of this tree has "
+                f"{len(point)} numbers."
             )
         axis = cell.depth % 2
         upper, lower = cell.upper.copy(), cell.lower.copy()

@@ -41,8 +41,7 @@ def download(url: str, path: Path, checksum: str | None = None) -> None:
         import pooch
     except ImportError:
         raise DownloadError(
-            "Recordings are fetched with the library pooch, which is missing. Install it: "
-            "pip install pooch."
+            "Downloading recordings needs the package pooch. Install it with: pip install pooch"
         ) from None
 
     logger = pooch.get_logger()  # logs to standard error, which some graders count as a failure
@@ -59,12 +58,12 @@ def download(url: str, path: Path, checksum: str | None = None) -> None:
         reason = getattr(error, "reason", None) or error
         raise DownloadError(
             f"{url} cannot be downloaded ({reason}). Connect to the internet and run this again. "
-            "What has arrived is kept."
+            "The download then continues where it stopped."
         ) from None
     except ValueError:
         raise DownloadError(
-            f"{url} was downloaded, but its checksum is wrong: the file was changed in transit or "
-            "at its source. It was deleted. Run this again."
+            f"{url} was downloaded, but its checksum is wrong, so the file was deleted. It was "
+            "changed in transit or at its source. Run this again."
         ) from None
     finally:
         logger.setLevel(level)
@@ -152,5 +151,6 @@ def unpack(archive: Path, folder: Path, wanted: Callable[[str], bool]) -> None:
     except (zipfile.BadZipFile, EOFError, NotImplementedError, ValueError) as error:
         archive.unlink(missing_ok=True)
         raise DownloadError(
-            f"{archive.name} is not an intact archive ({error}). It was deleted; run this again."
+            f"{archive.name} is not an intact archive ({error}). The archive was deleted. Run this "
+            "again."
         ) from None

@@ -69,7 +69,10 @@ def read_calibration(path: str | os.PathLike) -> Calibration:
         turns = np.allclose(turn @ turn.T, np.eye(3), atol=0.01)
     if not turns:
         raise file_error(
-            path, "", "the matrices do not describe a rotation", "Get the calibration file again."
+            path,
+            "",
+            "the matrices do not describe a rotation",
+            "Download the calibration file again.",
         )
     return Calibration(camera_from_sensor, projection)
 
@@ -131,7 +134,7 @@ def _label_rows(path: Path, columns: int) -> list[tuple[list[str], list[float]]]
             raise file_error(
                 path,
                 f"line {line}",
-                f"found {len(words)} columns, expected {columns} of a KITTI label",
+                f"found {len(words)} columns, expected the {columns} of a KITTI label",
                 "Use read_object_labels for object labels and read_tracking_labels for tracking "
                 "labels.",
             )
@@ -182,11 +185,11 @@ def _matrix(path: Path, names: list[str], shape: tuple[int, ...]) -> np.ndarray:
                     path,
                     f"line {line}",
                     f"found {excerpt(text)}, expected {count} numbers",
-                    "Get the calibration file again.",
+                    "Download the calibration file again.",
                 ) from None
     raise file_error(
         path,
         "",
         f"there is no line {' or '.join(names)}, expected a KITTI calibration file",
-        "Give the calib file that belongs to the scans.",
+        "Pass the calibration file that belongs to the scans.",
     )

@@ -42,7 +42,7 @@ def read_kitti_raw(folder: str | os.PathLike) -> Recording:
             folder,
             "",
             f"there is no folder {scans.absolute()}",
-            f"Give the folder of one drive; here are: {there or 'no files'}.",
+            f"Pass the folder of one drive. This folder contains: {there or 'no files'}.",
         )
     clouds = read_sequence(scans, ".bin")
     numbers = _frame_numbers(clouds)
@@ -108,7 +108,7 @@ def _numbers(item: ElementTree.Element, *names: str) -> tuple[float, ...]:
         raise ValueError(f"<{names[texts.index(None)]}> is missing")
     numbers = tuple(map(float, texts))
     if not np.isfinite(numbers).all():
-        raise ValueError(f"{' '.join(texts)} are not lengths in metres")
+        raise ValueError(f"{' '.join(texts)} are not finite numbers")
     return numbers
 
 
@@ -116,7 +116,7 @@ def _frame_numbers(clouds: CloudFolder) -> list[int]:
     """Return the frame numbers in the file names; some drives lack a few scans."""
     for path in clouds.paths:
         if not (path.stem.isascii() and path.stem.isdecimal()):
-            raise file_error(path, "", "expected a frame number as the name, as in 0000000000.bin")
+            raise file_error(path, "", "the name must be a frame number, as in 0000000000.bin")
     return [int(path.stem) for path in clouds.paths]
 
 

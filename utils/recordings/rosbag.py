@@ -83,8 +83,8 @@ class Bag(Sequence):
         raise file_error(
             self.path,
             f"message {index}",
-            "the message is gone",
-            "The file was changed while it was open: open it again.",
+            "the message no longer exists",
+            "The file was changed while it was open. Open it again.",
         )
 
 
@@ -190,8 +190,8 @@ def decode_message(message: Any, name: str, number: int = 0) -> np.ndarray:
         raise file_error(
             name,
             place,
-            f"{height} x {width} points of {step} bytes are announced, "
-            f"but the message has {len(message.data)} bytes",
+            f"the message announces {height} x {width} points of {step} bytes, but contains "
+            f"{len(message.data)} bytes",
             "Was the recording cut off?",
         )
     cloud = np.empty((height, width, len(wanted)), precision)
@@ -221,8 +221,8 @@ def _opened(path: Path) -> Iterator[Reader1 | Reader2]:
         raise file_error(
             path,
             "",
-            "ROS recordings are read with the library rosbags, which is missing",
-            "Install it: pip install rosbags.",
+            "reading ROS recordings needs the package rosbags",
+            "Install it with: pip install rosbags",
         ) from None
     try:
         with Reader(_BoundedPath(path)) as reader:
@@ -234,7 +234,7 @@ def _opened(path: Path) -> Iterator[Reader1 | Reader2]:
             path,
             "",
             f"this is not an intact ROS recording ({excerpt(error, 80)})",
-            "Was it copied completely, and closed properly when recording?",
+            "Was the file copied completely, and was the recording closed properly?",
         ) from None
 
 

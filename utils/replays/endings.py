@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from utils.checks.assertions import brief
+from utils.checks.assertions import brief_text
 from utils.checks.tips import locate
 from utils.remote_objects import ENDLESS
 from utils.replays.tracer import Ending
@@ -23,4 +23,4 @@ def how_it_ended(ending: Ending, function: Callable) -> str:
         kind, (_, place, line) = type(ending.error).__name__, locate(ending.error, function)
         where = f", in {place}" + (f": `{line}`" if line else "") if place else ""
         return f"Here your function raised {kind}: {ending.error}{where}"
-    return f"Your function returned {brief(ending.answer)}."
+    return f"Your function returned {brief_text(ending.answer)}."

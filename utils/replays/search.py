@@ -48,14 +48,14 @@ def walk(
     nodes = {node.index: node for node in nodes_of(root)}
     if not nodes or not set(visited) <= set(nodes):
         return Replay(
-            remark="The tree is empty, or a search has changed it, so there is no search to show."
+            remark="The tree is empty or was changed by a search, so there is no search to show."
         )
     points = np.array([nodes[index].point for index in sorted(nodes)], dtype=float)
     rows = [int(row) for row in found if isinstance(row, int | np.integer) and row in nodes]
     remark = (
         ""
         if len(rows) == len(found)
-        else "Your search returns a value that is not an index of the tree."
+        else "Your search returns a value that is not an index in the tree."
     )
 
     def step(number: int) -> ReplayStep:
@@ -118,7 +118,7 @@ def _first_mistake(
     for node, parent, side, depth in _nodes_with_parents(root):
         index, away = node.index, math.dist(node.point, target)
         is_near, times = away <= tolerance, found.count(index)
-        far = f"node {index} is {away:.1f} m away, and the tolerance is {tolerance:g} m"
+        far = f"node {index} is {away:.1f} m away, with a tolerance of {tolerance:g} m"
         if is_near and not times and index not in step_of:
             while parent is not None and parent.index not in step_of:
                 parent, side = above[id(parent)]

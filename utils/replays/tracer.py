@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from types import FrameType
 
-from utils.checks.limits import TimeUp, limited
+from utils.checks.limits import TimeUp, limit_resources
 
 # More than any correct answer needs for a few points, even while it is observed.
 SECONDS = 3  # processor time, so that a busy machine gives the same result
@@ -78,8 +78,9 @@ def record(
 
     before = sys.gettrace()
     try:
-        # `limited` also ends code outside the notebook, and code that catches `RecordingComplete`.
-        with limited(PATIENCE * SECONDS):
+        # `limit_resources` also ends code outside the notebook, and code that catches
+        # `RecordingComplete`.
+        with limit_resources(PATIENCE * SECONDS):
             before = sys.gettrace()
             try:
                 sys.settrace(look)

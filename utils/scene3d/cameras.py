@@ -46,9 +46,9 @@ class Camera:
         right = np.cross(forward, self.up)
         if not np.isfinite(forward).all() or not np.linalg.norm(right) > 0:
             raise ValueError(
-                "A camera needs a position, a target elsewhere, and an upward direction that is "
-                f"not the line between them; yours is at {self.position}, looks at "
-                f"{self.target} and has {self.up} upwards."
+                "The position and target of a camera must differ, and up must not be parallel to "
+                f"the line between them; yours has position {self.position}, target "
+                f"{self.target} and up {self.up}."
             )
         rows = np.stack([right, np.cross(right, forward), forward])
         return rows / np.linalg.norm(rows, axis=1, keepdims=True)
@@ -88,7 +88,7 @@ def as_camera(camera: str | Camera) -> Camera:
             return preset
     raise ValueError(
         f"There is no camera {camera!r}. Choose one of "
-        f"{', '.join(CAMERAS)}, or make your own: Camera(position, target)."
+        f"{', '.join(CAMERAS)}, or create your own: Camera(position, target)."
     )
 
 

@@ -22,12 +22,12 @@ LAST_RESORT = "vtkOSOpenGLRenderWindow"
 OSMESA = ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")
 
 NOT_INSTALLED = (
-    "PyVista is not installed, so matplotlib draws. "
-    f"To install it: pip install {' '.join(colab.PYVISTA)}"
+    "PyVista is not installed, so matplotlib draws the scene. "
+    f"To install PyVista, run: pip install {' '.join(colab.PYVISTA)}"
 )
 NO_OPENGL = (
-    "PyVista finds no OpenGL that works without a screen, so matplotlib draws. "
-    "On Debian, Ubuntu and Colab: sudo apt-get install libegl1 libgl1-mesa-dri"
+    "PyVista finds no OpenGL that works without a screen, so matplotlib draws the scene. "
+    "On Debian, Ubuntu and Colab, run: sudo apt-get install libegl1 libgl1-mesa-dri"
 )
 
 
@@ -41,14 +41,14 @@ def problem() -> str:
         if not colab.in_colab():
             return NOT_INSTALLED
         if problem := colab.install_pyvista():
-            return f"PyVista cannot be installed ({problem}), so matplotlib draws."
+            return f"PyVista cannot be installed ({problem}), so matplotlib draws the scene."
     try:
         with without_screen():
             from pyvista import Plotter  # noqa: F401
 
             kind = _kind_of_window()
     except Exception as error:
-        return f"PyVista cannot be loaded ({error}), so matplotlib draws."
+        return f"PyVista cannot be loaded ({error}), so matplotlib draws the scene."
     # VTK chooses OSMesa as its last resort even if OSMesa is missing, and then crashes.
     if kind == LAST_RESORT and sys.platform == "linux" and not _has_osmesa():
         return NO_OPENGL

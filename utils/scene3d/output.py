@@ -169,7 +169,8 @@ def save(
         path.write_bytes(encoded(image, PICTURES[path.suffix.lower()]))
     else:
         raise ValueError(
-            f"{path.name}: scenes are saved as {', '.join(PICTURES)} or, interactive, as .html."
+            f"{path.name!r} must end in {', '.join(PICTURES)}, or in .html for an interactive "
+            "scene."
         )
     return path
 
@@ -192,5 +193,7 @@ def in_notebook() -> bool:
 def _as_size(size: tuple[int, int]) -> tuple[int, int]:
     width, height = (int(length) for length in size)
     if not (16 <= width <= 8192 and 16 <= height <= 8192):
-        raise ValueError(f"A picture is 16 to 8192 pixels wide and high, not {width} x {height}.")
+        raise ValueError(
+            f"A picture must be 16 to 8192 pixels wide and high, not {width} x {height}."
+        )
     return width, height

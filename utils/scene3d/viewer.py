@@ -67,7 +67,7 @@ def _content(scene: Drawable, camera: Camera, alt: str) -> dict:
     return {
         "title": scene.title,
         "alt": alt,
-        "note": f"{total:,} points, {share:.0%} of them shown." if share < 1 else "",
+        "note": f"{share:.0%} of {total:,} points shown." if share < 1 else "",
         "camera": chosen,
         "cameras": {name: _camera(preset) for name, preset in cameras.items()},
         "layers": list(_layers(scene)),

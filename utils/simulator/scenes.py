@@ -137,7 +137,7 @@ def random_street(seed: int, difficulty: float = 0.5, sensor: Sensor | None = No
         The difficulty is not between 0 and 1.
     """
     if not 0.0 <= difficulty <= 1.0:
-        raise ValueError(f"The difficulty is a number from 0 to 1, not {difficulty}.")
+        raise ValueError(f"The difficulty must be a number from 0 to 1, not {difficulty}.")
     rng = np.random.default_rng((seed, 5))
     ease = 1.0 - difficulty
     plan = StreetPlan(

@@ -57,13 +57,13 @@ class Sensor:
             raise ValueError("A sensor needs at least one beam: `elevations` is empty.")
         if not 0 < self.azimuth_step <= 2 * math.pi:
             raise ValueError(
-                f"The azimuth step is an angle in radians above 0 and up to a full circle, "
+                f"The azimuth step must be an angle in radians, above 0 and up to a full circle, "
                 f"not {self.azimuth_step}."
             )
         if not 0 <= self.minimum_range < self.maximum_range:
             raise ValueError(
-                f"The ranges run from a smaller to a larger number of metres, "
-                f"not from {self.minimum_range} to {self.maximum_range}."
+                f"The minimum range must be at least 0 and smaller than the maximum range, "
+                f"but they are {self.minimum_range} and {self.maximum_range}."
             )
 
     @property

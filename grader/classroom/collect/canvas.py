@@ -20,7 +20,7 @@ _FILE = re.compile(rf"{_OWNER}_(?P<attachment>\d+)_(?P<file>.+)", re.IGNORECASE)
 _TYPED = re.compile(rf"{_OWNER}_(?P<what>text|link)\.html", re.IGNORECASE)
 _RESUBMITTED = re.compile(r"([A-Za-z_]\w*)-\d+(\.py)")  # Canvas numbers resubmitted files
 _REMARKS = {
-    "text": "was typed into Canvas, which cannot hold a notebook. Ask for the .ipynb file",
+    "text": "was typed into Canvas instead of uploaded. Ask for the .ipynb file",
     "link": "is a link, and its target may have changed. Ask for the .ipynb file",
 }
 

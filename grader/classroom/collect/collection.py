@@ -130,7 +130,7 @@ def _by_owner(
     for (archive, owner), ids in ids_by_owner.items():
         if normalized(owner.label) in answers.earlier:
             decision = f"assigned to {', '.join(ids)}" if ids else "ignored"
-            report.remarks.append(Question(owner.label, f"{decision}, as you answered before"))
+            report.remarks.append(Question(owner.label, f"{decision}, as in your earlier answer"))
         rivals = [
             other_owner
             for (other_archive, other_owner), other_ids in ids_by_owner.items()

@@ -56,7 +56,7 @@ def lesson_of(
     found = found or next((lesson for lesson in all_lessons() if is_placed(lesson, file)), None)
     if found is None:
         complaint = file.unpacked.complaint
-        reason = complaint or "has no lesson in its name or in its content"
+        reason = complaint or "does not show its lesson, in its name or its content"
         raise Unrecognised(f"{reason}. If it belongs to a lesson, add {lesson_option(file, 'NN')}")
     return found
 

@@ -29,7 +29,7 @@ DEEPEST = 3  # levels of nested zips
 TOO_MUCH_OF_A_STUDENT = f"more than {MOST_BYTES_OF_A_STUDENT // 2**20} MB of notebooks"
 NOTEBOOK, MODULE, SUBSTITUTE, OTHER = "notebook", "module", "work", "other"
 
-_ASK = "Look at it, and ask for the .ipynb file without a zip"
+_ASK = "Inspect the file, and ask for the .ipynb file without a zip"
 
 # File types that students submit instead of a notebook.
 _SUBSTITUTES = (".html", ".pdf", ".docx", ".rar", ".7z", ".gz", ".tar", ".tgz", ".ipynb", ".zip")

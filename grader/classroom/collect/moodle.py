@@ -17,7 +17,7 @@ _OWNER = re.compile(
     r"(?P<name>[^_/]+)(?:_(?P<number>\d+))?_assignsubmission_(?P<plugin>[a-z]+)(?:_(?P<file>.+))?",
     re.IGNORECASE,
 )
-_TYPED = "was typed into Moodle, which cannot hold a notebook. Ask for the .ipynb file"
+_TYPED = "was typed into Moodle instead of uploaded. Ask for the .ipynb file"
 
 
 def read_moodle(archive: Archive) -> list[SubmittedFile] | None:

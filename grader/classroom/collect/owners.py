@@ -113,8 +113,8 @@ class Owners:
         if others:
             names = ", ".join(other.label for other in others)
             return (
-                f"This owner seems to be {ids[0]}, and so does {names}, so neither was collected. "
-                f"If both are, add {_owner_option(owner, ids[0])}, and the same option for the "
+                f"This name and {names} both seem to belong to {ids[0]}, so neither was collected. "
+                f"If both do, add {_owner_option(owner, ids[0])}, and the same option for the "
                 "other name"
             )
         person = self._roster.person(ids[0]) if self._roster and owner.lms_id else None
@@ -124,8 +124,8 @@ class Owners:
         if not names or any(name in letters(owner.names[0]) for name in names):
             return ""
         return (
-            f"This owner has the number of {person.id} but another name. If a team submitted this "
-            f"together, add {_owner_option(owner, f'{person.id},ID')}. Otherwise, add "
+            f"This submission has the number of {person.id}, but another name. If a team submitted "
+            f"it, add {_owner_option(owner, f'{person.id},ID')}. Otherwise, add "
             f"{_owner_option(owner, person.id)}"
         )
 
@@ -206,7 +206,8 @@ class Owners:
     def _question(self, owner: Owner) -> str:
         if owner.label.startswith("anon_"):
             return (
-                "The download hides names. Show names in Canvas and download again, or add "
+                "Student names are hidden in this download. Show them in Canvas and download "
+                "again, or add "
                 f"{_owner_option(owner, 'ID')}"
             )
         remedy = ""
@@ -215,8 +216,8 @@ class Owners:
         ):
             numbers = " or ".join(f"{one.lms_id} ({one.id})" for one in others)
             return (
-                f"For this name, the roster has the number {numbers}, not {owner.lms_id}. Correct "
-                f"the roster, or add {_owner_option(owner, others[0].id)} or another id"
+                f"The roster lists this name with the number {numbers}, not {owner.lms_id}. "
+                f"Correct the roster, or add {_owner_option(owner, others[0].id)} or another id"
             )
         if owner.lms_id:
             remedy = (
@@ -237,7 +238,8 @@ class Owners:
         before = self._folders.setdefault(normalized(name), owner.folder)
         if before != owner.folder:
             raise UnknownOwner(
-                f"The folder would be the same as for {before}. Add {_owner_option(owner, 'ID')}"
+                f"The folder would have the same name as for {before}. Add "
+                f"{_owner_option(owner, 'ID')}"
             )
         return name
 

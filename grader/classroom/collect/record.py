@@ -36,7 +36,7 @@ class FileOrigin:
     participant : str
         Moodle's number for the owner, which is a student or a team.
     beaten : tuple of str
-        SHA-256 of other files for the lesson that an answer rejected.
+        SHA-256 digests of this lesson's other files. The instructor chose this file instead.
     when : str
         Submission time in ISO 8601; empty if it is unknown.
     undecided : str
@@ -122,5 +122,5 @@ def reason_without_time(folder: Path) -> str:
         return ""
     record = read_record(folder)
     late = any(origin.late and (folder / name).is_file() for name, origin in record.files.items())
-    late_reason = "the learning platform marks it late but gives no time"
+    late_reason = "the learning platform shows it as late, but without a time"
     return record.undecided or (late_reason if late else "")

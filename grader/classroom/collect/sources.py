@@ -24,7 +24,7 @@ def open_archive(path: Path) -> Archive:
     if path.is_dir():
         files = list(_files_below(path))
     elif not path.exists():
-        raise CollectError(f"There is no file or folder {path}.")
+        raise CollectError(f"{path} does not exist. Correct the path.")
     elif zipfile.is_zipfile(path):
         try:
             files = open_zip(str(path), MOST_FILES)

@@ -30,7 +30,7 @@ OLDER_FOLDER = ".older"
 TIMESTAMP_FILE = "timestamp.txt"
 _INTERRUPTED = "collecting was interrupted before the submission time was written; collect again"
 _RESUBMITTED = "it was submitted again, and the time is unknown"
-_UNREADABLE_TIME = "timestamp.txt has no readable time"
+_UNREADABLE_TIME = "timestamp.txt does not contain a valid time"
 
 
 class UnclearVersion(Exception):
@@ -86,8 +86,8 @@ class StageFolder:
         if self._placed.setdefault(name, origin.digest) != origin.digest:
             raise UnclearVersion(
                 f"differs from the {name} next to another notebook of this student. In "
-                f"{self._relative(self.path)}, create a folder for each of the two notebooks, and "
-                f"move it there with its {name}"
+                f"{self._relative(self.path)}, create one folder per notebook, and move each "
+                f"notebook there with its {name}"
             )
         existing = current.path if current else self.path / name
         if not os.path.lexists(existing):
@@ -121,7 +121,7 @@ class StageFolder:
         return bool(origin and origin.digest == digest and (self.path / name).is_file())
 
     def outdated_digests(self, name: str) -> Collection[str]:
-        """Return the SHA-256 of files for this name that an answer rejected."""
+        """Return the SHA-256 digests of files that the instructor passed over for this one."""
         origin = self._record.files.get(name)
         return origin.beaten if origin else ()
 

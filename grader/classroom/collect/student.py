@@ -98,7 +98,7 @@ class StudentCollector:
             unpacked_files = unpack_file(one.entry, one.path[-1])
             size += sum(len(unpacked.data) for unpacked in unpacked_files)
             if size > inspection.MOST_BYTES_OF_A_STUDENT:
-                total = f"is, with the student's other files, {TOO_MUCH_OF_A_STUDENT}"
+                total = f"brings the student's total to {TOO_MUCH_OF_A_STUDENT}"
                 text = f"{total}. Ask for smaller files"
                 self._add_problem(one.name, text, lesson_by_name(one.path[-1]))
                 continue
@@ -157,7 +157,7 @@ class StudentCollector:
             names = ", ".join(file.name for file in newest_files[1:])
             self._report.add_question(
                 newest_files[0].name,
-                f"is for {lesson.name}, as is {names}, and it is unknown which is newer. Add "
+                f"belongs to {lesson.name}, like {names}, and it is unknown which is newer. Add "
                 f"{lesson_option(newest_files[0], lesson.number)}, or the same option for the "
                 "other file",
             )
@@ -254,4 +254,4 @@ def _submission_time(
     # If the platform marks late work, all other work is on time and needs no row in the table.
     if rows is None or all(one.late is False for _, one in submitted):
         return None, ""
-    return None, "the table of times has no row or several rows for this student"
+    return None, "the table of submission times has no row for this student, or several rows"

@@ -123,7 +123,7 @@ def read_worksheet(path: Path, zone: tzinfo | None) -> SubmissionTable:
     column = next((index for index, title in enumerate(titles) if title in TITLES), None)
     if column is None:
         raise CollectError(
-            f"{path}: none of the columns is known to contain submission times. The columns are: "
+            f"{path}: no column has a known title for submission times. The columns are: "
             f'{", ".join(rows[0]) if rows else "none"}. Rename the right one to "Last '
             'modified (submission)", and write times like 2026-10-12 23:59.'
         )

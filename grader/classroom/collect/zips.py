@@ -66,7 +66,7 @@ def open_zip(file: IO[bytes] | str, limit: int) -> list[tuple[tuple[str, ...], A
     # `ZipInfo.is_dir` fails for empty names.
     infos = [info for info in archive.infolist() if not info.filename.endswith("/")]
     if len(infos) > limit:
-        raise UnreadableFile(f"contains {len(infos):,} files; more than {limit:,} are not opened")
+        raise UnreadableFile(f"contains {len(infos):,} files, more than the limit of {limit:,}")
     return [
         (path, ArchiveEntry(path, _moment(info), _reader(archive, info)))
         for info in infos

@@ -9,7 +9,7 @@ from pathlib import Path
 from grader.sandbox import SANDBOXES, Sandbox, SandboxUnavailable
 
 PREFERRED_SANDBOXES = ("bubblewrap", "chroot")
-"""Sandboxes, the strongest first; "process" suffices, as a container judges one submission only."""
+"""Sandboxes, the strongest first; "process" is enough, as a container judges one submission."""
 ROOT_ONLY = ("source", "submission", "submission_metadata.json", "run_autograder")
 NOT_WRITABLE = (".", "results")
 
@@ -33,9 +33,8 @@ def restrict_access(root: Path) -> None:
     """
     if os.geteuid() != 0:
         raise IsolationFailed(
-            "Root must run this autograder, as Gradescope does; otherwise student code "
-            "would have the same user as the judge. Leave setup.sh and run_autograder as "
-            "they are."
+            "This autograder must run as root, as on Gradescope. Otherwise, student code would "
+            "run as the same user as the judge. Do not change setup.sh or run_autograder."
         )
     for names, forbidden_bits in ((ROOT_ONLY, 0o077), (NOT_WRITABLE, 0o022)):
         for path in filter(os.path.lexists, (root / name for name in names)):

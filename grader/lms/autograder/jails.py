@@ -47,4 +47,4 @@ if __name__ == "__main__":
     try:
         build_jails(Path(sys.argv[1]))
     except OSError as error:
-        print(f"The image does not keep the folders for student code: {error}")
+        print(f"The folders for student code could not be stored in the image: {error}")

@@ -44,15 +44,15 @@ EXPORTERS = {
         canvas,
         ".canvas.csv",
         "the gradebook that Canvas exports",
-        "In Canvas: Grades, Import. It shows each change before you save.",
+        "In Canvas: Grades, Import. Canvas shows each change before you save.",
     ),
     "moodle": Exporter(
         moodle,
         ".moodle.csv",
         "the offline grading worksheet that Moodle offers for the assignment",
-        "In Moodle: the assignment's Submissions, Actions, Upload grading worksheet. It lists each "
-        "change before you confirm; a mark that it does not list is there already, or was changed "
-        "there since the download.",
+        "In Moodle: the assignment's Submissions, Actions, Upload grading worksheet. Moodle lists "
+        "each change before you confirm. If a mark is not listed, Moodle already has the mark, or "
+        "it was changed in Moodle after the download.",
     ),
     "gradescope": Exporter(
         gradescope,

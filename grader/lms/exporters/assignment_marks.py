@@ -19,10 +19,10 @@ from grader.lms.results import (
 )
 
 UNMARKED_TITLES = {
-    EXCUSED: "Without a mark, because they are excused",
-    AUDITOR: "Without a mark, because they audit the course",
-    MISSING: "Without a mark, because they submitted nothing",
-    WAITING: "Without a mark, because their submission is not entered yet",
+    EXCUSED: "No mark, because excused",
+    AUDITOR: "No mark, because auditing the course",
+    MISSING: "No mark, because nothing was submitted",
+    WAITING: "No mark, because the submission is not in the gradebook yet",
 }
 
 
@@ -101,9 +101,9 @@ def collect_marks(options: ExportOptions) -> Marks:
     waiting = [result for result in notebooks if result.standing == WAITING]
     if waiting and not options.provisional:
         raise ExportError(
-            f"Waiting: {'; '.join(_by_lesson(waiting))}. Grade the exercises for a person in "
-            "Formgrader, and run `python -m grader grade` to enter the other submissions. To "
-            "export the points so far, add --provisional."
+            f"Not fully graded: {'; '.join(_by_lesson(waiting))}. Grade the written answers in "
+            "Formgrader, and run `python -m grader grade` to enter other submissions. To export "
+            "the points so far, add --provisional."
         )
     marks, without = [], {standing: [] for standing in UNMARKED_TITLES}
     for person in results.people:
@@ -143,7 +143,7 @@ def _notes(
         if result.undecided and result.stage == stage and result.student in ids
     ]
     yield list_sentence(
-        "Provisional, because a grader still has to grade a part", _by_lesson(waiting)
+        "Provisional, because some work still has to be graded by hand", _by_lesson(waiting)
     )
     yield list_sentence("Counted as 0, because nothing was submitted", _by_lesson(zeros, len(ids)))
     yield list_sentence("No penalty subtracted, because lateness is undecided", undecided)

@@ -133,7 +133,7 @@ def _row(sheet: MarksTableFile, row: tuple[str, ...], name: str) -> PersonRow:
 def _refusal(column: int) -> Callable[[tuple[str, ...], float], str]:
     def refuse(row: tuple[str, ...], points: float) -> str:
         if row[column].strip() == NOT_ASSIGNED:
-            return "Canvas has not assigned it to them (N/A), and would ignore the mark"
+            return "Canvas would ignore the mark, because this work is not assigned (N/A)"
         return ""
 
     return refuse

@@ -83,7 +83,7 @@ def fill_column(
         points = mark.points * column.factor
         place = matches.rows.get(mark.person.id)
         reason = (
-            matches.doubts.get(mark.person.id, "the file has no row for them")
+            matches.doubts.get(mark.person.id, "the file has no row for this student")
             if place is None
             else refusal(places[place].row, points)
         )
@@ -93,7 +93,8 @@ def fill_column(
             row, cell = places[place].row, format_points(points, column.decimal_mark)
             rows[place] = _with_cell(row, column, cell)
             if not _is_unchanged(row[column.place], points):
-                replaced.append(f"{mark.person.display_name} {row[column.place].strip()} by {cell}")
+                old = row[column.place].strip()
+                replaced.append(f"{mark.person.display_name} from {old} to {cell}")
     placed = len(rows)
     unexcused = []
     for person in marks.without[EXCUSED] if column.excused else ():
@@ -107,7 +108,7 @@ def fill_column(
         rows[place] = _with_cell(row, column, column.excused)
         old = row[column.place].strip()
         if old not in ("", column.excused):
-            replaced.append(f"{person.display_name} {old} by {column.excused}")
+            replaced.append(f"{person.display_name} from {old} to {column.excused}")
     absent = {
         person.id: person.display_name
         for people in marks.without.values()
@@ -116,8 +117,8 @@ def fill_column(
     }
     notes = (
         *marks.notes,
-        list_sentence("Marks in the file that are replaced", replaced),
-        list_sentence("Excused, so no mark is written", unexcused),
+        list_sentence("Marks changed in the file", replaced),
+        list_sentence("Excused, but not marked as excused in the file", unexcused),
         list_sentence("Matched only by name", matches.by_name),
         list_sentence("Under another name in the file", matches.renamed),
         list_sentence("In the file but not on the roster", matches.unknown_rows),
@@ -159,8 +160,8 @@ def scale_factor(marks: Marks, most: float | None, title: str, scale: bool) -> f
     )
     raise ExportError(
         f"{marks.assignment} is worth {format_points(marks.max_points)} points here ({lessons}), "
-        f"and {title!r} is worth {format_points(most)} there. {choice}Change the points "
-        "there and download the file again, or let --scale convert each mark."
+        f"and {title!r} is worth {format_points(most)} there. {choice}Change the points there and "
+        "download the file again, or add --scale to convert each mark."
     )
 
 
@@ -182,7 +183,7 @@ def find_column(
     else:
         name = letters(assignment)
         hits = [place for place, title in titles.items() if name in letters(plain(title))]
-        target = f"column whose title names {assignment}"
+        target = f"column whose title contains {assignment}"
     if len(hits) == 1:
         return hits[0]
     available = ", ".join(repr(title) for title in titles.values()) or "none for marks"

@@ -39,14 +39,14 @@ def write_export(
         path /= default.name
     if filled_in and path.exists() and path.samefile(filled_in):
         raise ExportError(
-            f"{path} is the file that is filled in, which is never overwritten. Name another "
-            "file with --to."
+            f"{path} is the file named by --into, which is never overwritten. Name another file "
+            "with --to."
         )
     try:
         before = None
         if path.exists() and path.read_bytes() != content:
             if path != default:
-                raise ExportError(f"{path} exists already. Name another file, or delete it.")
+                raise ExportError(f"{path} already exists. Delete it, or change --to.")
             before = _unused_path(path)
             path.rename(before)
         try:

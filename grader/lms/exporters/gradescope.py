@@ -50,12 +50,12 @@ def gradescope(options: ExportOptions) -> ExportResult:
         try:
             if not email:
                 raise _NoEntry(
-                    "Gradescope identifies students by e-mail, and the roster has no address for "
+                    "Gradescope identifies students by e-mail, but the roster has no address for "
                     "this student."
                 )
             if sharing[email] > 1:
                 raise _NoEntry(
-                    f"Gradescope identifies students by e-mail, and {email} also belongs to "
+                    f"Gradescope identifies students by e-mail, but {email} also belongs to "
                     "another student."
                 )
             entries[email] = _entry(options, mark, submitted.get(mark.person.id, ()))
@@ -83,12 +83,12 @@ def _entry(options: ExportOptions, mark: Mark, submissions: Sequence[Submission]
     """Build one student's results, with digests that identify the judged submission."""
     course = options.course
     if not submissions:
-        raise _NoEntry("submitted/ has no submission to compare with.")
+        raise _NoEntry("the submission is no longer in submitted/.")
     judged, reports = [], {}
     for submission in submissions:
         verdict = read_verdict(submission.verdict_path(course))
         if verdict is None:
-            raise _NoEntry("there is no verdict. Run `python -m grader grade`.")
+            raise _NoEntry("there is no verdict yet. Run `python -m grader grade`.")
         try:
             submission.read_again(course, verdict.fingerprint)
         except ReplacedSubmission as error:

@@ -155,9 +155,9 @@ def _row(row: tuple[str, ...], column: int, hidden: bool, owners: Mapping[str, s
 def _refusal(column: int, most: float) -> Callable[[tuple[str, ...], float], str]:
     def refuse(row: tuple[str, ...], points: float) -> str:
         if points > most + TOLERANCE:
-            return f"Moodle ignores marks above {format_points(most)} without a message"
+            return f"Moodle silently ignores marks above {format_points(most)}"
         if any(cell.strip().casefold() in LOCKED for cell in row[column + 2 : column + 4]):
-            return "their grade is locked in Moodle, which ignores the mark without a message"
+            return "the grade is locked in Moodle, which would silently ignore the mark"
         return ""
 
     return refuse

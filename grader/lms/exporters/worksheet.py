@@ -76,8 +76,8 @@ def read_worksheet(path: Path) -> MarksTableFile:
         text = content.decode("utf-8")
     except UnicodeDecodeError as error:
         raise ExportError(
-            f"{path.name} is not a CSV file in UTF-8. Use the file as the platform wrote it; if a "
-            "spreadsheet has saved it since, save it as CSV UTF-8."
+            f"{path.name} is not a CSV file in UTF-8. Use the file exactly as you downloaded it, "
+            "or save it in the spreadsheet as CSV UTF-8."
         ) from error
     marked = text.startswith("\ufeff")
     text = text.removeprefix("\ufeff")
@@ -86,13 +86,15 @@ def read_worksheet(path: Path) -> MarksTableFile:
     except csv.Error as error:
         raise ExportError(f"{path.name} is not a CSV file: {error}. Download it again.") from error
     if len(rows) < 2 or len(rows[0]) < 2:
-        raise ExportError(f"{path.name} has no table of students.")
+        raise ExportError(
+            f"{path.name} does not contain a table of students. Download the file again."
+        )
     width = len(rows[0])
     for row in rows:
         if len(row) > width and any(row[width:]):
             raise ExportError(
-                f"{path.name}: the row that begins with {row[0]!r} has {len(row)} cells, and the "
-                f"header {width}. Download the file again."
+                f"{path.name}: the row that begins with {row[0]!r} has {len(row)} cells, but the "
+                f"header has {width}. Download the file again."
             )
     head, *others = (tuple([*row, *[""] * width][:width]) for row in rows)
     line_end = "\r\n" if "\r\n" in text else "\n"

@@ -6,7 +6,7 @@ import numpy as np
 
 from extension import samples
 from grader.judging.hidden_tests import cached_by_content, hidden
-from utils.checks.assertions import assert_places, assert_rows
+from utils.checks.assertions import assert_positions, assert_rows
 from utils.checks.lesson_01 import (
     assert_distances,
     require_distances_at_all_heights,
@@ -108,7 +108,7 @@ def kept_by_hand(cloud):
 
 def assert_cleaned(student, cloud):
     answer = student.drop_invalid(cloud.copy())
-    assert_places(answer, cloud, kept_by_hand(cloud), view="above")
+    assert_positions(answer, cloud, kept_by_hand(cloud), view="above")
 
 
 def without_lost_returns(cloud):

@@ -22,7 +22,7 @@ from utils.checks.lesson_02 import (
     assert_no_round_is_missing,
     assert_nothing_found,
     assert_on_line,
-    assert_two_are_enough,
+    assert_two_points_are_enough,
     assert_unit_normal,
     distances_from,
     lines_from_two_rounds,
@@ -470,4 +470,4 @@ def test_two_points_are_enough(student, seed):
         answer = student.ransac_line(few.copy(), 5, 0.4, np.random.default_rng(3))
         assert_nothing_found(answer, len(few))
     p, q = (points[0] for points in random_pairs(seed + 6, 1))
-    assert_two_are_enough(student.ransac_line, np.array([p, q]))
+    assert_two_points_are_enough(student.ransac_line, np.array([p, q]))

@@ -13,7 +13,7 @@ import pytest
 
 from extension import samples
 from grader.judging.hidden_tests import generator_for_students, hidden
-from utils.checks.assertions import CheckFailed, needs
+from utils.checks.assertions import CheckFailed, precondition
 from utils.checks.lesson_03.fit_plane import (
     assert_direction,
     assert_through_the_mean,
@@ -21,7 +21,7 @@ from utils.checks.lesson_03.fit_plane import (
 )
 from utils.checks.lesson_03.iterations_needed import (
     assert_iterations,
-    assert_nearly,
+    assert_nearly_right,
     iterations_by_counting,
     require_plain_cases,
 )
@@ -42,7 +42,7 @@ from utils.checks.lesson_03.point_plane_distance import (
 from utils.checks.lesson_03.ransac_plane import (
     assert_no_round_is_missing,
     assert_rows_differ,
-    assert_three_are_enough,
+    assert_three_points_are_enough,
     ramp_with_collinear_points,
     require_plane_among_outliers,
     require_plane_without_outliers,
@@ -50,7 +50,7 @@ from utils.checks.lesson_03.ransac_plane import (
 from utils.checks.lesson_03.results import (
     as_mask,
     as_model,
-    assert_finds,
+    assert_finds_plane,
     assert_inliers_within_tolerance,
     assert_nearest_are_inliers,
     assert_nothing_found,
@@ -204,7 +204,7 @@ def test_measures_on_both_sides(student, seed):
 )
 def test_measures_on_both_sides_of_any_plane(student, seed):
     rng = np.random.default_rng(seed)
-    with needs("d is added and no distance is negative"):
+    with precondition("d is added and no distance is negative"):
         test_adds_d(student, seed)
         test_measures_on_both_sides(student, seed)
     cloud = samples.patch_of_course_cloud(seed, 500)[:, :3]
@@ -328,7 +328,7 @@ def test_finds_planes_in_any_direction(student, seed):
         points, on_plane = scattered_plane(seed + run, 40, 25, random_plane(rng))
         # One sample in five has three well-placed inliers: 0.81^120 < 1e-10.
         answer = student.ransac_plane(points.copy(), 120, 0.2, np.random.default_rng(run))
-        assert_finds(answer, points, 0.2, on_plane)
+        assert_finds_plane(answer, points, 0.2, on_plane)
         assert_marks(answer, points, 0.2)
 
 
@@ -343,7 +343,7 @@ def test_finds_planes_among_many_outliers(student, seed):
         points, on_plane = scattered_plane(seed + 10 + run, 25, 50)
         # One sample in 36 has three well-placed inliers: 0.972^850 < 1e-10.
         answer = student.ransac_plane(points.copy(), 850, 0.2, np.random.default_rng(run))
-        assert_finds(answer, points, 0.2, on_plane, share=0.85)
+        assert_finds_plane(answer, points, 0.2, on_plane, share=0.85)
         assert_marks(answer, points, 0.2)
 
 
@@ -375,7 +375,7 @@ def test_uses_the_tolerance(student, seed):
         points, _ = scattered_plane(seed + 30 + run, 90, 0, noise=0.3)
         tolerance = rng.uniform(0.05, 0.12) + 0.2 * run
         answer = student.ransac_plane(points.copy(), 40, tolerance, np.random.default_rng(run))
-        with needs("the mask belongs to the model"):
+        with precondition("the mask belongs to the model"):
             assert_nearest_are_inliers(answer, points)
         assert_inliers_within_tolerance(answer, points, tolerance)
 
@@ -420,9 +420,13 @@ def test_finds_planes_in_any_array(student, seed):
         points, on_plane = scattered_plane(seed + 40 + run, 40, 20, columns=4)
         variant = form(points)
         # More than one sample in five has three inliers: 0.77^90 < 1e-10.
-        assert_finds(student.ransac_plane(variant.copy(), 90, 0.2, rng), variant, 0.2, on_plane)
+        assert_finds_plane(
+            student.ransac_plane(variant.copy(), 90, 0.2, rng), variant, 0.2, on_plane
+        )
     duplicates, on_plane = np.repeat(points, 2, axis=0), np.repeat(on_plane, 2)
-    assert_finds(student.ransac_plane(duplicates.copy(), 90, 0.2, rng), duplicates, 0.2, on_plane)
+    assert_finds_plane(
+        student.ransac_plane(duplicates.copy(), 90, 0.2, rng), duplicates, 0.2, on_plane
+    )
 
 
 @hidden(
@@ -436,7 +440,7 @@ def test_continues_after_degenerate_samples(student, seed):
         points, on_plane = ramp_with_collinear_points(np.random.default_rng(seed + run))
         # Four samples in ten define a plane, always the right one: 0.6^60 < 1e-13.
         answer = student.ransac_plane(points.copy(), 60, 0.1, np.random.default_rng(run))
-        assert_finds(answer, points, 0.1, on_plane)
+        assert_finds_plane(answer, points, 0.1, on_plane)
 
 
 @hidden(
@@ -450,7 +454,9 @@ def test_three_points_are_enough(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 2)
     for n in (0, 1, 2):
         assert_nothing_found(student.ransac_plane(cloud[:n].copy(), 50, 0.2, 20 + n), n)
-    assert_three_are_enough(student.ransac_plane, random_triangle(np.random.default_rng(seed)))
+    assert_three_points_are_enough(
+        student.ransac_plane, random_triangle(np.random.default_rng(seed))
+    )
 
 
 @hidden(
@@ -544,7 +550,7 @@ def cases(seed, *sizes, count=12):
 )
 def test_finds_the_number_for_planes(student, seed):
     for case, expected in cases(seed, 3):
-        assert_nearly(student.iterations_needed(*case), expected, *case)
+        assert_nearly_right(student.iterations_needed(*case), expected, *case)
 
 
 @hidden(
@@ -556,7 +562,7 @@ def test_finds_the_number_for_planes(student, seed):
 def test_uses_the_sample_size(student, seed):
     require_plain_cases(student.iterations_needed)
     for case, expected in cases(seed + 1, 1, 2, 4, 5):
-        assert_nearly(student.iterations_needed(*case), expected, *case)
+        assert_nearly_right(student.iterations_needed(*case), expected, *case)
 
 
 @hidden(

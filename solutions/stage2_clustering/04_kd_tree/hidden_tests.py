@@ -18,8 +18,8 @@ from utils.checks.assertions import (
     assert_untouched,
     call_each,
     frozen,
-    needs,
     observe,
+    precondition,
 )
 from utils.checks.lesson_04.cases import (
     diagonal_points,
@@ -138,7 +138,7 @@ def test_indices(student, seed):
     points = diagonal_points(rng.permutation(12) / 4)
     indices = rng.permutation(1000)[:12].tolist()
     tree = tree_of(student, points, indices)
-    with needs("every point is in its place"):
+    with precondition("every point is in its place"):
         assert_tree(tree, points, indices, may_be_mirrored=True)
     assert_indices(tree, points, indices)
 
@@ -152,7 +152,7 @@ def test_indices(student, seed):
 def test_two_trees(student, seed):
     points = diagonal_points(np.random.default_rng(seed).permutation(20) / 4)
     first = tree_of(student, points[:10])
-    with needs("every point is in its place"):
+    with precondition("every point is in its place"):
         assert_tree(first, points[:10], may_be_mirrored=True)
     second = student.KdTree()
     for row in range(10, 20):
@@ -174,7 +174,7 @@ def test_point(student, seed):
     tree = student.KdTree()
     for index, point in enumerate(points):
         assert_arguments_unchanged(observe(tree.insert, point, index), point, index)
-    with needs("every point is in its place"):
+    with precondition("every point is in its place"):
         assert_tree(tree, points, may_be_mirrored=True)
 
 
@@ -194,7 +194,7 @@ def with_targets(rng, points, number):
 
 def require_pruning(KdTree):
     """Require that the search skips regions, because a search of all points needs no tree."""
-    with needs("regions that cannot contain a neighbour are skipped"):
+    with precondition("regions that cannot contain a neighbour are skipped"):
         skips_regions(KdTree)
 
 
@@ -298,7 +298,7 @@ def test_search_radius(student, seed):
 def test_search_split(student, seed):
     # A point is at distance 1 along an axis. The distant node above it has the same coordinate on
     # that axis, so the box ends exactly at the split, and the point is to the right.
-    with needs("both sides are searched if the circle crosses the split"):
+    with precondition("both sides are searched if the circle crosses the split"):
         searches_both_sides(student.KdTree)
     if not finds_the_border(student.KdTree):
         return
@@ -415,7 +415,7 @@ def test_search_leaves_the_tree(student, seed):
     target = np.array([20.0, -30.0])
     points = nested_points(np.random.default_rng(seed), RINGS, 2, is_off_corners) + target
     root = grown(points)
-    with needs("the right points are found"):
+    with precondition("the right points are found"):
         assert_found(build_tree(student.KdTree, root), root, target, 1.0)
     tree = build_tree(student.KdTree, root)
     assert_untouched(tree.search, target, 1.0)
@@ -520,6 +520,6 @@ def test_median_extremes(student, seed):
 )
 def test_median_input(student, seed):
     points = distinct_points(np.random.default_rng(seed), 15, 2)
-    with needs("every part begins with its median"):
+    with precondition("every part begins with its median"):
         assert_halves(student.median_order(points.copy()), points)
     assert_untouched(student.median_order, points)

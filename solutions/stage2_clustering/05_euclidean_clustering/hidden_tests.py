@@ -10,7 +10,7 @@ import numpy as np
 from extension import samples
 from grader.judging.hidden_tests import hidden
 from utils.checks.assertions import assert_partition, assert_untouched
-from utils.checks.clusters import assert_from_one, assert_works
+from utils.checks.clusters import assert_labels_from_one, require_simplest_clusters
 
 
 def assert_clusters(student, cloud, threshold=1.0):
@@ -159,7 +159,7 @@ def test_kinds_of_arrays(student, seed):
     hint="Store labels as int: a type such as np.uint8 ends at 255.",
 )
 def test_many_clusters(student, seed):
-    assert_works(student.euclidean_clustering)
+    require_simplest_clusters(student.euclidean_clustering)
     assert_clusters(student, np.random.default_rng(seed).uniform(-100, 100, (400, 3)), 0.8)
 
 
@@ -170,7 +170,7 @@ def test_many_clusters(student, seed):
     hint="Equal points are at distance 0, so they get the same label.",
 )
 def test_extremes(student, seed):
-    assert_works(student.euclidean_clustering)
+    require_simplest_clusters(student.euclidean_clustering)
     rng = np.random.default_rng(seed)
     assert_clusters(student, rng.uniform(0, 0.2, (60, 3)))
     assert_clusters(student, np.repeat(rng.uniform(-9, 9, (5, 3)), 4, axis=0))
@@ -184,11 +184,11 @@ def test_extremes(student, seed):
     "cloud.",
 )
 def test_every_point(student, seed):
-    assert_works(student.euclidean_clustering)
+    require_simplest_clusters(student.euclidean_clustering)
     cloud, _ = objects(seed)
     alone = np.random.default_rng(seed).uniform(30, 40, (2, 3)) * [[-1, -1, 1], [1, 1, 1]]
     for whole in (np.vstack([alone[:1], cloud, alone[1:]]), alone[:1]):
-        assert_from_one(student.euclidean_clustering(whole.copy(), 1.0), len(whole))
+        assert_labels_from_one(student.euclidean_clustering(whole.copy(), 1.0), len(whole))
 
 
 @hidden(
@@ -198,6 +198,6 @@ def test_every_point(student, seed):
     hint="Store the labels in a new array.",
 )
 def test_input(student, seed):
-    assert_works(student.euclidean_clustering)
+    require_simplest_clusters(student.euclidean_clustering)
     cloud = samples.patch_of_course_cloud(seed, 300) * [1, 1, 1, 255]
     assert_untouched(student.euclidean_clustering, cloud, 0.5)

@@ -13,11 +13,11 @@ from grader.judging.hidden_tests import cached_by_content, hidden
 from utils.checks.assertions import (
     as_array,
     assert_all_columns,
-    assert_nothing_left,
+    assert_empty_table,
     assert_order,
     assert_same_set_of_rows,
     assert_untouched,
-    needs,
+    precondition,
 )
 from utils.checks.lesson_06 import (
     assert_centroids,
@@ -127,7 +127,7 @@ def test_works_on_small_clouds(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 300)
     columns = as_array(student.filter_ground(cloud.copy(), -1.2)).shape[-1]
     low = cloud - [0, 0, 60, 0]
-    assert_nothing_left(student.filter_ground(low.copy(), -1.2), low, columns)
+    assert_empty_table(student.filter_ground(low.copy(), -1.2), low, columns)
     assert_ground_removed(student, cloud[:1] + [0, 0, 60, 0])
 
 
@@ -263,7 +263,7 @@ def test_averages_the_intensity(student, seed):
     cloud = one_quadrant(samples.patch_of_course_cloud(seed, 9000), seed) * [1, 1, 1, 0.19]
     cloud = in_lower_halves(cloud, 0.2)
     expected, answer = samples.voxel_centroids(cloud, 0.2), student.voxel_grid(cloud.copy(), 0.2)
-    with needs("there is one point per occupied cell, the mean of its points"):
+    with precondition("there is one point per occupied cell, the mean of its points"):
         assert_centroids(answer, cloud, expected, 0.2)
     assert_same_set_of_rows(answer, expected)
 

@@ -16,7 +16,7 @@ from grader.judging.hidden_tests import cached_by_content, hidden
 from utils.checks.assertions import (
     as_array,
     assert_all_columns,
-    assert_nothing_left,
+    assert_empty_table,
     assert_order,
     assert_untouched,
     frozen,
@@ -187,7 +187,7 @@ def test_works_on_small_clouds(student, seed):
     cloud = flattened(samples.patch_of_course_cloud(seed, 300))
     columns = as_array(student.filter_by_distance(cloud.copy(), 10.0)).shape[-1]
     far = cloud + [100, 0, 0, 0]
-    assert_nothing_left(student.filter_by_distance(far.copy(), 10.0), far, columns)
+    assert_empty_table(student.filter_by_distance(far.copy(), 10.0), far, columns)
     assert_distance_filtered(student, np.array([[3.0, 4.0, 0.1, 0.5]]))
 
 
@@ -275,7 +275,7 @@ def other_clouds(cloud):
 
 @functools.lru_cache(maxsize=64)
 def scan_around_the_car(seed):
-    """Return part of a new street, including all invalid returns and all of the ego car."""
+    """Return part of a new street, with all invalid returns and all returns from the ego car."""
     cloud = samples.fresh_street(seed)
     near = np.flatnonzero(np.hypot(cloud[:, 0], cloud[:, 1]) < 2.5)
     rest = np.random.default_rng(seed).choice(len(cloud), 700, replace=False)
@@ -374,7 +374,7 @@ def test_crops_small_clouds(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 300)
     columns = as_array(answer_of(student, "crop_region", cloud, *REGION)).shape[-1]
     far = cloud + [200, 200, 200, 0]
-    assert_nothing_left(answer_of(student, "crop_region", far, *REGION), far, columns)
+    assert_empty_table(answer_of(student, "crop_region", far, *REGION), far, columns)
     assert_box_filtered(student, "crop_region", np.array([[1.0, 2.0, 0.5, 0.1]]), *REGION)
 
 
@@ -477,7 +477,7 @@ def test_removes_from_small_clouds(student, seed):
     columns = as_array(answer_of(student, "remove_ego_returns", cloud, *EGO_BOX)).shape[-1]
     low, high = map(np.array, EGO_BOX)
     ours = np.random.default_rng(seed).uniform([*low + 0.05, 0], [*high - 0.05, 1], (50, 4))
-    assert_nothing_left(answer_of(student, "remove_ego_returns", ours, *EGO_BOX), ours, columns)
+    assert_empty_table(answer_of(student, "remove_ego_returns", ours, *EGO_BOX), ours, columns)
     assert_box_filtered(student, "remove_ego_returns", np.array([[9.0, 8.0, 2.2, 0.1]]), *EGO_BOX)
 
 

@@ -13,7 +13,7 @@ from extension import samples
 from grader.judging.hidden_tests import hidden
 from grader.sandbox.failures import StudentStopped
 from utils.checks.assertions import CheckFailed, assert_partition, frozen
-from utils.checks.clusters import assert_works
+from utils.checks.clusters import require_simplest_clusters
 from utils.checks.lesson_10.accelerated import assert_timed_clusters
 
 NAME = "euclidean_clustering_accelerated"
@@ -96,7 +96,7 @@ def test_crowded_cells(student, seed):
     "apart?",
 )
 def test_pairs_just_above_the_threshold(student, seed):
-    assert_works(student.euclidean_clustering_accelerated)
+    require_simplest_clusters(student.euclidean_clustering_accelerated)
     cloud = _pairs_at_all_offsets(np.random.default_rng(seed))
     answer = student.euclidean_clustering_accelerated(cloud.copy(), 1.0)
     assert_partition(answer, np.arange(len(cloud)), cloud)
@@ -167,7 +167,7 @@ def test_kinds_of_arrays(student, seed):
     hint="For such a cloud, the list of pairs of cells may be empty.",
 )
 def test_extremes(student, seed):
-    assert_works(student.euclidean_clustering_accelerated)
+    require_simplest_clusters(student.euclidean_clustering_accelerated)
     rng = np.random.default_rng(seed)
     cloud, labels = _boxes_of_points(seed)
     answer = student.euclidean_clustering_accelerated(cloud * [1, 1, 0], 1.0)
@@ -183,7 +183,7 @@ def test_extremes(student, seed):
     hint="The largest label is the number of clusters, but an 8-bit integer ends at 255.",
 )
 def test_many_clusters(student, seed):
-    assert_works(student.euclidean_clustering_accelerated)
+    require_simplest_clusters(student.euclidean_clustering_accelerated)
     assert_clusters(student, np.random.default_rng(seed).uniform(-100, 100, (600, 3)), 0.05)
 
 
@@ -192,7 +192,7 @@ def test_many_clusters(student, seed):
 
 def answer_in_time(student, cloud, threshold, advice):
     """Return the answer. If the sandbox stops the process, raise a failure with advice."""
-    assert_works(student.euclidean_clustering_accelerated)
+    require_simplest_clusters(student.euclidean_clustering_accelerated)
     try:
         return student.euclidean_clustering_accelerated(cloud, threshold)
     except StudentStopped as stopped:

@@ -11,7 +11,7 @@ import itertools
 import numpy as np
 
 from grader.judging.hidden_tests import hidden
-from utils.checks.assertions import CheckFailed, needs
+from utils.checks.assertions import CheckFailed, precondition
 from utils.checks.detections import (
     as_boxes,
     assert_boxes_turned,
@@ -25,7 +25,7 @@ from utils.checks.detections import (
     assert_people_found,
     assert_raindrops_ignored,
     assert_separate_boxes,
-    detected,
+    detect_once,
     require_cars_found,
     require_cars_found_in_frame,
 )
@@ -44,11 +44,11 @@ from utils.checks.scans import (
     crossing,
     ego_car_points,
     half_sensor,
+    insert_invalid,
     rain,
+    remove_car,
     square,
     walk,
-    with_invalid,
-    without,
 )
 
 
@@ -86,14 +86,14 @@ def empty_road():
 def boxes_in(student, frame):
     """Require that the detector finds the cars in a frame, and return its boxes."""
     require_cars_found_in_frame(student.detect_obstacles, frame)
-    return detected(student.detect_obstacles, frame)
+    return detect_once(student.detect_obstacles, frame)
 
 
 def assert_found_on_climbs(student, seed, kind):
     """Require that a square's cars are found, and check objects of a kind on two climbing roads."""
     require_cars_found_in_frame(student.detect_obstacles, square(seed))
     for frame in (climb(seed), climb(seed + 1)):
-        assert_kind_contained(detected(student.detect_obstacles, frame), kind, frame)
+        assert_kind_contained(detect_once(student.detect_obstacles, frame), kind, frame)
 
 
 def answer_for(student, cloud, frame):
@@ -112,7 +112,7 @@ def answer_for(student, cloud, frame):
 def test_fresh_streets(student, seed):
     require_cars_found_in_frame(student.detect_obstacles, square(seed))
     frames = fresh_streets(seed)
-    assert_cars_found([detected(student.detect_obstacles, frame) for frame in frames], frames)
+    assert_cars_found([detect_once(student.detect_obstacles, frame) for frame in frames], frames)
 
 
 @hidden(
@@ -124,7 +124,7 @@ def test_fresh_streets(student, seed):
 def test_city(student, seed):
     require_cars_found_in_frame(student.detect_obstacles, square(seed))
     frame = city_frame(seed)
-    assert_cars_found([detected(student.detect_obstacles, frame)], [frame])
+    assert_cars_found([detect_once(student.detect_obstacles, frame)], [frame])
 
 
 @hidden(
@@ -147,7 +147,7 @@ def test_people(student, seed):
 def test_reach(student, seed):
     require_cars_found_in_frame(student.detect_obstacles, square(seed))
     frame = crossing(seed)
-    assert_contained(detected(student.detect_obstacles, frame), car_across(frame), frame)
+    assert_contained(detect_once(student.detect_obstacles, frame), car_across(frame), frame)
 
 
 @hidden(
@@ -187,10 +187,10 @@ def test_lorries(student, seed):
     hint="Two objects become one cluster if the threshold is larger than the gap between them.",
 )
 def test_parked_cars(student, seed):
-    with needs("the detector finds cars at the edge of the road"):
+    with precondition("the detector finds cars at the edge of the road"):
         assert_found_on_climbs(student, seed, "car")
     for frame in (climb(seed), climb(seed + 1)):
-        assert_separate_boxes(detected(student.detect_obstacles, frame), frame, GAP)
+        assert_separate_boxes(detect_once(student.detect_obstacles, frame), frame, GAP)
 
 
 @hidden(
@@ -237,7 +237,7 @@ def test_ego_car(student, seed):
 )
 def test_lost_returns(student, seed):
     frame = square(seed + 2)
-    cloud = with_invalid(frame.cloud, seed)
+    cloud = insert_invalid(frame.cloud, seed)
     assert_no_box_at_sensor(answer_for(student, cloud, frame), frame)
 
 
@@ -263,10 +263,10 @@ def test_rain(student, seed):
 )
 def test_removed_car(student, seed):
     car = clear_cars(square(seed + 4))[seed % 3]
-    frame = without(car, square(seed + 4))
-    # The detector must see the car in the call just before. `detected` caches answers, so no other
-    # test may use this square.
-    detected(student.detect_obstacles, square(seed + 4))
+    frame = remove_car(car, square(seed + 4))
+    # The detector must see the car in the call just before. `detect_once` caches answers, so no
+    # other test may use this square.
+    detect_once(student.detect_obstacles, square(seed + 4))
     assert_no_box_left(answer_for(student, frame.cloud.copy(), frame), car, frame)
 
 

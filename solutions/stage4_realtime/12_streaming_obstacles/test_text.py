@@ -14,7 +14,7 @@ from utils import load_my_functions, scenes, scoring
 from utils.checks.core import checks_of, notes_of, run_check
 from utils.checks.detections import _contains_obstacle
 from utils.checks.failures import NotYet
-from utils.checks.run_cache import one_run
+from utils.checks.run_cache import cached_run
 from utils.notebooks import slicing
 from utils.scoring import counted, holders, name_mistakes
 
@@ -501,7 +501,7 @@ def test_no_check_waits_for_a_passed_check():
     for seed in range(4):  # with some seeds, a single round finds the road
         namespace = {"np": np}
         exec(lucky.source.replace("(low, 1, 0.2, 0)", f"(low, 1, 0.2, {seed})"), namespace)
-        with one_run():
+        with cached_run():
             outcomes = [
                 run_check(check, namespace["detect_obstacles"])
                 for check in checks_of("detect_obstacles")

@@ -8,10 +8,10 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from utils.checks import common_checks
-from utils.checks.assertions import CheckFailed, assert_untouched, frozen, needs, point_text
+from utils.checks.assertions import CheckFailed, assert_untouched, frozen, point_text, precondition
 from utils.checks.common_checks import Case
 from utils.checks.core import visible
-from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.lesson_03.planes import (
     TRIANGLES,
     as_plane,
@@ -48,8 +48,8 @@ def assert_direction(answer: object, points: np.ndarray, given: str | None = Non
             "Another plane through the mean of these points is closer to them than the one with "
             "your (a, b, c).",
             given=given,
-            yours=f"{plane_text(plane)}, {yours:.4f} m root mean square distance",
-            expected=f"{expected_text(plane, best)}, {least:.4f} m",
+            yours=f"{plane_text(plane)}, root mean square distance {yours:.4f} m",
+            expected=f"{expected_text(plane, best)}, root mean square distance {least:.4f} m",
             draw=lambda: draw_edge_on(np.asarray(points), plane, None, None, best),
         )
 
@@ -78,7 +78,7 @@ def assert_through_the_mean(answer: object, points: np.ndarray) -> None:
 
 def require_direction(fit_plane: Callable) -> None:
     """Raise `NotYet` if the direction of the normal is wrong."""
-    with needs("(a, b, c) is the direction of least spread"):
+    with precondition("(a, b, c) is the direction of least spread"):
         points, _ = scattered_plane(2, 80, 0, noise=0.05)
         assert_direction(fit_plane(points.copy()), points)
 
@@ -245,7 +245,7 @@ def leaves_the_points(fit_plane: Callable) -> None:
     assert_untouched(fit_plane, points)
 
 
-common_checks.names(
+common_checks.promise_names(
     Case(
         __name__,
         "fit_plane",
@@ -276,7 +276,7 @@ def _fit_along_z(points: np.ndarray) -> np.ndarray:
     return np.array([a, b, -1.0, d])
 
 
-mistakes(
+declare_mistakes(
     "fit_plane",
     Mistake(
         "The points are not centred, so their spread is measured around the sensor.",
@@ -338,5 +338,5 @@ mistakes(
         (np.array([[4.0, 0, 2], [4.2, 5, 7], [6, 1, 1], [7, 6, 5.5], [9, 2, -2.5]]),),
     ),
     right=lambda points: best_plane(points)[0],
-    same=same_plane,
+    is_same=same_plane,
 )

@@ -7,10 +7,10 @@ from decimal import Decimal, localcontext
 import numpy as np
 
 from utils.checks import common_checks
-from utils.checks.assertions import CheckFailed, WrongForm, as_array, brief, needs
+from utils.checks.assertions import CheckFailed, WrongForm, as_array, brief_text, precondition
 from utils.checks.common_checks import Case
 from utils.checks.core import visible
-from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.diagnosis import Mistake, declare_mistakes
 
 
 def assert_number(answer: object) -> np.ndarray:
@@ -20,7 +20,7 @@ def assert_number(answer: object) -> np.ndarray:
     -------
     numpy.ndarray, shape ()
     """
-    number = as_array(answer, what="a whole number")
+    number = as_array(answer, description="a whole number")
     if number.shape != ():
         raise WrongForm(
             "The answer must be a single number.",
@@ -30,7 +30,7 @@ def assert_number(answer: object) -> np.ndarray:
     return number
 
 
-def assert_nearly(answer: object, expected: int, *case: object) -> None:
+def assert_nearly_right(answer: object, expected: int, *case: object) -> None:
     """Assert that the answer is right to within one, because another check covers rounding.
 
     Parameters
@@ -82,7 +82,7 @@ def assert_infinite(answer: object) -> None:
     raise CheckFailed(
         "Without inliers, no number of samples is enough.",
         given=_call_text((0.0, 3, 0.99)),
-        yours=brief(answer),
+        yours=brief_text(answer),
         expected="math.inf",
     )
 
@@ -94,14 +94,14 @@ def _call_text(case: Sequence) -> str | None:
 
 def require_plain_cases(iterations_needed: Callable) -> None:
     """Raise `NotYet` if plain cases are wrong by more than one."""
-    with needs("the number of samples is right to within one"):
-        assert_nearly(iterations_needed(0.6, 3, 0.99), 19)
-        assert_nearly(iterations_needed(0.3, 3, 0.99), 169)
+    with precondition("the number of samples is right to within one"):
+        assert_nearly_right(iterations_needed(0.6, 3, 0.99), 19)
+        assert_nearly_right(iterations_needed(0.3, 3, 0.99), 169)
 
 
 def require_decreasing_numbers(iterations_needed: Callable) -> None:
     """Raise `NotYet` unless the number of samples falls as the share of inliers rises."""
-    with needs("more inliers need fewer samples"):
+    with precondition("more inliers need fewer samples"):
         for_few, for_more, for_most = (
             float(assert_number(iterations_needed(ratio, 3, 0.99))) for ratio in (0.2, 0.4, 0.7)
         )
@@ -120,7 +120,7 @@ def require_decreasing_numbers(iterations_needed: Callable) -> None:
 def computes_the_number(iterations_needed: Callable) -> None:
     for ratio, expected in ((0.6, 19), (0.3, 169), (0.2, 574), (0.7, 11), (0.01, 4605168)):
         answer = iterations_needed(ratio, 3, 0.99)
-        assert_nearly(answer, expected, ratio, 3, 0.99)
+        assert_nearly_right(answer, expected, ratio, 3, 0.99)
 
 
 @visible(
@@ -146,7 +146,7 @@ def rounds_up(iterations_needed: Callable) -> None:
 def uses_the_sample_size(iterations_needed: Callable) -> None:
     require_plain_cases(iterations_needed)
     for size, expected in ((1, 7), (2, 17), (4, 72), (5, 146)):
-        assert_nearly(iterations_needed(0.5, size, 0.99), expected, 0.5, size, 0.99)
+        assert_nearly_right(iterations_needed(0.5, size, 0.99), expected, 0.5, size, 0.99)
 
 
 @visible(
@@ -160,9 +160,9 @@ def uses_the_confidence(iterations_needed: Callable) -> None:
     require_plain_cases(iterations_needed)
     for confidence, expected in ((0.8, 34), (0.9, 49), (0.999, 145), (0.9999, 193)):
         answer = iterations_needed(0.36, 3, confidence)
-        assert_nearly(answer, expected, 0.36, 3, confidence)
+        assert_nearly_right(answer, expected, 0.36, 3, confidence)
     # Here the inlier ratio is larger than the confidence.
-    assert_nearly(iterations_needed(0.7, 4, 0.6), 4, 0.7, 4, 0.6)
+    assert_nearly_right(iterations_needed(0.7, 4, 0.6), 4, 0.7, 4, 0.6)
 
 
 @visible(
@@ -180,7 +180,7 @@ def returns_one_without_outliers(iterations_needed: Callable) -> None:
             raise CheckFailed(
                 "Every sample is good here, so you need exactly one.",
                 given=_call_text((ratio, size, confidence)),
-                yours=brief(answer),
+                yours=brief_text(answer),
                 expected="1",
             )
 
@@ -203,13 +203,13 @@ def returns_infinity_without_inliers(iterations_needed: Callable) -> None:
         assert_infinite(answer)
 
 
-common_checks.names(
+common_checks.promise_names(
     Case(
         __name__,
         "iterations_needed",
         {"inlier_ratio": 0.6, "sample_size": 3, "confidence": 0.99},
         expected=19,
-        compare=lambda answer, *case: assert_nearly(answer, case[-1], *case[:-1]),
+        compare=lambda answer, *case: assert_nearly_right(answer, case[-1], *case[:-1]),
         precondition=require_plain_cases,
     ),
     "keeps_the_names_of_the_parameters",
@@ -238,7 +238,7 @@ def iterations_by_counting(ratio: float, size: int, confidence: float) -> int | 
     return None
 
 
-mistakes(
+declare_mistakes(
     "iterations_needed",
     Mistake(
         "The number is rounded down, so it is too small to reach the confidence.",

@@ -9,14 +9,14 @@ from utils.checks import common_checks
 from utils.checks.assertions import (
     CheckFailed,
     as_array,
-    brief,
+    brief_text,
     frozen,
-    needs,
     point_text,
+    precondition,
 )
 from utils.checks.common_checks import Case
 from utils.checks.core import visible
-from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.failures import fixed
 from utils.checks.lesson_03.planes import (
     LARGE_AND_SMALL,
@@ -83,7 +83,8 @@ def assert_perpendicular(answer: object, triangle: np.ndarray) -> None:
     plane = as_plane_of_triangle(answer, triangle)
     sides = np.roll(triangle, -1, axis=0) - triangle
     lengths = np.linalg.norm(sides, axis=1) * np.linalg.norm(plane[:3])
-    angle = np.degrees(np.arcsin(np.clip(np.abs(sides @ plane[:3]) / lengths, 0, 1))).max()
+    with np.errstate(invalid="ignore", divide="ignore"):  # the answer may be (0, 0, 0, 0)
+        angle = np.degrees(np.arcsin(np.clip(np.abs(sides @ plane[:3]) / lengths, 0, 1))).max()
     if angle > 0.1:
         raise CheckFailed(
             f"(a, b, c) is not perpendicular to the triangle: it is off by {angle:.1f} degrees.",
@@ -127,21 +128,21 @@ def assert_no_plane(answer: object, line: np.ndarray, nearly: str = "") -> None:
         raise CheckFailed(
             f"These three points lie on one line{nearly}: infinitely many planes contain them.",
             given=triangle_text(line),
-            yours=brief(as_array(answer, what="None, or four numbers")),
+            yours=brief_text(as_array(answer, description="None, or four numbers")),
             expected="None",
         )
 
 
 def require_perpendicular_normals(plane_through: Callable) -> None:
     """Raise `NotYet` if the normal is not perpendicular to triangles."""
-    with needs("the normal is perpendicular to the triangle"):
+    with precondition("the normal is perpendicular to the triangle"):
         for triangle in TRIANGLES[2:]:
             assert_perpendicular(plane_through(*triangle.copy()), triangle)
 
 
 def require_planes(plane_through: Callable) -> None:
     """Raise `NotYet` if the function returns no plane for points that define one."""
-    with needs("three points that are not on one line give a plane"):
+    with precondition("three points that are not on one line give a plane"):
         for triangle in TRIANGLES[:2]:
             as_plane_of_triangle(plane_through(*triangle.copy()), triangle)
 
@@ -211,7 +212,7 @@ def returns_none_for_a_line(plane_through: Callable) -> None:
 )
 def allows_for_rounding_errors(plane_through: Callable) -> None:
     require_planes(plane_through)
-    with needs("points exactly on one line give None"):
+    with precondition("points exactly on one line give None"):
         assert_no_plane(plane_through(*_LINES[0].copy()), _LINES[0])
     start, step = np.array([0.1, 0.2, 0.3]), np.array([0.7, 0.1, -0.3])
     line = np.array([start, start + 0.1 * step, start + 0.7 * step])
@@ -249,14 +250,14 @@ _SLOPE_CASE = Case(
     compare=lambda answer, p, q, r, triangle: assert_perpendicular(answer, triangle),
     precondition=require_perpendicular_normals,
 )
-common_checks.untouched(
+common_checks.promise_untouched(
     _SLOPE_CASE,
     "leaves_its_points",
     title="Leaves its points untouched",
     why="The sample is part of the cloud: if a point moves, it stays wrong in all later rounds.",
     hint="Store q - p and r - p in new variables; q -= p would move q.",
 )
-common_checks.names(
+common_checks.promise_names(
     _SLOPE_CASE,
     "keeps_p_q_r",
     title="Keeps the names of its parameters: p, q and r",
@@ -270,7 +271,7 @@ def _cross_length(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> float:
     return math.sqrt((a + b + c) * (b + c - a) * (c + a - b) * (a + b - c)) / 2
 
 
-mistakes(
+declare_mistakes(
     "plane_through",
     Mistake(
         "The sign of d is wrong: a x + b y + c z + d must be 0 at the points, so d is minus a x "
@@ -294,6 +295,17 @@ mistakes(
         lambda right, p, q, r: best_plane(np.array([0 * p, p, q]))[0],
         "Use the sides of the triangle, q - p and r - p. They lie in the plane; p and q do not.",
     ),
+    *(
+        Mistake(
+            f"The cross product is computed from the points {names} themselves, not from sides.",
+            lambda right, *points, pair=pair: plane_at(
+                points[0], best_plane(np.array([0 * points[0], *(points[k] for k in pair)]))[0][:3]
+            ),
+            "Use the sides of the triangle, q - p and r - p. They lie in the plane; the points as "
+            "vectors do not.",
+        )
+        for names, pair in (("q and r", (1, 2)), ("p and r", (0, 2)))
+    ),
     Mistake(
         "p is subtracted from q, but not from r.",
         lambda right, p, q, r: plane_at(p, best_plane(np.array([0 * p, q - p, r]))[0][:3]),
@@ -310,5 +322,5 @@ mistakes(
         tuple(np.array([[2.0, 5.0, 0.5], [8.0, 5.0, 1.0], [5.0, 5.0, -1.5]])),
     ),
     right=lambda *points: best_plane(np.array(points))[0],
-    same=same_plane,
+    is_same=same_plane,
 )

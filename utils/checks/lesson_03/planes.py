@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import utils
-from utils.checks.assertions import CheckFailed, WrongForm, as_array, brief, frozen, point_text
+from utils.checks.assertions import CheckFailed, WrongForm, as_array, brief_text, frozen, point_text
 from utils.checks.diagnosis import same_array
 from utils.checks.failures import fixed
 from utils.geometry import with_unit_normal
@@ -55,7 +55,7 @@ def as_plane(answer: object) -> np.ndarray:
     CheckFailed
         If the answer is not four finite numbers, or its normal is (0, 0, 0).
     """
-    plane = as_array(answer, what="four numbers (a, b, c, d)")
+    plane = as_array(answer, description="four numbers (a, b, c, d)")
     if plane.shape != (4,):
         note = " The fourth, d, is missing." if plane.shape == (3,) else ""
         raise WrongForm(
@@ -65,7 +65,7 @@ def as_plane(answer: object) -> np.ndarray:
         )
     plane = plane.astype(float)
     if not np.isfinite(plane).all():
-        raise CheckFailed("Some of the four numbers are not finite.", yours=brief(plane))
+        raise CheckFailed("Some of the four numbers are not finite.", yours=brief_text(plane))
     if not plane[:3].any():
         raise CheckFailed(
             fixed("The normal (a, b, c) is (0, 0, 0), which has no direction."),

@@ -10,16 +10,16 @@ from utils.checks import common_checks
 from utils.checks.assertions import (
     CheckFailed,
     as_array,
+    as_shape,
     assert_untouched,
-    brief,
+    brief_text,
     frozen,
-    in_shape,
-    needs,
     point_text,
+    precondition,
 )
 from utils.checks.common_checks import Case
 from utils.checks.core import visible
-from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.run_cache import once
 
 # A unit normal, and points in front of the plane with this normal through the sensor.
@@ -69,8 +69,8 @@ def assert_distances(answer: object, points: np.ndarray, plane: ArrayLike) -> No
         A plane with a unit normal.
     """
     expected = exact_distances(points, plane)
-    yours = as_array(answer, what="an array of distances")
-    yours = in_shape(
+    yours = as_array(answer, description="an array of distances")
+    yours = as_shape(
         yours,
         expected.shape,
         f"one distance for each of the {len(points)} points"
@@ -84,7 +84,8 @@ def assert_distances(answer: object, points: np.ndarray, plane: ArrayLike) -> No
         count = f"{len(wrong)} of {len(expected)} distances {'is' if len(wrong) == 1 else 'are'}"
         raise CheckFailed(
             f"{count if len(expected) > 1 else 'The distance is'} wrong.",
-            given=f"point {point_text(points[first])}, plane {brief(np.asarray(plane, float))}",
+            given=f"point {point_text(points[first])}, "
+            f"plane {brief_text(np.asarray(plane, float))}",
             yours=f"{yours[first]:.4g} m",
             expected=f"{expected[first]:.4g} m",
         )
@@ -102,25 +103,27 @@ def assert_ignores_intensity(
     plane : numpy.ndarray, shape (4,)
     """
     plain, yours = (
-        as_array(point_plane_distance(points.copy(), plane.copy()), what="an array of distances")
+        as_array(
+            point_plane_distance(points.copy(), plane.copy()), description="an array of distances"
+        )
         for points in (cloud[:, :3], cloud)
     )
     for distances in (plain, yours):
         one_per_point = f"one distance for each of the {len(cloud)} points"
-        in_shape(distances, (len(cloud),), one_per_point, columns=4)
+        as_shape(distances, (len(cloud),), one_per_point, columns=4)
     if not np.abs(yours - plain).max() <= 1e-3:
         raise CheckFailed(
             "With the intensity in a fourth column, the distances differ from those without it.",
             given=f"a plane with d = {plane[3]:.3g}",
-            yours=brief(yours),
-            expected=brief(plain),
+            yours=brief_text(yours),
+            expected=brief_text(plain),
         )
 
 
 @once
 def require_plain_distances(point_plane_distance: Callable) -> None:
     """Raise `NotYet` if distances are wrong in front of planes through the sensor."""
-    with needs("the distances from a plane through the sensor are right"):
+    with precondition("the distances from a plane through the sensor are right"):
         _assert_plain(point_plane_distance)
 
 
@@ -189,7 +192,7 @@ def returns_no_negative_distances(point_plane_distance: Callable) -> None:
     hint="Compute the whole sum including d, then take np.abs of it.",
 )
 def takes_abs_last(point_plane_distance: Callable) -> None:
-    with needs("d is added and no distance is negative"):
+    with precondition("d is added and no distance is negative"):
         adds_d(point_plane_distance)
         returns_no_negative_distances(point_plane_distance)
     points = np.concatenate([_IN_FRONT, _BEHIND])[:, :3]
@@ -250,7 +253,7 @@ def leaves_cloud_and_plane(point_plane_distance: Callable) -> None:
     assert_untouched(point_plane_distance, _BEHIND[:, :3], np.array([*_NORMAL, 2.0]))
 
 
-common_checks.names(
+common_checks.promise_names(
     Case(
         __name__,
         "point_plane_distance",
@@ -279,7 +282,7 @@ def gives_an_array(point_plane_distance: Callable) -> None:
     if not isinstance(answer, np.ndarray):
         raise CheckFailed(
             "The numbers are right, but they are not a NumPy array.",
-            yours=f"{type(answer).__name__} {brief(answer)}",
+            yours=f"{type(answer).__name__} {brief_text(answer)}",
             expected="a NumPy array",
         )
 
@@ -289,7 +292,7 @@ def _absolute_terms(points: np.ndarray, plane: ArrayLike) -> np.ndarray:
     return np.abs(np.column_stack([points[:, :3], np.ones(len(points))]) * np.asarray(plane))
 
 
-mistakes(
+declare_mistakes(
     "point_plane_distance",
     Mistake(
         "The absolute value is missing: distances behind the plane are negative.",

@@ -10,8 +10,8 @@ from utils.checks.assertions import (
     assert_untouched,
     call_each,
     frozen,
-    needs,
     point_text,
+    precondition,
 )
 from utils.checks.common_checks import Case
 from utils.checks.core import noted, visible
@@ -27,7 +27,7 @@ from utils.checks.lesson_03.results import (
     as_mask,
     as_model,
     as_pair,
-    assert_finds,
+    assert_finds_plane,
     assert_inliers_within_tolerance,
     assert_nearest_are_inliers,
     assert_nothing_found,
@@ -54,20 +54,20 @@ _SEVEN_POINTS = frozen(
 @once
 def require_plane_among_outliers(ransac_plane: Callable) -> None:
     """Raise `NotYet` if the plane is not found among outliers."""
-    with needs("the plane is found among outliers"):
+    with precondition("the plane is found among outliers"):
         for seed in (1, 2, 3):
             points, on_plane = scattered_plane(seed, 60, 20, noise=0.02)
             # One sample in three is good, so 60 rounds fail with a probability of 0.67^60 < 1e-10.
             answer = ransac_plane(points.copy(), 60, 0.2, np.random.default_rng(seed))
-            assert_finds(answer, points, 0.2, on_plane)
+            assert_finds_plane(answer, points, 0.2, on_plane)
 
 
 def require_plane_without_outliers(ransac_plane: Callable) -> None:
     """Raise `NotYet` if no plane is found when all points lie on it."""
-    with needs("a plane is found when all points lie on it"):
+    with precondition("a plane is found when all points lie on it"):
         points, on_plane = scattered_plane(2, 40, 0)
         answer = ransac_plane(points.copy(), 30, 0.3, np.random.default_rng(2))
-        assert_finds(answer, points, 0.5, on_plane, share=0.5)
+        assert_finds_plane(answer, points, 0.5, on_plane, share=0.5)
 
 
 @once
@@ -116,7 +116,7 @@ def finds_the_plane(ransac_plane: Callable) -> None:
     on_floor = _SEVEN_POINTS[:, 2] == -1.7
     # Two samples in seven are good, so 80 rounds fail with a probability of 0.714^80 < 1e-11.
     answer = ransac_plane(_SEVEN_POINTS.copy(), 80, 0.1, np.random.default_rng(1))
-    assert_finds(
+    assert_finds_plane(
         answer,
         _SEVEN_POINTS,
         0.1,
@@ -127,7 +127,7 @@ def finds_the_plane(ransac_plane: Callable) -> None:
         points, on_plane = scattered_plane(seed, 60, 30, noise=0.02)
         rng = np.random.default_rng(seed)
         # More than one sample in five is good, so 90 rounds fail with a probability below 1e-10.
-        assert_finds(ransac_plane(points.copy(), 90, 0.2, rng), points, 0.2, on_plane)
+        assert_finds_plane(ransac_plane(points.copy(), 90, 0.2, rng), points, 0.2, on_plane)
 
 
 @visible(
@@ -153,7 +153,7 @@ def mask_belongs_to_model(ransac_plane: Callable) -> None:
 )
 def uses_the_tolerance(ransac_plane: Callable) -> None:
     require_plane_among_outliers(ransac_plane)
-    with needs("the mask belongs to the model"):
+    with precondition("the mask belongs to the model"):
         _assert_masks_belong_to_models(ransac_plane)
     points, _ = scattered_plane(21, 90, 0, noise=0.2)
     for tolerance in (0.05, 0.12, 0.35):
@@ -190,7 +190,7 @@ def draws_enough_samples(ransac_plane: Callable) -> None:
     for seed in (31, 32):
         points, on_plane = scattered_plane(seed, 20, 40)
         rng = np.random.default_rng(6)
-        assert_finds(ransac_plane(points.copy(), 800, 0.2, rng), points, 0.2, on_plane)
+        assert_finds_plane(ransac_plane(points.copy(), 800, 0.2, rng), points, 0.2, on_plane)
 
 
 def assert_no_round_is_missing(ransac_plane: Callable) -> None:
@@ -270,7 +270,7 @@ def continues_after_degenerate_samples(ransac_plane: Callable) -> None:
         ):
             # Four samples in ten are good, so 40 rounds fail with a probability of 0.58^40 < 1e-9.
             answer = ransac_plane(points.copy(), 40, 0.2, np.random.default_rng(seed))
-            assert_finds(answer, points, 0.2, on_plane, given=given)
+            assert_finds_plane(answer, points, 0.2, on_plane, given=given)
 
 
 @visible(
@@ -287,10 +287,10 @@ def returns_for_too_few_points(ransac_plane: Callable) -> None:
             points = np.arange(float(n * columns)).reshape(n, columns)
             rng = np.random.default_rng(9)
             assert_nothing_found(ransac_plane(points.copy(), 5, 0.2, rng), n)
-    assert_three_are_enough(ransac_plane, TRIANGLES[0])
+    assert_three_points_are_enough(ransac_plane, TRIANGLES[0])
 
 
-def assert_three_are_enough(ransac_plane: Callable, triangle: np.ndarray) -> None:
+def assert_three_points_are_enough(ransac_plane: Callable, triangle: np.ndarray) -> None:
     """Assert that at least one of 12 runs finds the plane through three points."""
     for seed in range(12):
         answer = ransac_plane(triangle.copy(), 10, 0.2, np.random.default_rng(seed))
@@ -417,24 +417,24 @@ def draws_from_all_rows(ransac_plane: Callable) -> None:
 def includes_the_threshold(ransac_plane: Callable) -> None:
     require_plane_among_outliers(ransac_plane)
     four = np.array([[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0], [1.0, 1.0, 1.0]])
-    assert_border_is_inlier(ransac_plane, four)
+    assert_threshold_is_inclusive(ransac_plane, four)
 
 
-def assert_border_is_inlier(ransac_plane: Callable, four: np.ndarray) -> None:
+def assert_threshold_is_inclusive(ransac_plane: Callable, points: np.ndarray) -> None:
     """Assert that a point exactly `distance_tolerance` away from the plane counts as an inlier.
 
     Parameters
     ----------
     ransac_plane : callable
-    four : numpy.ndarray, shape (4, 3)
+    points : numpy.ndarray, shape (4, 3)
         Four points with whole-numbered coordinates, so that distances are exact. The first three
         are on a plane parallel to two axes, and the fourth is exactly 1 m from that plane.
     """
-    [axis] = np.flatnonzero((four[:3] == four[0]).all(axis=0))  # the axis of the normal
-    exact = np.append(np.eye(3)[axis], -four[0, axis])
+    [axis] = np.flatnonzero((points[:3] == points[0]).all(axis=0))  # the axis of the normal
+    exact = np.append(np.eye(3)[axis], -points[0, axis])
     matching_planes = 0
     for seed in range(40):
-        answer = ransac_plane(four.copy(), 3, 1.0, np.random.default_rng(seed))
+        answer = ransac_plane(points.copy(), 3, 1.0, np.random.default_rng(seed))
         plane = _plane_or_none(answer)
         # Skip other planes: one that was refitted to its inliers may be off in the last digits.
         if plane is None or not (np.array_equal(plane, exact) or np.array_equal(plane, -exact)):
@@ -443,7 +443,7 @@ def assert_border_is_inlier(ransac_plane: Callable, four: np.ndarray) -> None:
             raise CheckFailed(
                 "A point at exactly distance_tolerance from the plane is not marked.",
                 given=f"distance_tolerance=1.0, the plane {plane_text(plane)} and the point "
-                f"{point_text(four[3])}",
+                f"{point_text(points[3])}",
                 yours="False",
                 expected="True",
             )
@@ -463,7 +463,7 @@ def ignores_intensity(ransac_plane: Callable) -> None:
     require_plane_among_outliers(ransac_plane)
     points, on_plane = scattered_plane(51, 50, 20, columns=4)
     rng = np.random.default_rng(10)
-    assert_finds(ransac_plane(points.copy(), 90, 0.2, rng), points, 0.2, on_plane)
+    assert_finds_plane(ransac_plane(points.copy(), 90, 0.2, rng), points, 0.2, on_plane)
 
 
 @visible(
@@ -477,7 +477,7 @@ def finds_a_wall(ransac_plane: Callable) -> None:
     require_plane_among_outliers(ransac_plane)
     points, on_plane = scattered_plane(52, 50, 20, plane=(0.6, 0.8, 0.0, -4.0))
     rng = np.random.default_rng(11)
-    assert_finds(ransac_plane(points.copy(), 90, 0.2, rng), points, 0.2, on_plane)
+    assert_finds_plane(ransac_plane(points.copy(), 90, 0.2, rng), points, 0.2, on_plane)
 
 
 @visible(
@@ -553,7 +553,7 @@ def _planes_equal(first: np.ndarray | None, second: np.ndarray | None) -> bool:
 @visible(
     "ransac_plane",
     weight=3,
-    title="Accepts a whole number, a seed, as rng",
+    title="Accepts an integer seed as rng",
     why="A seed can be written to a log file; a generator cannot.",
     hint="Begin with rng = np.random.default_rng(rng): it makes a generator from a whole number "
     "and returns a generator unchanged.",
@@ -562,7 +562,7 @@ def takes_a_seed(ransac_plane: Callable) -> None:
     require_plane_among_outliers(ransac_plane)
     for seed in (1, 2, 3):
         points, on_plane = scattered_plane(70 + seed, 60, 30)
-        assert_finds(ransac_plane(points.copy(), 90, 0.2, seed), points, 0.2, on_plane)
+        assert_finds_plane(ransac_plane(points.copy(), 90, 0.2, seed), points, 0.2, on_plane)
     generators, seeds = (
         _quick_planes(ransac_plane, points, 2, 0.2, values)
         for values in ((np.random.default_rng(3), np.random.default_rng(3)), (3, 3))
@@ -579,7 +579,7 @@ def takes_a_seed(ransac_plane: Callable) -> None:
 
 
 _POINTS, _ON_PLANE = frozen(scattered_plane(1, 60, 30, noise=0.02))
-common_checks.names(
+common_checks.promise_names(
     Case(
         __name__,
         "ransac_plane",
@@ -590,7 +590,7 @@ common_checks.names(
             "rng": np.random.default_rng(1),
         },
         expected=_ON_PLANE,
-        compare=lambda answer, points, _, tolerance, __, on_plane: assert_finds(
+        compare=lambda answer, points, _, tolerance, __, on_plane: assert_finds_plane(
             answer, points, tolerance, on_plane
         ),
         precondition=require_plane_among_outliers,

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from utils.checks.assertions import CheckFailed, WrongForm, as_array, brief, in_shape
+from utils.checks.assertions import CheckFailed, WrongForm, as_array, as_shape, brief_text
 from utils.checks.lesson_03.planes import as_plane, draw_edge_on
 from utils.geometry import best_plane, gaps_from
 
@@ -20,7 +20,7 @@ def as_pair(answer: object) -> Sequence:
     if not isinstance(answer, (tuple, list)) or len(answer) != 2:
         raise WrongForm(
             "Return two things, the model and the mask: `return model, inliers`.",
-            yours=brief(answer),
+            yours=brief_text(answer),
             expected="(model, inliers)",
         )
     return answer
@@ -53,11 +53,11 @@ def as_model(answer: object, given: str | None = None) -> np.ndarray:
             yours="None",
             expected="four numbers (a, b, c, d)",
         )
-    if as_array(model, what="four numbers (a, b, c, d)").dtype.kind == "b":
+    if as_array(model, description="four numbers (a, b, c, d)").dtype.kind == "b":
         raise WrongForm(
             "The first returned value is a mask, but the model comes first: `return model, "
             "inliers`.",
-            yours=brief(model),
+            yours=brief_text(model),
             expected="four numbers (a, b, c, d)",
         )
     return as_plane(model)
@@ -76,19 +76,19 @@ def as_mask(answer: object, n: int) -> np.ndarray:
     -------
     numpy.ndarray of bool, shape (n,)
     """
-    mask = as_array(as_pair(answer)[1], what="a mask of True and False")
+    mask = as_array(as_pair(answer)[1], description="a mask of True and False")
     if mask.shape == (0,) and n == 0:
         return mask.astype(bool)
     if mask.dtype != bool:
         raise WrongForm(
             "The inliers must be a mask with one True or False per point, not numbers or indices.",
-            yours=brief(mask),
+            yours=brief_text(mask),
             expected=f"{n} values, each True or False",
         )
-    return in_shape(mask, (n,), "one True or False for each point")
+    return as_shape(mask, (n,), "one True or False for each point")
 
 
-def assert_finds(
+def assert_finds_plane(
     answer: object,
     points: np.ndarray,
     distance_tolerance: float,
@@ -197,12 +197,12 @@ def assert_nothing_found(answer: object, n: int) -> None:
     if model is not None:
         raise CheckFailed(
             "No plane can be found here: the model must be None.",
-            yours=brief(model),
+            yours=brief_text(model),
             expected="None",
         )
     if as_mask(answer, n).any():
         raise CheckFailed(
             "Without a model there are no inliers: the mask must be all False.",
-            yours=brief(np.asarray(inliers)),
+            yours=brief_text(np.asarray(inliers)),
             expected="all False",
         )

@@ -9,15 +9,15 @@ from numpy.typing import ArrayLike
 from utils.checks.assertions import (
     CheckFailed,
     assert_arguments_unchanged,
-    brief,
+    brief_text,
     call_each,
     frozen,
-    needs,
+    get_attribute_path,
     observe,
-    reach,
+    precondition,
 )
 from utils.checks.core import noted, visible
-from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.failures import fixed
 from utils.checks.lesson_04.cases import ELEVEN_POINTS, chain_tree, diagonal_points
 from utils.checks.lesson_04.trees import (
@@ -53,20 +53,20 @@ def require_root(KdTree: Callable) -> None:
 
     If the root is wrong, a walk down the tree may never end.
     """
-    with needs("the first point becomes the root"):
+    with precondition("the first point becomes the root"):
         first_is_root(KdTree)
 
 
 @once
 def _assert_sides(KdTree: Callable) -> None:
-    with needs("at the root, a smaller x goes left and a greater x goes right"):
+    with precondition("at the root, a smaller x goes left and a greater x goes right"):
         assert_tree(_tree_of(KdTree, _TWO_LEVELS), _TWO_LEVELS)
 
 
 @once
 def _assert_axes_alternate(KdTree: Callable) -> None:
     _assert_sides(KdTree)
-    with needs("x is compared at the root and y one level below"):
+    with precondition("x is compared at the root and y one level below"):
         assert_tree(_tree_of(KdTree, _THREE_LEVELS), _THREE_LEVELS)
 
 
@@ -80,7 +80,7 @@ def _assert_axes_alternate(KdTree: Callable) -> None:
 def first_is_root(KdTree: Callable) -> None:
     tree = KdTree()
     if tree.root is not None:
-        raise CheckFailed("The root of a new tree must be None.", yours=brief(tree.root))
+        raise CheckFailed("The root of a new tree must be None.", yours=brief_text(tree.root))
     tree.insert(np.array([3.0, 1.0]), 7)
     assert_tree(tree, [[3.0, 1.0]], [7])
 
@@ -170,7 +170,7 @@ def handles_three_coordinates(KdTree: Callable) -> None:
 def keeps_the_index(KdTree: Callable) -> None:
     indices = [30, 10, 50, 20, 0, 40, 60]
     tree = _tree_of(KdTree, _DIAGONAL, indices)
-    with needs("every point is in its place"):
+    with precondition("every point is in its place"):
         assert_tree(tree, _DIAGONAL, indices, may_be_mirrored=True)
     assert_indices(tree, _DIAGONAL, indices)
 
@@ -200,7 +200,7 @@ def accepts_lists_and_tuples(KdTree: Callable) -> None:
     hint="Start every walk at tree.root, and do not store nodes in global variables.",
 )
 def keeps_trees_apart(KdTree: Callable) -> None:
-    with needs("every point is in its place"):
+    with precondition("every point is in its place"):
         assert_tree(_tree_of(KdTree, _DIAGONAL), _DIAGONAL, may_be_mirrored=True)
     trees = KdTree(), KdTree()
     for row, point in enumerate(_DIAGONAL.copy()):
@@ -221,7 +221,7 @@ def leaves_the_point(KdTree: Callable) -> None:
     tree = KdTree()
     for index, point in enumerate(_DIAGONAL.copy()):
         assert_arguments_unchanged(observe(tree.insert, point, index), point, index)
-    with needs("every point is in its place"):
+    with precondition("every point is in its place"):
         assert_tree(tree, _DIAGONAL, may_be_mirrored=True)
 
 
@@ -246,7 +246,7 @@ def inserts_into_deep_trees(KdTree: Callable) -> None:
             )
         ) from None
     try:
-        last = reach(tree, ["root", *["right"] * 1200])
+        last = get_attribute_path(tree, ["root", *["right"] * 1200])
     except Exception as error:
         if "AttributeError" not in error_names(error):
             raise
@@ -258,7 +258,7 @@ def inserts_into_deep_trees(KdTree: Callable) -> None:
         )
 
 
-def _paths_in(KdTree: Callable, points: np.ndarray) -> dict[str, object]:
+def _student_indices_by_path(KdTree: Callable, points: np.ndarray) -> dict[str, object]:
     """Return the indices in a student's tree, keyed by the path to the node."""
     tree = KdTree()
     for index, point in enumerate(points):
@@ -273,7 +273,7 @@ def _paths_in(KdTree: Callable, points: np.ndarray) -> dict[str, object]:
     return found
 
 
-def _paths(points: np.ndarray, **rule: Callable) -> dict[str, int]:
+def _indices_by_path(points: np.ndarray, **rule: Callable) -> dict[str, int]:
     """Return the indices of a tree built by a right or wrong rule, keyed by path."""
     return {path: node.index for path, node in places_of(grown(points, **rule)).items()}
 
@@ -284,36 +284,36 @@ def _replace_children_of_root(right: dict[str, int], points: np.ndarray) -> dict
     return {**sides, "": 0}
 
 
-mistakes(
+declare_mistakes(
     "insert",
     Mistake(
         "x is compared at every level; the axis should change at each step down.",
-        lambda right, points: _paths(points, axis_at=lambda depth, k: 0),
+        lambda right, points: _indices_by_path(points, axis_at=lambda depth, k: 0),
         "The axis is depth % len(point), and depth grows by 1 with each step down.",
     ),
     Mistake(
         "y is compared at the root, as if the root had depth 1; it should be x.",
-        lambda right, points: _paths(points, axis_at=lambda depth, k: (depth + 1) % k),
+        lambda right, points: _indices_by_path(points, axis_at=lambda depth, k: (depth + 1) % k),
         "The root has depth 0, so its axis is x.",
     ),
     Mistake(
         "z is never compared, because the function uses 2 instead of len(point).",
-        lambda right, points: _paths(points, axis_at=lambda depth, k: depth % 2),
+        lambda right, points: _indices_by_path(points, axis_at=lambda depth, k: depth % 2),
     ),
     Mistake(
         "The function uses `<=` instead of `<`, so an equal coordinate goes left.",
-        lambda right, points: _paths(points, goes_left=operator.le),
+        lambda right, points: _indices_by_path(points, goes_left=operator.le),
         "Go left only if the coordinate is strictly smaller.",
     ),
     Mistake(
         "The sides are swapped: a greater coordinate goes left, and a smaller or equal one goes "
         "right.",
-        lambda right, points: _paths(points, goes_left=operator.gt),
+        lambda right, points: _indices_by_path(points, goes_left=operator.gt),
     ),
     Mistake(
         "The sides are swapped: a greater or equal coordinate goes left, and a smaller one goes "
         "right.",
-        lambda right, points: _paths(points, goes_left=operator.ge),
+        lambda right, points: _indices_by_path(points, goes_left=operator.ge),
     ),
     Mistake(
         "Each point becomes a child of the root and replaces the child that was there before.",
@@ -333,8 +333,8 @@ mistakes(
         (np.array([[4, 4, 4], [3, 3, 5], [2, 2, 6], [1, 1, 5], [1.5, 1, 7], [3.5, 0, 1.0]]),),
         (np.array([[0, 0, 0], [2, 1, 5], [1, 2, 3], [4, 5, 2], [3, 6, 4], [5, 0.5, 1.0]]),),
     ),
-    right=_paths,
-    same=operator.eq,
-    call=_paths_in,
+    right=_indices_by_path,
+    is_same=operator.eq,
+    call=_student_indices_by_path,
     class_name="KdTree",
 )

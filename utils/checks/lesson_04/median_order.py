@@ -10,13 +10,13 @@ from utils.checks.assertions import (
     CheckFailed,
     WrongForm,
     as_array,
-    brief,
+    brief_text,
     frozen,
-    needs,
+    precondition,
 )
 from utils.checks.common_checks import Case
 from utils.checks.core import visible
-from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.failures import fixed
 from utils.checks.lesson_04.cases import ELEVEN_POINTS, distinct_points
 from utils.checks.lesson_04.trees import few_points_text
@@ -38,13 +38,13 @@ def as_order(answer: object, n: int) -> np.ndarray:
     -------
     numpy.ndarray of int, shape (n,)
     """
-    order = as_array(answer, what="a list of row numbers")
+    order = as_array(answer, description="a list of row numbers")
     if order.size == 0:
         order = order.astype(int).ravel()
     if order.ndim != 1 or order.dtype.kind not in "iu":
         raise WrongForm(
             "The order must be a flat list of row numbers (whole numbers), not of points.",
-            yours=brief(order),
+            yours=brief_text(order),
             expected=f"the numbers 0 to {n - 1}",
         )
     invalid = [row for row in order.tolist() if not 0 <= row < n]
@@ -57,7 +57,7 @@ def as_order(answer: object, n: int) -> np.ndarray:
         is_short = not invalid and len(order) == n - len(missing)
         raise CheckFailed(
             fixed("Each row number from 0 to n - 1 must occur exactly once; ") + f"{text}.",
-            yours=brief(order),
+            yours=brief_text(order),
             expected=f"each of 0 to {n - 1}" if n > 1 else "[0]" if n else "[]",
             hint=_SHORT_HINT if is_short else "",
         )
@@ -65,7 +65,7 @@ def as_order(answer: object, n: int) -> np.ndarray:
 
 
 def _order_of(answer: object, points: np.ndarray) -> np.ndarray:
-    with needs("each row number occurs exactly once"):
+    with precondition("each row number occurs exactly once"):
         return as_order(answer, len(points))
 
 
@@ -194,13 +194,13 @@ def _draw_tree(order: np.ndarray, points: np.ndarray) -> Callable:
 
 @once
 def _assert_medians(median_order: Callable) -> None:
-    with needs("every part begins with its median, along x and y in turn"):
+    with precondition("every part begins with its median, along x and y in turn"):
         assert_lower_medians(median_order(_SEVEN_POINTS.copy()), _SEVEN_POINTS)
 
 
 @once
 def _assert_halves(median_order: Callable) -> None:
-    with needs("every part begins with its median"):
+    with precondition("every part begins with its median"):
         assert_halves(median_order(_SEVEN_POINTS.copy()), _SEVEN_POINTS)
 
 
@@ -344,7 +344,7 @@ def handles_equal_points(median_order: Callable) -> None:
         as_order(median_order(points.copy()), len(points))
 
 
-common_checks.untouched(
+common_checks.promise_untouched(
     Case(
         __name__,
         "median_order",
@@ -360,7 +360,7 @@ common_checks.untouched(
 )
 
 
-def _follows(**rule: object) -> Callable:
+def _prediction_from_rule(**rule: object) -> Callable:
     """Return a prediction that every part begins with the point that a wrong rule selects."""
     return lambda *_: lambda points, order: next(_wrong_parts(points, order, **rule), None) is None
 
@@ -379,50 +379,50 @@ def _median_between_parts(points: np.ndarray, order: np.ndarray) -> bool:
     return True
 
 
-mistakes(
+declare_mistakes(
     "median_order",
     Mistake(
         "The upper of two middle points comes first; it should be the lower one.",
-        _follows(place=lambda m: m // 2),
+        _prediction_from_rule(place=lambda m: m // 2),
         "The lower one is at position (number of rows - 1) // 2 when the rows are sorted from the "
         "smallest to the largest.",
     ),
     Mistake(
         "Every part is sorted by x; the axis should change from level to level.",
-        _follows(axis_at=lambda depth, k: 0),
+        _prediction_from_rule(axis_at=lambda depth, k: 0),
         "The axis is depth % points.shape[1], and both halves of a part have depth + 1.",
     ),
     Mistake(
         "The first median is along y; it should be along x.",
-        _follows(axis_at=lambda depth, k: (depth + 1) % k),
+        _prediction_from_rule(axis_at=lambda depth, k: (depth + 1) % k),
         "The first part has depth 0, so its axis is x.",
     ),
     Mistake(
         "z is never used, because the function uses 2 instead of points.shape[1].",
-        _follows(axis_at=lambda depth, k: depth % 2),
+        _prediction_from_rule(axis_at=lambda depth, k: depth % 2),
     ),
     Mistake(
         "The rows before a median are sorted along the same axis as the median, because their "
         "depth does not grow.",
-        _follows(growths=(0, 1)),
+        _prediction_from_rule(growths=(0, 1)),
         "Give both halves depth + 1.",
     ),
     Mistake(
         "The rows after a median are sorted along the same axis as the median, because their depth "
         "does not grow.",
-        _follows(growths=(1, 0)),
+        _prediction_from_rule(growths=(1, 0)),
         "Give both halves depth + 1.",
     ),
     Mistake(
         "The rows are only sorted by x.",
-        _follows(axis_at=lambda depth, k: 0, place=lambda m: 0),
+        _prediction_from_rule(axis_at=lambda depth, k: 0, place=lambda m: 0),
         "A sorted order makes a tree with one level per point. Take the median first, then do the "
         "same with each half.",
         is_cheap=True,
     ),
     Mistake(
         "The rows are sorted by x, with the largest first.",
-        _follows(axis_at=lambda depth, k: 0, place=lambda m: m - 1),
+        _prediction_from_rule(axis_at=lambda depth, k: 0, place=lambda m: m - 1),
         "Take the point in the middle first, not the largest.",
     ),
     Mistake(
@@ -449,6 +449,6 @@ mistakes(
         )
     ),
     right=lambda points, order: (points, order),
-    same=lambda answer, predicted: predicted(*answer),
+    is_same=lambda answer, predicted: predicted(*answer),
     call=lambda median_order, points, order: (points, as_order(median_order(points), len(points))),
 )

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from utils.checks.assertions import CheckFailed, assert_untouched, frozen, needs
+from utils.checks.assertions import CheckFailed, assert_untouched, frozen, precondition
 from utils.checks.core import noted, visible
-from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.lesson_04.cases import (
     BALANCED_ORDER,
     ELEVEN_POINTS,
@@ -37,7 +37,7 @@ _SCATTERED_POINTS = frozen(4 * distinct_points(np.random.default_rng(46), 11, 2)
 
 @once
 def _assert_at_target(KdTree: Callable) -> None:
-    with needs("the point at the target is found"):
+    with precondition("the point at the target is found"):
         finds_the_target(KdTree)
 
 
@@ -144,7 +144,7 @@ def finds_the_border(KdTree: Callable) -> bool:
     hint="Search the right side if target[axis] + tolerance >= split, with the equals sign.",
 )
 def reaches_the_split(KdTree: Callable) -> None:
-    with needs("both sides are searched if the circle crosses the split"):
+    with precondition("both sides are searched if the circle crosses the split"):
         searches_both_sides(KdTree)
     if not finds_the_border(KdTree):
         return
@@ -273,7 +273,7 @@ class _Split(NamedTuple):
 
     Attributes
     ----------
-    low, at, high : float
+    low, target, high : float
         The start of the box, the target and the end of the box, along the axis of the split.
     split : float
         Coordinate of the node along this axis.
@@ -284,14 +284,14 @@ class _Split(NamedTuple):
     """
 
     low: float
-    at: float
+    target: float
     high: float
     split: float
     is_near: bool
     is_left: bool
 
 
-def _visited(
+def _visited_indices(
     points: np.ndarray,
     target: np.ndarray,
     tolerance: float,
@@ -304,7 +304,7 @@ def _visited(
 
     def passes(path: str, depth: int) -> bool:
         axis = axis_at(depth_of(path[:depth]), len(target))
-        return rule(_split(places[path[:depth]], axis, path[depth] == "l", target, tolerance))
+        return rule(_make_split(places[path[:depth]], axis, path[depth] == "l", target, tolerance))
 
     return {
         places[path].index
@@ -313,26 +313,30 @@ def _visited(
     }
 
 
-def _split(
+def _make_split(
     node: TreeNode, axis: int, is_left: bool, target: np.ndarray, tolerance: float
 ) -> _Split:
     at, is_near = target[axis], math.dist(node.point, target) <= tolerance
     return _Split(at - tolerance, at, at + tolerance, node.point[axis], is_near, is_left)
 
 
-def _reaches(node: _Split) -> bool:
+def _reaches_side(node: _Split) -> bool:
     """Return whether the box reaches the side of the other node."""
     return node.low < node.split if node.is_left else node.high >= node.split
 
 
-def _visits_by(rule: Callable, axis_at: Callable = in_turn, depth_of: Callable = len) -> Callable:
+def _prediction_from_rule(
+    rule: Callable, axis_at: Callable = in_turn, depth_of: Callable = len
+) -> Callable:
     """Return a function that predicts the near points visited by a search with this rule."""
     return lambda right, points, target, tolerance: (
-        right & _visited(points, target, tolerance, rule, axis_at, depth_of)
+        right & _visited_indices(points, target, tolerance, rule, axis_at, depth_of)
     )
 
 
-def _until_first_gap(right: set, points: np.ndarray, target: np.ndarray, tolerance: float) -> set:
+def _predict_stop_at_first_gap(
+    right: set, points: np.ndarray, target: np.ndarray, tolerance: float
+) -> set:
     """Predict the result of a level-by-level search that ends at the first missing child."""
     places, found, pending = places_of(grown(points)), set(), [""]
     for path in pending:  # the list grows inside the loop
@@ -343,7 +347,7 @@ def _until_first_gap(right: set, points: np.ndarray, target: np.ndarray, toleran
         pending += [
             path + letter
             for letter in SIDES
-            if _reaches(_split(node, axis, letter == "l", target, tolerance))
+            if _reaches_side(_make_split(node, axis, letter == "l", target, tolerance))
         ]
     return right & found
 
@@ -356,7 +360,7 @@ _ONE_PATH = (
 )
 
 
-def _judged_by(is_near: Callable) -> Callable:
+def _prediction_from_distance(is_near: Callable) -> Callable:
     """Return the prediction for a search that uses `is_near` to decide which points are near.
 
     `is_near` takes the absolute differences from the target, shape (k,), the tolerance and the
@@ -367,7 +371,7 @@ def _judged_by(is_near: Callable) -> Callable:
         depths = {node.index: len(path) for path, node in places_of(grown(points)).items()}
         return {
             index
-            for index in _visited(points, target, tolerance, _reaches)
+            for index in _visited_indices(points, target, tolerance, _reaches_side)
             if is_near(np.abs(points[index] - target), tolerance, depths[index])
         }
 
@@ -386,132 +390,148 @@ def _grid_points(seed: int, k: int) -> np.ndarray:
     return np.random.default_rng(seed).integers(-3, 4, (24, k)).astype(float)
 
 
-mistakes(
+declare_mistakes(
     "search",
     Mistake(
         "Only the side that contains the target is searched.",
-        _visits_by(lambda node: (node.at < node.split) == node.is_left),
+        _prediction_from_rule(lambda node: (node.at < node.split) == node.is_left),
         "If the circle crosses the split, search both sides: write two ifs and no else.",
     ),
     Mistake(
         "The search follows a single path: if the box reaches both sides, only the left one is "
         "searched.",
-        _visits_by(lambda node: (node.low < node.split) == node.is_left),
+        _prediction_from_rule(lambda node: (node.low < node.split) == node.is_left),
         _ONE_PATH,
     ),
     Mistake(
         "The search follows a single path: if the box reaches both sides, only the right one is "
         "searched.",
-        _visits_by(lambda node: (node.high >= node.split) != node.is_left),
+        _prediction_from_rule(lambda node: (node.high >= node.split) != node.is_left),
         _ONE_PATH,
     ),
     Mistake(
         "The search ends at the first missing child, before it has visited the remaining nodes.",
-        _until_first_gap,
+        _predict_stop_at_first_gap,
         "`break` and `return` end the whole search; `continue` takes the next node.",
     ),
     Mistake(
         "The right side is searched only if the left side is searched too.",
-        _visits_by(lambda node: _reaches(node) and (node.is_left or node.low < node.split)),
+        _prediction_from_rule(
+            lambda node: _reaches_side(node) and (node.is_left or node.low < node.split)
+        ),
         "Is the second `if` inside the first one? Both need the same indentation.",
     ),
     Mistake(
         "The left side is searched only if the right side is searched too.",
-        _visits_by(lambda node: _reaches(node) and (not node.is_left or node.high >= node.split)),
+        _prediction_from_rule(
+            lambda node: _reaches_side(node) and (not node.is_left or node.high >= node.split)
+        ),
         "Is the second `if` inside the first one? Both need the same indentation.",
     ),
     Mistake(
         "The depth does not grow on the way to a left child, so the child splits along the same "
         "axis as its parent.",
-        _visits_by(_reaches, depth_of=lambda path: path.count("r")),
+        _prediction_from_rule(_reaches_side, depth_of=lambda path: path.count("r")),
         "Give both children depth + 1.",
     ),
     Mistake(
         "The depth does not grow on the way to a right child, so the child splits along the same "
         "axis as its parent.",
-        _visits_by(_reaches, depth_of=lambda path: path.count("l")),
+        _prediction_from_rule(_reaches_side, depth_of=lambda path: path.count("l")),
         "Give both children depth + 1.",
     ),
     Mistake(
         "The ends of the box are swapped: the function adds the tolerance where it should subtract "
         "it, so a side is searched only if it contains the whole box.",
-        _visits_by(lambda node: node.high < node.split if node.is_left else node.low >= node.split),
+        _prediction_from_rule(
+            lambda node: node.high < node.split if node.is_left else node.low >= node.split
+        ),
         "Use target[axis] - tolerance for the left child and target[axis] + tolerance for the "
         "right one.",
     ),
     Mistake(
         "The sides are swapped: the condition for the left child is applied to the right one, and "
         "vice versa.",
-        _visits_by(lambda node: _reaches(node._replace(is_left=not node.is_left))),
+        _prediction_from_rule(lambda node: _reaches_side(node._replace(is_left=not node.is_left))),
         "Smaller coordinates are on the left, so search there if the box begins below the split.",
     ),
     Mistake(
         "The function uses `>` instead of `>=`: if the box ends exactly at the split, it skips the "
         "right side.",
-        _visits_by(lambda node: _reaches(node) and (node.is_left or node.high > node.split)),
+        _prediction_from_rule(
+            lambda node: _reaches_side(node) and (node.is_left or node.high > node.split)
+        ),
         "Points exactly at the split are on the right.",
     ),
     Mistake(
         "Both sides are searched below nodes that are near, and only the target's own side below "
         "all others.",
-        _visits_by(lambda node: node.is_near or (node.at < node.split) == node.is_left),
+        _prediction_from_rule(lambda node: node.is_near or (node.at < node.split) == node.is_left),
         "Test whether the box reaches a side, not whether the node is near.",
     ),
     Mistake(
         "The search stops at each node that is not near and skips everything below it.",
-        _visits_by(lambda node: node.is_near and _reaches(node)),
+        _prediction_from_rule(lambda node: node.is_near and _reaches_side(node)),
         "A neighbour of the target may be below a node that is not near, so test both sides of "
         "every node.",
     ),
     Mistake(
         "The tolerance is left out on the left: the left side is searched only if the target "
         "itself is on it.",
-        _visits_by(lambda node: _reaches(node) and (not node.is_left or node.at < node.split)),
+        _prediction_from_rule(
+            lambda node: _reaches_side(node) and (not node.is_left or node.at < node.split)
+        ),
         "Compare target[axis] - tolerance with the split.",
     ),
     Mistake(
         "The tolerance is left out on the right: the right side is searched only if the target "
         "itself is on it.",
-        _visits_by(lambda node: _reaches(node) and (node.is_left or node.at >= node.split)),
+        _prediction_from_rule(
+            lambda node: _reaches_side(node) and (node.is_left or node.at >= node.split)
+        ),
         "Compare target[axis] + tolerance with the split.",
     ),
     Mistake(
         "z is never compared, because the function uses 2 instead of len(target).",
-        _visits_by(_reaches, lambda depth, k: depth % 2),
+        _prediction_from_rule(_reaches_side, lambda depth, k: depth % 2),
     ),
     Mistake(
         "x is compared at every level; the axis should change at each step down.",
-        _visits_by(_reaches, lambda depth, k: 0),
+        _prediction_from_rule(_reaches_side, lambda depth, k: 0),
         "The axis is depth % len(target), and a child has depth + 1.",
     ),
     Mistake(
         "y is compared at the root, as if the root had depth 1; it should be x.",
-        _visits_by(_reaches, lambda depth, k: (depth + 1) % k),
+        _prediction_from_rule(_reaches_side, lambda depth, k: (depth + 1) % k),
         "The root has depth 0, so its axis is x.",
     ),
     Mistake(
         "The function finds all points in the box, even those in its corners outside the circle.",
-        _judged_by(lambda step, tolerance, depth: step.max() <= tolerance),
+        _prediction_from_distance(lambda step, tolerance, depth: step.max() <= tolerance),
         "Compare the distance, math.dist(node.point, target), with the tolerance.",
     ),
     Mistake(
         "The height is left out: the function measures the distance as seen from above.",
-        _judged_by(lambda step, tolerance, depth: np.linalg.norm(step[:2]) <= tolerance),
+        _prediction_from_distance(
+            lambda step, tolerance, depth: np.linalg.norm(step[:2]) <= tolerance
+        ),
         "Use all coordinates: math.dist(node.point, target).",
     ),
     Mistake(
         "The squared distance is compared with the tolerance, instead of the distance itself.",
-        _judged_by(lambda step, tolerance, depth: step @ step <= tolerance),
+        _prediction_from_distance(lambda step, tolerance, depth: step @ step <= tolerance),
         "Take the square root of the sum of squares, or use math.dist.",
     ),
     Mistake(
         "A single coordinate, along the axis of the split, decides whether a point is near.",
-        _judged_by(lambda step, tolerance, depth: step[depth % len(step)] <= tolerance),
+        _prediction_from_distance(
+            lambda step, tolerance, depth: step[depth % len(step)] <= tolerance
+        ),
         "Compare the distance, math.dist(node.point, target), with the tolerance.",
     ),
     Mistake(
         "The search returns every node that it visits, whatever its distance.",
-        _judged_by(lambda step, tolerance, depth: True),
+        _prediction_from_distance(lambda step, tolerance, depth: True),
         "Compare the distance, math.dist(node.point, target), with the tolerance.",
     ),
     cases=(
@@ -526,7 +546,7 @@ mistakes(
     right=lambda points, target, tolerance: {
         index for index, point in enumerate(points) if math.dist(point, target) <= tolerance
     },
-    same=_same_indices,
+    is_same=_same_indices,
     call=lambda KdTree, points, target, tolerance: build_tree(KdTree, grown(points)).search(
         target, tolerance
     ),

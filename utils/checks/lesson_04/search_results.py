@@ -7,18 +7,20 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 import utils
-from utils.checks.assertions import CheckFailed, WrongForm, as_array, brief
+from utils.checks.assertions import CheckFailed, WrongForm, as_array, brief_text
 from utils.checks.lesson_04.trees import assert_indices, assert_tree, build_tree_with, exact_text
 from utils.geometry import TreeNode, table_of
 
 
 def as_indices(answer: object) -> list[int]:
     """Convert the answer of a search to a sorted list of whole numbers."""
-    array = as_array(list(answer) if isinstance(answer, set) else answer, what="a list of indices")
+    array = as_array(
+        list(answer) if isinstance(answer, set) else answer, description="a list of indices"
+    )
     if array.ndim != 1 or (array.size and array.dtype.kind not in "iu"):
         raise WrongForm(
             "search must return the indices of the points it finds, in one flat list.",
-            yours=brief(answer),
+            yours=brief_text(answer),
             expected="whole numbers, such as [0, 3]",
         )
     return sorted(array.tolist())
@@ -50,26 +52,28 @@ def assert_found(
     unknown = [index for index in extra if index not in points_by_index]
     parts = []
     if missing:
-        parts.append(f"Not found: {_first_text(missing, points_by_index, target)}")
+        parts.append(f"Not found: {_describe_first_point(missing, points_by_index, target)}")
     if unknown:
         parts.append(f"Found: index {unknown[0]}, which is not in the tree")
     elif extra:
         parts.append(
             f"Found, but farther away than {tolerance:g} m: "
-            f"{_first_text(extra, points_by_index, target)}"
+            f"{_describe_first_point(extra, points_by_index, target)}"
         )
     raise CheckFailed(
         f"{'. '.join(parts)}.",
         given=f"target {exact_text(target)}, tolerance {tolerance:g} m",
         yours=_indices_text(yours),
         expected=_indices_text(expected),
-        draw=_drawing(
+        draw=_make_search_drawing(
             root, target, tolerance, yours & set(points_by_index), "Points that your search found"
         ),
     )
 
 
-def _first_text(indices: list[int], points: dict[int, list[float]], target: Sequence[float]) -> str:
+def _describe_first_point(
+    indices: list[int], points: dict[int, list[float]], target: Sequence[float]
+) -> str:
     index = indices[0]
     text = f"{len(indices)} points, for example point " if len(indices) > 1 else "point "
     return (
@@ -82,7 +86,7 @@ def _indices_text(found: set[int]) -> str:
     return f"{sorted(found)}" if len(found) <= 8 else f"{len(found)} indices"
 
 
-def _drawing(
+def _make_search_drawing(
     root: TreeNode | None, target: Sequence[float], tolerance: float, found: set[int], title: str
 ) -> Callable | None:
     """Return a function that draws a search; None for an empty tree or points in space."""
@@ -147,7 +151,9 @@ def assert_pruned(
             given=f"target {exact_text(target)}, tolerance {tolerance:g} m",
             yours=f"visits node {trap}",
             expected="skips the whole region of this node",
-            draw=_drawing(root, target, tolerance, {trap}, f"Node {trap} is beyond the box"),
+            draw=_make_search_drawing(
+                root, target, tolerance, {trap}, f"Node {trap} is beyond the box"
+            ),
         )
     if decoy not in answer:
         raise CheckFailed(

@@ -11,11 +11,11 @@ from utils.checks.assertions import (
     CheckFailed,
     WrongForm,
     as_array,
-    brief,
+    brief_text,
     call_each,
     frozen,
-    needs,
-    reach,
+    get_attribute_path,
+    precondition,
 )
 from utils.checks.run_cache import once
 from utils.checks.size_limits import MOST_OF_A_POINT
@@ -91,7 +91,7 @@ def build_tree_with(KdTree: Callable, root: TreeNode, places: dict[int, Sequence
     plant = method_of(tree, "plant")
     if not plant or not _uses_plant(KdTree):
         tree = build_tree(KdTree, root)
-        with needs("every point is in its place"):
+        with precondition("every point is in its place"):
             assert_tree(tree, points, indices)
         if _move_points(tree, root, places):
             return tree
@@ -114,7 +114,7 @@ def _move_points(tree: object, root: TreeNode, places: dict[int, Sequence[float]
         if node.index in places:
             names = ["root", *(SIDES[letter] for letter in path), "__setattr__"]
             try:
-                reach(tree, names)("point", np.array(places[node.index]))
+                get_attribute_path(tree, names)("point", np.array(places[node.index]))
             except Exception as error:
                 if not _is_read_only(error):
                     raise
@@ -147,7 +147,9 @@ def _assert_stores_more(KdTree: Callable) -> None:
             raise CheckFailed("The root is missing.")
         ready_made.plant(np.zeros((1, 2)), [-1], [-1], [0])
         same_class = root_class == _root_class(ready_made)
-        field_counts = [reach(tree, [*owner, "__dict__", "__len__"])() for owner in ([], ["root"])]
+        field_counts = [
+            get_attribute_path(tree, [*owner, "__dict__", "__len__"])() for owner in ([], ["root"])
+        ]
     except _student_errors(KdTree):
         return
     if same_class and field_counts == [1, 4]:
@@ -155,7 +157,7 @@ def _assert_stores_more(KdTree: Callable) -> None:
 
 
 def _root_class(tree: object) -> object:
-    return reach(tree, ["root", "__class__", "__qualname__"])
+    return get_attribute_path(tree, ["root", "__class__", "__qualname__"])
 
 
 @once
@@ -211,10 +213,10 @@ def assert_tree(
         on the sides.
     """
     mirrored = grown(points, indices, goes_left=operator.gt)
-    if may_be_mirrored and not _first_misplaced(tree, mirrored)[0]:
+    if may_be_mirrored and not _describe_first_misplaced_node(tree, mirrored)[0]:
         return
     root = grown(points, indices)
-    message, hint = _first_misplaced(tree, root)
+    message, hint = _describe_first_misplaced_node(tree, root)
     if message:
         raise CheckFailed(
             message[0].upper() + message[1:],
@@ -224,13 +226,13 @@ def assert_tree(
         )
 
 
-def _first_misplaced(tree: object, root: TreeNode | None) -> tuple[str, str]:
+def _describe_first_misplaced_node(tree: object, root: TreeNode | None) -> tuple[str, str]:
     """Return a message about the first point out of place, and a hint; both may be empty."""
     expected = places_of(root)
     yours = _nodes_by_path(tree, expected)
     for path in sorted(expected, key=lambda path: expected[path].arrival):
         if path not in yours or not _same_point(yours[path][0], expected[path]):
-            return _misplaced(tree, path, expected, yours)
+            return _describe_misplaced_node(tree, path, expected, yours)
     return _describe_extra_node(expected, yours)
 
 
@@ -250,7 +252,7 @@ def assert_indices(tree: object, points: ArrayLike, indices: Sequence[int]) -> N
                 f"The node of the point {exact_text(node.point)} does not have the index that was "
                 "inserted with it.",
                 given=few_points_text(points),
-                yours=f"index {brief(index)}",
+                yours=f"index {brief_text(index)}",
                 expected=f"index {node.index}",
             )
 
@@ -271,14 +273,15 @@ def _nodes_by_path(
         if node is None:
             continue
         point, index, left, right = (
-            _attribute(node, name, path, expected) for name in ("point", "index", "left", "right")
+            _read_attribute(node, name, path, expected)
+            for name in ("point", "index", "left", "right")
         )
-        point = as_array(point, what="a point", most=MOST_OF_A_POINT)
+        point = as_array(point, description="a point", max_count=MOST_OF_A_POINT)
         if point.ndim == 0 and np.ndim(index) == 1:
             raise WrongForm(
                 "Point and index are swapped: the point of a node is a number, and its index "
                 "contains the coordinates.",
-                yours=f"point {point:g}, index {brief(index)}",
+                yours=f"point {point:g}, index {brief_text(index)}",
                 expected="Node(point, index): the point comes first",
             )
         point = point.ravel()
@@ -288,16 +291,16 @@ def _nodes_by_path(
     return found
 
 
-def _attribute(node: object, name: str, path: str, expected: dict[str, TreeNode]) -> object:
+def _read_attribute(node: object, name: str, path: str, expected: dict[str, TreeNode]) -> object:
     try:
         return getattr(node, name)
     except Exception as error:
         if "AttributeError" not in error_names(error):
             raise
         raise WrongForm(
-            f"The object {_place(path, expected)} has no attribute {name!r}: build the tree from "
-            "Node objects, as defined in the lesson.",
-            yours=brief(node),
+            f"The object {_place_text(path, expected)} has no attribute {name!r}: build the tree "
+            "from Node objects, as defined in the lesson.",
+            yours=brief_text(node),
         ) from None
 
 
@@ -307,24 +310,27 @@ def _same_point(point: np.ndarray, node: TreeNode) -> bool:
     )
 
 
-def _misplaced(tree: object, path: str, expected: dict, yours: dict) -> tuple[str, str]:
+def _describe_misplaced_node(
+    tree: object, path: str, expected: dict, yours: dict
+) -> tuple[str, str]:
     """Return a message about a point that is not in its place, and a hint, which may be empty."""
     node = expected[path]
     if not yours:
-        return f"the tree is empty: tree.root is None after {_name(node)} was inserted.", ""
+        return f"the tree is empty: tree.root is None after {_node_name(node)} was inserted.", ""
     actual = _path_to(tree, node, expected)
     if actual is None:
         return _describe_missing_node(path, expected, yours)
     depth = next((d for d, (a, b) in enumerate(zip(path, actual, strict=False)) if a != b), None)
     if depth is None:
         return (
-            f"{_name(node)} belongs {_place(path, expected)}, but another point is there.",
+            f"{_node_name(node)} belongs {_place_text(path, expected)}, but another point is "
+            "there.",
             "",
         )
     parent, axis = expected[path[:depth]], depth % len(node.point)
     smaller = "is smaller than" if path[depth] == "l" else "is not smaller than"
     return (
-        f"{_name(node)} went {SIDES[actual[depth]]} at {_name(parent)} but should go "
+        f"{_node_name(node)} went {SIDES[actual[depth]]} at {_node_name(parent)} but should go "
         f"{SIDES[path[depth]]}: at depth {depth}, {'xyz'[axis]} is compared, and "
         f"{node.point[axis]:g} {smaller} {parent.point[axis]:g}."
     ), ""
@@ -332,7 +338,9 @@ def _misplaced(tree: object, path: str, expected: dict, yours: dict) -> tuple[st
 
 def _describe_missing_node(path: str, expected: dict, yours: dict) -> tuple[str, str]:
     """Return a message about a missing point and its place, and a hint, which may be empty."""
-    text = f"{_name(expected[path])} is not in the tree; it belongs {_place(path, expected)}"
+    text = (
+        f"{_node_name(expected[path])} is not in the tree; it belongs {_place_text(path, expected)}"
+    )
     if path not in yours:
         return f"{text}, but there is no node.", ""
     found = next(
@@ -340,11 +348,11 @@ def _describe_missing_node(path: str, expected: dict, yours: dict) -> tuple[str,
     )
     if found is None:
         return f"{text}.", ""
-    text = f"{text}, but {_name(expected[found])} is there."
+    text = f"{text}, but {_node_name(expected[found])} is there."
     if found and found[:-1] == path[:-1]:
         return text, (
-            f"{_name(expected[found]).capitalize()} belongs on the {SIDES[found[-1]]}: does each "
-            "branch attach the new node on its own side, node.left or node.right?"
+            f"{_node_name(expected[found]).capitalize()} belongs on the {SIDES[found[-1]]}: does "
+            "each branch attach the new node on its own side, node.left or node.right?"
         )
     return text, "Do not replace a child that is already there; continue from it."
 
@@ -355,7 +363,7 @@ def _path_to(tree: object, node: TreeNode, expected: dict[str, TreeNode]) -> str
     for path, current in pending:  # the list grows inside the loop
         if current is None:
             continue
-        point = as_array(current.point, what="a point", most=MOST_OF_A_POINT).ravel()
+        point = as_array(current.point, description="a point", max_count=MOST_OF_A_POINT).ravel()
         if _same_point(point, node) and not (
             path in expected and _same_point(point, expected[path])
         ):
@@ -372,22 +380,22 @@ def _describe_extra_node(expected: dict, yours: dict) -> tuple[str, str]:
         return "", ""
     for path, node in expected.items():
         if _same_point(yours[extra][0], node):
-            message = f"{_name(node)} is {_place(path, expected)} and a second time "
-            return f"{message}{_place(extra, expected)}.", (
+            message = f"{_node_name(node)} is {_place_text(path, expected)} and a second time "
+            return f"{message}{_place_text(extra, expected)}.", (
                 "Use `return` to end the walk as soon as the point is attached to the tree."
                 if path
                 else "Use `return` after the point has become the root, before the walk begins."
             )
-    return f"there is a node {_place(extra, expected)}, where the tree should end.", ""
+    return f"there is a node {_place_text(extra, expected)}, where the tree should end.", ""
 
 
-def _place(path: str, expected: dict[str, TreeNode]) -> str:
+def _place_text(path: str, expected: dict[str, TreeNode]) -> str:
     if not path:
         return "at the root"
-    return f"to the {SIDES[path[-1]]} of {_name(expected[path[:-1]])}"
+    return f"to the {SIDES[path[-1]]} of {_node_name(expected[path[:-1]])}"
 
 
-def _name(node: TreeNode) -> str:
+def _node_name(node: TreeNode) -> str:
     return f"point {node.index} {exact_text(node.point)}"
 
 

@@ -16,36 +16,36 @@ from utils.checks.assertions import (
     CheckFailed,
     as_labels,
     assert_partition,
-    brief,
+    brief_text,
     frozen,
-    needs,
-    timed,
+    precondition,
+    time_call,
 )
 from utils.checks.cluster_mistakes import (
-    cut_line,
     distance_mistakes,
     frozen_cases,
+    label_line,
     label_mistakes,
-    labels_on_a_line,
-    length,
-    lines_of_points,
-    on_a_line,
+    lengths,
+    line_cases,
+    points_on_line,
+    right_labels_of_line,
     same_clusters,
 )
 from utils.checks.clusters import (
     GROUPS,
     LABELS,
     assert_clusters,
-    assert_from_one,
     assert_integer_labels,
+    assert_labels_from_one,
     assert_numbered_by_appearance,
     assert_separates_at_the_threshold,
-    assert_works,
-    in_order,
+    renumber_by_appearance,
+    require_simplest_clusters,
     row_of_points,
 )
 from utils.checks.core import noted, visible
-from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.failures import fixed
 from utils.checks.lesson_10.steps import SEVEN_POINTS, WIDE_THRESHOLD
 
@@ -92,8 +92,8 @@ def joins_six_of_seven_points(euclidean_clustering_accelerated: Callable) -> Non
     hint="components numbers pieces from 0. Add 1 to get labels.",
 )
 def counts_from_one(euclidean_clustering_accelerated: Callable) -> None:
-    assert_works(euclidean_clustering_accelerated)
-    assert_from_one(euclidean_clustering_accelerated(GROUPS.copy(), 1.0), len(GROUPS))
+    require_simplest_clusters(euclidean_clustering_accelerated)
+    assert_labels_from_one(euclidean_clustering_accelerated(GROUPS.copy(), 1.0), len(GROUPS))
 
 
 @visible(
@@ -122,7 +122,7 @@ def joins_chains(euclidean_clustering_accelerated: Callable) -> None:
     "axis. Search 5 x 5 x 5 cells, corners included.",
 )
 def joins_across_borders(euclidean_clustering_accelerated: Callable) -> None:
-    assert_works(euclidean_clustering_accelerated)
+    require_simplest_clusters(euclidean_clustering_accelerated)
     cloud = _pairs_of_points(0.99)
     labels = np.repeat(np.arange(len(cloud) // 2), 2)
     assert_clusters(euclidean_clustering_accelerated(cloud.copy(), 1.0), labels, cloud, 1.0)
@@ -138,7 +138,7 @@ def joins_across_borders(euclidean_clustering_accelerated: Callable) -> None:
     "apart? Do you measure the distance between points in neighbouring cells?",
 )
 def separates_pairs_above_the_threshold(euclidean_clustering_accelerated: Callable) -> None:
-    assert_works(euclidean_clustering_accelerated)
+    require_simplest_clusters(euclidean_clustering_accelerated)
     for cloud in (_pairs_of_points(1.01), _diagonal_pairs()):
         answer = euclidean_clustering_accelerated(cloud.copy(), 1.0)
         assert_clusters(answer, np.arange(len(cloud)), cloud, 1.0)
@@ -154,9 +154,9 @@ def separates_pairs_above_the_threshold(euclidean_clustering_accelerated: Callab
     "list of cells is not the row of a point in the cloud.",
 )
 def separates_pairs_behind_a_heap(euclidean_clustering_accelerated: Callable) -> None:
-    assert_works(euclidean_clustering_accelerated)
+    require_simplest_clusters(euclidean_clustering_accelerated)
     pairs = _pairs_of_points(1.01)
-    with needs("pairs just above the threshold stay apart in a cloud without a heap"):
+    with precondition("pairs just above the threshold stay apart in a cloud without a heap"):
         answer = euclidean_clustering_accelerated(pairs.copy(), 1.0)
         assert_partition(answer, np.arange(len(pairs)), pairs)
     # The heap has more points in a cube of 0.2 m than the cloud has cells.
@@ -176,12 +176,12 @@ def separates_pairs_behind_a_heap(euclidean_clustering_accelerated: Callable) ->
     hint="np.floor and .astype(int) differ below zero: .astype(int) alone rounds towards 0.",
 )
 def separates_pairs_around_the_sensor(euclidean_clustering_accelerated: Callable) -> None:
-    assert_works(euclidean_clustering_accelerated)
-    with needs("far from the sensor, pairs just above the threshold stay apart"):
+    require_simplest_clusters(euclidean_clustering_accelerated)
+    with precondition("far from the sensor, pairs just above the threshold stay apart"):
         pairs = _pairs_of_points(1.01)
         answer = euclidean_clustering_accelerated(pairs.copy(), 1.0)
         assert_partition(answer, np.arange(len(pairs)), pairs)
-    for centre, direction in _across_zero():
+    for centre, direction in _pair_positions_across_zero():
         pair = centre + np.outer([-0.505, 0.505], direction)
         answer = euclidean_clustering_accelerated(pair.copy(), 1.0)
         assert_clusters(answer, np.array([1, 2]), pair, 1.0)
@@ -198,7 +198,7 @@ def separates_pairs_around_the_sensor(euclidean_clustering_accelerated: Callable
     "the threshold, give all cells of one piece the label of the other.",
 )
 def finds_the_close_pair(euclidean_clustering_accelerated: Callable) -> None:
-    assert_works(euclidean_clustering_accelerated)
+    require_simplest_clusters(euclidean_clustering_accelerated)
     cloud, labels = _touching_rods()
     assert_clusters(euclidean_clustering_accelerated(cloud.copy(), 0.3), labels, cloud, 0.3)
 
@@ -212,7 +212,7 @@ def finds_the_close_pair(euclidean_clustering_accelerated: Callable) -> None:
     "labels next to those of join_all_pairs. Which clusters are split, and which are merged?",
 )
 def clusters_the_street(euclidean_clustering_accelerated: Callable) -> None:
-    assert_works(euclidean_clustering_accelerated)
+    require_simplest_clusters(euclidean_clustering_accelerated)
     cloud, labels = _end_of_the_street()
     assert_clusters(euclidean_clustering_accelerated(cloud.copy(), 0.5), labels, cloud, 0.5)
 
@@ -239,14 +239,14 @@ def uses_the_threshold(euclidean_clustering_accelerated: Callable) -> None:
     # The exact step must decide about these two points, because they are in neighbouring cells.
     # They are closer than 0.5 m, but not closer than 0.3 m.
     pair = np.array([2.0, 1.0, 1.0]) + np.outer([0.0, 0.4], np.ones(3) / np.sqrt(3))
-    with needs("points in neighbouring cells stay apart if they are not close"):
+    with precondition("points in neighbouring cells stay apart if they are not close"):
         answer = euclidean_clustering_accelerated(pair / 0.6, 0.5)
         assert_partition(answer, np.array([1, 2]), pair)
     answer = euclidean_clustering_accelerated(pair.copy(), 0.3)
     assert_clusters(answer, np.array([1, 2]), pair, 0.3)
     # Pairs in neighbouring cells that are slightly more than 2 m apart.
     cloud = 2.0 * _pairs_of_points(1.01)[:40]
-    with needs("pairs just above the threshold stay apart"):
+    with precondition("pairs just above the threshold stay apart"):
         answer = euclidean_clustering_accelerated(cloud / 2, 1.0)
         assert_partition(answer, np.arange(len(cloud)), cloud)
     answer = euclidean_clustering_accelerated(cloud.copy(), 2.0)
@@ -254,12 +254,12 @@ def uses_the_threshold(euclidean_clustering_accelerated: Callable) -> None:
 
 
 _CASE = common_cluster_checks.case_of(__name__, _NAME)
-common_cluster_checks.default(
+common_cluster_checks.promise_default(
     _CASE,
     "keeps_the_default",
     why="Later cells call euclidean_clustering_accelerated(obstacles) without a threshold.",
 )
-common_checks.names(
+common_checks.promise_names(
     _CASE,
     "keeps_the_names",
     why="Other programs may call euclidean_clustering_accelerated(cloud, threshold=0.3).",
@@ -274,33 +274,33 @@ common_checks.names(
     hint="Use all three coordinates, cloud[:, :3].",
 )
 def measures_in_space(euclidean_clustering_accelerated: Callable) -> None:
-    assert_works(euclidean_clustering_accelerated)
+    require_simplest_clusters(euclidean_clustering_accelerated)
     for direction in np.eye(3):
         cloud = np.vstack([GROUPS, GROUPS + 20.0 * direction])
         labels = np.concatenate([LABELS, LABELS + 3])
         assert_clusters(euclidean_clustering_accelerated(cloud.copy(), 1.0), labels, cloud, 1.0)
 
 
-common_cluster_checks.intensity(
+common_cluster_checks.promise_intensity_ignored(
     _CASE,
     "ignores_intensity",
     why="A bright number plate is no farther away than the dark bumper next to it. Many "
     "recordings store intensity from 0 to 255.",
     weight=8,
 )
-common_cluster_checks.few_points(
+common_cluster_checks.promise_few_points(
     _CASE,
     "works_on_smallest_clouds",
     why="Filters sometimes leave no points.",
     hint="Return an array of length 0 early if len(cloud) == 0. A list of pairs may also be empty.",
     weight=2,
 )
-common_cluster_checks.equal_points(
+common_cluster_checks.promise_equal_points(
     _CASE,
     "joins_equal_points",
     hint="Equal points share a cell, so there is nothing to measure.",
 )
-common_cluster_checks.untouched(_CASE, "leaves_its_input")
+common_cluster_checks.promise_untouched(_CASE, "leaves_its_input")
 
 
 # ---- in time -----------------------------------------------------------------------------------
@@ -373,11 +373,11 @@ def assert_in_time(
     times : float
         Allowed time, as a multiple of the reference time.
     """
-    assert_works(euclidean_clustering)
+    require_simplest_clusters(euclidean_clustering)
     allowed = times * min(_seconds_to_find_neighbours(cloud) for _ in range(3))
     best = np.inf
     for attempt in range(3):  # repeat, because other programs may slow down a single run
-        answer, seconds = timed(euclidean_clustering, cloud, 0.5)
+        answer, seconds = time_call(euclidean_clustering, cloud, 0.5)
         best = min(best, seconds)
         assert_timed_clusters(answer, labels, cloud)
         if best <= allowed or (attempt and best > 3 * allowed):
@@ -451,7 +451,7 @@ def has_integer_labels(euclidean_clustering_accelerated: Callable) -> None:
 )
 def leaves_no_gaps(euclidean_clustering_accelerated: Callable) -> None:
     cloud, _ = _touching_rods()
-    assert_from_one(euclidean_clustering_accelerated(cloud, 0.3), len(cloud))
+    assert_labels_from_one(euclidean_clustering_accelerated(cloud, 0.3), len(cloud))
 
 
 @noted(
@@ -465,9 +465,10 @@ def numbers_by_appearance(euclidean_clustering_accelerated: Callable) -> None:
     # From near to far the points are in rows 1, 2 and 0; this order differs from its ranks.
     cloud = np.outer([9.0, 1.0, 5.0], [1.0, 0.0, 0.0])
     labels = as_labels(euclidean_clustering_accelerated(cloud.copy(), 1.0), 3)
-    if not np.array_equal(labels, in_order(labels)):
+    if not np.array_equal(labels, renumber_by_appearance(labels)):
         raise CheckFailed(
-            f"Three points far apart have the labels {brief(labels)}, {fixed('not [1, 2, 3]')}."
+            f"Three points far apart have the labels {brief_text(labels)}, "
+            f"{fixed('not [1, 2, 3]')}."
         )
 
 
@@ -499,7 +500,7 @@ def _end_of_the_street() -> tuple[np.ndarray, np.ndarray]:
     x, y, z = xyz.T
     xyz = xyz[(x > 20) & (x < 40) & (np.abs(y) < 7) & (z > -1.2)]
     pairs = cKDTree(xyz).query_pairs(0.501, output_type="ndarray")
-    doubtful = pairs[length(xyz[pairs[:, 0]] - xyz[pairs[:, 1]]) > 0.499, 1]
+    doubtful = pairs[lengths(xyz[pairs[:, 0]] - xyz[pairs[:, 1]]) > 0.499, 1]
     xyz = np.delete(xyz, np.unique(doubtful), axis=0)
     return frozen(xyz), frozen(
         _connected_labels(len(xyz), cKDTree(xyz).query_pairs(0.5, output_type="ndarray"))
@@ -559,7 +560,7 @@ def _directions(n: int) -> np.ndarray:
     return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
 
 
-def _across_zero() -> Iterator[tuple[np.ndarray, np.ndarray]]:
+def _pair_positions_across_zero() -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Yield centres and directions, both of shape (3,), of pairs of points on both sides of zero.
 
     Between the two points, either all coordinates change their sign or only one does.
@@ -574,7 +575,7 @@ def _across_zero() -> Iterator[tuple[np.ndarray, np.ndarray]]:
 # ---- common mistakes ---------------------------------------------------------------------------
 
 
-def _joined_by_cells(side: float, joins: Callable, rounding: Callable = np.floor) -> Callable:
+def _prediction_from_cells(side: float, joins: Callable, rounding: Callable = np.floor) -> Callable:
     """Return the prediction for a function that joins neighbours on a line by their cells.
 
     Parameters
@@ -596,15 +597,15 @@ def _joined_by_cells(side: float, joins: Callable, rounding: Callable = np.floor
             cells = np.concatenate([[0], np.cumsum(steps > 0)])
             by_cell = np.lexsort((order, cells))  # within a cell, sorted by row in the cloud
             first = by_cell[np.searchsorted(cells, cells)]
-            gaps, firsts = (length(np.diff(points, axis=0)) for points in (places, places[first]))
+            gaps, firsts = (lengths(np.diff(points, axis=0)) for points in (places, places[first]))
             return joins(gaps, steps, firsts)
 
-        return cut_line(cloud, are_joined)
+        return label_line(cloud, are_joined)
 
     return predicts
 
 
-def _joined_by_rows(uses_points: bool) -> Callable:
+def _prediction_from_rows(uses_points: bool) -> Callable:
     """Return the prediction for a function that confuses cells and points in the cheap step.
 
     If `uses_points` is true, rows of cells are mistaken for rows of points. Otherwise the distance
@@ -621,22 +622,27 @@ def _joined_by_rows(uses_points: bool) -> Callable:
         )
         measured, cell_of_point = (xyz if uses_points else cells), cell_of_point.ravel()
         pairs = cKDTree(cells).query_pairs(2.5, p=np.inf, output_type="ndarray")
-        joined = pairs[length(measured[pairs[:, 0]] - measured[pairs[:, 1]]) < threshold]
+        joined = pairs[lengths(measured[pairs[:, 0]] - measured[pairs[:, 1]]) < threshold]
         representatives = np.unique(cell_of_point, return_index=True)[1]
         _, start, piece = np.unique(right, return_index=True, return_inverse=True)
         same = np.column_stack([start[piece], np.arange(len(right))])
-        return in_order(_connected_labels(len(cloud), np.vstack([same, representatives[joined]])))
+        return renumber_by_appearance(
+            _connected_labels(len(cloud), np.vstack([same, representatives[joined]]))
+        )
 
     return predicts
 
 
-def _same(answer: object, predicted: np.ndarray) -> bool:
+def _is_same_answer(answer: object, predicted: np.ndarray) -> bool:
     """Return whether an answer groups the points as predicted and has the same smallest label."""
     try:
         yours = as_labels(answer, len(predicted))
     except CheckFailed:
         return False
-    return same_clusters(in_order(yours) + yours.min(), in_order(predicted) + predicted.min())
+    return same_clusters(
+        renumber_by_appearance(yours) + yours.min(),
+        renumber_by_appearance(predicted) + predicted.min(),
+    )
 
 
 # Directions, and positions along them as multiples of the threshold. A cell is 0.577 long along an
@@ -654,10 +660,12 @@ def _lines_across_cells() -> tuple[tuple[np.ndarray, float], ...]:
     cases = []
     for threshold, (direction, places) in ((0.8, _AXIS), (1.2, _DIAGONAL)):
         for scale in (threshold, -1.5 * threshold):
-            cases.append((on_a_line(scale * np.array(places), direction=direction), abs(scale)))
+            cases.append(
+                (points_on_line(scale * np.array(places), direction=direction), abs(scale))
+            )
     # Two points on opposite sides of the sensor are not close, however cells are rounded. A
     # function that adds coordinates instead of subtracting them joins these points.
-    cases.append((on_a_line([0.6, -0.5, 9.0, 9.4], direction=_AXIS[0]), 1.0))
+    cases.append((points_on_line([0.6, -0.5, 9.0, 9.4], direction=_AXIS[0]), 1.0))
     return frozen_cases(cases)
 
 
@@ -667,50 +675,52 @@ def _lines_behind_a_heap() -> tuple[tuple[np.ndarray, float], ...]:
     for threshold in (0.7, 1.4, 2.1):
         behind = 3.05 + 1.15 * np.arange(8)
         places = np.concatenate([np.linspace(0.45, 0.55, 9), behind])
-        cases.append((on_a_line(threshold * places, direction=_DIAGONAL[0]), threshold))
+        cases.append((points_on_line(threshold * places, direction=_DIAGONAL[0]), threshold))
     return frozen_cases(cases)
 
 
-mistakes(
+declare_mistakes(
     _NAME,
     *distance_mistakes(),
     Mistake(
         "The side of a cell is the threshold, so two points in one cell may be 1.7 times the "
         "threshold apart.",
-        _joined_by_cells(1.0, lambda gaps, steps, firsts: (gaps < 1) | (steps == 0)),
+        _prediction_from_cells(1.0, lambda gaps, steps, firsts: (gaps < 1) | (steps == 0)),
         "The side is threshold / sqrt(3), which makes the diagonal equal to the threshold.",
     ),
     Mistake(
         "The side of a cell is threshold / sqrt(2), which is right only in the plane.",
-        _joined_by_cells(1 / np.sqrt(2), lambda gaps, steps, firsts: (gaps < 1) | (steps == 0)),
+        _prediction_from_cells(
+            1 / np.sqrt(2), lambda gaps, steps, firsts: (gaps < 1) | (steps == 0)
+        ),
         "In space the diagonal is side * sqrt(3), so the side is threshold / sqrt(3).",
     ),
     Mistake(
         "Neighbouring cells are joined without measuring, or at too large a distance.",
-        _joined_by_cells(_CELL_SIDE, lambda gaps, steps, firsts: steps <= 2),
+        _prediction_from_cells(_CELL_SIDE, lambda gaps, steps, firsts: steps <= 2),
         "Neighbouring cells need not be close. Join two cells only if a point of one is closer "
         "than the threshold to a point of the other.",
     ),
     Mistake(
         "Only the next cell on each side is searched, but close points may be two cells apart.",
-        _joined_by_cells(_CELL_SIDE, lambda gaps, steps, firsts: (steps <= 1) & (gaps < 1)),
+        _prediction_from_cells(_CELL_SIDE, lambda gaps, steps, firsts: (steps <= 1) & (gaps < 1)),
         "Search 5 x 5 x 5 cells, corners included: query_pairs(2, p=np.inf).",
     ),
     Mistake(
         "Two cells whose representatives are far apart stay apart, even if other points in them "
         "are close.",
-        _joined_by_cells(_CELL_SIDE, lambda gaps, steps, firsts: (steps == 0) | (firsts < 1)),
+        _prediction_from_cells(_CELL_SIDE, lambda gaps, steps, firsts: (steps == 0) | (firsts < 1)),
         "If the pieces of two neighbouring cells still differ, compare all their points, and join "
         "the pieces if two of these points are close.",
     ),
     Mistake(
         "Each cell is a cluster, because no cells are joined.",
-        _joined_by_cells(_CELL_SIDE, lambda gaps, steps, firsts: steps == 0),
+        _prediction_from_cells(_CELL_SIDE, lambda gaps, steps, firsts: steps == 0),
         "Join neighbouring cells that contain close points, and number the pieces.",
     ),
     Mistake(
         "Coordinates are rounded towards 0, so the cells around the sensor are twice as wide.",
-        _joined_by_cells(
+        _prediction_from_cells(
             _CELL_SIDE, lambda gaps, steps, firsts: (gaps < 1) | (steps == 0), np.trunc
         ),
         "np.floor rounds down on both sides of 0; .astype(int) alone does not.",
@@ -719,17 +729,17 @@ mistakes(
     Mistake(
         "Rows of cells are mistaken for rows of points, so the measured points do not belong to "
         "these cells.",
-        _joined_by_rows(uses_points=True),
+        _prediction_from_rows(uses_points=True),
         "pairs[:, 0] are rows of cells and first[pairs[:, 0]] are rows of points. Measure between "
         "points[first[pairs[:, 0]]] and points[first[pairs[:, 1]]].",
     ),
     Mistake(
         "The distance between two cells is counted in cells and compared with metres.",
-        _joined_by_rows(uses_points=False),
+        _prediction_from_rows(uses_points=False),
         "Measure between representatives, such as points[first[pairs[:, 0]]], and not between "
         "cells, cells[pairs[:, 0]].",
     ),
-    cases=(*lines_of_points(), *_lines_across_cells(), *_lines_behind_a_heap()),
-    right=labels_on_a_line,
-    same=_same,
+    cases=(*line_cases(), *_lines_across_cells(), *_lines_behind_a_heap()),
+    right=right_labels_of_line,
+    is_same=_is_same_answer,
 )

@@ -13,13 +13,13 @@ from utils.checks.assertions import (
     WrongForm,
     as_array,
     as_labels,
+    as_shape,
     assert_arguments_unchanged,
-    brief,
+    brief_text,
+    count_overlaps,
     frozen,
-    in_shape,
-    needs,
     observe,
-    overlaps,
+    precondition,
 )
 from utils.checks.core import visible
 from utils.checks.failures import fixed
@@ -53,15 +53,16 @@ def _results(answer: object, names: Sequence[str]) -> tuple:
     """Return the results of a step as a tuple with one result for each name."""
     if not isinstance(answer, (tuple, list)) or len(answer) != len(names):
         raise WrongForm(
-            f"The step must return {len(names)} results: {', '.join(names)}.", yours=brief(answer)
+            f"The step must return {len(names)} results: {', '.join(names)}.",
+            yours=brief_text(answer),
         )
     return tuple(answer)
 
 
 def _assert_same_pieces(answer: object, expected: np.ndarray, given: str) -> None:
     """Assert that the cells are joined into the expected pieces, whatever their labels."""
-    yours = as_labels(answer, len(expected), of="cells")
-    shared, number_yours, number_expected = overlaps(yours, expected)
+    yours = as_labels(answer, len(expected), noun="cells")
+    shared, number_yours, number_expected = count_overlaps(yours, expected)
     if not shared == number_yours == number_expected:
         raise CheckFailed(
             "The cells are not joined into the right pieces.",
@@ -73,7 +74,7 @@ def _assert_same_pieces(answer: object, expected: np.ndarray, given: str) -> Non
 
 def _pieces_text(label: np.ndarray) -> str:
     groups = [np.flatnonzero(label == piece).tolist() for piece in dict.fromkeys(label.tolist())]
-    return brief(groups)
+    return brief_text(groups)
 
 
 # ---- step 1 ------------------------------------------------------------------------------------
@@ -81,35 +82,35 @@ def _pieces_text(label: np.ndarray) -> str:
 
 def _assert_cells(answer: object, points: np.ndarray, threshold: float, given: str) -> None:
     cells, first, cell_of_point = _results(answer, ("cells", "first", "cell_of_point"))
-    cells = as_array(cells, columns=3, what="cells with three numbers each", each="cell").astype(
-        float
-    )
+    cells = as_array(
+        cells, columns=3, description="cells with three numbers each", row_noun="cell"
+    ).astype(float)
     right = np.floor(points / (threshold / np.sqrt(3)))
-    cell_rows = as_array(cell_of_point, what="for each point, the row of its cell")
+    cell_rows = as_array(cell_of_point, description="for each point, the row of its cell")
     one_per_point = f"one number in cell_of_point for each of the {len(points)} points"
-    cell_rows = as_labels(in_shape(cell_rows, (len(points),), one_per_point), len(points))
+    cell_rows = as_labels(as_shape(cell_rows, (len(points),), one_per_point), len(points))
     n_cells = len(np.unique(right, axis=0))
     if len(cells) != n_cells or cell_rows.min() < 0 or cell_rows.max() >= len(cells):
         raise CheckFailed(
             f"The points are in {n_cells} different cells, {fixed('numbered from 0')}.",
             given=given,
-            yours=f"{len(cells)} cells; cell_of_point is {brief(cell_rows)}",
+            yours=f"{len(cells)} cells; cell_of_point is {brief_text(cell_rows)}",
             expected=f"{n_cells} cells",
         )
     wrong = np.flatnonzero((cells[cell_rows] != right).any(axis=1))
     if len(wrong):
         row = wrong[0]
         raise CheckFailed(
-            f"The cell of point {row}, at {brief(points[row])}, is wrong.",
+            f"The cell of point {row}, at {brief_text(points[row])}, is wrong.",
             given=given,
-            yours=f"cell {brief(cells[cell_rows[row]])}",
-            expected=f"cell {brief(right[row])}",
+            yours=f"cell {brief_text(cells[cell_rows[row]])}",
+            expected=f"cell {brief_text(right[row])}",
         )
-    rows = as_array(first, what="one row for each cell")
+    rows = as_array(first, description="one row for each cell")
     if rows.shape != (n_cells,) or not np.isin(rows, np.arange(len(points))).all():
         raise WrongForm(
             "There must be one representative for each cell: the row of one of its points.",
-            yours=brief(rows),
+            yours=brief_text(rows),
             expected=f"{n_cells} rows from 0 to {len(points) - 1}",
         )
     misplaced = np.flatnonzero(cell_rows[rows.astype(int)] != np.arange(n_cells))
@@ -119,7 +120,7 @@ def _assert_cells(answer: object, points: np.ndarray, threshold: float, given: s
             f"The representative of cell {cell} is in another cell.",
             given=given,
             yours=f"row {rows[cell]:g}",
-            expected=f"one of the rows {brief(np.flatnonzero(cell_rows == cell))}",
+            expected=f"one of the rows {brief_text(np.flatnonzero(cell_rows == cell))}",
         )
 
 
@@ -146,7 +147,7 @@ def finds_the_cells(points_in_cells: Callable) -> None:
     hint="Write side = threshold / np.sqrt(3). The diagonal of a cell then equals the threshold.",
 )
 def scales_with_the_threshold(points_in_cells: Callable) -> None:
-    with needs("the function finds the six cells of the seven points"):
+    with precondition("the function finds the six cells of the seven points"):
         _assert_cells(
             points_in_cells(SEVEN_POINTS.copy(), WIDE_THRESHOLD),
             SEVEN_POINTS,
@@ -196,14 +197,14 @@ def _join_seven(join_cheaply: Callable) -> tuple:
 )
 def finds_the_neighbours(join_cheaply: Callable) -> None:
     pairs = _join_seven(join_cheaply)[0]
-    pairs = as_array(pairs, columns=2, what="pairs of cells", each="pair of cells")
+    pairs = as_array(pairs, columns=2, description="pairs of cells", row_noun="pair of cells")
     yours = np.unique(np.sort(pairs, axis=1), axis=0)
     if len(yours) != len(pairs) or not np.array_equal(yours, _PAIRS):
         raise CheckFailed(
             "pairs must contain each pair of cells at most two steps apart exactly once.",
             given=_GIVEN,
-            yours=brief(yours.tolist()),
-            expected=brief(_PAIRS.tolist()),
+            yours=brief_text(yours.tolist()),
+            expected=brief_text(_PAIRS.tolist()),
         )
 
 
@@ -254,11 +255,11 @@ def _exact_arguments(label: np.ndarray) -> tuple:
 
 @visible(
     "join_exactly",
-    title="Joins the whole pieces that points 3 and 4 connect",
+    title="Joins all cells of both pieces that points 3 and 4 connect",
     why="If only one cell of a piece gets the new label, the rest of a car keeps the old one.",
-    hint="If a distance is below the threshold, give all cells of both pieces one number: compute "
-    "the components of the pieces and index them with [label]. In a loop over pairs of cells, "
-    "write label[label == label[b]] = label[a].",
+    hint="If a distance is below the threshold, give all cells of both pieces the same label: "
+    "compute the components of the pieces, then index the components with [label]. In a loop over "
+    "pairs of cells, write label[label == label[b]] = label[a].",
 )
 def joins_exactly(join_exactly: Callable) -> None:
     # Pieces may be numbered in any order, so either of the two pieces may have the larger number.
@@ -279,7 +280,7 @@ def joins_exactly(join_exactly: Callable) -> None:
     hint="Write label = label.copy() before you change any label.",
 )
 def keeps_the_labels_unchanged(join_exactly: Callable) -> None:
-    with needs("the function joins the whole pieces that points 3 and 4 connect"):
+    with precondition("the function joins both pieces that points 3 and 4 connect"):
         joins_exactly(join_exactly)
     assert_arguments_unchanged(
         observe(join_exactly, *_exact_arguments(_PIECES)), *_exact_arguments(_PIECES)
@@ -288,7 +289,7 @@ def keeps_the_labels_unchanged(join_exactly: Callable) -> None:
 
 @visible(
     "join_exactly",
-    title="Joins a row of pieces as far as their points are close",
+    title="Joins neighbouring pieces in a row, and stops at the first gap",
     why="After step 2, a wall may consist of dozens of pieces, each of them close only to the "
     "next.",
     hint="Several points of q may belong to one open pair: pair_of_q[near] are the rows of the "

@@ -10,9 +10,9 @@ import numpy as np
 from utils.checks.assertions import (
     CheckFailed,
     assert_arguments_unchanged,
-    brief,
-    needs,
+    brief_text,
     observe,
+    precondition,
 )
 from utils.checks.core import noted, visible
 from utils.checks.detections import (
@@ -29,7 +29,7 @@ from utils.checks.detections import (
     assert_raindrops_ignored,
     assert_separate_boxes,
     assert_upright,
-    detected,
+    detect_once,
     require_cars_found,
     require_cars_found_in_frame,
 )
@@ -40,12 +40,12 @@ from utils.checks.scans import (
     climb,
     crossing,
     ego_car_points,
+    insert_invalid,
     rain,
     square,
     street,
     street_before,
     walk,
-    with_invalid,
 )
 from utils.checks.static_analysis import functions_used
 
@@ -64,7 +64,7 @@ def finds_cars(detect_obstacles: Callable) -> None:
     # Include every scan that later checks use, because those checks wait until the cars in their
     # scan are found.
     for frame in (street(), street_before(), square(SQUARE_SEED), walk(WALK_SEED)):
-        assert_cars_found([detected(detect_obstacles, frame)], [frame])
+        assert_cars_found([detect_once(detect_obstacles, frame)], [frame])
 
 
 @visible(
@@ -77,7 +77,7 @@ def finds_cars(detect_obstacles: Callable) -> None:
 )
 def finds_people(detect_obstacles: Callable) -> None:
     require_cars_found_in_frame(detect_obstacles, walk(WALK_SEED))
-    assert_people_found(detected(detect_obstacles, walk(WALK_SEED)), walk(WALK_SEED))
+    assert_people_found(detect_once(detect_obstacles, walk(WALK_SEED)), walk(WALK_SEED))
 
 
 @visible(
@@ -91,7 +91,7 @@ def finds_people(detect_obstacles: Callable) -> None:
 def looks_far_enough(detect_obstacles: Callable) -> None:
     require_cars_found_in_frame(detect_obstacles, square(SQUARE_SEED))
     frame = crossing(SQUARE_SEED)
-    assert_contained(detected(detect_obstacles, frame), car_across(frame), frame)
+    assert_contained(detect_once(detect_obstacles, frame), car_across(frame), frame)
 
 
 @visible(
@@ -105,7 +105,7 @@ def looks_far_enough(detect_obstacles: Callable) -> None:
 )
 def avoids_ghosts(detect_obstacles: Callable) -> None:
     require_cars_found_in_frame(detect_obstacles, street_before())
-    assert_few_ghosts([detected(detect_obstacles, street_before())], [street_before()])
+    assert_few_ghosts([detect_once(detect_obstacles, street_before())], [street_before()])
 
 
 def _assert_found_on_the_climb(detect_obstacles: Callable, kind: str) -> None:
@@ -115,7 +115,7 @@ def _assert_found_on_the_climb(detect_obstacles: Callable, kind: str) -> None:
     """
     require_cars_found_in_frame(detect_obstacles, street_before())
     frame = climb(CLIMB_SEED)
-    assert_kind_contained(detected(detect_obstacles, frame), kind, frame)
+    assert_kind_contained(detect_once(detect_obstacles, frame), kind, frame)
 
 
 @visible(
@@ -161,10 +161,10 @@ def finds_the_lorry(detect_obstacles: Callable) -> None:
     hint="Two objects become one cluster if the threshold is larger than the gap between them.",
 )
 def keeps_parked_cars_apart(detect_obstacles: Callable) -> None:
-    with needs("the detector finds cars at the edge of the road"):
+    with precondition("the detector finds cars at the edge of the road"):
         _assert_found_on_the_climb(detect_obstacles, "car")
     frame = climb(CLIMB_SEED)
-    assert_separate_boxes(detected(detect_obstacles, frame), frame, GAP)
+    assert_separate_boxes(detect_once(detect_obstacles, frame), frame, GAP)
 
 
 @visible(
@@ -194,7 +194,7 @@ def ignores_the_ego_car(detect_obstacles: Callable) -> None:
 )
 def turns_boxes(detect_obstacles: Callable) -> None:
     require_cars_found_in_frame(detect_obstacles, square(SQUARE_SEED))
-    assert_boxes_turned(detected(detect_obstacles, square(SQUARE_SEED)), square(SQUARE_SEED))
+    assert_boxes_turned(detect_once(detect_obstacles, square(SQUARE_SEED)), square(SQUARE_SEED))
 
 
 @visible(
@@ -206,7 +206,7 @@ def turns_boxes(detect_obstacles: Callable) -> None:
 )
 def returns_upright_boxes(detect_obstacles: Callable) -> None:
     require_cars_found_in_frame(detect_obstacles, square(SQUARE_SEED))
-    assert_upright(detected(detect_obstacles, square(SQUARE_SEED)))
+    assert_upright(detect_once(detect_obstacles, square(SQUARE_SEED)))
 
 
 @visible(
@@ -233,7 +233,7 @@ def ignores_rain(detect_obstacles: Callable) -> None:
 )
 def drops_invalid(detect_obstacles: Callable) -> None:
     frame = square(SQUARE_SEED)
-    answer = detect_obstacles(with_invalid(frame.cloud, 1))
+    answer = detect_obstacles(insert_invalid(frame.cloud, 1))
     require_cars_found(answer, frame)
     assert_no_box_at_sensor(answer, frame)
 
@@ -288,7 +288,7 @@ def keeps_the_cloud_unchanged(detect_obstacles: Callable) -> None:
     "and the car brakes there. A plane through the low points (lesson 03) climbs with the road.",
 )
 def ignores_a_climbing_road(detect_obstacles: Callable) -> None:
-    assert_no_boxes_on_road(detected(detect_obstacles, climb(CLIMB_SEED)), climb(CLIMB_SEED))
+    assert_no_boxes_on_road(detect_once(detect_obstacles, climb(CLIMB_SEED)), climb(CLIMB_SEED))
 
 
 @noted(
@@ -305,7 +305,7 @@ def returns_an_array(detect_obstacles: Callable) -> None:
                     "Return np.array(boxes).reshape(-1, 8, 3), which is an array even if there "
                     "are no boxes."
                 ),
-                yours=brief(answer),
+                yours=brief_text(answer),
             )
 
 
@@ -317,7 +317,9 @@ def returns_an_array(detect_obstacles: Callable) -> None:
 def lists_the_floor_first(detect_obstacles: Callable) -> None:
     for box in as_boxes(detect_obstacles(street_before().cloud.copy())):
         if np.ptp(box[:4, 2]) > 2e-3:
-            raise CheckFailed("The first four corners are not at one height.", yours=brief(box))
+            raise CheckFailed(
+                "The first four corners are not at one height.", yours=brief_text(box)
+            )
 
 
 @noted(

@@ -14,13 +14,13 @@ from utils.checks.assertions import (
     CheckFailed,
     WrongForm,
     as_array,
-    brief,
+    brief_text,
     frozen,
-    needs,
+    precondition,
 )
 from utils.checks.common_checks import Case
 from utils.checks.core import noted, visible
-from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.failures import fixed
 from utils.checks.run_cache import once
 
@@ -73,10 +73,10 @@ def as_indices(answer: object, previous: np.ndarray, current: np.ndarray) -> np.
     if isinstance(answer, (list, tuple)) and any(entry is None for entry in answer):
         raise WrongForm(
             fixed("None is not an index: a box without a partner gets -1."),
-            yours=brief(answer),
+            yours=brief_text(answer),
             expected="whole numbers, -1 or more",
         )
-    yours = as_array(answer, what="an array of indices")
+    yours = as_array(answer, description="an array of indices")
     if yours.size == 0 and not len(current):
         return np.empty(0)
     if yours.shape == (len(current),) and yours.dtype.kind != "b":
@@ -137,8 +137,8 @@ def assert_matched(
     raise CheckFailed(
         message,
         given=_centres_text(previous, current, given),
-        yours=brief(yours),
-        expected=brief(expected),
+        yours=brief_text(yours),
+        expected=brief_text(expected),
         hint=_SWAPPED_HINT if _is_inverse(yours, expected) else "",
         draw=functools.partial(_draw_matches, previous, current, yours, expected),
     )
@@ -180,7 +180,7 @@ def assert_one_to_one(
             f"Previous box {shared:.0f} is the partner of several current boxes, for example of "
             f"{owners[0]} and {owners[1]}.",
             given=_centres_text(previous, current, given),
-            yours=brief(yours),
+            yours=brief_text(yours),
             draw=functools.partial(_draw_matches, previous, current, yours, np.empty(0)),
         )
 
@@ -213,7 +213,8 @@ def assert_limit_respected(
     first = wrong[0]
     if not len(previous):
         raise CheckFailed(
-            f"There is no previous box, but current box {first} has a partner.", yours=brief(yours)
+            f"There is no previous box, but current box {first} has a partner.",
+            yours=brief_text(yours),
         )
     gap = np.linalg.norm(previous.mean(axis=1) - current[first].mean(axis=0), axis=1).min()
     text = "it has no partner" if expected[first] < 0 else "that box is its partner"
@@ -221,8 +222,8 @@ def assert_limit_respected(
         f"Current box {first} is {gap:.2f} m from the nearest previous box, and max_distance is "
         f"{max_distance:g} m: {text}.",
         given=_centres_text(previous, current, f"max_distance {max_distance:g}"),
-        yours=brief(yours),
-        expected=brief(expected),
+        yours=brief_text(yours),
+        expected=brief_text(expected),
         draw=functools.partial(_draw_matches, previous, current, yours, expected),
     )
 
@@ -230,7 +231,7 @@ def assert_limit_respected(
 @once
 def require_matching(match_boxes: Callable) -> None:
     """Assert that boxes are found again after a small move; raise `NotYet` if not."""
-    with needs("each box is found again after a small move"):
+    with precondition("each box is found again after a small move"):
         answer = match_boxes(_BEFORE.copy(), _AFTER.copy(), 1.5)
         assert_matched(answer, _ORDER, _BEFORE, _AFTER)
 
@@ -388,8 +389,8 @@ def works_without_boxes(match_boxes: Callable) -> None:
             raise CheckFailed(
                 "Without previous boxes each current box is new, but it is not marked as new.",
                 given=f"{len(previous)} previous and {len(current)} current boxes",
-                yours=brief(yours),
-                expected=brief(np.full(len(current), -1)),
+                yours=brief_text(yours),
+                expected=brief_text(np.full(len(current), -1)),
             )
 
 
@@ -403,12 +404,12 @@ _MOVED_CASE = Case(
     ),
     precondition=require_matching,
 )
-common_checks.names(
+common_checks.promise_names(
     _MOVED_CASE,
     "keeps_the_names",
     why="Other programs may call match_boxes(before, after, max_distance=1.5).",
 )
-common_checks.untouched(
+common_checks.promise_untouched(
     _MOVED_CASE,
     "keeps_the_boxes_unchanged",
     why="The boxes of this frame are the previous boxes of the next frame.",
@@ -457,7 +458,7 @@ def _right_partners(previous: np.ndarray, current: np.ndarray, max_distance: flo
     return next(np.array(call[3]) for call in _CALLS.values() if call[0] == max_distance)
 
 
-def _right_except(**answers: tuple) -> Callable:
+def _prediction_with_answers(**answers: tuple) -> Callable:
     """Return a prediction: these answers for the named calls, the right answer for all others."""
     by_limit = {_CALLS[name][0]: np.array(answer) for name, answer in answers.items()}
     return lambda right, previous, current, max_distance: by_limit.get(max_distance, right)
@@ -486,7 +487,7 @@ def _closest_pair_only(
     return np.where(is_closest, right, -1)
 
 
-mistakes(
+declare_mistakes(
     "match_boxes",
     Mistake(
         "Only the closest pair is matched. All other boxes are ignored.",
@@ -496,17 +497,17 @@ mistakes(
     Mistake(
         "Each current box takes the nearest previous box that is close enough, even if that box "
         "has a nearer partner.",
-        _right_except(rivals=(1, 1, 2, -1), crowd=(0, 0, 0)),
+        _prediction_with_answers(rivals=(1, 1, 2, -1), crowd=(0, 0, 0)),
         "When you have chosen a pair, cross out its row and its column with infinity.",
     ),
     Mistake(
         "The first current box in the list takes the partner, even if a later box is nearer.",
-        _right_except(rivals=(1, -1, 2, -1), crowd=(0, -1, -1)),
+        _prediction_with_answers(rivals=(1, -1, 2, -1), crowd=(0, -1, -1)),
         "Take the closest of all pairs first.",
     ),
     Mistake(
         "max_distance is ignored: boxes are paired as long as both lists have free boxes.",
-        _right_except(
+        _prediction_with_answers(
             rivals=(0, 1, 2, -1),
             far=(2, 0, 1),
             small=(0, 2, 1),
@@ -519,7 +520,7 @@ mistakes(
     Mistake(
         "Each current box takes the nearest previous box, however far away it is and even if it "
         "has a partner.",
-        _right_except(
+        _prediction_with_answers(
             rivals=(1, 1, 2, 2),
             crowd=(0, 0, 0),
             far=(2, 0, 1),
@@ -534,7 +535,7 @@ mistakes(
     Mistake(
         "Each previous box takes the nearest current box, however far away it is, because "
         "max_distance is ignored.",
-        _right_except(
+        _prediction_with_answers(
             merge=(2,),
             between=(1, 2),
             far=(2, 0, 1),
@@ -547,28 +548,28 @@ mistakes(
     Mistake(
         "The code finds the pairs with the best sum first and drops those that are too far apart "
         "afterwards. A dropped pair may have replaced a pair that is close enough.",
-        _right_except(chain=(-1, -1), gap=(-1, -1)),
+        _prediction_with_answers(chain=(-1, -1), gap=(-1, -1)),
         "Before linear_sum_assignment, replace each distance that is too large by a huge number.",
     ),
     Mistake(
         "A box with a partner gets another, farther one later, because its row is not crossed out.",
-        _right_except(merge=(0,), between=(1, 2)),
+        _prediction_with_answers(merge=(0,), between=(1, 2)),
         "After each pair, write infinity into table[row, :], not only into the column.",
     ),
     Mistake(
         "The square of the distance is compared with max_distance.",
-        _right_except(far=(-1, 0, -1), small=(0, 2, 1), near=(-1, -1)),
+        _prediction_with_answers(far=(-1, 0, -1), small=(0, 2, 1), near=(-1, -1)),
         "Take the square root, or use np.linalg.norm.",
     ),
     Mistake(
         "The limit is a fixed distance, whatever max_distance is.",
-        _right_except(far=(-1, 0, -1), small=(0, 2, 1), diagonal=(0, 1)),
+        _prediction_with_answers(far=(-1, 0, -1), small=(0, 2, 1), diagonal=(0, 1)),
         "Compare with the parameter max_distance.",
     ),
     Mistake(
         "The answer is the wrong way round: it says for each previous box which current box it "
         "became.",
-        _right_except(
+        _prediction_with_answers(
             moved=(1, 3, 0, 2),
             rivals=(-1, 1, 2),
             crowd=(1,),
@@ -606,7 +607,7 @@ mistakes(
     ),
     Mistake(
         "Corners are compared, not centres. The next box may have its corners in another order.",
-        _right_except(far=(-1, -1, -1), near=(-1, -1)),
+        _prediction_with_answers(far=(-1, -1, -1), near=(-1, -1)),
         "Compare the centres: the mean of all eight corners.",
     ),
     cases=tuple(_arguments_of(name) for name in _CALLS),

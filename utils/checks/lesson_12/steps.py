@@ -14,13 +14,13 @@ from utils.checks.assertions import (
     WrongForm,
     as_array,
     assert_arguments_unchanged,
-    brief,
+    brief_text,
     frozen,
-    needs,
     observe,
+    precondition,
 )
 from utils.checks.core import visible
-from utils.checks.diagnosis import Mistake, mistakes, same_array
+from utils.checks.diagnosis import Mistake, declare_mistakes, same_array
 from utils.checks.failures import fixed
 from utils.checks.lesson_12.match_boxes import cubes
 
@@ -32,26 +32,26 @@ def _centres(boxes: np.ndarray) -> np.ndarray:
     return np.round(boxes.mean(axis=1), 4) + 0.0
 
 
-def _as_boxes(answer: object, n: int, what: str = "boxes") -> np.ndarray:
-    boxes = as_array(answer, what=f"an array of {what}")
+def _as_boxes(answer: object, n: int, noun: str = "boxes") -> np.ndarray:
+    boxes = as_array(answer, description=f"an array of {noun}")
     if boxes.size == 0 and n == 0:
         return _NO_BOXES
     if boxes.shape != (n, 8, 3):
         note = " These are centres: move all eight corners." if boxes.shape == (n, 3) else ""
         raise WrongForm(
-            f"There must be eight corners for each of the {n} {what}.{note}",
+            f"There must be eight corners for each of the {n} {noun}.{note}",
             yours=f"shape {boxes.shape}",
             expected=f"shape ({n}, 8, 3)",
         )
     return boxes
 
 
-def _pair(answer: object, names: tuple[str, str]) -> tuple[object, object]:
+def _as_pair(answer: object, names: tuple[str, str]) -> tuple[object, object]:
     """Return the two results of a step."""
     if not isinstance(answer, tuple | list) or len(answer) != 2:
         raise WrongForm(
             f"The step must return two results: {' and '.join(names)}.",
-            yours=brief(answer),
+            yours=brief_text(answer),
             expected=", ".join(names),
         )
     return answer[0], answer[1]
@@ -74,7 +74,7 @@ _EIGHT = frozen(cubes([[3.0 * number, number % 3] for number in range(8)]))
 _EIGHT_VELOCITIES = frozen(np.array([[number - 3.0, 2.0 - number, 0.0] for number in range(8)]))
 
 
-def _moved(boxes: np.ndarray, velocities: np.ndarray, seconds: float) -> np.ndarray:
+def _right_moved_boxes(boxes: np.ndarray, velocities: np.ndarray, seconds: float) -> np.ndarray:
     return np.stack(
         [box + seconds * velocity for box, velocity in zip(boxes, velocities, strict=True)]
     )
@@ -84,27 +84,27 @@ def _assert_moved(
     predict_boxes: Callable, boxes: np.ndarray, velocities: np.ndarray, seconds: float
 ) -> None:
     yours = _as_boxes(predict_boxes(boxes.copy(), velocities.copy(), seconds), len(boxes))
-    right = _moved(boxes, velocities, seconds)
+    right = _right_moved_boxes(boxes, velocities, seconds)
     wrong = np.flatnonzero(~np.isclose(yours, right, rtol=0, atol=1e-3).all(axis=(1, 2)))
     if not len(wrong):
         return
     row = wrong[0]
     given = (
-        f"a box at {brief(_centres(boxes)[row])}, velocity {brief(velocities[row])} m/s, "
+        f"a box at {brief_text(_centres(boxes)[row])}, velocity {brief_text(velocities[row])} m/s, "
         f"{seconds:g} s"
     )
     if np.allclose(_centres(yours)[row], _centres(right)[row], atol=1e-3):
         raise CheckFailed(
             f"Box {row} has the right centre but wrong corners.",
             given=given,
-            yours=f"corner 0 at {brief(yours[row, 0])}",
-            expected=f"corner 0 at {brief(right[row, 0])}",
+            yours=f"corner 0 at {brief_text(yours[row, 0])}",
+            expected=f"corner 0 at {brief_text(right[row, 0])}",
         )
     raise CheckFailed(
         f"Box {row} has not moved by its velocity times the time.",
         given=given,
-        yours=f"centre at {brief(_centres(yours)[row])}",
-        expected=f"centre at {brief(_centres(right)[row])}",
+        yours=f"centre at {brief_text(_centres(yours)[row])}",
+        expected=f"centre at {brief_text(_centres(right)[row])}",
     )
 
 
@@ -164,26 +164,28 @@ def keeps_boxes_and_velocities(predict_boxes: Callable) -> None:
     )
 
 
-mistakes(
+declare_mistakes(
     "predict_boxes",
     Mistake(
         "The code adds the whole velocity, as if one second had passed, and ignores seconds.",
-        lambda right, boxes, velocities, seconds: _moved(boxes, velocities, 1.0),
+        lambda right, boxes, velocities, seconds: _right_moved_boxes(boxes, velocities, 1.0),
         "The distance is velocity times time.",
     ),
     Mistake(
         "The boxes always move for a tenth of a second, whatever seconds is.",
-        lambda right, boxes, velocities, seconds: _moved(boxes, velocities, 0.1),
+        lambda right, boxes, velocities, seconds: _right_moved_boxes(boxes, velocities, 0.1),
         "Multiply by the parameter seconds.",
     ),
     Mistake(
         "The boxes move backwards: the distance is subtracted.",
-        lambda right, boxes, velocities, seconds: _moved(boxes, velocities, -seconds),
+        lambda right, boxes, velocities, seconds: _right_moved_boxes(boxes, velocities, -seconds),
         "A velocity points in the direction of motion, so add the distance.",
     ),
     Mistake(
         "The velocity is divided by the time.",
-        lambda right, boxes, velocities, seconds: _moved(boxes, velocities, 1 / seconds),
+        lambda right, boxes, velocities, seconds: _right_moved_boxes(
+            boxes, velocities, 1 / seconds
+        ),
         "The distance is velocity times time.",
     ),
     Mistake(
@@ -202,7 +204,7 @@ mistakes(
         is_cheap=True,
     ),
     cases=((_EIGHT, _EIGHT_VELOCITIES, 0.25), (_EIGHT[::-1], _EIGHT_VELOCITIES, 0.4)),
-    right=_moved,
+    right=_right_moved_boxes,
 )
 
 
@@ -214,7 +216,7 @@ _VELOCITIES = frozen(np.array([[-5.0, 0, 0], [-12.0, 1.0, 0.5]]))
 _RESULT_NAMES = "boxes", "velocities"
 
 
-def _filtered(
+def _right_correction(
     expected: np.ndarray, velocities: np.ndarray, found: np.ndarray, gain: float, seconds: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return boxes and velocities corrected by an alpha-beta filter.
@@ -231,9 +233,9 @@ def _mean_corners(boxes: np.ndarray) -> np.ndarray:
     return boxes.sum(axis=1) / 8
 
 
-def _corrected(correct_boxes: Callable, gain: float, seconds: float) -> tuple:
+def _call_correct_boxes(correct_boxes: Callable, gain: float, seconds: float) -> tuple:
     arguments = (_EXPECTED.copy(), _VELOCITIES.copy(), _FOUND.copy(), gain, seconds)
-    boxes, velocities = _pair(correct_boxes(*arguments), _RESULT_NAMES)
+    boxes, velocities = _as_pair(correct_boxes(*arguments), _RESULT_NAMES)
     if np.shape(boxes) == _VELOCITIES.shape and np.shape(velocities) == _FOUND.shape:
         raise WrongForm(
             "The two results are in the wrong order: boxes come first, then velocities.",
@@ -241,7 +243,7 @@ def _corrected(correct_boxes: Callable, gain: float, seconds: float) -> tuple:
             expected=f"shapes {_FOUND.shape} and {_VELOCITIES.shape}",
         )
     description = "velocities with three numbers each"
-    velocities = as_array(velocities, columns=3, what=description, each="velocity")
+    velocities = as_array(velocities, columns=3, description=description, row_noun="velocity")
     if len(velocities) != len(_FOUND):
         raise WrongForm(
             f"There must be one velocity for each of the {len(_FOUND)} boxes.",
@@ -253,22 +255,23 @@ def _corrected(correct_boxes: Callable, gain: float, seconds: float) -> tuple:
 
 def _given_text(row: int, gain: float, seconds: float) -> str:
     return (
-        f"expected at {brief(_centres(_EXPECTED)[row])}, found at {brief(_centres(_FOUND)[row])}, "
-        f"velocity {brief(_VELOCITIES[row])} m/s, gain {gain:g}, {seconds:g} s"
+        f"expected at {brief_text(_centres(_EXPECTED)[row])}, "
+        f"found at {brief_text(_centres(_FOUND)[row])}, "
+        f"velocity {brief_text(_VELOCITIES[row])} m/s, gain {gain:g}, {seconds:g} s"
     )
 
 
 def _assert_placed(correct_boxes: Callable, gain: float, seconds: float) -> None:
-    yours, _ = _corrected(correct_boxes, gain, seconds)
-    right, _ = _filtered(_EXPECTED, _VELOCITIES, _FOUND, gain, seconds)
+    yours, _ = _call_correct_boxes(correct_boxes, gain, seconds)
+    right, _ = _right_correction(_EXPECTED, _VELOCITIES, _FOUND, gain, seconds)
     is_wrong = ~np.isclose(_centres(yours), _centres(right), rtol=0, atol=1e-3).all(axis=1)
     if is_wrong.any():
         row = np.flatnonzero(is_wrong)[0]
         raise CheckFailed(
             f"The centre of box {row} is not at expected plus gain times the offset to found.",
             given=_given_text(row, gain, seconds),
-            yours=f"centre at {brief(_centres(yours)[row])}",
-            expected=f"centre at {brief(_centres(right)[row])}",
+            yours=f"centre at {brief_text(_centres(yours)[row])}",
+            expected=f"centre at {brief_text(_centres(right)[row])}",
         )
 
 
@@ -293,18 +296,19 @@ def places_boxes_between(correct_boxes: Callable) -> None:
     "None].",
 )
 def keeps_the_shape(correct_boxes: Callable) -> None:
-    with needs("each box is between its expected and its found position"):
+    with precondition("each box is between its expected and its found position"):
         places_boxes_between(correct_boxes)
-    yours, _ = _corrected(correct_boxes, 0.5, 0.1)
-    right, _ = _filtered(_EXPECTED, _VELOCITIES, _FOUND, 0.5, 0.1)
+    yours, _ = _call_correct_boxes(correct_boxes, 0.5, 0.1)
+    right, _ = _right_correction(_EXPECTED, _VELOCITIES, _FOUND, 0.5, 0.1)
     wrong = np.flatnonzero(~np.isclose(yours, right, rtol=0, atol=1e-3).all(axis=(1, 2)))
     if len(wrong):
         row = wrong[0]
         raise CheckFailed(
             f"Box {row} does not have the size and corners of the found box.",
             given="a found box twice as large as expected, which starts with another corner",
-            yours=f"corners 0 and 1 at {brief(yours[row, 0])} and {brief(yours[row, 1])}",
-            expected=f"corners 0 and 1 at {brief(right[row, 0])} and {brief(right[row, 1])}",
+            yours=f"corners 0 and 1 at {brief_text(yours[row, 0])} and {brief_text(yours[row, 1])}",
+            expected=f"corners 0 and 1 at {brief_text(right[row, 0])} and "
+            f"{brief_text(right[row, 1])}",
         )
 
 
@@ -318,16 +322,16 @@ def keeps_the_shape(correct_boxes: Callable) -> None:
 )
 def corrects_the_velocity(correct_boxes: Callable) -> None:
     for gain, seconds in ((0.5, 0.1), (0.75, 0.2)):
-        _, yours = _corrected(correct_boxes, gain, seconds)
-        _, right = _filtered(_EXPECTED, _VELOCITIES, _FOUND, gain, seconds)
+        _, yours = _call_correct_boxes(correct_boxes, gain, seconds)
+        _, right = _right_correction(_EXPECTED, _VELOCITIES, _FOUND, gain, seconds)
         wrong = np.flatnonzero(~np.isclose(yours, right, rtol=0, atol=2e-3).all(axis=1))
         if len(wrong):
             row = wrong[0]
             raise CheckFailed(
                 f"The velocity of track {row} is wrong.",
                 given=_given_text(row, gain, seconds),
-                yours=f"{brief(yours[row])} m/s",
-                expected=f"{brief(right[row])} m/s",
+                yours=f"{brief_text(yours[row])} m/s",
+                expected=f"{brief_text(right[row])} m/s",
             )
 
 
@@ -341,13 +345,13 @@ def corrects_the_velocity(correct_boxes: Callable) -> None:
 def uses_extreme_gains(correct_boxes: Callable) -> None:
     for gain in (0.0, 1.0):
         _assert_placed(correct_boxes, gain, 0.1)
-    _, yours = _corrected(correct_boxes, 0.0, 0.1)
+    _, yours = _call_correct_boxes(correct_boxes, 0.0, 0.1)
     if not np.allclose(yours, _VELOCITIES, atol=1e-3):
         raise CheckFailed(
             fixed("With a gain of 0 a velocity must not change."),
             given=_given_text(0, 0.0, 0.1),
-            yours=brief(yours[0]),
-            expected=brief(_VELOCITIES[0]),
+            yours=brief_text(yours[0]),
+            expected=brief_text(_VELOCITIES[0]),
         )
 
 
@@ -363,7 +367,7 @@ def keeps_its_input_unchanged(correct_boxes: Callable) -> None:
     assert_arguments_unchanged(observe(correct_boxes, *arguments), *arguments)
 
 
-def _corrected_by(
+def _prediction_from_velocity_rule(
     velocity_rule: Callable = lambda velocities, offset, gain, beta, seconds: (
         velocities + beta * offset / seconds
     ),
@@ -381,47 +385,51 @@ def _corrected_by(
     return predicts
 
 
-mistakes(
+declare_mistakes(
     "correct_boxes",
     Mistake(
         "The change of the velocity is not divided by the time: metres are added to metres per "
         "second.",
-        _corrected_by(lambda velocities, offset, gain, beta, seconds: velocities + beta * offset),
+        _prediction_from_velocity_rule(
+            lambda velocities, offset, gain, beta, seconds: velocities + beta * offset
+        ),
         "Return velocities + beta * off / seconds.",
     ),
     Mistake(
         "The first gain is also used to correct the velocity.",
-        _corrected_by(
+        _prediction_from_velocity_rule(
             lambda velocities, offset, gain, beta, seconds: velocities + gain * offset / seconds
         ),
         "The velocity has a separate gain, beta.",
     ),
     Mistake(
         "The velocity is corrected with expected minus found, which is the wrong way round.",
-        _corrected_by(
+        _prediction_from_velocity_rule(
             lambda velocities, offset, gain, beta, seconds: velocities - beta * offset / seconds
         ),
         "Use found minus expected: an object that is ahead of its expected place is faster.",
     ),
     Mistake(
         "The old velocity is missing: only the correction is returned.",
-        _corrected_by(lambda velocities, offset, gain, beta, seconds: beta * offset / seconds),
+        _prediction_from_velocity_rule(
+            lambda velocities, offset, gain, beta, seconds: beta * offset / seconds
+        ),
         "Add the correction to velocities.",
     ),
     Mistake(
         "The velocities are returned unchanged.",
-        _corrected_by(lambda velocities, offset, gain, beta, seconds: velocities),
+        _prediction_from_velocity_rule(lambda velocities, offset, gain, beta, seconds: velocities),
         "Return velocities + beta * off / seconds.",
     ),
     Mistake(
         "The gain is used as the weight of the expectation. It should be the weight of the found "
         "box.",
-        _corrected_by(share=lambda gain: 1 - gain),
+        _prediction_from_velocity_rule(share=lambda gain: 1 - gain),
         "With a gain of 1 the result is the found box.",
     ),
     Mistake(
         "The found boxes are returned unchanged, whatever the gain is.",
-        _corrected_by(share=lambda gain: 1.0),
+        _prediction_from_velocity_rule(share=lambda gain: 1.0),
         "Return found - (1 - gain) * off[:, None].",
     ),
     Mistake(
@@ -437,8 +445,8 @@ mistakes(
         (_EXPECTED, _VELOCITIES, _FOUND, 0.4, 0.1),
         (_EXPECTED, _VELOCITIES, _FOUND, 0.8, 0.25),
     ),
-    right=_filtered,
-    same=_same_pair,
+    right=_right_correction,
+    is_same=_same_pair,
 )
 
 
@@ -459,22 +467,22 @@ def _right_counts(
     return counts, counts <= patience
 
 
-def _coasted(coast: Callable, *case: object) -> tuple[np.ndarray, np.ndarray]:
+def _call_coast(coast: Callable, *case: object) -> tuple[np.ndarray, np.ndarray]:
     """Return the two results of a call: a count for each track, and whether the track is kept."""
     missed, partners, patience = case
-    counts, kept = _pair(coast(missed.copy(), partners.copy(), patience), ("missed", "kept"))
+    counts, kept = _as_pair(coast(missed.copy(), partners.copy(), patience), ("missed", "kept"))
     counts, kept = as_array(counts), as_array(kept)
     if counts.dtype.kind == "b" and kept.dtype.kind in "iuf":
         raise WrongForm(
             "The two results are in the wrong order: missed comes first, then kept.",
-            yours=f"{brief(counts)}, {brief(kept)}",
+            yours=f"{brief_text(counts)}, {brief_text(kept)}",
             expected="numbers, then True or False",
         )
     for name, values in (("missed", counts), ("kept", kept)):
         if values.shape != missed.shape and not values.size == missed.size == 0:
             raise WrongForm(
                 f"There must be one entry of {name} for each of the {len(missed)} tracks.",
-                yours=f"shape {values.shape}: {brief(values)}",
+                yours=f"shape {values.shape}: {brief_text(values)}",
                 expected=f"shape {missed.shape}",
             )
     return counts, kept.astype(bool)
@@ -491,7 +499,7 @@ def _coasted(coast: Callable, *case: object) -> tuple[np.ndarray, np.ndarray]:
     ),
 )
 def counts_missed_frames(coast: Callable) -> None:
-    yours, _ = _coasted(coast, _MISSED, _PARTNERS, 3)
+    yours, _ = _call_coast(coast, _MISSED, _PARTNERS, 3)
     wrong = np.flatnonzero(yours != _RIGHT_COUNTS)
     if len(wrong):
         row = wrong[0]
@@ -499,8 +507,8 @@ def counts_missed_frames(coast: Callable) -> None:
         raise CheckFailed(
             f"Track {row} {state}, but its count is wrong.",
             given=_GIVEN,
-            yours=f"missed {brief(yours)}",
-            expected=f"missed {brief(_RIGHT_COUNTS)}",
+            yours=f"missed {brief_text(yours)}",
+            expected=f"missed {brief_text(_RIGHT_COUNTS)}",
         )
 
 
@@ -513,7 +521,7 @@ def counts_missed_frames(coast: Callable) -> None:
 )
 def drops_tracks_after_patience(coast: Callable) -> None:
     for patience in (3, 0, 2, 10):
-        _, yours = _coasted(coast, _MISSED, _PARTNERS, patience)
+        _, yours = _call_coast(coast, _MISSED, _PARTNERS, patience)
         right = patience >= _RIGHT_COUNTS
         if not np.array_equal(yours, right):
             row = np.flatnonzero(yours != right)[0]
@@ -523,8 +531,8 @@ def drops_tracks_after_patience(coast: Callable) -> None:
                 if _RIGHT_COUNTS[row]
                 else f"Track {row} has a box and should be kept.",
                 given=_GIVEN.replace("patience 3", f"patience {patience}"),
-                yours=f"kept {brief(yours)}",
-                expected=f"kept {brief(right)}",
+                yours=f"kept {brief_text(yours)}",
+                expected=f"kept {brief_text(right)}",
             )
 
 
@@ -537,14 +545,14 @@ def drops_tracks_after_patience(coast: Callable) -> None:
 def works_on_empty_frames(coast: Callable) -> None:
     empty = np.empty(0, dtype=int)
     for missed, partners in ((_MISSED, empty), (empty, empty), (empty, np.array([-1, -1]))):
-        counts, kept = _coasted(coast, missed, partners, 10)
+        counts, kept = _call_coast(coast, missed, partners, 10)
         right_counts, right_kept = _right_counts(missed, partners, 10)
         if not (same_array(counts, right_counts) and same_array(kept, right_kept)):
             raise CheckFailed(
                 "In a frame without boxes, every track misses one more frame.",
-                given=f"missed {brief(missed)}, partners {brief(partners)}, patience 10",
-                yours=f"missed {brief(counts)}, kept {brief(kept)}",
-                expected=f"missed {brief(right_counts)}, kept {brief(right_kept)}",
+                given=f"missed {brief_text(missed)}, partners {brief_text(partners)}, patience 10",
+                yours=f"missed {brief_text(counts)}, kept {brief_text(kept)}",
+                expected=f"missed {brief_text(right_counts)}, kept {brief_text(right_kept)}",
             )
 
 
@@ -559,7 +567,7 @@ def keeps_the_counts_unchanged(coast: Callable) -> None:
     assert_arguments_unchanged(observe(coast, _MISSED, _PARTNERS, 3), _MISSED, _PARTNERS, 3)
 
 
-def _counted_by(count: Callable) -> Callable:
+def _prediction_from_counts(count: Callable) -> Callable:
     """Return a prediction with another rule for the counts, which decide which tracks stay."""
 
     def predicts(right: tuple, missed: np.ndarray, partners: np.ndarray, patience: int) -> tuple:
@@ -577,14 +585,14 @@ def _count_last_track(missed: np.ndarray, has_box: np.ndarray, partners: np.ndar
     return counts
 
 
-mistakes(
+declare_mistakes(
     "coast",
     Mistake(
         fixed(
             "The last track counts as seen whenever a box is new, because the index -1 means the "
             "last row."
         ),
-        _counted_by(_count_last_track),
+        _prediction_from_counts(_count_last_track),
         fixed("Leave out -1 with partners[partners >= 0], or use np.isin(np.arange(n), partners)."),
     ),
     Mistake(
@@ -599,22 +607,24 @@ mistakes(
     ),
     Mistake(
         "A track with a box keeps its old count and is never reset to 0.",
-        _counted_by(lambda missed, has_box, partners: np.where(has_box, missed, missed + 1)),
+        _prediction_from_counts(
+            lambda missed, has_box, partners: np.where(has_box, missed, missed + 1)
+        ),
         "Write np.where(seen, 0, missed + 1).",
     ),
     Mistake(
         "Every count goes up by 1, whether the track has a box or not.",
-        _counted_by(lambda missed, has_box, partners: missed + 1),
+        _prediction_from_counts(lambda missed, has_box, partners: missed + 1),
         "Write np.where(seen, 0, missed + 1).",
     ),
     Mistake(
         "The count of a track without a box is always 1, however many frames it has missed.",
-        _counted_by(lambda missed, has_box, partners: np.where(has_box, 0, 1)),
+        _prediction_from_counts(lambda missed, has_box, partners: np.where(has_box, 0, 1)),
         "Write np.where(seen, 0, missed + 1).",
     ),
     Mistake(
         "Tracks with a box are treated as if they had none, and the other way round.",
-        _counted_by(lambda missed, has_box, partners: np.where(has_box, missed + 1, 0)),
+        _prediction_from_counts(lambda missed, has_box, partners: np.where(has_box, missed + 1, 0)),
         "The entries of partners are the tracks that have a box.",
     ),
     Mistake(
@@ -631,5 +641,5 @@ mistakes(
         (np.array([2, 1, 0, 2, 2, 1, 2]), np.array([4, -1, 1, -1]), 2),
     ),
     right=_right_counts,
-    same=_same_pair,
+    is_same=_same_pair,
 )

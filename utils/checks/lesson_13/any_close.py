@@ -10,13 +10,13 @@ from utils.checks.assertions import (
     as_array,
     assert_arguments_unchanged,
     frozen,
-    needs,
     observe,
     points_text,
+    precondition,
 )
 from utils.checks.compiled import assert_compiles
 from utils.checks.core import noted, visible
-from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.failures import fixed
 from utils.checks.lesson_13.compile_note import COMPILES_TITLE, COMPILES_WHY
 
@@ -50,7 +50,7 @@ def _squared_distances(points: np.ndarray, a: int, a_end: int, b: int, b_end: in
 
 def _as_bool(answer: object) -> bool:
     """Convert an answer to True or False."""
-    yours = as_array(answer, what="True or False")
+    yours = as_array(answer, description="True or False")
     if yours.shape != ():
         raise WrongForm(
             "The answer must be a single True or False.",
@@ -99,7 +99,7 @@ def compares_squares(any_close: Callable) -> None:
     "return False after both loops.",
 )
 def compares_all_pairs(any_close: Callable) -> None:
-    with needs("the squared distance is compared with the limit"):
+    with precondition("the squared distance is compared with the limit"):
         compares_squares(any_close)
     cell_points = np.delete(_ROWS, [0, 4, 8], axis=0)
     for rows in ([0, 1, 2, 3, 4, 5], [2, 0, 1, 3, 5, 4], [5, 4, 3, 2, 1, 0], [0, 2, 1, 5, 3, 4]):
@@ -115,7 +115,7 @@ def compares_all_pairs(any_close: Callable) -> None:
     hint="range(a, a_end) begins at a and ends before a_end.",
 )
 def reads_only_its_rows(any_close: Callable) -> None:
-    with needs("each point of one cell is compared with each point of the other"):
+    with precondition("each point of one cell is compared with each point of the other"):
         compares_all_pairs(any_close)
     for points in (_ROWS, _ROWS[::-1]):
         for distance in (_ABOVE, _BELOW):
@@ -130,7 +130,7 @@ def reads_only_its_rows(any_close: Callable) -> None:
     hint="Write `<`, not `<=`.",
 )
 def is_strict(any_close: Callable) -> None:
-    with needs("the squared distance is compared with the limit"):
+    with precondition("the squared distance is compared with the limit"):
         compares_squares(any_close)
     points = np.array([[1.0, 2.0, 0.5], [1.0, 2.5, 0.5]])
     if _as_bool(any_close(points, 0, 1, 1, 2, 0.25)):
@@ -149,20 +149,20 @@ def is_strict(any_close: Callable) -> None:
     hint="Write return True inside both loops. It ends both loops and the function.",
 )
 def stops_at_the_first_close_pair(any_close: Callable) -> None:
-    with needs("each point of one cell is compared with each point of the other"):
+    with precondition("each point of one cell is compared with each point of the other"):
         compares_all_pairs(any_close)
     n = 20
     index = np.arange(2 * n) % n
     points = np.column_stack([index * 0.7, index % 3 * 1.1, index * 0.0])
     reads = 0
 
-    class Counted(np.ndarray):
+    class CountingArray(np.ndarray):
         def __getitem__(self, key: object) -> object:
             nonlocal reads
             reads += 1
             return np.asarray(self)[key]
 
-    if not _as_bool(any_close(points.view(Counted), 0, n, n, 2 * n, 0.1)) or reads > n:
+    if not _as_bool(any_close(points.view(CountingArray), 0, n, n, 2 * n, 0.1)) or reads > n:
         raise CheckFailed(
             "The function continues although the answer is already known.",
             given=f"two cells of {n} points, whose first points are at the same position",
@@ -184,34 +184,34 @@ def keeps_the_points_unchanged(any_close: Callable) -> None:
 
 @noted("any_close", title=COMPILES_TITLE, why=COMPILES_WHY)
 def any_close_compiles(any_close: Callable) -> None:
-    def answers(function: Callable) -> list[bool]:
+    def call_twice(function: Callable) -> list[bool]:
         return [bool(function(_ROWS.copy(), *_CELLS, distance**2)) for distance in (_ABOVE, _BELOW)]
 
-    assert_compiles(any_close, answers)
+    assert_compiles(any_close, call_twice)
 
 
 def _is_close(points: np.ndarray, a: int, a_end: int, b: int, b_end: int, limit: float) -> bool:
     return bool((_squared_distances(points, a, a_end, b, b_end) < limit).any())
 
 
-def _decided_by(decide: Callable) -> Callable:
+def _prediction_from_squares(decide: Callable) -> Callable:
     """Return a prediction that `decide` makes from the squared distances and the limit."""
 
-    def predicts(right: bool, points: np.ndarray, *rest: float) -> bool:
-        *cells, limit = rest
+    def predicts(right: bool, points: np.ndarray, *cells_and_limit: float) -> bool:
+        *cells, limit = cells_and_limit
         return bool(decide(_squared_distances(points, *cells), limit))
 
     return predicts
 
 
-def _with_shifted_rows(first: int, last: int) -> Callable:
+def _prediction_with_shifted_rows(first: int, last: int) -> Callable:
     """Return the prediction for cells that begin `first` rows and end `last` rows later."""
     return lambda right, points, a, a_end, b, b_end, limit: _is_close(
         points, a + first, a_end + last, b + first, b_end + last, limit
     )
 
 
-def _without_axis(axis: int) -> Callable:
+def _prediction_without_axis(axis: int) -> Callable:
     return lambda right, points, *rest: _is_close(np.delete(points, axis, axis=1), *rest)
 
 
@@ -223,28 +223,28 @@ def _random_case(seed: int) -> tuple:
     return frozen(rng.uniform(-0.8, 0.8, (12, 3))), a, a_end, b, b_end, limit
 
 
-mistakes(
+declare_mistakes(
     "any_close",
     Mistake(
         "The distance is compared with the limit, which is already squared, or the limit is "
         "squared again.",
-        _decided_by(lambda squares, limit: (np.sqrt(squares) < limit).any()),
+        _prediction_from_squares(lambda squares, limit: (np.sqrt(squares) < limit).any()),
         "Write x * x + y * y + z * z < limit, without a square root.",
     ),
     Mistake(
         "Only the first pair is compared: `return False` is inside the loops.",
-        _decided_by(lambda squares, limit: squares[0, 0] < limit),
+        _prediction_from_squares(lambda squares, limit: squares[0, 0] < limit),
         "Indent return False like the outer `for`, after both loops.",
     ),
     Mistake(
         "Only the first point of the first cell is compared: `return False` is inside the outer "
         "loop.",
-        _decided_by(lambda squares, limit: (squares[0] < limit).any()),
+        _prediction_from_squares(lambda squares, limit: (squares[0] < limit).any()),
         "Indent return False like the outer `for`.",
     ),
     Mistake(
         "The answer is True only if all pairs are close. One close pair is enough.",
-        _decided_by(lambda squares, limit: (squares < limit).all()),
+        _prediction_from_squares(lambda squares, limit: (squares < limit).all()),
     ),
     Mistake(
         "The answers are swapped: True if no two points are close.",
@@ -253,25 +253,25 @@ mistakes(
     Mistake(
         "The row after each cell is also read. The rows a_end and b_end do not belong to the "
         "cells.",
-        _with_shifted_rows(0, 1),
+        _prediction_with_shifted_rows(0, 1),
         "range(a, a_end) already ends before a_end.",
     ),
     Mistake(
         "The last row of each cell is never read.",
-        _with_shifted_rows(0, -1),
+        _prediction_with_shifted_rows(0, -1),
         "range(a, a_end) already ends before a_end.",
     ),
     Mistake(
         "The first row of each cell is never read.",
-        _with_shifted_rows(1, 0),
+        _prediction_with_shifted_rows(1, 0),
         "range(a, a_end) begins at a.",
     ),
-    Mistake("x is left out.", _without_axis(0), "Use all three differences."),
-    Mistake("y is left out.", _without_axis(1), "Use all three differences."),
-    Mistake("z is left out.", _without_axis(2), "Use all three differences."),
+    Mistake("x is left out.", _prediction_without_axis(0), "Use all three differences."),
+    Mistake("y is left out.", _prediction_without_axis(1), "Use all three differences."),
+    Mistake("z is left out.", _prediction_without_axis(2), "Use all three differences."),
     Mistake("The answer is always False.", lambda right, *case: False, is_cheap=True),
     Mistake("The answer is always True.", lambda right, *case: True, is_cheap=True),
     cases=tuple(_random_case(seed) for seed in range(40)),
     right=_is_close,
-    same=lambda answer, predicted: bool(as_array(answer)) == predicted,
+    is_same=lambda answer, predicted: bool(as_array(answer)) == predicted,
 )

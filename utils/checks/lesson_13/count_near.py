@@ -7,14 +7,14 @@ import numpy as np
 from utils.checks.assertions import (
     CheckFailed,
     assert_arguments_unchanged,
-    brief,
+    brief_text,
     frozen,
-    needs,
     observe,
+    precondition,
 )
 from utils.checks.compiled import assert_compiles
 from utils.checks.core import noted, visible
-from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.lesson_03.iterations_needed import assert_number
 from utils.checks.lesson_13.compile_note import COMPILES_TITLE, COMPILES_WHY
 
@@ -39,8 +39,8 @@ def _assert_counts(
     if yours != expected:
         raise CheckFailed(
             "The number of points within the tolerance is wrong.",
-            given=f"points {brief(offsets)} m off the plane, tolerance {tolerance:g} m",
-            yours=brief(yours[()]),
+            given=f"points {brief_text(offsets)} m off the plane, tolerance {tolerance:g} m",
+            yours=brief_text(yours[()]),
             expected=str(expected),
         )
 
@@ -66,7 +66,7 @@ def counts_both_sides(count_near: Callable) -> None:
     hint='Write `<=` for "at most".',
 )
 def counts_points_at_the_tolerance(count_near: Callable) -> None:
-    with needs("the function counts the points within the tolerance"):
+    with precondition("the function counts the points within the tolerance"):
         counts_both_sides(count_near)
     level = np.array([0.0, 0.0, 1.0, -1.0])
     points = np.array([[3.0, 1.0, 1.25], [2.0, -4.0, 0.75], [5.0, 2.0, 1.5]])
@@ -75,7 +75,7 @@ def counts_points_at_the_tolerance(count_near: Callable) -> None:
         raise CheckFailed(
             "Two of these points are exactly at the tolerance.",
             given="points 0.25, -0.25 and 0.5 m above a level plane, tolerance 0.25 m",
-            yours=brief(yours[()]),
+            yours=brief_text(yours[()]),
             expected="2",
         )
 
@@ -123,42 +123,46 @@ def _random_case(seed: int) -> tuple:
     return frozen(_points_at(offsets)), _PLANE, _TOLERANCE
 
 
-def _counted_with(distance: Callable) -> Callable:
+def _prediction_from_distance(distance: Callable) -> Callable:
     """Return the prediction for a function that counts with another distance."""
     return lambda right, points, plane, tolerance: _count(points, plane, tolerance, distance)
 
 
-mistakes(
+declare_mistakes(
     "count_near",
     Mistake(
         "All points below the plane are counted, however far away they are, because the distance "
         "keeps its sign.",
-        _counted_with(lambda points, plane: points @ plane[:3] + plane[3]),
+        _prediction_from_distance(lambda points, plane: points @ plane[:3] + plane[3]),
         "Put abs(...) around the whole sum.",
     ),
     Mistake(
         "d is left out, so the distance is to a plane through the sensor.",
-        _counted_with(lambda points, plane: np.abs(points @ plane[:3])),
+        _prediction_from_distance(lambda points, plane: np.abs(points @ plane[:3])),
         "Also add plane[3], the fourth number of the plane.",
     ),
     Mistake(
         "d is subtracted, as if the plane were a x + b y + c z = d.",
-        _counted_with(lambda points, plane: np.abs(points @ plane[:3] - plane[3])),
+        _prediction_from_distance(lambda points, plane: np.abs(points @ plane[:3] - plane[3])),
         "Add plane[3]; do not subtract it.",
     ),
     Mistake(
         "z is left out.",
-        _counted_with(lambda points, plane: np.abs(points[:, :2] @ plane[:2] + plane[3])),
+        _prediction_from_distance(
+            lambda points, plane: np.abs(points[:, :2] @ plane[:2] + plane[3])
+        ),
         "Add three products and d.",
     ),
     Mistake(
         "The absolute value is taken of each term instead of the sum.",
-        _counted_with(lambda points, plane: np.abs(points * plane[:3]).sum(axis=1) + abs(plane[3])),
+        _prediction_from_distance(
+            lambda points, plane: np.abs(points * plane[:3]).sum(axis=1) + abs(plane[3])
+        ),
         "Put abs(...) around the whole sum.",
     ),
     Mistake(
         "The square of the distance is compared with the tolerance.",
-        _counted_with(lambda points, plane: (points @ plane[:3] + plane[3]) ** 2),
+        _prediction_from_distance(lambda points, plane: (points @ plane[:3] + plane[3]) ** 2),
         "Take abs(...), not the square.",
     ),
     Mistake(

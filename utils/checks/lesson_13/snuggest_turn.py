@@ -8,14 +8,14 @@ from utils.checks.assertions import (
     CheckFailed,
     WrongForm,
     assert_arguments_unchanged,
-    brief,
+    brief_text,
     frozen,
-    needs,
     observe,
+    precondition,
 )
 from utils.checks.compiled import assert_compiles
 from utils.checks.core import noted, visible
-from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.lesson_03.iterations_needed import assert_number
 from utils.checks.lesson_13.compile_note import COMPILES_TITLE, COMPILES_WHY
 
@@ -87,7 +87,7 @@ def finds_the_angle(snuggest_turn: Callable) -> None:
     "the sensor counts as a point.",
 )
 def finds_the_angle_anywhere(snuggest_turn: Callable) -> None:
-    with needs("the function finds the angle of a rectangle around the sensor"):
+    with precondition("the function finds the angle of a rectangle around the sensor"):
         finds_the_angle(snuggest_turn)
     for turn, x, y in ((30, 12, -7), (72, -9, -14), (104, 21, 3)):
         _assert_finds_turn(snuggest_turn, turn, x, y)
@@ -109,7 +109,7 @@ def _random_points(seed: int) -> np.ndarray:
     "once: (front - back) * (left - right).",
 )
 def finds_the_smallest_area(snuggest_turn: Callable) -> None:
-    with needs("the function finds the angle of a rectangle wherever it is"):
+    with precondition("the function finds the angle of a rectangle wherever it is"):
         finds_the_angle_anywhere(snuggest_turn)
     for seed in (2, 6, 22, 24, 45, 47):  # here the smallest perimeter is at another angle
         points = _random_points(seed)
@@ -117,7 +117,7 @@ def finds_the_smallest_area(snuggest_turn: Callable) -> None:
         if area[yours] > area.min() * (1 + 1e-9):
             raise CheckFailed(
                 "The rectangle is smaller at another angle.",
-                given=f"nine points, x {brief(points[:, 0])}, y {brief(points[:, 1])}",
+                given=f"nine points, x {brief_text(points[:, 0])}, y {brief_text(points[:, 1])}",
                 yours=f"{yours}, with {area[yours]:.2f} m²",
                 expected=f"{area.argmin()}, with {area.min():.2f} m²",
             )
@@ -151,16 +151,16 @@ def snuggest_turn_compiles(snuggest_turn: Callable) -> None:
     assert_compiles(snuggest_turn, lambda function: int(function(points)))
 
 
-def _minimises(measure: Callable) -> Callable:
+def _prediction_from_measure(measure: Callable) -> Callable:
     """Return a function that predicts the angle at which another measure is smallest."""
     return lambda right, points: int(measure(points).argmin())
 
 
-def _with_sensor(points: np.ndarray) -> np.ndarray:
+def _add_sensor(points: np.ndarray) -> np.ndarray:
     return np.vstack([np.zeros(3), points])
 
 
-mistakes(
+declare_mistakes(
     "snuggest_turn",
     Mistake(
         "The answer is the angle of the largest area.",
@@ -169,32 +169,32 @@ mistakes(
     ),
     Mistake(
         "The answer minimises the sum of the two sides instead of their product.",
-        _minimises(lambda points: sum(_extents(points))),
+        _prediction_from_measure(lambda points: sum(_extents(points))),
         "An area is a product.",
     ),
     Mistake(
         "Only the extent along each direction is measured.",
-        _minimises(lambda points: _extents(points)[0]),
+        _prediction_from_measure(lambda points: _extents(points)[0]),
         "Multiply it by the extent across the direction.",
     ),
     Mistake(
         "Only the extent across each direction is measured.",
-        _minimises(lambda points: _extents(points)[1]),
+        _prediction_from_measure(lambda points: _extents(points)[1]),
         "Multiply it by the extent along the direction.",
     ),
     Mistake(
         "The sensor counts as a point, because smallest and largest start at 0.",
-        _minimises(lambda points: _area(_with_sensor(points))),
+        _prediction_from_measure(lambda points: _area(_add_sensor(points))),
         "Start with np.full(90, np.inf) for the smallest and np.full(90, -np.inf) for the largest.",
     ),
     Mistake(
         "The points are turned the other way, because the signs of both sines are swapped.",
-        _minimises(lambda points: _area(points * [1, -1, 1])),
+        _prediction_from_measure(lambda points: _area(points * [1, -1, 1])),
         "along is x cos + y sin, and across is y cos - x sin.",
     ),
     Mistake(
         "z is used instead of y.",
-        _minimises(lambda points: _area(points[:, [0, 2, 1]])),
+        _prediction_from_measure(lambda points: _area(points[:, [0, 2, 1]])),
         "The box turns on the ground, so use y, which is points[i, 1].",
     ),
     Mistake(
@@ -209,7 +209,7 @@ mistakes(
     ),
     Mistake(
         "The last point is never read.",
-        _minimises(lambda points: _area(points[:-1])),
+        _prediction_from_measure(lambda points: _area(points[:-1])),
         "range(len(points)) already ends before len(points).",
     ),
     cases=tuple((frozen(_random_points(seed)),) for seed in (4, 13, 19, 28, 43, 46, 51, 57)),

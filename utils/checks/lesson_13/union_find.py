@@ -4,17 +4,17 @@ from collections.abc import Callable
 
 import numpy as np
 
-from utils.checks.assertions import CheckFailed, brief, frozen, needs
+from utils.checks.assertions import CheckFailed, brief_text, frozen, precondition
 from utils.checks.compiled import assert_compiles
 from utils.checks.core import noted, visible
-from utils.checks.diagnosis import Mistake, mistakes
+from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.lesson_03.iterations_needed import assert_number
 from utils.checks.lesson_13.compile_note import COMPILES_TITLE, COMPILES_WHY
 
 # Two pieces and a single cell: 9 -> 4 -> 7 -> 1 with 8 -> 7 and 2 -> 1; 6 -> 3 -> 0; and 5.
 _PARENT = frozen(np.array([0, 1, 1, 0, 7, 5, 3, 1, 7, 4]))
 _ROOTS = frozen(np.array([0, 1, 1, 0, 1, 5, 0, 1, 1, 1]))
-_GIVEN = f"parent {brief(_PARENT)}"
+_GIVEN = f"parent {brief_text(_PARENT)}"
 _ENDLESS_HINT = "does each round of the loop move to another cell until a cell is its own parent?"
 
 
@@ -29,7 +29,7 @@ def _path(parent: np.ndarray, cell: int) -> list[int] | None:
 
 
 def _roots(parent: np.ndarray, given: str) -> np.ndarray:
-    """Return the root of each cell after a call of the student's function.
+    """Return the root of each cell after a call to the student's function.
 
     Raises
     ------
@@ -40,7 +40,7 @@ def _roots(parent: np.ndarray, given: str) -> np.ndarray:
         raise CheckFailed(
             "A parent is not a cell.",
             given=given,
-            yours=f"parent {brief(parent)}",
+            yours=f"parent {brief_text(parent)}",
             expected=f"numbers from 0 to {len(parent) - 1}",
         )
     paths = [_path(parent, cell) for cell in range(len(parent))]
@@ -48,7 +48,7 @@ def _roots(parent: np.ndarray, given: str) -> np.ndarray:
         raise CheckFailed(
             f"The parents of cell {paths.index(None)} form a cycle and lead to no root.",
             given=given,
-            yours=f"parent {brief(parent)}",
+            yours=f"parent {brief_text(parent)}",
         )
     return np.array([path[-1] for path in paths])
 
@@ -72,7 +72,7 @@ def finds_the_root(root_of: Callable) -> None:
             raise CheckFailed(
                 f"This is not the root of cell {cell}.",
                 given=f"{_GIVEN}, so the path is {path}",
-                yours=brief(yours[()]),
+                yours=brief_text(yours[()]),
                 expected=str(_ROOTS[cell]),
             )
 
@@ -91,7 +91,7 @@ def stays_at_a_root(root_of: Callable) -> None:
             raise CheckFailed(
                 f"Cell {cell} is its own parent.",
                 given=_GIVEN,
-                yours=brief(yours[()]),
+                yours=brief_text(yours[()]),
                 expected=str(cell),
             )
 
@@ -114,7 +114,7 @@ def keeps_the_pieces(root_of: Callable) -> None:
             raise CheckFailed(
                 f"The root of cell {wrong[0]} has changed.",
                 given=given,
-                yours=f"root {yours[wrong[0]]}; parent {brief(parent)}",
+                yours=f"root {yours[wrong[0]]}; parent {brief_text(parent)}",
                 expected=f"root {_ROOTS[wrong[0]]}",
             )
 
@@ -129,7 +129,7 @@ def keeps_the_pieces(root_of: Callable) -> None:
     slow=_ENDLESS_HINT,
 )
 def shortens_the_path(root_of: Callable) -> None:
-    with needs("the function follows the parents up to the root"):
+    with precondition("the function follows the parents up to the root"):
         finds_the_root(root_of)
     n = 9  # a line in which each cell points at the cell before it
     parent = np.maximum(np.arange(n) - 1, 0)
@@ -141,21 +141,21 @@ def shortens_the_path(root_of: Callable) -> None:
         raise CheckFailed(
             f"The path from cell {n - 1} is still too long.",
             given=given,
-            yours=f"{steps} steps; parent {brief(parent)}",
+            yours=f"{steps} steps; parent {brief_text(parent)}",
             expected=f"at most {n // 2} steps",
         )
 
 
 @noted("root_of", title=COMPILES_TITLE, why=COMPILES_WHY)
 def root_of_compiles(root_of: Callable) -> None:
-    def answers(function: Callable) -> list[int]:
+    def call_twice(function: Callable) -> list[int]:
         parent = _PARENT.copy()
         return [*map(int, [function(parent, 9), function(parent, 6)]), *parent.tolist()]
 
-    assert_compiles(root_of, answers)
+    assert_compiles(root_of, call_twice)
 
 
-def _steps_up(steps: int) -> Callable:
+def _prediction_steps_up(steps: int) -> Callable:
     """Return a prediction: the cell `steps` steps up, or the root if the path is shorter."""
 
     def predicts(right: int, parent: np.ndarray, cell: int) -> int:
@@ -167,17 +167,17 @@ def _steps_up(steps: int) -> Callable:
 
 # One long path that is not sorted by number: 7 → 0 → 3 → 6 → 2 → 5 → 4 → 1.
 _LONG_PATH = frozen(np.array([3, 1, 5, 6, 1, 4, 2, 0]))
-mistakes(
+declare_mistakes(
     "root_of",
     Mistake(
         "The code goes one step, to the parent: it has `if` instead of `while`, or `return` "
         "inside the loop.",
-        _steps_up(1),
+        _prediction_steps_up(1),
         "Repeat until parent[cell] == cell.",
     ),
     Mistake(
         "The code goes two steps, to the grandparent, and no farther.",
-        _steps_up(2),
+        _prediction_steps_up(2),
         "Repeat until parent[cell] == cell, and return after the loop.",
     ),
     Mistake(
@@ -224,8 +224,8 @@ def _assert_joined(unite: Callable, a: int, b: int) -> None:
         raise CheckFailed(
             "The cells are not joined into the right pieces.",
             given=given,
-            yours=f"pieces {brief(_groups(yours))}",
-            expected=f"pieces {brief(right)}",
+            yours=f"pieces {brief_text(_groups(yours))}",
+            expected=f"pieces {brief_text(right)}",
         )
 
 
@@ -263,7 +263,7 @@ def accepts_joined_cells(unite: Callable) -> None:
     slow=_ENDLESS_HINT,
 )
 def points_at_the_smaller_root(unite: Callable) -> None:
-    with needs("all cells of both pieces are joined"):
+    with precondition("all cells of both pieces are joined"):
         joins_the_pieces(unite)
     for a, b in ((6, 9), (9, 6), (5, 8), (2, 5)):
         yours, given = _roots_after_unite(unite, a, b)
@@ -279,21 +279,21 @@ def points_at_the_smaller_root(unite: Callable) -> None:
 
 @noted("unite", title=COMPILES_TITLE, why=COMPILES_WHY)
 def unite_compiles(unite: Callable) -> None:
-    def parents(function: Callable) -> list[int]:
+    def call_unite(function: Callable) -> list[int]:
         parent = _PARENT.copy()
         function(parent, 6, 9)
         return parent.tolist()
 
-    assert_compiles(unite, parents)
+    assert_compiles(unite, call_unite)
 
 
 def _pieces_after(unite: Callable, parent: np.ndarray, a: int, b: int) -> list[list[int]]:
-    """Return the pieces after a call of `unite`."""
+    """Return the pieces after a call to `unite`."""
     unite(parent, a, b)
     return _groups(_roots(parent, ""))
 
 
-def _with_parent(choose: Callable) -> Callable:
+def _prediction_with_parent(choose: Callable) -> Callable:
     """Return the prediction of the pieces after one parent has changed.
 
     `choose` takes both cells and both roots; it returns the cell and its new parent.
@@ -307,22 +307,22 @@ def _with_parent(choose: Callable) -> Callable:
     return predicts
 
 
-mistakes(
+declare_mistakes(
     "unite",
     Mistake(
         "The two cells are joined instead of their roots, so the cells on the path to a root are "
         "left behind.",
-        _with_parent(lambda a, b, root_a, root_b: (max(a, b), min(a, b))),
+        _prediction_with_parent(lambda a, b, root_a, root_b: (max(a, b), min(a, b))),
         "Write a, b = root_of(parent, a), root_of(parent, b) first.",
     ),
     Mistake(
         "The first cell gets a new parent instead of its root.",
-        _with_parent(lambda a, b, root_a, root_b: (a, root_b)),
+        _prediction_with_parent(lambda a, b, root_a, root_b: (a, root_b)),
         "Also write a = root_of(parent, a).",
     ),
     Mistake(
         "The second cell gets a new parent instead of its root.",
-        _with_parent(lambda a, b, root_a, root_b: (b, root_a)),
+        _prediction_with_parent(lambda a, b, root_a, root_b: (b, root_a)),
         "Also write b = root_of(parent, b).",
     ),
     Mistake(
@@ -333,6 +333,6 @@ mistakes(
     ),
     cases=((_PARENT, 6, 9), (_PARENT, 9, 3), (_PARENT, 3, 8), (_PARENT, 4, 6)),
     right=lambda parent, a, b: _groups(_joined_roots(a, b)),
-    same=lambda answer, predicted: answer == predicted,
+    is_same=lambda answer, predicted: answer == predicted,
     call=_pieces_after,
 )

@@ -64,8 +64,8 @@ def _replay_of_answer(function: Callable, ending: Ending, answer: list | None) -
     blank = object()
     frame = ReplayFrame((blank,) * len(POINTS), tuple(answer), blank)
     remark = (
-        "No variable of your function has one label for each point while it runs, so its steps "
-        "cannot be shown. This is its answer."
+        "While your function runs, no variable contains one label per point, so its steps cannot "
+        "be shown. The picture shows its answer."
     )
     wrong = first_wrong(function, [frame], answer, ending)
     says = f"Labels of points 0 to {len(POINTS) - 1}: {', '.join(map(written, answer))}."

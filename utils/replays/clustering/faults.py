@@ -47,7 +47,7 @@ def _merged(frames: list[ReplayFrame], answer: list) -> Fault | None:
                 return Fault(
                     position,
                     f"Points {row} and {other} have the same label, here and in your answer. They "
-                    f"are {GAPS[row, other]:.2f} m apart, and no chain of steps below "
+                    f"are {GAPS[row, other]:.2f} m apart, and no chain of points with gaps below "
                     f"{THRESHOLD} m joins them.",
                 )
     return None
@@ -64,7 +64,7 @@ def _split(frames: list[ReplayFrame], answer: list) -> Fault | None:
             apart = "In your answer they have different labels."
             parted = frame.labels[row] != frame.labels[other]
             if frame.visited == row and parted and frame.has_label(row):
-                does = "has another label" if frame.has_label(other) else "does not join"
+                does = "has another label" if frame.has_label(other) else "does not get its label"
                 return Fault(position, f"{near}, but {does}. {apart}")
             both = frame.has_label(row) and frame.has_label(other) and row in frame.joined
             if both and parted:

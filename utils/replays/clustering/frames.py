@@ -56,7 +56,7 @@ class ReplayFrame:
             gets = "gets" if len(rows) == 1 else "get"
             parts.append(f"{named(rows)} {gets} label {written(label)}.")
         if self.visited is not None and not self.joined:
-            parts.append("No point joins.")
+            parts.append("No point gets a label.")
         if self.waiting is not None:
             waits = ", ".join(map(str, self.waiting)) or "no point"
             parts.append(f"In the queue: {waits}.")

@@ -39,7 +39,7 @@ def run_of(task: Task, search: Callable) -> Replay:
     observer, points = SampleObserver(task, getattr(through, "__code__", None)), task.points.copy()
     ending = record(search, (points, ROUNDS, task.tolerance, task.seed), observer.see)
     if not np.array_equal(points, task.points):
-        return Replay(remark="Your function changes its input, so its run is not shown.")
+        return Replay(remark="Your function changes its input, so its run cannot be shown.")
     answer = ModelAndMask.of(task, ending.answer) if ending.returned_normally else None
     rounds, outcome = observer.rounds, Rounds(task, observer.rounds, answer)
     if not rounds and answer is None:
@@ -64,7 +64,7 @@ def _remark(task: Task, ending: Ending, rounds: list[Round], was_called: bool) -
     if not rounds:
         return (
             f"{about} Your function does not call {task.through}, so its rounds cannot be shown. "
-            "This is its answer."
+            "The picture shows its answer."
         )
     if ending.stopped:
         return f"{about} Your function was stopped after {len(rounds)} rounds."
@@ -78,7 +78,9 @@ def _step(outcome: Rounds, number: int) -> ReplayStep:
     task, round_ = outcome.task, outcome.rounds[number - 1]
     says = [f"Round {number}:"]
     if round_.rows is None:
-        says.append("the sample does not consist of points of the cloud, so it is not shown.")
+        says.append(
+            "the sample contains something other than points of the cloud, so it is not shown."
+        )
     elif round_.model is None:
         makes = "are drawn." if round_.raised else f"do not define a {task.model}."
         says.append(f"{_listed(round_.rows)} {makes}")

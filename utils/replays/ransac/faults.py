@@ -117,7 +117,7 @@ class Rounds:
         if self.answer.fits:
             return None
         task, mask = self.task, tuple(self.answer.mask.tolist())
-        both = f"{sum(mask)} points, and {self.answer.expected.sum()} are"
+        both = f"{sum(mask)} points, while {self.answer.expected.sum()} are"
         if self.winner is None:
             place = f"within {task.tolerance} m of the {task.model} that you return"
             return Fault(self._last, f"Your mask has {both} {place}. They are not the same points.")
@@ -126,7 +126,7 @@ class Rounds:
             if held is not None and round_.near is not None and tuple(round_.near.tolist()) != held:
                 return Fault(
                     round_.number - 1,
-                    f"Your mask has {sum(held)} points in this round, and {round_.count} are "
+                    f"Your mask has {sum(held)} points in this round, while {round_.count} are "
                     f"within {task.tolerance} m of the {task.model}. They are not the same points.",
                 )
         why = f"Your answer is the {task.model} of round {self.winner.number}, whose mask has "

@@ -1,6 +1,6 @@
 """Observer that finds the rounds of a search while it runs.
 
-A round is a call of `line_through` or `plane_through` from any function. Its arguments are the
+A round is a call to `line_through` or `plane_through` from any function. Its arguments are the
 sample, and its return value is the model. In a search without these calls, a round begins when new
 points of the cloud appear in as many variables as a sample has points.
 """
