@@ -302,6 +302,12 @@ def _add_grade(subparsers: argparse._SubParsersAction) -> None:
         help="judge only this student's work, even if it is unchanged, and print the history of "
         "the marks; X is an id, name, e-mail address or login (default: whole class)",
     )
+    grade.add_argument(
+        "--restore-marks",
+        action="store_true",
+        help="enter the marks and comments by graders that are in marks.jsonl but not in the "
+        "gradebook, for example after the gradebook was lost",
+    )
     add_judging_options(grade)
     add_executor_options(grade)
     grade.set_defaults(workers=None)

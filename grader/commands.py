@@ -289,6 +289,7 @@ def run_grade(options: argparse.Namespace) -> int:
         workers,
         scheduler=options.scheduler,
         student=student,
+        restore=options.restore_marks,
     )
 
 
@@ -410,7 +411,10 @@ def run_autograder(options: argparse.Namespace) -> int:
 def run_feedback(options: argparse.Namespace) -> int:
     """Run the command ``feedback [STAGE ...]``."""
     from grader.classroom.folders import UnknownStudent, find_student
+    from grader.course.deadlines import read_deadlines
     from grader.lms.feedback_archives import PLATFORMS, write_feedback
+    from grader.lms.instructor_notes import assignment_notes
+    from grader.lms.standings import class_results
 
     if not stages_exist(options.stages):
         return USAGE_ERROR
@@ -427,6 +431,8 @@ def run_feedback(options: argparse.Namespace) -> int:
             for stage in options.stages or stages()
         ]
     console.print_feedback(feedback)
+    if any(one.pages for one in feedback):  # students see which lessons count
+        console.print_notes([*assignment_notes(class_results(course), read_deadlines(course))])
     if not any(one.pages for one in feedback):
         print("There is no feedback to write yet. Run: python -m grader grade", file=sys.stderr)
         return USAGE_ERROR
@@ -436,7 +442,9 @@ def run_feedback(options: argparse.Namespace) -> int:
     if without_feedback:
         names = console.plain(", ".join(sorted(without_feedback)))
         print(f"There is no feedback for {names}.", file=sys.stderr)
-    return FAULT if without_feedback or any(one.left for one in feedback) else SUCCESS
+    has_no_zip = options.platform and any(one.pages and not one.archive for one in feedback)
+    is_incomplete = without_feedback or any(one.left for one in feedback)
+    return FAULT if has_no_zip or is_incomplete else SUCCESS
 
 
 def run_similarity(options: argparse.Namespace) -> int:
@@ -537,6 +545,7 @@ def grade_course(
     warning: str = "",
     scheduler: str | None = None,
     student: str | None = None,
+    restore: bool = False,
 ) -> int:
     """Judge a class, enter the marks and write the report; used by `grade` and `demo`."""
     from grader.classroom.lock import AlreadyRunning, course_lock
@@ -544,7 +553,7 @@ def grade_course(
     try:
         with course_lock(course):
             return _grade_with_lock(
-                course, wanted, seed, sandbox, workers, warning, scheduler, student
+                course, wanted, seed, sandbox, workers, warning, scheduler, student, restore
             )
     except AlreadyRunning as error:
         print(error, file=sys.stderr)
@@ -560,6 +569,7 @@ def _grade_with_lock(
     warning: str,
     scheduler: str | None,
     student: str | None,
+    restore: bool,
 ) -> int:
     from grader.classroom.protocol import ExecutorLost
     from grader.classroom.rehearsals import RehearsalFailed
@@ -583,7 +593,7 @@ def _grade_with_lock(
             file=sys.stderr,
         )
         return USAGE_ERROR
-    status = _enter_marks(course, judged, wanted or stages(), student)
+    status = _enter_marks(course, judged, wanted or stages(), student, restore)
     left = unaccounted_files(course)
     # If a student or a stage is named, `judged` contains only part of the class.
     reported = _read_verdicts(course) if student or wanted else judged
@@ -629,7 +639,11 @@ def _judge_all(
 
 
 def _enter_marks(
-    course: Course, judged: JudgedSubmissions, wanted: Sequence[str], student: str | None
+    course: Course,
+    judged: JudgedSubmissions,
+    wanted: Sequence[str],
+    student: str | None,
+    restore: bool,
 ) -> int:
     """Enter verdicts into the gradebook and return the exit status."""
     # Importing nbgrader takes a second, so it is imported after judging.
@@ -637,7 +651,7 @@ def _enter_marks(
 
     with console.progress_bar("Entering marks into the gradebook") as advance:
         try:
-            enter_verdicts(course, judged, wanted, advance, student)
+            enter_verdicts(course, judged, wanted, advance, student, restore, console.tell)
         except GradebookError as error:
             print(console.plain(error), file=sys.stderr)
             return FAULT
@@ -654,10 +668,12 @@ def _print_class(
     from grader.classroom.folders import respelt_folders
     from grader.course.deadlines import read_deadlines
     from grader.course.roster import read_roster
-    from grader.lms.instructor_notes import notes
+    from grader.lms.instructor_notes import counted_lessons, notes
 
     roster = read_roster(course)
     console.print_class(judged, results)
+    for sentence in counted_lessons(results):
+        print(sentence)
     console.print_unaccounted(left)
     respelt = respelt_folders(course, roster) if roster else ()
     console.print_notes([*respelt, *notes(course, results, read_deadlines(course))])

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 LEGEND = {
     "-": "- nothing submitted",
     "ex": "ex excused",
+    "aud": "aud auditor",
     "*": "* waiting for a grader",
     "?": "? not entered yet",
 }
@@ -130,12 +131,16 @@ def print_class(
     judged: Sequence[tuple[Submission, Verdict]], results: ClassResults | None = None
 ) -> None:
     """Print one row per student, with marks from the gradebook or else scores from verdicts."""
+    stages = {submission.lesson.stage for submission, _ in judged}
     lessons = sorted({verdict.lesson for _, verdict in judged})
+    if results and results.notebooks:
+        marked = [result for result in results.notebooks if result.stage in stages]
+        lessons = sorted({result.lesson for result in marked})
     students = {person.id: {} for person in results.people} if results else {}
     entered = set(students)
     for submission, verdict in judged:
         students.setdefault(submission.student, {})[verdict.lesson] = verdict
-    late = _late_texts(results, {submission.lesson.stage for submission, _ in judged})
+    late = _late_texts(results, stages)
     table = Table(
         title="Scores by lesson",
         title_justify="left",
@@ -146,9 +151,8 @@ def print_class(
     )
     table.add_column("Student", "out of", no_wrap=True, width=14)
     for lesson in lessons:
-        most = max(verdict.max_score for _, verdict in judged if verdict.lesson == lesson)
-        if results and lesson in results.lessons:
-            most = results.lessons[lesson]
+        scores = [verdict.max_score for _, verdict in judged if verdict.lesson == lesson]
+        most = results.lessons[lesson] if results and lesson in results.lessons else max(scores)
         table.add_column(lesson[:2], f"{most:g}", justify="right", no_wrap=True, width=5)
     if late:
         table.add_column("Late", no_wrap=True)
@@ -278,10 +282,15 @@ def print_feedback(feedback: Sequence[WrittenFeedback]) -> None:
             zipped = f", and {plain(one.archive)} for upload" if one.archive else ""
             text = f"{plain(one.pages[0].parent)}: {count}{zipped}"
             Console(highlight=False, soft_wrap=True).print(text, markup=False)
-    teams = [sentence for one in feedback for sentence in one.teams]
-    if teams:
-        text = "\n  ".join(["The zip has no feedback for teams:", *map(plain, teams)])
-        Console(highlight=False, soft_wrap=True).print(text, markup=False)
+    lists = (
+        ("Not final, because a grader still has to grade a part:", "waiting"),
+        ("Not in the zip. Give these students their pages yourself:", "unreached"),
+    )
+    for title, name in lists:
+        sentences = [sentence for one in feedback for sentence in getattr(one, name)]
+        if sentences:
+            text = "\n  ".join([title, *map(plain, sentences)])
+            Console(highlight=False, soft_wrap=True).print(text, markup=False)
     left = [sentence for one in feedback for sentence in one.left]
     if left:
         text = "\n  ".join(["Feedback left out:", *map(plain, left)])
@@ -394,8 +403,9 @@ def _late_texts(results: ClassResults | None, stages: Collection[str]) -> dict[s
 
 def _mark_text(result: NotebookResult) -> str:
     """Return a student's mark for a lesson, or a sign that `LEGEND` explains."""
-    if result.standing in ("missing", "excused"):
-        return {"missing": "-", "excused": "ex"}[result.standing]
+    signs = {"missing": "-", "excused": "ex", "auditor": "aud"}
+    if result.standing in signs:
+        return signs[result.standing]
     if result.score is None:
         return "?"
     return f"{result.score:.3g}{'*' * (result.standing == 'waiting')}"

@@ -127,6 +127,9 @@ def test_students_may_have_their_own_dates_without_a_roster(course):
         ),
         ("[stage1]\n", "there is no stage stage1. Choose from: stage1_ransac, stage2_clustering"),
         ("stage1_ransac = 2026-10-12T23:59:00", "make this a heading, and write due ="),
+        ("[stage1_ransac]\nlessons = [1]", "[stage1_ransac], lessons: list the numbers"),
+        ('[stage1_ransac]\nlessons = "01"', "[stage1_ransac], lessons: list the numbers"),
+        ('[stage1_ransac]\nlessons = ["06"]', "The lessons of this stage are: 01, 02, 03."),
         ("[stage1_ransac]\ndeu = 2026-10-12T23:59:00", "there is no entry deu. Choose from: due,"),
         ("[stage1_ransac]\ndue = 2026-10-12", "due: 2026-10-12 is not a date with a time."),
         ('[stage1_ransac]\ndue = "2026-10-12T23:59:00"', "without quotation marks."),
@@ -188,3 +191,11 @@ def test_an_unreadable_roster_raises_a_roster_error(course):
     (course.root / "roster.csv").write_text("name\nx\n")
     with pytest.raises(RosterError):
         read(course, DATES)
+
+
+def test_lessons_that_count_are_read_in_their_order(course):
+    deadlines = read(course, '[stage1_ransac]\nlessons = ["03", "01"]\n[stage2_clustering]\n')
+    assert deadlines.assigned("stage1_ransac") == ("01_point_clouds", "03_ransac_plane")
+    assert deadlines.assigned("stage2_clustering") is None
+    assert deadlines.assigned("stage3_obstacles") is None
+    assert read(course, "[stage1_ransac]\nlessons = []").assigned("stage1_ransac") == ()

@@ -16,6 +16,7 @@ from grader.lms.exporters import EXPORTERS, ExportError, ExportOptions
 from grader.lms.exporters.assignment_marks import collect_marks
 from grader.lms.exporters.destination import write_export
 from grader.lms.results import (
+    AUDITOR,
     EXCUSED,
     MARKED,
     MISSING,
@@ -106,7 +107,7 @@ def test_the_table_contains_names_scores_times_penalties_statuses_and_totals():
         [*("bo", "Bäcker, Jr", "Bo", "bo@x.edu", "B", "0", "", "2026-10-14 10:00:00 UTC", "1.5")]
         + ["2.5", f"marked; missing: {SEVEN}", "", "", "", "0", "missing", "0", "90"],
         [*("cy", "", "", "", "", "", "", "", "", "0", "missing", "", "", "", "0", "missing")]
-        + ["0", "90"],
+        + ["", ""],
         [*("dee", "", "Dee", "", "", "", "8", "2026-10-12 22:00:00 UTC", "0", "0")]
         + [f"marked; missing: {SIX}", "", "", "", "0", "excused", "8", "50"],
     ]
@@ -116,14 +117,39 @@ def test_the_table_contains_names_scores_times_penalties_statuses_and_totals():
 def test_the_table_of_a_lesson_contains_only_that_lesson():
     _, rows = table(CLASS, SEVEN)
     assert rows[0][5:7] == [SEVEN, f"{THREE}: submitted"]
-    assert [row[-2:] for row in rows[1:]] == [["20", "20"], ["12.35", "20"], ["0", "20"]] + [
-        ["0", "20"],
+    assert [row[-2:] for row in rows[1:]] == [["20", "20"], ["12.35", "20"], ["", ""]] + [
+        ["", ""],
         ["8", "20"],
     ]
     column = rows[0].index(f"{THREE}: standing")
     assert [row[column] for row in rows[2:]] == ["marked", "missing", "missing", "marked"]
     with pytest.raises(ExportError, match="No student has submitted anything for stage1_ransac"):
         table(CLASS, "stage1_ransac")
+
+
+def test_totals_of_missing_excused_and_auditing_students_are_empty():
+    """In a spreadsheet, a 0 would count in the mean."""
+    auditor = dataclasses.replace(CY, role="auditor")
+    audited = [
+        dataclasses.replace(one, standing=AUDITOR)
+        for one in results_of(auditor, {SIX: 30.0, SEVEN: 20.0, TWELVE: 40.0})[0]
+    ]
+    stages = [
+        dataclasses.replace(one, standing=AUDITOR) for one in results_of(auditor, {SIX: 30.0})[1]
+    ]
+    results = class_of(
+        results_of(ADA, {SIX: 0.0}),
+        results_of(BO, {SIX: 12.0}, excused=(THREE, FOUR)),
+        (audited, stages),
+        results_of(DEE, {}),
+    )
+    rows = table(results)[1]
+    assert [row[-2:] for row in rows[2:]] == [["0", "90"], ["", ""], ["", ""], ["", ""]]
+    assert rows[0][10] == f"{THREE}: standing"
+    assert [row[10] for row in rows[2:]] == ["marked; missing: " + SEVEN, EXCUSED, AUDITOR, MISSING]
+    found, points = marks(SIX, results)
+    assert points == {"ada": 0.0}
+    assert "No mark, because auditing the course: cy." in found.notes
 
 
 def test_a_lesson_has_a_mark_while_another_lesson_of_its_stage_waits():
@@ -308,6 +334,6 @@ def test_without_options_the_table_is_exported(export, tmp_path, capsys):
     assert export() == commands.SUCCESS
     with (tmp_path / "scores.csv").open(newline="", encoding="utf-8") as file:
         totals = {row["Student"]: row["Total"] for row in csv.DictReader(file)}
-    assert totals == {"out of": "90", "ada": "67.35", "bo": "0", "cy": "0", "dee": "8"}
+    assert totals == {"out of": "90", "ada": "67.35", "bo": "0", "cy": "", "dee": "8"}
     assert export("--assignment", SIX) == commands.SUCCESS
     assert (tmp_path / f"scores.{SIX}.csv").is_file()

@@ -6,6 +6,7 @@ import functools
 import json
 import os
 import shutil
+import sqlite3
 from types import SimpleNamespace
 
 import pytest
@@ -21,6 +22,8 @@ from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict
 from grader.lms import gradebook, gradebook_writer, registration
 from grader.lms.differences import differences
 from grader.lms.entries import StageEntry
+from grader.lms.feedback import FeedbackWriter
+from grader.lms.gradebook_check import check_gradebook
 from grader.lms.gradebook_rows import GradebookRow
 from grader.lms.gradebook_writer import GradebookError, enter_verdicts
 from grader.lms.penalties import load_penalty_plugin
@@ -153,9 +156,7 @@ def expected_marks(earned=EARNED):
 
 def test_entered_marks_agree_with_the_verdicts(course):
     events = []
-    assert (
-        enter_verdicts(course, verdicts(course), [STAGE], lambda *news: events.append(news)) is None
-    )
+    enter_verdicts(course, verdicts(course), [STAGE], lambda *news: events.append(news))
     assert marks(course) == expected_marks()
     assert events == [(1, 2, "ada"), (2, 2, "bob")]
     results = class_results(course)
@@ -384,8 +385,9 @@ def test_a_copy_of_another_verdict_is_replaced(entered, content):
 
 def registered(course):
     with gradebook.open_gradebook(course) as book:
-        trouble = register_stages(course, book, [STAGE])
-        return trouble, {notebook.name for notebook in book.find_assignment(STAGE).notebooks}
+        told = []
+        register_stages(course, book, [STAGE], told.append)
+        return told, {notebook.name for notebook in book.find_assignment(STAGE).notebooks}
 
 
 def test_only_released_lessons_are_registered(course):
@@ -399,7 +401,7 @@ def test_only_released_lessons_are_registered(course):
 def test_a_registered_stage_does_not_prevent_registering_another(course):
     registered(course)
     with gradebook.open_gradebook(course) as book:
-        assert register_stages(course, book, [STAGE, "stage1_ransac"]) == []
+        register_stages(course, book, [STAGE, "stage1_ransac"])
         assert len(book.find_assignment("stage1_ransac").notebooks) == 3
 
 
@@ -453,17 +455,6 @@ def test_only_lessons_that_differ_from_the_release_are_registered_again(course, 
     assert registered(course)[0] == [] and GROUND.name in saved
     saved.clear()
     assert registered(course)[0] == saved == []
-
-
-def test_cells_that_nbgrader_refuses_to_change_are_named(entered, monkeypatch):
-    def refuse(self, notebook, about):
-        raise RuntimeError("submissions exist")
-
-    monkeypatch.setattr(registration, "_is_registered", lambda *about: False)
-    monkeypatch.setattr(registration.SaveCells, "preprocess", refuse)
-    trouble, _ = registered(entered)
-    assert [sentence.partition(":")[0] for sentence in trouble] == [GROUND.name, DISTANCE.name]
-    assert trouble[0].endswith("nbgrader refuses to change them: submissions exist")
 
 
 # ---- withdrawn ----------------------------------------------------------------------------------
@@ -763,11 +754,50 @@ def test_the_error_about_a_gradebook_that_does_not_open_names_the_setting(course
     (course.root / "nbgrader_config.py").write_text(
         f"c = get_config()\nc.CourseDirectory.db_url = {url!r}\n"
     )
-    with pytest.raises(GradebookUnavailable) as caught:
-        gradebook.open_gradebook(course)
+    with pytest.raises(GradebookUnavailable) as caught, gradebook.open_gradebook(course):
+        pass
     assert says in str(caught.value) and "\n" not in str(caught.value)
     assert "c.CourseDirectory.db_url" in str(caught.value)
     assert ".. c.Course" not in str(caught.value)
+
+
+def use_database(course, address):
+    (course.root / "nbgrader_config.py").write_text(
+        f"c = get_config()\nc.CourseDirectory.db_url = {address!r}\n"
+    )
+
+
+def test_a_gradebook_of_an_older_nbgrader_is_named_with_the_remedy(entered):
+    connection = sqlite3.connect(entered.root / "gradebook.db")
+    connection.execute("ALTER TABLE grade DROP COLUMN extra_credit")
+    connection.close()
+    for use in (
+        lambda: enter_verdicts(entered, verdicts(entered), [STAGE], quiet),
+        lambda: class_results(entered),
+        lambda: FeedbackWriter(entered, STAGE),
+    ):
+        with pytest.raises(GradebookUnavailable, match="older .* Run: nbgrader db upgrade"):
+            use()
+    (finding,) = check_gradebook(entered)
+    assert not finding.good and finding.text.endswith("Run: nbgrader db upgrade")
+
+
+@pytest.mark.parametrize("lock", ["EXCLUSIVE", "IMMEDIATE"])
+def test_a_locked_gradebook_is_named_in_one_sentence(entered, lock, caplog):
+    path = entered.root / "gradebook.db"
+    use_database(entered, f"sqlite:///{path}?timeout=0.01")
+    connection = sqlite3.connect(path, isolation_level=None)
+    connection.execute(f"BEGIN {lock}")
+    earned = EARNED | {"bob": {DISTANCE: (7.0, 1.0, 2.0)}}
+    with pytest.raises(GradebookUnavailable, match="locked, .* same command again in a minute"):
+        enter_verdicts(entered, verdicts(entered, earned), [STAGE], quiet)
+    (entered.root / "roster.csv").write_text("id\nada\nbob\nzoe\n")  # nbgrader adds Zoe
+    with pytest.raises(GradebookUnavailable, match="locked, .* same command again in a minute"):
+        enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
+    assert caplog.records == []  # nbgrader logs a traceback
+    connection.close()
+    enter_verdicts(entered, verdicts(entered, earned), [STAGE], quiet)
+    assert marks(entered) == expected_marks(earned)
 
 
 @pytest.mark.parametrize("kind", [StageEntry, GradebookRow])

@@ -4,13 +4,15 @@ import dataclasses
 
 import pytest
 
+from grader.classroom.collect.record import FileOrigin, Record, write_record
+from grader.course import paths
 from grader.course.paths import Course
 from grader.course.roster import Person
 from grader.lms.exporters.canvas import canvas
 from grader.lms.exporters.moodle import moodle
 from grader.lms.exporters.protocol import ExportError, ExportOptions
 from grader.lms.results import EXCUSED, MARKED, MISSING, ClassResults, NotebookResult, StageResult
-from tests.platforms import GERMAN, Canvas, CanvasStudent, Moodle, MoodleStudent
+from tests.platforms import ENGLISH, GERMAN, Canvas, CanvasStudent, Moodle, MoodleStudent
 
 STAGE, LESSON = "stage3_obstacles", "06_filter_ground"
 ANNA = Person("anna", "Anna", "Schmidt", "as@x.edu", "A", "9001")
@@ -223,6 +225,42 @@ def test_another_name_with_the_same_number_is_noted(fill):
     assert not any("another name" in note for note in fill(canvas_course(), marks()).notes)
 
 
+def test_numbers_that_two_systems_give_to_different_people_give_no_mark(fill):
+    """The ID of each student is the other student's SIS ID, and the names fit the IDs."""
+    course = canvas_course()
+    course.students = [
+        CanvasStudent(100, "Ash, Anna", "200", "aash"),
+        CanvasStudent(200, "Bäcker, Bo", "100", "bbo"),
+    ]
+    people = (Person("100", "Anna", "Ash"), Person("200", "Bo", "Bäcker"))
+    exported = fill(course, marks({"100": 12.5, "200": 31.25}, people, excused=()))
+    assert (exported.placed, b"12.5" in exported.content) == (0, False)
+    assert exported.lost == (
+        "100 (Anna Ash), 12.5 points: Ash, Anna or Bäcker, Bo may be 100 or 200.",
+        "200 (Bo Bäcker), 31.25 points: Ash, Anna or Bäcker, Bo may be 100 or 200.",
+    )
+    nameless = tuple(Person(person.id) for person in people)
+    exported = fill(course, marks({"100": 12.5, "200": 31.25}, nameless, excused=()))
+    assert (exported.placed, len(exported.lost)) == (0, 2)
+
+
+@pytest.mark.parametrize("platform", ["canvas", "moodle"])
+def test_a_key_of_one_student_with_the_name_of_another_gives_no_mark(fill, platform):
+    if platform == "canvas":
+        course = canvas_course()
+        course.students[2].name, course.students[4].name = "Schmidt, Anna", "Müller, Björn"
+    else:
+        course = moodle_course()
+        course.students[1].name, course.students[0].name = "Anna Schmidt", "Björn Müller"
+    exported = fill(course, marks())
+    assert exported.placed == 2
+    assert [sentence.partition(",")[0] for sentence in exported.lost] == [
+        "anna (Anna Schmidt)",
+        "björn (Björn Müller)",
+    ]
+    assert all("may be anna or björn" in sentence for sentence in exported.lost)
+
+
 def test_a_namesake_with_another_number_gets_no_mark(fill):
     course = canvas_course()
     anna = next(student for student in course.students if student.id == 9001)
@@ -346,6 +384,18 @@ def test_an_ambiguous_column_must_be_named(fill):
         fill(course, marks(), column="Final Score")
 
 
+def test_a_title_that_canvas_never_imports_is_named(fill):
+    course = canvas_course()
+    course.assignments = {42: ["Stage 3 obstacles: Final Score", 100.0]}
+    remedy = r"never imports 'Stage 3 obstacles: Final Score \(42\)', .* Rename the assignment"
+    for column in (None, "Stage 3 obstacles: Final Score"):
+        with pytest.raises(ExportError, match=remedy):
+            fill(course, marks(), column=column)
+    course.assignments[43] = ["Stage 3 obstacles", 100.0]
+    course.import_(fill(course, marks()).content)
+    assert course.scores[9001, 43] == 8.5
+
+
 # Moodle
 
 
@@ -421,6 +471,45 @@ def test_a_blind_worksheet_is_matched_by_number_only(fill):
     assert exported.lost == () and course.grades[311] == 8.5 and course.grades[314] == 0.0
     plain = fill(moodle_course(blind=True), marks())
     assert plain.placed == 0 and len(plain.lost) == 4
+
+
+def collect_from(course, student, owner, number):
+    """Record a notebook of a student as collected from a Moodle archive."""
+    folder = course.submitted / student / STAGE
+    folder.mkdir(parents=True)
+    name = f"{LESSON}.ipynb"
+    (folder / name).write_text("{}")
+    origin = FileOrigin("", f"all.zip: {owner}/{name}", "2026-10-12T18:00:00", participant=number)
+    write_record(Record({name: origin}), folder)
+
+
+@pytest.mark.parametrize("words", [ENGLISH, GERMAN])
+def test_anonymous_submissions_are_joined_by_their_label(fill, tmp_path, words):
+    """The archive has Participant_312, and the worksheet Participant 312 and no names."""
+    moodle_site = moodle_course(blind=True, words=words)
+    word = words["hiddenuser"].strip().replace("/", "")
+    ids = [f"{word}_{number}" for number in (311, 312, 313)]
+    exported = fill(
+        moodle_site,
+        marks(dict(zip(ids, (8.5, 31.25, 0.0), strict=True)), tuple(map(Person, ids)), excused=()),
+    )
+    moodle_site.import_(exported.content, ignore_modified=True)
+    assert exported.lost == ()
+    assert moodle_site.grades == {311: 8.5, 312: 31.25, 313: 0.0, 315: 44.0}
+
+
+def test_anonymous_submissions_of_the_roster_are_joined_by_the_archive(fill, tmp_path):
+    course = Course(tmp_path)
+    paths._folder.cache_clear()
+    collect_from(course, "anna", "Participant_312", "312")
+    collect_from(course, "björn", "Participant_311", "311")
+    for student in ("mary jane", "cmd"):  # a team has no participant number of its own
+        collect_from(course, student, "Participant_313", "313")
+    moodle_site = moodle_course(blind=True)
+    exported = fill(moodle_site, marks())
+    moodle_site.import_(exported.content, ignore_modified=True)
+    assert moodle_site.grades == {311: 31.25, 312: 8.5, 315: 44.0}
+    assert [sentence.partition(" (")[0] for sentence in exported.lost] == ["mary jane", "cmd"]
 
 
 def test_a_participant_number_is_not_taken_for_an_lms_id(fill):

@@ -6,11 +6,17 @@ import shutil
 import pytest
 
 from grader.course import paths
+from grader.course.deadlines import read_deadlines
+from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.roster import Person
 from grader.lms import gradebook
+from grader.lms.distribution import distribution_of
 from grader.lms.gradebook_writer import enter_verdicts
+from grader.lms.instructor_notes import assignment_notes, counted_lessons
+from grader.lms.marks_table import marks_table
 from grader.lms.results import (
+    AUDITOR,
     EXCUSED,
     MARKED,
     MISSING,
@@ -31,6 +37,7 @@ from tests.test_gradebook import (
     verdicts,
 )
 
+BOXES = find_lesson("08_bounding_boxes")
 ROSTER = (
     "id,first_name,last_name,email,section,lms_id\n"
     "bob,Bob,Bell,bob@x.edu,B,7\n"
@@ -177,10 +184,93 @@ def test_a_manual_change_of_points_is_a_mark_and_a_comment_is_not(course):
     assert standing(course)["ada", "06"] == (MISSING, None)
 
 
-def test_a_lesson_without_submissions_is_omitted(course):
+def test_the_maximum_does_not_depend_on_what_the_most_eager_student_submitted(course):
+    """Bob submitted only lesson 07; Ada's lesson 06 must not lower his share."""
+    before = class_results(course).stage("bob", STAGE)
     shutil.rmtree(course.submitted / "ada" / STAGE)
     enter_verdicts(course, verdicts(course, ZERO), [STAGE], quiet)
-    assert standing(course) == {("bob", "07"): (MARKED, 20.5)}
+    assert standing(course) == {("bob", "06"): (MISSING, None), ("bob", "07"): (MARKED, 20.5)}
+    assert class_results(course).stage("bob", STAGE) == before
+    assert before.max_score == 60
+
+
+def assign(course, numbers):
+    (course.root / "deadlines.toml").write_text(f"[{STAGE}]\nlessons = {numbers}\n")
+
+
+def test_only_assigned_lessons_count(course):
+    assign(course, '["07"]')
+    results = class_results(course)
+    assert results.lessons == {DISTANCE.name: 30}
+    assert [(stage.student, stage.score, stage.max_score) for stage in results.stages] == [
+        *(("ada", 18.25, 30), ("bob", 20.5, 30)),
+    ]
+    assert results.unassigned == (("ada", GROUND.name),)
+    assign(course, "[]")
+    results = class_results(course)
+    assert (results.lessons, results.stages) == ({}, ())
+    assert len(results.unassigned) == 3
+
+
+def test_an_assigned_lesson_counts_even_if_no_student_submitted_it(course):
+    assign(course, '["09", "06"]')
+    results = class_results(course)
+    assert results.lessons == {GROUND.name: 30, "09_filter_clusters": 20}
+    assert results.stage("ada", STAGE).max_score == 50
+
+
+def advice(course):
+    return list(assignment_notes(class_results(course), read_deadlines(course)))
+
+
+def test_lessons_that_may_not_be_assigned_are_named(course):
+    shutil.copy(BOXES.released, course.released / STAGE)
+    nobody = f"{STAGE}: nobody submitted {BOXES.name}"
+    (sentence,) = advice(course)
+    assert sentence.startswith(f"{nobody}. All") and 'lessons = ["06", "07"]' in sentence
+    submit(course, "cleo", DISTANCE)
+    (sentence,) = advice(course)
+    assert sentence.startswith(f"{nobody}; only ada submitted {GROUND.name}. All")
+    assert f'lessons = ["07"] below [{STAGE}] in deadlines.toml' in sentence
+    assign(course, '["06", "07", "08"]')
+    assert advice(course) == []
+    assign(course, '["07"]')
+    (sentence,) = advice(course)
+    assert sentence.startswith(f"{GROUND.name} of ada does not count")
+    assert list(counted_lessons(class_results(course))) == [f"{STAGE} counts 07, with 30 points."]
+
+
+def test_auditors_are_not_missing_and_do_not_count(course):
+    (course.root / "roster.csv").write_text("id,role\nbob,Auditor\nada,student\nidle,auditor\n")
+    assert {key: value[0] for key, value in standing(course).items()} == {
+        ("bob", "06"): AUDITOR,
+        ("bob", "07"): AUDITOR,
+        ("ada", "06"): MARKED,
+        ("ada", "07"): MARKED,
+        ("idle", "06"): AUDITOR,
+        ("idle", "07"): AUDITOR,
+    }
+    results = class_results(course)
+    assert {result.student for result in results.notebooks if result.counts} == {"ada"}
+    assert results.stage("idle", STAGE).standing == AUDITOR
+    table = marks_table([GROUND, DISTANCE], results, {})
+    assert [[cell.text for cell in (*row.cells, row.sum)] for row in table.rows] == [
+        ["aud.", "(20.5)", "aud."],
+        ["0", "18.3", "18.3 of 60"],
+        ["aud.", "aud.", "aud."],
+    ]
+    distribution = distribution_of(DISTANCE, results, [])
+    assert (distribution.count, distribution.mean, distribution.auditors) == (1, 18.25, 2)
+
+
+def test_excused_work_does_not_count_in_means_and_missing_work_is_not_a_0(course):
+    (course.root / "roster.csv").write_text(ROSTER)
+    (course.root / "deadlines.toml").write_text(DATES + 'bob = "excused"\n')
+    results = class_results(course)
+    distribution = distribution_of(DISTANCE, results, [])
+    assert (distribution.count, distribution.mean, distribution.excused) == (1, 18.25, 2)
+    sums = {row.person.id: row.sum.text for row in marks_table([GROUND], results, {}).rows}
+    assert sums == {"bob": "exc.", "ada": "0 of 30", "eve": "exc.", "fay": "–"}
 
 
 def test_a_stage_has_times_and_late_penalties(course):

@@ -213,10 +213,11 @@ def _submissions(course: Course, roster: Roster) -> Iterator[Finding]:
     for submission in find_submissions(course):
         by_stage.setdefault(submission.lesson.stage, set()).add(submission.student)
     for stage, students in sorted(by_stage.items()):
-        absent = [person.id for person in roster.people if person.id not in students]
+        expected = [person.id for person in roster.people if not person.is_auditor]
+        absent = [id for id in expected if id not in students]
         excused = [id for id in absent if deadlines.is_excused(id, stage)]
         missing = [id for id in absent if id not in excused]
-        texts = [f"{len(roster.people) - len(absent)} of {len(roster.people)} submitted"]
+        texts = [f"{len(expected) - len(absent)} of {len(expected)} submitted"]
         texts += [f"missing: {', '.join(missing)}"] if missing else []
         texts += [f"excused: {', '.join(excused)}"] if excused else []
         yield Finding(stage, True, "; ".join(texts))
@@ -241,6 +242,8 @@ def _deadlines(course: Course) -> Finding:
             deadlines.extensions(stage)
         )
         parts += [f"{len(dates.excused)} excused"] * bool(dates.excused)
+        if dates.lessons is not None:
+            parts.append(f"lessons that count: {' '.join(name[:2] for name in dates.lessons)}")
         texts.append(f"{stage} {', '.join(parts)}")
     return Finding(
         "deadlines", True, "; ".join(texts) or "deadlines.toml does not contain any dates"

@@ -5,6 +5,7 @@
     timezone = "Europe/Berlin"              # default: the time zone of this machine
     [stage1_ransac]
     due = 2026-10-12T23:59:00
+    lessons = ["01", "02"]                  # the lessons that count; default: all of the stage
     [stage1_ransac.sections]                # sections as written in the roster
     B = 2026-10-13T23:59:00
     [stage1_ransac.students]                # also for students without a submission
@@ -18,7 +19,7 @@ import tomllib
 import unicodedata
 import zoneinfo
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime, tzinfo
 from pathlib import Path
 
@@ -48,12 +49,15 @@ class StageDates:
     students : dict of str to datetime
     excused : frozenset of str
         Students who do not have to submit.
+    lessons : tuple of str or None
+        Names of the lessons that count; None if the file does not say.
     """
 
     due: datetime | None = None
     sections: dict[str, datetime] = field(default_factory=dict)
     students: dict[str, datetime] = field(default_factory=dict)
     excused: frozenset[str] = frozenset()
+    lessons: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -86,6 +90,10 @@ class Deadlines:
     def is_excused(self, id: str, stage: str) -> bool:
         """Return whether a student is excused from a stage."""
         return id in self.stages.get(stage, StageDates()).excused
+
+    def assigned(self, stage: str) -> tuple[str, ...] | None:
+        """Return the names of a stage's lessons that count, or None if the file does not say."""
+        return self.stages.get(stage, StageDates()).lessons
 
     def extensions(self, stage: str) -> dict[str, datetime]:
         """Return the due dates of students who have an extension, by student ID."""
@@ -138,7 +146,11 @@ def read_deadlines(course: Course) -> Deadlines | None:
     _check_keys(path.name, table, lessons.stages(), "stage")
     roster = read_roster(course)
     all_dates = {
-        stage: _dates(f"{path.name}, [{stage}", value, zone) for stage, value in table.items()
+        stage: replace(
+            _dates(f"{path.name}, [{stage}", value, zone),
+            lessons=_assigned(f"{path.name}, [{stage}]", value, stage),
+        )
+        for stage, value in table.items()
     }
     for stage, dates in all_dates.items():
         _check_names(f"{path.name}, [{stage}", dates, roster)
@@ -163,7 +175,7 @@ def _dates(location: str, table: object, zone: tzinfo | None) -> StageDates:
         raise DeadlinesError(
             f"{location}]: make this a heading, and write due = {_EXAMPLE} below it."
         )
-    _check_keys(f"{location}]", table, ("due", "sections", "students"), "entry")
+    _check_keys(f"{location}]", table, ("due", "lessons", "sections", "students"), "entry")
     groups = {kind: table.get(kind, {}) for kind in ("sections", "students")}
     for kind, group in groups.items():
         if not isinstance(group, dict):
@@ -192,6 +204,21 @@ def _dates(location: str, table: object, zone: tzinfo | None) -> StageDates:
             f"due = {_EXAMPLE} below this heading."
         )
     return read
+
+
+def _assigned(location: str, table: dict, stage: str) -> tuple[str, ...] | None:
+    """Return the names of the lessons that count, or None if the table does not list them."""
+    numbers = table.get("lessons")
+    known = {one.number: one.name for one in lessons.all_lessons() if one.stage == stage}
+    if numbers is None:
+        return None
+    if not isinstance(numbers, list) or not all(number in known for number in map(str, numbers)):
+        raise DeadlinesError(
+            f"{location}, lessons: list the numbers of the lessons that count, in quotation marks, "
+            f'such as lessons = ["{min(known)}"]. The lessons of this stage are: '
+            f"{', '.join(known)}."
+        )
+    return tuple(sorted({known[number] for number in map(str, numbers)}))
 
 
 _EXAMPLE = "2026-10-12T23:59:00"

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from grader.course import earlier_lessons
 from grader.course.header import LessonHeader, read_header
-from grader.course.paths import PROJECT
+from grader.course.paths import PROJECT, Course
 from utils.notebooks import slicing
 
 # Folder of the optional lessons in ``solutions/``.
@@ -203,6 +203,17 @@ def registry_faults() -> list[str]:
 def stages() -> tuple[str, ...]:
     """Return the names of the stages, in order."""
     return tuple(dict.fromkeys(lesson.stage for lesson in all_lessons()))
+
+
+def released_lessons(course: Course, stage: str) -> list[Lesson]:
+    """Return the lessons of a stage in the course's release; without a release, all of them."""
+    released = course.released / stage
+    return [
+        lesson
+        for lesson in all_lessons()
+        if lesson.stage == stage
+        and (not released.is_dir() or (released / f"{lesson.name}.ipynb").is_file())
+    ]
 
 
 def find_lesson(text: str) -> Lesson | None:

@@ -33,6 +33,8 @@ class Person:
         Number of the student in the LMS, which exports of marks need.
     github : str
         GitHub login.
+    role : str
+        "auditor" for a person whose work is judged but does not count; other roles are ignored.
     """
 
     id: str
@@ -42,6 +44,12 @@ class Person:
     section: str = ""
     lms_id: str = ""
     github: str = ""
+    role: str = ""
+
+    @property
+    def is_auditor(self) -> bool:
+        """Whether the person takes the course without earning marks."""
+        return folded(self.role) == "auditor"
 
     @property
     def name(self) -> str:

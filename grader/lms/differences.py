@@ -47,7 +47,9 @@ def differences(
         wanted = _scores(verdict)
         for grade in notebook.grades:
             score, max_score = wanted.get(grade.name, (None if verdict else 0.0, None))
-            if (verdict is None or grade.name in wanted) and not _is_close(grade.auto_score, score):
+            is_judged = verdict is None or grade.name in wanted
+            # Rows for new exercises have no score, and wait for a person until they are entered.
+            if is_judged and (grade.auto_score is None or not _is_close(grade.auto_score, score)):
                 sentences.append(
                     f"{label}: {grade.name} has {grade.auto_score} points instead of {score}"
                 )

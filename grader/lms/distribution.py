@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from grader.course.lessons import Lesson
 from grader.judging.verdict import Verdict
-from grader.lms.results import EXCUSED, MARKED, MISSING, WAITING, ClassResults
+from grader.lms.results import AUDITOR, EXCUSED, MARKED, MISSING, WAITING, ClassResults
 
 BINS = 10
 
@@ -25,8 +25,8 @@ class Distribution:
         Number of students with a score; mean and median are computed from these.
     waiting : int
         Number of these students with a part that a person still has to grade.
-    not_entered, missing, excused : int
-        Numbers of students without a score, by reason.
+    not_entered, missing, excused, auditors : int
+        Numbers of students who are not counted, by reason.
     mean, median, max_score : float
     histogram : tuple of int
         Number of students in each of `BINS` equal ranges from 0 to the maximum score.
@@ -41,6 +41,7 @@ class Distribution:
     not_entered: int
     missing: int
     excused: int
+    auditors: int
     mean: float
     median: float
     max_score: float
@@ -61,6 +62,7 @@ class Distribution:
             "not yet entered": self.not_entered,
             "missing": self.missing,
             "excused": self.excused,
+            "auditing": self.auditors,
         }
         parts = [f"{number} {reason}" for reason, number in excluded.items() if number]
         return f"{phrase}; not counted: {', '.join(parts)}" if parts else phrase
@@ -72,7 +74,7 @@ def distribution_of(
     """Return a lesson's distribution from the gradebook or, without one, from the verdicts."""
     judged = [verdict for verdict in verdicts if verdict.lesson == lesson.name]
     own = [result for result in results.notebooks if result.lesson == lesson.name]
-    scores = [result.score for result in own if result.score is not None]
+    scores = [result.score for result in own if result.counts and result.score is not None]
     max_score = results.lessons.get(lesson.name)
     if not own and judged:
         scores, max_score = [verdict.score for verdict in judged], judged[0].max_score
@@ -87,7 +89,8 @@ def distribution_of(
         kinds[WAITING, True],
         kinds[WAITING, False] + kinds[MARKED, False],
         kinds[MISSING, False],
-        kinds[EXCUSED, False],
+        kinds[EXCUSED, False] + kinds[EXCUSED, True],
+        kinds[AUDITOR, False] + kinds[AUDITOR, True],
         statistics.mean(scores) if scores else 0.0,
         statistics.median(scores) if scores else 0.0,
         max_score or 0.0,

@@ -21,6 +21,7 @@ from grader.lms.cells import CellMark, CellMarks, cell_marks
 from grader.lms.check_summary import ExerciseSummary, summarise_checks
 from grader.lms.gradebook import open_gradebook
 from grader.lms.results import (
+    AUDITOR,
     EXCUSED,
     WAITING,
     ClassResults,
@@ -122,6 +123,8 @@ class Feedback:
         """Sentences about the stage as a whole."""
         if self.result.standing == EXCUSED:
             return ("You are excused from this stage, so none of these points count.",)
+        if self.result.standing == AUDITOR:
+            return ("You audit the course, so none of these points count.",)
         waiting = self.result.standing == WAITING
         untouched = (
             "No exercise in this stage was started. If you can still submit, replace "

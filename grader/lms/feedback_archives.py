@@ -5,26 +5,22 @@ Canvas and Moodle use the names of the submitted files, which `collect` records 
 
 from __future__ import annotations
 
-import re
 from collections import Counter
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from grader.classroom.collect.record import read_record
-from grader.classroom.submissions import find_submissions
 from grader.course.archives import make_zip
 from grader.course.atomic_files import write_atomically
 from grader.course.paths import Course
 from grader.course.roster import read_roster
+from grader.lms.collected_files import CollectedFile, collected_files
 from grader.lms.feedback import Feedback, FeedbackNotReady, FeedbackWriter, LessonFeedback
 from grader.lms.feedback_notebook import feedback_notebook
 from grader.lms.feedback_page import feedback_page
+from grader.lms.results import WAITING
 
-# `FileOrigin.archive` ends with the owner's name in the archive and the submitted file's name.
-_OWNER_AND_FILE = re.compile(r": (?P<owner>[^/:]+)/(?P<file>[^/]+)(?:/.*)?$")
-_TEAM = "submitted as the team {}. Give each member their own page"
-_MAY_BE_TEAM = "submitted as {}, which may be a team. Give each member their own page"
+_TEAM = "submitted as {}, which may be a team"
 
 
 @dataclass(frozen=True)
@@ -37,13 +33,10 @@ class FeedbackArchive:
         File contents by name.
     left : tuple of str
         One sentence for each student for whom the archive has no feedback.
-    teams : tuple of str
-        One sentence for each member of a team, for whom an archive cannot have feedback.
     """
 
     files: dict[str, bytes] = field(default_factory=dict)
     left: tuple[str, ...] = ()
-    teams: tuple[str, ...] = ()
 
 
 def build_moodle_archive(
@@ -56,9 +49,9 @@ def build_moodle_archive(
     different number in each assignment. The archive has one page for each number, and Moodle
     ignores the pages that belong to other assignments.
     """
-    sources, roster = _sources(course, stage), read_roster(course)
+    sources, roster = collected_files(course, [stage]), read_roster(course)
     teams = _team_owners(sources)
-    files, skipped, of_teams = {}, [], []
+    files, skipped = {}, []
     for feedback in all_feedback:
         person = feedback.person
         own_files = [file for file in sources.get(person.id, {}).values() if file.participant]
@@ -68,15 +61,12 @@ def build_moodle_archive(
         for owner, number in sorted({(file.owner, file.participant) for file in own_files}):
             name = owner.removesuffix(f"_{number}")
             named = roster is None or person in roster.find_people(name) or name.endswith(number)
-            if owner in teams:
-                of_teams.append(f"{person.id}: {_TEAM.format(name)}")
-                continue
-            if not named:
-                skipped.append(f"{person.id}: {_MAY_BE_TEAM.format(name)}")
+            if owner in teams or not named:
+                skipped.append(f"{person.id}: {_TEAM.format(name)}")
                 continue
             path = f"{owner}_assignsubmission_file_{stage}_feedback.html"
             files[path] = feedback_page(feedback).encode()
-    return FeedbackArchive(files, tuple(skipped), tuple(of_teams))
+    return FeedbackArchive(files, tuple(skipped))
 
 
 def build_canvas_archive(
@@ -87,9 +77,9 @@ def build_canvas_archive(
     Canvas finds the original file by ``{name}_{user id}_{attachment id}_{file}`` and gives the
     feedback the same name. For a submitted zip, the feedback is a zip that contains the page.
     """
-    sources = _sources(course, stage)
+    sources = collected_files(course, [stage])
     teams = _team_owners(sources)
-    files, skipped, of_teams = {}, [], []
+    files, skipped = {}, []
     for feedback in all_feedback:
         id, lessons = (
             feedback.person.id,
@@ -104,10 +94,10 @@ def build_canvas_archive(
         }
         files |= contents
         if team:
-            of_teams.append(f"{id}: {_TEAM.format(min(team))}")
+            skipped.append(f"{id}: {_TEAM.format(min(team))}")
         elif not contents:
             skipped.append(f"{id}: no notebook was collected from a Canvas zip")
-    return FeedbackArchive(files, tuple(skipped), tuple(of_teams))
+    return FeedbackArchive(files, tuple(skipped))
 
 
 @dataclass(frozen=True)
@@ -152,15 +142,18 @@ class WrittenFeedback:
     archive : pathlib.Path or None
         The zip for the LMS; None without an LMS, or if the zip would be empty.
     left : tuple of str
-        One sentence for each student without a page, or without a file in the zip.
-    teams : tuple of str
-        One sentence for each member of a team, who has a page but no file in the zip.
+        One sentence for each student without a page.
+    unreached : tuple of str
+        One sentence for each student with a page for whom the zip contains nothing.
+    waiting : tuple of str
+        Lessons with a part that a grader still has to grade, each with its students.
     """
 
     pages: tuple[Path, ...]
     archive: Path | None
     left: tuple[str, ...]
-    teams: tuple[str, ...] = ()
+    unreached: tuple[str, ...] = ()
+    waiting: tuple[str, ...] = ()
 
 
 def write_feedback(
@@ -205,47 +198,28 @@ def write_feedback(
             all_feedback.append(feedback)
             pages.append(path)
         progress(done, len(people), person.id)
+    waiting = tuple(_waiting(all_feedback))
     if not platform or not pages:
-        return WrittenFeedback(tuple(pages), None, tuple(skipped))
+        return WrittenFeedback(tuple(pages), None, tuple(skipped), waiting=waiting)
     returned = PLATFORMS[platform].returns(course, stage, all_feedback)
     archive = folder / f"{stage}_{platform}.zip" if returned.files else None
     if archive:
         write_atomically(make_zip(returned.files), archive)
-    return WrittenFeedback(tuple(pages), archive, (*skipped, *returned.left), returned.teams)
+    return WrittenFeedback(tuple(pages), archive, tuple(skipped), returned.left, waiting)
 
 
-@dataclass(frozen=True)
-class _SubmittedFile:
-    """The data that identifies a submitted file in an LMS.
-
-    Attributes
-    ----------
-    owner, file : str
-    attachment : int
-        Canvas attachment id; 0 for other platforms.
-    participant : str
-        Moodle participant number; empty for other platforms.
-    """
-
-    owner: str
-    file: str
-    attachment: int
-    participant: str
+def _waiting(all_feedback: Sequence[Feedback]) -> Iterator[str]:
+    """Yield the lessons with a part that a grader still has to grade, each with its students."""
+    students: dict[str, list[str]] = {}
+    for feedback in all_feedback:
+        for lesson in feedback.lessons:
+            if lesson.result.standing == WAITING:
+                students.setdefault(lesson.lesson.name, []).append(feedback.person.id)
+    for lesson, ids in students.items():
+        yield f"{lesson} of {', '.join(ids)}"
 
 
-def _sources(course: Course, stage: str) -> dict[str, dict[str, _SubmittedFile]]:
-    """Return the data that identifies each judged file in an LMS, by student and lesson."""
-    sources: dict[str, dict[str, _SubmittedFile]] = {}
-    for submission in find_submissions(course, [stage]):
-        source = read_record(submission.stage_folder(course)).files.get(submission.path.name)
-        match = source and _OWNER_AND_FILE.search(source.archive)
-        if match:
-            file = _SubmittedFile(match["owner"], match["file"], source.order, source.participant)
-            sources.setdefault(submission.student, {})[submission.lesson.name] = file
-    return sources
-
-
-def _team_owners(sources: dict[str, dict[str, _SubmittedFile]]) -> set[str]:
+def _team_owners(sources: dict[str, dict[str, CollectedFile]]) -> set[str]:
     """Return the owners whose files belong to several students, because they are teams."""
     owners = Counter(
         owner for files in sources.values() for owner in {file.owner for file in files.values()}

@@ -2,48 +2,97 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
+import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import nbgrader.api
 from alembic.config import Config as AlembicConfig
 from alembic.script import ScriptDirectory
-from nbgrader.api import Gradebook
+from nbgrader.api import Gradebook, InvalidEntry
 from nbgrader.coursedir import CourseDirectory
 from sqlalchemy import make_url
-from sqlalchemy.exc import SQLAlchemyError
+from sqlalchemy.exc import OperationalError, SQLAlchemyError
 
 from grader.course.nbgrader_settings import course_settings
 from grader.course.paths import Course
 from grader.lms.results import GradebookUnavailable
 
+# What SQLite and PostgreSQL say about a column or a table that the database does not have.
+_OUTDATED = re.compile(r"no such (column|table)|(column|relation) \S+ does not exist")
 
-def open_gradebook(course: Course) -> Gradebook:
+
+@contextlib.contextmanager
+def open_gradebook(course: Course) -> Iterator[Gradebook]:
     """Open the nbgrader gradebook of a course as a context manager; create it if necessary.
 
     Raises
     ------
     GradebookUnavailable
-        If the database driver is missing or the database cannot be opened.
+        If the database driver is missing, if the database cannot be opened, or if it refuses a
+        query inside the context.
     """
     # Otherwise, nbgrader starts a program to find the schema version, which takes seconds for each
     # new gradebook.
     nbgrader.api.get_alembic_version = _alembic_version
     directory = CourseDirectory(config=course_settings(course.root))
     try:
-        return Gradebook(directory.db_url, directory.course_id)
+        book = Gradebook(directory.db_url, directory.course_id)
     except ModuleNotFoundError as error:
         raise GradebookUnavailable(
             f"The gradebook needs the package {error.name}, which is not installed. For PostgreSQL "
             'write c.CourseDirectory.db_url = "postgresql+pg8000://USER:PASSWORD@HOST/DATABASE" '
             "into nbgrader_config.py, and run: pip install pg8000 -c constraints.txt"
         ) from error
-    except SQLAlchemyError as error:
-        reason = str(error).splitlines()[0].rstrip(".")
+    except (SQLAlchemyError, InvalidEntry) as error:
         raise GradebookUnavailable(
-            f"The gradebook cannot be opened: {reason}. Correct its address, "
+            database_problem(error)
+            or f"The gradebook cannot be opened: {_reason(error)}. Correct its address, "
             "c.CourseDirectory.db_url, in nbgrader_config.py."
         ) from error
+    try:
+        with book, _without_tracebacks():
+            yield book
+    except (SQLAlchemyError, InvalidEntry) as error:
+        problem = database_problem(error)
+        if not problem and not isinstance(error, OperationalError):
+            raise
+        raise GradebookUnavailable(
+            problem or f"The gradebook cannot be used: {_reason(error)}."
+        ) from error
+
+
+@contextlib.contextmanager
+def _without_tracebacks() -> Iterator[None]:
+    """Do not print the traceback of each error that nbgrader logs and then raises."""
+    before = nbgrader.api.app_log.disabled
+    nbgrader.api.app_log.disabled = True
+    try:
+        yield
+    finally:
+        nbgrader.api.app_log.disabled = before
+
+
+def database_problem(error: Exception) -> str:
+    """Describe a problem that affects the whole database; empty if the error is another one."""
+    text = str(error)
+    if "database is locked" in text:
+        return (
+            "The gradebook is locked, because another program is writing to it. Run the same "
+            "command again in a minute."
+        )
+    if _OUTDATED.search(text):
+        return (
+            f"The gradebook comes from an older version of nbgrader: {_reason(error)}. Run: "
+            "nbgrader db upgrade"
+        )
+    return ""
+
+
+def _reason(error: Exception) -> str:
+    return str(error).splitlines()[0].rstrip(".")
 
 
 def gradebook_exists(course: Course) -> bool:

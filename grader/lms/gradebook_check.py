@@ -5,19 +5,24 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from grader.classroom.doctor import Finding
+from grader.classroom.submissions import find_submissions
 from grader.course.deadlines import DeadlinesError
 from grader.course.paths import Course
 from grader.course.roster import RosterError
-from grader.lms.gradebook import gradebook_location
-from grader.lms.instructor_notes import unlisted_notes
+from grader.lms.gradebook import gradebook_location, open_gradebook
+from grader.lms.instructor_notes import excessive_notes, unlisted_notes
+from grader.lms.marks_by_hand import lost_marks, lost_sentence
 from grader.lms.results import GradebookUnavailable
 from grader.lms.standings import class_results
 
 
 def check_gradebook(course: Course) -> Iterator[Finding]:
-    """Examine whether the gradebook opens and all students with marks are on the roster."""
+    """Examine whether the gradebook opens, and whether its marks are complete and valid."""
     try:
         results = class_results(course)
+        submitted = {submission.student for submission in find_submissions(course)}
+        with open_gradebook(course) as book:
+            lost = lost_marks(course, book, submitted)
     except GradebookUnavailable as error:
         yield Finding("gradebook", False, str(error))
         return
@@ -27,5 +32,7 @@ def check_gradebook(course: Course) -> Iterator[Finding]:
     yield Finding(
         "gradebook", True, f"{gradebook_location(course)}, with marks of {len(marked)} students"
     )
-    for sentence in unlisted_notes(results):
+    if lost:
+        yield Finding("gradebook", False, lost_sentence(course, lost))
+    for sentence in (*excessive_notes(results), *unlisted_notes(results)):
         yield Finding("gradebook", False, sentence)

@@ -9,6 +9,7 @@ from nbgrader.api import (
     Assignment,
     Grade,
     Gradebook,
+    GradeCell,
     Notebook,
     SubmittedAssignment,
     SubmittedNotebook,
@@ -78,3 +79,23 @@ def read_rows(book: Gradebook) -> list[GradebookRow]:
         .all()
     )
     return [GradebookRow(*row) for row in rows]
+
+
+def read_excessive_marks(book: Gradebook) -> list[tuple[str, str, str, float, float]]:
+    """Return (student, lesson, cell, points, maximum) for each mark by hand above its maximum.
+
+    Such marks remain if an exercise was graded before its points were reduced.
+    """
+    columns = (SubmittedAssignment.student_id, Notebook.name, GradeCell.name)
+    points = (Grade.manual_score, GradeCell.max_score)
+    rows = (
+        book.db.query(*columns, *points)
+        .select_from(Grade)
+        .join(GradeCell, Grade.cell_id == GradeCell.id)
+        .join(SubmittedNotebook, Grade.notebook_id == SubmittedNotebook.id)
+        .join(SubmittedNotebook.assignment)
+        .join(SubmittedNotebook.notebook)
+        .filter(Grade.manual_score > GradeCell.max_score)
+        .order_by(*columns)
+    )
+    return [tuple(row) for row in rows]

@@ -28,8 +28,9 @@ from grader.lms.copies import replace_folder, write_draft
 from grader.lms.dates import enter_due_dates, set_extension
 from grader.lms.differences import differences
 from grader.lms.entries import StageEntry, group_entries
-from grader.lms.gradebook import open_gradebook
+from grader.lms.gradebook import database_problem, open_gradebook
 from grader.lms.history import log_changes
+from grader.lms.marks_by_hand import lost_marks, lost_sentence, restore_marks
 from grader.lms.penalties import load_penalty_plugin, penalty_of
 from grader.lms.people import enrol
 from grader.lms.registration import register_stages
@@ -47,6 +48,8 @@ def enter_verdicts(
     stages: Iterable[str],
     progress: Callable[[int, int, object], None],
     student: str | None = None,
+    restore: bool = False,
+    tell: Callable[[str], None] = print,
 ) -> None:
     """Update the gradebook to match the verdicts, and log the marks that changed.
 
@@ -60,6 +63,10 @@ def enter_verdicts(
         Called with (done, total, student) after each student's stage.
     student : str, optional
         Enter only this student, and do not change the others.
+    restore : bool
+        Whether to restore marks and comments by hand that are only in the log.
+    tell : callable
+        Called with a sentence about each change apart from entering scores.
 
     Raises
     ------
@@ -73,7 +80,7 @@ def enter_verdicts(
     with open_gradebook(course) as book:
         log_changes(course, book)  # log marks given by hand since the last run
         late = load_penalty_plugin(course)
-        trouble += register_stages(course, book, dict.fromkeys(stages))
+        register_stages(course, book, dict.fromkeys(stages), tell)
         if roster:
             enrol(book, roster)
         enter_due_dates(course, book, deadlines)
@@ -83,6 +90,17 @@ def enter_verdicts(
             if differences(course, book, entry, late, deadlines):
                 trouble += _try_to_enter(course, book, entry, late, deadlines)
             progress(done, len(entries), entry.student)
+        students = {student for student, _ in submitted}
+        lost = lost_marks(course, book, students)
+        if lost and restore:
+            for sentence in restore_marks(course, book, lost):
+                tell(sentence)
+            for entry in entries:  # a late penalty depends on the restored marks
+                if differences(course, book, entry, late, deadlines):
+                    trouble += _try_to_enter(course, book, entry, late, deadlines)
+            lost = lost_marks(course, book, students)
+        if lost:
+            trouble.append(lost_sentence(course, lost))
         keys = {
             (submission.student, submission.lesson.name): verdict.key
             for submission, verdict in judged
@@ -105,6 +123,8 @@ def _try_to_enter(
     except ReplacedSubmission as replaced:  # the old marks stay until the new file is judged
         return [str(replaced)]
     except Exception as error:  # one student's failure must not stop the others
+        if database_problem(error):
+            raise
         trouble = [f"{entry.name}: {type(error).__name__}: {error}"]
     return trouble + differences(course, book, entry, late, deadlines)
 

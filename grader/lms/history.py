@@ -1,22 +1,25 @@
 """Keep a log of every changed mark: old and new points, time, and the verdict or person behind it.
 
 ``marks.jsonl`` in the course folder has one line per change, and lines are only appended. Each run
-compares the last known marks with the gradebook, so the log includes marks that a person entered in
-between. If a power cut loses or truncates a line, the next run logs the change again.
+compares the last known marks with the gradebook, so the log includes marks and comments that a
+person entered in between. If a power cut loses or truncates a line, the next run logs the change
+again. If the gradebook is lost, `grader.lms.marks_by_hand` restores a person's work from the log.
 """
 
 from __future__ import annotations
 
+import functools
 import json
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
 from nbgrader.api import (
     Assignment,
     BaseCell,
+    Comment,
     Grade,
     Gradebook,
     Notebook,
@@ -26,6 +29,7 @@ from nbgrader.api import (
 from sqlalchemy.orm import Query
 
 from grader.course.paths import Course
+from grader.lms.answers import read_fingerprints
 from grader.lms.autograded import verdict_key_of_copy
 
 TOLERANCE = 1e-6  # points are written with two decimal places
@@ -34,6 +38,16 @@ A_PERSON, A_VERDICT, LATE = "a person", "verdict", "lateness"
 REMOVED = "removed from the gradebook"
 
 Place = tuple[str, str, str, str]  # student, stage, lesson, exercise
+
+
+@dataclass(frozen=True)
+class CurrentMark:
+    """A mark in the gradebook; see `MarkChange` for the attributes."""
+
+    points: float | None = None
+    by_hand: tuple[float | None, float | None] | None = None
+    comment: str = ""
+    graded: str = ""
 
 
 @dataclass(frozen=True)
@@ -53,6 +67,11 @@ class MarkChange:
         "verdict" with its key, or one of this module's other causes, such as "a person".
     by_hand : tuple of (float or None, float or None) or None
         The mark and the extra points that a person gave.
+    comment : str
+        The comment that a person wrote.
+    graded : str
+        What the person graded: the digest of a written answer, or the judge's points for code.
+        Empty if a person still has to grade it, or if the line is older than this attribute.
     """
 
     when: str
@@ -64,6 +83,8 @@ class MarkChange:
     after: float | None
     by: str
     by_hand: tuple[float | None, float | None] | None = None
+    comment: str = ""
+    graded: str = ""
 
     @property
     def place(self) -> Place:
@@ -103,16 +124,25 @@ def log_changes(
     """
     known = {change.place: change for change in read_changes(course)}
     now = datetime.now(UTC).isoformat(timespec="seconds")
-    marks = {**_marks(course, book), **_penalties(book)}
+    marks = {**current_marks(course, book), **_penalties(book)}
     lines = []
     for place in sorted({*known, *marks}):
-        last = known.get(place)
-        before = last.after if last else None
-        after, by_hand = marks.get(place, (None, None))
-        if _is_close(before, after):
+        last = known.get(place) or MarkChange(now, *place, None, None, "")
+        mark = marks.get(place, CurrentMark())
+        is_by_person = (mark.by_hand, mark.comment) != (last.by_hand, last.comment) or (
+            mark.graded not in ("", last.graded)
+        )
+        if not is_by_person and _is_close(last.after, mark.points):
             continue
-        by = _cause(course, place, place in marks, by_hand != (last and last.by_hand), keys or {})
-        lines.append(_as_json_line(MarkChange(now, *place, before, after, by, by_hand)))
+        by = _cause(course, place, place in marks, is_by_person, keys or {})
+        lines.append(
+            _as_json_line(
+                MarkChange(
+                    *(now, *place, last.after, mark.points, by),
+                    *(mark.by_hand, mark.comment, mark.graded),
+                )
+            )
+        )
     _append(course, lines)
 
 
@@ -120,7 +150,7 @@ def _cause(
     course: Course,
     place: Place,
     exists: bool,
-    changed_by_hand: bool,
+    is_by_person: bool,
     keys: Mapping[tuple[str, str], str],
 ) -> str:
     """Return the cause of a change: a verdict, a person, lateness or a removal."""
@@ -129,42 +159,67 @@ def _cause(
         return LATE
     if not exists:
         return REMOVED
-    if changed_by_hand:
+    if is_by_person:
         return A_PERSON
     key = keys.get((student, lesson)) or verdict_key_of_copy(course, student, stage, lesson)
     return f"{A_VERDICT} {key}" if key else A_VERDICT
 
 
-def _marks(course: Course, book: Gradebook) -> dict[Place, tuple[float | None, tuple | None]]:
-    """Return (mark, points given by a person) for each graded cell."""
+def current_marks(course: Course, book: Gradebook) -> dict[Place, CurrentMark]:
+    """Return the mark and the grader's comment for each exercise in the gradebook."""
     columns = (
         SubmittedAssignment.student_id,
         Assignment.name,
         Notebook.name,
         BaseCell.name,
-        Grade.auto_score,
-        Grade.manual_score,
-        Grade.extra_credit,
     )
-    rows = (
-        _query(book, columns)
+    grades = (
+        _query(
+            book,
+            (
+                *columns,
+                Grade.auto_score,
+                Grade.manual_score,
+                Grade.extra_credit,
+                Grade.needs_manual_grade,
+            ),
+        )
         .join(Grade, Grade.notebook_id == SubmittedNotebook.id)
         .join(BaseCell, BaseCell.id == Grade.cell_id)
     )
+    comments = (
+        _query(book, (*columns, Comment.manual_comment))
+        .join(Comment, Comment.notebook_id == SubmittedNotebook.id)
+        .join(BaseCell, BaseCell.id == Comment.cell_id)
+    )
+    answers = functools.cache(functools.partial(read_fingerprints, course))
     marks = {}
-    for student, stage, lesson, cell, auto, manual, extra in rows:
+    for student, stage, lesson, cell, auto, manual, extra, waits in grades:
         mark = auto if manual is None else manual
         by_hand = None if manual is None and not extra else (manual, extra or None)
+        graded = ""
         if by_hand is None and not mark:  # nbgrader stores 0 for a lesson that was not submitted
             copy = course.autograded / student / stage / f"{lesson}.ipynb"
             mark = mark if copy.is_file() else None
         elif extra:
             mark = (mark or 0.0) + extra
-        marks[student, stage, lesson, cell.removeprefix("test_")] = (mark, by_hand)
+        if by_hand and not waits:
+            graded = answers(student, stage).get(lesson, {}).get(cell, str(auto))
+        place = (student, stage, lesson, exercise_of(cell))
+        marks[place] = CurrentMark(mark, by_hand, "", graded)
+    for student, stage, lesson, cell, comment in comments:
+        if comment and comment.strip():
+            place = (student, stage, lesson, exercise_of(cell))
+            marks[place] = replace(marks.get(place, CurrentMark()), comment=comment)
     return marks
 
 
-def _penalties(book: Gradebook) -> dict[Place, tuple[float, None]]:
+def exercise_of(cell: str) -> str:
+    """Return the name of the exercise that a graded cell or a solution cell belongs to."""
+    return cell.removeprefix("test_")
+
+
+def _penalties(book: Gradebook) -> dict[Place, CurrentMark]:
     """Return the points subtracted for lateness, for each notebook with a late penalty."""
     columns = (
         SubmittedAssignment.student_id,
@@ -173,7 +228,7 @@ def _penalties(book: Gradebook) -> dict[Place, tuple[float, None]]:
         SubmittedNotebook.late_submission_penalty,
     )
     return {
-        (*identity, LATE_PENALTY): (points, None)
+        (*identity, LATE_PENALTY): CurrentMark(points)
         for *identity, points in _query(book, columns)
         if points
     }
@@ -206,8 +261,9 @@ def _as_json_line(change: MarkChange) -> str:
         "to": change.after,
         "by": change.by,
     }
-    by_hand = {"by_hand": change.by_hand} if change.by_hand else {}
-    return json.dumps(fields | by_hand, ensure_ascii=False) + "\n"
+    by_person = {name: getattr(change, name) for name in ("by_hand", "comment", "graded")}
+    fields |= {name: value for name, value in by_person.items() if value}
+    return json.dumps(fields, ensure_ascii=False) + "\n"
 
 
 def _append(course: Course, lines: list[str]) -> None:

@@ -8,7 +8,55 @@ from datetime import UTC
 
 from grader.course.deadlines import Deadlines, deadlines_path
 from grader.course.paths import Course
-from grader.lms.results import ClassResults, StageResult
+from grader.lms.results import WAITING, ClassResults, StageResult, format_points
+
+DEADLINES = "deadlines.toml"
+
+
+def counted_lessons(results: ClassResults) -> Iterator[str]:
+    """Yield a sentence for each stage about the lessons that count in it."""
+    stages: dict[str, dict[str, float]] = {}
+    for result in results.notebooks:
+        stages.setdefault(result.stage, {})[result.lesson] = result.max_score
+    for stage, points in stages.items():
+        numbers = ", ".join(name[:2] for name in points)
+        yield f"{stage} counts {numbers}, with {format_points(sum(points.values()))} points."
+
+
+def assignment_notes(results: ClassResults, deadlines: Deadlines | None) -> Iterator[str]:
+    """Yield notes about lessons that may not be assigned, and about work that does not count."""
+    students: dict[str, list[str]] = {}
+    for student, lesson in results.unassigned:
+        students.setdefault(lesson, []).append(student)
+    for lesson, names in students.items():
+        yield (
+            f"{lesson} of {', '.join(names)} does not count, because {DEADLINES} does not list it "
+            "below the stage."
+        )
+    for stage in dict.fromkeys(result.stage for result in results.notebooks):
+        if deadlines is None or deadlines.assigned(stage) is None:
+            yield from _rarely_submitted(results, stage)
+
+
+def _rarely_submitted(results: ClassResults, stage: str) -> Iterator[str]:
+    """Yield a note if no student, or only one of several, submitted a lesson of a stage."""
+    students: dict[str, list[str]] = {}
+    for result in results.notebooks:
+        if result.stage == stage:
+            has_work = result.score is not None or result.standing == WAITING
+            students.setdefault(result.lesson, []).extend([result.student] * has_work)
+    submitters = {student for names in students.values() for student in names}
+    least = 2 if len(submitters) > 2 else 1
+    rare = {lesson: names for lesson, names in students.items() if len(names) < least}
+    others = ", ".join(f'"{lesson[:2]}"' for lesson in students if lesson not in rare)
+    if rare and others and len(submitters) > 1:
+        nobody = ", ".join(lesson for lesson, names in rare.items() if not names)
+        who = [f"nobody submitted {nobody}"] * bool(nobody)
+        who += [f"only {names[0]} submitted {lesson}" for lesson, names in rare.items() if names]
+        yield (
+            f"{stage}: {'; '.join(who)}. All released lessons count. If you have not assigned all "
+            f"of them, write lessons = [{others}] below [{stage}] in {DEADLINES}."
+        )
 
 
 def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) -> Iterator[str]:
@@ -29,7 +77,15 @@ def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) ->
                 f'this line to the file below [{stage.stage}.students]: "{stage.student}" = '
                 f"{until:%Y-%m-%dT%H:%M:%S}Z. To change it, write another date there."
             )
+    yield from assignment_notes(results, deadlines)
+    yield from excessive_notes(results)
     yield from unlisted_notes(results)
+
+
+def excessive_notes(results: ClassResults) -> Iterator[str]:
+    """Yield one sentence for each mark by hand that is above the maximum of its exercise."""
+    for mark in results.excessive:
+        yield f"{mark}. Its maximum was reduced after a person graded it: grade it again."
 
 
 def unlisted_notes(results: ClassResults) -> Iterator[str]:

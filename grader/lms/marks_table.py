@@ -11,6 +11,7 @@ from grader.course.lessons import Lesson
 from grader.course.roster import Person
 from grader.judging.verdict import JUDGED, Verdict
 from grader.lms.results import (
+    AUDITOR,
     EXCUSED,
     MISSING,
     WAITING,
@@ -20,6 +21,11 @@ from grader.lms.results import (
     rounded_points,
 )
 
+# For each standing that does not count: the text of a cell without a score, and its meaning.
+NOT_COUNTED = {
+    EXCUSED: ("exc.", "excused: no submission needed"),
+    AUDITOR: ("aud.", "auditor: nothing counts"),
+}
 JUDGE_FAILED_TEXT = "the judge failed; grade again"
 
 
@@ -152,7 +158,7 @@ def _gradebook_row(
     existing = [result for result in own if result]
     stages = dict.fromkeys(lesson.stage for lesson in lessons)
     standings = [result for stage in stages if (result := results.stage(person.id, stage))]
-    counted = [result for result in existing if result.standing != EXCUSED]
+    counted = [result for result in existing if result.counts]
     maximum = sum(result.max_score for result in counted)
     earned = [result.points for result in counted if result.points is not None]
     share = sum(earned) / maximum if earned and maximum else None
@@ -173,13 +179,13 @@ def _lesson_cell(result: NotebookResult | None, verdict: Verdict | None) -> Mark
         return MarkCell("?", JUDGE_FAILED_TEXT)
     if result is None or result.standing == MISSING:
         return MarkCell("–", "missing: nothing was submitted")
-    if result.standing == EXCUSED and result.score is None:
-        return MarkCell("exc.", "excused: no submission needed")
+    if not result.counts and result.score is None:
+        return MarkCell(*NOT_COUNTED[result.standing])
     if result.score is None:
         return MarkCell("…", "submitted, but not in the gradebook yet")
     text, notes = rounded_points(result.points), []
-    if result.standing == EXCUSED:
-        text, notes = f"({text})", ["excused: does not count"]
+    if not result.counts:
+        text, notes = f"({text})", [f"{result.standing}: does not count"]
     elif result.standing == WAITING:
         text, notes = f"{text} …", ["partly waiting for a grader"]
     if result.penalty:
@@ -190,15 +196,20 @@ def _lesson_cell(result: NotebookResult | None, verdict: Verdict | None) -> Mark
 
 
 def _sum_cell(results: Sequence[NotebookResult]) -> MarkCell:
-    """Build the cell with the total and the maximum of all lessons that count."""
-    counted = [result for result in results if result.standing != EXCUSED]
+    """Build the cell with the total and the maximum of all lessons that count.
+
+    The cell of a student without any mark contains no number, because missing work is not a 0.
+    """
+    counted = [result for result in results if result.counts]
     if not counted:
-        return MarkCell("exc." if results else "–")
+        return MarkCell(NOT_COUNTED[results[0].standing][0] if results else "–")
     total = sum(result.points or 0.0 for result in counted)
     waiting = sum(result.standing == WAITING for result in counted)
     missing = sum(result.standing == MISSING for result in counted)
     kinds = {"waiting for a grader": waiting, "missing": missing}
     explanation = ", ".join(f"{number} {label}" for label, number in kinds.items() if number)
+    if all(result.points is None for result in counted):
+        return MarkCell("…" if waiting else "–", explanation)
     maximum = rounded_points(sum(result.max_score for result in counted))
     return MarkCell(
         f"{rounded_points(total)} of {maximum}{' …' if waiting else ''}", explanation, total

@@ -6,8 +6,10 @@ import statistics
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from grader.course.deadlines import Deadlines
+from grader.lms.instructor_notes import assignment_notes, counted_lessons
 from grader.lms.marks_table import MarksTable
-from grader.lms.results import EXCUSED, MISSING, WAITING, ClassResults
+from grader.lms.results import AUDITOR, EXCUSED, MISSING, WAITING, ClassResults
 
 # For each kind of entry: the section of the report, and the wording for one entry and for several.
 SECTIONS = {
@@ -35,25 +37,32 @@ class Overview:
 
     Attributes
     ----------
+    counted : tuple of str
+        Sentences about the lessons that count, and about those that may not be assigned.
     mean, missing : str
         Sentences about the mean and about missing work.
     attention : tuple of AttentionItem
         Empty if nothing needs the instructor's attention.
     """
 
+    counted: tuple[str, ...]
     mean: str
     missing: str
     attention: tuple[AttentionItem, ...]
 
 
 def overview_of(
-    results: ClassResults, table: MarksTable, sections: Mapping[str, int]
+    results: ClassResults,
+    deadlines: Deadlines | None,
+    table: MarksTable,
+    sections: Mapping[str, int],
 ) -> Overview | None:
     """Return the overview of a class, or None if the gradebook has no results yet.
 
     Parameters
     ----------
     results : grader.lms.results.ClassResults
+    deadlines : grader.course.deadlines.Deadlines or None
     table : grader.lms.marks_table.MarksTable
     sections : mapping of str to int
         Number of entries in each section of `SECTIONS`.
@@ -65,6 +74,7 @@ def overview_of(
     )
     counts = {"waiting": waiting, **sections}
     return Overview(
+        (*counted_lessons(results), *assignment_notes(results, deadlines)),
         _mean([row.share for row in table.rows]),
         _missing(results),
         tuple(
@@ -89,7 +99,9 @@ def _missing(results: ClassResults) -> str:
     standings: dict[str, set[str]] = {}
     for result in results.notebooks:
         standings.setdefault(result.student, set()).add(result.standing)
-    nothing = sum(MISSING in kinds and kinds <= {MISSING, EXCUSED} for kinds in standings.values())
+    nothing = sum(
+        MISSING in kinds and kinds <= {MISSING, EXCUSED, AUDITOR} for kinds in standings.values()
+    )
     some = sum(MISSING in kinds for kinds in standings.values()) - nothing
     parts = [f"{_students(nothing)} submitted nothing"] * bool(nothing)
     parts += [f"{_students(some)} submitted only some lessons"] * bool(some)

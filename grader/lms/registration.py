@@ -3,59 +3,54 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 import nbformat
 from nbgrader.api import Gradebook, MissingEntry
 from nbgrader.preprocessors import SaveCells
 from nbgrader.utils import is_grade, is_solution
 
-from grader.course.lessons import Lesson, all_lessons
+from grader.course.lessons import Lesson, released_lessons
 from grader.course.paths import Course
 from grader.lms.autograded import graded_cells
+from grader.lms.changed_cells import change_cells, complete_submissions
 from grader.lms.gradebook import database_url
 
 
-def register_stages(course: Course, book: Gradebook, stages: Iterable[str]) -> list[str]:
+def register_stages(
+    course: Course,
+    book: Gradebook,
+    stages: Iterable[str],
+    tell: Callable[[str], None] = print,
+) -> None:
     """Register stages in the gradebook, with the cells and points of the release.
 
     The release itself is not changed. Lessons in the gradebook are compared with the release, so
-    that changed points are entered.
+    that changed points and cells are entered.
 
-    Returns
-    -------
-    list of str
-        One sentence for each lesson that nbgrader refuses to change.
+    Parameters
+    ----------
+    course : grader.course.paths.Course
+    book : nbgrader.api.Gradebook
+    stages : iterable of str
+    tell : callable
+        Called with a sentence about each change that affects submissions in the gradebook.
     """
-    trouble = []
     for stage in stages:
+        lessons = released_lessons(course, stage)
         with contextlib.suppress(MissingEntry):
-            if all(_is_registered(book, lesson) for lesson in _lessons(course, stage)):
-                continue
-        book.update_or_create_assignment(stage)
-        book.db.commit()  # because SaveCells opens its own connection to the database
-        for lesson in _lessons(course, stage):
-            names = {"notebook": lesson.name, "assignment": stage, "db_url": database_url(course)}
-            try:
-                SaveCells().preprocess(_released_notebook(lesson), {"nbgrader": names})
-            except RuntimeError as error:
-                trouble.append(
-                    f"{lesson.name}: the graded cells have changed since submissions were entered, "
-                    f"and nbgrader refuses to change them: {error}"
-                )
-        book.db.expire_all()
-    return trouble
-
-
-def _lessons(course: Course, stage: str) -> list[Lesson]:
-    """Return the lessons of a stage that the course has released."""
-    lessons = [lesson for lesson in all_lessons() if lesson.stage == stage]
-    released = course.released / stage
-    return [
-        lesson
-        for lesson in lessons
-        if not released.is_dir() or (released / f"{lesson.name}.ipynb").is_file()
-    ]
+            lessons = [lesson for lesson in lessons if not _is_registered(book, lesson)]
+        if lessons:
+            book.update_or_create_assignment(stage)
+            for lesson in lessons:
+                change_cells(book, lesson, graded_cells(_released_notebook(lesson)), tell)
+            book.db.commit()  # because SaveCells opens its own connection to the database
+            for lesson in lessons:
+                about = {"notebook": lesson.name, "assignment": stage}
+                about["db_url"] = database_url(course)
+                SaveCells().preprocess(_released_notebook(lesson), {"nbgrader": about})
+            book.db.expire_all()
+        complete_submissions(book, stage)
 
 
 def _released_notebook(lesson: Lesson) -> nbformat.NotebookNode:

@@ -137,7 +137,9 @@ def write_report(
         strangers=results.unlisted,
         has_roster=read_roster(course) is not None,
         **sections,
-        overview=overview_of(results, table, {name: len(rows) for name, rows in sections.items()}),
+        overview=overview_of(
+            results, deadlines, table, {name: len(rows) for name, rows in sections.items()}
+        ),
         mistakes=common_messages(counted),
         slowest=sorted(pairs, key=lambda pair: -pair[1].seconds)[:5],
         people=_people(by_student, results),
@@ -150,7 +152,7 @@ def write_report(
 
 
 def _lessons(pairs: Sequence[tuple[str, Verdict]], results: ClassResults) -> list[Lesson]:
-    names = {verdict.lesson for _, verdict in pairs} | set(results.lessons)
+    names = set(results.lessons) or {verdict.lesson for _, verdict in pairs}
     return [lesson for lesson in all_lessons() if lesson.name in names]
 
 

@@ -1,7 +1,7 @@
 """The results of a class, as used by the report, the marks table and the exporters.
 
-A missing lesson, a mark of 0, an excused student and a waiting submission are four different
-states, which `standing` distinguishes.
+A missing lesson, a mark of 0, an excused student, an auditor and a waiting submission are
+different states, which `standing` distinguishes.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from grader.course.roster import Person
 
 MISSING = "missing"  # the lesson was not submitted
 EXCUSED = "excused"  # the student is excused from the lesson
+AUDITOR = "auditor"  # the student takes the course without earning marks
 WAITING = "waiting"  # a person still has to grade a part, or the submission is not entered yet
 MARKED = "marked"  # there is a mark, which may be 0
 
@@ -33,7 +34,7 @@ class NotebookResult:
         ID of the student.
     stage, lesson : str
     standing : str
-        `MISSING`, `EXCUSED`, `WAITING` or `MARKED`.
+        `MISSING`, `EXCUSED`, `AUDITOR`, `WAITING` or `MARKED`.
     score : float or None
         Points earned so far, by machine and by hand, before the penalty. None if the lesson is
         missing or not entered yet.
@@ -51,6 +52,11 @@ class NotebookResult:
     penalty: float = 0.0
 
     @property
+    def counts(self) -> bool:
+        """Whether the result counts in sums and means."""
+        return self.standing not in (EXCUSED, AUDITOR)
+
+    @property
     def points(self) -> float | None:
         """Points after the penalty; None if `score` is None."""
         return _after_penalty(self.score, self.penalty)
@@ -64,8 +70,8 @@ class StageResult:
     ----------
     student, stage : str
     standing : str
-        `EXCUSED`, `MISSING` if no lesson was submitted, `WAITING` if a lesson waits, otherwise
-        `MARKED`. In a marked stage, a missing lesson counts as 0.
+        `AUDITOR`, `EXCUSED`, `MISSING` if no lesson was submitted, `WAITING` if a lesson waits,
+        otherwise `MARKED`. In a marked stage, a missing lesson counts as 0.
     score : float or None
     max_score, penalty : float
         Sums over all lessons of the stage; see `NotebookResult`.
@@ -97,7 +103,9 @@ class StageResult:
 
 @dataclass(frozen=True)
 class ClassResults:
-    """The results of a class in all lessons that at least one student submitted.
+    """The results of a class in all lessons that count in its stages.
+
+    Stages to which no student has submitted anything have no results.
 
     Attributes
     ----------
@@ -109,15 +117,22 @@ class ClassResults:
         One result for each student and stage.
     unlisted : tuple of str
         IDs with marks in the gradebook that are not on the roster. They have no results here.
+    excessive : tuple of str
+        Descriptions of marks by hand above the maximum of their exercise.
+    unassigned : tuple of (str, str)
+        Student and lesson of submissions that have no results here, because deadlines.toml does not
+        list the lesson.
     """
 
     people: tuple[Person, ...]
     notebooks: tuple[NotebookResult, ...]
     stages: tuple[StageResult, ...]
     unlisted: tuple[str, ...] = ()
+    excessive: tuple[str, ...] = ()
+    unassigned: tuple[tuple[str, str], ...] = ()
 
     def notebook(self, student: str, lesson: str) -> NotebookResult | None:
-        """Return a student's result in a lesson, or None if no student submitted the lesson."""
+        """Return a student's result in a lesson, or None if the lesson does not count."""
         return self._notebooks.get((student, lesson))
 
     def stage(self, student: str, stage: str) -> StageResult | None:
@@ -126,7 +141,7 @@ class ClassResults:
 
     @functools.cached_property
     def lessons(self) -> dict[str, float]:
-        """Maximum score of each submitted lesson, in lesson order."""
+        """Maximum score of each lesson that counts, in lesson order."""
         return {result.lesson: result.max_score for result in sorted(self.notebooks, key=_lesson)}
 
     @functools.cached_property
@@ -142,7 +157,8 @@ def combined_status(lessons: Iterable[NotebookResult]) -> str:
     """Combine the standings in the lessons of a stage into one."""
     present = {result.standing for result in lessons}
     return next(
-        (standing for standing in (EXCUSED, WAITING, MARKED) if standing in present), MISSING
+        (standing for standing in (AUDITOR, EXCUSED, WAITING, MARKED) if standing in present),
+        MISSING,
     )
 
 

@@ -7,13 +7,14 @@ from datetime import UTC, timedelta
 
 from grader.classroom.submissions import Submission, find_submissions
 from grader.course.deadlines import Deadlines, read_deadlines
-from grader.course.lessons import Lesson, find_lesson
+from grader.course.lessons import Lesson, find_lesson, released_lessons
 from grader.course.paths import Course
 from grader.course.roster import Person, read_roster
 from grader.lms.gradebook import open_gradebook
-from grader.lms.gradebook_rows import GradebookRow, read_rows
+from grader.lms.gradebook_rows import GradebookRow, read_excessive_marks, read_rows
 from grader.lms.people import students_in_gradebook
 from grader.lms.results import (
+    AUDITOR,
     EXCUSED,
     MARKED,
     MISSING,
@@ -22,6 +23,7 @@ from grader.lms.results import (
     NotebookResult,
     StageResult,
     combined_status,
+    format_points,
 )
 from grader.lms.submission_times import SubmissionTimeUnknown, submission_time
 
@@ -35,6 +37,11 @@ def class_results(course: Course) -> ClassResults:
     """
     with open_gradebook(course) as book:
         rows, in_gradebook = read_rows(book), students_in_gradebook(book)
+        excessive = tuple(
+            f"{student}, {lesson}, {cell.removeprefix('test_')}: {format_points(points)} of "
+            f"{format_points(maximum)} points"
+            for student, lesson, cell, points, maximum in read_excessive_marks(book)
+        )
     roster, deadlines = read_roster(course), read_deadlines(course) or Deadlines({})
     submitted = {
         (submission.student, submission.lesson.name): submission
@@ -42,18 +49,19 @@ def class_results(course: Course) -> ClassResults:
     }
     entered = {(row.student, row.lesson): row for row in rows}
     existing = {pair for pair, row in entered.items() if _has_work(course, row)}
-    lessons = [find_lesson(name) for name in sorted({name for _, name in {*existing, *submitted}})]
+    lessons, unassigned = _lessons_that_count(course, deadlines, {*existing, *submitted})
     max_scores = _max_scores(lessons, rows)
     people = roster.people if roster else _without_roster(in_gradebook, {*entered, *submitted})
     notebooks, stages = [], []
     for person in people:
         for stage in dict.fromkeys(lesson.stage for lesson in lessons):
-            excused = deadlines.is_excused(person.id, stage)
+            excused = EXCUSED if deadlines.is_excused(person.id, stage) else None
+            excused = AUDITOR if person.is_auditor else excused
             results = []
             for lesson in (candidate for candidate in lessons if candidate.stage == stage):
                 pair = (person.id, lesson.name)
                 row = entered[pair] if pair in existing else None
-                standing = EXCUSED if excused else _standing(row, pair in submitted)
+                standing = excused or _standing(row, pair in submitted)
                 results.append(_notebook(person, lesson, standing, row, max_scores[lesson.name]))
             files = [
                 submitted[pair]
@@ -71,7 +79,44 @@ def class_results(course: Course) -> ClassResults:
             notebooks += results
             stages.append(_stage(course, results, row, files, deadlines))
     unlisted = {row.student for row in rows} - {person.id for person in people}
-    return ClassResults(tuple(people), tuple(notebooks), tuple(stages), tuple(sorted(unlisted)))
+    return ClassResults(
+        tuple(people),
+        tuple(notebooks),
+        tuple(stages),
+        tuple(sorted(unlisted)),
+        excessive,
+        tuple(unassigned),
+    )
+
+
+def _lessons_that_count(
+    course: Course, deadlines: Deadlines, work: Iterable[tuple[str, str]]
+) -> tuple[list[Lesson], list[tuple[str, str]]]:
+    """Return the lessons that count in stages with work, and the (student, lesson) of other work.
+
+    Unless deadlines.toml lists lessons, all released lessons of a stage count. If only submitted
+    lessons counted, one student's work in a lesson would lower the share of all others.
+    """
+    by_lesson: dict[Lesson, list[str]] = {}
+    for student, name in sorted(work):
+        lesson = find_lesson(name)
+        if lesson:  # the gradebook may contain lessons that the course does not have any more
+            by_lesson.setdefault(lesson, []).append(student)
+    counted: set[Lesson] = set()
+    for stage in {lesson.stage for lesson in by_lesson}:
+        assigned = deadlines.assigned(stage)
+        if assigned is None:
+            counted.update(lesson for lesson in by_lesson if lesson.stage == stage)
+            counted.update(released_lessons(course, stage))
+        else:
+            counted.update(map(find_lesson, assigned))
+    unassigned = [
+        (student, lesson.name)
+        for lesson, students in by_lesson.items()
+        if lesson not in counted
+        for student in students
+    ]
+    return sorted(counted, key=lambda lesson: lesson.name), unassigned
 
 
 def _has_work(course: Course, row: GradebookRow) -> bool:

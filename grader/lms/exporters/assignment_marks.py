@@ -7,11 +7,20 @@ from dataclasses import dataclass
 
 from grader.course.roster import Person
 from grader.lms.exporters.protocol import ExportError, ExportOptions
-from grader.lms.instructor_notes import unlisted_notes
-from grader.lms.results import EXCUSED, MARKED, MISSING, WAITING, ClassResults, NotebookResult
+from grader.lms.instructor_notes import counted_lessons, excessive_notes, unlisted_notes
+from grader.lms.results import (
+    AUDITOR,
+    EXCUSED,
+    MARKED,
+    MISSING,
+    WAITING,
+    ClassResults,
+    NotebookResult,
+)
 
 UNMARKED_TITLES = {
     EXCUSED: "No mark, because excused",
+    AUDITOR: "No mark, because auditing the course",
     MISSING: "No mark, because nothing was submitted",
     WAITING: "No mark, because the submission is not in the gradebook yet",
 }
@@ -125,6 +134,9 @@ def _notes(
     waiting = [result for result in own if result.standing == WAITING]
     zeros = [result for result in own if result.standing == MISSING]
     stage = notebooks[0].stage
+    if len({result.lesson for result in notebooks}) > 1:
+        yield next(text for text in counted_lessons(results) if text.startswith(f"{stage} "))
+    yield from excessive_notes(results)
     undecided = [
         result.student
         for result in results.stages
@@ -133,7 +145,7 @@ def _notes(
     yield list_sentence(
         "Provisional, because some work still has to be graded by hand", _by_lesson(waiting)
     )
-    yield list_sentence("Counted as 0, because nothing was submitted", _by_lesson(zeros))
+    yield list_sentence("Counted as 0, because nothing was submitted", _by_lesson(zeros, len(ids)))
     yield list_sentence("No penalty subtracted, because lateness is undecided", undecided)
     for standing, people in without.items():
         yield list_sentence(UNMARKED_TITLES[standing], (person.display_name for person in people))
@@ -150,8 +162,12 @@ def _standing(results: ClassResults, person: Person, assignment: str) -> tuple[s
     return (result.standing, result.points) if result else (MISSING, None)
 
 
-def _by_lesson(notebooks: Iterable[NotebookResult]) -> list[str]:
+def _by_lesson(notebooks: Iterable[NotebookResult], everyone: int = 0) -> list[str]:
+    """List lessons, each with its students, or without names if it concerns several and all."""
     students: dict[str, list[str]] = {}
     for result in sorted(notebooks, key=lambda result: result.lesson):
         students.setdefault(result.lesson, []).append(result.student)
-    return [f"{lesson} of {', '.join(names)}" for lesson, names in students.items()]
+    return [
+        f"{lesson} of {'all' if len(names) == everyone > 1 else ', '.join(names)}"
+        for lesson, names in students.items()
+    ]

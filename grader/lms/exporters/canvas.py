@@ -88,7 +88,21 @@ def _column(sheet: MarksTableFile, first: int, assignment: str, wanted: str | No
     }
     if wanted is None:
         titles = {place: title for place, title in titles.items() if _title(title) != title}
-    return find_column(titles, assignment, wanted, sheet.name, _title)
+    try:
+        return find_column(titles, assignment, wanted, sheet.name, _title)
+    except ExportError as error:
+        ignored = [
+            title
+            for title in sheet.head[first:]
+            if COMPUTED_COLUMN.search(title) and _title(title) != title
+        ]
+        if not ignored:
+            raise
+        raise ExportError(
+            f"{error} Canvas itself never imports {' or '.join(map(repr, ignored))}, because the "
+            f"title contains {COMPUTED_COLUMN.search(ignored[0])[0]!r}. Rename the assignment in "
+            "Canvas, and export the gradebook again."
+        ) from error
 
 
 def _title(title: str) -> str:

@@ -14,6 +14,7 @@ from grader.lms.exporters.assignment_marks import Marks, list_sentence
 from grader.lms.exporters.protocol import ExportError
 from grader.lms.exporters.row_matching import PersonRow, match_rows
 from grader.lms.exporters.worksheet import read_number
+from grader.lms.instructor_notes import DEADLINES
 from grader.lms.results import EXCUSED, format_points
 
 TOLERANCE = 0.005  # points are written with two decimal places
@@ -151,10 +152,16 @@ def scale_factor(marks: Marks, most: float | None, title: str, scale: bool) -> f
     lessons = ", ".join(
         f"{name} {format_points(points)}" for name, points in marks.lesson_points.items()
     )
+    choice = (
+        "If you have not assigned all of these lessons, list those that count below "
+        f'[{marks.assignment}] in {DEADLINES}: lessons = ["{min(marks.lesson_points)[:2]}", …]. '
+        if len(marks.lesson_points) > 1
+        else ""
+    )
     raise ExportError(
         f"{marks.assignment} is worth {format_points(marks.max_points)} points here ({lessons}), "
-        f"and {title!r} is worth {format_points(most)} there. Change the points there and download "
-        "the file again, or add --scale to convert each mark."
+        f"and {title!r} is worth {format_points(most)} there. {choice}Change the points there and "
+        "download the file again, or add --scale to convert each mark."
     )
 
 

@@ -8,8 +8,11 @@ changed since the download. The exporter reports the first two cases.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 
+from grader.course.paths import Course
+from grader.course.roster import Person, letters
+from grader.lms.collected_files import collected_files
 from grader.lms.exporters.assignment_marks import collect_marks
 from grader.lms.exporters.column_writer import (
     TOLERANCE,
@@ -77,7 +80,8 @@ def moodle(options: ExportOptions) -> ExportResult:
     factor = scale_factor(marks, most, sheet.head[column], options.scale)
     mark = sheet.decimal_mark((column + 1, column))
     hidden = _hides_names(sheet)
-    places = [RowPlace(row, _row(row, column, hidden)) for row in sheet.rows]
+    owners = _owners_of_labels(options.course, marks.people)
+    places = [RowPlace(row, _row(row, column, hidden, owners)) for row in sheet.rows]
     filled = fill_column(marks, places, Column(column, factor, mark), _refusal(column, most))
     text = sheet.text(range(len(sheet.head)), filled.rows)
     return ExportResult(text.encode(), filled.placed, filled.lost, filled.notes)
@@ -115,7 +119,24 @@ def _hides_names(sheet: MarksTableFile) -> bool:
     return len({row[1] for row in sheet.rows}) <= len(sheet.rows) / 2
 
 
-def _row(row: tuple[str, ...], column: int, hidden: bool) -> PersonRow:
+def _owners_of_labels(course: Course, people: Iterable[Person]) -> dict[str, str]:
+    """Return the owner's ID for each label such as "Participant_501".
+
+    If submissions are anonymous, the archive has these labels in place of names. Without other
+    data, they are also the students' IDs. Labels are compared by their letters and digits, because
+    the worksheet has a blank in place of the underscore.
+    """
+    ids: dict[str, set[str]] = {}
+    for person in people:
+        ids.setdefault(letters(person.id), set()).add(person.id)
+    for student, files in collected_files(course).items():
+        for file in files.values():
+            if file.participant:
+                ids.setdefault(letters(file.owner), set()).add(student)
+    return {label: min(owners) for label, owners in ids.items() if len(owners) == 1}
+
+
+def _row(row: tuple[str, ...], column: int, hidden: bool, owners: Mapping[str, str]) -> PersonRow:
     """Identify the owner of a row from its cells.
 
     The first cell contains a word and Moodle's participant number, and the second contains the
@@ -125,7 +146,7 @@ def _row(row: tuple[str, ...], column: int, hidden: bool) -> PersonRow:
     name = "" if hidden else row[1]
     certain = [(attribute, cell) for cell in fields for attribute in ("id", "email")]
     claims = (
-        (*certain, ("id", row[0]), ("lms_id", row[0])),
+        (*certain, ("id", owners.get(letters(row[0]), "")), ("lms_id", row[0])),
         tuple(("lms_id", cell) for cell in fields),
     )
     return PersonRow(f"{row[0]} ({name})" if name else row[0], claims, name)

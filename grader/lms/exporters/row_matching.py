@@ -2,7 +2,8 @@
 
 A mark in the wrong row is worse than a mark that is omitted and reported. A row is therefore
 assigned to a student only if it identifies exactly one student, and no other row identifies that
-student.
+student. If a row's name is not the name of the student whose key it has, and its name or its other
+keys identify another student, the row identifies both.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ class PersonRow:
         Name of the row in messages.
     claims : tuple of tuple of (str, str)
         Pairs of a person's attribute and the row's text for it, by rank. Claims of the first rank
-        are certain. Numbers in lower ranks are ambiguous and count only if the name matches.
+        are the surest. Numbers in lower ranks are ambiguous and count only if the name matches.
     name : str
         Name of the owner, which is used alone if no claim matches; empty if the file hides it.
     lms_id : str
@@ -118,13 +119,24 @@ def _passes(
             if text:
                 owners.setdefault((attribute, text), set()).add(person.id)
 
-    for rank in range(max((len(row.claims) for row in rows), default=0)):
-        yield lambda place, rank=rank: {
+    def with_key(place: int, rank: int) -> set[str]:
+        return {
             id
             for attribute, text in rows[place].claims[rank]
             for id in owners.get((attribute, folded(text)), ())
             if rank == 0 or _name_may_match(rows[place].name, roster.person(id))
         }
+
+    def with_key_or_contradiction(place: int) -> set[str]:
+        row, ids = rows[place], with_key(place, 0)
+        named = {person.id for person in roster.find_people(row.name)}
+        if not ids or ids & named:
+            return ids
+        return ids.union(named, *(with_key(place, rank) for rank in range(1, len(row.claims))))
+
+    yield with_key_or_contradiction
+    for rank in range(1, max((len(row.claims) for row in rows), default=0)):
+        yield lambda place, rank=rank: with_key(place, rank)
     yield lambda place: {
         person.id
         for person in roster.find_people(rows[place].name)

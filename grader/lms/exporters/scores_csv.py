@@ -12,7 +12,7 @@ from grader.course.tables import harmless_cell
 from grader.lms.exporters.protocol import ExportError, ExportOptions, ExportResult
 from grader.lms.instructor_notes import unlisted_notes
 from grader.lms.results import (
-    EXCUSED,
+    MARKED,
     MISSING,
     WAITING,
     NotebookResult,
@@ -32,7 +32,7 @@ def scores_csv(options: ExportOptions) -> ExportResult:
     student's row contains the score in each lesson; without a score, the cell is empty. For each
     stage it also contains the submission time, the days late, the penalty and the standing. The
     last two columns are the total and its maximum, without the stages from which a student is
-    excused.
+    excused. They are empty if a student has no mark.
     """
     notebooks = [
         result
@@ -52,11 +52,7 @@ def scores_csv(options: ExportOptions) -> ExportResult:
         own = [result for result in notebooks if result.student == person.id]
         table.writerow(_row(options, person, own, stages))
     content = file.getvalue().encode("utf-8", "replace")
-    marked = {
-        result.student
-        for result in notebooks
-        if result.standing != EXCUSED and result.score is not None
-    }
+    marked = {result.student for result in notebooks if result.counts and result.score is not None}
     return ExportResult(content, len(marked), tuple(unlisted_notes(options.results)))
 
 
@@ -87,7 +83,9 @@ def _row(
         in_stage = [result for result in own if result.stage == stage]
         cells += [_score(result) for result in in_stage]
         cells += _about_stage(options.results.stage(person.id, stage), in_stage)
-    counted = [result for result in own if result.standing != EXCUSED]
+    counted = [result for result in own if result.counts]
+    if all(result.points is None for result in counted):  # missing work is not a 0
+        return [*cells, "", ""]
     total = sum(result.points or 0.0 for result in counted)
     return [
         *cells,
@@ -97,7 +95,7 @@ def _row(
 
 
 def _score(result: NotebookResult) -> str:
-    if result.standing == EXCUSED or result.score is None:
+    if not result.counts or result.score is None:
         return ""
     return format_points(result.score)
 
@@ -107,7 +105,7 @@ def _about_stage(stage: StageResult, lessons: Sequence[NotebookResult]) -> list[
     return [
         submitted_at.strftime("%Y-%m-%d %H:%M:%S UTC") if submitted_at else "",
         _days_late(stage),
-        format_points(sum(result.penalty for result in lessons if result.standing != EXCUSED)),
+        format_points(sum(result.penalty for result in lessons if result.counts)),
         _standing(lessons),
     ]
 
@@ -124,7 +122,7 @@ def _standing(lessons: Sequence[NotebookResult]) -> str:
     """Return the standing in a stage or lesson, followed by the lessons that differ."""
     combined = combined_status(lessons)
     words = [] if combined == WAITING else [combined]
-    if combined not in (EXCUSED, MISSING):
+    if combined in (MARKED, WAITING):
         for standing in (WAITING, MISSING):
             names = [result.lesson for result in lessons if result.standing == standing]
             words += [f"{standing}: {', '.join(names)}"] if names else []

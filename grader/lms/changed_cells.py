@@ -1,0 +1,151 @@
+"""Change the cells of lessons that have submissions in the gradebook, which nbgrader refuses.
+
+Marks for cells that stay are kept. The marks of removed cells remain in ``marks.jsonl``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from nbformat import NotebookNode
+from nbgrader.api import (
+    Assignment,
+    BaseCell,
+    Comment,
+    Grade,
+    Gradebook,
+    GradeCell,
+    MissingEntry,
+    Notebook,
+    SolutionCell,
+    SourceCell,
+    SubmittedAssignment,
+    SubmittedNotebook,
+)
+from nbgrader.utils import is_grade, is_solution
+from sqlalchemy import exists
+
+from grader.course.lessons import Lesson
+from grader.lms.history import exercise_of
+from grader.lms.results import format_points
+
+
+def change_cells(
+    book: Gradebook, lesson: Lesson, cells: Sequence[NotebookNode], tell: Callable[[str], None]
+) -> None:
+    """Add and remove cells of a registered lesson, so that nbgrader can register the new release.
+
+    Parameters
+    ----------
+    book : nbgrader.api.Gradebook
+    lesson : grader.course.lessons.Lesson
+    cells : list of NotebookNode
+        The cells of the release that carry nbgrader metadata.
+    tell : callable
+        Called with a sentence about each change that affects submissions.
+    """
+    try:
+        notebook = book.find_notebook(lesson.name, lesson.stage)
+    except MissingEntry:
+        return
+    if not notebook.submissions:
+        return
+    released = {(kind, _name(cell)): cell for cell in cells for kind in _kinds(cell)}
+    existing = {
+        (type(cell), cell.name): cell for cell in (*notebook._base_cells, *notebook.source_cells)
+    }
+    _tell_about_exercises(book, lesson, released, existing, tell)
+    for key in existing.keys() - released.keys():
+        for table in (Grade, Comment):
+            book.db.query(table).filter(table.cell_id == existing[key].id).delete()
+        book.db.delete(existing[key])
+    for kind, name in released.keys() - existing.keys():
+        cell, fields = released[kind, name], {}
+        if kind is not SolutionCell:
+            fields["cell_type"] = cell.cell_type
+        if kind is GradeCell:
+            fields["max_score"] = _points(cell)
+        book.db.add(kind(name=name, notebook=notebook, **fields))
+
+
+def complete_submissions(book: Gradebook, stage: str) -> None:
+    """Add the rows that submissions need for lessons and cells which were registered later.
+
+    nbgrader adds these rows only to a new submission.
+    """
+    notebooks = (
+        book.db.query(SubmittedAssignment.id, Notebook.id)
+        .join(Assignment, SubmittedAssignment.assignment_id == Assignment.id)
+        .join(Notebook, Notebook.assignment_id == Assignment.id)
+        .filter(
+            Assignment.name == stage,
+            ~exists().where(
+                SubmittedNotebook.assignment_id == SubmittedAssignment.id,
+                SubmittedNotebook.notebook_id == Notebook.id,
+            ),
+        )
+    )
+    for submission, notebook in notebooks.all():
+        book.db.add(SubmittedNotebook(assignment_id=submission, notebook_id=notebook))
+    book.db.flush()
+    for table, kind in ((Grade, GradeCell), (Comment, SolutionCell)):
+        rows = (
+            book.db.query(SubmittedNotebook.id, kind.id)
+            .join(Notebook, SubmittedNotebook.notebook_id == Notebook.id)
+            .join(Assignment, Notebook.assignment_id == Assignment.id)
+            .join(kind, BaseCell.notebook_id == Notebook.id)
+            .filter(
+                Assignment.name == stage,
+                ~exists().where(
+                    table.notebook_id == SubmittedNotebook.id, table.cell_id == kind.id
+                ),
+            )
+        )
+        for notebook, cell in rows.all():
+            book.db.add(table(notebook_id=notebook, cell_id=cell))
+    book.db.commit()
+
+
+def _tell_about_exercises(
+    book: Gradebook, lesson: Lesson, released: dict, existing: dict, tell: Callable[[str], None]
+) -> None:
+    """Say which exercises are new, gone or worth other points, and what happens to their marks."""
+    before = {name: cell for (kind, name), cell in existing.items() if kind is GradeCell}
+    now = {name: cell for (kind, name), cell in released.items() if kind is GradeCell}
+    for name in now.keys() - before.keys():
+        tell(
+            f"{lesson.name}: {exercise_of(name)} was added to the gradebook, also for earlier "
+            "submissions. All other marks are kept."
+        )
+    for name, cell in before.items():
+        by_hand = (
+            book.db.query(Grade)
+            .filter(Grade.cell_id == cell.id, Grade.manual_score.is_not(None))
+            .count()
+        )
+        exercise, marks = exercise_of(name), f"{by_hand} mark{'s' * (by_hand != 1)} by hand"
+        if name not in now:
+            kept = f" {marks} for it can be found only in marks.jsonl." if by_hand else ""
+            tell(
+                f"{lesson.name}: {exercise} is not in the release any more, so it was removed "
+                f"from the gradebook.{kept}"
+            )
+        elif by_hand and cell.max_score != _points(now[name]):
+            tell(
+                f"{lesson.name}: {exercise} is now worth {format_points(_points(now[name]))} "
+                f"points instead of {format_points(cell.max_score)}, but {marks} did not change. "
+                "Look at them again."
+            )
+
+
+def _kinds(cell: NotebookNode) -> list[type]:
+    """Return the tables in which nbgrader registers a cell."""
+    return [GradeCell] * is_grade(cell) + [SolutionCell] * is_solution(cell) + [SourceCell]
+
+
+def _name(cell: NotebookNode) -> str:
+    return cell.metadata.nbgrader.grade_id
+
+
+def _points(cell: NotebookNode) -> float:
+    return float(cell.metadata.nbgrader.points)

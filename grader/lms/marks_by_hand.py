@@ -1,0 +1,131 @@
+"""Find and restore marks and comments by graders that were lost with a gradebook."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import replace
+
+from nbgrader.api import Gradebook, MissingEntry
+
+from grader.course.lessons import find_lesson
+from grader.course.paths import Course
+from grader.lms.answers import read_fingerprints
+from grader.lms.gradebook import gradebook_location
+from grader.lms.history import (
+    A_PERSON,
+    REMOVED,
+    CurrentMark,
+    MarkChange,
+    Place,
+    current_marks,
+    exercise_of,
+    read_changes,
+)
+
+MOST_NAMES = 10  # students that a sentence lists
+
+
+def lost_marks(course: Course, book: Gradebook, students: Collection[str]) -> list[MarkChange]:
+    """Return the marks and comments by hand that are in the log but not in the gradebook.
+
+    Only the given students and exercises that still exist are considered. A mark that a person
+    removed from the gradebook is not lost, because the log contains its removal.
+    """
+    given = _given_by_hand(course)
+    existing = current_marks(course, book) if given else {}
+    lost = []
+    for place, change in given.items():
+        mark = existing.get(place, CurrentMark())
+        is_lost = (change.by_hand and not mark.by_hand) or (change.comment and not mark.comment)
+        if is_lost and change.student in students and _exists(change):
+            lost.append(change)
+    return lost
+
+
+def _given_by_hand(course: Course) -> dict[Place, MarkChange]:
+    """Return the last mark and comment that a person gave for each exercise."""
+    given: dict[Place, MarkChange] = {}
+    removed: set[Place] = set()
+    for change in read_changes(course):
+        if change.by == REMOVED:
+            removed.add(change.place)
+        elif change.by == A_PERSON:
+            before = given.get(change.place)
+            if before and change.place in removed:
+                # A new mark in a new gradebook does not mean that a person removed the comment.
+                given[change.place] = replace(
+                    change,
+                    by_hand=change.by_hand or before.by_hand,
+                    comment=change.comment or before.comment,
+                    graded=change.graded if change.by_hand else before.graded,
+                )
+                if given[change.place] != change:
+                    continue
+            removed.discard(change.place)
+            given[change.place] = change
+    return given
+
+
+def restore_marks(course: Course, book: Gradebook, lost: Collection[MarkChange]) -> list[str]:
+    """Enter lost marks and comments again; return sentences about what was restored.
+
+    A mark applies only to what the person graded. If that has changed, or if the log does not say
+    what it was, the mark is entered and waits for a person.
+    """
+    restored, waiting = [], []
+    for change in lost:
+        try:
+            notebook = book.find_submission_notebook(change.lesson, change.stage, change.student)
+        except MissingEntry:  # the submission is not entered, so the mark stays lost
+            continue
+        answers = read_fingerprints(course, change.student, change.stage).get(change.lesson, {})
+        for grade in notebook.grades:
+            by_hand = grade.manual_score is not None or grade.extra_credit
+            if exercise_of(grade.name) == change.exercise and change.by_hand and not by_hand:
+                grade.manual_score, grade.extra_credit = change.by_hand
+                graded = answers.get(grade.name, str(grade.auto_score))
+                grade.needs_manual_grade = change.graded != graded
+                if grade.needs_manual_grade:
+                    waiting.append(change)
+        for comment in notebook.comments:
+            if exercise_of(comment.name) == change.exercise and not comment.manual_comment:
+                comment.manual_comment = change.comment or None
+        restored.append(change)
+    book.db.commit()
+    sentences = [f"Restored from marks.jsonl: {_listed(restored)}."] if restored else []
+    if waiting:
+        sentences.append(
+            f"Look at these again, because the work may have changed: {_listed(waiting)}."
+        )
+    return sentences
+
+
+def lost_sentence(course: Course, lost: Collection[MarkChange]) -> str:
+    """Describe the lost marks, and how to restore them."""
+    marks = sum(change.by_hand is not None for change in lost)
+    comments = sum(bool(change.comment) for change in lost)
+    counts = [f"{marks} mark{'s' * (marks != 1)} by hand"] * bool(marks)
+    counts += [f"{comments} comment{'s' * (comments != 1)}"] * bool(comments)
+    return (
+        f"{' and '.join(counts)} in marks.jsonl are not in {gradebook_location(course)}: "
+        f"{_listed(lost)}. If this is the wrong gradebook, correct c.CourseDirectory.db_url in "
+        "nbgrader_config.py. If the gradebook was lost, run: python -m grader grade "
+        "--restore-marks"
+    )
+
+
+def _exists(change: MarkChange) -> bool:
+    lesson = find_lesson(change.lesson)
+    return lesson is not None and change.exercise in {one.name for one in lesson.exercises}
+
+
+def _listed(changes: Collection[MarkChange]) -> str:
+    """List exercises, each with some of its students."""
+    students: dict[tuple[str, str], list[str]] = {}
+    for change in changes:
+        students.setdefault((change.lesson, change.exercise), []).append(change.student)
+    return "; ".join(
+        f"{exercise} in {lesson} of {', '.join(names[:MOST_NAMES])}"
+        + (f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else "")
+        for (lesson, exercise), names in students.items()
+    )

@@ -1,0 +1,292 @@
+"""Marks and comments by graders survive the loss of the gradebook, and wrong ones are named."""
+
+import dataclasses
+import json
+import shutil
+
+import pytest
+from nbgrader.api import Comment, Grade, GradeCell, SolutionCell, SourceCell
+
+from grader.classroom.submissions import find_submissions
+from grader.course import paths
+from grader.course.kept_answers import fill_in
+from grader.course.paths import Course
+from grader.lms import gradebook
+from grader.lms.gradebook_check import check_gradebook
+from grader.lms.gradebook_writer import GradebookError, enter_verdicts
+from grader.lms.history import read_changes
+from grader.lms.instructor_notes import notes
+from grader.lms.results import WAITING
+from grader.lms.standings import class_results
+from tests.test_gradebook import LATE, STREAM, quiet, verdict_on
+
+STAGE, LESSON = STREAM.stage, STREAM.name
+MACHINE, *_ = STREAM.machine_graded
+POINTS = 1.25
+
+
+@pytest.fixture(scope="module")
+def entered_once(tmp_path_factory):
+    course = Course(tmp_path_factory.mktemp("by_hand") / "course")
+    (course.released / STAGE).mkdir(parents=True)
+    shutil.copy(STREAM.released, course.released / STAGE)
+    paths._folder.cache_clear()
+    for student in ("ada", "bob"):
+        write_answer(course, student, f"{student} finds 14 of 17 cars.")
+    enter(course)
+    return course.root
+
+
+@pytest.fixture
+def course(entered_once, tmp_path):
+    """Return a course whose two students wait for a person to read an answer."""
+    shutil.copytree(entered_once, tmp_path / "course")
+    paths._folder.cache_clear()
+    return Course(tmp_path / "course")
+
+
+def write_answer(course, student, text):
+    path = course.submitted / student / STAGE / f"{LESSON}.ipynb"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(fill_in(STREAM, {"write_up": text}), "utf-8")
+
+
+def enter(course, **more):
+    """Enter the class, and return the sentences about what was changed."""
+    told = []
+    judged = []
+    for submission in find_submissions(course):
+        verdict = verdict_on(course, submission, [POINTS] * len(STREAM.machine_graded))
+        key = f"of {verdict.fingerprint}"
+        judged.append((submission, dataclasses.replace(verdict, key=key)))
+    enter_verdicts(course, judged, [STAGE], quiet, tell=told.append, **more)
+    return told
+
+
+def give(course, student, cell, points=None, comment=None, extra=None):
+    """Enter points and a comment, as Formgrader does."""
+    with gradebook.open_gradebook(course) as book:
+        grade = book.find_grade(cell, LESSON, STAGE, student)
+        grade.manual_score, grade.extra_credit, grade.needs_manual_grade = points, extra, False
+        if comment is not None:
+            cell = cell.removeprefix("test_")
+            book.find_comment(cell, LESSON, STAGE, student).manual_comment = comment
+        book.db.commit()
+
+
+def given(course, student, cell="write_up"):
+    """Return the points, whether they wait for a person, and the comment."""
+    with gradebook.open_gradebook(course) as book:
+        grade = book.find_grade(cell, LESSON, STAGE, student)
+        comment = book.find_comment(cell.removeprefix("test_"), LESSON, STAGE, student)
+        return grade.manual_score, bool(grade.needs_manual_grade), comment.manual_comment
+
+
+def lose_gradebook(course):
+    (course.root / "gradebook.db").unlink()
+
+
+def wrong_findings(course):
+    return [finding.text for finding in check_gradebook(course) if not finding.good]
+
+
+def test_marks_and_comments_of_a_lost_gradebook_are_named_and_restored(course):
+    give(course, "ada", "write_up", 7.5, "Which 3 cars?\n“Why?”")
+    give(course, "bob", "write_up", 0.0)
+    give(course, "bob", MACHINE.cell, 2.0, "Nearly.", extra=0.5)
+    assert enter(course) == [] and wrong_findings(course) == []
+    lose_gradebook(course)
+    says = (
+        f"3 marks by hand and 2 comments in marks.jsonl are not in {course.root / 'gradebook.db'}: "
+        f"write_up in {LESSON} of ada, bob; {MACHINE.name} in {LESSON} of bob. "
+    )
+    (finding,) = wrong_findings(course)  # also before the next run of `grade`
+    assert finding.startswith(says) and "--restore-marks" in finding
+    for _ in range(2):  # the sentence does not depend on what the first run logs
+        with pytest.raises(GradebookError) as trouble:
+            enter(course)
+        assert str(trouble.value).splitlines()[1].startswith(says)
+    assert given(course, "ada") == (None, True, None)
+    (told,) = enter(course, restore=True)
+    assert told.startswith("Restored from marks.jsonl: ")
+    assert given(course, "ada") == (7.5, False, "Which 3 cars?\n“Why?”")
+    assert given(course, "bob") == (0.0, False, None)
+    assert given(course, "bob", MACHINE.cell) == (2.0, False, "Nearly.")
+    points = POINTS * len(STREAM.machine_graded)
+    scores = {result.student: result.score for result in class_results(course).notebooks}
+    assert scores == {"ada": 7.5 + points, "bob": 2.5 - POINTS + points}
+    assert enter(course, restore=True) == [] and wrong_findings(course) == []
+
+
+def test_a_restored_mark_of_a_changed_answer_waits_for_a_person(course):
+    give(course, "ada", "write_up", 7.5)
+    give(course, "bob", "write_up", 6.5)
+    enter(course)
+    write_answer(course, "ada", "ada finds 15 of 17 cars.")
+    lose_gradebook(course)
+    restored, waiting = enter(course, restore=True)
+    assert waiting.startswith("Look at these again") and waiting.endswith("of ada.")
+    assert (given(course, "ada"), given(course, "bob")) == ((7.5, True, None), (6.5, False, None))
+    give(course, "ada", "write_up", 7.5)  # the same points for the new answer
+    enter(course)
+    lose_gradebook(course)
+    assert len(enter(course, restore=True)) == 1
+    assert given(course, "ada") == (7.5, False, None)
+
+
+def test_a_mark_whose_log_does_not_say_what_was_graded_waits_for_a_person(course):
+    give(course, "ada", "write_up", 7.5)
+    enter(course)
+    path = course.root / "marks.jsonl"
+    lines = [json.loads(line) for line in path.read_text("utf-8").splitlines()]
+    old = [{name: line[name] for name in line if name != "graded"} for line in lines]
+    path.write_text("".join(json.dumps(line) + "\n" for line in old))
+    lose_gradebook(course)
+    assert len(enter(course, restore=True)) == 2
+    assert given(course, "ada") == (7.5, True, None)
+
+
+def test_marks_that_a_person_removed_are_not_restored(course):
+    give(course, "ada", "write_up", 7.5, "Good.")
+    enter(course)
+    give(course, "ada", "write_up", None, "")
+    enter(course)
+    lose_gradebook(course)
+    assert enter(course) == [] and wrong_findings(course) == []
+
+
+def test_marks_that_are_already_there_are_not_replaced(course):
+    give(course, "ada", "write_up", 7.5, "Good.")
+    enter(course)
+    lose_gradebook(course)
+    with pytest.raises(GradebookError):
+        enter(course)
+    give(course, "ada", "write_up", 3.0)
+    with pytest.raises(GradebookError, match="1 comment in"):
+        enter(course)
+    enter(course, restore=True)
+    assert given(course, "ada") == (3.0, False, "Good.")
+
+
+def test_a_restored_mark_has_its_late_penalty(course):
+    (course.root / "nbgrader_config.py").write_text(LATE)
+    (course.root / "deadlines.toml").write_text(
+        f'timezone = "UTC"\n[{STAGE}]\ndue = 2026-03-01T12:00:00\n'
+    )
+    (course.submitted / "ada" / STAGE / "timestamp.txt").write_text("2026-03-01 13:00:00 UTC")
+    give(course, "ada", "write_up", 7.5)
+    enter(course)
+    lose_gradebook(course)
+    enter(course, restore=True)
+    (mark,) = [one for one in class_results(course).notebooks if one.student == "ada"]
+    assert mark.penalty == pytest.approx((7.5 + POINTS * len(STREAM.machine_graded)) / 10)
+
+
+def test_comments_are_logged_once(course):
+    before = len(list(read_changes(course)))
+    give(course, "ada", "write_up", 7.5, "Good.")
+    enter(course)
+    enter(course)
+    (change,) = list(read_changes(course))[before:]
+    assert (change.exercise, change.after, change.by, change.comment) == (
+        *("write_up", 7.5, "a person", "Good."),
+    )
+    give(course, "ada", "write_up", 7.5, "Very good.")
+    enter(course)
+    *_, change = read_changes(course)
+    assert (change.before, change.after, change.comment) == (7.5, 7.5, "Very good.")
+
+
+def forget_cells(course, *names):
+    """Make the gradebook as if the release had not contained some cells yet."""
+    with gradebook.open_gradebook(course) as book:
+        notebook = book.find_notebook(LESSON, STAGE)
+        for cell in (*notebook._base_cells, *notebook.source_cells):
+            if cell.name in names:
+                for table in (Grade, Comment):
+                    book.db.query(table).filter(table.cell_id == cell.id).delete()
+                book.db.delete(cell)
+        book.db.commit()
+
+
+def test_an_exercise_that_is_added_in_mid_term_is_entered(course):
+    """nbgrader refuses to add cells to a lesson with submissions."""
+    give(course, "ada", "write_up", 7.5, "Good.")
+    enter(course)
+    forget_cells(course, MACHINE.cell, MACHINE.name)
+    (told,) = enter(course)
+    assert told.startswith(f"{LESSON}: {MACHINE.name} was added to the gradebook")
+    assert given(course, "ada") == (7.5, False, "Good.")
+    points = POINTS * len(STREAM.machine_graded)
+    scores = {result.student: result.score for result in class_results(course).notebooks}
+    assert scores == {"ada": 7.5 + points, "bob": points}
+    assert enter(course) == []
+
+
+def test_a_written_answer_that_is_added_in_mid_term_waits_for_a_person(course):
+    forget_cells(course, "write_up")
+    assert len(enter(course)) == 1
+    assert {result.standing for result in class_results(course).notebooks} == {WAITING}
+    assert given(course, "ada") == given(course, "bob") == (None, True, None)
+
+
+def test_a_lesson_that_is_added_in_mid_term_is_entered(course):
+    with gradebook.open_gradebook(course) as book:
+        for submission in book.find_assignment(STAGE).submissions:
+            for notebook in submission.notebooks:
+                for row in (*notebook.grades, *notebook.comments, notebook):
+                    book.db.delete(row)
+        book.db.commit()
+        book.remove_notebook(LESSON, STAGE)
+    enter(course)
+    assert {result.standing for result in class_results(course).notebooks} == {WAITING}
+
+
+def test_an_exercise_that_is_not_in_the_release_any_more_is_removed(course):
+    give(course, "ada", "write_up", 7.5, "Good.")
+    with gradebook.open_gradebook(course) as book:
+        notebook = book.find_notebook(LESSON, STAGE)
+        cells = [
+            GradeCell(name="essay", cell_type="markdown", max_score=4.0, notebook=notebook),
+            SolutionCell(name="essay", notebook=notebook),
+            SourceCell(name="essay", cell_type="markdown", source="", notebook=notebook),
+        ]
+        book.db.add_all(cells)
+        book.db.flush()
+        for student in ("ada", "bob"):
+            submitted = book.find_submission_notebook(LESSON, STAGE, student)
+            book.db.add(Grade(cell_id=cells[0].id, notebook=submitted, manual_score=3.5))
+            book.db.add(Comment(cell_id=cells[1].id, notebook=submitted))
+        book.db.commit()
+    (told,) = enter(course)
+    assert "essay is not in the release any more" in told
+    assert "2 marks by hand for it can be found only in marks.jsonl" in told
+    assert given(course, "ada") == (7.5, False, "Good.")
+    assert [one.after for one in read_changes(course) if one.exercise == "essay"] == [
+        *(3.5, 3.5, None, None),
+    ]
+    assert enter(course) == [] and wrong_findings(course) == []
+
+
+def test_other_points_for_an_exercise_with_marks_by_hand_are_named(course):
+    give(course, "ada", "write_up", 9.5)
+    with gradebook.open_gradebook(course) as book:
+        book.find_grade_cell("write_up", LESSON, STAGE).max_score = 20.0
+        book.db.commit()
+    (told,) = enter(course)
+    assert "write_up is now worth 10 points instead of 20, but 1 mark by hand did not" in told
+    assert enter(course) == []
+
+
+def test_marks_above_a_reduced_maximum_are_named(course):
+    give(course, "ada", "write_up", 9.5)
+    give(course, "bob", "write_up", 5.0, extra=3.0)  # extra points may exceed the maximum
+    assert class_results(course).excessive == ()
+    with gradebook.open_gradebook(course) as book:
+        book.find_grade_cell("write_up", LESSON, STAGE).max_score = 5.0
+        book.db.commit()
+    results = class_results(course)
+    assert results.excessive == (f"ada, {LESSON}, write_up: 9.5 of 5 points",)
+    (sentence,) = notes(course, results, None)
+    assert sentence.endswith("was reduced after a person graded it: grade it again.")
+    assert wrong_findings(course) == [sentence]
