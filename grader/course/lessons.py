@@ -242,9 +242,9 @@ def load_reference(lesson_name: str, *others: str) -> types.SimpleNamespace:
         Further functions of the lesson that are not graded.
     """
     lesson = next(lesson for lesson in every_lesson() if lesson.name == lesson_name)
-    statements, problems = slicing.parse_notebook([lesson.text])
-    if problems:
-        raise ValueError(f"{lesson.name}: {problems[0]}")
+    statements, skipped = slicing.parse_notebook([lesson.text])
+    if skipped:
+        raise ValueError(f"{lesson.name}: {skipped[0].sentence}")
     names = (*lesson.names, *others)
     namespace = {"__name__": lesson.name}
     for statement in slicing.slice_for(names, statements):
