@@ -837,6 +837,8 @@ def test_files_that_are_not_judged_are_listed_with_a_reason(course):
         "06_Filter_Ground.IPYNB",
         "ada_lovelace_123_456_06_filter_ground-2.ipynb",
         "homework/06_filter_ground.ipynb",
+        "06_filter_ground.ipynb.txt",
+        "06_filter_ground.ipynb.json",
         "8 final.ipynb",  # recognised by its content
     ],
 )

@@ -365,6 +365,7 @@ def test_feedback_on_an_unstarted_stage_names_the_next_step_once():
     assert page.count("started") == 1
     assert "If you can still submit, replace raise NotImplementedError with your code" in page
     text = feedback_page(feedback_on((STUB, 0.0), problems=("It is cut off.",)))
+    assert "No exercise of this stage was started" not in words(text)
     assert "It is cut off." in text and 'href="#04_kd_tree"' in text and 'id="04_kd_tree"' in text
     assert 'href="#test_insert"' not in text
 

@@ -9,7 +9,12 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.classroom.contents import copy_number, lesson_by_content, lesson_by_name
+from grader.classroom.contents import (
+    copy_number,
+    is_notebook_name,
+    lesson_by_content,
+    lesson_by_name,
+)
 from grader.course.lessons import Lesson, all_lessons, stages
 from grader.course.paths import Course
 from grader.course.roster import read_roster
@@ -179,7 +184,7 @@ def _files_below(root: Path) -> Iterator[Path]:
 
 def _lesson_of_file(path: Path) -> Lesson | None:
     """Return the lesson of a notebook, found from its name or otherwise from its content."""
-    is_notebook = path.suffix.lower() == ".ipynb"
+    is_notebook = is_notebook_name(path.name)
     return (lesson_by_name(path.name) or lesson_by_content(path)) if is_notebook else None
 
 

@@ -127,9 +127,11 @@ class Feedback:
             "No exercise of this stage was started. If you can still submit, replace "
             "`raise NotImplementedError` with your code and submit the notebooks again."
         )
+        # If there is a problem with a file, the student's work may be missing from it.
+        is_whole = not any(lesson.problems for lesson in self.lessons)
         about = "A grader still has to grade a part of this, so the points are not final."
         return (
-            *([untouched] if self.is_untouched else ()),
+            *([untouched] if self.is_untouched and is_whole else ()),
             *([about] if waiting else ()),
             *lateness_sentences(self.result, self.zone),
         )

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.classroom.contents import lesson_by_content, lesson_by_name
+from grader.classroom.contents import is_notebook_name, lesson_by_content, lesson_by_name
 from grader.classroom.grade import judge_one
 from grader.classroom.submissions import Submission, find_submissions
 from grader.course.lessons import Lesson, all_lessons
@@ -135,7 +135,7 @@ def _explain_unjudged(folder: Path, lessons: tuple[Lesson, ...]) -> Iterator[str
     for root, folders, names in os.walk(folder):
         folders[:] = sorted(name for name in folders if not name.startswith((".", "__")))
         for name in sorted(name for name in names if not name.startswith(".")):
-            is_notebook = Path(name).suffix.lower() == ".ipynb"
+            is_notebook = is_notebook_name(name)
             lesson = lesson_by_name(name) or (is_notebook and lesson_by_content(Path(root, name)))
             if lesson and not is_notebook:
                 yield f"{name} is not a notebook. Submit {lesson.name}.ipynb, as Jupyter saves it."
