@@ -475,6 +475,20 @@ def test_feedback_waits_until_the_verdict_is_entered(canvas_course, tmp_path, mo
     assert f"ada, {TEN.name}: the latest verdict is not in" in capsys.readouterr().err
 
 
+def test_feedback_names_the_reason_if_a_notebook_was_not_judged(
+    canvas_course, tmp_path, monkeypatch, capsys
+):
+    path = canvas_course.verdicts / "ada" / STAGE / f"{TEN.name}.json"
+    before = path.read_text("utf-8")
+    try:
+        unjudged = {"status": "judge_failed", "problems": ["Code cell 7 needs Python 3.14."]}
+        path.write_text(json.dumps(json.loads(before) | unjudged), "utf-8")
+        assert write(canvas_course, monkeypatch, "--to", str(tmp_path)) == 1
+    finally:
+        path.write_text(before, "utf-8")
+    assert f"ada, {TEN.name}: Code cell 7 needs Python 3.14." in capsys.readouterr().err
+
+
 def test_a_course_without_grades_is_reported(tmp_path, monkeypatch, capsys):
     assert write(Course(tmp_path), monkeypatch, "--to", str(tmp_path / "out")) == 2
     assert "There is no feedback to write yet" in capsys.readouterr().err

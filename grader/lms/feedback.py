@@ -15,7 +15,7 @@ from grader.course.deadlines import read_deadlines
 from grader.course.lessons import Exercise, Lesson, find_lesson
 from grader.course.paths import Course
 from grader.course.roster import Person
-from grader.judging.verdict import ExerciseResult, Verdict, read_verdict
+from grader.judging.verdict import FAILED, ExerciseResult, Verdict, read_verdict
 from grader.lms.autograded import graded_cells
 from grader.lms.cells import CellMark, CellMarks, cell_marks
 from grader.lms.check_summary import ExerciseSummary, summarise_checks
@@ -200,6 +200,8 @@ class FeedbackWriter:
         place = (result.student, lesson.stage)
         verdict = read_verdict(self._course.verdicts.joinpath(*place, f"{lesson.name}.json"))
         copy = self._copy(*place, lesson)
+        if verdict and verdict.status == FAILED:
+            raise FeedbackNotReady(f"{result.student}, {lesson.name}: {verdict.reason}")
         # A student with a mark given by hand but without a file has neither a key nor a verdict.
         if result.score is None or copy.metadata.get("verdict_key") != (verdict and verdict.key):
             raise FeedbackNotReady(
