@@ -17,6 +17,8 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 from rich.text import Text
 
+from grader.judging.verdict import FAILED
+
 if TYPE_CHECKING:
     from grader.classroom.collect.outcome import CollectionReport, Question
     from grader.classroom.doctor import Finding
@@ -90,6 +92,9 @@ def print_verdict(verdict: Verdict) -> None:
     console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
     for sentence in verdict.problems:
         console.print(f"! {plain(sentence)}", markup=False)
+    if verdict.status == FAILED:
+        console.print(f"\n{verdict.lesson}: not judged", style="bold", markup=False)
+        return
     for exercise in verdict.exercises:
         console.print(
             f"\n{exercise.name}: {exercise.score:g} of {exercise.max_score:g} points",
@@ -266,6 +271,8 @@ def print_autograder(path: Path, lessons: Sequence[Lesson]) -> None:
         f"In Gradescope, create a programming assignment with Autograder Points: {machine:g}. "
         "Upload the zip under Configure Autograder, and then try your own solution with Test "
         "Autograder.",
+        "Students may use the Python of the container or an older one, on Ubuntu 24.04 Python "
+        "3.12. Code that only a newer Python can read gets no mark.",
         "The zip contains the course's secret seed and hidden tests. Do not give it to students.",
     ]
     if by_hand:

@@ -47,8 +47,8 @@ def names_of(name, *wanted, **variants):
         All names that the statements define, with their values.
     """
     lesson, namespace = find_lesson(name), {"__name__": name, "np": np}
-    statements, problems = slicing.parse_notebook([lesson.source.read_text("utf-8")])
-    assert not problems
+    statements, skipped = slicing.parse_notebook([lesson.source.read_text("utf-8")])
+    assert not skipped
     own_exercises = {exercise.name for exercise in lesson.machine_graded}
     for statement in slicing.slice_for(wanted, statements):
         if exercises := statement.binds & own_exercises:

@@ -2,6 +2,7 @@
 
 import csv
 import errno
+import json
 import os
 import random
 import struct
@@ -697,6 +698,20 @@ def test_a_table_of_times_is_read_in_any_form(course, encoding):
     assert placed(course, "ada")["timestamp.txt"] == b"2026-10-14 14:14:00 UTC\n"
 
 
+def test_a_given_notebook_is_a_submission_if_a_part_of_it_cannot_be_read(course, tmp_path):
+    """A merge conflict, or a missing end, may hide the student's work."""
+    lines = json.dumps(json.loads(released()), indent=1).split("\n")
+    place = next(n for n, line in enumerate(lines) if '"execution_count"' in line)
+    conflict = ["<<<<<<< HEAD", lines[place], "=======", lines[place], "    lines[place : place + 1] = conflict
+    files = {SIX: "\n".join(lines).encode(), SEVEN: released(SEVEN)[:-20], EIGHT: released(EIGHT)}
+    given = {f"{name}.ipynb": data for name, data in files.items()}
+    checkout(tmp_path / "hw", "hw-3-ada-l", given)
+    checkout(tmp_path / "hw", "hw-3-bmu", {f"{SIX}.ipynb": notebook()})
+    outcome = collect(course, tmp_path / "hw")
+    assert states(outcome) == {"ada": {"06": "new", "07": "new"}, "bjorn": {"06": "new"}}
+>>>>>>> 09b1d8f63e8f6f1c398f458d015bf6e29057deb6
+
+
 @pytest.mark.parametrize(
     "layout",
     [
@@ -903,8 +918,24 @@ def test_an_untouched_copy_is_ignored(course):
 def test_a_damaged_file_is_placed_if_there_is_no_other(course):
     broken = notebook()[:60]
     files = moodle_files("Ada Lovelace", 1, [(f"{SIX}.ipynb", broken)])
-    assert states(collect(course, archive(course, files))) == {"ada": {"06": "new"}}
+    outcome = collect(course, archive(course, files))
+    assert states(outcome) == {"ada": {"06": "new"}}
     assert placed(course, "ada") == {f"{SIX}.ipynb": broken}
+    (remark,) = outcome.remarks
+    assert remark.text.startswith("is not a notebook: it is not valid JSON. It was collected")
+
+
+def test_a_file_that_git_has_not_downloaded_is_not_placed(course, tmp_path):
+    pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a21\nsize 9\n"
+    checkout(tmp_path / "hw", "hw-3-ada-l", {f"{SIX}.ipynb": pointer, f"{SEVEN}.ipynb": pointer})
+    checkout(tmp_path / "hw", "hw-3-bmu", {f"{SIX}.ipynb": notebook()})
+    outcome = collect(course, tmp_path / "hw")
+    assert placed(course, "ada") == {}
+    assert {name.rpartition("/")[2] for name in questions(outcome)} == {
+        f"{SIX}.ipynb",
+        f"{SEVEN}.ipynb",
+    }
+    assert "Run `git lfs pull` in the checkout" in " ".join(questions(outcome).values())
 
 
 def test_the_copy_with_the_highest_number_or_latest_time_counts(course):

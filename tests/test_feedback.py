@@ -367,6 +367,7 @@ def test_feedback_on_an_unstarted_stage_names_the_next_step_once():
     assert page.count("started") == 1
     assert "If you can still submit, replace raise NotImplementedError with your code" in page
     text = feedback_page(feedback_on((STUB, 0.0), problems=("It is cut off.",)))
+    assert "No exercise of this stage was started" not in words(text)
     assert "It is cut off." in text and 'href="#04_kd_tree"' in text and 'id="04_kd_tree"' in text
     assert 'href="#test_insert"' not in text
 
@@ -474,6 +475,20 @@ def test_feedback_waits_until_the_verdict_is_entered(canvas_course, tmp_path, mo
         path.write_text(before, "utf-8")
     assert sorted(path.stem for path in (tmp_path / STAGE).iterdir()) == ["bjorn", "cy"]
     assert f"ada, {TEN.name}: the latest verdict is not in" in capsys.readouterr().err
+
+
+def test_feedback_names_the_reason_if_a_notebook_was_not_judged(
+    canvas_course, tmp_path, monkeypatch, capsys
+):
+    path = canvas_course.verdicts / "ada" / STAGE / f"{TEN.name}.json"
+    before = path.read_text("utf-8")
+    try:
+        unjudged = {"status": "judge_failed", "problems": ["Code cell 7 needs Python 3.14."]}
+        path.write_text(json.dumps(json.loads(before) | unjudged), "utf-8")
+        assert write(canvas_course, monkeypatch, "--to", str(tmp_path)) == 1
+    finally:
+        path.write_text(before, "utf-8")
+    assert f"ada, {TEN.name}: Code cell 7 needs Python 3.14." in capsys.readouterr().err
 
 
 def test_a_course_without_grades_is_reported(tmp_path, monkeypatch, capsys):

@@ -209,6 +209,44 @@ def test_failed_verdicts_are_not_entered_and_old_marks_stay(entered):
     assert marks(entered) == expected_marks(earned)
 
 
+def test_a_submission_that_this_machine_cannot_judge_is_named_with_the_reason(entered):
+    judged = verdicts(entered)
+    problems = ("Code cell 7 needs Python 3.14 or later.",)
+    failed = dataclasses.replace(judged[0][1], status=FAILED, problems=problems)
+    with pytest.raises(GradebookError) as trouble:
+        enter_verdicts(entered, [(judged[0][0], failed), *judged[1:]], [STAGE], quiet)
+    (sentence,) = str(trouble.value).splitlines()[1:]
+    assert sentence == (
+        f"ada, {STAGE}: not entered, because {GROUND.name} was not judged. {problems[0]}"
+    )
+
+
+def test_half_characters_do_not_prevent_entering(course):
+    cell = {"cell_type": "code", "source": "x = 1  # \ud83d half", "metadata": {}}
+    notebook = {"cells": [cell], "metadata": {"lidar_obstacle_lab": {"lesson": "\ud83d"}}}
+    path = course.submitted / "ada" / STAGE / f"{GROUND.name}.ipynb"
+    path.write_text(json.dumps(notebook))
+    path.rename(path.with_name(f"{GROUND.name} \udce4.ipynb"))
+    enter_verdicts(course, verdicts(course), [STAGE], quiet)
+    assert marks(course) == expected_marks()
+    (copy,) = course.autograded.glob(f"ada/{STAGE}/{GROUND.name}.ipynb")
+    assert "\ufffd half" in copy.read_text("utf-8")
+
+
+def test_a_folder_whose_name_is_not_text_does_not_stop_the_class(course):
+    folder = course.submitted / "zo\udce9"
+    shutil.copytree(course.submitted / "ada", folder)
+    earned = EARNED | {folder.name: EARNED["ada"]}
+    with pytest.raises(GradebookError) as trouble:
+        enter_verdicts(course, verdicts(course, earned), [STAGE], quiet)
+    sentences = str(trouble.value).splitlines()[1:]
+    assert sentences == [
+        f"zo?, {STAGE}: not entered, because the name of the folder in submitted/ is not valid "
+        "UTF-8. Rename the folder."
+    ]
+    assert marks(course) == expected_marks()
+
+
 def test_a_submission_replaced_after_judging_is_not_entered(entered):
     earned = EARNED | {"ada": {GROUND: (0.0, 0.0), DISTANCE: (0.0, 0.0, 0.0)}}
     judged = verdicts(entered, earned)

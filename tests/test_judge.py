@@ -314,7 +314,7 @@ def test_a_bad_cell_does_not_affect_the_other_exercise(sandbox, tmp_path):
     verdict = judge(path, 1, sandbox)
     assert [result.score for result in verdict.exercises] == [0, 20]
     assert "not valid Python" in verdict.problems[0]
-    assert "does not define it" in verdict.exercises[0].tests[0].message
+    assert "which was skipped" in verdict.exercises[0].tests[0].message
 
 
 def test_an_answer_above_its_stub_counts(sandbox, tmp_path):

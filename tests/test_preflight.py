@@ -2,14 +2,19 @@
 
 import base64
 import copy
+import dataclasses
+import gzip
+import io
 import json
 import re
+import zipfile
 
 import nbformat
 import numpy as np
 import pytest
 from nbconvert.exporters import HTMLExporter
 
+from grader.classroom import contents
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
 from grader.intake import preflight
@@ -22,6 +27,7 @@ from grader.intake.preflight import (
 )
 from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import judge_files
+from grader.judging.verdict import FAILED
 from grader.lms.autograded import MISSING_ANSWER_NOTE, build_copy, graded_cells
 from tests.students import answers_in
 from utils.notebooks.reading import UnreadableNotebook
@@ -30,6 +36,10 @@ LESSON = find_lesson("06_filter_ground")
 THREE = find_lesson("07_filter_by_distance")
 WRITTEN = find_lesson("12_streaming_obstacles")
 EXERCISES = ("filter_ground", "voxel_grid")
+LFS_POINTER = (
+    b"version https://git-lfs.github.com/spec/v1\n"
+    b"oid sha256:4d7a214614ab2935c943f9e0ff69d22eadbb8f32b1258daaa5e2ca24d17e2393\nsize 9\n"
+)
 REPORT = "I widened the region to 18.5 m, because the lorry *stands* at 17 m."
 
 
@@ -135,6 +145,53 @@ def update_notebook(**entries):
     return lambda notebook: notebook.update(entries)
 
 
+def conflict(ours, theirs, base=()):
+    """Return a change after which a merge conflict is in the first `execution_count`.
+
+    Each argument is a list of lines.
+    """
+
+    def change(notebook):
+        lines = json.dumps(notebook, indent=1).split("\n")
+        place = next(n for n, line in enumerate(lines) if '"execution_count"' in line)
+        middle = ["||||||| 12ab", *base] if base else []
+        lines[place : place + 1] = [
+            *["<<<<<<< HEAD", *ours, *middle],
+            *["=======", *theirs, ">>>>>>> origin/main"],
+        ]
+        return "\n".join(lines)
+
+    return change
+
+
+def conflict_in_code(notebook):
+    cell = cell_of(notebook, "filter_ground")
+    source = "".join(cell["source"])
+    theirs = source.replace("return", "return None and")
+    cell["source"] = f"<<<<<<< local\n{source}\n=======\n{theirs}\n>>>>>>> remote\n"
+
+
+def zip_of(content, *names):
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w") as archive:
+        for name in names:
+            archive.writestr(name, content)
+    return buffer.getvalue()
+
+
+def nested_output(notebook):
+    cell = cell_of(notebook, "voxel_grid")
+    cell["outputs"] = [{"output_type": "display_data", "metadata": {}, "data": {"a": "DEEP"}}]
+    return json.dumps(notebook).replace('"DEEP"', "[" * 5000 + '"]"' + "]" * 5000)
+
+
+def half_characters(notebook):
+    cell = cell_of(notebook, "voxel_grid")
+    cell["source"] = "".join(cell["source"]) + "\n# \ud83d half of \U0001f600"
+    notebook["cells"].append(tagged(text("\ude00"), "\ud83d"))
+    notebook["metadata"]["lidar_obstacle_lab"] = {"lesson": "\ud83d"}
+
+
 def big_outputs(notebook):
     junk = {"output_type": "stream", "name": "stdout", "text": "[{" * 2_000_000}
     notebook["cells"][1]["outputs"] = [junk]
@@ -237,6 +294,55 @@ EARNS_EVERYTHING = {
     "a cell whose source is null": (lambda n: n["cells"].append(code(None)), ""),
     "a cell that is a number": (lambda n: n["cells"].append(7), "1 entry of"),
     "a cell that is null": (lambda n: n["cells"].append(None), "1 entry of"),
+    "a merge conflict in a number": (
+        conflict(['   "execution_count": 3,'], ['   "execution_count": 4,']),
+        "Your side (HEAD) was judged",
+    ),
+    "a merge conflict with the version before": (
+        conflict(["", '   "execution_count": 3,'], ['   "execution_count": 4,'], ['   "x": 4,']),
+        "Your side (HEAD) was judged",
+    ),
+    "a merge conflict of which one side is valid": (
+        conflict(['   "execution_count": 3'], ['   "execution_count": 4,']),
+        "The other side (origin/main) was judged",
+    ),
+    "a merge conflict around the whole file": (
+        lambda notebook: (
+            f"<<<<<<< HEAD\n{json.dumps(notebook)}\n=======\n" + '{"cells": []}\n>>>>>>> theirs\n'
+        ),
+        "Your side (HEAD) was judged",
+    ),
+    "a merge conflict in a code cell": (conflict_in_code, "Your side (local) was judged"),
+    "trailing commas": (
+        lambda notebook: json.dumps(notebook | {"x": ",]"}, indent=1).replace("]\n", "],\n"),
+        "",
+    ),
+    "a line end in a string": (
+        lambda notebook: json.dumps(notebook).replace("\\n", "\n", 1),
+        "",
+    ),
+    "a reply of Jupyter's server": (
+        lambda notebook: {"name": "a.ipynb", "type": "notebook", "content": notebook},
+        "",
+    ),
+    "only the list of cells": (lambda notebook: json.dumps(notebook["cells"]), ""),
+    "encoded twice": (lambda notebook: json.dumps(json.dumps(notebook)), ""),
+    "gzip": (lambda notebook: gzip.compress(json.dumps(notebook).encode()), "is a gzip file"),
+    "a zip": (
+        lambda notebook: zip_of(json.dumps(notebook), "a.ipynb", "__MACOSX/._a.ipynb"),
+        "is a zip file",
+    ),
+    "UTF-16 without its mark": (lambda notebook: json.dumps(notebook).encode("utf-16-le"), ""),
+    "UTF-16, the high byte first": (
+        lambda notebook: json.dumps(notebook, indent=1).encode("utf-16-be"),
+        "",
+    ),
+    "a deeply nested output": (nested_output, ""),
+    "halves of characters": (half_characters, ""),
+    "halves of characters in UTF-8": (
+        lambda notebook: half_characters(notebook) or json.dumps(notebook, ensure_ascii=False),
+        "",
+    ),
     "the key `cells` twice": (
         lambda notebook: json.dumps({"cells": []})[:-1] + "," + json.dumps(notebook)[1:],
         "",
@@ -254,6 +360,7 @@ def test_damage_to_a_file_costs_no_points(change, says):
     assert len(answers["voxel_grid"](cloud, 0.5)) == 2
     notes = " ".join(prepared.notes)
     assert (says in notes) if says else notes == ""
+    json.dumps(dataclasses.asdict(prepared), default=str, ensure_ascii=False).encode()
     graded_copy = build_copy(prepared)
     nbformat.validate(graded_copy)
     names = [cell.metadata.nbgrader.grade_id for cell in graded_cells(graded_copy)]
@@ -292,6 +399,20 @@ def test_the_judge_gives_full_marks_to_a_damaged_file_with_right_answers(name, s
         (lambda notebook: '{"cells": 7}', "no cells"),
         (lambda notebook: '{"cells": [{"a": {"b"', "not valid JSON"),
         (lambda notebook: '{"cells": [' + "[]," * 2_100_000 + "[]]}", "Clear its outputs"),
+        (lambda notebook: json.dumps("[]," * 2_100_000), "Clear its outputs"),
+        (lambda notebook: "\n<!DOCTYPE html>\n<html>{}</html>", "is a web page"),
+        (lambda notebook: b"\xef\xbb\xbf<html>", "is a web page"),
+        (lambda notebook: b"\x00\x05\x16\x07" + bytes(400), "attributes of a file on a Mac"),
+        (lambda notebook: b"%PDF-1.7 \xff", "is a PDF"),
+        (lambda notebook: LFS_POINTER, "is a Git LFS pointer"),
+        (
+            lambda notebook: zip_of("{}", "a.ipynb", "b.ipynb"),
+            "is a zip file with 2 notebooks in it",
+        ),
+        (lambda notebook: zip_of("{}", "word.xml"), "is a zip file with no notebook in it"),
+        (lambda notebook: zip_of("{}", "a.ipynb")[:-9], "is a zip file that cannot be unpacked"),
+        (lambda notebook: gzip.compress(b"{}")[:4] + b"\xff" * 9, "is a gzip file that cannot"),
+        (lambda notebook: gzip.compress(bytes(65 * 2**20)), "unpacks to more than 64 MB"),
     ],
 )
 def test_an_unreadable_file_is_shown_as_released(change, says):
@@ -378,6 +499,39 @@ def test_a_cut_off_file_keeps_the_complete_answer():
     prepared = prepare(SubmittedFiles("06_filter_ground.ipynb", data[:end].encode()), LESSON)
     assert "filter_ground" in prepared.graded and "voxel_grid" not in prepared.graded
     assert "cut off" in prepared.notes[0]
+
+
+def test_nothing_is_concluded_from_a_part_of_a_file():
+    released = LESSON.released.read_bytes()
+    assert contents.content_of(released, "a.ipynb").untouched
+    assert not contents.content_of(released[:-9], "a.ipynb").untouched
+    with_odd_cell = json.loads(released)
+    with_odd_cell["cells"].append(7)
+    assert not contents.content_of(json.dumps(with_odd_cell).encode(), "a.ipynb").untouched
+
+    whole = SubmittedFiles("06_filter_ground.ipynb", released)
+    assert preflight.prepare_to_judge(whole, LESSON).is_as_released
+    whole = SubmittedFiles("06_filter_ground.ipynb", json.dumps(with_odd_cell).encode())
+    assert not preflight.prepare_to_judge(whole, LESSON).is_as_released
+
+    only_text = json.dumps({"cells": [text("a"), text("b")]})
+    for data, says in ((only_text, "There is no code"), (only_text[:-9], "cut off after 1")):
+        (note,) = prepare(SubmittedFiles("06_filter_ground.ipynb", data.encode()), LESSON).notes
+        assert says in note
+
+
+def test_a_written_answer_that_may_be_cut_off_waits_for_a_grader():
+    data = json.dumps(with_report()).encode()
+    cut = SubmittedFiles("12_streaming_obstacles.ipynb", data[: data.index(b"I widened")])
+    prepared = prepare(cut, WRITTEN)
+    assert "Look for the answer in the file" in prepared.answers["write_up"].text
+    assert "A grader will look for it." in prepared.notes[-1]
+
+
+def test_a_file_that_git_has_not_downloaded_gets_no_mark():
+    submission = SubmittedFiles("06_filter_ground.ipynb", LFS_POINTER)
+    verdict = judge_files(submission, 1, None, LESSON)
+    assert verdict.status == FAILED and "Run `git lfs pull`" in verdict.reason
 
 
 # ---- One step at a time --------------------------------------------------------------------
@@ -620,6 +774,14 @@ def test_another_lessons_notebook_is_reported_if_this_lesson_is_missing():
     assert [note.partition(".")[0] for note in empty.notes] == [
         "There is no code in 06_filter_ground"
     ]
+    functions = "def filter_by_distance(c): pass\ndef crop_region(c, a, b): pass"
+    submitted = from_cells(code(functions), lesson_name=LESSON.name)
+    assert submitted.notes == (
+        "06_filter_ground.ipynb contains filter_by_distance and crop_region of "
+        "07_filter_by_distance, and none of the functions of 06_filter_ground. Submit "
+        "06_filter_ground.ipynb.",
+    )
+    assert from_cells(code(f"{functions}\n{GROUND}")).notes == ()
     long = from_cells(code("x = 1"), lesson_name="07" * 50)
     assert f"of {'07' * 30} instead" in long.notes[0]
 
@@ -667,21 +829,6 @@ def test_only_cells_that_write_a_module_make_one(command, name):
 def test_a_notebook_may_write_twenty_modules():
     made = from_cells(*(code(f"%%writefile m{number}.py\nx = 1") for number in range(30)))
     assert [*made.modules] == [f"m{number}" for number in range(20)]
-
-
-@pytest.mark.parametrize("magic", ["%%cython", "%%timeit -n 3", "%%bash"])
-def test_an_answer_below_a_magic_that_hides_it_is_reported(magic):
-    hidden = code(f"{magic}\n{GROUND.format(1)}")
-    assert from_cells(hidden, code("%%bash\nls")).notes == (
-        f"The judge skipped the cell of filter_ground, because it begins with {magic.split()[0]}. "
-        "Delete that line, and write the function in plain Python.",
-    )
-    assert from_cells(hidden, code(GROUND.format(2))).notes == (), "another cell defines it"
-
-
-@pytest.mark.parametrize("magic", ["%%time", "%%capture", "%%prun", "%matplotlib inline"])
-def test_an_answer_below_a_magic_for_python_is_not_reported(magic):
-    assert from_cells(code(f"{magic}\n{GROUND.format(1)}")).notes == ()
 
 
 def test_the_first_four_versions_and_the_last_are_listed():

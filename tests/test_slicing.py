@@ -1,6 +1,7 @@
 """Slicing keeps the statements of a notebook that its exercises need, and no others."""
 
 import builtins
+import re
 import textwrap
 
 import pytest
@@ -14,13 +15,13 @@ def notebook(text):
 
 
 def sliced(text, *names):
-    """Run the slice of a notebook; return the namespace, the source of the slice, and problems."""
-    statements, problems = slicing.parse_notebook(notebook(text))
+    """Run the slice of a notebook; return the namespace, its source and the invalid cells."""
+    statements, skipped = slicing.parse_notebook(notebook(text))
     kept, namespace = slicing.slice_for(names or ("f",), statements), {"__name__": "__main__"}
     for statement in kept:
         exec(slicing.compile_statement(statement, f"code cell {statement.cell}"), namespace)
     source = "\n".join(slicing.ast.unparse(statement.node) for statement in kept)
-    return namespace, source, problems
+    return namespace, source, [cell for cell in skipped if not cell.magic]
 
 
 class StandIn:
@@ -179,10 +180,41 @@ def test_the_last_definition_wins_as_it_does_in_a_notebook():
 
 
 def test_a_cell_with_a_syntax_error_is_named_and_the_others_stay():
-    namespace, _, problems = sliced("x = 1\n---\ndef g(:\n    pass\n---\ndef f(): return x")
+    namespace, _, skipped = sliced("x = 1\n---\ndef g(:\n    pass\n---\ndef f(): return x")
     assert namespace["f"]() == 1
-    assert len(problems) == 1 and problems[0].startswith("Code cell 2 is not valid Python")
-    assert "def g(:" in problems[0]
+    (cell,) = skipped
+    assert cell.sentence.startswith("Code cell 2 is not valid Python, so it was skipped: ")
+    assert "def g(:" in cell.sentence
+
+
+@pytest.mark.parametrize(
+    "source, reason, remedy",
+    [
+        ("def f(:\n    return 1", "not valid Python: .*line 1: 'def f\\(:'", "Correct it"),
+        ("def f():\n\u00a0   return 1", "not valid Python: .*U\\+00A0", "type it again"),
+        ("def f():\n    return \u201ca\u201d", "not valid Python: .*U\\+201C", "type it again"),
+        ("def f(a\uff1d1):\n    return a", "not valid Python: .*U\\+FF1D", "type it again"),
+        ("def f():\n    return 1\0", "NUL \\(line 2\\)", "type it again"),
+        ("f = lambda: '" + "(" * 9, "not valid Python: .*unterminated", "Correct it"),
+        ("%%timeit -n 3\ndef f(): pass", "begins with %%timeit", "Delete that line"),
+        ("%%time\n\n%%cython\ndef f(): pass", "begins with %%cython", "Delete that line"),
+        ("class A:\n    def f(self:", "not valid Python", "Correct it"),
+    ],
+)
+def test_a_skipped_cell_explains_why_its_function_is_missing(source, reason, remedy):
+    statements, (cell,) = slicing.parse_notebook(["x = 1", source])
+    assert [statement.cell for statement in statements] == [1]
+    text = cell.about("f")
+    assert text.startswith("f is in code cell 2, which was skipped, because it ")
+    assert re.search(reason, text) and remedy in text
+    assert cell.defines("f") and not cell.defines("g") and not cell.defines("return")
+
+
+@pytest.mark.parametrize(
+    "source", ["%%time\ndef f(): pass", "%%capture x\nf = 1", "%who", "# %%bash"]
+)
+def test_a_cell_that_runs_in_the_notebook_is_not_skipped(source):
+    assert slicing.parse_notebook([source])[1] == []
 
 
 def test_a_missing_function_keeps_no_statements():
@@ -228,11 +260,11 @@ def test_an_error_names_the_cell_and_the_line():
     ],
 )
 def test_magics_leave_every_line_in_its_place(above):
-    statements, problems = slicing.parse_notebook([above + "def f():\n    %who\n    return 1 / 0"])
-    assert not problems
+    statements, skipped = slicing.parse_notebook([above + "def f():\n    %who\n    return 1 / 0"])
+    assert not skipped
     assert statements[-1].node.body[-1].lineno == above.count("\n") + 3
-    _, problems = slicing.parse_notebook([above + "def g(:"])
-    assert f"(line {above.count(chr(10)) + 1}: 'def g(:')" in problems[0]
+    _, (cell,) = slicing.parse_notebook([above + "def g(:"])
+    assert f"(line {above.count(chr(10)) + 1}: 'def g(:')" in cell.sentence
 
 
 def test_magics_do_nothing_and_return_none():

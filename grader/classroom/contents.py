@@ -6,7 +6,7 @@ import functools
 import os
 import re
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePath
 
 from grader.course.lessons import Lesson, all_lessons, find_lesson
 from grader.intake.notebook import read_file
@@ -24,7 +24,7 @@ class NotebookContent:
         Name of the lesson in the metadata or, without one, of the lesson whose graded cells are in
         the notebook; empty if the lesson is unknown.
     untouched : bool
-        Whether every cell is a cell of the released notebook.
+        Whether every cell is a cell of the released notebook, and the whole file was read.
     """
 
     lesson: str = ""
@@ -63,7 +63,9 @@ def content_of(data: bytes, name: str) -> NotebookContent:
     if lesson is None:
         return NotebookContent()
     sources = {" ".join(cell.source.split()) for cell in notebook.cells}
-    return NotebookContent(lesson.name, sources <= _released(lesson))
+    # A part of the student's work may be missing from a notebook that had to be repaired.
+    untouched = not notebook.repairs and sources <= _released(lesson)
+    return NotebookContent(lesson.name, untouched)
 
 
 def cache_releases() -> None:

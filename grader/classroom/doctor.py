@@ -6,6 +6,7 @@ import contextlib
 import platform
 import re
 import shutil
+import sys
 from collections import Counter
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
@@ -80,7 +81,13 @@ def examine(
 
 
 def _versions() -> Iterator[Finding]:
-    yield Finding("Python", True, f"{platform.python_version()} on {platform.platform()}")
+    newest = ".".join(map(str, sys.version_info[:2]))
+    yield Finding(
+        "Python",
+        True,
+        f"{platform.python_version()} on {platform.platform()}. Students may use Python {newest} "
+        "or older. Code that only a newer Python can read is named and gets no mark",
+    )
     yield _packages("requirements.txt")
     if _version("distributed"):  # installed only for a cluster
         yield _packages("requirements-cluster.txt")

@@ -253,9 +253,9 @@ def load_reference(lesson_name: str, *more_names: str) -> types.SimpleNamespace:
         Names of further functions of the lesson, which are not graded.
     """
     lesson = next(lesson for lesson in every_lesson() if lesson.name == lesson_name)
-    statements, problems = slicing.parse_notebook([lesson.text])
-    if problems:
-        raise ValueError(f"{lesson.name}: {problems[0]}")
+    statements, skipped = slicing.parse_notebook([lesson.text])
+    if skipped:
+        raise ValueError(f"{lesson.name}: {skipped[0].sentence}")
     names = (*lesson.names, *more_names)
     namespace = {"__name__": lesson.name}
     for statement in slicing.slice_for(names, statements):

@@ -19,10 +19,9 @@ import re
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 
-from grader.course.lessons import Lesson
+from grader.course.lessons import Lesson, all_lessons
 from grader.intake.reader_process import TooCostly, run_in_child
 from grader.intake.submission import MOST_MODULES, SubmittedFiles
-from utils.notebooks.magics import PYTHON_MAGICS
 from utils.notebooks.reading import Cell, Notebook, UnreadableNotebook
 
 LARGEST_CODE = 15 * 2**20
@@ -70,6 +69,10 @@ class PreparedNotebook:
         shown if the exercise loses points.
     modules : dict of str to str
         Source of each module that a cell writes with ``%%writefile``, by the name of the module.
+    python : tuple of int
+        The version of Python that ran the notebook; empty if it is unknown.
+    is_complete : bool
+        Whether the whole file was read, so that nothing that a student wrote can be missing.
     """
 
     lesson: Lesson
@@ -79,6 +82,8 @@ class PreparedNotebook:
     notes: tuple[str, ...]
     versions: dict[str, str] = field(default_factory=dict, hash=False)
     modules: dict[str, str] = field(default_factory=dict, hash=False)
+    python: tuple[int, ...] = ()
+    is_complete: bool = True
 
     @property
     def code(self) -> tuple[str, ...]:
@@ -98,6 +103,8 @@ class JudgeInput:
         Whether all code after the first code cell is unchanged, so judging can be skipped.
     modules : dict of str to str
         Source by name of the submitted modules, and of those that the notebook writes.
+    python : tuple of int
+        The version of Python that ran the notebook; empty if it is unknown.
     """
 
     code: tuple[str, ...]
@@ -105,6 +112,7 @@ class JudgeInput:
     versions: dict[str, str] = field(hash=False)
     is_as_released: bool
     modules: dict[str, str] = field(default_factory=dict, hash=False)
+    python: tuple[int, ...] = ()
 
 
 @dataclass
@@ -139,6 +147,8 @@ def prepare(submitted_files: SubmittedFiles, lesson: Lesson) -> PreparedNotebook
         tuple(notes),
         _duplicate_sentences(draft),
         draft.modules,
+        notebook.python,
+        not notebook.repairs,
     )
 
 
@@ -162,13 +172,21 @@ def prepare_to_judge(submitted_files: SubmittedFiles, lesson: Lesson) -> JudgeIn
                 f"reads at most {LARGEST_CODE // 2**20} MB. Read large tables from a file, delete "
                 "the cell that contains them, and submit the notebook again."
             )
-        return prepared.code, prepared.notes, prepared.versions, prepared.modules
+        untouched = prepared.is_complete and _is_as_released(lesson, prepared.code)
+        return (
+            prepared.code,
+            prepared.notes,
+            prepared.versions,
+            prepared.modules,
+            prepared.python,
+            untouched,
+        )
 
     cells_as_released(lesson)  # fill the cache before forking, so that every child inherits it
-    code, notes, versions, written = run_in_child(submitted_files.name, work)
+    code, notes, versions, written, python, untouched = run_in_child(submitted_files.name, work)
     modules = {**submitted_files.modules, **written}
-    untouched = not modules and _is_as_released(lesson, code)
-    return JudgeInput(tuple(code), tuple(notes), versions, untouched, modules)
+    untouched = untouched and not modules
+    return JudgeInput(tuple(code), tuple(notes), versions, untouched, modules, tuple(python))
 
 
 def _is_as_released(lesson: Lesson, code: Iterable[str]) -> bool:
@@ -201,10 +219,15 @@ def prepare_too_costly(
 
     Its written answers tell the grader to look in the file.
     """
-    # With the digest, the text changes when the student submits another file.
-    digest = hashlib.sha256(submitted_files.data).hexdigest()[:12]
-    text = f"*This notebook is too large to show. Look for the answer in the file ({digest}).*"
+    text = _look_in_the_file(submitted_files, "is too large to show")
     return _notebook_with_answers(lesson, WrittenAnswer(text), error)
+
+
+def _look_in_the_file(submitted_files: SubmittedFiles, reason: str) -> str:
+    """Return a text for a grader in place of a written answer."""
+    # The text contains a digest, so that it changes when a student submits another file.
+    digest = hashlib.sha256(submitted_files.data).hexdigest()[:12]
+    return f"*This notebook {reason}. Look for the answer in the file ({digest}).*"
 
 
 def _notebook_with_answers(
@@ -315,11 +338,30 @@ def _report_other_lesson(draft: _Draft) -> Iterator[str]:
             f"{draft.submitted_files.name} contains the notebook of {claimed[:60]} instead of "
             f"{lesson.name}. Submit {lesson.name}.ipynb."
         )
+    elif draft.notebook.repairs:
+        return  # the code may be in the part that could not be read
+    elif others := _functions_of_another_lesson(draft):
+        names, other = others
+        yield (
+            f"{draft.submitted_files.name} contains {names} of {other.name}, and none of the "
+            f"functions of {lesson.name}. Submit {lesson.name}.ipynb."
+        )
     elif not any(cell.kind == "code" and cell.source.strip() for cell in draft.cells):
         yield (
             f"There is no code in {draft.submitted_files.name}. Open the notebook that you "
             "worked in, save it, and submit that file."
         )
+
+
+def _functions_of_another_lesson(draft: _Draft) -> tuple[str, Lesson] | None:
+    """Return the functions of the lesson that has most of its exercises in this notebook."""
+    found = {
+        other: [name for name in _exercise_names(other) if _cells_that_define(draft, name)]
+        for other in all_lessons()
+    }
+    other = max(found, key=lambda lesson: len(found[lesson]))
+    *some, last = found[other] or [""]
+    return (f"{', '.join(some)} and {last}" if some else last, other) if last else None
 
 
 def _find_written_modules(draft: _Draft) -> Iterator[str]:
@@ -348,18 +390,6 @@ def _imported(draft: _Draft, modules: Iterable[str]) -> str:
         for name in modules
         if re.search(rf"^[ \t]*(?:import|from)[ \t]+{name}\b", text, re.MULTILINE)
     )
-
-
-def _report_skipped_answers(draft: _Draft) -> Iterator[str]:
-    """Report exercises that are defined only in skipped cells, such as a %%bash cell."""
-    for name in _exercise_names(draft.lesson):
-        cells = [draft.cells[index].source for index in _answer_cells(draft, name)]
-        magics = [source.split(maxsplit=1)[0] for source in cells]
-        if magics and all(one[:2] == "%%" and one not in PYTHON_MAGICS for one in magics):
-            yield (
-                f"The judge skipped the cell of {name}, because it begins with {magics[-1][:20]}. "
-                "Delete that line, and write the function in plain Python."
-            )
 
 
 def _collect_written_answers(draft: _Draft) -> Iterator[str]:
@@ -410,6 +440,12 @@ def _collect_written_answers(draft: _Draft) -> Iterator[str]:
                 f"The cell for {name} is missing, and other text in the notebook may be the "
                 "answer. A grader will look for it."
             )
+        elif not text and draft.notebook.repairs:
+            text = _look_in_the_file(draft.submitted_files, "is damaged")
+            yield (
+                f"There is no answer for {name} in the part of the file that could be read. A "
+                "grader will look for it."
+            )
         draft.answers[name] = WrittenAnswer(text, certain, pictures)
     _remove_cells(draft, moved)
 
@@ -431,7 +467,6 @@ STEPS: tuple[Callable[[_Draft], Iterable[str]], ...] = (
     _report_other_lesson,
     _find_written_modules,
     _report_modules,
-    _report_skipped_answers,
     _find_graded_cells,
     _collect_written_answers,
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import hashlib
 import json
+import platform
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -26,7 +27,7 @@ from grader.sandbox.program import PACKAGES, Given, Program
 from grader.sandbox.time_budget import Budget
 from grader.untrusted import one_line
 from utils.checks.outcomes import Outcome
-from utils.notebooks.reading import UnreadableNotebook
+from utils.notebooks.reading import UnreadableNotebook, is_lfs_pointer
 
 JUDGE_FAILED_NOTE = (
     "The judge failed on this notebook. This is not the student's fault. No points were "
@@ -93,6 +94,8 @@ def judge_files(
     else:
         setting = Setting(lesson, seed, sandbox, limits, Budget(limits or Limits()))
         decision = _decide_cached(setting, judge_input)
+    if is_lfs_pointer(submitted_files.data):  # the file is missing from the instructor's checkout
+        decision = _not_judged(lesson, *decision.problems)
     return Verdict(
         lesson=lesson.name,
         student=student,
@@ -164,7 +167,7 @@ def _decide_cached(setting: Setting, judge_input: JudgeInput) -> _Decision:
     Only full marks are cached. A failure may be the machine's fault, and must not be copied to
     another student's identical notebook.
     """
-    parts = [judge_input.code, judge_input.notes, judge_input.modules]
+    parts = [judge_input.code, judge_input.notes, judge_input.modules, judge_input.python]
     text = json.dumps(parts, sort_keys=True).encode()
     rules = (setting.lesson, setting.seed, setting.sandbox, setting.limits)
     key = (*rules, hashlib.sha256(text).digest())
@@ -185,12 +188,14 @@ def _decide(setting: Setting, judge_input: JudgeInput) -> _Decision:
     """Run the checks, retry suspicious failures, and build the result."""
     lesson = setting.lesson
     program = program_for(lesson, judge_input.code, judge_input.modules)
+    program = replace(program, python=judge_input.python)
     if judge_input.is_as_released:
         results = untouched_results(lesson)
     else:
-        results = _retry_suspicious_checks(
-            setting, program, run_program(setting, program, explain=True)
-        )
+        results = run_program(setting, program, explain=True)
+        if too_new := _too_new(results):
+            return _not_judged(lesson, *judge_input.notes, *results.problems, *too_new)
+        results = _retry_suspicious_checks(setting, program, results)
     if faults := _judge_faults(setting, results):
         return _Decision(unjudged_results(lesson), (JUDGE_FAILED_NOTE,), faults, results.starved)
     carried, starved = carry_forward(setting, program, results)
@@ -208,6 +213,27 @@ def _decide(setting: Setting, judge_input: JudgeInput) -> _Decision:
     )
     # A notebook with full marks cannot gain from another try, so it does not count as starved.
     return _Decision(exercises, problems, (), bool(incomplete) and (results.starved or starved))
+
+
+def _not_judged(lesson: Lesson, *sentences: str) -> _Decision:
+    """Return the decision on a notebook that only another machine or file could earn points for.
+
+    The last sentence is the reason, which also becomes the first problem.
+    """
+    *others, reason = sentences
+    problems = (f"{reason} No points were given or taken away.", *others)
+    return _Decision(unjudged_results(lesson), problems, (reason,))
+
+
+def _too_new(results: RunResults) -> tuple[str, ...]:
+    """Return sentences about lost points that a newer Python might have given."""
+    lost = {outcome.check.exercise for outcome in results.outcomes if outcome.failure}
+    parts = dict.fromkeys(part for name, part in results.newer.items() if name in lost)
+    here = platform.python_version()
+    return tuple(
+        f"{part}, and this judge has Python {here}. Run the grader with such a Python."
+        for part in parts
+    )
 
 
 def _retry_suspicious_checks(setting: Setting, program: Program, results: RunResults) -> RunResults:

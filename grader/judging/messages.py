@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from grader.judging.runner import JudgeTimeout
 from grader.judging.verdict import MessageKind
-from grader.sandbox.failures import StudentError, StudentStopped
+from grader.sandbox.failures import CellSkipped, StudentError, StudentStopped
 from grader.sandbox.quotation import describe_error
 from utils.checks import CheckFailed
 from utils.checks.diagnosis import Mistake
@@ -22,6 +22,7 @@ from utils.checks.failures import (
     NotStarted,
     NotYet,
     Raised,
+    Skipped,
     Stopped,
     WrongForm,
     with_numbers,
@@ -114,6 +115,8 @@ def shareable_failure(outcome: Outcome, visible: bool) -> CheckFailed:
     if isinstance(error, StudentStopped):
         question = outcome.check.slow or ENDLESS
         return Stopped(str(error).replace(ENDLESS, question), error.reason, error.out_of_time)
+    if isinstance(error, CellSkipped):
+        return Skipped(error.sentence)
     if isinstance(error, StudentError) and error.type_name == "NotImplementedError":
         return NotStarted(exercise, error.inside or exercise)
     if isinstance(error, StudentError):

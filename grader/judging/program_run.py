@@ -56,6 +56,8 @@ class RunResults:
         The mistake that explains the wrong answers to an exercise, by the exercise's name.
     fault : str
         The reason why a check could not be run. If there is one, the student cannot be judged.
+    newer : dict of str to str
+        The part of the notebook that only a newer Python can run, by the exercise that needs it.
     """
 
     outcomes: tuple[Outcome, ...]
@@ -64,6 +66,7 @@ class RunResults:
     starved: bool = False
     mistakes: dict[str, Mistake] = field(default_factory=dict)
     fault: str = ""
+    newer: dict[str, str] = field(default_factory=dict)
 
     def outcomes_of(self, exercise: str) -> list[Outcome]:
         """Return the outcomes of one exercise's checks."""
@@ -106,7 +109,7 @@ def run_program(
         observed = (tuple(student.problems), student.uses, student.starved)
     if explain:
         mistakes = _diagnose_mistakes(outcomes, setting, program, budget)
-    return RunResults(tuple(outcomes), *observed, mistakes, fault)
+    return RunResults(tuple(outcomes), *observed, mistakes, fault, student.newer)
 
 
 def untouched_results(lesson: Lesson) -> RunResults:

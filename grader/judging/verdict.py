@@ -161,6 +161,11 @@ class Verdict:
     starved: bool = False
     fingerprint: str = ""
 
+    @property
+    def reason(self) -> str:
+        """Why there is no score; meaningful only if judging failed."""
+        return self.problems[0] if self.problems else ""
+
     def as_dict(self) -> dict:
         """Return the published form of the verdict, as a JSON object."""
         content = dataclasses.asdict(self)

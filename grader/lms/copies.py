@@ -32,7 +32,9 @@ def write_draft(
     for path, source in modules.items():
         _write(source, draft / path)
     for name, notebook in copies.items():
-        (draft / f"{name}.ipynb").write_text(nbformat.writes(notebook) + "\n", "utf-8")
+        # A name of a file may contain bytes that are not text.
+        content = (nbformat.writes(notebook) + "\n").encode(errors="replace")
+        _write(content, draft / f"{name}.ipynb")
     for path in draft.rglob("*"):
         if path.is_file():
             path.chmod(0o444)  # read-only, as nbgrader leaves them

@@ -6,8 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from grader.classroom.pages import printable
 from grader.classroom.submissions import Submission
 from grader.course.paths import Course
+from grader.judging.judge import JUDGE_FAILED_NOTE
 from grader.judging.verdict import JUDGED, Verdict
 
 
@@ -47,12 +49,24 @@ def group_entries(
         if student in unknown:
             trouble.append(unknown[student])
             continue
+        if student != printable(student):  # no database can store this ID
+            trouble.append(
+                f"{printable(student)}, {stage}: not entered, because the name of the folder in "
+                "submitted/ is not valid UTF-8. Rename the folder."
+            )
+            continue
         failed = [pair for pair in pairs if pair[1].status != JUDGED]
         trouble += [
-            f"{student}, {stage}: not entered, because the judge failed on "
-            f"{submission.lesson.name}; see {submission.verdict_path(course)}"
-            for submission, _ in failed
+            f"{student}, {stage}: not entered, because {_reason(submission, verdict, course)}"
+            for submission, verdict in failed
         ]
         if not failed:  # a missing mark is better than a wrong one
             entries.append(StageEntry(student, stage, tuple(pairs)))
     return entries, trouble
+
+
+def _reason(submission: Submission, verdict: Verdict, course: Course) -> str:
+    name = submission.lesson.name
+    if verdict.reason in ("", JUDGE_FAILED_NOTE):
+        return f"the judge failed on {name}; see {submission.verdict_path(course)}"
+    return f"{name} was not judged. {verdict.reason}"

@@ -15,7 +15,7 @@ from grader.course.deadlines import read_deadlines
 from grader.course.lessons import Exercise, Lesson, find_lesson
 from grader.course.paths import Course
 from grader.course.roster import Person
-from grader.judging.verdict import ExerciseResult, Verdict, read_verdict
+from grader.judging.verdict import FAILED, ExerciseResult, Verdict, read_verdict
 from grader.lms.autograded import graded_cells
 from grader.lms.cells import CellMark, CellMarks, cell_marks
 from grader.lms.check_summary import ExerciseSummary, summarise_checks
@@ -130,9 +130,11 @@ class Feedback:
             "No exercise in this stage was started. If you can still submit, replace "
             "`raise NotImplementedError` with your code and submit the notebooks again."
         )
+        # If there is a problem with a file, the student's work may be missing from it.
+        is_whole = not any(lesson.problems for lesson in self.lessons)
         about = "Some answers still have to be graded by hand, so the points are not final."
         return (
-            *([untouched] if self.is_untouched else ()),
+            *([untouched] if self.is_untouched and is_whole else ()),
             *([about] if waiting else ()),
             *lateness_sentences(self.result, self.zone),
         )
@@ -201,6 +203,8 @@ class FeedbackWriter:
         place = (result.student, lesson.stage)
         verdict = read_verdict(self._course.verdicts.joinpath(*place, f"{lesson.name}.json"))
         copy = self._copy(*place, lesson)
+        if verdict and verdict.status == FAILED:
+            raise FeedbackNotReady(f"{result.student}, {lesson.name}: {verdict.reason}")
         # A student with a mark given by hand but without a file has neither a key nor a verdict.
         if result.score is None or copy.metadata.get("verdict_key") != (verdict and verdict.key):
             raise FeedbackNotReady(

@@ -26,7 +26,6 @@ NOT_COUNTED = {
     EXCUSED: ("exc.", "excused: no submission needed"),
     AUDITOR: ("aud.", "auditor: nothing counts"),
 }
-JUDGE_FAILED_TEXT = "the judge failed; grade again"
 
 
 @dataclass(frozen=True)
@@ -176,7 +175,7 @@ def _sections(rows: Sequence[StudentRow]) -> Iterator[Section]:
 
 def _lesson_cell(result: NotebookResult | None, verdict: Verdict | None) -> MarkCell:
     if verdict and verdict.status != JUDGED:
-        return MarkCell("?", JUDGE_FAILED_TEXT)
+        return _unjudged_cell(verdict)
     if result is None or result.standing == MISSING:
         return MarkCell("–", "missing: nothing was submitted")
     if not result.counts and result.score is None:
@@ -237,6 +236,10 @@ def duration(time: timedelta) -> str:
     return " ".join(f"{number} {unit}" for number, unit in parts if number)
 
 
+def _unjudged_cell(verdict: Verdict) -> MarkCell:
+    return MarkCell("?", f"not judged: {verdict.reason}")
+
+
 def _judged_row(
     id: str, lessons: Sequence[Lesson], judged: Mapping[str, Verdict], is_unknown: bool
 ) -> StudentRow:
@@ -246,7 +249,7 @@ def _judged_row(
         if verdict is None:
             cells.append(MarkCell("–", "missing: nothing was submitted"))
         elif verdict.status != JUDGED:
-            cells.append(MarkCell("?", JUDGE_FAILED_TEXT))
+            cells.append(_unjudged_cell(verdict))
         else:
             cells.append(MarkCell(rounded_points(verdict.score), "", verdict.score))
     scores = [verdict.score for verdict in judged.values() if verdict.status == JUDGED]

@@ -74,7 +74,7 @@ class Judge(NbGraderPreprocessor):
             course, submission, course_seed(course, self.seed), choose_sandbox(self.sandbox)
         )
         if verdict.status != JUDGED:  # a missing mark is better than a wrong one
-            raise RuntimeError(verdict.problems[0])
+            raise RuntimeError(verdict.reason)
         submitted_files = submission.read_again(course, verdict.fingerprint)
         copy, complaint = build_judged_copy(submitted_files, lesson, verdict)
         if complaint:

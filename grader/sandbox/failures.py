@@ -76,6 +76,20 @@ class StudentError(RemoteError):
         super().__init__(f"{function} raised {type_name}: {message}{where}")
 
 
+class CellSkipped(StudentError):
+    """A student's function is missing, because its cell was skipped.
+
+    Attributes
+    ----------
+    sentence : str
+        Why the cell was skipped. It depends only on the notebook's source, so it may be shown.
+    """
+
+    def __init__(self, function: str, sentence: str) -> None:
+        self.sentence = sentence
+        super().__init__(function, "NotImplementedError")
+
+
 class StudentStopped(RemoteStopped):
     """A student's process took too long, died or broke the protocol. `str()` is a full sentence.
 

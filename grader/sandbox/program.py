@@ -57,6 +57,8 @@ class Program:
     steps : tuple of str
         Functions that students write in the lesson without earning points. The judge does not call
         them, but a message may name one that is still a stub.
+    python : tuple of int
+        The version of Python that ran the notebook, such as (3, 12); empty if it is unknown.
     """
 
     cells: tuple[str, ...]
@@ -66,6 +68,7 @@ class Program:
     forbidden: tuple[str, ...] = ()
     packages: tuple[str, ...] = PACKAGES
     steps: tuple[str, ...] = ()
+    python: tuple[int, ...] = ()
 
     @property
     def named(self) -> tuple[str, ...]:

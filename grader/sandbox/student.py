@@ -13,7 +13,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NoReturn
 
-from grader.sandbox.failures import MOST_LINES, StudentError, StudentStopped, explain_process_end
+from grader.sandbox.failures import (
+    MOST_LINES,
+    CellSkipped,
+    StudentError,
+    StudentStopped,
+    explain_process_end,
+)
 from grader.sandbox.inside import wire, wire_format
 from grader.sandbox.program import Program, cell_and_line
 from grader.sandbox.protocol import Limits, Sandbox, Worker
@@ -125,6 +131,8 @@ class StudentProxy:
         One sentence for each problem in the notebook's own cells.
     uses : dict of str to tuple of str
         The functions that each function calls, according to the notebook's source.
+    newer : dict of str to str
+        The part of the notebook that only a newer Python can run, by the function that needs it.
     exercise : str
         The exercise to which the next calls belong. Failed calls are counted separately for each
         exercise, so that an endless loop does not use up the restarts of other exercises.
@@ -163,6 +171,8 @@ class StudentProxy:
         self._meter: Meter | None = None  # only while a call is timed
         self.problems, self.exercise, self.starved = [], "", False
         self.uses: dict[str, tuple[str, ...]] = {}
+        self.newer: dict[str, str] = {}
+        self._skipped: dict[str, str] = {}  # texts about functions in skipped cells
         self._lines: dict[str, list[list[int]]] = {}
         self._own_lines: dict[str, list[list[int]]] = {}  # without the lines of other exercises
 
@@ -241,6 +251,8 @@ class StudentProxy:
             raise StudentStopped("The notebook's process was stopped, and its objects are lost.")
         self._ensure_running()
         if reference is None and name in self._missing:
+            if name in self._skipped:
+                raise CellSkipped(name, self._skipped[name])
             raise StudentError(
                 name,
                 "NameError",
@@ -265,7 +277,11 @@ class StudentProxy:
             self._stop_for_wrong_reply(name)
         if "error" in reply:
             self._budget.add_failed_seconds(self.exercise, self._last_seconds)
-            raise self._student_error(name, reply["error"])
+            error = self._student_error(name, reply["error"])
+            stub = error.inside or name
+            if error.type_name == "NotImplementedError" and stub in self._skipped:
+                raise CellSkipped(stub, self._skipped[stub])
+            raise error
         if not has_valid_object(reply):
             self._stop_for_wrong_reply(name)
         return reply
@@ -375,12 +391,15 @@ class StudentProxy:
                 "names": list(program.names),
                 "modules": program.modules,
                 "edited": self._edited,
+                "python": list(program.python),
                 "given": {
                     "names": list(program.given.names),
                     "source": program.given.source,
                     "open": list(program.given.open),
                 },
-            }
+            },
+            too_slow=f"The judge could not read the notebook's {len(program.cells):,} code cells "
+            "within {seconds:g} seconds. Delete the cells that the exercises do not need.",
         )
         failed = self._exchange_at_start()
         self._budget.cells_finish = True
@@ -392,6 +411,8 @@ class StudentProxy:
                 failed.get("problems")
             )
             self.uses = {name: tuple(used) for name, used in found["uses"].items()}
+            self._skipped = {name: readable(text) for name, text in found["skipped"].items()}
+            self.newer = {name: readable(text) for name, text in found["newer"].items()}
             self._lines, self._own_lines = found["lines"], found["own_lines"]
             self.edits = changes(found.get("edits"))
             self._has_reported = True
@@ -428,10 +449,13 @@ class StudentProxy:
             self._ensure_running()
 
     def _exchange_at_start(
-        self, message: dict | None = None, task: str = _NEEDED, seconds: float | None = None
+        self,
+        message: dict | None = None,
+        task: str = _NEEDED,
+        seconds: float | None = None,
+        too_slow: str = "The notebook's own cells did not finish within {seconds:g} seconds.",
     ) -> dict:
         """Perform one step of starting a notebook; return the reply."""
-        too_slow = "The notebook's own cells did not finish within {seconds:g} seconds."
         seconds = self._limits.start_seconds if seconds is None else seconds
         answer = self._exchange(task, too_slow, seconds, message)
         if not isinstance(answer, dict):

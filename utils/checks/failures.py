@@ -145,6 +145,14 @@ class Raised(CheckFailed):
         return "raised", self.kind, self.place or re.sub(r"\d+", "#", self.message)
 
 
+class Skipped(CheckFailed):
+    """The function is missing, because the judge skipped its cell."""
+
+    @property
+    def cause(self) -> Hashable:  # noqa: D102
+        return "skipped", self.message
+
+
 class NotStarted(CheckFailed):
     """The exercise, or another one that it calls, is still a stub."""
 

@@ -52,14 +52,24 @@ class _MagicsRemover(ast.NodeTransformer):
         return self.generic_visit(node)
 
 
+def hiding_magic(source: str) -> str:
+    """Return the magic that keeps the code of a cell from the notebook, or an empty text."""
+    magic, _, rest = source.lstrip().partition("\n")
+    if not magic.startswith("%%"):
+        return ""
+    name = magic.split()[0]
+    return hiding_magic(rest) if name in PYTHON_MAGICS else name
+
+
 def _without_magics(source: str) -> str:
     """Translate a cell with IPython magics into Python."""
+    if hiding_magic(source):
+        return ""
     blank = source[: len(source) - len(source.lstrip())].count("\n")
     source = source.split("\n", blank)[-1]
     first, _, rest = source.partition("\n")
     if first.lstrip().startswith("%%"):
-        is_python = first.split()[0] in PYTHON_MAGICS
-        return "\n" * (blank + 1) + _without_magics(rest) if is_python else ""
+        return "\n" * (blank + 1) + _without_magics(rest)
     return "\n" * blank + _transform(source)
 
 

@@ -9,22 +9,24 @@ library and only patterns that do not backtrack.
 
 from __future__ import annotations
 
-import codecs
-import json
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+
+from utils.notebooks import damaged_json
+from utils.notebooks.file_formats import (
+    UnreadableNotebook,
+    is_lfs_pointer,
+    text_of,
+    without_half_characters,
+)
+
+__all__ = ["Cell", "Notebook", "UnreadableNotebook", "decode_notebook", "is_lfs_pointer"]
 
 # Each bracket becomes an object of about a hundred bytes, so a small file could fill the memory.
 MOST_BRACKETS = 2_000_000
 MOST_CELLS = 20_000
-_TEXT_IN_JSON = re.compile(r'"(?:[^"\\]|\\.)*+"', re.DOTALL)
-_BETWEEN = re.compile(r"[\s,]*")
-_LESSON_IN_JSON = re.compile(r'"lidar_obstacle_lab"\s*:\s*\{\s*"lesson"\s*:\s*"(\w{1,60})"')
-
-
-class UnreadableNotebook(Exception):
-    """The file is not a notebook; `str()` is the message to show."""
+_TEXT_IN_JSON = re.compile(damaged_json.STRING, re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -57,12 +59,16 @@ class Notebook:
     lesson_name : str
         Name of the released lesson from the metadata; empty if the metadata lacks it.
     repairs : tuple of str
-        One sentence for each fault of the file and its repair.
+        One sentence for each fault of the file and its repair. If there is one, a part of the
+        student's work may be missing from `cells`.
+    python : tuple of int
+        The version of Python that ran the notebook, such as (3, 12); empty if it is unknown.
     """
 
     cells: tuple[Cell, ...]
     lesson_name: str = ""
     repairs: tuple[str, ...] = ()
+    python: tuple[int, ...] = ()
 
     @property
     def code(self) -> tuple[str, ...]:
@@ -82,6 +88,7 @@ class _Draft:
     found: list = field(default_factory=list)
     cells: tuple[Cell, ...] = ()
     lesson_name: str = ""
+    python: tuple[int, ...] = ()
 
 
 def decode_notebook(data: bytes, name: str) -> Notebook:
@@ -101,37 +108,13 @@ def decode_notebook(data: bytes, name: str) -> Notebook:
     """
     draft = _Draft(name, data)
     sentences = [step(draft) for step in STEPS]
-    return Notebook(draft.cells, draft.lesson_name, tuple(filter(None, sentences)))
+    repairs = tuple(filter(None, sentences))
+    return Notebook(draft.cells, draft.lesson_name, repairs, draft.python)
 
 
-def _decode(draft: _Draft) -> str:
-    """Decode bytes as UTF-8, or as one of the encodings that Windows programs save."""
-    data = draft.data
-    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        encoding, sentence = "utf-16", ""
-    elif data.removeprefix(codecs.BOM_UTF8).lstrip().startswith(b"{"):
-        encoding, sentence = "utf-8-sig", ""
-        try:
-            data.decode(encoding)
-        except UnicodeDecodeError:
-            encoding, sentence = (
-                "latin-1",
-                f"{draft.name} is not encoded in UTF-8, so letters with accents may be wrong. "
-                "Save it again in Jupyter.",
-            )
-    else:
-        encoding, sentence = "utf-8-sig", ""
-    try:
-        draft.text = data.decode(encoding)
-    except UnicodeDecodeError:
-        raise UnreadableNotebook(
-            f"{draft.name} is not a notebook, because it is not text. Save the notebook again in "
-            "Jupyter and submit the .ipynb file."
-        ) from None
-    if not draft.text.strip(" \t\r\n\0"):
-        raise UnreadableNotebook(
-            f"{draft.name} is empty. Save the notebook again in Jupyter and submit it."
-        )
+def _read_text(draft: _Draft) -> str:
+    """Unpack and decode the bytes."""
+    draft.text, sentence = text_of(draft.data, draft.name)
     return sentence
 
 
@@ -152,44 +135,23 @@ def _count_brackets(draft: _Draft) -> str:
 def _parse(draft: _Draft) -> str:
     """Parse JSON; ignore text after its end, and keep the complete cells of a damaged file."""
     text = draft.text.lstrip(" \t\r\n\0")
-    try:
-        draft.content, end = json.JSONDecoder().raw_decode(text)
-    except (ValueError, RecursionError):
-        draft.content = _whole_cells(text)
-        if not draft.content["cells"]:
-            raise UnreadableNotebook(
-                f"{draft.name} is not a notebook, because it is not valid JSON. The upload may "
-                "have been cut off. Submit the file again."
-            ) from None
-        return (
-            f"{draft.name} is damaged or cut off after {len(draft.content['cells'])} of its "
-            "cells. Only these cells were read. Save it again in Jupyter and submit it "
-            "again."
+    draft.content, sentence, is_whole = damaged_json.parse(text, draft.name)
+    if isinstance(draft.content, str):  # the notebook was encoded twice
+        draft.text = draft.content
+        return " ".join(filter(None, (sentence, _count_brackets(draft), _parse(draft))))
+    if is_whole:
+        return sentence
+    if not draft.content["cells"]:
+        raise UnreadableNotebook(
+            f"{draft.name} is not a notebook, because it is not valid JSON. The upload may "
+            "have been cut off. Submit the file again."
         )
-    if text[end:].strip(" \t\r\n\0"):
-        return (
-            f"{draft.name} contains something after the end of the notebook, such as a second "
-            "copy. Only the notebook was read. Save it again in Jupyter and submit it again."
-        )
-    return ""
-
-
-def _whole_cells(text: str) -> dict:
-    """Return a notebook with the cells that are complete before the file breaks off."""
-    begin = re.search(r'"cells"\s*:\s*\[', text)
-    cells, place = [], begin.end() if begin else len(text)
-    decoder = json.JSONDecoder()
-    while True:
-        try:
-            cell, place = decoder.raw_decode(text, _BETWEEN.match(text, place).end())
-        except (ValueError, RecursionError):
-            break
-        if not isinstance(cell, dict):
-            break
-        cells.append(cell)
-    lesson = _LESSON_IN_JSON.search(text)
-    metadata = {"lidar_obstacle_lab": {"lesson": lesson[1]}} if lesson else {}
-    return {"cells": cells, "metadata": metadata}
+    cut_off = (
+        f"{draft.name} is damaged or cut off after {len(draft.content['cells'])} of its "
+        "cells. Only these cells were read. Save it again in Jupyter and submit it "
+        "again."
+    )
+    return " ".join(filter(None, (sentence, cut_off)))
 
 
 def _find_cells(draft: _Draft) -> str:
@@ -197,7 +159,7 @@ def _find_cells(draft: _Draft) -> str:
 
     A file may contain lists for nbformat 3 and 4; Jupyter shows only those of the declared format.
     """
-    content = draft.content if isinstance(draft.content, dict) else {}
+    content = _without_wrapper(draft.content)
     number = content.get("nbformat")
     old = number < 4 if type(number) is int else "cells" not in content
     sheets = _as_list(content.get("worksheets")) if old else [content]
@@ -209,10 +171,21 @@ def _find_cells(draft: _Draft) -> str:
         )
     draft.old = old
     draft.found = [cell for cells in lists for cell in _as_list(cells)]
-    course = _as_dict(_as_dict(content.get("metadata")).get("lidar_obstacle_lab"))
-    name = course.get("lesson")
-    draft.lesson_name = name if isinstance(name, str) else ""
+    metadata = _as_dict(content.get("metadata"))
+    draft.lesson_name = _as_text(_as_dict(metadata.get("lidar_obstacle_lab")).get("lesson"))
+    version = _as_text(_as_dict(metadata.get("language_info")).get("version"))
+    numbers = re.match(r"(\d{1,3})\.(\d{1,3})(?!\d)", version, re.ASCII)
+    draft.python = (int(numbers[1]), int(numbers[2])) if numbers else ()
     return ""
+
+
+def _without_wrapper(content: object) -> dict:
+    """Return the notebook in a reply of Jupyter's server, or around a bare list of cells."""
+    if isinstance(content, list) and any("cell_type" in _as_dict(cell) for cell in content):
+        return {"cells": content}
+    content = _as_dict(content)
+    inner = _as_dict(content.get("content"))
+    return inner if "cells" in inner and "cells" not in content else content
 
 
 def _read_cells(draft: _Draft) -> str:
@@ -231,14 +204,28 @@ def _read_cells(draft: _Draft) -> str:
     return ""
 
 
+def _choose_sides(draft: _Draft) -> str:
+    """Keep one side of each merge conflict in a code cell, where some tools leave them."""
+    cells, sentence = [], ""
+    for cell in draft.cells:
+        sides = damaged_json.sides_of_conflicts(cell.source, draft.name)
+        if sides and cell.kind == "code":
+            sentence = sides[0].sentence
+            cell = replace(cell, source=sides[0].text)
+        cells.append(cell)
+    draft.cells = tuple(cells)
+    return sentence
+
+
 # The steps from bytes to cells. Each returns a sentence about its repair if the student may have
 # lost work.
 STEPS: tuple[Callable[[_Draft], str], ...] = (
-    _decode,
+    _read_text,
     _count_brackets,
     _parse,
     _find_cells,
     _read_cells,
+    _choose_sides,
 )
 
 
@@ -251,18 +238,21 @@ def _cell(cell: dict, old: bool) -> Cell:
         kind = "code" if runs else "raw" if kind == "html" else "markdown"
     places = ("input", "source") if old and kind == "code" else ("source", "input")
     grading = _as_dict(_as_dict(cell.get("metadata")).get("nbgrader"))
-    grade_id = grading.get("grade_id")
     return Cell(
         kind,
-        next((_text(cell[place]) for place in places if place in cell), ""),
-        grade_id if isinstance(grade_id, str) else "",
+        next((_source(cell[place]) for place in places if place in cell), ""),
+        _as_text(grading.get("grade_id")),
         _as_dict(cell.get("attachments")),
     )
 
 
-def _text(source: object) -> str:
+def _source(source: object) -> str:
     lines = [source] if isinstance(source, str) else _as_list(source)
-    return "".join(line for line in lines if isinstance(line, str))
+    return _as_text("".join(line for line in lines if isinstance(line, str)))
+
+
+def _as_text(value: object) -> str:
+    return without_half_characters(value) if isinstance(value, str) else ""
 
 
 def _as_list(value: object) -> list:

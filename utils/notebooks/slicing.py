@@ -16,40 +16,39 @@ from collections.abc import Iterable, Iterator
 from types import CodeType
 
 from utils.notebooks.magics import parse_cell
+from utils.notebooks.skipped_cells import SkippedCell, hidden_cell, invalid_cell
 from utils.notebooks.statements import Statement, describe
 
 
-def parse_notebook(cells: Iterable[str]) -> tuple[list[Statement], list[str]]:
+def parse_notebook(
+    cells: Iterable[str], python: tuple[int, ...] = ()
+) -> tuple[list[Statement], list[SkippedCell]]:
     """Parse the top-level statements of a notebook's code cells.
 
     Parameters
     ----------
     cells : iterable of str
         Source of each code cell.
+    python : tuple of int, optional
+        The version of Python that ran the notebook, if it is known.
 
     Returns
     -------
     statements : list of Statement
-    problems : list of str
-        One sentence for each cell that is not valid Python.
+    skipped : list of SkippedCell
+        The cells that are not valid Python, or whose magic keeps their code from the notebook.
     """
-    statements, problems, future = [], [], 0
+    statements, skipped, future = [], [], 0
     for number, source in enumerate(cells, start=1):
         try:
             nodes = parse_cell(source).body
             future |= _future_flags(nodes)
             statements += [describe(number, node, future) for node in nodes]
-        except SyntaxError as error:
-            line = (error.text or "").strip()
-            problems.append(
-                f"Code cell {number} is not valid Python, so it was skipped: "
-                f"{error.msg} (line {error.lineno}: {line[:80]!r})."
-            )
+            hidden = None if nodes else hidden_cell(number, source)
+            skipped += [hidden] if hidden else []
         except Exception as error:  # untrusted text can break the parser in many ways
-            problems.append(
-                f"Code cell {number} could not be read ({type(error).__name__}), so it was skipped."
-            )
-    return statements, problems
+            skipped.append(invalid_cell(number, source, error, python))
+    return statements, skipped
 
 
 def slice_for(names: Iterable[str], statements: list[Statement]) -> list[Statement]:

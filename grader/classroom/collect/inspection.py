@@ -23,12 +23,16 @@ from grader.classroom.collect.zips import (
 from grader.classroom.contents import NotebookContent, lesson_by_name
 from grader.intake.reader_process import ReadingFailed, TooCostly, run_in_child
 from grader.intake.submission import LARGEST_MODULE
-from utils.notebooks.reading import UnreadableNotebook
+from utils.notebooks.reading import UnreadableNotebook, is_lfs_pointer
 
 DEEPEST = 3  # levels of nested zips
 TOO_MUCH_OF_A_STUDENT = f"more than {MOST_BYTES_OF_A_STUDENT // 2**20} MB of notebooks"
 NOTEBOOK, MODULE, SUBSTITUTE, OTHER = "notebook", "module", "work", "other"
 
+_LFS_POINTER = (
+    "is a Git LFS pointer: Git has not downloaded the notebook itself. Run `git lfs pull` in the "
+    "checkout, and collect again"
+)
 _ASK = "Inspect the file, and ask for the .ipynb file without a zip"
 
 # File types that students submit instead of a notebook.
@@ -112,6 +116,8 @@ def _unpack(
     kind = kind_of(name)
     if name.lower().endswith(".zip"):
         return _unpack_zip(data, path, depth + 1)
+    if kind == NOTEBOOK and is_lfs_pointer(data):
+        return [UnpackedFile(path, SUBSTITUTE, complaint=_LFS_POINTER)]
     if kind == NOTEBOOK:
         try:
             return [UnpackedFile(path, kind, data, saved, contents.content_of(data, name))]

@@ -182,6 +182,11 @@ class StudentCollector:
             return UNANSWERED
         if state != KEPT:
             self._place_modules(folder, file, files)
+        if file.unpacked.complaint:
+            text = (
+                f"{file.unpacked.complaint}. It was collected, and the judge will give it 0 points"
+            )
+            self._report.remarks.append(Question(file.name, text))
         return state
 
     def _place_modules(

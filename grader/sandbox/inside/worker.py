@@ -34,6 +34,7 @@ import wire_format  # noqa: E402
 from utils.notebooks import slicing  # noqa: E402
 from utils.notebooks.edits import Edit, edits_of  # noqa: E402
 from utils.notebooks.forbidden import forbidden_part, refusal  # noqa: E402
+from utils.notebooks.skipped_cells import SkippedCell  # noqa: E402
 
 LONGEST_TEXT = 400
 # Limit on the lines that are reported for an exception in nested calls.
@@ -62,7 +63,8 @@ def main(read_end: int, write_end: int) -> None:
     start = wire.receive(read_end)
     sys.meta_path.insert(0, importing.SubmittedModules(importing.WITHOUT_WIDGETS, ()))
     sys.meta_path.append(importing.SubmittedModules(start["modules"], rules["forbidden"]))
-    statements, problems = slicing.parse_notebook(start["cells"])
+    statements, skipped = slicing.parse_notebook(start["cells"], tuple(start["python"]))
+    newer = newer_parts(statements, skipped, start)
     statements, redefined = with_given_code(statements, start["names"], start["given"])
     statements, refusals = without_forbidden(statements, rules["forbidden"])
     needed = slicing.slice_for(start["names"], statements)
@@ -84,8 +86,11 @@ def main(read_end: int, write_end: int) -> None:
     answer_first = sorted(definitions, key=lambda statement: start["edited"] not in statement.binds)
     edits = edits_of(start["cells"], answer_first)
     edit_rows = [[edit.cell, edit.first, edit.last, edit.text] for edit in edits]
+    problems = [cell.sentence for cell in skipped if not cell.magic]
     read = {
         "problems": [*problems, *refusals],
+        "skipped": about_skipped(start["names"], skipped),
+        "newer": newer,
         "uses": uses,
         "lines": lines,
         "own_lines": own_lines,
@@ -118,6 +123,48 @@ def main(read_end: int, write_end: int) -> None:
             )
         else:
             reply(write_end, request["id"], answer(request, namespace, objects))
+
+
+def about_skipped(names: list[str], skipped: list[SkippedCell]) -> dict[str, str]:
+    """Return a text about each function that is defined in a skipped cell."""
+    return {name: cell.about(name) for name in names for cell in skipped if cell.defines(name)}
+
+
+def newer_parts(
+    statements: list[slicing.Statement], skipped: list[SkippedCell], start: dict
+) -> dict[str, str]:
+    """Return a sentence about each function that needs code for a newer Python than this one."""
+    python = tuple(start["python"])
+    reasons = {cell.number: f"Code cell {cell.number} {cell.reason}" for cell in skipped}
+    added = [
+        slicing.describe(cell.number, node, 0)
+        for cell in skipped
+        if cell.newer
+        for node in cell.newer.body
+    ]
+    modules = {}
+    for name, source in start["modules"].items():
+        _, unread = slicing.parse_notebook([source], python)
+        modules.update((name, f"{name}.py {cell.reason}") for cell in unread if cell.newer)
+    # The syntax of an unknown version cannot be parsed at all.
+    unknown = [cell for cell in skipped if cell.newer and not cell.newer.body]
+    found = {
+        name: reasons[cell.number]
+        for name in start["names"]
+        for cell in unknown
+        if cell.defines(name)
+    }
+    if not added and not modules:
+        return found
+    every = sorted([*statements, *added], key=lambda statement: statement.cell)
+    for name in start["names"]:
+        needed = slicing.slice_for([name], every)
+        imported = {module.split(".")[0] for _, module in slicing.imported_modules(needed)}
+        sentences = [reasons[statement.cell] for statement in needed if statement in added]
+        sentences += [modules[module] for module in imported & modules.keys()]
+        if sentences:
+            found[name] = sentences[0]
+    return found
 
 
 def with_given_code(

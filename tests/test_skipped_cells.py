@@ -1,0 +1,96 @@
+"""A cell that the judge skips is named; if a newer Python could run it, no points are lost."""
+
+import json
+
+import pytest
+
+from grader.course.kept_answers import fill_in
+from grader.course.lessons import find_lesson
+from grader.intake.submission import SubmittedFiles
+from grader.judging.judge import judge_files
+from grader.judging.verdict import FAILED, JUDGED, MessageKind
+from grader.sandbox import Limits
+
+LESSON = find_lesson("06_filter_ground")
+BODY = "    return cloud[cloud[:, 2] >= ground_level]"
+RIGHT = f"def filter_ground(cloud, ground_level=-1.2):\n{BODY}\n"
+# Python 3.14 accepts this; the oldest and the newest Python of the course do not.
+NEWER = f"def keep(cloud, ground_level):\n    try:\n    {BODY}\n    except IndexError, TypeError:\n"
+NEWER += "        return cloud\n"
+CALLS_NEWER = "def filter_ground(cloud, ground_level=-1.2):\n    return keep(cloud, ground_level)\n"
+
+
+def judged(sandbox, *cells, python=None, modules=None, filled=None, limits=None):
+    """Return the verdict on a notebook with some cells at its end, and its first message."""
+    notebook = json.loads(fill_in(LESSON, filled or {}))
+    notebook["cells"] += [
+        {"cell_type": "code", "metadata": {}, "outputs": [], "source": cell} for cell in cells
+    ]
+    if python:
+        notebook["metadata"]["language_info"] = {"name": "python", "version": python}
+    data = json.dumps(notebook).encode()
+    files = SubmittedFiles(f"{LESSON.name}.ipynb", data, modules=modules or {})
+    verdict = judge_files(files, 1, sandbox, LESSON, limits=limits)
+    tests = verdict.exercises[0].tests
+    return verdict, tests[0] if tests else None
+
+
+@pytest.mark.parametrize("python", [None, "3.14.2"])
+def test_code_for_a_newer_python_gets_no_mark(sandbox, python):
+    verdict, _ = judged(sandbox, NEWER, CALLS_NEWER, python=python)
+    assert verdict.status == FAILED and verdict.score == 0
+    assert "needs Python 3.14 or later, and this judge has Python 3." in verdict.reason
+    assert verdict.reason.endswith("No points were given or taken away.")
+    assert [exercise.max_score for exercise in verdict.exercises] == [10, 20]
+
+
+def test_a_submitted_module_for_a_newer_python_gets_no_mark(sandbox):
+    cell = f"from helpers import keep\n{CALLS_NEWER}"
+    verdict, _ = judged(sandbox, cell, modules={"helpers": NEWER, "unused": "x = = 3"})
+    assert verdict.status == FAILED and verdict.reason.startswith("helpers.py needs Python 3.14")
+
+
+def test_invalid_code_of_a_version_with_unknown_syntax_gets_no_mark(sandbox):
+    verdict, _ = judged(sandbox, RIGHT.replace("return", "return = ="), python="3.99.0")
+    assert verdict.status == FAILED and "needs Python 3.99 or later" in verdict.reason
+
+
+def test_code_for_a_newer_python_does_not_matter_where_nothing_needs_it(sandbox):
+    verdict, _ = judged(sandbox, NEWER, RIGHT)
+    assert verdict.status == JUDGED and verdict.exercises[0].score == 10
+
+
+def test_code_that_the_students_own_python_refused_is_judged(sandbox):
+    verdict, check = judged(sandbox, NEWER.replace("keep", "filter_ground"), python="3.12.1")
+    assert verdict.status == JUDGED and not check.passed
+    assert "filter_ground is in code cell" in check.message
+
+
+@pytest.mark.parametrize(
+    "source, reason",
+    [
+        (RIGHT.replace("    return", "\u00a0   return"), "U+00A0"),
+        (RIGHT.replace("):", ")"), "expected ':'"),
+        (f"%%timeit\n{RIGHT}", "begins with %%timeit. Delete that line"),
+    ],
+)
+def test_a_function_in_a_skipped_cell_is_neither_missing_nor_a_stub(sandbox, source, reason):
+    """The stub of the exercise is still above."""
+    verdict, check = judged(sandbox, source)
+    assert verdict.status == JUDGED and verdict.exercises[0].score == 0
+    assert check.kind == MessageKind.OWN
+    assert reason in check.message and "which was skipped" in check.message
+    hidden = [test for test in verdict.exercises[0].tests if not test.visible]
+    assert {test.kind for test in hidden} == {MessageKind.SAME_REASON}
+    filled, check = judged(sandbox, filled={"filter_ground": source})
+    assert filled.exercises[0].score == 0 and reason in check.message
+
+
+def test_more_cells_than_can_be_read_in_time_are_the_reason_for_a_zero(sandbox):
+    """Reading takes longer than a millisecond on every machine."""
+    cells = [f"x{number} = {number}" for number in range(3000)]
+    limits = Limits(start_seconds=0.001)
+    verdict, check = judged(sandbox, *cells, RIGHT, limits=limits)
+    assert verdict.score == 0
+    assert "could not read the notebook's 3,0" in check.message
+    assert "Delete the cells that the exercises do not need." in check.message
