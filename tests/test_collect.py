@@ -702,14 +702,14 @@ def test_a_given_notebook_is_a_submission_if_a_part_of_it_cannot_be_read(course,
     """A merge conflict, or a missing end, may hide the student's work."""
     lines = json.dumps(json.loads(released()), indent=1).split("\n")
     place = next(n for n, line in enumerate(lines) if '"execution_count"' in line)
-    conflict = ["<<<<<<< HEAD", lines[place], "=======", lines[place], "    lines[place : place + 1] = conflict
+    conflict = ["<<<<<<< HEAD", lines[place], "=======", lines[place], ">>>>>>> main"]
+    lines[place : place + 1] = conflict
     files = {SIX: "\n".join(lines).encode(), SEVEN: released(SEVEN)[:-20], EIGHT: released(EIGHT)}
     given = {f"{name}.ipynb": data for name, data in files.items()}
     checkout(tmp_path / "hw", "hw-3-ada-l", given)
     checkout(tmp_path / "hw", "hw-3-bmu", {f"{SIX}.ipynb": notebook()})
     outcome = collect(course, tmp_path / "hw")
     assert states(outcome) == {"ada": {"06": "new", "07": "new"}, "bjorn": {"06": "new"}}
->>>>>>> 09b1d8f63e8f6f1c398f458d015bf6e29057deb6
 
 
 @pytest.mark.parametrize(

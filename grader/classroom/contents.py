@@ -6,7 +6,7 @@ import functools
 import os
 import re
 from dataclasses import dataclass
-from pathlib import Path, PurePath
+from pathlib import Path
 
 from grader.course.lessons import Lesson, all_lessons, find_lesson
 from grader.intake.notebook import read_file
