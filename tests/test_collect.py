@@ -922,7 +922,7 @@ def test_a_damaged_file_is_placed_if_there_is_no_other(course):
     assert states(outcome) == {"ada": {"06": "new"}}
     assert placed(course, "ada") == {f"{SIX}.ipynb": broken}
     (remark,) = outcome.remarks
-    assert remark.text.startswith("is not a notebook: it is not valid JSON. It was collected")
+    assert remark.text.startswith("is not a notebook, because it is not valid JSON. It was collected")
 
 
 def test_a_file_that_git_has_not_downloaded_is_not_placed(course, tmp_path):
