@@ -141,7 +141,7 @@ def test_too_much_is_refused_and_the_earlier_submission_stays(inbound, collect, 
     monkeypatch.setattr(exchange_collection, "MOST_BYTES_OF_A_STUDENT", 100)
     collected, warnings = collect(update=True)
     assert collected[f"{ME}/{STAGE}/{NOTEBOOK}"] == "first"
-    assert any("is too large" in text for text in warnings)
+    assert any("is larger than the remaining" in text for text in warnings)
     monkeypatch.undo()
     assert collect()[0][f"{ME}/{STAGE}/{NOTEBOOK}"] == "first"
     assert collect(update=True)[0][f"{ME}/{STAGE}/{NOTEBOOK}"] == "second" * 100
