@@ -306,7 +306,8 @@ def _collected_table(report: CollectionReport) -> Table:
         table.add_column(lesson.number, no_wrap=True)
     table.add_column("When" if report.late or report.undecided else "")
     for student, states in report.states.items():
-        when = report.undecided.get(student, "late" if student in report.late else "")
+        is_late = student in report.late
+        when = "unknown" if student in report.undecided else "late" if is_late else ""
         table.add_row(
             escape(plain(student)),
             *(states.get(lesson, "-") for lesson in report.lessons),
@@ -344,11 +345,18 @@ def _collected_sentences(report: CollectionReport) -> Iterator[str]:
     if report.ignored:
         some = ", ".join(list(report.ignored)[:5]) + (", …" if len(report.ignored) > 5 else "")
         yield f"Not collected, because no lesson needs these files: {some}."
+    students_by_reason: dict[str, list[str]] = {}
+    for student, reason in report.undecided.items():
+        students_by_reason.setdefault(reason, []).append(student)
+    for reason, students in students_by_reason.items():
+        yield (
+            f"It is not known whether these students were late: {', '.join(students)}. The reason: "
+            f"{reason}."
+        )
     if report.undecided:
         yield (
-            f"It is not known whether these students were late: {', '.join(report.undecided)}. "
-            "Write the time into timestamp.txt in the student's folder, such as 2026-11-22 "
-            "18:30:00 UTC."
+            "Write the missing times into timestamp.txt in the students' folders, such as "
+            "2026-11-22 18:30:00 UTC."
         )
     if report.late:
         yield (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import csv
 import io
 
@@ -9,6 +10,18 @@ SEPARATORS = ",;\t"
 # A spreadsheet treats a cell that begins with one of these as a formula, and may execute it.
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
 csv.field_size_limit(2**24)  # for this process, because platforms export long texts
+
+
+def decode_text(data: bytes, errors: str = "strict") -> str:
+    """Decode a text file in UTF-8 or, as Windows writes it, with a byte order mark or in UTF-16.
+
+    Raises
+    ------
+    UnicodeDecodeError
+        Unless `errors` names another reaction; see `bytes.decode`.
+    """
+    is_utf_16 = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    return data.decode("utf-16" if is_utf_16 else "utf-8-sig", errors)
 
 
 def harmless_cell(text: str) -> str:
