@@ -377,7 +377,7 @@ def _print_questions(console: Console, title: str, questions: Sequence[Question]
 
 
 def _late_texts(results: ClassResults | None, stages: Collection[str]) -> dict[str, str]:
-    """Return the delay and penalty of each late student, or "undecided" if they are not known.
+    """Return the delay and penalty of each late student, or "time unknown".
 
     If there are several stages, the texts name the stage: ``stage3 1.4 d -18``.
     """
@@ -388,7 +388,7 @@ def _late_texts(results: ClassResults | None, stages: Collection[str]) -> dict[s
             time = f"{hours / 24:.1f} d" if hours >= 24 else f"{hours:.1f} h"
             cost = f" -{one.penalty:.3g}" if one.penalty else ""
             which = f"{one.stage.partition('_')[0]} " if len(stages) > 1 else ""
-            what = f"{time}{cost}" if one.late else "undecided"
+            what = f"{time}{cost}" if one.late else "time unknown"
             late.setdefault(one.student, []).append(which + what)
     return {student: ", ".join(texts) for student, texts in late.items()}
 

@@ -13,7 +13,7 @@ from grader.lms.results import EXCUSED, MISSING, WAITING, ClassResults
 SECTIONS = {
     "waiting": ("marks", "notebook waits for a grader", "notebooks wait for a grader"),
     "failed": ("marks", "notebook could not be judged", "notebooks could not be judged"),
-    "undecided": ("undecided", "submission time is undecided", "submission times are undecided"),
+    "undecided": ("undecided", "submission time is unknown", "submission times are unknown"),
     "same": ("same", "file came from several students", "files came from several students"),
     "stopped": ("stopped", "notebook ran out of time", "notebooks ran out of time"),
     "repaired": ("repaired", "file was repaired or noted", "files were repaired or noted"),

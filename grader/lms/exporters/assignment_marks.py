@@ -134,7 +134,7 @@ def _notes(
         "Provisional, because a grader still has to grade a part", _by_lesson(waiting)
     )
     yield list_sentence("Counted as 0, because nothing was submitted", _by_lesson(zeros))
-    yield list_sentence("No penalty subtracted, because lateness is undecided", undecided)
+    yield list_sentence("No penalty subtracted, because the submission time is unknown", undecided)
     for standing, people in without.items():
         yield list_sentence(UNMARKED_TITLES[standing], (person.display_name for person in people))
 
