@@ -330,7 +330,8 @@ def _collected_table(report: CollectionReport) -> Table:
         table.add_column(lesson.number, no_wrap=True)
     table.add_column("When" if report.late or report.undecided else "")
     for student, states in report.states.items():
-        when = report.undecided.get(student, "late" if student in report.late else "")
+        is_late = student in report.late
+        when = "unknown" if student in report.undecided else "late" if is_late else ""
         table.add_row(
             escape(plain(student)),
             *(states.get(lesson, "-") for lesson in report.lessons),
@@ -368,10 +369,18 @@ def _collected_sentences(report: CollectionReport) -> Iterator[str]:
     if report.ignored:
         some = ", ".join(list(report.ignored)[:5]) + (", …" if len(report.ignored) > 5 else "")
         yield f"Files that no lesson needs were not collected: {some}."
+    students_by_reason: dict[str, list[str]] = {}
+    for student, reason in report.undecided.items():
+        students_by_reason.setdefault(reason, []).append(student)
+    for reason, students in students_by_reason.items():
+        yield (
+            f"It is not known whether these students were late: {', '.join(students)}. The reason: "
+            f"{reason}."
+        )
     if report.undecided:
         yield (
-            f"Lateness is undecided for: {', '.join(report.undecided)}. Write the submission time "
-            "into timestamp.txt in each student's folder, such as 2026-11-22 18:30:00 UTC."
+            "Write the missing times into timestamp.txt in the students' folders, such as "
+            "2026-11-22 18:30:00 UTC."
         )
     if report.late:
         yield (
@@ -392,7 +401,7 @@ def _print_questions(console: Console, title: str, questions: Sequence[Question]
 
 
 def _late_texts(results: ClassResults | None, stages: Collection[str]) -> dict[str, str]:
-    """Return the delay and penalty of each late student, or "undecided" if they are not known.
+    """Return the delay and penalty of each late student, or "time unknown".
 
     If there are several stages, the texts name the stage: ``stage3 1.4 d -18``.
     """
@@ -403,7 +412,7 @@ def _late_texts(results: ClassResults | None, stages: Collection[str]) -> dict[s
             time = f"{hours / 24:.1f} d" if hours >= 24 else f"{hours:.1f} h"
             cost = f" -{one.penalty:.3g}" if one.penalty else ""
             which = f"{one.stage.partition('_')[0]} " if len(stages) > 1 else ""
-            what = f"{time}{cost}" if one.late else "undecided"
+            what = f"{time}{cost}" if one.late else "time unknown"
             late.setdefault(one.student, []).append(which + what)
     return {student: ", ".join(texts) for student, texts in late.items()}
 

@@ -109,7 +109,113 @@ def test_an_unreadable_time_stays_undecided(course):
     collect(course, lesson(course, SIX), times=table(course, EARLY))
     (folder(course) / "timestamp.txt").write_text("Tuesday, I think")
     collect(course, lesson(course, SEVEN), times=table(course, EARLY))
-    assert time_of(course) == "timestamp.txt does not contain a valid time"
+    reason = "timestamp.txt has 'Tuesday, I think', which is not a time such as 2026-10-12 23:59"
+    assert time_of(course) == reason
+
+
+def remark(outcome):
+    """Return the only remark, which is about Ada, or an empty string."""
+    if not outcome.remarks:
+        return ""
+    (found,) = outcome.remarks
+    assert found.name == "ada"
+    return found.text
+
+
+def test_an_earlier_time_for_the_same_files_is_entered(course):
+    path = lesson(course, SIX)
+    collect(course, path, times=table(course, LATE))
+    outcome = collect(course, path, times=table(course, EARLY))
+    assert time_of(course) == utc(EARLY)
+    assert remark(outcome).startswith(f"The submission time was {LATE} and is now {EARLY}, because")
+    assert LATE.encode() + b"\n" in older(course, "ada")
+    assert remark(collect(course, path, times=table(course, EARLY))) == ""
+
+
+def test_a_later_time_for_the_same_files_is_named_with_a_way_to_enter_it(course):
+    """It may belong to another attempt with the same file, so a person decides."""
+    path = lesson(course, SIX)
+    collect(course, path, times=table(course, EARLY))
+    text = remark(collect(course, path, times=table(course, LATE)))
+    assert f"has {LATE!r}, but submitted/ada/{STAGE}/timestamp.txt has {EARLY} for" in text
+    assert time_of(course) == utc(EARLY)
+    assert f"write {LATE} into timestamp.txt" in text
+    (folder(course) / "timestamp.txt").write_text(LATE)
+    assert remark(collect(course, path, times=table(course, LATE))) == ""
+    assert time_of(course) == utc(LATE)
+
+
+@pytest.mark.parametrize(
+    ("zone", "expected"),
+    [("America/New_York", "2026-10-12 21:00:00 UTC"), ("Asia/Tokyo", "2026-10-12 08:00:00 UTC")],
+)
+def test_a_time_is_read_again_in_another_time_zone(course, zone, expected):
+    path, times = lesson(course, SIX), table(course, "2026-10-12 17:00")
+    deadlines = course.root / "deadlines.toml"
+    deadlines.write_text('timezone = "Europe/Berlin"\n')
+    collect(course, path, times=times)
+    deadlines.write_text(f'timezone = "{zone}"\n')
+    text = remark(collect(course, path, times=times))
+    assert f"was 2026-10-12 15:00:00 UTC and is now {expected}, because" in text
+    assert time_of(course) == utc(expected)
+
+
+@pytest.mark.parametrize("text", ["garbage", "03/04/2026 23:59", "22.11.2026 1:10"])
+def test_an_unreadable_time_in_the_table_is_quoted_even_if_there_is_an_earlier_time(course, text):
+    path = lesson(course, SIX)
+    collect(course, path, times=table(course, EARLY))
+    outcome = collect(course, path, times=table(course, text))
+    assert f"has {text!r}, which is not a time" in remark(outcome)
+    assert f"so the earlier time, {EARLY}, still counts" in remark(outcome)
+    assert not outcome.undecided and time_of(course) == utc(EARLY)
+    assert remark(collect(course, path, times=table(course, "-"))) == ""
+
+
+@pytest.mark.parametrize("written_after", ["the first run", "no run"])
+def test_a_time_written_by_hand_is_stronger_than_a_table(course, written_after):
+    if written_after == "the first run":
+        collect(course, lesson(course, SIX), times=table(course, LATE))
+    else:
+        folder(course).mkdir(parents=True)
+        (folder(course) / f"{SIX}.ipynb").write_bytes(notebook(SIX, "x = 1"))
+    (folder(course) / "timestamp.txt").write_text("2026-10-15 10:00:00 UTC")
+    for time in (EARLY, LATE):
+        text = remark(collect(course, lesson(course, SIX), times=table(course, time)))
+        assert f"write {time} into timestamp.txt" in text
+        assert time_of(course) == utc("2026-10-15 10:00:00 UTC")
+    collect(course, lesson(course, SEVEN), times=table(course, EARLY))
+    if written_after == "the first run":  # the time now belongs to the first file
+        text = remark(collect(course, lesson(course, SIX), times=table(course, EARLY)))
+        assert f"write {EARLY} into timestamp.txt" in text
+    assert time_of(course) == utc("2026-10-15 10:00:00 UTC")
+
+
+def test_an_assignment_for_each_lesson_may_have_its_own_times(course):
+    """The same module is next to both notebooks, and each download is collected twice."""
+    module = ("ada/helper.py", b"y = 1")
+    paths = [
+        archive(course, [(f"ada/{name}.ipynb", notebook(name)), module], f"{name}.zip")
+        for name in (SIX, SEVEN)
+    ]
+    for _ in range(2):
+        for path, time in zip(paths, (EARLY, LATE), strict=True):
+            assert remark(collect(course, path, times=table(course, time))) == ""
+    assert time_of(course) == utc(LATE)
+
+
+def test_a_time_in_the_table_is_not_compared_with_that_of_newer_files(course):
+    first, second = resubmission(course, notebook(text="first"), notebook(text="second"))
+    collect(course, second, times=table(course, EARLY))
+    outcome = collect(course, first, times=table(course, LATE))
+    assert states(outcome) == {"ada": {"06": "kept"}} and remark(outcome) == ""
+    assert time_of(course) == utc(EARLY)
+
+
+def test_an_unreadable_row_is_not_hidden_by_a_readable_one(course):
+    times = table(course, EARLY)
+    times.write_text(times.read_text() + "ada,12/11/2026 10:00\n")
+    outcome = collect(course, lesson(course, SIX), times=times)
+    assert "'12/11/2026 10:00'" in outcome.undecided["ada"] == time_of(course)
 
 
 class Stopped(BaseException):
@@ -130,6 +236,38 @@ def stop_at(change, calls, number, after):
     return changing
 
 
+@contextlib.contextmanager
+def stopped_at(monkeypatch, number, after):
+    """Stop what runs inside at its nth change of a file; yield the list of changes."""
+    changes = []
+    with monkeypatch.context() as patch, contextlib.suppress(Stopped):
+        for owner, name in (
+            (storage, "write_atomically"),
+            (record, "write_atomically"),
+            (Path, "unlink"),
+        ):
+            patch.setattr(owner, name, stop_at(getattr(owner, name), changes, number, after))
+        yield changes
+
+
+@pytest.mark.end_to_end
+@pytest.mark.parametrize("after", [False, True])
+def test_a_stopped_correction_of_a_time_is_completed_by_the_next_run(tmp_path, monkeypatch, after):
+    for number in range(1, 30):
+        course = make_course(tmp_path / str(number))
+        path = lesson(course, SIX)
+        collect(course, path, times=table(course, LATE))
+        times = table(course, EARLY)
+        with stopped_at(monkeypatch, number, after) as changes:
+            collect(course, path, times=times)
+        assert isinstance(time_of(course), str) or time_of(course) in (utc(EARLY), utc(LATE))
+        collect(course, path, times=times)
+        assert time_of(course) == utc(EARLY)
+        if len(changes) < number:
+            break
+    assert 4 < number < 29
+
+
 @pytest.mark.end_to_end
 @pytest.mark.parametrize("after", [False, True])
 @pytest.mark.parametrize("written_by", ["the grader", "a person", "no one"])
@@ -144,14 +282,8 @@ def test_new_work_never_gets_the_time_of_old_work_if_a_run_is_stopped(
         if written_by == "a person":
             (folder(course) / "timestamp.txt").write_text(EARLY)
         before = time_of(course)
-        new_times, changes = table(course, LATE), []
-        with monkeypatch.context() as patch, contextlib.suppress(Stopped):
-            for owner, name in (
-                (storage, "write_atomically"),
-                (record, "write_atomically"),
-                (Path, "unlink"),
-            ):
-                patch.setattr(owner, name, stop_at(getattr(owner, name), changes, number, after))
+        new_times = table(course, LATE)
+        with stopped_at(monkeypatch, number, after) as changes:
             collect(course, second, times=new_times)
         is_new = placed(course, "ada")[f"{SIX}.ipynb"] == notebook(text="second")
         found = time_of(course)

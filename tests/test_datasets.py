@@ -101,7 +101,8 @@ class TestLoadSequence:
     def test_progress_is_printed_only_in_notebooks(self, capfd):
         datasets.load_sequence("highway")
         printed, errors = capfd.readouterr()
-        assert errors == "" and ("Simulating" in printed) == ("ipykernel" in __import__("sys").modules)
+        in_notebook = "ipykernel" in __import__("sys").modules
+        assert errors == "" and ("Simulating" in printed) == in_notebook
 
     def test_the_error_about_an_unknown_name_lists_known_names(self):
         with pytest.raises(ValueError, match="highway, city, cyclist"):

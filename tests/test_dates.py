@@ -221,6 +221,42 @@ def test_a_manual_extension_counts_until_the_file_names_the_student(course):
     assert note_texts(course) == []
 
 
+@pytest.mark.parametrize(
+    ("time", "zone", "says", "lines"),
+    [
+        ("19:59", "Europe/Berlin", ("1 h 59 min late", "on time"), ("UTC", "+0200")),
+        ("17:59", "America/New_York", ("on time", "3 h 59 min late"), ("UTC", "-0400")),
+    ],
+)
+def test_a_time_without_a_zone_is_named_if_its_zone_matters(course, time, zone, says, lines):
+    dates = f'timezone = "{zone}"\n[{STAGE}]\ndue = 2026-05-01T18:00:00Z\n'
+    path = course.submitted / "ada" / STAGE / "timestamp.txt"
+    path.write_text(f"2026-05-01 {time}:00")
+    submit_at(course, "bob", "2026-04-01 12:00:00")
+    assert ("ada" in grade_with(course, dates)) == ("late" in says[0])
+    (sentence,) = note_texts(course)
+    assert f"was read as UTC: {says[0]}. In the time zone of the course" in sentence
+    assert f"the work would be {says[1]}. Write" in sentence
+    for suffix in lines:
+        line = f"2026-05-01 {time}:00{' ' * (suffix == 'UTC')}{suffix}"
+        assert line in sentence
+        path.write_text(line)
+        late = "ada" in grade_with(course, dates)
+        assert late == ("late" in (says[0] if suffix == "UTC" else says[1]))
+        assert note_texts(course) == []
+    path.write_text("2026-04-01 12:00:00")  # on time in both zones
+    grade_with(course, dates)
+    assert note_texts(course) == []
+
+
+def test_a_time_that_cannot_be_read_is_quoted_and_costs_nothing(course):
+    (course.submitted / "ada" / STAGE / "timestamp.txt").write_text("01.03.2026 9:00")
+    assert "ada" not in grade_with(course, HEAD)
+    (sentence,) = note_texts(course)
+    assert "timestamp.txt has '01.03.2026 9:00', which is not a time such as" in sentence
+    assert "so it is not known whether the work is late, and no penalty is subtracted" in sentence
+
+
 def test_a_shorter_extension_in_the_gradebook_is_corrected(course):
     section = f"[{STAGE}.sections]\nB = 2026-03-08T12:00:00\n"
     grade_with(course, HEAD + section)

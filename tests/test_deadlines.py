@@ -122,17 +122,35 @@ def test_students_may_have_their_own_dates_without_a_roster(course):
     [
         ("[stage1_ransac", "in quotation marks"),
         (
+            "[stage1_ransac]\ndue = 12.10.2026 23:59",
+            "deadlines.toml, line 2, due = 12.10.2026 23:59: Expected newline or end of document "
+            "after a statement. Write dates as 2026-10-12T23:59:00.",
+        ),
+        ("due = 2026-10-12T23:59:00", "move due below the heading of its stage."),
+        (
+            '[stage1_ransac]\ndue = 2026-10-12T23:59:00\ntimezone = "UTC"',
+            "[stage1_ransac]: move timezone above the first heading.",
+        ),
+        ('Timezone = "UTC"', "there is no stage or setting Timezone. Choose from: stage1_ransac,"),
+        (
             "[stage1_ransac]\ndue = 2026-10-12T23:59:00\n[stage1_ransac.students]\nmary jane = 1",
             "mary",
         ),
-        ("[stage1]\n", "there is no stage stage1. Choose from: stage1_ransac, stage2_clustering"),
+        (
+            "[stage1]\n",
+            "there is no stage or setting stage1. Choose from: stage1_ransac, stage2_clustering",
+        ),
         ("stage1_ransac = 2026-10-12T23:59:00", "make this a heading, and write due ="),
         ("[stage1_ransac]\nlessons = [1]", "[stage1_ransac], lessons: list the numbers"),
         ('[stage1_ransac]\nlessons = "01"', "[stage1_ransac], lessons: list the numbers"),
         ('[stage1_ransac]\nlessons = ["06"]', "The lessons of this stage are: 01, 02, 03."),
         ("[stage1_ransac]\ndeu = 2026-10-12T23:59:00", "there is no entry deu. Choose from: due,"),
-        ("[stage1_ransac]\ndue = 2026-10-12", "due: 2026-10-12 is not a date with a time."),
-        ('[stage1_ransac]\ndue = "2026-10-12T23:59:00"', "without quotation marks."),
+        (
+            "[stage1_ransac]\ndue = 2026-11-02",
+            "due: 2026-11-02 is not a date with a time. Write it as 2026-11-02T23:59:00.",
+        ),
+        ('[stage1_ransac]\ndue = "12.10.2026 23:59"', "12.10.2026 23:59 is not a date with a time"),
+        ("[stage1_ransac]\ndue = 23:59:00", "23:59:00 is not a date with a time"),
         ('[stage1_ransac]\ndue = "excused"', "excused is not a date"),
         ("[stage1_ransac]\ndue = 9999-12-31T23:59:00-05:00", "out of range"),
         (
@@ -142,7 +160,7 @@ def test_students_may_have_their_own_dates_without_a_roster(course):
         (
             '[stage1_ransac.students]\nanna = "excussed"',
             "students], anna: excussed is not a date with a time. Write it as 2026-10-12T23:59:00, "
-            'without quotation marks, or "excused".',
+            'or "excused".',
         ),
         (
             "[stage1_ransac]\nstudents = 3",
@@ -172,6 +190,29 @@ def test_errors_name_the_entry_and_suggest_a_fix(course, written, says):
     with pytest.raises(DeadlinesError) as trouble:
         read(course, written)
     assert says in str(trouble.value) and str(trouble.value).startswith("deadlines.toml")
+
+
+@pytest.mark.parametrize(
+    "written",
+    [
+        "2026-10-12T23:59",
+        "2026-10-12 23:59  # Monday",
+        "2026-10-12T21:59Z",
+        "2026-10-12T14:59-07:00",
+        '"2026-10-12 23:59"',
+        '"2026-10-12 11:59 PM"',
+        '"Monday, 12 October 2026, 23:59"',
+        '"2026-10-12 21:59:00 UTC"',
+    ],
+)
+def test_dates_with_one_meaning_are_read(course, written):
+    dates = read(
+        course,
+        f'timezone = "Europe/Berlin"\n[stage1_ransac]\ndue = {written}\n'
+        f'[stage1_ransac.students]\n"mary jane"={written}\n',
+    )
+    due = utc(2026, 10, 12, 21, 59)
+    assert dates.due("anna", "stage1_ransac") == dates.due("mary jane", "stage1_ransac") == due
 
 
 def test_a_stage_with_only_excuses_needs_no_date(course):

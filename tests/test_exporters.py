@@ -230,9 +230,9 @@ def test_marks_with_undecided_lateness_are_named():
     why = {THREE: "timestamp.txt is empty"}
     stages = [dataclasses.replace(stage, undecided=why.get(stage.stage, "")) for stage in stages]
     results = ClassResults((ADA,), tuple(notebooks), tuple(stages))
-    note = "No penalty subtracted, because lateness is undecided: ada."
+    note = "No penalty subtracted, because the submission time is unknown: ada."
     assert note in marks(THREE, results)[0].notes and note in marks(SIX, results)[0].notes
-    assert ",undecided," in table(results)[0].content.decode()
+    assert ",unknown," in table(results)[0].content.decode()
     assert note not in marks(THREE)[0].notes
 
 

@@ -4,19 +4,23 @@ import dataclasses
 import datetime
 import functools
 import json
+import math
 import os
 import shutil
 import sqlite3
 from types import SimpleNamespace
 
 import pytest
+from nbconvert.exporters import NotebookExporter
 from nbgrader.api import GradeCell, MissingEntry, SolutionCell, SourceCell
+from nbgrader.converters import Autograde
 
 from grader.classroom.submissions import find_submissions
 from grader.course import paths
 from grader.course.deadlines import Deadlines
 from grader.course.kept_answers import fill_in
 from grader.course.lessons import find_lesson
+from grader.course.nbgrader_settings import make_converter
 from grader.course.paths import Course
 from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict
 from grader.lms import gradebook, gradebook_writer, registration
@@ -26,6 +30,7 @@ from grader.lms.feedback import FeedbackWriter
 from grader.lms.gradebook_check import check_gradebook
 from grader.lms.gradebook_rows import GradebookRow
 from grader.lms.gradebook_writer import GradebookError, enter_verdicts
+from grader.lms.nbgrader_plugin import LatePenalties
 from grader.lms.penalties import load_penalty_plugin
 from grader.lms.registration import register_stages
 from grader.lms.results import MARKED, MISSING, WAITING, GradebookUnavailable
@@ -587,6 +592,38 @@ def test_a_penalty_without_time_applies_to_late_students(entered, hour, lost):
     set_due(entered, hour)
     enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
     assert penalties(entered) == lost
+
+
+@pytest.mark.parametrize(
+    ("due", "submitted", "lost"),
+    [  # Berlin's clocks go back on 25 October 2026, and forward on 28 March 2027
+        ("2026-10-24T20:00", "2026-10-25 19:30 Europe/Berlin", 3.0),  # 24.5 hours
+        ("2026-10-24T20:00", "2026-10-25 20:30 Europe/Berlin", 6.0),
+        ("2027-03-27T20:00", "2027-03-28 19:30 Europe/Berlin", 3.0),
+        ("2027-03-27T20:00", "2027-03-28 20:30 Europe/Berlin", 6.0),  # 23.5 hours
+    ],
+)
+def test_penalties_count_days_on_the_clock(entered, due, submitted, lost):
+    (entered.root / "nbgrader_config.py").write_text(LATE)
+    dates = f'timezone = "Europe/Berlin"\n[{STAGE}]\ndue = {due}:00\n'
+    (entered.root / "deadlines.toml").write_text(dates)
+    (entered.submitted / "ada" / STAGE / "timestamp.txt").write_text(submitted)
+    enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
+    assert penalties(entered) == {"ada": pytest.approx(lost)}
+    (stage,) = [one for one in class_results(entered).stages if one.student == "ada"]
+    assert math.ceil(stage.late / datetime.timedelta(days=1)) == lost / 3
+    with gradebook.open_gradebook(entered) as book:
+        for notebook in book.find_submission(STAGE, "ada").notebooks:
+            notebook.late_submission_penalty = None
+        book.db.commit()
+    plugin = {"plugin_class": "grader.lms.late.PercentPerDay"}  # now with nbgrader's own command
+    converter = make_converter(Autograde, entered.root, STAGE, AssignLatePenalties=plugin)
+    exporter = NotebookExporter(parent=converter, config=converter.config)
+    step = LatePenalties(parent=exporter)
+    names = {"assignment": STAGE, "student": "ada", "db_url": converter.coursedir.db_url}
+    for lesson in (GROUND, DISTANCE):
+        step.preprocess(None, {"nbgrader": {**names, "notebook": lesson.name}})
+    assert penalties(entered) == {"ada": pytest.approx(lost)}
 
 
 def test_without_a_penalty_plugin_late_students_lose_no_points(entered):

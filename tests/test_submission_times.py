@@ -6,7 +6,12 @@ from datetime import UTC, datetime
 import pytest
 
 from grader.classroom.collect.record import FileOrigin, Record, write_record
-from grader.lms.submission_times import SubmissionTimeUnknown, known_time, submission_time
+from grader.lms.submission_times import (
+    SubmissionTimeUnknown,
+    known_time,
+    lacks_zone,
+    submission_time,
+)
 
 LATE = Record({"06.ipynb": FileOrigin("0", "a.zip", "2026-10-14T12:00:00", late=True)})
 OCTOBER = datetime(2026, 10, 1, 10, tzinfo=UTC)
@@ -66,12 +71,28 @@ def test_time_zones_are_read(folders, zone):
     assert submission_time(folders) == OCTOBER
 
 
-@pytest.mark.parametrize("zone", ["AEDT", "PM"])
-def test_an_unknown_time_zone_is_not_utc(folders, zone):
-    write_time(folders[0], f"2026-10-01 11:30:00 {zone}")
-    with pytest.raises(SubmissionTimeUnknown, match=f"unknown on this machine, '{zone}'"):
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("2026-10-01 11:30:00 AEDT", "this machine does not know the time zone 'AEDT'"),
+        ("12.10.2026 12:00", "which is not a time such as 2026-10-12 23:59"),
+        ("10/12/2026 11:59 PM", "which is not a time such as 2026-10-12 23:59"),
+    ],
+)
+def test_a_time_that_has_no_single_meaning_is_unknown_and_quoted(folders, text, reason):
+    write_time(folders[0], text)
+    with pytest.raises(SubmissionTimeUnknown, match=f"timestamp.txt has '{text}', .*{reason}"):
         submission_time(folders)
     assert known_time(folders) is None
+
+
+def test_a_time_without_a_zone_is_recognised(folders):
+    write_time(folders[0], "2026-10-01 12:00:00 UTC")
+    assert not lacks_zone(folders)
+    write_time(folders[1], "2026-10-01 12:00:00")
+    assert lacks_zone(folders)
+    write_time(folders[1], "yesterday")
+    assert not lacks_zone(folders)
 
 
 def test_the_gradebook_stores_times_in_utc_without_a_zone(folders):

@@ -11,23 +11,35 @@
     [stage1_ransac.students]                # also for students without a submission
     anna = 2026-10-19T23:59:00
     noshow = "excused"
+
+Seconds may be left out, and a date may be in quotation marks if it has only one meaning.
 """
 
 from __future__ import annotations
 
+import contextlib
+import re
 import tomllib
 import unicodedata
 import zoneinfo
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from datetime import UTC, datetime, tzinfo
+from datetime import date, datetime, tzinfo
 from pathlib import Path
 
 from grader.course import lessons
 from grader.course.paths import Course
 from grader.course.roster import Person, Roster, read_roster
+from grader.course.times import YEARS, UnclearTime, read_time, to_utc
 
 EXCUSED = "excused"
+# TOML 1.1 allows dates without seconds, which Python's reader of TOML 1.0 refuses.
+_WITHOUT_SECONDS = re.compile(r"(=\s*\d{4}-\d\d-\d\d[Tt ]\d\d:\d\d)(?![:\d])")
+_EXAMPLE = "2026-10-12T23:59:00"
+_PLACES = {
+    "timezone": "above the first heading",
+    **dict.fromkeys(("due", "sections", "students"), "below the heading of its stage"),
+}
 
 
 class DeadlinesError(Exception):
@@ -133,17 +145,19 @@ def read_deadlines(course: Course) -> Deadlines | None:
     if not path.is_file():
         return None
     try:
-        # Unicode has two forms of letters such as ö. The roster is normalized in the same way.
-        table = tomllib.loads(unicodedata.normalize("NFC", path.read_text("utf-8-sig")))
+        # Normalized like the names on the roster, because Unicode has two forms of letters like ö.
+        text = unicodedata.normalize("NFC", path.read_text("utf-8-sig"))
+        table = tomllib.loads(_WITHOUT_SECONDS.sub(r"\1:00", text))
     except UnicodeDecodeError as error:
         raise DeadlinesError(f"{path.name} is not in UTF-8. Save it as UTF-8.") from error
     except tomllib.TOMLDecodeError as error:
         raise DeadlinesError(
-            f"{path.name}: {error}. Put names that contain anything except plain letters, digits, "
-            f'- and _ in quotation marks, such as "mary jane". Write dates without quotation marks.'
+            f"{_place_of(error, path.name, text)}. Write dates as {_EXAMPLE}. Put names that "
+            "contain anything except plain letters, digits, - and _ in quotation marks, such as "
+            '"mary jane".'
         ) from error
     zone = _zone(path.name, table.pop("timezone", None))
-    _check_keys(path.name, table, lessons.stages(), "stage")
+    _check_keys(path.name, table, (*lessons.stages(), "timezone"), "stage or setting")
     roster = read_roster(course)
     all_dates = {
         stage: replace(
@@ -155,6 +169,15 @@ def read_deadlines(course: Course) -> Deadlines | None:
     for stage, dates in all_dates.items():
         _check_names(f"{path.name}, [{stage}", dates, roster)
     return Deadlines(all_dates, roster, zone)
+
+
+def _place_of(error: tomllib.TOMLDecodeError, file: str, text: str) -> str:
+    """Return the file, the line and the reader's complaint."""
+    line = re.search(r" \(at line (\d+), column \d+\)$", str(error))
+    if not line:
+        return f"{file}: {error}"
+    content = text.split("\n")[int(line[1]) - 1].strip()
+    return f"{file}, line {line[1]}, {content}: {str(error)[: line.start()]}"
 
 
 def _zone(file: str, name: object) -> tzinfo | None:
@@ -221,27 +244,30 @@ def _assigned(location: str, table: dict, stage: str) -> tuple[str, ...] | None:
     return tuple(sorted({known[number] for number in map(str, numbers)}))
 
 
-_EXAMPLE = "2026-10-12T23:59:00"
-
-
 def _date(location: str, value: object, zone: tzinfo | None, or_excused: bool = False) -> datetime:
-    """Convert a date from the file to UTC."""
-    if not isinstance(value, datetime):
+    """Return a date from the file, in UTC."""
+    when = value
+    if isinstance(value, str):
+        with contextlib.suppress(UnclearTime):
+            when = read_time(value)
+    if not isinstance(when, datetime):
+        # A date alone could mean the begin or the end of the day.
+        example = f"{value}T23:59:00" if isinstance(value, date) else _EXAMPLE
         other = f', or "{EXCUSED}"' if or_excused else ""
         raise DeadlinesError(
-            f"{location}: {value!s} is not a date with a time. Write it as {_EXAMPLE}, without "
-            f"quotation marks{other}."
+            f"{location}: {value!s} is not a date with a time. Write it as {example}{other}."
         )
-    try:
-        return value.replace(tzinfo=value.tzinfo or zone).astimezone(UTC)
-    except (OverflowError, ValueError, OSError) as error:
+    if when.year not in YEARS:
         raise DeadlinesError(
             f"{location}: {value!s} is out of range. Write a date such as {_EXAMPLE}."
-        ) from error
+        )
+    return to_utc(when, zone)
 
 
 def _check_keys(location: str, table: dict, known: Iterable[str], what: str) -> None:
     for name in table:
+        if name not in known and name in _PLACES:
+            raise DeadlinesError(f"{location}: move {name} {_PLACES[name]}.")
         if name not in known:
             raise DeadlinesError(
                 f"{location}: there is no {what} {name}. Choose from: {', '.join(known)}."

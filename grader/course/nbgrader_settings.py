@@ -76,7 +76,7 @@ def configure(c: Config, root: Path) -> Config:
         "grader.lms.nbgrader_plugin.Judge",  # runs the notebook only in the sandbox
         "nbgrader.preprocessors.LimitOutput",
         "grader.lms.nbgrader_plugin.SaveGrades",
-        "nbgrader.preprocessors.AssignLatePenalties",
+        "grader.lms.nbgrader_plugin.LatePenalties",
         "nbgrader.preprocessors.CheckCellMetadata",
     ]
     c.GenerateFeedback.exporter_class = "grader.lms.nbgrader_feedback.FeedbackExporter"

@@ -54,6 +54,18 @@ class TableError(Exception):
         self.line = line
 
 
+def decode_text(data: bytes, errors: str = "strict") -> str:
+    """Decode a text file in UTF-8 or, as Windows writes it, with a byte order mark or in UTF-16.
+
+    Raises
+    ------
+    UnicodeDecodeError
+        Unless `errors` names another reaction; see `bytes.decode`.
+    """
+    is_utf_16 = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    return data.decode("utf-16" if is_utf_16 else "utf-8-sig", errors)
+
+
 def harmless_cell(text: str) -> str:
     """Escape a text, so that a spreadsheet does not treat it as a formula."""
     return f"'{text}" if text.startswith(FORMULA) else text

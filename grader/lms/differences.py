@@ -57,7 +57,8 @@ def differences(
                 sentences.append(
                     f"{label}: {grade.name} is worth {grade.max_score} points, not {max_score}"
                 )
-        if not _is_close(notebook.late_submission_penalty, penalty_of(submission, notebook, late)):
+        penalty = penalty_of(submission, notebook, late, deadlines)
+        if not _is_close(notebook.late_submission_penalty, penalty):
             sentences.append(f"{label}: the gradebook has a different late penalty")
         if (
             verdict

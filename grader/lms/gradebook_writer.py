@@ -179,7 +179,8 @@ def _enter_one(
         book.db.flush()
         book.db.expire_all()  # reload the sums, which the database computes
         for notebook in submission.notebooks:
-            notebook.late_submission_penalty = penalty_of(submission, notebook, late)
+            penalty = penalty_of(submission, notebook, late, deadlines)
+            notebook.late_submission_penalty = penalty
     replace_folder(draft, folder)
     write_fingerprints(course, entry.student, entry.stage, answers)
     return trouble

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Iterator
-from datetime import UTC
+from datetime import UTC, timedelta, tzinfo
 
 from grader.course.deadlines import Deadlines, deadlines_path
 from grader.course.paths import Course
+from grader.course.times import time_late, to_utc
+from grader.lms.marks_table import duration
 from grader.lms.results import WAITING, ClassResults, StageResult, format_points
 
 DEADLINES = "deadlines.toml"
@@ -65,10 +67,11 @@ def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) ->
         label = f"{stage.student}, {stage.stage}"
         if stage.undecided:
             yield (
-                f"{label}: {stage.undecided}, so lateness is undecided. Write the submission time "
-                "into timestamp.txt in that folder, such as 2026-11-22 18:30:00 UTC, and run "
-                "grade again."
+                f"{label}: {stage.undecided}, so it is not known whether the work is late, and no "
+                "penalty is subtracted. Write the time into timestamp.txt in that folder, such as "
+                "2026-11-22 18:30:00 UTC, and run grade again."
             )
+        yield from _zone_notes(stage, label, deadlines.zone if deadlines else None)
         if deadlines and _is_granted(stage, deadlines):
             until = stage.due.astimezone(UTC)
             yield (
@@ -96,6 +99,27 @@ def unlisted_notes(results: ClassResults) -> Iterator[str]:
             "exports omit these marks. Add a line to roster.csv, or remove the marks: "
             f"nbgrader db student remove {shlex.quote(student)} --force"
         )
+
+
+def _zone_notes(stage: StageResult, label: str, zone: tzinfo | None) -> Iterator[str]:
+    """Yield a sentence if it matters whether a time without a zone is in UTC or in the course's."""
+    if not (stage.lacks_zone and stage.submitted_at and stage.due):
+        return
+    local = to_utc(stage.submitted_at.replace(tzinfo=None), zone).astimezone(zone)
+    late = time_late(local, stage.due, zone)
+    if late == stage.late:
+        return
+    yield (
+        f"{label}: the time in timestamp.txt has no time zone and was read as UTC: "
+        f"{_lateness(stage.late)}. In the time zone of the course, the work would be "
+        f"{_lateness(late)}. Write the zone into that file, as in "
+        f"{stage.submitted_at:%Y-%m-%d %H:%M:%S} UTC or {local:%Y-%m-%d %H:%M:%S%z}, and run grade "
+        "again."
+    )
+
+
+def _lateness(late: timedelta) -> str:
+    return f"{duration(late)} late" if late else "on time"
 
 
 def _is_granted(stage: StageResult, deadlines: Deadlines) -> bool:

@@ -35,7 +35,11 @@ class PercentPerDay(LateSubmissionPlugin):
     def late_submission_penalty(
         self, student_id: str, score: float, total_seconds_late: float
     ) -> float | None:
-        """Return the points to subtract from a notebook, or None if it is on time; see nbgrader."""
+        """Return the points to subtract from a notebook, or None if it is on time; see nbgrader.
+
+        The course passes seconds in which each day on the clock has 86,400; see
+        `grader.lms.penalties`.
+        """
         if total_seconds_late <= 60 * self.grace_minutes:
             return None
         days = math.ceil(total_seconds_late / SECONDS_OF_A_DAY)

@@ -221,9 +221,11 @@ def _late_cell(stages: Sequence[StageResult]) -> MarkCell:
     undecided = [stage for stage in stages if stage.undecided]
     parts = [duration(late)] if late else []
     parts += [f"−{rounded_points(penalty)}"] if penalty else []
-    parts += ["undecided"] if undecided else []
+    parts += ["time unknown"] if undecided else []
     explanation = "; ".join(
-        f"{stage.stage}: {duration(stage.late)} late" for stage in stages if stage.late
+        f"{stage.stage}: {stage.undecided or f'{duration(stage.late)} late'}"
+        for stage in stages
+        if stage.late or stage.undecided
     )
     return MarkCell(", ".join(parts), explanation, late.total_seconds())
 

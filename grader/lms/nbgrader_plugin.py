@@ -1,8 +1,9 @@
 """Plugins that run the judge inside nbgrader, for courses that use nbgrader's own commands.
 
 `CopyExporter` reads a submission in the same way as the judge. `Judge` replaces nbgrader's
-execution of a notebook. `SaveGrades` keeps marks given by a person. `python -m grader grade` uses
-`grader.lms.gradebook_writer` instead of these plugins.
+execution of a notebook. `SaveGrades` keeps marks given by a person, and `LatePenalties` counts days
+late on the clock. `python -m grader grade` uses `grader.lms.gradebook_writer` instead of these
+plugins.
 """
 
 from pathlib import Path
@@ -10,7 +11,7 @@ from pathlib import Path
 from nbconvert.exporters import NotebookExporter
 from nbformat import NotebookNode
 from nbgrader.api import Gradebook
-from nbgrader.preprocessors import NbGraderPreprocessor, SaveAutoGrades
+from nbgrader.preprocessors import AssignLatePenalties, NbGraderPreprocessor, SaveAutoGrades
 from nbgrader.utils import determine_grade
 from traitlets import Enum, Integer
 
@@ -26,6 +27,7 @@ from grader.judging.verdict import JUDGED
 from grader.lms.answers import fingerprints, read_fingerprints, regrade, write_fingerprints
 from grader.lms.autograded import build_copy_in_process, build_judged_copy
 from grader.lms.dates import enter_due_dates, set_extension
+from grader.lms.penalties import penalty_of
 from grader.lms.submission_times import known_time
 from grader.sandbox import AUTO, SANDBOXES, choose_sandbox
 
@@ -111,7 +113,7 @@ class SaveGrades(SaveAutoGrades):
 
 def _enter_dates(course: Course, names: dict) -> None:
     """Enter a student's submission time and due date before nbgrader computes penalties."""
-    deadlines = read_deadlines(course) or Deadlines({})
+    deadlines = _deadlines(course)
     with Gradebook(names["db_url"]) as book:
         enter_due_dates(course, book, deadlines)
         submission = book.find_submission(names["assignment"], names["student"])
@@ -119,6 +121,28 @@ def _enter_dates(course: Course, names: dict) -> None:
         submission.timestamp = known_time([place])
         set_extension(course, submission, deadlines)
         book.db.commit()
+
+
+class LatePenalties(AssignLatePenalties):
+    """Assigns late penalties like nbgrader, but counts days late on the course's clock."""
+
+    def preprocess(self, nb: NotebookNode, resources: dict) -> tuple[NotebookNode, dict]:
+        """Assign the penalty of a notebook; see nbgrader."""
+        names = resources["nbgrader"]
+        deadlines = _deadlines(Course(Path(self.parent.parent.coursedir.root)))
+        self.init_plugin()
+        with Gradebook(names["db_url"]) as book:
+            submission = book.find_submission(names["assignment"], names["student"])
+            notebook = book.find_submission_notebook(
+                names["notebook"], names["assignment"], names["student"]
+            )
+            notebook.late_submission_penalty = penalty_of(submission, notebook, self, deadlines)
+            book.db.commit()
+        return nb, resources
+
+
+def _deadlines(course: Course) -> Deadlines:
+    return read_deadlines(course) or Deadlines({})
 
 
 class CopyExporter(NotebookExporter):

@@ -15,7 +15,7 @@ from grader.lms.results import AUDITOR, EXCUSED, MISSING, WAITING, ClassResults
 SECTIONS = {
     "waiting": ("marks", "notebook to grade by hand", "notebooks to grade by hand"),
     "failed": ("marks", "notebook could not be judged", "notebooks could not be judged"),
-    "undecided": ("undecided", "submission time is undecided", "submission times are undecided"),
+    "undecided": ("undecided", "submission time is unknown", "submission times are unknown"),
     "same": ("same", "file came from several students", "files came from several students"),
     "stopped": ("stopped", "notebook ran out of time", "notebooks ran out of time"),
     "repaired": ("repaired", "repaired or unusual file", "repaired or unusual files"),

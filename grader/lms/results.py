@@ -78,10 +78,13 @@ class StageResult:
     submitted_at, due : datetime or None
         Submission time and due date, with time zones; None if unknown.
     late : timedelta
-        Time between due date and submission; zero if the submission was on time.
+        Time between due date and submission, in which each day on the clock has 24 hours; zero if
+        the submission was on time.
     undecided : str
         Why the submission time is unknown, if the stage has a due date; otherwise empty. A person
         then has to decide whether the submission is late.
+    lacks_zone : bool
+        Whether the submission time was written without a time zone, so that it was read as UTC.
     """
 
     student: str
@@ -94,6 +97,7 @@ class StageResult:
     due: datetime | None = None
     late: timedelta = timedelta()
     undecided: str = ""
+    lacks_zone: bool = False
 
     @property
     def points(self) -> float | None:

@@ -10,6 +10,7 @@ from grader.course.deadlines import Deadlines, read_deadlines
 from grader.course.lessons import Lesson, find_lesson, released_lessons
 from grader.course.paths import Course
 from grader.course.roster import Person, read_roster
+from grader.course.times import time_late
 from grader.lms.gradebook import open_gradebook
 from grader.lms.gradebook_rows import GradebookRow, read_excessive_marks, read_rows
 from grader.lms.people import students_in_gradebook
@@ -25,7 +26,7 @@ from grader.lms.results import (
     combined_status,
     format_points,
 )
-from grader.lms.submission_times import SubmissionTimeUnknown, submission_time
+from grader.lms.submission_times import SubmissionTimeUnknown, lacks_zone, submission_time
 
 
 def class_results(course: Course) -> ClassResults:
@@ -182,11 +183,10 @@ def _stage(
     if row and row.due:
         due = (row.due + (row.extension or timedelta())).replace(tzinfo=UTC)
     submitted_at, undecided = row and row.submitted_at and row.submitted_at.replace(tzinfo=UTC), ""
+    folders = {submission.stage_folder(course) for submission in files}
     if not submitted_at:
         try:
-            submitted_at = submission_time(
-                {submission.stage_folder(course) for submission in files}
-            )
+            submitted_at = submission_time(folders)
         except SubmissionTimeUnknown as error:
             undecided = str(error) if due else ""
     return StageResult(
@@ -198,6 +198,7 @@ def _stage(
         sum(result.penalty for result in lessons),
         submitted_at,
         due,
-        max(timedelta(), submitted_at - due) if submitted_at and due else timedelta(),
+        time_late(submitted_at, due, deadlines.zone) if submitted_at and due else timedelta(),
         undecided,
+        lacks_zone(folders),
     )

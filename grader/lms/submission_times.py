@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import re
+import contextlib
 from collections.abc import Iterable
-from datetime import UTC, datetime
+from datetime import datetime
 from pathlib import Path
 
-from nbgrader.utils import gettz, parse_utc
-
 from grader.classroom.collect.record import reason_without_time
-from grader.intake.notebook import read_file
-from utils.notebooks.reading import UnreadableNotebook
+from grader.classroom.timestamp_file import read_timestamp
+from grader.course.times import UnclearTime
 
 
 class SubmissionTimeUnknown(Exception):
@@ -50,35 +48,23 @@ def known_time(folders: Iterable[Path]) -> datetime | None:
     return time and time.replace(tzinfo=None)
 
 
+def lacks_zone(folders: Iterable[Path]) -> bool:
+    """Return whether a time has no time zone, so that it is read as UTC."""
+    for folder in folders:
+        with contextlib.suppress(UnclearTime):
+            timestamp = read_timestamp(folder)
+            if timestamp and not timestamp.has_zone:
+                return True
+    return False
+
+
 def _time(folder: Path) -> datetime | None:
-    path = folder / "timestamp.txt"
-    if not path.is_file():
-        if reason := reason_without_time(folder):
-            raise SubmissionTimeUnknown(reason)
-        return None
     try:
-        text = read_file(path).decode().strip()
-        if not text:  # nbgrader leaves an empty file if the disk is full
-            raise SubmissionTimeUnknown("timestamp.txt is empty")
-        return parse_utc(_with_known_zone(text)).replace(tzinfo=UTC)
-    except (UnreadableNotebook, ValueError, OverflowError, TypeError) as error:
-        raise SubmissionTimeUnknown("timestamp.txt does not contain a valid time") from error
-
-
-def _with_known_zone(text: str) -> str:
-    """Rewrite a time so that nbgrader reads its time zone correctly.
-
-    nbgrader treats an unknown time zone as UTC, even one that it writes itself because of
-    `Exchange.timezone`, such as CEST. It reads +0200 as 200 seconds.
-    """
-    match = re.fullmatch(r"(\d\S*) +(\d\S*) +(\S+)", text)
-    if not match:
-        return text
-    date, clock, zone = match.groups()
-    if re.fullmatch(r"[+-]\d\d:?\d\d", zone):
-        return f"{date} {clock}{zone}"
-    if gettz(zone) is None:
-        raise SubmissionTimeUnknown(
-            f"timestamp.txt contains a time zone that is unknown on this machine, {zone!r}"
-        )
-    return f"{date} {clock} {zone}"
+        timestamp = read_timestamp(folder)
+    except UnclearTime as reason:
+        raise SubmissionTimeUnknown(str(reason)) from None
+    if timestamp:
+        return timestamp.when
+    if reason := reason_without_time(folder):
+        raise SubmissionTimeUnknown(reason)
+    return None

@@ -39,6 +39,8 @@ class FileOrigin:
         SHA-256 digests of this lesson's other files. The instructor chose this file instead.
     when : str
         Submission time in ISO 8601; empty if it is unknown.
+    when_text : str
+        How the table of submission times states it; empty if the time is from another source.
     undecided : str
         Why the submission time is unknown; empty if it is known or not needed.
     """
@@ -51,6 +53,7 @@ class FileOrigin:
     participant: str = ""
     beaten: tuple[str, ...] = ()
     when: str = ""
+    when_text: str = ""
     undecided: str = ""
 
     def newer_than(self, other: FileOrigin) -> bool | None:

@@ -14,23 +14,23 @@ import dataclasses
 import hashlib
 import os
 from collections.abc import Collection, Iterator
-from datetime import UTC, datetime
+from datetime import datetime
 from pathlib import Path
 
 from grader.classroom.collect.record import FileOrigin, Record, read_record, write_record
-from grader.classroom.collect.worksheet import read_time
+from grader.classroom.collect.stated_time import NOTHING_STATED, StatedTime
 from grader.classroom.collect.zips import is_hidden
 from grader.classroom.submissions import Submission
+from grader.classroom.timestamp_file import TIMESTAMP_FILE, format_timestamp, read_timestamp
 from grader.course.atomic_files import write_atomically
+from grader.course.times import UnclearTime
 from grader.intake.notebook import read_file
 from utils.notebooks.reading import UnreadableNotebook
 
 NEW, NEWER, SAME, KEPT = "new", "newer", "same", "kept"
 OLDER_FOLDER = ".older"
-TIMESTAMP_FILE = "timestamp.txt"
 _INTERRUPTED = "collecting was interrupted before the submission time was written; collect again"
 _RESUBMITTED = "it was submitted again, and the time is unknown"
-_UNREADABLE_TIME = "timestamp.txt does not contain a valid time"
 
 
 class UnclearVersion(Exception):
@@ -49,17 +49,17 @@ class StageFolder:
     ----------
     path : pathlib.Path
         ``submitted/<student>/<stage>``; created when a file is placed there.
-    when : datetime, optional
-        Submission time of the files that are placed now.
-    undecided : str, optional
-        Why that time is unknown; empty if it is known or no times were given.
+    stated : StatedTime, optional
     """
 
-    def __init__(self, path: Path, when: datetime | None = None, undecided: str = "") -> None:
+    def __init__(self, path: Path, stated: StatedTime = NOTHING_STATED) -> None:
         self.path = path
         self._record = read_record(path)
-        self._when, self._undecided = when.astimezone(UTC).isoformat() if when else "", undecided
+        self._stated = stated
+        self._time_before, _ = _read_time(path)
         self._placed: dict[str, str] = {}
+        self._is_new = self._is_unchanged = False
+        self._keeps_time_by_hand = False
 
     def place(
         self, name: str, data: bytes, origin: FileOrigin, current: Submission | None = None
@@ -135,15 +135,30 @@ class StageFolder:
         """
         path = self.path / TIMESTAMP_FILE
         if not self.path.is_dir() or path.is_file():
-            return ""
+            return _read_time(self.path)[1]
         when, undecided = self._record.submission_time(self.path)
         if when:
             when = when.replace(microsecond=0)
             self._save_record(dataclasses.replace(self._record, written=when.isoformat()))
-            write_atomically(_timestamp_line(when), path)
+            write_atomically(f"{format_timestamp(when)}\n", path)
         if undecided != self._record.undecided:
             self._save_record(dataclasses.replace(self._record, undecided=undecided))
         return undecided
+
+    def time_remark(self) -> str:
+        """Return what became of a time in the table that differs from an earlier time.
+
+        Returns
+        -------
+        str
+            A sentence without a full stop. It is empty if files were new, or if the times agree.
+        """
+        now, _ = _read_time(self.path)
+        is_about_same_files = self._is_unchanged or not self._stated.when
+        if now is None or self._is_new or not is_about_same_files:
+            return ""
+        file = self._relative(self.path / TIMESTAMP_FILE)
+        return self._stated.remark(self._time_before, now, file, self._keeps_time_by_hand)
 
     def is_late(self) -> bool:
         """Return whether the learning platform marked a collected file late."""
@@ -155,27 +170,40 @@ class StageFolder:
             file.when for file in self._record.files.values()
         )
         self._remove_time()
-        undecided = self._undecided or (_RESUBMITTED if was_timed and not self._when else "")
+        self._is_new = True
+        reason = self._stated.undecided or (
+            _RESUBMITTED if was_timed and not self._stated.when else ""
+        )
         if older:
             self._back_up(older)
         write_atomically(data, self.path / name)
-        self._record_file(name, dataclasses.replace(origin, when=self._when, undecided=undecided))
+        self._record_file(name, self._stated.applied_to(origin, reason))
 
     def _record_unchanged(self, name: str, origin: FileOrigin, recorded: FileOrigin | None) -> None:
         """Record a file that is already in place, with its earlier or its new time."""
+        self._is_unchanged = True
         known = recorded if recorded and recorded.digest == origin.digest else None
-        if (self.path / TIMESTAMP_FILE).is_file() or (known and known.when):
-            when, undecided = (known.when, known.undecided) if known else ("", "")
-        else:
-            when = self._when
-            undecided = "" if when else self._undecided or (known.undecided if known else "")
         newer = known is None or origin.newer_than(known)
-        updated = dataclasses.replace(origin if newer else known, when=when, undecided=undecided)
+        updated = origin if newer else known
+        is_by_hand = self._is_time_by_hand()
+        if is_by_hand or (known and known.when and not self._stated.corrects(known)):
+            self._keeps_time_by_hand |= is_by_hand or not known.when_text
+            updated = dataclasses.replace(updated, **_time_fields(known))
+        else:
+            reason = self._stated.undecided or (known.undecided if known else "")
+            updated = self._stated.applied_to(updated, reason)
         if updated == recorded:
             return
-        if not (self.path / TIMESTAMP_FILE).is_file():
+        if not is_by_hand and _time_fields(known) != _time_fields(updated):
             self._remove_time()
         self._record_file(name, updated)
+
+    def _is_time_by_hand(self) -> bool:
+        """Return whether ``timestamp.txt`` has a time that `write_time` did not write."""
+        if not (self.path / TIMESTAMP_FILE).is_file():
+            return False
+        time, _ = _read_time(self.path)
+        return time is None or time.isoformat() != self._record.written
 
     def _remove_time(self) -> None:
         """Remove ``timestamp.txt`` before its time becomes wrong.
@@ -184,19 +212,19 @@ class StageFolder:
         """
         path = self.path / TIMESTAMP_FILE
         record = dataclasses.replace(self._record, undecided=_INTERRUPTED)
+        if self._is_time_by_hand():
+            record = self._with_time_set_by_hand(record)
         if path.is_file():
-            stated_time = _read_timestamp(path)
-            if stated_time is None or stated_time.isoformat() != record.written:
-                record = self._with_time_set_by_hand(record, stated_time)
             self._back_up(path)
         if record != self._record:
             self._save_record(record)
         path.unlink(missing_ok=True)
 
-    def _with_time_set_by_hand(self, record: Record, stated_time: datetime | None) -> Record:
-        when, undecided = (stated_time.isoformat(), "") if stated_time else ("", _UNREADABLE_TIME)
+    def _with_time_set_by_hand(self, record: Record) -> Record:
+        time, undecided = _read_time(self.path)
+        when = time.isoformat() if time else ""
         files = {
-            name: dataclasses.replace(origin, when=when, undecided=undecided)
+            name: dataclasses.replace(origin, when=when, when_text="", undecided=undecided)
             for name, origin in record.files.items()
         }
         present = {path.relative_to(self.path) for path in self.path.rglob("*.ipynb")}
@@ -238,14 +266,16 @@ def _digest_of_file(path: Path) -> str:
         return ""
 
 
-def _timestamp_line(when: datetime) -> str:
-    return when.astimezone(UTC).strftime("%Y-%m-%d %H:%M:%S UTC\n")
+def _time_fields(origin: FileOrigin | None) -> dict[str, str]:
+    """Return the submission time of a file as in its origin."""
+    names = ("when", "when_text", "undecided")
+    return {name: getattr(origin, name) if origin else "" for name in names}
 
 
-def _read_timestamp(path: Path) -> datetime | None:
-    """Return the time in a ``timestamp.txt``, or None if it cannot be read."""
+def _read_time(folder: Path) -> tuple[datetime | None, str]:
+    """Return the time in a folder's ``timestamp.txt``, and why it cannot be read."""
     try:
-        time = read_time(read_file(path).decode("utf-8", "replace").strip(), "en", UTC)
-        return time and time.astimezone(UTC)
-    except (UnreadableNotebook, OverflowError):
-        return None
+        timestamp = read_timestamp(folder)
+    except UnclearTime as reason:
+        return None, str(reason)
+    return timestamp and timestamp.when, ""

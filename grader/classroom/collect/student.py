@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable, Sequence
-from datetime import datetime
 from pathlib import Path
 
 from grader.classroom.collect import inspection
@@ -25,12 +24,16 @@ from grader.classroom.collect.inspection import (
 from grader.classroom.collect.models import SubmittedFile
 from grader.classroom.collect.outcome import UNANSWERED, CollectionReport, Question
 from grader.classroom.collect.selection import StudentFile, newest
+from grader.classroom.collect.stated_time import NOTHING_STATED, StatedTime
 from grader.classroom.collect.storage import KEPT, StageFolder, UnclearVersion
 from grader.classroom.collect.worksheet import SubmissionRow
 from grader.classroom.contents import lesson_by_name
 from grader.classroom.submissions import Submission
+from grader.classroom.timestamp_file import TIMESTAMP_FILE
 from grader.course.lessons import Lesson
 from grader.course.paths import Course
+
+_TABLE = "the table of submission times"
 
 
 class StudentCollector:
@@ -74,11 +77,11 @@ class StudentCollector:
         """
         files = self._files(submitted)
         notebooks = self._by_lesson(files)
-        time = _submission_time(submitted, rows)
+        stated = _stated_time(submitted, rows)
         folders: dict[str, StageFolder] = {}
         for lesson, candidates in sorted(notebooks.items(), key=lambda pair: pair[0].name):
             if lesson in self._report.lessons:
-                folder = folders.setdefault(lesson.stage, self._folder(lesson.stage, *time))
+                folder = folders.setdefault(lesson.stage, self._folder(lesson.stage, stated))
                 self._states[lesson] = self._place(folder, lesson, candidates, files)
             else:
                 self._ask_about_other_stage(lesson, candidates)
@@ -225,8 +228,11 @@ class StudentCollector:
             reason = folder.write_time()
             if reason:
                 self._report.undecided[self._id] = reason
-            elif folder.is_late() and not (folder.path / "timestamp.txt").is_file():
+            elif folder.is_late() and not (folder.path / TIMESTAMP_FILE).is_file():
                 self._report.late.append(self._id)
+            remark = folder.time_remark()
+            if remark:
+                self._report.remarks.append(Question(self._id, remark))
 
     def _report_missing_work(self, submitted: Sequence[SubmittedFile]) -> None:
         """Ask about the files of a student who submitted no notebook with work."""
@@ -260,25 +266,24 @@ class StudentCollector:
         """Return whether this file was collected for a lesson earlier."""
         return self._folder(lesson.stage).has_collected(f"{lesson.name}.ipynb", file.digest)
 
-    def _folder(self, stage: str, when: datetime | None = None, undecided: str = "") -> StageFolder:
-        return StageFolder(self._course.submitted / self._id / stage, when, undecided)
+    def _folder(self, stage: str, stated: StatedTime = NOTHING_STATED) -> StageFolder:
+        return StageFolder(self._course.submitted / self._id / stage, stated)
 
 
-def _submission_time(
+def _stated_time(
     submitted: Sequence[tuple[Path, SubmittedFile]], rows: Sequence[SubmissionRow] | None
-) -> tuple[datetime | None, str]:
-    """Return when a student submitted, or the reason why that is unknown."""
-    times = [row.when for row in rows or () if row.when]
-    if times:
-        return max(times), ""
+) -> StatedTime:
+    """Return when a student submitted according to the table of submission times."""
+    for row in rows or ():
+        if row.unclear:
+            return StatedTime(None, row.time_text, f"{_TABLE} {row.unclear}")
+    timed = [row for row in rows or () if row.when]
+    if timed:
+        latest = max(timed, key=lambda row: row.when)
+        return StatedTime(latest.when, latest.time_text)
     if rows:
-        text = rows[0].time_text
-        return None, (
-            f"the table of submission times has {text!r} instead of a time"
-            if text
-            else "the table of submission times has no time for this student"
-        )
+        return StatedTime(undecided=f"{_TABLE} has no time for this student")
     # If the platform marks late work, all other work is on time and needs no row in the table.
     if rows is None or all(one.late is False for _, one in submitted):
-        return None, ""
-    return None, "the table of submission times has no row for this student, or several rows"
+        return StatedTime()
+    return StatedTime(undecided=f"{_TABLE} has no row or several rows for this student")

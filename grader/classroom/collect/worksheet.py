@@ -16,10 +16,9 @@ from dataclasses import dataclass
 from datetime import datetime, tzinfo
 from pathlib import Path
 
-import babel
-
 from grader.classroom.collect.models import CollectError
 from grader.course.tables import TableError, read_table
+from grader.course.times import UnclearTime, read_time, to_utc
 
 # Moodle's translations of "Last modified (submission)", and the language of the dates below them.
 TITLES = {
@@ -36,9 +35,7 @@ TITLES = {
 }
 STATUS = ("status", "statut", "estado", "stato", "статус", "состояние", "状态")
 _NUMBER = re.compile(r"\D*[^\W\d]\D*(\d+)")  # a word and a number
-_ISO = re.compile(r"\d{4}-\d{2}-\d{2}[T ]\d{1,2}:\d{2}.*")
-_CHINESE = re.compile(r"(\d{4})年(\d{1,2})月(\d{1,2})日[,，\s]*(?:星期\w)?[,，\s]*(\d\d:\d\d)")
-_CLOCK = re.compile(r"(\d{1,2})\s*[:.h]\s*(\d{2})(?:[:.](\d{2}))?")
+_NO_TIME = ("", "-")  # Moodle writes - for students who did not submit
 
 
 @dataclass(frozen=True)
@@ -54,9 +51,11 @@ class SubmissionRow:
     participant : str
         Moodle's participant number; empty in an instructor's own table.
     when : datetime or None
-        Submission time with a time zone; None if it cannot be read.
+        Submission time in UTC; None if there is none, or if it cannot be read.
     time_text : str
-        The submission time as written in the table.
+        The submission time as written in the table; empty if there is none.
+    unclear : str
+        Why the time cannot be read, as the rest of a sentence about the table; otherwise empty.
     """
 
     identifying: tuple[str, ...]
@@ -64,6 +63,7 @@ class SubmissionRow:
     participant: str = ""
     when: datetime | None = None
     time_text: str = ""
+    unclear: str = ""
 
 
 @dataclass(frozen=True)
@@ -139,7 +139,15 @@ def _row(
 ) -> SubmissionRow:
     """Read one row; the columns after the status contain marks, which may look like ids."""
     cells = [unicodedata.normalize("NFC", cell.strip()) for cell in cells]
+    when, unclear = None, ""
     time_text = cells[column] if column < len(cells) else ""
+    if time_text in _NO_TIME:
+        time_text = ""
+    else:
+        try:
+            when = to_utc(read_time(time_text, language), zone)
+        except UnclearTime as reason:
+            unclear = str(reason)
     number = _NUMBER.fullmatch(cells[0])
     identifying = [
         cell for index, cell in enumerate(cells) if cell and (index < status or "@" in cell)
@@ -149,71 +157,10 @@ def _row(
         tuple(identifying),
         tuple(cells[status:]),
         number[1] if number else "",
-        read_time(time_text, language, zone),
+        when,
         time_text,
+        unclear,
     )
-
-
-def read_time(text: str, language: str, zone: tzinfo | None) -> datetime | None:
-    """Return the time in a text, with a time zone; None if the text is ambiguous or unreadable.
-
-    Numeric dates are read only in the order of ISO 8601, because in other orders the month is
-    ambiguous.
-    """
-    chinese = _CHINESE.fullmatch(text)
-    if chinese:
-        text = "{}-{:>02}-{:>02} {}".format(*chinese.groups())
-    if _ISO.fullmatch(text):
-        try:
-            return _with_zone(datetime.fromisoformat(text.replace(" UTC", "+00:00")), zone)
-        except ValueError:
-            return None
-    folded = _folded(text)
-    clock = _CLOCK.search(folded)
-    year = re.search(r"(?<!\d)\d{4}(?!\d)", folded)
-    if not clock or not year:
-        return None
-    days = re.findall(r"(?<![\d:.])\d{1,2}(?!\d)", folded[: clock.start()])
-    month = _month(folded, language)
-    if len(days) != 1 or month is None:
-        return None
-    hour = int(clock[1])
-    half = _half_of_day(folded[clock.end() :])
-    if half:
-        hour = hour % 12 + 12 * (half == "pm")
-    try:
-        when = datetime(int(year[0]), month, int(days[0]), hour, int(clock[2]), int(clock[3] or 0))
-    except ValueError:
-        return None
-    return _with_zone(when, zone)
-
-
-def _month(text: str, language: str) -> int | None:
-    words = set(re.findall(r"[^\W\d]+", text))
-    months = {number for number, names in _months(language).items() if names & words}
-    return months.pop() if len(months) == 1 else None
-
-
-@functools.cache
-def _months(language: str) -> dict[int, set[str]]:
-    """Return the full and abbreviated names of each month in all forms, by month number."""
-    names_by_month: dict[int, set[str]] = {number: set() for number in range(1, 13)}
-    for use in babel.Locale(language).months.values():
-        for width in ("wide", "abbreviated"):
-            for number, name in use.get(width, {}).items():
-                names_by_month[number].add(_folded(name).strip("."))
-    return names_by_month
-
-
-def _half_of_day(text: str) -> str:
-    match = re.match(r"\s*([ap])\.?\s?m", text)
-    return f"{match[1]}m" if match else ""
-
-
-def _with_zone(when: datetime, zone: tzinfo | None) -> datetime:
-    if when.tzinfo:
-        return when
-    return when.replace(tzinfo=zone) if zone else when.astimezone()
 
 
 def _folded(text: str) -> str:

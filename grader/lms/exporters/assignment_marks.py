@@ -146,7 +146,7 @@ def _notes(
         "Provisional, because some work still has to be graded by hand", _by_lesson(waiting)
     )
     yield list_sentence("Counted as 0, because nothing was submitted", _by_lesson(zeros, len(ids)))
-    yield list_sentence("No penalty subtracted, because lateness is undecided", undecided)
+    yield list_sentence("No penalty subtracted, because the submission time is unknown", undecided)
     for standing, people in without.items():
         yield list_sentence(UNMARKED_TITLES[standing], (person.display_name for person in people))
 

@@ -112,7 +112,7 @@ def _about_stage(stage: StageResult, lessons: Sequence[NotebookResult]) -> list[
 
 def _days_late(stage: StageResult) -> str:
     if stage.undecided:
-        return "undecided"
+        return "unknown"
     if stage.due is None or stage.submitted_at is None:
         return ""
     return format_points(stage.late / timedelta(days=1))

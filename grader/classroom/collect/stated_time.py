@@ -1,0 +1,86 @@
+"""Decide whether a time in the table of submission times replaces an earlier time."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from datetime import datetime
+
+from grader.classroom.collect.record import FileOrigin
+from grader.classroom.timestamp_file import format_timestamp
+from grader.course.times import quoted
+
+
+@dataclass(frozen=True)
+class StatedTime:
+    """The submission time of a student's files in the table of submission times.
+
+    Attributes
+    ----------
+    when : datetime or None
+        In UTC.
+    text : str
+        The time as written in the table.
+    undecided : str
+        Why the time is unknown; empty if it is known or no table was given.
+    """
+
+    when: datetime | None = None
+    text: str = ""
+    undecided: str = ""
+
+    def corrects(self, known: FileOrigin) -> bool:
+        """Return whether this time replaces the known time of an unchanged file.
+
+        An earlier time does, because the same work existed then, and so does the same text if it
+        is now read in another time zone. A later time may belong to another attempt. A time from a
+        person counts more than any table.
+        """
+        if not (known.when_text and self.when):
+            return False
+        return self.text == known.when_text or self.when < datetime.fromisoformat(known.when)
+
+    def applied_to(self, origin: FileOrigin, reason: str) -> FileOrigin:
+        """Return an origin with this time or, without one, with the reason why it is unknown."""
+        if not self.when:
+            return dataclasses.replace(origin, when="", when_text="", undecided=reason)
+        return dataclasses.replace(
+            origin, when=self.when.isoformat(), when_text=self.text, undecided=""
+        )
+
+    def remark(self, before: datetime | None, now: datetime, file: str, is_by_hand: bool) -> str:
+        """Return what became of this time if the files have not changed.
+
+        Parameters
+        ----------
+        before, now : datetime
+            The times in ``timestamp.txt`` before and after collecting.
+        file : str
+            Path of ``timestamp.txt``.
+        is_by_hand : bool
+            Whether a person wrote the time there.
+
+        Returns
+        -------
+        str
+            A sentence without a full stop; empty if the times agree.
+        """
+        shown = format_timestamp(now)
+        if not self.when:
+            unreadable = f"{self.undecided}, so the earlier time, {shown}, still counts"
+            return unreadable if self.text else ""
+        if before and format_timestamp(before) != shown:
+            return (
+                f"The submission time was {format_timestamp(before)} and is now {shown}, because "
+                f"the table of submission times has {quoted(self.text)}"
+            )
+        wanted = format_timestamp(self.when)
+        if shown == wanted or (self.when < now and not is_by_hand):
+            return ""
+        return (
+            f"The table of submission times has {quoted(self.text)}, but {file} has {shown} for "
+            f"the same files, and this time counts. To change it, write {wanted} into timestamp.txt"
+        )
+
+
+NOTHING_STATED = StatedTime()

@@ -1,0 +1,174 @@
+"""Read times as programs and people write them, and count the days after a due date.
+
+A time that could mean two days is never guessed. Dates in figures are read only in the order of
+ISO 8601, as in ``2026-10-12 23:59``, which is also the form of nbgrader. In all other dates the
+month must be a word, as in Moodle's worksheets.
+"""
+
+from __future__ import annotations
+
+import functools
+import re
+import time
+import unicodedata
+from datetime import UTC, datetime, timedelta, timezone, tzinfo
+from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
+
+import babel
+from dateutil.tz import tzlocal
+
+from grader.untrusted import one_line
+
+LONGEST_TIME = 80
+# In these years, no time zone and no day more leads out of the range of `datetime`.
+YEARS = range(2000, 3000)
+_CLOCK = r"(?P<hour>\d{1,2}) ?[:.h] ?(?P<minute>\d\d)(?:[:.](?P<second>\d\d)(?:\.(?P<part>\d+))?)?"
+_HALF = r"(?: ?(?:(?P<half>[ap])\.? ?m\b\.?|uhr\b))?"
+_ZONE = r"(?: ?(?P<zone>[+-]\d\d(?::?[0-5]\d)?|[a-z][a-z0-9_+/-]*))?"
+_TIME = re.compile(rf"(?P<date>.+?)[t,， ]*(?<!\d){_CLOCK}{_HALF}{_ZONE}", re.IGNORECASE)
+_ISO = re.compile(r"(\d{4})-(\d\d)-(\d\d)", re.ASCII)
+_CHINESE = re.compile(r"(\d{4})年(\d{1,2})月(\d{1,2})日[,， ]*(?:星期\w)?")
+_OFFSET = re.compile(r"([+-])(\d\d):?(\d\d)?")
+
+
+class UnclearTime(Exception):
+    """A text is not a time with a single meaning; the message continues a sentence about it."""
+
+
+def read_time(text: str, language: str = "en") -> datetime:
+    """Return the time in a text.
+
+    Parameters
+    ----------
+    text : str
+    language : str
+        Language of the names of months.
+
+    Returns
+    -------
+    datetime
+        In UTC if the text states a time zone; otherwise without a zone.
+
+    Raises
+    ------
+    UnclearTime
+    """
+    text = " ".join(unicodedata.normalize("NFC", text).split())
+    match = _TIME.fullmatch(text) if len(text) <= LONGEST_TIME else None
+    date = _date(match["date"], language) if match else None
+    clock = _clock(match) if match else None
+    if date is None or clock is None or date[0] not in YEARS:
+        raise UnclearTime(f"has {quoted(text)}, which is not a time such as 2026-10-12 23:59")
+    zone = _zone(match["zone"]) if match["zone"] else None
+    if match["zone"] and zone is None:
+        raise UnclearTime(
+            f"has {quoted(text)}, and this machine does not know the time zone "
+            f"{quoted(match['zone'])}"
+        )
+    try:
+        stated = datetime(*date, *clock, tzinfo=zone)
+    except ValueError:
+        raise UnclearTime(f"has {quoted(text)}, which does not exist") from None
+    return stated.astimezone(UTC) if zone else stated
+
+
+def quoted(text: str) -> str:
+    """Return the beginning of an untrusted text in quotation marks."""
+    line = one_line(text)
+    return repr(line if len(line) <= LONGEST_TIME else f"{line[: LONGEST_TIME - 1]}…")
+
+
+def to_utc(when: datetime, zone: tzinfo | None) -> datetime:
+    """Convert a time to UTC; a time without a zone is in `zone`, or in this machine's if None."""
+    return when.replace(tzinfo=when.tzinfo or zone).astimezone(UTC)
+
+
+def time_late(submitted_at: datetime, due: datetime, zone: tzinfo | None) -> timedelta:
+    """Return how late work is, where each day lasts 24 hours even if the clocks change.
+
+    A day ends at the hour of the due date on the clock. Between 20:00 and 20:00 on the next day are
+    25 hours if the clocks go back, but students count, and lose points for, one day.
+
+    Parameters
+    ----------
+    submitted_at, due : datetime
+        With time zones.
+    zone : tzinfo or None
+        Zone of the clock; None for this machine's.
+    """
+    if submitted_at <= due:
+        return timedelta()
+    clock = due.astimezone(zone).replace(tzinfo=None)
+    days = (submitted_at - due).days + 1  # at most, because a day may have 23 hours
+    while days and to_utc(clock + timedelta(days), zone) > submitted_at:
+        days -= 1
+    begin = to_utc(clock + timedelta(days), zone) if days else due
+    return timedelta(days) + min(submitted_at - begin, timedelta(1))
+
+
+def _date(text: str, language: str) -> tuple[int, int, int] | None:
+    """Return the year, month and day in a text without a clock time."""
+    in_figures = _ISO.fullmatch(text) or _CHINESE.fullmatch(text)
+    if in_figures:
+        return tuple(map(int, in_figures.groups()))
+    words = _folded(text)
+    years = re.findall(r"(?<!\d)\d{4}(?!\d)", words)
+    days = re.findall(r"(?<!\d)\d{1,2}(?!\d)", words)
+    month = _month(words, language)
+    if len(years) != 1 or len(days) != 1 or month is None:
+        return None
+    return int(years[0]), month, int(days[0])
+
+
+def _clock(match: re.Match) -> tuple[int, int, int, int] | None:
+    """Return the hour, minute, second and microsecond; "14:05 AM" is none."""
+    hour = int(match["hour"])
+    half = (match["half"] or "").lower()
+    if half and hour <= 12:
+        hour = hour % 12 + 12 * (half == "p")
+    elif half == "a":
+        return None
+    microseconds = int((match["part"] or "0").ljust(6, "0")[:6])
+    return hour, int(match["minute"]), int(match["second"] or 0), microseconds
+
+
+def _zone(name: str) -> tzinfo | None:
+    """Return the time zone with a name, or None if this machine does not know it.
+
+    nbgrader treats an unknown time zone as UTC, even one that it writes itself because of
+    `Exchange.timezone`, such as CEST. It reads +0200 as 200 seconds.
+    """
+    offset = _OFFSET.fullmatch(name)
+    if offset:
+        sign, hours, minutes = offset.groups()
+        shift = timedelta(hours=int(hours), minutes=int(minutes or 0))
+        return timezone(-shift if sign == "-" else shift) if shift < timedelta(days=1) else None
+    if name.upper() in ("Z", "UTC"):
+        return UTC
+    if name in time.tzname:
+        return tzlocal()
+    try:
+        return ZoneInfo(name)
+    except (ZoneInfoNotFoundError, ValueError, OSError):
+        return None
+
+
+def _month(text: str, language: str) -> int | None:
+    words = set(re.findall(r"[^\W\d]+", text))
+    months = {number for number, names in _months(language).items() if names & words}
+    return months.pop() if len(months) == 1 else None
+
+
+@functools.cache
+def _months(language: str) -> dict[int, set[str]]:
+    """Return the full and abbreviated names of each month in all forms, by month number."""
+    names_by_month: dict[int, set[str]] = {number: set() for number in range(1, 13)}
+    for use in babel.Locale(language).months.values():
+        for width in ("wide", "abbreviated"):
+            for number, name in use.get(width, {}).items():
+                names_by_month[number].add(_folded(name).strip("."))
+    return names_by_month
+
+
+def _folded(text: str) -> str:
+    return " ".join(unicodedata.normalize("NFC", text).casefold().split())
