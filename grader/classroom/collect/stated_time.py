@@ -67,8 +67,8 @@ class StatedTime:
         """
         shown = format_timestamp(now)
         if not self.when:
-            unreadable = f"{self.undecided}, so the earlier time, {shown}, still counts"
-            return unreadable if self.text else ""
+            reason = self.undecided[:1].upper() + self.undecided[1:]
+            return f"{reason}, so the earlier time, {shown}, still counts" if self.text else ""
         if before and format_timestamp(before) != shown:
             return (
                 f"The submission time was {format_timestamp(before)} and is now {shown}, because "
