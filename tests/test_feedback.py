@@ -460,7 +460,7 @@ def test_students_are_found_by_name_and_missing_ones_are_reported(
 @pytest.mark.slow
 @pytest.mark.skipif(not browser.BROWSER, reason=CHROMIUM)
 def test_a_browser_fetches_nothing_for_a_page_and_draws_its_formulas(pages, tmp_path):
-    shown, requests = browser.seen(pages["bjorn"], tmp_path, "example.org")
+    shown, requests = browser.rendered_page(pages["bjorn"], tmp_path, "example.org")
     assert requests == []
     assert "alert(" in shown and "<script" not in shown and "<mfrac>" in shown
 

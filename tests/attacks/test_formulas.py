@@ -128,7 +128,7 @@ class _DangerCollector(html.parser.HTMLParser):
 
 def browsed(texts, entry, folder):
     """Render texts in a browser; return the page's dangerous parts, its code and its requests."""
-    page, requests = browser.seen(browser.page_of(texts, entry), folder, EVIL)
+    page, requests = browser.rendered_page(browser.page_of(texts, entry), folder, EVIL)
     reader = _DangerCollector()
     reader.feed(page)
     assert "mjx" in page, "MathJax did not work"
