@@ -501,7 +501,7 @@ def test_each_wrong_exercise_is_explained_once(run_once):
     assert results.outcomes == tuple(ENDED) and results.mistakes == {"f": mistake, "h": mistake}
     assert seen.looked == [(name, f"the student's {name}", name) for name in "fh"]
     assert (results.problems, results.uses, results.starved) == (("a cell",), {"f": ("g",)}, True)
-    assert results.fault == "" and seen.closed == [None]
+    assert results.fault == "" and seen.closed == [None, None]
     assert [one.check.name for one in results.outcomes_of("f")] == ["a", "b", "c"]
     assert [one.check.name for one in results.outcomes_of("g")] == ["d"]
 

@@ -15,7 +15,6 @@ from datetime import UTC, datetime, timedelta, timezone, tzinfo
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 import babel
-from dateutil.tz import tzlocal
 
 from grader.untrusted import one_line
 
@@ -146,7 +145,8 @@ def _zone(name: str) -> tzinfo | None:
     if name.upper() in ("Z", "UTC"):
         return UTC
     if name in time.tzname:
-        return tzlocal()
+        is_standard = name == time.tzname[0]
+        return timezone(timedelta(seconds=-(time.timezone if is_standard else time.altzone)))
     try:
         return ZoneInfo(name)
     except (ZoneInfoNotFoundError, ValueError, OSError):

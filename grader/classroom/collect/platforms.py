@@ -14,11 +14,10 @@
 from __future__ import annotations
 
 import re
-from datetime import UTC
 
 from grader.classroom.collect.models import Archive, Owner, SubmittedFile
 from grader.classroom.collect.name_patterns import common_beginning, endings_after, match_paths
-from grader.classroom.collect.worksheet import read_time
+from grader.course.times import UnclearTime, read_time
 
 # The limits on lengths keep the time short for names that a student chose.
 _BLACKBOARD = re.compile(
@@ -122,5 +121,8 @@ def _order(time: str) -> int:
 
     Names cannot contain the colon of a time.
     """
-    when = read_time(re.sub(r"(\d\d)( ?[AP]M)?$", r":\1\2", time), "en", UTC)
-    return int(when.strftime("%Y%m%d%H%M%S")) if when else 0
+    try:
+        when = read_time(re.sub(r"(\d\d)( ?[AP]M)?$", r":\1\2", time))
+    except UnclearTime:
+        return 0
+    return int(when.strftime("%Y%m%d%H%M%S"))
