@@ -213,7 +213,7 @@ def print_similarity(compared: StageComparison, limit: int = 10) -> None:
     table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     table.add_column("Students")
     table.add_column("Unusual code in both")
-    table.add_column("Most in common with another answer", justify="right")
+    table.add_column("Highest share with a third answer", justify="right")
     for pair in pairs[:limit]:
         table.add_row(
             escape(plain(" and ".join(pair.students))),

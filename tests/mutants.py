@@ -420,7 +420,7 @@ def run_tests(module: str, plugin: object) -> int:
 
 
 def begin(work: Callable[[], int], seconds: float, folder: str) -> int:
-    """Start a process that does some work within a limit of processor seconds; return its ID.
+    """Run `work` in a new process with a limit on processor time; return the process ID.
 
     The process ends with `SURVIVED` if the work returns 0.
     """

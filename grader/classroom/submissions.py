@@ -77,7 +77,7 @@ class Submission:
         return self.path.parent.resolve().is_relative_to(course.submitted.resolve() / own_folder)
 
     def read_again(self, course: Course, fingerprint: str) -> SubmittedFiles:
-        """Read the file again, if it is still the file that was judged.
+        """Read the file again; raise an error if it was replaced after it was judged.
 
         Parameters
         ----------
@@ -161,7 +161,7 @@ def find_submissions(course: Course, stages: Iterable[str] = ()) -> list[Submiss
 def unaccounted_files(course: Course) -> list[tuple[Path, str]]:
     """Return the files in ``submitted/`` that are not judged, each with the reason.
 
-    If a student's folder contains many such files, it is listed instead of the files.
+    If a folder contains many such files with the same reason, the folder is listed instead.
     """
     submissions = find_submissions(course)
     judged = {path for submission in submissions for path in (submission.path, *submission.older)}

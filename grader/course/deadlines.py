@@ -251,7 +251,7 @@ def _date(location: str, value: object, zone: tzinfo | None, or_excused: bool = 
         with contextlib.suppress(UnclearTime):
             when = read_time(value)
     if not isinstance(when, datetime):
-        # A date alone could mean the begin or the end of the day.
+        # A date alone could mean the start or the end of the day.
         example = f"{value}T23:59:00" if isinstance(value, date) else _EXAMPLE
         other = f', or "{EXCUSED}"' if or_excused else ""
         raise DeadlinesError(

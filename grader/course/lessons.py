@@ -249,7 +249,7 @@ def load_reference(lesson_name: str, *more_names: str) -> types.SimpleNamespace:
     Parameters
     ----------
     lesson_name : str
-    *others : str
+    *more_names : str
         Names of further functions of the lesson, which are not graded.
     """
     lesson = next(lesson for lesson in every_lesson() if lesson.name == lesson_name)

@@ -22,7 +22,7 @@ from grader.lms.history import (
     read_changes,
 )
 
-MOST_NAMES = 10  # students that a sentence lists
+MOST_NAMES = 10  # at most this many students are named in a sentence
 
 
 def lost_marks(course: Course, book: Gradebook, students: Collection[str]) -> list[MarkChange]:

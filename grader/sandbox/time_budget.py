@@ -119,8 +119,8 @@ class Meter:
     def _is_asleep(self, now: dict[int, Thread]) -> bool:
         """Return whether no thread is ready to run, in `now` and in a second look.
 
-        Threads are read one after another. A child may end, and wake its parent, after the parent
-        was read and before the child is.
+        Threads are read one after another. If a child ends and wakes its parent after the parent
+        is read but before the child is read, both seem to be asleep.
         """
         return not (_is_any_ready(now) or _is_any_ready(self._worker.threads() or {}))
 

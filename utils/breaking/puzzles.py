@@ -93,7 +93,7 @@ def _draw_line(points: np.ndarray, answer: tuple, _: tuple, axes: Axes) -> None:
 
 
 def _inlier_count(answer: tuple) -> np.ndarray:
-    """Return the number of inliers, because lines with equally many inliers are equally right."""
+    """Return the number of inliers: lines with equal numbers of inliers are equally good."""
     return np.array(np.sum(np.asarray(answer[1], dtype=bool)))
 
 

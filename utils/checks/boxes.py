@@ -294,7 +294,7 @@ def assert_headings(
         off = abs((yours - heading + 45) % 90 - 45)
         if np.linalg.norm(along) <= TOLERANCE or off > _HEADING_TOLERANCE:
             raise CheckFailed(
-                f"{name} is not turned with its cluster: their sides are not parallel.",
+                f"{name} is not aligned with its cluster: their sides are not parallel.",
                 given=given,
                 yours=f"a side at {yours % 90:.0f}° to the x axis",
                 expected=f"a side at {heading % 90:.0f}°",

@@ -82,7 +82,7 @@ def as_axes(answer: object) -> np.ndarray:
         elif axes.ndim == 2 and axes.shape[0] == axes.shape[1] > 4:
             message += (
                 " q @ q.T has a row and a column for each point, and so does np.cov(q), which "
-                "takes rows for variables. Use q.T @ q or np.cov(q, rowvar=False)."
+                "treats each row as a variable. Use q.T @ q or np.cov(q, rowvar=False)."
             )
         raise WrongForm(message, yours=f"shape {axes.shape}", expected="shape (3, 3)")
     if not np.isfinite(axes).all():
@@ -848,7 +848,7 @@ def _turned_twice(box: np.ndarray) -> np.ndarray:
 
 
 def _prediction_turned_about_sensor(times: int) -> Callable:
-    """Return a prediction: the right boxes, turned about the sensor by `times` their heading."""
+    """Return the prediction of the right boxes, turned about the sensor by `times` headings."""
     return lambda right, cloud, labels: np.stack(
         [_turn(box, times * _box_parameters(box)[4]) for box in right]
     )
@@ -943,7 +943,7 @@ declare_mistakes(
         "np.argmin finds the position of the smallest area, np.argmax the position of the largest.",
     ),
     Mistake(
-        "A number of degrees, or the index of the smallest area, is used as an angle in radians.",
+        "An angle in degrees, or the index of the smallest area, is used as an angle in radians.",
         _prediction_with_changed_boxes(_degrees_as_radians),
         "The angle is angles[areas.argmin()], not areas.argmin(). Use np.radians(30) for 30°.",
     ),

@@ -116,8 +116,8 @@ def drive_street(
         ``detect_obstacles``: takes a cloud (n, 4) and returns boxes (N, 8, 3). Without a detector
         the car sees the true boxes.
     tracker : utils.tracking.Tracker, optional
-        A tracker with your functions of lesson 12, at least ``Tracker(match_boxes)``. The course
-        provides the others.
+        A tracker that uses your functions from lesson 12. ``Tracker(match_boxes)`` is enough; the
+        course provides the other functions.
     seconds : float
         Duration of the drive; a collision ends it earlier.
     clock : callable, optional

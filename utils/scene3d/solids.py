@@ -34,7 +34,7 @@ def ordered(corners: np.ndarray) -> np.ndarray:
     by_height = np.take_along_axis(
         corners, np.argsort(corners[:, :, 2], axis=1, kind="stable")[..., None], axis=1
     )
-    floor, roof = _around(by_height[:, :4]), _around(by_height[:, 4:])
+    floor, roof = _sorted_by_angle(by_height[:, :4]), _sorted_by_angle(by_height[:, 4:])
     # Floor and roof may begin at different corners, so the roof is rotated to fit the floor best.
     turns = np.stack([np.roll(roof, -turn, axis=1) for turn in range(4)])
     distances = np.linalg.norm(turns - floor, axis=-1).sum(axis=-1)
@@ -42,7 +42,7 @@ def ordered(corners: np.ndarray) -> np.ndarray:
     return np.concatenate([floor, turns[best, np.arange(len(floor))]], axis=1)
 
 
-def _around(ring: np.ndarray) -> np.ndarray:
+def _sorted_by_angle(ring: np.ndarray) -> np.ndarray:
     """Return corners (N, 4, 3), sorted by their direction from the centre."""
     spokes = ring[:, :, :2] - ring[:, :, :2].mean(axis=1, keepdims=True)
     angles = np.arctan2(spokes[..., 1], spokes[..., 0])

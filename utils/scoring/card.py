@@ -179,7 +179,7 @@ def score_card(
     frames : sequence of Frame
         Simulated frames, from which the hidden shares can be estimated.
     region : ((x from, x to), (y from, y to))
-        In metres; `counted` selects the true boxes in it.
+        Limits in metres; `counted` selects the true boxes in the region.
     title : str
     overlap : callable
         `plane_iou` or `space_iou`.

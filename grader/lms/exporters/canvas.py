@@ -59,7 +59,7 @@ def canvas(options: ExportOptions) -> ExportResult:
     for row in sheet.rows:
         name = _name(row, people)
         if POINTS_POSSIBLE not in row[0] and name not in ("", TEST_STUDENT):
-            places.append(RowPlace(row, _row(sheet, row, name)))
+            places.append(RowPlace(row, _person_row(sheet, row, name)))
     mark = sheet.decimal_mark((column, *range(len(people), len(sheet.head))))
     filled = fill_column(marks, places, Column(column, factor, mark, EXCUSED), _refusal(column))
     text = sheet.text([*range(len(people)), column], [*possible[:1], *filled.rows])
@@ -116,7 +116,7 @@ def _name(row: tuple[str, ...], people: tuple[str, ...]) -> str:
     return ", ".join(cells[:2]).strip(", ") if people[0] == "LastName" else cells[0]
 
 
-def _row(sheet: MarksTableFile, row: tuple[str, ...], name: str) -> PersonRow:
+def _person_row(sheet: MarksTableFile, row: tuple[str, ...], name: str) -> PersonRow:
     claims = tuple(
         tuple(
             (attribute, row[sheet.head.index(title)])

@@ -191,7 +191,7 @@ def with_given_code(
         Open names that the notebook redefines.
     """
     released, _ = slicing.parse_notebook([given["source"]])
-    # Cell 0 prevents errors in the lesson's code from being reported at a place in the notebook.
+    # Cell 0 is the lesson's own code, so its errors are not attributed to a cell of the notebook.
     released = [dataclasses.replace(statement, cell=0) for statement in released]
     given_names, may_change = frozenset(given["names"]), frozenset(given["open"])
     ends = [slicing.end_of_checks(checked, statements) for checked in (may_change, names)]

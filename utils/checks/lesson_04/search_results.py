@@ -135,7 +135,7 @@ def assert_pruned(
         that only a search that enters the region finds it.
     decoy : int
         Index of the leaf in whose region the target is. Every search that follows the splits finds
-        it. A search that visits every node, and ignores those that are out of place, does not.
+        it. A search that visits every node but ignores misplaced ones does not find it.
     place : sequence of float
         New place of the decoy, within the tolerance and beyond a split.
     """

@@ -200,7 +200,7 @@ def assert_tree(
     indices: Sequence[int] | None = None,
     may_be_mirrored: bool = False,
 ) -> None:
-    """Assert that points inserted one after another are in their places; indices are ignored.
+    """Assert that points inserted in order are in their places; stored indices are not compared.
 
     Parameters
     ----------

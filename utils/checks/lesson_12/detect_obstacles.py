@@ -330,7 +330,7 @@ def lists_the_floor_first(detect_obstacles: Callable) -> None:
 )
 def uses_this_notebook_only(detect_obstacles: Callable) -> None:
     if name := _foreign_name(detect_obstacles):
-        raise CheckFailed(f"The detector uses {name}, which loads functions of another notebook.")
+        raise CheckFailed(f"The detector uses {name}, which comes from another notebook.")
 
 
 def _foreign_name(function: Callable) -> str | None:

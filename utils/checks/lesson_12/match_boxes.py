@@ -356,7 +356,7 @@ def prefers_the_nearer_previous_box(match_boxes: Callable) -> None:
     "match_boxes",
     weight=6,
     title="Compares centres, even if the corners of a box are in another order",
-    why="When a car turns or more of it becomes visible, its box gets other corners.",
+    why="When a car turns or more of it becomes visible, the order of its corners may change.",
     hint="The centre is the mean over all eight corners: boxes.mean(axis=1).",
 )
 def compares_centres(match_boxes: Callable) -> None:
