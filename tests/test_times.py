@@ -1,6 +1,7 @@
 """Times are read with one meaning or not at all, and days after a due date follow the clock."""
 
 import random
+import time
 from datetime import UTC, datetime, timedelta
 from zoneinfo import ZoneInfo
 
@@ -71,6 +72,20 @@ def test_a_long_text_with_control_characters_is_quoted_in_one_short_line():
     with pytest.raises(UnclearTime) as reason:
         read_time("2026-10-12 23:59\x1b[2J\n" + "1:00 " * 10**6)
     assert str(reason.value).isprintable() and len(str(reason.value)) < 200
+
+
+@pytest.mark.skipif(not hasattr(time, "tzset"), reason="setting the machine's time zone")
+def test_abbreviations_of_the_machines_zone_are_known(monkeypatch):
+    """CET is also a zone of the tz database, with summer time, which nbgrader uses."""
+    monkeypatch.setenv("TZ", "Europe/Berlin")
+    time.tzset()
+    try:
+        assert read_time("2026-10-12 23:59 CEST") == datetime(2026, 10, 12, 21, 59, tzinfo=UTC)
+        assert read_time("2026-10-12 23:59 CET") == datetime(2026, 10, 12, 21, 59, tzinfo=UTC)
+        assert read_time("2026-12-12 23:59 CET") == datetime(2026, 12, 12, 22, 59, tzinfo=UTC)
+    finally:
+        monkeypatch.undo()
+        time.tzset()
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-be with a mark"])

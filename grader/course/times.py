@@ -144,13 +144,13 @@ def _zone(name: str) -> tzinfo | None:
         return timezone(-shift if sign == "-" else shift) if shift < timedelta(days=1) else None
     if name.upper() in ("Z", "UTC"):
         return UTC
-    if name in time.tzname:
-        is_standard = name == time.tzname[0]
-        return timezone(timedelta(seconds=-(time.timezone if is_standard else time.altzone)))
     try:
         return ZoneInfo(name)
     except (ZoneInfoNotFoundError, ValueError, OSError):
-        return None
+        if name not in time.tzname:
+            return None
+        is_standard = name == time.tzname[0]
+        return timezone(timedelta(seconds=-(time.timezone if is_standard else time.altzone)))
 
 
 def _month(text: str, language: str) -> int | None:
