@@ -431,19 +431,19 @@ def run_feedback(options: argparse.Namespace) -> int:
             for stage in options.stages or stages()
         ]
     console.print_feedback(feedback)
-    if any(one.pages for one in feedback):  # students see which lessons count
+    if any(item.pages for item in feedback):  # students see which lessons count
         console.print_notes([*assignment_notes(class_results(course), read_deadlines(course))])
-    if not any(one.pages for one in feedback):
+    if not any(item.pages for item in feedback):
         print("There is no feedback to write yet. Run: python -m grader grade", file=sys.stderr)
         return USAGE_ERROR
-    if any(one.archive for one in feedback):
+    if any(item.archive for item in feedback):
         print(PLATFORMS[options.platform].next_step)
-    without_feedback = set(students) - {path.stem for one in feedback for path in one.pages}
+    without_feedback = set(students) - {path.stem for item in feedback for path in item.pages}
     if without_feedback:
         names = console.plain(", ".join(sorted(without_feedback)))
         print(f"There is no feedback for {names}.", file=sys.stderr)
-    has_no_zip = options.platform and any(one.pages and not one.archive for one in feedback)
-    is_incomplete = without_feedback or any(one.left for one in feedback)
+    has_no_zip = options.platform and any(item.pages and not item.archive for item in feedback)
+    is_incomplete = without_feedback or any(item.left for item in feedback)
     return FAULT if has_no_zip or is_incomplete else SUCCESS
 
 

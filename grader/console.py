@@ -283,22 +283,22 @@ def print_autograder(path: Path, lessons: Sequence[Lesson]) -> None:
 
 def print_feedback(feedback: Sequence[WrittenFeedback]) -> None:
     """Print where feedback was written, and which feedback was left out."""
-    for one in feedback:
-        if one.pages:
-            count = f"{len(one.pages)} page{'s' * (len(one.pages) > 1)}"
-            zipped = f", and {plain(one.archive)} for upload" if one.archive else ""
-            text = f"{plain(one.pages[0].parent)}: {count}{zipped}"
+    for item in feedback:
+        if item.pages:
+            count = f"{len(item.pages)} page{'s' * (len(item.pages) > 1)}"
+            zipped = f", and {plain(item.archive)} for upload" if item.archive else ""
+            text = f"{plain(item.pages[0].parent)}: {count}{zipped}"
             Console(highlight=False, soft_wrap=True).print(text, markup=False)
     lists = (
         ("Not final, because a grader still has to grade a part:", "waiting"),
         ("Not in the zip. Give these students their pages yourself:", "unreached"),
     )
     for title, name in lists:
-        sentences = [sentence for one in feedback for sentence in getattr(one, name)]
+        sentences = [sentence for item in feedback for sentence in getattr(item, name)]
         if sentences:
             text = "\n  ".join([title, *map(plain, sentences)])
             Console(highlight=False, soft_wrap=True).print(text, markup=False)
-    left = [sentence for one in feedback for sentence in one.left]
+    left = [sentence for item in feedback for sentence in item.left]
     if left:
         text = "\n  ".join(["Feedback left out:", *map(plain, left)])
         Console(highlight=False, soft_wrap=True, stderr=True).print(

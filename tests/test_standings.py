@@ -225,12 +225,12 @@ def advice(course):
 
 def test_lessons_that_may_not_be_assigned_are_named(course):
     shutil.copy(BOXES.released, course.released / STAGE)
-    nobody = f"{STAGE}: nobody submitted {BOXES.name}"
+    without_work = f"{STAGE}: no student submitted {BOXES.name}"
     (sentence,) = advice(course)
-    assert sentence.startswith(f"{nobody}. All") and 'lessons = ["06", "07"]' in sentence
+    assert sentence.startswith(f"{without_work}. All") and 'lessons = ["06", "07"]' in sentence
     submit(course, "cleo", DISTANCE)
     (sentence,) = advice(course)
-    assert sentence.startswith(f"{nobody}; only ada submitted {GROUND.name}. All")
+    assert sentence.startswith(f"{without_work}; only ada submitted {GROUND.name}. All")
     assert f'lessons = ["07"] below [{STAGE}] in deadlines.toml' in sentence
     assign(course, '["06", "07", "08"]')
     assert advice(course) == []

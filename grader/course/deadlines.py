@@ -232,7 +232,9 @@ def _dates(location: str, table: object, zone: tzinfo | None) -> StageDates:
 def _assigned(location: str, table: dict, stage: str) -> tuple[str, ...] | None:
     """Return the names of the lessons that count, or None if the table does not list them."""
     numbers = table.get("lessons")
-    known = {one.number: one.name for one in lessons.all_lessons() if one.stage == stage}
+    known = {
+        lesson.number: lesson.name for lesson in lessons.all_lessons() if lesson.stage == stage
+    }
     if numbers is None:
         return None
     if not isinstance(numbers, list) or not all(number in known for number in map(str, numbers)):

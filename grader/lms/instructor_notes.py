@@ -52,8 +52,8 @@ def _rarely_submitted(results: ClassResults, stage: str) -> Iterator[str]:
     rare = {lesson: names for lesson, names in students.items() if len(names) < least}
     others = ", ".join(f'"{lesson[:2]}"' for lesson in students if lesson not in rare)
     if rare and others and len(submitters) > 1:
-        nobody = ", ".join(lesson for lesson, names in rare.items() if not names)
-        who = [f"nobody submitted {nobody}"] * bool(nobody)
+        missing = ", ".join(lesson for lesson, names in rare.items() if not names)
+        who = [f"no student submitted {missing}"] * bool(missing)
         who += [f"only {names[0]} submitted {lesson}" for lesson, names in rare.items() if names]
         yield (
             f"{stage}: {'; '.join(who)}. All released lessons count. If you have not assigned all "

@@ -116,7 +116,9 @@ def lost_sentence(course: Course, lost: Collection[MarkChange]) -> str:
 
 def _exists(change: MarkChange) -> bool:
     lesson = find_lesson(change.lesson)
-    return lesson is not None and change.exercise in {one.name for one in lesson.exercises}
+    return lesson is not None and change.exercise in {
+        exercise.name for exercise in lesson.exercises
+    }
 
 
 def _listed(changes: Collection[MarkChange]) -> str:

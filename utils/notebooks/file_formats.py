@@ -152,8 +152,8 @@ def _decode(data: bytes, name: str) -> tuple[str, str]:
             pass
     if data.removeprefix(codecs.BOM_UTF8).lstrip()[:1] not in (b"{", b"[", b'"', b"<"):
         raise UnreadableNotebook(
-            f"{name} is not a notebook: it is not text. Save it again in Jupyter and "
-            "submit the .ipynb file."
+            f"{name} is not a notebook, because it is not text. Save it again in "
+            "Jupyter and submit the .ipynb file."
         )
     return data.decode("latin-1"), (
         f"{name} is not encoded in UTF-8, so letters with accents may be wrong. "

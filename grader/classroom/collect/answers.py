@@ -152,7 +152,9 @@ def _lessons(answers: dict[str, str]) -> dict[str, Lesson]:
     """Return the lesson that each answer names by number or name."""
     chosen_lessons = {}
     for file, answer in answers.items():
-        lesson = next((one for one in all_lessons() if answer in (one.number, one.name)), None)
+        lesson = next(
+            (lesson for lesson in all_lessons() if answer in (lesson.number, lesson.name)), None
+        )
         if lesson is None:
             raise CollectError(
                 f"--lesson {shlex.quote(file)}=…: there is no lesson {answer}. Write a lesson's "

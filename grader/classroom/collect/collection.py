@@ -69,15 +69,17 @@ def collect(
     answers = read_answers(course, roster, stages, owner_answers, lesson_answers)
     owners = Owners(roster, worksheet, answers)
     owners.check(owner_answers)
-    archives = [_as_work_of_one_student(one, owners) for one in open_archives(archive_paths)]
+    archives = [
+        _as_work_of_one_student(archive, owners) for archive in open_archives(archive_paths)
+    ]
     report = CollectionReport(
         [lesson for lesson in all_lessons() if lesson.stage in stages],
-        [(one.path, one.kind, len(one.files)) for one in archives],
+        [(archive.path, archive.kind, len(archive.files)) for archive in archives],
         roster,
         excused=_excused(roster, deadlines, stages),
     )
-    report.ignored.update(entry.path[-1] for one in archives for entry in one.others)
-    archived_files = [(one.path, file) for one in archives for file in one.files]
+    report.ignored.update(entry.path[-1] for archive in archives for entry in archive.others)
+    archived_files = [(archive.path, file) for archive in archives for file in archive.files]
     store_answers(course, stages, answers)
     students: dict[str, list[ArchivedFile]] = {}
     for ids, files in _by_owner(archived_files, owners, answers, report):

@@ -37,7 +37,7 @@ def read_moodle(archive: Archive) -> list[SubmittedFile] | None:
         label = f"{name}_{number}" if number else name
         names = endings(name, "-") if may_have_teams else (name,)
         owner = Owner(
-            label, label, tuple(one for one in names if not one.isdigit()), participant=number
+            label, label, tuple(name for name in names if not name.isdigit()), participant=number
         )
         path = tuple((parts["path"] or parts["file"] or entry.path[-1]).split("/"))
         remark = "" if parts["plugin"].lower() == "file" else _TYPED

@@ -206,7 +206,7 @@ class Owners:
         return (
             self._by_login(owner.guesses)
             or self._by_names(owner.guesses)
-            or tuple(one for name in owner.names for one in self._roster.people_with_zeros(name))
+            or tuple(id for name in owner.names for id in self._roster.people_with_zeros(name))
         )
 
     def _by_login(self, logins: Collection[str]) -> tuple[Person, ...]:
@@ -226,7 +226,9 @@ class Owners:
         """Return the members of a team that the archive or worksheet lists, if all are known."""
         if owner.members:
             found = [self._by_names(names) for names in owner.members]
-            return [people[0] for people in found] if all(len(one) == 1 for one in found) else []
+            return (
+                [people[0] for people in found] if all(len(people) == 1 for people in found) else []
+            )
         # Compare only letters, because archives replace some characters with spaces.
         names = {letters(name) for name in owner.names}
         rows = [row for row in self._worksheet.rows if names & set(map(letters, row.others))]
@@ -244,9 +246,9 @@ class Owners:
             )
         remedy = ""
         if owner.lms_id and (
-            others := [one for name in owner.names for one in self._roster.find_people(name)]
+            others := [who for name in owner.names for who in self._roster.find_people(name)]
         ):
-            numbers = " or ".join(f"{one.lms_id} ({one.id})" for one in others)
+            numbers = " or ".join(f"{person.lms_id} ({person.id})" for person in others)
             return (
                 f"The roster lists this name with the number {numbers}, not {owner.lms_id}. "
                 f"Correct the roster, or add {_owner_option(owner, others[0].id)} or another id"

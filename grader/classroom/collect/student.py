@@ -87,28 +87,30 @@ class StudentCollector:
                 self._ask_about_other_stage(lesson, candidates)
         self._write_times(folders.values())
         if not notebooks and not self._problems:
-            self._report_missing_work([one for _, one in submitted])
+            self._report_missing_work([file for _, file in submitted])
         self._report_problems()
 
     def _files(self, submitted: Sequence[tuple[Path, SubmittedFile]]) -> list[StudentFile]:
         """Return notebooks and modules; record files sent instead of a notebook as problems."""
         files, size = [], 0
-        for archive, one in submitted:
-            if one.remark:
-                if self._answers.is_ignored(one.name):
-                    self._report.ignored[one.path[-1]] += 1
+        for archive, submitted_file in submitted:
+            if submitted_file.remark:
+                if self._answers.is_ignored(submitted_file.name):
+                    self._report.ignored[submitted_file.path[-1]] += 1
                 else:
-                    self._add_problem(one.name, one.remark)
+                    self._add_problem(submitted_file.name, submitted_file.remark)
                 continue
-            unpacked_files = unpack_file(one.entry, one.path[-1])
+            unpacked_files = unpack_file(submitted_file.entry, submitted_file.path[-1])
             size += sum(len(unpacked.data) for unpacked in unpacked_files)
             if size > inspection.MOST_BYTES_OF_A_STUDENT:
                 total = f"brings the student's total to {TOO_MUCH_OF_A_STUDENT}"
                 text = f"{total}. Ask for smaller files"
-                self._add_problem(one.name, text, lesson_by_name(one.path[-1]))
+                self._add_problem(
+                    submitted_file.name, text, lesson_by_name(submitted_file.path[-1])
+                )
                 continue
             for unpacked in unpacked_files:
-                file = StudentFile(archive, one, unpacked)
+                file = StudentFile(archive, submitted_file, unpacked)
                 if unpacked.kind == OTHER or self._is_ignored(file):
                     self._report.ignored[file.path[-1]] += 1
                 elif unpacked.kind in (NOTEBOOK, MODULE):
@@ -236,10 +238,10 @@ class StudentCollector:
 
     def _report_missing_work(self, submitted: Sequence[SubmittedFile]) -> None:
         """Ask about the files of a student who submitted no notebook with work."""
-        if any(self._answers.is_ignored(one.name) for one in submitted):
+        if any(self._answers.is_ignored(file.name) for file in submitted):
             return
-        names = list(dict.fromkeys(one.path[-1] for one in submitted))
-        if all(one.is_given for one in submitted):
+        names = list(dict.fromkeys(file.path[-1] for file in submitted))
+        if all(file.is_given for file in submitted):
             text = "contains no notebook with work"
             self._report.remarks.append(Question(submitted[0].owner.label, text))
         else:
