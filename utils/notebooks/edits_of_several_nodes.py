@@ -34,18 +34,14 @@ def edits_of_several_nodes(
         for node in nodes:
             if isinstance(node, ast.Constant) and type(node.value) in (int, float):
                 yield 0, [(*source.span(node), parameter)]
-    for one, other in itertools.combinations(names.arguments[1:], 2):
-        exchanged = {one: other, other: one}
-        both = [node for node in read if node.id in exchanged]
-        yield 1, [(*source.span(node), exchanged[node.id]) for node in both]
-    for statement in nodes:
-        if isinstance(statement, (ast.Assign, ast.AugAssign, ast.Return)):
-            inside = [node for node in ast.walk(statement) if isinstance(node, ast.Name)]
-            for one, other in itertools.combinations(names.arguments[1:], 2):
+    statements = (ast.Assign, ast.AugAssign, ast.Return)
+    for part in [function, *(node for node in nodes if isinstance(node, statements))]:
+        inside = [node for node in ast.walk(part) if isinstance(node, ast.Name)]
+        for one, other in itertools.combinations(names.arguments[1:], 2):
+            if {one, other} <= {node.id for node in inside}:
                 exchanged = {one: other, other: one}
                 both = [node for node in inside if node.id in exchanged]
-                if len({node.id for node in both}) > 1:
-                    yield 1, [(*source.span(node), exchanged[node.id]) for node in both]
+                yield 1, [(*source.span(node), exchanged[node.id]) for node in both]
     attributes = [node for node in nodes if isinstance(node, ast.Attribute)]
     for one, other in TWINS:
         exchanged = {one: other, other: one}
