@@ -637,29 +637,31 @@ def test_a_mistake_without_a_player_explains_nothing(explains):
     assert not explains(without_sign, without_sign, lost=[2], played=False)
 
 
-@pytest.mark.slow
-@pytest.mark.xdist_group("10_accelerated_clustering")  # shares scenes, which take seconds to create
-@pytest.mark.parametrize("step", [4, 1], ids=["some", "all"])
-def test_every_known_mistake_runs_within_seconds(step):
-    """Mistakes are fast on dense clouds of 20 000 points, because the judge itself runs them."""
-    exercise = "euclidean_clustering_accelerated"
+EXERCISES = [graded.name for lesson in all_lessons() for graded in lesson.machine_graded]
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize("exercise", EXERCISES)
+def test_every_imitation_runs_within_seconds(exercise):
+    """The judge itself runs imitations, also on dense clouds and on tens of thousands of labels.
+
+    A slower imitation exceeds the judge's own time limit, and the mistake is never proven.
+    """
     lesson = lesson_of(exercise)
     right = vars(load_reference(lesson.name))
     assert checks_of(exercise)
-    assert len(known_mistakes(exercise)) > 10
-    for mistake in known_mistakes(exercise)[::step]:
-        imitation = imitation_of(exercise, mistake, right[exercise])
+    for mistake in known_mistakes(exercise):
+        imitation = imitation_of(exercise, mistake, right.get(exercise, print))
+        if imitation is None:  # for methods of a tree
+            continue
         start = time.process_time()
         student = student_with(lesson, {**right, exercise: imitation.call})
         run_checks(lesson, student, 1, lambda check: check.exercise == exercise)
-        assert time.process_time() - start < 20, (
-            mistake.says
-        )  # seconds; each mistake used to take 45 or more
+        # In seconds; the slowest takes 4, and faulty ones have taken 45 or more.
+        assert time.process_time() - start < 20, mistake.says
 
 
-@pytest.mark.parametrize(
-    "exercise", [graded.name for lesson in all_lessons() for graded in lesson.machine_graded]
-)
+@pytest.mark.parametrize("exercise", EXERCISES)
 def test_an_imitation_gives_the_answers_that_its_mistake_predicts(exercise):
     """The solution may return a tuple, although predictions compute with arrays."""
     assert checks_of(exercise)

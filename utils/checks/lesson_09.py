@@ -1,5 +1,6 @@
 """Visible checks of lesson 09: `filter_clusters`."""
 
+from collections import Counter
 from collections.abc import Callable
 
 import numpy as np
@@ -430,7 +431,8 @@ def _right_labels(labels: np.ndarray, minimum: int) -> np.ndarray:
 
 
 def _cluster_sizes(labels: np.ndarray) -> np.ndarray:
-    return np.array([labels.tolist().count(label) for label in labels])
+    sizes = Counter(labels.tolist())
+    return np.array([sizes[label] for label in labels.tolist()], dtype=int)
 
 
 def _renumbered(right: np.ndarray, *case: object) -> np.ndarray:
@@ -480,7 +482,7 @@ declare_mistakes(
     Mistake(
         "The points of small clusters are deleted. They should keep their place and get the "
         "label 0.",
-        lambda right, labels, minimum: right[right > 0],
+        lambda right, labels, minimum: labels[_cluster_sizes(labels) >= minimum],
         "Return one label for each point: np.where(too_small, 0, cluster_labels).",
     ),
     Mistake(
