@@ -131,7 +131,7 @@ _ONE_BY_ONE = ("generator", "map", "filter", "zip", "set", "dict_keys", "dict_va
 # What to say about other types that students return.
 _ABOUT_TYPES = {
     "coroutine": (
-        "The function returned a coroutine: its body has not run. Delete `async` before `def`."
+        "The function returned a coroutine, and its body has not run. Delete `async` before `def`."
     ),
     "MaskedArray": (
         "The function returned a masked array. It hides values but still contains them. Return "
