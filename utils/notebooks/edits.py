@@ -132,8 +132,8 @@ def _changed_blocks(block: str, tree: ast.Module) -> Iterator[tuple[int, Callabl
         yield rank, functools.partial(str, text)
     for rank, text in _moved_statements(block, function):
         yield rank, functools.partial(str, text)
-    for text in _with_assignment(block, function):
-        yield 1, functools.partial(str, text)
+    for rank, text in _with_assignment(block, function):
+        yield rank, functools.partial(str, text)
     for rank, replacements in edits_of_several_nodes(source, function, names):
         yield rank, functools.partial(_with_texts, source, replacements)
 
@@ -168,8 +168,8 @@ def _with_return(block: str, function: ast.AST, names: Names) -> Iterator[tuple[
                 yield 4, f"{end}{whole}[~{name}]"
 
 
-def _with_assignment(block: str, function: ast.AST) -> Iterator[str]:
-    """Yield the block with an added assignment in a loop, such as `best = row`.
+def _with_assignment(block: str, function: ast.AST) -> Iterator[tuple[int, str]]:
+    """Yield the rank and the block with an added assignment in a loop, such as `best = row`.
 
     The name on the left occurs in a `return` or in the condition of an `if`. It is set only before
     the loop, or the assignment follows another one in an `if`. The name on the right is set in the
@@ -193,9 +193,10 @@ def _with_assignment(block: str, function: ast.AST) -> Iterator[str]:
                     continue
                 first, indent = node.end_lineno, " " * node.col_offset
                 for kept in sorted(shown & ({*before, *inside} if node in in_if else before)):
+                    rank = 0 if node in in_if and kept in before else 1
                     for name in inside:
                         text = f"{indent}{kept} = {name}"
-                        yield "\n".join([*lines[:first], text, *lines[first:]])
+                        yield rank, "\n".join([*lines[:first], text, *lines[first:]])
 
 
 def _is_set(node: ast.AST) -> bool:

@@ -478,6 +478,8 @@ def _of_slice(source: SourceText, node: ast.Slice) -> Iterator[tuple[int, int, i
             if not isinstance(bound, ast.Constant):
                 for change in ("{} + 1", "{} - 1"):
                     yield 1, *source.span(bound), change.format(f"({source.of(bound)})")
+    if isinstance(node.upper, ast.Constant) and node.upper.value == 1:  # x instead of x, y and z
+        yield 1, *source.span(node.upper), "3"
     if node.lower is None:
         begin = source.span(node)[0]
         yield 1, begin, begin, "1"
@@ -603,7 +605,7 @@ def _wrapped(
             yield 1 if isinstance(node, ast.Name) else 3, begin, end, f"({change.format(inner)})"
     if isinstance(parent, ast.Return):
         for rank, wrap in (
-            *((2, "list({})"), (2, "np.array({})")),
+            *((0 if isinstance(node, ast.GeneratorExp) else 2, "list({})"), (2, "np.array({})")),
             *((3, "int({})"), (3, "float({})"), (3, "tuple({})")),
         ):
             yield (
@@ -629,7 +631,7 @@ def _with_a_name(
     for call in _CALLS if isinstance(node, (ast.Name, ast.Attribute)) else ():
         yield 3, begin, end, call.format(inner)
     if operand and isinstance(node, ast.Name) and node.id in names.arguments:
-        yield 1, begin, end, f"np.array({inner})"
+        yield 2, begin, end, f"np.array({inner})"
     atom = isinstance(node, (ast.Name, ast.Attribute, ast.Subscript, ast.Call))
     for name in names.bound if isinstance(node, ast.Name) else ():
         if name not in names.arguments and name != node.id:
