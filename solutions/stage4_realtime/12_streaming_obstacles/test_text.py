@@ -210,7 +210,7 @@ def test_a_detector_that_loads_its_functions_gets_a_note():
     assert failures.pop("from_here") is None
     assert len(failures) == 4
     for failure in failures.values():
-        assert "functions of another notebook" in failure.message
+        assert "comes from another notebook" in failure.message
 
 
 def test_a_cardboard_car_gets_one_box(solved):
