@@ -205,6 +205,29 @@ SLIPS = {
         "for k in x:\n    y = 0\n    for m in k:\n        y += m\n    return y",
     ),
     "a mask that is not used": ("y = x > 0", "y = x > 0\nreturn x[~y]"),
+    "a return after a special case": (
+        "if x is None:\n    x = f(n)\ny = g(x)\nz.append(y)",
+        "if x is None:\n    x = f(n)\n    return\ny = g(x)\nz.append(y)",
+    ),
+    "a counter that grows in no call": (
+        "f(node.left, n)\nf((node.right, n))",
+        "f(node.left, n + 1)\nf((node.right, n + 1))",
+    ),
+    "results of calls that are lost": (
+        "y = []\nif x:\n    f(x)\nif z:\n    f(z)\nreturn y",
+        "y = []\nif x:\n    y += f(x)\nif z:\n    y += f(z)\nreturn y",
+    ),
+    "one too few in each copy": ("return f(x[n - 1], y[n - 1])", "return f(x[n], y[n])"),
+    "a mean that is not added again": (
+        "q = x - y\nz = q @ n\nreturn z",
+        "q = x - y\nz = (q @ n) + y\nreturn z",
+    ),
+    "the ends of a range": ("return x < y <= z", "return z < y <= x"),
+    "the last column for the third": ("return x[:, -1] > z", "return x[:, 2] > z"),
+    "a statement after two calls": (
+        "f(x, n)\nf(y, n)\nz.append(n)",
+        "z.append(n)\nf(x, n)\nf(y, n)",
+    ),
 }
 
 
@@ -265,6 +288,14 @@ def test_moving_a_return_one_level_out_is_tried_first():
 
 
 @pytest.mark.slow
+def test_a_default_that_calls_share_is_made_anew():
+    wrong = (
+        'def f(x, found=[], near=3):\n    """Find x."""\n    found.append(x)\n    return found\n'
+    )
+    right = wrong.replace("    found.append", "    found = []\n    found.append")
+    assert right.strip() in {edit.statement for edit in edits_in(wrong)}
+
+
 def test_similar_names_are_exchanged_early():
     """In a function with many names, other edits would otherwise use up the limit."""
     code = """

@@ -134,6 +134,8 @@ def _changed_blocks(block: str, tree: ast.Module) -> Iterator[tuple[int, Callabl
         yield rank, functools.partial(str, text)
     for rank, text in _with_assignment(block, function):
         yield rank, functools.partial(str, text)
+    for text in _with_new_defaults(block, function):
+        yield 0, functools.partial(str, text)
     for rank, replacements in edits_of_several_nodes(source, function, names):
         yield rank, functools.partial(_with_texts, source, replacements)
 
@@ -199,6 +201,22 @@ def _with_assignment(block: str, function: ast.AST) -> Iterator[tuple[int, str]]
                         yield rank, "\n".join([*lines[:first], text, *lines[first:]])
 
 
+def _with_new_defaults(block: str, function: ast.AST) -> Iterator[str]:
+    """Yield the block with a list, set or dict that is a default made anew in each call."""
+    if not isinstance(function, ast.FunctionDef):
+        return
+    lines = block.split("\n")
+    has_docstring = ast.get_docstring(function) is not None
+    before = function.body[0].end_lineno if has_docstring else function.body[0].lineno - 1
+    indent = " " * function.body[0].col_offset
+    defaults = function.args.defaults
+    arguments = function.args.args[len(function.args.args) - len(defaults) :]
+    for argument, default in zip(arguments, defaults, strict=True):
+        if isinstance(default, (ast.List, ast.Set, ast.Dict, ast.Call)):
+            text = f"{indent}{argument.arg} = {ast.unparse(default)}"
+            yield "\n".join([*lines[:before], text, *lines[before:]])
+
+
 def _is_set(node: ast.AST) -> bool:
     return isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
 
@@ -219,6 +237,10 @@ def _moved_statements(block: str, function: ast.AST) -> Iterator[tuple[int, str]
             body = getattr(parent, field, None)
             if isinstance(body, list) and body and isinstance(body[0], ast.stmt):
                 yield from _moved_in(lines, body, getattr(parent, "col_offset", 0))
+                # The special case of an empty tree often lacks its `return`.
+                if isinstance(parent, ast.If) and parent in function.body:
+                    end, indent = body[-1].end_lineno, " " * body[-1].col_offset
+                    yield 1, "\n".join([*lines[:end], f"{indent}return", *lines[end:]])
 
 
 def _returns_moved_out(lines: list[str], node: ast.AST, outside: list[ast.stmt]) -> Iterator[str]:
@@ -255,10 +277,11 @@ def _moved_in(lines: list[str], body: list[ast.stmt], outer: int) -> Iterator[tu
             here, there = before.lineno - 1, before.end_lineno
             exchanged = lines[first:last] + lines[there:first] + lines[here:there]
             yield 2, "\n".join([*lines[:here], *exchanged, *lines[last:]])
-        for earlier in body[: max(position - 1, 0)]:  # further up
-            start = earlier.lineno - 1
+        for earlier, skipped in enumerate(body[: max(position - 1, 0)]):  # further up
+            start = skipped.lineno - 1
             moved = [*lines[first:last], *lines[start:first]]
-            yield 3, "\n".join([*lines[:start], *moved, *lines[last:]])
+            calls = all(isinstance(passed, ast.Expr) for passed in body[earlier:position])
+            yield 1 if calls else 3, "\n".join([*lines[:start], *moved, *lines[last:]])
         for later in body[position + 2 :]:  # further down
             end = later.end_lineno
             moved = [*lines[last:end], *lines[first:last]]

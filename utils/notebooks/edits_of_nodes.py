@@ -80,6 +80,7 @@ TWINS = (
     ("append", "extend"),
     ("add", "update"),
     ("pop", "popleft"),
+    ("point", "index"),  # of a node in a kd-tree
     ("hstack", "vstack"),
     ("column_stack", "vstack"),
     ("zeros", "ones"),
@@ -210,6 +211,9 @@ def edits_of_node(
         yield 0, *source.span(node), f"({source.of(node.operand)})"
         if isinstance(node.op, ast.Not):
             yield 0, *source.span(node), f"~({source.of(node.operand)})"
+        elif isinstance(parent, ast.Tuple) and isinstance(node.operand, ast.Constant):
+            for column in "012":  # the last column of a cloud may be the intensity
+                yield 1, *source.span(node), column
     elif isinstance(node, ast.AugAssign):
         yield from _of_augmented(source, node)
     elif isinstance(node, (ast.Break, ast.Continue, ast.Pass)):
@@ -303,6 +307,8 @@ def _of_comparison(
         if len(node.ops) == len(sides) > 1:
             yield -1, *source.span(node), f" {sign} ".join(f"({side.strip()})" for side in sides)
     if len(node.ops) > 1:
+        if len(node.ops) == 2:  # high <= x <= low
+            yield 1, *_swapped(source, node.left, node.comparators[1])
         return
     yield 2, *source.span(node), f"({source.of(node.left)})"
     for one, other in ((node.left, node.comparators[0]), (node.comparators[0], node.left)):

@@ -15,8 +15,9 @@ def edits_of_several_nodes(
     """Yield the rank of each edit, and all its replacements.
 
     Such slips are a notebook variable or a number used instead of a parameter, two parameters that
-    are exchanged in a statement or throughout, several calls that lack the same axis, and row
-    numbers that are returned instead of a mask.
+    are exchanged in a statement or throughout, several calls that lack the same axis, row numbers
+    that are returned instead of a mask, a counter that grows in none of several calls, calls
+    whose results are lost, and a superfluous operand in each copy of an expression.
 
     Parameters
     ----------
@@ -51,6 +52,63 @@ def edits_of_several_nodes(
             yield 1, [(end - len(name), end, exchanged[name]) for end, name in ends]
     yield from _axes_of_several_calls(source, nodes)
     yield from _masks_of_returned_rows(source, nodes, names)
+    yield from _several_calls(source, nodes)
+    yield from _single_operands_of_copies(source, nodes)
+    differences = [node for node in nodes if isinstance(getattr(node, "op", None), ast.Sub)]
+    subtracted = {node.right.id: 1 for node in differences if isinstance(node.right, ast.Name)}
+    for node in nodes:
+        for name in subtracted if isinstance(node, ast.Assign) else ():  # it must be added again
+            yield 0, [(*source.span(node.value), f"({source.of(node.value)}) + {name}")]
+
+
+def _several_calls(
+    source: SourceText, nodes: list[ast.AST]
+) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
+    """Add 1 to an argument of all calls of one function, or add the lost results of all calls.
+
+    The argument may be a part of a tuple, as in `queue.append((child, depth))`.
+    """
+    calls: dict[str, list[ast.Call]] = {}
+    lost: dict[str, list[ast.Call]] = {}
+    for node in nodes:
+        if isinstance(node, ast.Call):
+            calls.setdefault(source.of(node.func), []).append(node)
+        elif isinstance(node, ast.Expr) and isinstance(getattr(node.value, "func", None), ast.Name):
+            lost.setdefault(node.value.func.id, []).append(node.value)
+    for several in calls.values():
+        places: dict[str, list[tuple[int, int]]] = {}
+        for call in several:
+            for argument in call.args:
+                parts = argument.elts if isinstance(argument, ast.Tuple) else [argument]
+                for part in parts:
+                    if isinstance(part, ast.Name):
+                        places.setdefault(part.id, []).append(source.span(part))
+        for name, spans in places.items():
+            if len(spans) == len(several) > 1:
+                yield 1, [(*span, f"{name} + 1") for span in spans]
+    returned = {node.value.id: 1 for node in nodes if _is_return_of_a_name(node)}
+    for several in lost.values():
+        for name in returned if len(several) > 1 else ():
+            begins = [source.span(call)[0] for call in several]
+            yield 0, [(begin, begin, f"{name} += ") for begin in begins]
+
+
+def _is_return_of_a_name(node: ast.AST) -> bool:
+    return isinstance(node, ast.Return) and isinstance(node.value, ast.Name)
+
+
+def _single_operands_of_copies(
+    source: SourceText, nodes: list[ast.AST]
+) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
+    """Replace all copies of an expression, such as `label - 1`, by one of its operands."""
+    copies: dict[str, list[ast.BinOp]] = {}
+    for node in nodes:
+        if isinstance(node, ast.BinOp):
+            copies.setdefault(source.of(node), []).append(node)
+    for several in copies.values():
+        first = several[0]
+        for operand in (first.left, first.right) if len(several) > 1 else ():
+            yield 1, [(*source.span(node), f"({source.of(operand)})") for node in several]
 
 
 def _masks_of_returned_rows(
