@@ -123,6 +123,12 @@ def unchanged_recursion_limit():
 # the cases that begin in this way, and `make proof` runs all. Tests that are not listed always run.
 A_FEW_OF_MANY = {
     "test_a_skeleton_is_complete": (),
+    "test_commands_of_nbgrader_give_the_same_scores_without_hidden_tests": (),
+    "test_a_course_on_another_subject_is_built_released_judged_and_graded": (),
+    "test_workers_started_by_hand_give_the_same_gradebook": (),
+    "test_demo_of_all_stages_has_every_lesson": (),
+    "test_with_true_boxes_the_car_stops_for_a_child_and_drives_on": (),
+    "test_nbgrader_can_import_the_roster": (),
     "test_an_answer_with_two_errors_keeps_only_the_points_of_its_checks": (),
     "test_a_recorded_notebook_shows_data_instead_of_widgets": (),
     "test_a_bad_cell_does_not_affect_the_other_exercise": (),
@@ -168,7 +174,7 @@ A_FEW_OF_MANY = {
     ),
     "test_a_cell_is_read_in_linear_time": ("brackets-", "blank lines"),
     "test_a_file_is_read_in_linear_time": ("brackets", "blank lines", "quotation"),
-    "test_no_visible_function_answers_an_exercise": ("08",),
+    "test_no_visible_function_answers_an_exercise": (),
     "test_answers_that_are_far_too_large_earn_almost_nothing": ("three thousand",),
     "test_huge_or_strange_answers_are_judged_in_time": (
         "a dict",
@@ -283,7 +289,7 @@ A_FEW_OF_MANY = {
     ),
     "test_a_hostile_notebook_affects_only_its_author": ("brackets", "ifs", "long"),
     "test_hidden_input_does_not_reveal_a_seed": ("02", "03", "05", "08"),
-    "test_the_class_is_graded_despite_a_costly_file": ("grader.lms",),
+    "test_the_class_is_graded_despite_a_costly_file": (),
     "test_the_largest_file_needs_little_memory": ("<lambda>1",),
     "test_strange_student_names_are_harmless": (
         "a name that is not UTF-8",
