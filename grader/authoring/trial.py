@@ -186,7 +186,7 @@ def _judge_kept_answers(exercise: Exercise, lesson: Lesson, sandbox: Sandbox) ->
             path.write_text(fill_in(lesson, {exercise.name: answer.source}), "utf-8")
             verdict = judge(path, SEEDS[0], sandbox)
         broken = wrong_notes(answer, verdict)
-        (result,) = (one for one in verdict.exercises if one.name == exercise.name)
+        (result,) = (judged for judged in verdict.exercises if judged.name == exercise.name)
         kind = "right" if answer.right else "wrong"
         earned = f"{exercise.name}, {kind}: {answer.name}: {result.score:g} of {result.max_score:g}"
         yield Finding(not broken, f"{earned} points. {' '.join(broken)}".strip())

@@ -138,7 +138,10 @@ def common_messages(verdicts: Sequence[Verdict], limit: int = 8) -> list[tuple[s
                 mistake = (exercise.name, without_numbers(first))
                 students.setdefault(mistake, set()).add(verdict.student)
                 first_lines.setdefault(mistake, []).append(first)
-    found = [(one[0], common_text(first_lines[one]), len(names)) for one, names in students.items()]
+    found = [
+        (mistake[0], common_text(first_lines[mistake]), len(names))
+        for mistake, names in students.items()
+    ]
     return sorted(found, key=lambda mistake: -mistake[2])[:limit]
 
 

@@ -368,9 +368,9 @@ def _allow_errors_after_answers(notebook: NotebookNode) -> None:
         elif cells_since_answer is not None:
             cells_since_answer.append(cell)
             if cell.source.startswith("check("):
-                for one in cells_since_answer:
-                    tags = {*one.metadata.get("tags", ()), "raises-exception"}
-                    one.metadata["tags"] = sorted(tags)
+                for below in cells_since_answer:
+                    tags = {*below.metadata.get("tags", ()), "raises-exception"}
+                    below.metadata["tags"] = sorted(tags)
                 cells_since_answer = None
 
 

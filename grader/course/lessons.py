@@ -237,7 +237,7 @@ def lesson_of(exercise: str) -> Lesson:
         If no lesson contains the exercise.
     """
     for lesson in all_lessons():
-        if exercise in (one.name for one in lesson.exercises):
+        if exercise in (candidate.name for candidate in lesson.exercises):
             return lesson
     raise LookupError(f"No lesson has the exercise {exercise!r}.")
 

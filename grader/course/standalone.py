@@ -121,8 +121,8 @@ def setup_cell(lesson: str) -> str:
 
 def packed_tools(lesson: str) -> bytes:
     """Return a reproducible, compressed archive of ``utils`` for one lesson."""
-    others = {f"lesson_{one.number}" for one in every_lesson() if one.name != lesson}
-    own_lesson = next(one for one in every_lesson() if one.name == lesson)
+    others = {f"lesson_{other.number}" for other in every_lesson() if other.name != lesson}
+    own_lesson = next(candidate for candidate in every_lesson() if candidate.name == lesson)
     text = own_lesson.released.read_text("utf-8")
     left_out = [folder for folder, name in course_constant("OPTIONAL_PACKAGES") if name not in text]
     buffer = io.BytesIO()

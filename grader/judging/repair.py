@@ -140,7 +140,7 @@ def _is_unrepairable(outcome: Outcome) -> bool:
 
 def _raising_lines(failed: tuple[Outcome, ...]) -> frozenset[tuple[int, int]]:
     """Return the cell and line numbers where student code raised, or called code that raised."""
-    errors = [one.failure for one in failed if isinstance(one.failure, StudentError)]
+    errors = [outcome.failure for outcome in failed if isinstance(outcome.failure, StudentError)]
     locations = [
         location for error in errors for location in (error.place, error.calling) if location
     ]
@@ -282,9 +282,9 @@ def _was_stopped(failure: Exception | None) -> bool:
     """
     original = failure and failure.__context__
     return any(
-        isinstance(one, StudentStopped)
-        or (isinstance(one, StudentError) and one.type_name == TOOK_TOO_LONG)
-        for one in (failure, original)
+        isinstance(error, StudentStopped)
+        or (isinstance(error, StudentError) and error.type_name == TOOK_TOO_LONG)
+        for error in (failure, original)
     )
 
 
@@ -314,7 +314,9 @@ def _passing_edits(
             return
         given = _unchanged_cells(setting.lesson, program)
         edits = [
-            one for one in _sort_by_likelihood(student.edits, failed) if one[1][0] not in given
+            (number, edit)
+            for number, edit in _sort_by_likelihood(student.edits, failed)
+            if edit[0] not in given
         ]
         for tried, (number, edit) in enumerate(edits):
             if tried % EDITS_PER_LOOK == 0 or time.monotonic() > next_look:

@@ -116,6 +116,6 @@ def _fold(kind: str | tuple[str, str], group: Sequence[CheckResult]) -> CheckGro
     many = len(group) > 1
     says = f"{len(group)} more {kind[many]}." if isinstance(kind, tuple) else ""
     counts = Counter(test.title for test in group)
-    titles = (f"{one} ({count} times)" if count > 1 else one for one, count in counts.items())
+    titles = (f"{title} ({count} times)" if count > 1 else title for title, count in counts.items())
     says = says or f"{len(group)} more fail: {common_text([test.message for test in group])}"
     return CheckGroup(says, len(group), tuple(titles))

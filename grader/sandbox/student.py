@@ -356,7 +356,9 @@ class StudentProxy:
         own = self._own_lines.get(self.exercise, ())
         if _is_in_short_ranges(place, own):
             return None
-        return next((one for one in reversed(through) if _is_in_short_ranges(one, own)), None)
+        return next(
+            (caller for caller in reversed(through) if _is_in_short_ranges(caller, own)), None
+        )
 
     def _sentences_on_cells(self, failures: object) -> list[str]:
         """Return a sentence for each of the first cells that failed."""

@@ -113,7 +113,7 @@ def answers_in(code: Iterable[str], lesson: Lesson) -> tuple[dict[str, ComparedA
     released_sources = {source for _, source in released_cells(lesson)}
     code = [source for source in code if source.rstrip() not in released_sources]
     released, imported = _released_statements(lesson)
-    own = [one for one in slicing.parse_notebook(code)[0] if _dump(one.node) not in released]
+    own = [part for part in slicing.parse_notebook(code)[0] if _dump(part.node) not in released]
     known = {**imported, **_imported(own), **_given_names(lesson)}
     answers, problems = {}, []
     for name in (exercise.name for exercise in lesson.machine_graded):
@@ -133,14 +133,14 @@ def _answer(
     name: str, own: list, code: list[str], known: Mapping[str, str], lesson: Lesson
 ) -> ComparedAnswer:
     # If the student has replaced the given class, the new class contains the answer.
-    names = [name] if any(name in one.binds for one in own) else list(lesson.header.given)
+    names = [name] if any(name in part.binds for part in own) else list(lesson.header.given)
     others = _exercises() - {name}
     lines, steps, nodes = [], [], []
     for statement in slicing.slice_for(names, own):
         node = statement.node
         if statement.binds & others or isinstance(node, (ast.Import, ast.ImportFrom)):
             continue
-        first = min([node.lineno, *(one.lineno for one in getattr(node, "decorator_list", []))])
+        first = min([node.lineno, *(line.lineno for line in getattr(node, "decorator_list", []))])
         offset = len(lines) + 1 - first
         lines += [*code[statement.cell - 1].split("\n")[first - 1 : node.end_lineno], ""]
         is_exercise = getattr(node, "name", "") == name and hasattr(node, "args")

@@ -175,7 +175,7 @@ def _assignments(
             node.value, (ast.Tuple, ast.List)
         )
         left, right = (target.elts, node.value.elts) if are_tuples else ([target], [node.value])
-        if len(left) != len(right) or any(isinstance(one, ast.Starred) for one in left + right):
+        if len(left) != len(right) or any(isinstance(part, ast.Starred) for part in left + right):
             left, right = [target], [node.value]
         yield from zip(left, right, strict=True)
 

@@ -53,7 +53,9 @@ def write_similarity(course: Course, compared: StageComparison) -> Path:
     pairs = compared.pairs
     shown = [
         ShownPair(
-            pair.students, pair.pairs, tuple(_shared_function(one, compared) for one in pair.pairs)
+            pair.students,
+            pair.pairs,
+            tuple(_shared_function(answers, compared) for answers in pair.pairs),
         )
         for pair in pairs[:MOST_PAIRS]
     ]
