@@ -316,7 +316,7 @@ def test_unsuitable_workers_are_refused_and_named(course, local, sandbox, start,
     assert re.search(r"It has numpy 1\.26\.4 instead of 2\.\S+ Install", errors)
     assert "It cannot run the course's code: ImportError: no traitlets here." in errors
     assert ("bubblewrap is not installed" in errors) == (count == 3)
-    assert f"No worker of {address} can judge" in errors
+    assert f"No worker at {address} can judge" in errors
     assert not verdicts_of(course)
 
     start.worker(address)
