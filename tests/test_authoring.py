@@ -184,7 +184,7 @@ def test_faults_of_the_checks_are_reported_once(copy, sandbox):
     assert "Hint: Square the numbers, take the mean" in tried.stdout
 
     for old, new, line, reason in (
-        ('promise("names")', 'promise("name")', 32, "There is no promise 'name'; choose names,"),
+        ('promise("names")', 'promise("name")', 32, "There is no promise 'name'. Use one of names,"),
         ("weight=4,", "weight=4", 10, "SyntaxError: "),
     ):
         with replaced(checks, old, new):
