@@ -308,7 +308,7 @@ def test_messages_name_the_expected_labels_and_arrays():
         (lambda: CLOUD[:, CLOUD[:, 0] > 0], "cloud[mask]"),
         (lambda: np.zeros((8, 3)).__setitem__(0, np.ones(4)), "different shapes"),
         (lambda: CLOUD[:2] - CLOUD[0, :3], "intensity"),
-        (lambda: CLOUD - np.ones(2), "Compared from the right"),
+        (lambda: CLOUD - np.ones(2), "Compare them from the right"),
         (lambda: CLOUD[:2] / np.ones(2), "counts[:, None]"),
         (lambda: CLOUD - CLOUD[[0, 1]], "extend adds its numbers"),
         (lambda: np.add.at(np.zeros((2, 3)), [0, 1, 0], CLOUD), "a row for each group"),
@@ -345,7 +345,7 @@ def test_messages_name_the_expected_labels_and_arrays():
         (lambda: np.dot(CLOUD[:, :3], np.ones(4)), "the same number of values"),
         (lambda: len(filter_ground.__doc__), "return"),
         (lambda: undefined_name, "spelt"),  # noqa: F821
-        (lambda: (CLOUD, CLOUD) < 0.5, "Unpack it"),
+        (lambda: (CLOUD, CLOUD) < 0.5, "Unpack the pair"),
         (lambda: coo_array(([True], ([3], [0])), shape=(3, 3)), "count - 1"),
         (lambda: filter_ground(points=CLOUD), "another name"),
         (lambda: filter_ground(), "first line"),

@@ -29,7 +29,7 @@ def promise_label_gaps(
         case,
         name,
         title="Works when labels have gaps",
-        why="Filters remove clusters and so leave gaps between the labels.",
+        why="A filter that removes a cluster leaves a gap in the labels.",
         hint=hint,
         weight=weight,
     )

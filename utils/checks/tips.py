@@ -96,7 +96,7 @@ _TIPS = (
         "TypeError",
         r"ufunc 'invert' not supported",
         "",
-        "~ inverts a mask, but these are numbers. Put it inside the brackets, before the mask: "
+        "~ inverts a mask, but these are numbers. Put ~ inside the brackets, before the mask: "
         "cloud[~mask].",
     ),
     (
@@ -126,7 +126,8 @@ _TIPS = (
         "TypeError",
         r"'(builtin_function_or_method|function|type|method)' object is not subscriptable",
         "",
-        "There are square brackets after a function. Call it with round ones: f(x).",
+        "This line has square brackets after a function. To call the function, use round ones: "
+        "f(x).",
     ),
     (
         "TypeError",
@@ -214,8 +215,8 @@ _TIPS = (
         "IndexError",
         r"out of bounds|out of range",
         "",
-        "An index is past the end. The last valid index is len(...) - 1, and an empty array has "
-        "none.",
+        "An index is past the end of the array or list. The last valid index is len(...) - 1, and "
+        "an empty array has none.",
     ),
     (
         "ValueError",
@@ -274,16 +275,17 @@ _TIPS = (
         "ValueError",
         r"could not be broadcast",
         "",
-        "The two shapes in the message do not match. Compared from the right, each pair of numbers "
-        "must be equal, or one of them 1. (n, 3) with (3,) works; (n, 3) with (n,) does not.",
+        "The two shapes in the message do not match. Compare them from the right: in each pair, "
+        "the numbers must be equal, or one must be 1. (n, 3) with (3,) works; (n, 3) with (n,) "
+        "does not.",
     ),
     (
         "ValueError",
         r"zero-size array|need at least one array|arg(min|max) of an empty|empty sequence|"
         r"empty iterable",
         "",
-        "This line takes the smallest or largest of no values, or stacks no arrays. A cloud can be "
-        "empty, and a label that does not occur has no rows.",
+        "This line takes the minimum or maximum of an empty array, or stacks an empty list. A "
+        "cloud can be empty, and a label that does not occur has no rows.",
     ),
     (
         "ValueError",
@@ -316,8 +318,9 @@ _TIPS = (
         "RecursionError",
         r"",
         "",
-        "Python stops a function that calls itself about a thousand times. Does it ever reach the "
-        "case that ends the recursion? If it needs more calls to reach it, write a loop instead.",
+        "Python stops a function that calls itself about a thousand times. Does the function ever "
+        "reach the case that ends the recursion? If it needs more calls for that, write a loop "
+        "instead.",
     ),
     (
         "MemoryError",
@@ -357,8 +360,8 @@ _TIPS = (
         "TypeError",
         r"'[<>]=?' not supported between instances of .*'tuple'",
         "",
-        "A function that returns two values returns a pair. Unpack it, one, other = f(...), or use "
-        "only the first value, f(...)[0].",
+        "A function that returns two values returns a pair. Unpack the pair with one, other = "
+        "f(...), or take only the first value with f(...)[0].",
     ),
     (
         "ValueError",
@@ -370,8 +373,9 @@ _TIPS = (
         "ValueError",
         r"math domain error|expected a positive input",
         r"\blog",
-        "Zero and negative numbers have no logarithm. Handle that case first. 1 - p is negative if "
-        "p is above 1, which a probability never is: w**s is a power, w*s is a product.",
+        "Zero and negative numbers have no logarithm. Handle that case first. If 1 - p is "
+        "negative, p is above 1 and not a probability. Did you write w*s (a product) instead of "
+        "w**s (a power)?",
     ),
     (
         "LinAlgError",
