@@ -90,8 +90,8 @@ def keeps_points_above_the_level(filter_ground: Callable) -> None:
     "filter_ground",
     weight=3,
     title="Uses ground_level as the threshold",
-    why="On another car the sensor is at another height, so the function must not contain a fixed "
-    "level.",
+    why="On another car, the sensor may be at another height, so the function must not contain a "
+    "fixed level.",
     hint="Keep a point if its z is at least ground_level. Do not write a number into the function.",
 )
 def uses_the_level(filter_ground: Callable) -> None:
@@ -173,7 +173,7 @@ declare_mistakes(
         "The comparison is the wrong way round: points below ground_level stay and points above "
         "it are removed.",
         lambda right, cloud, level: _rows_above(cloud, -cloud[:, 2], -level),
-        "Points above the level should stay: which comparison says that?",
+        "Points above the level should stay. Which comparison selects them?",
     ),
     Mistake(
         "Your code compares column 0, which is x. The heights are in column 2.",
