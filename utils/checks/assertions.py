@@ -214,8 +214,7 @@ def as_array(
             raise WrongForm(about, yours=kind, expected=description) from None
         pair = isinstance(answer, tuple) and len(answer) == 2
         raise WrongForm(
-            f"The function returned {'a pair' if pair else 'something else'} instead of "
-            f"{description}.",
+            f"The function must return {description}{', not a pair' if pair else ''}.",
             yours=f"{kind}: {brief_text(answer)}",
             expected=description,
         ) from None
@@ -293,7 +292,7 @@ def as_shape(
     words = ""
     if len(expected) == 1:
         if shape == () and n > 1:
-            words = " This is one number for all points, so an axis= is missing."
+            words = " This is one number for all points, so axis= is missing."
         elif shape == (n, 1):
             words = fixed(
                 " Shape (n, 1) is a table with one column. Select it with [:, 0], or leave out the "

@@ -124,7 +124,7 @@ def assert_box_corners(
     labels, row = _box_labels(cluster_labels), wrong[0]
     if all(any(same_corners(mine, box) for mine in yours) for box in expected):
         raise CheckFailed(
-            "These are the right boxes in another order.",
+            "The boxes are right, but not in the order of the labels.",
             given=f"labels that occur: {brief_text(np.unique(cluster_labels))}",
             yours=f"row {row} is not the box of label {labels[row]}",
             expected="one box for each label, in ascending order of the labels",

@@ -74,8 +74,8 @@ def promise_no_box_for_noise(case: Case, name: str, *, weight: float = 1) -> Non
         case,
         name,
         title="Ignores points with label 0",
-        why="Stray points are all over the street, so their box would cover the whole street, "
-        "including the ego car.",
+        why="Stray points are all over the street, so a box around them would cover the whole "
+        "street and the ego car.",
         hint="Keep only labels > 0 before you loop.",
         weight=weight,
     )

@@ -311,7 +311,7 @@ def require_lost_returns_dropped(drop_invalid: Callable) -> None:
 
     One kind is enough, so that a function that keeps the other kind can still pass other checks.
     """
-    with precondition("lost returns are dropped and the others are kept"):
+    with precondition("the function drops lost returns and keeps the others"):
         try:
             assert_drops_lost_rows(drop_invalid, _ORIGIN)
         except CheckFailed:

@@ -612,7 +612,7 @@ def as_line_and_mask(answer: object, n: int) -> tuple[np.ndarray | None, np.ndar
         )
     if not isinstance(answer, (tuple, list)) or len(answer) != 2:
         raise WrongForm(
-            "The function must return two things, the line and the mask.",
+            "The function must return two values, the line and the mask.",
             yours=brief_text(answer),
             expected="a pair (line, inliers)",
         )
@@ -906,7 +906,7 @@ common_checks.promise_untouched(
     _RANSAC_CASE,
     "leaves_its_input",
     why="The next search needs the same points.",
-    hint="Draw indices instead of shuffling the points.",
+    hint="Draw row numbers instead of shuffling the points.",
 )
 
 

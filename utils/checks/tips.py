@@ -202,7 +202,8 @@ _TIPS = (
         "IndexError",
         r"index 3 is out of bounds for axis 1 with size 3",
         "",
-        "The cloud may have only three columns, as not every recording has intensities.",
+        "Do not rely on column 3: the cloud has only three columns if the recording has no "
+        "intensities.",
     ),
     (
         "IndexError",
@@ -291,8 +292,8 @@ _TIPS = (
         "ValueError",
         r"cost matrix is infeasible",
         "",
-        "Infinity forbids a pair, and here one row has no allowed partner left. Use a huge number "
-        "instead of infinity, and drop the pairs that have it afterwards.",
+        "Infinity forbids a pair, and one row has no allowed partner left. Use a huge number "
+        "instead of infinity, and afterwards drop the pairs with that number.",
     ),
     (
         "ValueError",
@@ -326,8 +327,8 @@ _TIPS = (
         "MemoryError",
         r"",
         "",
-        "This needs more memory than there is. All pairs of 120 000 points are 14 400 000 000 "
-        "numbers. Work point by point, or cell by cell.",
+        "Your code needs more memory than is available. A table of all pairs of 120 000 points has "
+        "14 400 000 000 entries. Work point by point, or cell by cell.",
     ),
     (
         "AttributeError",
@@ -346,8 +347,8 @@ _TIPS = (
         "ValueError",
         r"larger sample than population|a (must be a positive integer|cannot be empty) unless",
         "",
-        "This line draws more rows than there are. Check len(points) first, and draw from all the "
-        "points.",
+        "This line draws more rows than the array has. Check len(points) first, and draw from all "
+        "the points.",
     ),
     (
         "ValueError",
@@ -391,12 +392,12 @@ _TIPS = (
         "The logarithm of 1 is 0, and you cannot divide by 0. Handle that case first. (1 minus a "
         "tiny number is rounded to 1.)",
     ),
-    ("SystemExit", r"", "", "Leave out exit() and quit(): they end the whole notebook."),
+    ("SystemExit", r"", "", "Delete exit() and quit(): they end the whole notebook."),
     (
         "EOFError",
         r"",
         "",
-        "Leave out input(): no one is at the keyboard when a notebook is judged.",
+        "Delete input(): no one is at the keyboard when a notebook is judged.",
     ),
 )
 

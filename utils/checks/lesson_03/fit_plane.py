@@ -69,7 +69,7 @@ def assert_through_the_mean(answer: object, points: np.ndarray) -> None:
         best = best_plane(points)[0]
         raise CheckFailed(
             f"The mean of the points, {point_text(centre)}, is {gap:.3g} m away from the plane. "
-            "The best plane passes through it.",
+            "The best plane passes through the mean.",
             yours=plane_text(plane),
             expected=expected_text(plane, best),
             draw=lambda: draw_edge_on(np.asarray(points), plane, None, None, best),

@@ -265,8 +265,8 @@ def continues_after_degenerate_samples(ransac_plane: Callable) -> None:
             _half_equal_points(40 + seed),
         )
         for (points, on_plane), given in (
-            (ramp, "48 points of one plane, 40 of them on one line"),
-            (half_equal, "40 points of one plane, 20 of them equal"),
+            (ramp, "48 points on one plane, 40 of them on one line"),
+            (half_equal, "40 points on one plane, 20 of them equal"),
         ):
             # Four samples in ten are good, so 40 rounds fail with a probability of 0.58^40 < 1e-9.
             answer = ransac_plane(points.copy(), 40, 0.2, np.random.default_rng(seed))

@@ -19,7 +19,7 @@ def as_pair(answer: object) -> Sequence:
         )
     if not isinstance(answer, (tuple, list)) or len(answer) != 2:
         raise WrongForm(
-            "Return two things, the model and the mask: `return model, inliers`.",
+            "Return two values, the model and the mask: `return model, inliers`.",
             yours=brief_text(answer),
             expected="(model, inliers)",
         )

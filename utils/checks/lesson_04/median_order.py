@@ -354,8 +354,8 @@ common_checks.promise_untouched(
         precondition=_assert_halves,
     ),
     "leaves_its_input",
-    why="The order refers to the rows of the original cloud. If the cloud is sorted, it refers to "
-    "the wrong points.",
+    why="The order refers to the rows of the original cloud. If you sort the cloud, the order "
+    "refers to the wrong points.",
     hint="Sort the row numbers, not the points.",
 )
 
