@@ -355,12 +355,12 @@ def assert_upright(answer: object) -> None:
 
 
 _SPLIT_HINT = (
-    "Draw the clusters before the boxes. An object splits into several clusters if the threshold "
-    "is smaller than the gaps between its points."
+    "Draw the clusters first. An object splits into several clusters if the threshold is smaller "
+    "than the gaps between its points."
 )
 _MERGED_HINT = (
-    "Draw the clusters before the boxes. Is the road gone? Is the threshold smaller than the gaps "
-    "between objects?"
+    "Draw the clusters first. Is the road gone? Is the threshold smaller than the gaps between "
+    "objects?"
 )
 
 

@@ -1028,8 +1028,8 @@ def draws_no_more_samples(ransac_line: Callable) -> None:
     if found >= 24:  # practically impossible if one sample in 25 gives the line
         raise CheckFailed(
             fixed(
-                "With max_iterations=1 the line was found in most runs. A single sample of two "
-                "points can hardly do that."
+                "With max_iterations=1, the line was found in most runs, but a single sample "
+                "hardly ever finds it. The function draws more samples than max_iterations allows."
             ),
             yours=f"found in {found} of 48 runs",
             expected="in about 2 of 48 runs",
@@ -1113,7 +1113,7 @@ def draws_from_all_points(ransac_line: Callable) -> None:
         )
     row = int(np.flatnonzero(~drawn)[0])
     raise CheckFailed(
-        f"Row {row} of the four points was in no sample.",
+        f"Row {row} of the four points was never drawn.",
         given="four points and max_iterations=2",
         yours=f"no line through row {row} in {len(lines)} runs",
         expected="a line through each row in about half of the runs",

@@ -400,7 +400,7 @@ def averages_the_intensity(voxel_grid: Callable) -> None:
     weight=4,
     title="Ignores the intensity when assigning points to cells",
     why="Two returns from the same place belong to the same cell, however bright they are. If "
-    "intensities up to 255 counted, hardly any points would be merged.",
+    "intensities up to 255 counted as a coordinate, hardly any points would be merged.",
     hint="Compute the cell from x, y and z only: cloud[:, :3].",
 )
 def ignores_the_intensity(voxel_grid: Callable) -> None:

@@ -45,7 +45,7 @@ def random_pairs(seed, n, reach=20.0):
     "line_through",
     weight=3,
     title="Returns a line through both points, in either order",
-    hint="Insert both points into a x + b y + c: each must give 0.",
+    hint="Insert the x and y of both points into a x + b y + c: each point must give 0.",
 )
 def test_line_passes_through_both_points(student, seed):
     for p, q in zip(*random_pairs(seed, 12), strict=True):
@@ -420,8 +420,8 @@ def test_one_iteration_is_one_sample(student, seed):
     if not at_least(25, misses):  # one sample in 25 finds the line
         raise CheckFailed(
             fixed(
-                "With max_iterations=1 the line is found in most runs. A single sample of two "
-                "points can hardly do that."
+                "With max_iterations=1, the line is found in most runs, but a single sample hardly "
+                "ever finds it. The function draws more samples than max_iterations allows."
             )
         )
 

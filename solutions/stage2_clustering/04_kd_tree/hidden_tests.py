@@ -166,7 +166,7 @@ def test_two_trees(student, seed):
     "insert",
     weight=1,
     title="Does not change points with three coordinates",
-    hint="Write only to the tree.",
+    hint="Read the point, but assign only to the tree.",
 )
 def test_point(student, seed):
     require_root(student.KdTree)
@@ -409,7 +409,7 @@ def test_search_notations(student, seed):
     "search",
     weight=1,
     title="Does not change the tree or a target far from the origin",
-    hint="Only read the tree and the target.",
+    hint="Read the tree and the target, but do not assign to them.",
 )
 def test_search_leaves_the_tree(student, seed):
     target = np.array([20.0, -30.0])

@@ -179,7 +179,7 @@ def test_extremes(student, seed):
 @hidden(
     "euclidean_clustering",
     weight=2,
-    title="Gives every point a label from 1 upwards, even isolated points",
+    title="Gives every point, even an isolated one, a label from 1 upwards",
     hint="A point without neighbours is a cluster too, even if it is the first or last of the "
     "cloud.",
 )

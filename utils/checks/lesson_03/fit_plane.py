@@ -134,7 +134,7 @@ def fit_has_a_unit_normal(fit_plane: Callable) -> None:
     "fit_plane",
     weight=4,
     title="Fits a wall as well as a road",
-    why="z = a x + b y + c cannot describe a wall, but this function will also be used for walls.",
+    why="z = a x + b y + c cannot describe a wall, but you will also fit planes to walls.",
     hint="Do not solve for z. The SVD treats all three directions alike.",
 )
 def fits_a_wall(fit_plane: Callable) -> None:

@@ -164,7 +164,7 @@ def normal_is_perpendicular(plane_through: Callable) -> None:
     "plane_through",
     weight=18,
     title="The three points lie on the plane",
-    why="Distances and inliers are measured from this plane.",
+    why="Distances are measured from this plane, and they decide which points are inliers.",
     hint="Choose d so that a x + b y + c z + d is 0 at p, with the same a, b, c that you return.",
 )
 def contains_its_points(plane_through: Callable) -> None:

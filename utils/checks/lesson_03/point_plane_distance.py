@@ -245,7 +245,7 @@ def works_on_few_points(point_plane_distance: Callable) -> None:
     "point_plane_distance",
     weight=1,
     title="Leaves points and plane untouched",
-    why="The next plane needs the same points.",
+    why="The next round of RANSAC needs the original points.",
     hint="Build a new array with points[:, :3] @ normal; points *= normal would change the points.",
 )
 def leaves_cloud_and_plane(point_plane_distance: Callable) -> None:

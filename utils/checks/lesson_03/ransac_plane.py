@@ -402,7 +402,7 @@ def draws_from_all_rows(ransac_plane: Callable) -> None:
         )
     row = int(np.flatnonzero(~drawn)[0])
     raise CheckFailed(
-        f"Row {row} of the five points was in no sample.",
+        f"Row {row} of the five points was never drawn.",
         given="five points and max_iterations=2",
         yours=f"no plane through row {row} in {len(planes)} runs",
         expected="a plane through each row in more than half of the runs",

@@ -247,7 +247,7 @@ def accepts_any_sequence(KdTree: Callable) -> None:
     weight=1,
     title="Does not change the tree or the target",
     why="The same tree is searched again and again, and the target may be a row of the cloud.",
-    hint="Do not assign to a node or to the target; only read them.",
+    hint="Read the nodes and the target, but do not assign to them.",
 )
 def leaves_the_tree(KdTree: Callable) -> None:
     _assert_at_target(KdTree)
