@@ -163,9 +163,9 @@ def test_rows_in_any_form_are_accepted(answer):
         (CLOUD[KEEP] + 1, "values changed"),
         (CLOUD[KEEP][:, :3], "columns"),
         (KEEP, "a mask"),
-        ("text", "something else"),
+        ("text", "must return"),
         (CLOUD[[1, 2, 2]], "more than once"),
-        ([[1, 2], [3]], "something else"),
+        ([[1, 2], [3]], "must return"),
         (CLOUD[KEEP].T, "columns"),
     ],
 )
@@ -290,7 +290,7 @@ def test_a_changed_input_is_reported():
 
 
 def test_messages_name_the_expected_labels_and_arrays():
-    with pytest.raises(CheckFailed, match="something else") as caught:
+    with pytest.raises(CheckFailed, match="must return") as caught:
         as_array({1: 2})
     assert "dict" in caught.value.yours and "dict" not in caught.value.message
     with pytest.raises(CheckFailed, match="one label for each"):
@@ -308,7 +308,7 @@ def test_messages_name_the_expected_labels_and_arrays():
         (lambda: CLOUD[:, CLOUD[:, 0] > 0], "cloud[mask]"),
         (lambda: np.zeros((8, 3)).__setitem__(0, np.ones(4)), "different shapes"),
         (lambda: CLOUD[:2] - CLOUD[0, :3], "intensity"),
-        (lambda: CLOUD - np.ones(2), "Compared from the right"),
+        (lambda: CLOUD - np.ones(2), "Compare them from the right"),
         (lambda: CLOUD[:2] / np.ones(2), "counts[:, None]"),
         (lambda: CLOUD - CLOUD[[0, 1]], "extend adds its numbers"),
         (lambda: np.add.at(np.zeros((2, 3)), [0, 1, 0], CLOUD), "a row for each group"),
@@ -345,7 +345,7 @@ def test_messages_name_the_expected_labels_and_arrays():
         (lambda: np.dot(CLOUD[:, :3], np.ones(4)), "the same number of values"),
         (lambda: len(filter_ground.__doc__), "return"),
         (lambda: undefined_name, "spelt"),  # noqa: F821
-        (lambda: (CLOUD, CLOUD) < 0.5, "Unpack it"),
+        (lambda: (CLOUD, CLOUD) < 0.5, "Unpack the pair"),
         (lambda: coo_array(([True], ([3], [0])), shape=(3, 3)), "count - 1"),
         (lambda: filter_ground(points=CLOUD), "another name"),
         (lambda: filter_ground(), "first line"),
@@ -781,7 +781,7 @@ def test_equal_texts_are_left_out():
     [
         ((row for row in CLOUD), "a generator instead of rows. Convert it with list"),
         (map(list, CLOUD), "a map instead of rows. Convert it with list"),
-        ((CLOUD[0], 1.5), "a pair instead of rows"),
+        ((CLOUD[0], 1.5), "must return rows, not a pair"),
         (np.where(KEEP), "row numbers in a tuple, as np.where returns them"),
         (np.flatnonzero(KEEP), "return the rows themselves"),
         (KEEP, "This is a mask"),

@@ -63,7 +63,7 @@ def defined(source, name="near", **names):
         (KEEPS, "The default value of `found` is created only once"),
         (
             READS_ANOTHER,
-            "variable `obstacles` and never its own parameter `cloud`",
+            "variable `obstacles` but not its parameter `cloud`",
         ),
     ],
 )

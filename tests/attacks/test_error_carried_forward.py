@@ -61,7 +61,7 @@ def test_feedback_does_not_reveal_the_correct_helper(tmp_path):
         "it was judged with a right one"
     )
     messages = "\n".join(test.message for test in result.tests)
-    assert "must return two things" in messages
+    assert "must return two values" in messages
     assert "stolen" not in "\n".join([messages, result.cause, *verdict.problems])
 
 

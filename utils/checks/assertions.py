@@ -214,8 +214,7 @@ def as_array(
             raise WrongForm(about, yours=kind, expected=description) from None
         pair = isinstance(answer, tuple) and len(answer) == 2
         raise WrongForm(
-            f"The function returned {'a pair' if pair else 'something else'} instead of "
-            f"{description}.",
+            f"The function must return {description}{', not a pair' if pair else ''}.",
             yours=f"{kind}: {brief_text(answer)}",
             expected=description,
         ) from None
@@ -293,7 +292,7 @@ def as_shape(
     words = ""
     if len(expected) == 1:
         if shape == () and n > 1:
-            words = " This is one number for all points, so an axis= is missing."
+            words = " This is one number for all points, so axis= is missing."
         elif shape == (n, 1):
             words = fixed(
                 " Shape (n, 1) is a table with one column. Select it with [:, 0], or leave out the "
@@ -302,9 +301,11 @@ def as_shape(
         elif shape == (1, n):
             words = fixed(" Shape (1, n) is a table with one row. Select it with [0].")
         elif n > 1 and shape == (n, n):
-            words = fixed(" Shape (n, n) results from (n, 1) and (n,). Both must be (n,).")
+            words = fixed(
+                " Shape (n, n) results from combining (n, 1) and (n,). Both must be (n,)."
+            )
         elif columns and shape == (columns,):
-            words = f" There are {columns}, one for each column. Use {fixed('axis=1')}."
+            words = f" There are {columns} numbers, one for each column. Use {fixed('axis=1')}."
     raise WrongForm(
         f"There must be {content}.{words}", yours=f"shape {shape}", expected=f"shape {expected}"
     )
@@ -469,7 +470,7 @@ def assert_empty_table(answer: object, cloud: np.ndarray, columns: int) -> None:
         yours = as_array(answer, columns=cloud.shape[1], description=wanted)
     if len(yours):
         raise CheckFailed(
-            "No rows should be left here.",
+            "No rows should be left.",
             yours=f"{len(yours)} row{'s' if len(yours) != 1 else ''}",
             expected="0 rows",
         )
@@ -495,7 +496,7 @@ def assert_same_set_of_rows(answer: object, expected: np.ndarray) -> None:
     yours = as_array(answer, columns=expected.shape[1], description="an array of points")
     if len(yours) != len(expected):
         raise CheckFailed(
-            f"There are {len(yours)} rows, expected {len(expected)}.",
+            f"The function returned {len(yours)} rows instead of {len(expected)}.",
             yours=f"{len(yours)} rows",
             expected=f"{len(expected)} rows",
         )

@@ -51,7 +51,7 @@ def as_cluster_boxes(answer: object, cluster_labels: np.ndarray) -> np.ndarray:
     boxes = as_array(answer, description="an array of boxes")
     sides = {"yours": f"shape {boxes.shape}", "expected": f"shape ({count}, 8, 3)"}
     if count == 0 and boxes.size == 0 and boxes.shape != (0, 8, 3):
-        raise CheckFailed("Even an array without boxes must have the usual shape.", **sides)
+        raise CheckFailed(fixed("An array without boxes must have the shape (0, 8, 3)."), **sides)
     if boxes.ndim != 3 or boxes.shape[1:] != (8, 3):
         raise WrongForm(_explain_shape(boxes.shape), **sides)
     if len(boxes) != count:
@@ -124,7 +124,7 @@ def assert_box_corners(
     labels, row = _box_labels(cluster_labels), wrong[0]
     if all(any(same_corners(mine, box) for mine in yours) for box in expected):
         raise CheckFailed(
-            "These are the right boxes in another order.",
+            "The boxes are right, but not in the order of the labels.",
             given=f"labels that occur: {brief_text(np.unique(cluster_labels))}",
             yours=f"row {row} is not the box of label {labels[row]}",
             expected="one box for each label, in ascending order of the labels",
@@ -435,7 +435,7 @@ def _assert_order(boxes: np.ndarray, clusters: list[np.ndarray]) -> None:
     contains = ((low <= means) & (means <= high)).all(axis=2)
     if not contains.diagonal().all() and contains.any(axis=0).all() and contains.any(axis=1).all():
         raise CheckFailed(
-            "The boxes are in another order than the labels.",
+            "The boxes are not in the order of the labels.",
             yours=f"the box in row {np.flatnonzero(~contains.diagonal())[0]} belongs "
             "to another cluster",
             expected="one box for each label, in ascending order of the labels",

@@ -130,12 +130,12 @@ def distance_mistakes() -> tuple[Mistake, ...]:
         Mistake(
             "Intensity is used as a fourth coordinate.",
             prediction_with_measure(lambda steps, limit: lengths(steps) / limit),
-            "The columns cloud[:, :3] are the coordinates.",
+            "Use only the coordinates: cloud[:, :3].",
         ),
         Mistake(
             "The height is left out: distances are measured only along x and y.",
             prediction_with_measure(lambda steps, limit: lengths(steps[:, :2]) / limit),
-            "The columns cloud[:, :3] are the coordinates, z among them.",
+            "Use all three coordinates: cloud[:, :3].",
         ),
         *(_mistake_along_axes(axes) for axes in ([1, 2], [0, 2], [0], [1], [2])),
     )
@@ -153,7 +153,7 @@ def _mistake_along_axes(axes: list[int]) -> Mistake:
     return Mistake(
         f"Distances are measured only along {names}.",
         prediction_with_measure(lambda steps, limit: lengths(steps[:, axes]) / limit),
-        "The columns cloud[:, :3] are the coordinates: x, y and z.",
+        "Use all three coordinates, x, y and z: cloud[:, :3].",
     )
 
 

@@ -73,9 +73,9 @@ def require_simplest_clusters(euclidean_clustering: Callable) -> None:
 
     The function must separate groups that are far apart, and join a row of neighbours.
     """
-    with precondition("groups of points that are far apart are separate clusters"):
+    with precondition("groups of points that are far apart become separate clusters"):
         assert_partition(euclidean_clustering(GROUPS.copy(), 1.0), LABELS, GROUPS)
-    with precondition("a chain of neighbours is one cluster"):
+    with precondition("a chain of neighbours becomes one cluster"):
         row = row_of_points([2.0, 0.0, 0.0], 0.45, 7)
         assert_partition(euclidean_clustering(row.copy(), 0.8), np.ones(7, int), row)
 

@@ -109,7 +109,7 @@ def _find_mutable_default(node: ast.FunctionDef) -> CodeSlip | None:
             return CodeSlip(
                 f"The default value of `{target.id}` is created only once, so it keeps what "
                 "earlier calls put into it.",
-                "Create it inside the function, so that each call starts with a new one.",
+                "Create the value inside the function, so that each call starts with a new one.",
             )
     return None
 
@@ -129,9 +129,9 @@ def _find_notebook_variable(node: ast.FunctionDef, function: FunctionType) -> Co
     ]
     if unread and used:
         return CodeSlip(
-            f"The function uses the notebook's variable `{used[0]}` and never its own parameter "
+            f"The function uses the notebook's variable `{used[0]}` but not its parameter "
             f"`{unread[0]}`.",
-            "Use the parameter. It has the value that the function is called with.",
+            "Use the parameter, which holds the argument of each call.",
         )
     return None
 

@@ -29,7 +29,7 @@ def promise_label_gaps(
         case,
         name,
         title="Works when labels have gaps",
-        why="Filters remove clusters and so leave gaps between the labels.",
+        why="A filter that removes a cluster leaves a gap in the labels.",
         hint=hint,
         weight=weight,
     )
@@ -74,8 +74,8 @@ def promise_no_box_for_noise(case: Case, name: str, *, weight: float = 1) -> Non
         case,
         name,
         title="Ignores points with label 0",
-        why="Stray points are all over the street, so their box would cover the whole street, "
-        "including the ego car.",
+        why="Stray points are all over the street, so a box around them would cover the whole "
+        "street and the ego car.",
         hint="Keep only labels > 0 before you loop.",
         weight=weight,
     )

@@ -6,7 +6,7 @@ weight and the texts. The promise becomes an ordinary visible check, in the orde
     _CROP = Case(__name__, "crop_region", {"cloud": _ROOM, "minimum": ..., "maximum": ...},
                  expected=_INSIDE, compare=assert_boxed, precondition=assert_crops)
 
-    common_checks.promise_names(_CROP, "names_the_corners", why="Others may call it by name.")
+    common_checks.promise_names(_CROP, "names_the_corners", why="Others may pass them by name.")
     common_row_checks.promise_order(_CROP, "crops_in_order")
 
 Promises for certain kinds of exercises are in `common_row_checks`, `common_box_checks` and

@@ -47,10 +47,10 @@ def promise_default(case: Case, name: str, *, why: str) -> None:
         omitted = as_labels(euclidean_clustering(cloud.copy()), len(cloud))
         if not np.array_equal(renumber_by_appearance(given), renumber_by_appearance(omitted)):
             raise CheckFailed(
-                fixed("Without a threshold, the clusters differ from those at 0.5 m."),
+                fixed("If you leave out the threshold, the clusters differ from those at 0.5 m."),
                 given="twelve points in a row",
                 yours=cluster_count_text(omitted),
-                expected=f"{cluster_count_text(given)}, as your function finds at 0.5 m",
+                expected=f"{cluster_count_text(given)}, as with threshold=0.5",
             )
 
     check.__name__ = name
@@ -70,7 +70,7 @@ def promise_few_points(case: Case, name: str, *, why: str, hint: str, weight: fl
                 labels = as_labels(euclidean_clustering(np.full((n, columns), 2.0), 0.8), n)
                 if not (labels == 1).all():
                     raise CheckFailed(
-                        "A single point forms a cluster and gets a label.",
+                        fixed("A single point is a cluster, so it must get the label 1."),
                         given="a cloud of one point",
                         yours=brief_text(labels),
                         expected="[1]",

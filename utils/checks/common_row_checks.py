@@ -112,7 +112,7 @@ def note_array(case: Case, name: str) -> None:
         without_rows = as_array(case.with_first(case.first[:0]).answer_of(function))
         if without_rows.ndim == 1:
             raise CheckFailed(
-                "Without rows, the array has lost its columns, which later cells need.",
+                "When no row is left, the array also loses its columns, which later cells need.",
                 yours=f"shape {without_rows.shape}",
                 expected=f"shape (0, {case.first.shape[1]})",
             )

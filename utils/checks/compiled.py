@@ -67,8 +67,8 @@ def assert_compiles(python: Callable, call: Callable[[Callable], object]) -> Non
     if answer != expected:
         raise CheckFailed(
             f"The compiled function returns {brief_text(answer)}, but the Python code returns "
-            f"{brief_text(expected)}. Does it read beyond the end of an array? Numba does not "
-            "check this."
+            f"{brief_text(expected)}. Does the function read beyond the end of an array? "
+            "Numba does not check this."
         )
 
 

@@ -74,7 +74,7 @@ def as_boxes(answer: object) -> np.ndarray:
             "A box has a corner that is not finite.",
             yours=brief_text(boxes[bad]),
             hint="Remove returns that are not finite before you fit boxes. A cluster of one point "
-            "has no direction and its length is 0, so do not divide by it.",
+            "has no direction and the length 0: do not divide by that length.",
         )
     return boxes.astype(float)
 
@@ -254,7 +254,7 @@ def assert_no_box_on_ego_car(answer: object, frame: Frame) -> None:
     inside = ((centres > EGO_CAR[0]) & (centres < EGO_CAR[1])).all(axis=1)
     if inside.any():
         raise CheckFailed(
-            "A box is where the ego car is.",
+            "A box covers the ego car.",
             yours=f"a box with its centre at {point_text(centres[inside][0])}",
             expected="no box with its centre between x = -1.5 and 2.6 m, y = -1.7 and 1.7 m",
             draw=lambda: _draw_boxes(frame, boxes, boxes[inside], "ego car"),
@@ -270,8 +270,8 @@ def assert_no_box_at_sensor(answer: object, frame: Frame) -> None:
     if at:
         raise CheckFailed(
             fixed(
-                "A box is around (0, 0, 0), where the sensor is. The sensor records lost returns "
-                "at this position."
+                "A box contains (0, 0, 0), the position of the sensor. Lost returns are recorded "
+                "there."
             ),
             yours=f"a box from {point_text(boxes[at[0]].min(axis=0))} to "
             f"{point_text(boxes[at[0]].max(axis=0))}",
@@ -296,7 +296,7 @@ def assert_raindrops_ignored(answer: object, frame: Frame, drops: np.ndarray) ->
     wet = np.count_nonzero((away < 0.5).any(axis=0))
     if wet > len(drops) // 3:
         raise CheckFailed(
-            "Single returns in the air have boxes.",
+            "There are boxes around single returns in the air.",
             yours=f"boxes around {wet} of {len(drops)} drops of rain",
             expected="none around clusters of one point",
             draw=lambda: _draw_boxes(frame, boxes, small[(away < 0.5).any(axis=1)], "a drop"),
@@ -319,7 +319,7 @@ def assert_no_box_left(answer: object, car: Box, frame: Frame) -> None:
     ]
     if left:
         raise CheckFailed(
-            "A box is around an empty place: the car that was there in another scan is gone.",
+            "A box is around an empty place. A car was there in another scan, but not in this one.",
             yours=f"a box at {point_text(car.centre[:2])}",
             expected="boxes only around objects in this scan",
             draw=lambda: _draw_boxes(frame, boxes, boxes[left], "nothing in it"),
@@ -355,12 +355,12 @@ def assert_upright(answer: object) -> None:
 
 
 _SPLIT_HINT = (
-    "Draw the clusters before the boxes. An object splits into several clusters if the threshold "
-    "is smaller than the gaps between its points."
+    "Draw the clusters first. An object splits into several clusters if the threshold is smaller "
+    "than the gaps between its points."
 )
 _MERGED_HINT = (
-    "Draw the clusters before the boxes. Is the road gone? Is the threshold smaller than the gaps "
-    "between objects?"
+    "Draw the clusters first. Is the road gone? Is the threshold smaller than the gaps between "
+    "objects?"
 )
 
 

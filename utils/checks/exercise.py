@@ -32,7 +32,7 @@ PROMISES = {
     "names": (
         common_checks.promise_names,
         "keeps_the_names",
-        {"why": "Others may pass the arguments by name."},
+        {"why": "Other code may pass the arguments by name."},
     ),
     "untouched": (
         common_checks.promise_untouched,

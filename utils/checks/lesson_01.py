@@ -92,8 +92,8 @@ def measures_distance(horizontal_distance: Callable) -> None:
     "horizontal_distance",
     weight=5,
     title="Ignores the height of a point",
-    why="The top of a lamp post is as far away as its foot: the car drives the same distance to "
-    "it.",
+    why="The car drives the same distance to a lamp post, whether a return comes from its top or "
+    "its foot.",
     hint="Use only x and y, which are columns 0 and 1.",
 )
 def ignores_height(horizontal_distance: Callable) -> None:
@@ -119,7 +119,8 @@ def ignores_intensity(horizontal_distance: Callable) -> None:
     "horizontal_distance",
     weight=1,
     title="Does not round the distances",
-    why="Each step of a pipeline adds errors. Round numbers only when you print them.",
+    why="Rounding errors add up from step to step of a pipeline. Round numbers only when you print "
+    "them.",
     hint="Return the distances without rounding them.",
 )
 def is_exact(horizontal_distance: Callable) -> None:
@@ -208,13 +209,13 @@ declare_mistakes(
     Mistake(
         "This is |x| + |y|, the distance along two sides of the triangle.",
         lambda right, cloud: np.sqrt(right**2 + 2 * np.abs(cloud[:, 0] * cloud[:, 1])),
-        "Square both, add the squares and take the square root of the sum.",
+        "Square x and y, add the squares and take the square root of the sum.",
         is_cheap=True,
     ),
     Mistake(
         "This is the larger of |x| and |y|.",
         lambda right, cloud: np.abs(cloud[:, :2]).max(axis=1),
-        "Square both, add the squares and take the square root of the sum.",
+        "Square x and y, add the squares and take the square root of the sum.",
         is_cheap=True,
     ),
     Mistake(
@@ -238,17 +239,17 @@ declare_mistakes(
         "Write cloud[:, 0] for a column: all rows, column 0.",
     ),
     Mistake(
-        "The lengths are computed down the columns x and y, over all points.",
+        "These are the lengths of the columns x and y, each computed over all points.",
         lambda right, cloud: _lengths(cloud.T[:2]),
         "axis=1 works along each row and gives one number per point.",
     ),
     Mistake(
-        "The lengths are computed down all columns, over all points.",
+        "These are the lengths of all columns, each computed over all points.",
         lambda right, cloud: _lengths(cloud.T),
         "axis=1 works along each row and gives one number per point. Use only the columns x and y.",
     ),
     Mistake(
-        "The distances are sorted, but each one must stay in the place of its point.",
+        "The distances are sorted. They must be in the order of the points.",
         lambda right, cloud: np.sort(right),
     ),
     cases=[(cloud,) for cloud in _CLOUDS.values()],
@@ -310,7 +311,7 @@ def require_lost_returns_dropped(drop_invalid: Callable) -> None:
 
     One kind is enough, so that a function that keeps the other kind can still pass other checks.
     """
-    with precondition("lost returns are dropped and the others are kept"):
+    with precondition("the function drops lost returns and keeps the others"):
         try:
             assert_drops_lost_rows(drop_invalid, _ORIGIN)
         except CheckFailed:
@@ -321,7 +322,8 @@ def require_lost_returns_dropped(drop_invalid: Callable) -> None:
     "drop_invalid",
     weight=4,
     title="Drops returns at (0, 0, 0)",
-    why="They look like an obstacle inside the sensor, so the car would never stop braking.",
+    why="Lost returns look like an obstacle inside the sensor, so the car would never stop "
+    "braking.",
     hint="Compare the coordinates with 0. A row is lost when all three are 0.",
 )
 def drops_the_origin(drop_invalid: Callable) -> None:
@@ -368,7 +370,7 @@ def drops_infinite_rows(drop_invalid: Callable) -> None:
     "drop_invalid",
     weight=5,
     title="Keeps good points that have a coordinate of 0",
-    why="A car exactly to the left has x = 0. It must not disappear.",
+    why="A car exactly to the left of the sensor has x = 0. It must not disappear.",
     hint="One or two coordinates may be 0, but not all three. Do not test their sum: 2 - 3 + 1 "
     "is also 0.",
 )
@@ -432,7 +434,7 @@ def allows_missing_intensity(drop_invalid: Callable) -> None:
     "drop_invalid",
     weight=5,
     title="Keeps the intensity of each point",
-    why="Intensity distinguishes a number plate from a bush, and later steps cannot get it back.",
+    why="Intensity distinguishes a number plate from a bush, and later steps cannot restore it.",
     hint="Make the masks from cloud[:, :3] and index the whole cloud with them: cloud[mask].",
 )
 def keeps_the_intensity(drop_invalid: Callable) -> None:
@@ -444,8 +446,8 @@ def keeps_the_intensity(drop_invalid: Callable) -> None:
     "drop_invalid",
     weight=1,
     title="Keeps the order of the good rows, including duplicates",
-    why="True labels are stored in a separate array. The order of the rows says which label "
-    "belongs to which point.",
+    why="The true labels are in a separate array, in the order of the rows. If rows move, points "
+    "get the wrong labels.",
     hint="A mask keeps the order and the duplicates: cloud[mask]. Do not sort the rows.",
 )
 def keeps_the_order(drop_invalid: Callable) -> None:
@@ -507,7 +509,7 @@ common_row_checks.promise_untouched(
 @noted(
     "drop_invalid",
     title="Returns a NumPy array of rows",
-    why="The next functions use its columns, such as cloud[:, 0], which a list does not have.",
+    why="Later functions select columns, as in cloud[:, 0], which does not work with a list.",
 )
 def gives_an_array_of_rows(drop_invalid: Callable) -> None:
     _assert_array(drop_invalid(_GOOD.copy()))
@@ -574,38 +576,39 @@ declare_mistakes(
     Mistake(
         "Nothing is dropped: the function returns the whole cloud.",
         lambda right, cloud: cloud,
-        "Index the cloud with both masks. A good row must satisfy both, so join them with `&`; "
+        "Index the cloud with both masks. A good row must satisfy both, so combine them with `&`; "
         "with `|`, one is enough.",
         is_cheap=True,
     ),
     Mistake(
         "Returns at (0, 0, 0) are kept.",
         lambda right, cloud: _rows_where(cloud, lambda xyz, _: all(map(_is_finite, xyz))),
-        "In a lost row all three coordinates are 0: (... == 0).all(axis=1) tests each row.",
+        "In a lost row, all three coordinates are 0. Find these rows with (... == 0).all(axis=1).",
     ),
     Mistake(
         "Rows with non-finite coordinates are kept; only rows at (0, 0, 0) are dropped.",
         lambda right, cloud: _rows_where(cloud, lambda xyz, _: any(xyz)),
-        "In a good row all three coordinates are finite: np.isfinite tests each number.",
+        "In a good row, all three coordinates are finite. Find these rows with "
+        "np.isfinite(...).all(axis=1).",
     ),
     Mistake(
         "Rows with an infinite coordinate are kept; rows with NaN are dropped.",
         lambda right, cloud: _rows_where(
             cloud, lambda xyz, _: any(xyz) and not any(map(math.isnan, xyz))
         ),
-        "np.isfinite is False for NaN and for both infinities.",
+        "Use np.isfinite, which is False for NaN and for both infinities.",
     ),
     Mistake(
         "Rows with NaN are dropped, but rows with an infinite coordinate and rows at (0, 0, 0) "
         "are kept.",
         lambda right, cloud: _rows_where(cloud, lambda xyz, _: not any(map(math.isnan, xyz))),
-        "np.isfinite is False for NaN and for both infinities. In a row at (0, 0, 0) all three "
-        "coordinates are 0.",
+        "Use np.isfinite, which is False for NaN and for both infinities. Also drop the rows in "
+        "which all three coordinates are 0.",
     ),
     Mistake(
         "A row is dropped as soon as one of its coordinates is 0.",
         lambda right, cloud: _rows_where(right, lambda xyz, _: all(xyz)),
-        "Only a row in which all three coordinates are 0 is lost.",
+        "Drop a row only if all three coordinates are 0.",
     ),
     Mistake(
         "A row at (0, 0, 0) is dropped only if its intensity is also 0.",
@@ -646,7 +649,7 @@ declare_mistakes(
         lambda right, cloud: _rows_where(
             cloud, lambda xyz, _: not (all(map(_is_finite, xyz)) and any(xyz))
         ),
-        "~ inverts a mask.",
+        "~ inverts a mask: add the missing ~, or delete the extra one.",
     ),
     Mistake(
         "A row with NaN is dropped only if all three coordinates are NaN; rows at (0, 0, 0) are "
@@ -660,7 +663,7 @@ declare_mistakes(
     Mistake(
         "The function keeps the returns at (0, 0, 0) and drops the points.",
         lambda right, cloud: _rows_where(cloud, lambda xyz, _: not any(xyz)),
-        "~ inverts a mask.",
+        "~ inverts a mask: add the missing ~, or delete the extra one.",
     ),
     Mistake(
         "Only the coordinates are returned, without the intensity.",
@@ -679,7 +682,7 @@ declare_mistakes(
             f"The mask tests whether each number {test}. It has the shape of the cloud, so "
             "indexing with it returns the selected numbers in one long row.",
             lambda right, cloud, passes=passes: np.array(list(filter(passes, cloud.flat))),
-            ".all(axis=1) turns it into a mask with one entry per row.",
+            "Add .all(axis=1) to get a mask with one entry per row.",
         )
         for test, passes in {
             "is finite": _is_finite,

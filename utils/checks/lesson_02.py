@@ -140,7 +140,7 @@ def assert_no_line(line_through: Callable, point: ArrayLike) -> None:
     "line_through",
     weight=4,
     title="Returns a line through both points",
-    why="A line that misses the two points it was made from does not describe their wall.",
+    why="If the line misses its two points, it does not follow the wall that they are on.",
     hint="Turn the direction (dx, dy) by 90° to get the normal (-dy, dx). Then c is -(a x + b "
     "y) for the x and y of p.",
 )
@@ -167,7 +167,8 @@ def has_a_unit_normal(line_through: Callable) -> None:
     "line_through",
     weight=2,
     title="Works for lines parallel to an axis",
-    why="A wall straight ahead, where all x are equal, is the most important one.",
+    why="All points of a wall straight ahead have the same x, and the car is about to hit that "
+    "wall.",
     hint="The slope dy / dx is undefined if dx is 0, so do not use it. Do not return None only "
     "because x or y is equal.",
 )
@@ -194,7 +195,7 @@ def finds_axis_parallel_lines(line_through: Callable) -> None:
     "line_through",
     weight=2,
     title="Returns None for equal points",
-    why="RANSAC draws such pairs now and then and must recognise them.",
+    why="RANSAC sometimes draws two equal points, which do not define a line.",
     hint="Test the length before you divide by it, and return None if it is 0.",
 )
 def returns_none_for_equal_points(line_through: Callable) -> None:
@@ -257,7 +258,7 @@ declare_mistakes(
         "Divide a and b by the length of the direction, then compute c.",
     ),
     Mistake(
-        "(a, b) is parallel to the line: it has to be turned by 90°.",
+        "(a, b) is parallel to the line. It must be perpendicular to the line.",
         lambda right, p, q: np.array([right[1], -right[0], right[0] * p[1] - right[1] * p[0]]),
         "The direction (dx, dy) has the normal (-dy, dx).",
     ),
@@ -500,7 +501,7 @@ def returns_an_array(point_line_distance: Callable) -> None:
 common_checks.promise_untouched(
     _PLAIN_CASE,
     "leaves_points_and_line",
-    why="The next round of RANSAC needs the points as they were.",
+    why="The next round of RANSAC needs the original points.",
     hint="points[:, 0] * a makes a new array; points[:, 0] *= a changes the points.",
 )
 
@@ -611,7 +612,7 @@ def as_line_and_mask(answer: object, n: int) -> tuple[np.ndarray | None, np.ndar
         )
     if not isinstance(answer, (tuple, list)) or len(answer) != 2:
         raise WrongForm(
-            "The function must return two things, the line and the mask.",
+            "The function must return two values, the line and the mask.",
             yours=brief_text(answer),
             expected="a pair (line, inliers)",
         )
@@ -905,7 +906,7 @@ common_checks.promise_untouched(
     _RANSAC_CASE,
     "leaves_its_input",
     why="The next search needs the same points.",
-    hint="Draw indices instead of shuffling the points.",
+    hint="Draw row numbers instead of shuffling the points.",
 )
 
 
@@ -913,7 +914,7 @@ common_checks.promise_untouched(
     "ransac_line",
     weight=6,
     title="Returns the mask that belongs to the line, for any threshold",
-    why="If the map uses the inliers and the steering uses the line, they must show the same wall.",
+    why="The map may use the inliers and the steering the line, so both must show the same wall.",
     hint="Replace line and mask together. Compare the distances in metres with "
     "distance_tolerance: do not square them, and use a unit normal.",
 )
@@ -1027,8 +1028,8 @@ def draws_no_more_samples(ransac_line: Callable) -> None:
     if found >= 24:  # practically impossible if one sample in 25 gives the line
         raise CheckFailed(
             fixed(
-                "With max_iterations=1 the line was found in most runs. A single sample of two "
-                "points can hardly do that."
+                "With max_iterations=1, the line was found in most runs, but a single sample "
+                "hardly ever finds it. The function draws more samples than max_iterations allows."
             ),
             yours=f"found in {found} of 48 runs",
             expected="in about 2 of 48 runs",
@@ -1112,7 +1113,7 @@ def draws_from_all_points(ransac_line: Callable) -> None:
         )
     row = int(np.flatnonzero(~drawn)[0])
     raise CheckFailed(
-        f"Row {row} of the four points was in no sample.",
+        f"Row {row} of the four points was never drawn.",
         given="four points and max_iterations=2",
         yours=f"no line through row {row} in {len(lines)} runs",
         expected="a line through each row in about half of the runs",
@@ -1211,8 +1212,8 @@ def differs_with_other_seeds(ransac_line: Callable) -> None:
     weight=2,
     title="Continues after a sample of equal points",
     why="Recordings contain some points twice, or a thousand times if a beam is blocked.",
-    hint="line_through returns None for them: `continue` goes on with the next round, `break` "
-    "ends the search.",
+    hint="line_through returns None for equal points: `continue` goes on with the next round, "
+    "`break` ends the search.",
 )
 def continues_after_equal_points(ransac_line: Callable) -> None:
     require_line_among_outliers(ransac_line)
@@ -1257,7 +1258,7 @@ def returns_for_equal_points(ransac_line: Callable) -> None:
     "ransac_line",
     weight=1,
     title="Works on two points and returns (None, all False) for fewer",
-    why="A slice of the street may be empty, and the program must not stop because of that.",
+    why="A slice of the street may be empty, and that must not crash the program.",
     hint="Test len(points) < 2 before the loop.",
 )
 def returns_for_too_few_points(ransac_line: Callable) -> None:
@@ -1337,7 +1338,7 @@ common_checks.promise_names(
     "ransac_line",
     title="Returns a mask of True and False",
     why="The last cells use points[mask] and invert the mask with ~. With the numbers 0 and 1, "
-    "both do something else.",
+    "both select the wrong points.",
 )
 def has_a_mask_of_booleans(ransac_line: Callable) -> None:
     points, _ = _CLOUDS[0]

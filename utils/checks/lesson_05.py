@@ -156,7 +156,7 @@ _CASE = common_cluster_checks.case_of(__name__, "euclidean_clustering")
 common_cluster_checks.promise_default(
     _CASE,
     "keeps_the_default",
-    why="Later cells call euclidean_clustering(obstacles) without a threshold.",
+    why="Later cells call euclidean_clustering(obstacles) and rely on this default.",
 )
 common_checks.promise_names(
     _CASE, "keeps_the_names", why="Other code may call euclidean_clustering(cloud, threshold=0.3)."
@@ -167,7 +167,7 @@ common_checks.promise_names(
     "euclidean_clustering",
     weight=3,
     title="Measures the distance in the same way in every direction of space",
-    why="A bridge is above the road, not on it, and a car that turns keeps its size.",
+    why="If the height counted less, a bridge and the road below it would become one cluster.",
     hint="The distance is the square root of dx² + dy² + dz²: np.linalg.norm(..., axis=1) over "
     "three columns.",
 )
@@ -281,7 +281,8 @@ def returns_integer_labels(euclidean_clustering: Callable) -> None:
 @noted(
     "euclidean_clustering",
     title="Numbers the clusters in the order in which they first appear in the cloud",
-    why="The text of the lesson refers to clusters by these numbers; yours are different.",
+    why="The text of the lesson refers to clusters by these numbers, and your numbers are "
+    "different.",
 )
 def numbers_by_appearance(euclidean_clustering: Callable) -> None:
     assert_numbered_by_appearance(euclidean_clustering)
@@ -290,8 +291,8 @@ def numbers_by_appearance(euclidean_clustering: Callable) -> None:
 @noted(
     "euclidean_clustering",
     title="Keeps two points at exactly the threshold separate",
-    why='The docstring says "closer than", which means <. This hardly ever matters for measured '
-    "points, but it does for a regular grid.",
+    why='The docstring says "closer than", which means <. The difference hardly ever matters for '
+    "measured points, but it does for a regular grid.",
 )
 def separates_at_the_threshold(euclidean_clustering: Callable) -> None:
     assert_separates_at_the_threshold(euclidean_clustering)
@@ -351,7 +352,8 @@ declare_mistakes(
     "euclidean_clustering",
     *distance_mistakes(),
     Mistake(
-        "The distances along x, y and z are added up, which is more than the straight distance.",
+        "The distances along x, y and z are added up, and their sum is longer than the straight "
+        "line.",
         prediction_with_measure(lambda steps, limit: np.abs(steps[:, :3]).sum(axis=1) / limit),
         "The distance is the square root of dx² + dy² + dz².",
     ),
@@ -361,7 +363,7 @@ declare_mistakes(
         "The distance is the square root of dx² + dy² + dz².",
     ),
     Mistake(
-        "Only points close to the first point of a cluster join it: balls instead of chains.",
+        "Only points close to the first point of a cluster join it, so chains are cut off.",
         _predict_balls,
         "Put each point that joins into the queue, and search for its own neighbours.",
         is_cheap=True,

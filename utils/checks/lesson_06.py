@@ -90,8 +90,8 @@ def keeps_points_above_the_level(filter_ground: Callable) -> None:
     "filter_ground",
     weight=3,
     title="Uses ground_level as the threshold",
-    why="On another car the sensor is at another height, so the function must not contain a fixed "
-    "level.",
+    why="On another car, the sensor may be at another height, so the function must not contain a "
+    "fixed level.",
     hint="Keep a point if its z is at least ground_level. Do not write a number into the function.",
 )
 def uses_the_level(filter_ground: Callable) -> None:
@@ -173,7 +173,7 @@ declare_mistakes(
         "The comparison is the wrong way round: points below ground_level stay and points above "
         "it are removed.",
         lambda right, cloud, level: _rows_above(cloud, -cloud[:, 2], -level),
-        "Points above the level should stay: which comparison says that?",
+        "Points above the level should stay. Which comparison selects them?",
     ),
     Mistake(
         "Your code compares column 0, which is x. The heights are in column 2.",
@@ -400,7 +400,7 @@ def averages_the_intensity(voxel_grid: Callable) -> None:
     weight=4,
     title="Ignores the intensity when assigning points to cells",
     why="Two returns from the same place belong to the same cell, however bright they are. If "
-    "intensities up to 255 counted, hardly any points would be merged.",
+    "intensities up to 255 counted as a coordinate, hardly any points would be merged.",
     hint="Compute the cell from x, y and z only: cloud[:, :3].",
 )
 def ignores_the_intensity(voxel_grid: Callable) -> None:

@@ -121,17 +121,19 @@ def _assert_plain_numbers(answer: object, max_count: int) -> None:
 def _assert_few(count: int, max_count: int) -> None:
     if count > max_count:
         raise TooLarge(
-            f"The answer contains more than {_WORDS[max_count]} values. No right answer does."
+            f"The answer contains more than {_WORDS[max_count]} values. No right answer has that "
+            "many."
         )
 
 
 def _assert_flat(dimensions: int) -> None:
     if dimensions > MOST_DIMENSIONS:
-        raise TooLarge("The answer has more than three dimensions. No right answer does.")
+        raise TooLarge("The answer has more than three dimensions. No right answer has that many.")
 
 
 def _assert_short(number: int) -> None:
     if abs(number) > LARGEST_INTEGER:
         raise TooLarge(
-            "The answer contains a number with more than nineteen digits. No right answer does."
+            "The answer contains a number with more than nineteen digits. No right answer contains "
+            "one that large."
         )

@@ -96,7 +96,7 @@ _TIPS = (
         "TypeError",
         r"ufunc 'invert' not supported",
         "",
-        "~ inverts a mask, but these are numbers. Put it inside the brackets, before the mask: "
+        "~ inverts a mask, but these are numbers. Put ~ inside the brackets, before the mask: "
         "cloud[~mask].",
     ),
     (
@@ -126,7 +126,8 @@ _TIPS = (
         "TypeError",
         r"'(builtin_function_or_method|function|type|method)' object is not subscriptable",
         "",
-        "There are square brackets after a function. Call it with round ones: f(x).",
+        "This line has square brackets after a function. To call the function, use round ones: "
+        "f(x).",
     ),
     (
         "TypeError",
@@ -201,7 +202,8 @@ _TIPS = (
         "IndexError",
         r"index 3 is out of bounds for axis 1 with size 3",
         "",
-        "The cloud may have only three columns, as not every recording has intensities.",
+        "Do not rely on column 3: the cloud has only three columns if the recording has no "
+        "intensities.",
     ),
     (
         "IndexError",
@@ -214,8 +216,8 @@ _TIPS = (
         "IndexError",
         r"out of bounds|out of range",
         "",
-        "An index is past the end. The last valid index is len(...) - 1, and an empty array has "
-        "none.",
+        "An index is past the end of the array or list. The last valid index is len(...) - 1, and "
+        "an empty array has none.",
     ),
     (
         "ValueError",
@@ -274,23 +276,24 @@ _TIPS = (
         "ValueError",
         r"could not be broadcast",
         "",
-        "The two shapes in the message do not match. Compared from the right, each pair of numbers "
-        "must be equal, or one of them 1. (n, 3) with (3,) works; (n, 3) with (n,) does not.",
+        "The two shapes in the message do not match. Compare them from the right: in each pair, "
+        "the numbers must be equal, or one must be 1. (n, 3) with (3,) works; (n, 3) with (n,) "
+        "does not.",
     ),
     (
         "ValueError",
         r"zero-size array|need at least one array|arg(min|max) of an empty|empty sequence|"
         r"empty iterable",
         "",
-        "This line takes the smallest or largest of no values, or stacks no arrays. A cloud can be "
-        "empty, and a label that does not occur has no rows.",
+        "This line takes the minimum or maximum of an empty array, or stacks an empty list. A "
+        "cloud can be empty, and a label that does not occur has no rows.",
     ),
     (
         "ValueError",
         r"cost matrix is infeasible",
         "",
-        "Infinity forbids a pair, and here one row has no allowed partner left. Use a huge number "
-        "instead of infinity, and drop the pairs that have it afterwards.",
+        "Infinity forbids a pair, and one row has no allowed partner left. Use a huge number "
+        "instead of infinity, and afterwards drop the pairs with that number.",
     ),
     (
         "ValueError",
@@ -316,15 +319,16 @@ _TIPS = (
         "RecursionError",
         r"",
         "",
-        "Python stops a function that calls itself about a thousand times. Does it ever reach the "
-        "case that ends the recursion? If it needs more calls to reach it, write a loop instead.",
+        "Python stops a function that calls itself about a thousand times. Does the function ever "
+        "reach the case that ends the recursion? If it needs more calls for that, write a loop "
+        "instead.",
     ),
     (
         "MemoryError",
         r"",
         "",
-        "This needs more memory than there is. All pairs of 120 000 points are 14 400 000 000 "
-        "numbers. Work point by point, or cell by cell.",
+        "Your code needs more memory than is available. A table of all pairs of 120 000 points has "
+        "14 400 000 000 entries. Work point by point, or cell by cell.",
     ),
     (
         "AttributeError",
@@ -343,8 +347,8 @@ _TIPS = (
         "ValueError",
         r"larger sample than population|a (must be a positive integer|cannot be empty) unless",
         "",
-        "This line draws more rows than there are. Check len(points) first, and draw from all the "
-        "points.",
+        "This line draws more rows than the array has. Check len(points) first, and draw from all "
+        "the points.",
     ),
     (
         "ValueError",
@@ -357,8 +361,8 @@ _TIPS = (
         "TypeError",
         r"'[<>]=?' not supported between instances of .*'tuple'",
         "",
-        "A function that returns two values returns a pair. Unpack it, one, other = f(...), or use "
-        "only the first value, f(...)[0].",
+        "A function that returns two values returns a pair. Unpack the pair with one, other = "
+        "f(...), or take only the first value with f(...)[0].",
     ),
     (
         "ValueError",
@@ -370,8 +374,9 @@ _TIPS = (
         "ValueError",
         r"math domain error|expected a positive input",
         r"\blog",
-        "Zero and negative numbers have no logarithm. Handle that case first. 1 - p is negative if "
-        "p is above 1, which a probability never is: w**s is a power, w*s is a product.",
+        "Zero and negative numbers have no logarithm. Handle that case first. If 1 - p is "
+        "negative, p is above 1 and not a probability. Did you write w*s (a product) instead of "
+        "w**s (a power)?",
     ),
     (
         "LinAlgError",
@@ -387,12 +392,12 @@ _TIPS = (
         "The logarithm of 1 is 0, and you cannot divide by 0. Handle that case first. (1 minus a "
         "tiny number is rounded to 1.)",
     ),
-    ("SystemExit", r"", "", "Leave out exit() and quit(): they end the whole notebook."),
+    ("SystemExit", r"", "", "Delete exit() and quit(): they end the whole notebook."),
     (
         "EOFError",
         r"",
         "",
-        "Leave out input(): no one is at the keyboard when a notebook is judged.",
+        "Delete input(): no one is at the keyboard when a notebook is judged.",
     ),
 )
 

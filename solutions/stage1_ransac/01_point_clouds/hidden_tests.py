@@ -34,7 +34,7 @@ def random_rows(cloud, seed, n):
     "horizontal_distance",
     weight=3,
     title="Measures the distances in the course's scan",
-    hint="Compare with the picture in the notebook: does each colour form a circle?",
+    hint="Draw your distances as the notebook does: does each colour form a circle?",
 )
 def test_measures_the_course_cloud(student, seed):
     assert_distances_in(student, random_rows(samples.course_cloud(), seed, 4000))
@@ -72,7 +72,7 @@ def test_distances_do_not_depend_on_direction_or_height(student, seed):
     "horizontal_distance",
     weight=1,
     title="Works on clouds of three columns and of few points",
-    hint="Compute with whole columns: you need no special case.",
+    hint="Compute with whole columns. You do not need a special case.",
 )
 def test_measures_three_columns_and_few_points(student, seed):
     require_distances_at_all_heights(student.horizontal_distance)
@@ -86,7 +86,7 @@ def test_measures_three_columns_and_few_points(student, seed):
     "horizontal_distance",
     weight=1,
     title="Works in single precision and with any memory layout",
-    hint="Compute with whole columns: you need no special case.",
+    hint="Compute with whole columns. You do not need a special case.",
 )
 def test_measures_in_single_precision(student, seed):
     require_distances_at_all_heights(student.horizontal_distance)
@@ -150,7 +150,7 @@ def test_cleans_the_course_cloud(student, seed):
     "drop_invalid",
     weight=2,
     title="Cleans a street you have not seen",
-    hint="In a good row all three coordinates are finite, and at least one is not 0.",
+    hint="In a good row, all three coordinates are finite, and at least one is not 0.",
 )
 def test_cleans_a_fresh_street(student, seed):
     assert_cleaned(
@@ -176,7 +176,7 @@ def test_drops_bright_returns(student, seed):
     "drop_invalid",
     weight=2,
     title="Drops rows with positive or negative infinity",
-    hint="np.isfinite is False for NaN and for both infinities.",
+    hint="Use np.isfinite, which is False for NaN and for both infinities.",
 )
 def test_drops_infinite_returns(student, seed):
     require_lost_returns_dropped(student.drop_invalid)
@@ -191,7 +191,7 @@ def test_drops_infinite_returns(student, seed):
     "drop_invalid",
     weight=2,
     title="Keeps good points with one or two zeros",
-    hint="One or two coordinates may be 0; only a row with three zeros is lost.",
+    hint="Keep rows in which one or two coordinates are 0. Only a row with three zeros is lost.",
 )
 def test_keeps_points_with_a_zero(student, seed):
     require_lost_returns_dropped(student.drop_invalid)
@@ -221,7 +221,7 @@ def test_keeps_near_points(student, seed):
     "drop_invalid",
     weight=1,
     title="Cleans clouds of three columns",
-    hint="cloud[:, :3] are the coordinates with or without a fourth column.",
+    hint="Select the coordinates with cloud[:, :3], which works with or without a fourth column.",
 )
 def test_cleans_three_columns(student, seed):
     assert_cleaned(

@@ -45,7 +45,7 @@ def random_pairs(seed, n, reach=20.0):
     "line_through",
     weight=3,
     title="Returns a line through both points, in either order",
-    hint="Insert both points into a x + b y + c: each must give 0.",
+    hint="Insert the x and y of both points into a x + b y + c: each point must give 0.",
 )
 def test_line_passes_through_both_points(student, seed):
     for p, q in zip(*random_pairs(seed, 12), strict=True):
@@ -68,7 +68,7 @@ def test_normal_has_length_1(student, seed):
 @hidden(
     "line_through",
     weight=2,
-    title="Is correct for lines parallel to an axis",
+    title="Returns the right line if it is parallel to an axis",
     hint="Do not use a slope. Divide only by the length, never by dx or dy.",
 )
 def test_finds_axis_parallel_lines(student, seed):
@@ -82,7 +82,7 @@ def test_finds_axis_parallel_lines(student, seed):
     "line_through",
     weight=1,
     title="Works in single precision",
-    hint="np.hypot and plain arithmetic work with any kind of float.",
+    hint="Use np.hypot and plain arithmetic, which work with any floating-point type.",
 )
 def test_finds_lines_in_single_precision(student, seed):
     require_slanted_lines(student.line_through)
@@ -185,7 +185,7 @@ def test_measures_from_any_line(student, seed):
 @hidden(
     "point_line_distance",
     weight=3,
-    title="Is correct on both sides of a line",
+    title="Measures distances on both sides of a line",
     hint="A distance is never negative: np.abs takes the absolute value of a whole array.",
 )
 def test_measures_on_both_sides(student, seed):
@@ -199,7 +199,8 @@ def test_measures_on_both_sides(student, seed):
     "point_line_distance",
     weight=7,
     title="Measures distances in a slice of the course's scan",
-    hint="The same two lines of code work for twenty points and for twenty thousand.",
+    hint="Compute with whole columns: the same code works for twenty points and for twenty "
+    "thousand.",
 )
 def test_measures_the_course_cloud(student, seed):
     points = wall_of_course_cloud(seed, 500)
@@ -211,7 +212,7 @@ def test_measures_the_course_cloud(student, seed):
     "point_line_distance",
     weight=1,
     title="Works in single precision, on few points and with any memory layout",
-    hint="Compute with whole columns: you need no special case.",
+    hint="Compute with whole columns. You do not need a special case.",
 )
 def test_measures_few_points_in_single_precision(student, seed):
     assert_plain_case(student.point_line_distance)
@@ -353,7 +354,7 @@ def test_finds_the_wall_in_the_course_cloud(student, seed):
     "ransac_line",
     weight=2,
     title="Finds the line if the street is moved, rotated and scaled",
-    hint="Use only distances: no fixed position and no fixed size.",
+    hint="Use only distances. Do not rely on a fixed position or size.",
 )
 def test_finds_moved_and_scaled_lines(student, seed):
     points, _ = wall_and_clutter((seed, 2), 25, 15)
@@ -386,7 +387,7 @@ def test_finds_axis_parallel_walls(student, seed):
     "ransac_line",
     weight=1,
     title="Draws two different points in every round",
-    hint="Draw without replacement: the same point drawn twice gives no line.",
+    hint="Draw without replacement: a point that is drawn twice does not define a line.",
 )
 def test_draws_two_of_three_points(student, seed):
     require_line_among_outliers(student.ransac_line)
@@ -419,8 +420,8 @@ def test_one_iteration_is_one_sample(student, seed):
     if not at_least(25, misses):  # one sample in 25 finds the line
         raise CheckFailed(
             fixed(
-                "With max_iterations=1 the line is found in most runs. A single sample of two "
-                "points can hardly do that."
+                "With max_iterations=1, the line is found in most runs, but a single sample hardly "
+                "ever finds it. The function draws more samples than max_iterations allows."
             )
         )
 
@@ -429,7 +430,7 @@ def test_one_iteration_is_one_sample(student, seed):
     "ransac_line",
     weight=2,
     title="Continues after samples of two equal points",
-    hint="A sample of equal points has no line: continue with the next sample.",
+    hint="A sample of equal points does not define a line: continue with the next sample.",
 )
 def test_continues_after_equal_points(student, seed):
     require_line_among_outliers(student.ransac_line)
@@ -448,7 +449,7 @@ def test_continues_after_equal_points(student, seed):
     "ransac_line",
     weight=1,
     title="Works in single precision and with any memory layout",
-    hint="Compute with whole columns: you need no special case.",
+    hint="Compute with whole columns. You do not need a special case.",
 )
 def test_works_in_single_precision(student, seed):
     require_line_among_outliers(student.ransac_line)

@@ -90,7 +90,8 @@ def test_normal_is_perpendicular_to_random_triangles(student, seed):
     "plane_through",
     weight=14,
     title="Returns a plane through all three points, near and far",
-    hint="d makes the plane pass through p. Compute it from the a, b and c that you return.",
+    hint="Choose d so that the plane passes through p. Compute it from the a, b and c that you "
+    "return.",
 )
 def test_plane_contains_its_points(student, seed):
     rng = np.random.default_rng(seed + 1)
@@ -155,7 +156,7 @@ def in_front(points, plane):
     "point_plane_distance",
     weight=3,
     title="Measures distances in the course's scan from planes through the sensor",
-    hint="Compute a x + b y + c z: multiply each coordinate by its own component of the normal.",
+    hint="Compute a x + b y + c z: multiply x by a, y by b and z by c.",
 )
 def test_measures_the_course_cloud(student, seed):
     rng = np.random.default_rng(seed)
@@ -186,7 +187,7 @@ def test_adds_d(student, seed):
     "point_plane_distance",
     weight=2,
     title="Returns no negative distances",
-    hint="Take np.abs of the whole sum. A plane and its negative are the same plane.",
+    hint="Take np.abs of the whole sum: (a, b, c, d) and its negative are the same plane.",
 )
 def test_measures_on_both_sides(student, seed):
     rng = np.random.default_rng(seed)
@@ -233,7 +234,7 @@ def test_ignores_intensity(student, seed):
     "point_plane_distance",
     weight=1,
     title="Works in single precision, with another memory layout and on one point",
-    hint="Return one number per row for any kind of array.",
+    hint="Return one number per row, whatever the type and the memory order of the array.",
 )
 def test_measures_any_array(student, seed):
     require_plain_distances(student.point_plane_distance)
@@ -320,7 +321,8 @@ def test_finds_the_road(student, seed, name):
     "ransac_plane",
     weight=4,
     title="Finds planes in any direction in every run",
-    hint="Treat walls, ramps and roads alike. Check also how you keep the best plane.",
+    hint="Treat walls, ramps and roads alike, and keep the plane with the most inliers of all "
+    "rounds.",
 )
 def test_finds_planes_in_any_direction(student, seed):
     rng = np.random.default_rng(seed)
@@ -433,7 +435,7 @@ def test_finds_planes_in_any_array(student, seed):
     "ransac_plane",
     weight=2,
     title="Continues if most samples lie on one line",
-    hint="Skip a sample that has no plane, but count it as a round.",
+    hint="Skip a sample that does not define a plane, but count it as a round.",
 )
 def test_continues_after_degenerate_samples(student, seed):
     for run in range(6):
@@ -446,7 +448,7 @@ def test_continues_after_degenerate_samples(student, seed):
 @hidden(
     "ransac_plane",
     weight=1,
-    title="Finds the plane of three points, but none of fewer",
+    title="Finds the plane through three points, but no plane for fewer points",
     hint="Test len(points) < 3 before the loop.",
 )
 def test_three_points_are_enough(student, seed):
@@ -500,7 +502,7 @@ def test_plane_contains_the_mean(student, seed):
     "fit_plane",
     weight=5,
     title="Fits planes to pieces of the course's scan",
-    hint="Any cloud has a best plane, even if it is not flat.",
+    hint="Every cloud has a best plane, even if the cloud is not flat.",
 )
 def test_fits_the_course_cloud(student, seed):
     cloud = samples.course_cloud()

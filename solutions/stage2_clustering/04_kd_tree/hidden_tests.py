@@ -79,7 +79,7 @@ def tree_of(student, points, indices=None):
 @hidden(
     "insert",
     weight=9,
-    title="Builds the correct tree of unseen points in the plane",
+    title="Builds the correct tree from unseen points in the plane",
     hint="At each node, compare one coordinate: x at even depths, y at odd ones.",
 )
 def test_plane(student, seed):
@@ -90,7 +90,7 @@ def test_plane(student, seed):
 @hidden(
     "insert",
     weight=9,
-    title="Builds the correct tree of unseen points in space",
+    title="Builds the correct tree from unseen points in space",
     hint="Compare x, y, z, x, y, z, ... from level to level. The number of axes is len(point).",
 )
 def test_space(student, seed):
@@ -119,7 +119,7 @@ def test_equal_coordinates(student, seed):
     "insert",
     weight=1,
     title="Works on lists, tuples and single precision",
-    hint="Use the coordinates one by one, as they are given.",
+    hint="Read the coordinates one by one, as point[axis].",
 )
 def test_notations(student, seed):
     points = diagonal_points(np.random.default_rng(seed).permutation(12) / 4, 3)
@@ -166,7 +166,7 @@ def test_two_trees(student, seed):
     "insert",
     weight=1,
     title="Does not change points with three coordinates",
-    hint="Write only to the tree.",
+    hint="Read the point, but assign only to the tree.",
 )
 def test_point(student, seed):
     require_root(student.KdTree)
@@ -375,7 +375,7 @@ def leaves_of(root):
     "search",
     weight=2,
     title="Finds all points, no points or a single point, whatever their indices",
-    hint="Return the index of each node, which may differ from its row.",
+    hint="Return the index that is stored in each node, even if the indices are not 0, 1, 2, ...",
 )
 def test_search_extremes(student, seed):
     rng = np.random.default_rng(seed)
@@ -409,7 +409,7 @@ def test_search_notations(student, seed):
     "search",
     weight=1,
     title="Does not change the tree or a target far from the origin",
-    hint="Only read the tree and the target.",
+    hint="Read the tree and the target, but do not assign to them.",
 )
 def test_search_leaves_the_tree(student, seed):
     target = np.array([20.0, -30.0])
@@ -502,7 +502,7 @@ def test_medians_of_street(student, seed):
     "median_order",
     weight=2,
     title="Works on single precision, another memory order and points far from the origin",
-    hint="Return row numbers of the array as it was passed to the function.",
+    hint="Return the row numbers that the points have in the given array.",
 )
 def test_median_extremes(student, seed):
     rng = np.random.default_rng(seed)

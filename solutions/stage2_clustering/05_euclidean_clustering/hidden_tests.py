@@ -49,7 +49,7 @@ def test_course_cloud(student, seed):
     "euclidean_clustering",
     weight=8,
     title="Finds the clusters on unseen streets",
-    hint="The rule is the same on every street: a chain of neighbours is one cluster.",
+    hint="Apply the same rule on every street: a chain of neighbours is one cluster.",
 )
 def test_fresh_streets(student, seed):
     for street in range(2):
@@ -91,7 +91,7 @@ def test_long_chain(student, seed):
     "euclidean_clustering",
     weight=3,
     title="Follows a chain of more than a thousand points from its end",
-    hint="A queue follows a chain to its end, however long it is.",
+    hint="Use a queue, which follows a chain to its end, however long the chain is.",
 )
 def test_deep_chain(student, seed):
     # A recursive answer needs 1100 nested calls, and Python allows 1000.
@@ -103,7 +103,7 @@ def test_deep_chain(student, seed):
     "euclidean_clustering",
     weight=2,
     title="Finds the same clusters in any order of the points",
-    hint="Points that are close belong together, whichever comes first.",
+    hint="Give close points the same label, whichever of them comes first.",
 )
 def test_order(student, seed):
     cloud, labels = objects(seed)
@@ -179,7 +179,7 @@ def test_extremes(student, seed):
 @hidden(
     "euclidean_clustering",
     weight=2,
-    title="Gives every point a label from 1 upwards, even isolated points",
+    title="Gives every point, even an isolated one, a label from 1 upwards",
     hint="A point without neighbours is a cluster too, even if it is the first or last of the "
     "cloud.",
 )

@@ -48,8 +48,8 @@ def assert_ground_removed(student, cloud, level=-1.2):
     "filter_ground",
     weight=4,
     title="Removes the ground from the course's scan",
-    hint="Compare with the picture in the notebook: is the road gone, and is everything else "
-    "still there?",
+    hint="Draw your result as the notebook does: is the road gone, and is everything else still "
+    "there?",
 )
 def test_filters_the_course_scan(student):
     assert_ground_removed(student, samples.course_cloud()[::5])
@@ -68,7 +68,7 @@ def test_filters_a_new_street(student, seed):
 @hidden(
     "filter_ground",
     weight=3,
-    title="Works with ground levels you have not seen",
+    title="Works for ground levels you have not seen",
     hint="Keep the rows with z >= ground_level, whatever the level is.",
 )
 def test_works_at_other_levels(student, seed):
@@ -105,7 +105,7 @@ def test_keeps_the_order(student, seed):
     "filter_ground",
     weight=1,
     title="Works with three columns, float32 and duplicate rows",
-    hint="Your two lines handle every case: no special case is needed.",
+    hint="Use the same code for every cloud. You do not need a special case.",
 )
 def test_works_on_all_kinds_of_clouds(student, seed):
     require_ground_removed(student.filter_ground)
@@ -120,7 +120,7 @@ def test_works_on_all_kinds_of_clouds(student, seed):
     "filter_ground",
     weight=1,
     title="Works on a single point, and when no point is left",
-    hint="Your two lines handle every case: no special case is needed.",
+    hint="Use the same code for every cloud. You do not need a special case.",
 )
 def test_works_on_small_clouds(student, seed):
     require_ground_removed(student.filter_ground)
@@ -135,7 +135,7 @@ def test_works_on_small_clouds(student, seed):
     "filter_ground",
     weight=2,
     title="Never modifies its input",
-    hint="Index with a mask: this makes a new array and leaves the cloud unchanged.",
+    hint="Index with a mask, which makes a new array and leaves the cloud unchanged.",
 )
 def test_leaves_its_input_unchanged(student, seed):
     require_ground_removed(student.filter_ground)

@@ -69,7 +69,7 @@ def assert_through_the_mean(answer: object, points: np.ndarray) -> None:
         best = best_plane(points)[0]
         raise CheckFailed(
             f"The mean of the points, {point_text(centre)}, is {gap:.3g} m away from the plane. "
-            "The best plane passes through it.",
+            "The best plane passes through the mean.",
             yours=plane_text(plane),
             expected=expected_text(plane, best),
             draw=lambda: draw_edge_on(np.asarray(points), plane, None, None, best),
@@ -87,7 +87,8 @@ def require_direction(fit_plane: Callable) -> None:
     "fit_plane",
     weight=3,
     title="Finds the direction of least spread, with and without noise",
-    why="A plane through three points has all of their noise; a thousand points average it out.",
+    why="A plane through three points follows their noise; a fit to a thousand points averages the "
+    "noise out.",
     hint="Subtract the mean of the points, then call np.linalg.svd: the normal is the last row "
     "of its third result.",
 )
@@ -103,7 +104,8 @@ def fits_a_road(fit_plane: Callable) -> None:
     "fit_plane",
     weight=16,
     title="Returns a plane through the mean of the points",
-    why="With the right tilt but the wrong height, the whole road would be an obstacle.",
+    why="If the plane has the right tilt but the wrong height, the whole road looks like an "
+    "obstacle.",
     hint="d is minus the dot product of the normal and the mean.",
 )
 def goes_through_the_mean(fit_plane: Callable) -> None:
@@ -132,7 +134,7 @@ def fit_has_a_unit_normal(fit_plane: Callable) -> None:
     "fit_plane",
     weight=4,
     title="Fits a wall as well as a road",
-    why="z = a x + b y + c cannot describe a wall, but this function will also be used for walls.",
+    why="z = a x + b y + c cannot describe a wall, but you will also fit planes to walls.",
     hint="Do not solve for z. The SVD treats all three directions alike.",
 )
 def fits_a_wall(fit_plane: Callable) -> None:
@@ -191,8 +193,8 @@ def fits_three_points(fit_plane: Callable) -> None:
     "fit_plane",
     weight=2,
     title="Works on thousands of points without a table of all their pairs",
-    why="A road has thousands of points. Such a table takes a second, and for a whole scan it "
-    "does not fit into memory.",
+    why="A road has thousands of points. A table of all their pairs takes a second, and the table "
+    "of a whole scan does not fit into memory.",
     hint="Use np.linalg.svd(..., full_matrices=False). Without it, the first result has a row "
     "and a column for each point.",
 )
@@ -236,7 +238,7 @@ def _peak_memory() -> Iterator[Callable[[], int]]:
     "fit_plane",
     weight=1,
     title="Leaves its input untouched",
-    why="The mean is subtracted only for the fit: the cloud itself must not move.",
+    why="You subtract the mean only for the fit: the cloud itself must not move.",
     hint="points[:, :3] - centre is a new array; points[:, :3] -= centre moves the cloud.",
 )
 def leaves_the_points(fit_plane: Callable) -> None:
@@ -256,7 +258,7 @@ common_checks.promise_names(
     ),
     "keeps_points",
     title="Keeps the name of its parameter, points",
-    why="Others may call fit_plane(points=...), as the docstring suggests.",
+    why="Other code may call fit_plane(points=...), as the docstring suggests.",
 )
 
 

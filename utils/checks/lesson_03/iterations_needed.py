@@ -113,8 +113,7 @@ def require_decreasing_numbers(iterations_needed: Callable) -> None:
     "iterations_needed",
     weight=3,
     title="Finds the number of samples for a plane, to within one",
-    why="With a hundred rounds too few, RANSAC misses the road; with a thousand too many, the "
-    "frame is late.",
+    why="With too few rounds, RANSAC misses the road; with too many, its result comes too late.",
     hint="Solve 1 - (1 - w^s)^N >= confidence for N. The solution is a quotient of two logarithms.",
 )
 def computes_the_number(iterations_needed: Callable) -> None:
@@ -127,7 +126,7 @@ def computes_the_number(iterations_needed: Callable) -> None:
     "iterations_needed",
     weight=2,
     title="Returns the smallest whole number that reaches the confidence",
-    why="With one sample too few, RANSAC succeeds less often than promised.",
+    why="With one sample too few, RANSAC succeeds less often than the confidence promises.",
     hint="math.ceil rounds up to a whole number.",
 )
 def rounds_up(iterations_needed: Callable) -> None:
@@ -140,7 +139,8 @@ def rounds_up(iterations_needed: Callable) -> None:
     "iterations_needed",
     weight=2,
     title="Works for any sample_size",
-    why="A line needs two points and a plane three, so they need different numbers of samples.",
+    why="A sample for a line has two points and a sample for a plane three, so a plane needs more "
+    "samples.",
     hint="s is sample_size: raise w to this power.",
 )
 def uses_the_sample_size(iterations_needed: Callable) -> None:
@@ -170,7 +170,7 @@ def uses_the_confidence(iterations_needed: Callable) -> None:
     weight=2,
     title="Returns 1 if all points are inliers",
     why="In an empty car park all points are ground, and the formula would take log(0).",
-    hint="Handle w = 1 before you take logarithms.",
+    hint="Return 1 if w is 1, before you take logarithms.",
 )
 def returns_one_without_outliers(iterations_needed: Callable) -> None:
     require_decreasing_numbers(iterations_needed)
@@ -213,7 +213,7 @@ common_checks.promise_names(
         precondition=require_plain_cases,
     ),
     "keeps_the_names_of_the_parameters",
-    why="Others may call iterations_needed(inlier_ratio=..., ...), as the docstring suggests.",
+    why="Other code may call iterations_needed(inlier_ratio=..., ...), as the docstring suggests.",
 )
 
 

@@ -151,8 +151,8 @@ def require_planes(plane_through: Callable) -> None:
     "plane_through",
     weight=3,
     title="(a, b, c) is perpendicular to the triangle",
-    why="The normal sets the direction of the plane: a road with a tilted normal climbs into "
-    "the sky.",
+    why="The normal determines the slope of the plane: with a tilted normal, a level road seems to "
+    "climb into the sky.",
     hint="The cross product of q - p and r - p is perpendicular to both.",
 )
 def normal_is_perpendicular(plane_through: Callable) -> None:
@@ -164,7 +164,7 @@ def normal_is_perpendicular(plane_through: Callable) -> None:
     "plane_through",
     weight=18,
     title="The three points lie on the plane",
-    why="Distances and inliers are measured from this plane.",
+    why="Distances are measured from this plane, and they decide which points are inliers.",
     hint="Choose d so that a x + b y + c z + d is 0 at p, with the same a, b, c that you return.",
 )
 def contains_its_points(plane_through: Callable) -> None:
@@ -191,8 +191,8 @@ def has_a_unit_normal(plane_through: Callable) -> None:
     "plane_through",
     weight=4,
     title="Returns None for points on one line",
-    why="Three such points define no plane, and 0 / 0 would make all distances NaN. With ten "
-    "scans a second, even rare cases occur.",
+    why="Three points on one line do not define a plane, and 0 / 0 would make all distances NaN. "
+    "With ten scans a second, even rare cases occur.",
     hint="When the cross product has length 0, return None before dividing by it.",
 )
 def returns_none_for_a_line(plane_through: Callable) -> None:
@@ -254,14 +254,14 @@ common_checks.promise_untouched(
     _SLOPE_CASE,
     "leaves_its_points",
     title="Leaves its points untouched",
-    why="The sample is part of the cloud: if a point moves, it stays wrong in all later rounds.",
+    why="The three points belong to the cloud: if you move one, it is wrong in all later rounds.",
     hint="Store q - p and r - p in new variables; q -= p would move q.",
 )
 common_checks.promise_names(
     _SLOPE_CASE,
     "keeps_p_q_r",
     title="Keeps the names of its parameters: p, q and r",
-    why="Others may call plane_through(p=..., q=..., r=...), as the docstring suggests.",
+    why="Other code may call plane_through(p=..., q=..., r=...), as the docstring suggests.",
 )
 
 
@@ -279,8 +279,8 @@ declare_mistakes(
         lambda right, *points: right * [1, 1, 1, -1],
     ),
     Mistake(
-        "d is computed from the normal before its division by the length, so the four numbers "
-        "do not belong together.",
+        "d is computed before the normal is divided by its length, so the four numbers do not "
+        "belong together.",
         lambda right, *points: right * [1, 1, 1, _cross_length(*points)],
         "Divide the normal by its length first, then compute d from the result.",
     ),

@@ -144,8 +144,7 @@ def _assert_plain(point_plane_distance: Callable) -> None:
     title="Measures distances from planes through the sensor",
     why="If the distances are wrong by a factor of 4, a threshold of 20 cm acts like one of 5 "
     "cm or 80 cm.",
-    hint="Compute a x + b y + c z for every point: multiply each coordinate by its own "
-    "component of the normal.",
+    hint="Compute a x + b y + c z for every point: multiply x by a, y by b and z by c.",
 )
 def measures_distances(point_plane_distance: Callable) -> None:
     _assert_plain(point_plane_distance)
@@ -205,7 +204,8 @@ def takes_abs_last(point_plane_distance: Callable) -> None:
     "point_plane_distance",
     weight=5,
     title="Ignores the fourth column",
-    why="Shape (n, 4) times shape (4,) raises no error, but it multiplies the intensity by d.",
+    why="A product of shapes (n, 4) and (4,) raises no error, but it multiplies the intensity by "
+    "d.",
     hint="Multiply points[:, :3] by the first three numbers of the plane, then add the last one.",
 )
 def ignores_intensity(point_plane_distance: Callable) -> None:
@@ -245,7 +245,7 @@ def works_on_few_points(point_plane_distance: Callable) -> None:
     "point_plane_distance",
     weight=1,
     title="Leaves points and plane untouched",
-    why="The next plane needs the same points.",
+    why="The next round of RANSAC needs the original points.",
     hint="Build a new array with points[:, :3] @ normal; points *= normal would change the points.",
 )
 def leaves_cloud_and_plane(point_plane_distance: Callable) -> None:
@@ -264,7 +264,8 @@ common_checks.promise_names(
     ),
     "keeps_points_and_plane",
     title="Keeps the names of its parameters: points and plane",
-    why="Others may call point_plane_distance(points=..., plane=...), as the docstring suggests.",
+    why="Other code may call point_plane_distance(points=..., plane=...), as the docstring "
+    "suggests.",
 )
 
 
@@ -309,22 +310,22 @@ declare_mistakes(
         lambda right, points, plane: exact_distances(points, [*plane[:3], -plane[3]]),
     ),
     Mistake(
-        "The absolute value of a x + b y + c z is taken, and d is added after that.",
+        "The function takes the absolute value of a x + b y + c z and then adds d.",
         lambda right, points, plane: exact_distances(points, [*plane[:3], 0]) + plane[3],
         "Compute the whole sum including d, then take np.abs of it.",
     ),
     Mistake(
-        "The absolute values of a x + b y + c z and of d are taken separately and then added.",
+        "The function adds the absolute values of a x + b y + c z and of d.",
         lambda right, points, plane: exact_distances(points, [*plane[:3], 0]) + abs(plane[3]),
         "Compute the whole sum including d, then take np.abs of it.",
     ),
     Mistake(
-        "The absolute value of each product is taken, and then they are added.",
+        "The function adds the absolute values of a x, b y and c z, and then d.",
         lambda right, points, plane: _absolute_terms(points, plane)[:, :3].sum(axis=1) + plane[3],
         "Compute the whole sum including d, then take np.abs of it.",
     ),
     Mistake(
-        "The absolute values of a x, b y, c z and d are added.",
+        "The function adds the absolute values of a x, b y, c z and d.",
         lambda right, points, plane: _absolute_terms(points, plane).sum(axis=1),
         "Compute the whole sum including d, then take np.abs of it.",
     ),
@@ -340,7 +341,7 @@ declare_mistakes(
         "The normal (a, b, c) already has length 1, so do not divide.",
     ),
     Mistake(
-        "Whole rows are multiplied by the plane, so that the intensity is multiplied by d.",
+        "Whole rows are multiplied by the plane, so the intensity is multiplied by d.",
         lambda right, points, plane: np.abs(
             np.subtract(_signed_distances(points, plane), plane[3] * (1 - points[:, 3]))
         ),

@@ -108,7 +108,7 @@ def _half_equal_points(seed: int) -> tuple[np.ndarray, np.ndarray]:
     "ransac_plane",
     weight=5,
     title="Finds the plane among outliers",
-    why="The largest plane of a street is the road. Points off the road may be obstacles.",
+    why="The largest plane of a street is usually the road. Points off the road may be obstacles.",
     hint="Draw three rows, compute their plane and count the points near it. Keep the plane "
     "with the highest count, and return it after the last round, not inside the loop.",
 )
@@ -134,8 +134,8 @@ def finds_the_plane(ransac_plane: Callable) -> None:
     "ransac_plane",
     weight=14,
     title="Returns a model and the mask that belongs to it",
-    why="If the plane comes from one sample and the inliers from another, the wrong points are "
-    "removed.",
+    why="If the plane comes from one sample and the inliers from another, later cells remove the "
+    "wrong points.",
     hint="If a sample is better than the best so far, keep both its plane and its mask.",
 )
 def mask_belongs_to_model(ransac_plane: Callable) -> None:
@@ -180,7 +180,7 @@ def model_has_a_unit_normal(ransac_plane: Callable) -> None:
     "ransac_plane",
     weight=2,
     title="Draws as many samples as max_iterations allows",
-    why="The fewer points belong to the plane, the more rounds it takes to be certain.",
+    why="The fewer points belong to the plane, the more rounds RANSAC needs to find it.",
     hint="Loop with `for _ in range(max_iterations)`, draw one sample in each round, and return "
     "after the loop.",
 )
@@ -253,10 +253,10 @@ def draws_no_more_samples(ransac_plane: Callable) -> None:
     "ransac_plane",
     weight=3,
     title="Continues after samples that do not define a plane",
-    why="Duplicate points and points on a line are common, and one such sample must not end the "
-    "drive.",
-    hint="plane_through returns None for them: continue with the next sample. Count that round "
-    "as well, or the loop may never end.",
+    why="Duplicate points and points on one line are common, and such a sample must not end the "
+    "search.",
+    hint="If plane_through returns None, continue with the next sample. Count that round as well, "
+    "or the loop may never end.",
 )
 def continues_after_degenerate_samples(ransac_plane: Callable) -> None:
     for seed in range(4):
@@ -265,8 +265,8 @@ def continues_after_degenerate_samples(ransac_plane: Callable) -> None:
             _half_equal_points(40 + seed),
         )
         for (points, on_plane), given in (
-            (ramp, "48 points of one plane, 40 of them on one line"),
-            (half_equal, "40 points of one plane, 20 of them equal"),
+            (ramp, "48 points on one plane, 40 of them on one line"),
+            (half_equal, "40 points on one plane, 20 of them equal"),
         ):
             # Four samples in ten are good, so 40 rounds fail with a probability of 0.58^40 < 1e-9.
             answer = ransac_plane(points.copy(), 40, 0.2, np.random.default_rng(seed))
@@ -277,7 +277,7 @@ def continues_after_degenerate_samples(ransac_plane: Callable) -> None:
     "ransac_plane",
     weight=2,
     title="Works on three points and returns (None, all False) for fewer",
-    why="Earlier filters may leave few points, and the car must not stop because of that.",
+    why="Earlier filters may leave few points, and that must not crash the program.",
     hint="Test len(points) < 3 first, and return None and np.zeros(n, dtype=bool).",
 )
 def returns_for_too_few_points(ransac_plane: Callable) -> None:
@@ -310,7 +310,8 @@ def assert_three_points_are_enough(ransac_plane: Callable, triangle: np.ndarray)
     "ransac_plane",
     weight=1,
     title="Returns (None, all False) if all points lie on one line",
-    why="On a wall, a single ring of the scanner is a line: no three of its points define a plane.",
+    why="On a flat wall, the returns of a horizontal beam lie on one line, and no three of them "
+    "define a plane.",
     hint="Begin with model = None and a mask that is all False. If no sample gives a plane, "
     "return these two.",
 )
@@ -401,7 +402,7 @@ def draws_from_all_rows(ransac_plane: Callable) -> None:
         )
     row = int(np.flatnonzero(~drawn)[0])
     raise CheckFailed(
-        f"Row {row} of the five points was in no sample.",
+        f"Row {row} of the five points was never drawn.",
         given="five points and max_iterations=2",
         yours=f"no plane through row {row} in {len(planes)} runs",
         expected="a plane through each row in more than half of the runs",
@@ -570,7 +571,7 @@ def takes_a_seed(ransac_plane: Callable) -> None:
     if _planes_equal(*generators) and not _planes_equal(*seeds):
         raise CheckFailed(
             fixed(
-                "The seed 3, given twice, gave two different planes. Two generators with that "
+                "Two calls with rng=3 gave two different planes. Two calls with generators of that "
                 "seed give the same plane."
             ),
             yours=" and ".join(map(plane_text, seeds)),

@@ -19,7 +19,7 @@ def as_pair(answer: object) -> Sequence:
         )
     if not isinstance(answer, (tuple, list)) or len(answer) != 2:
         raise WrongForm(
-            "Return two things, the model and the mask: `return model, inliers`.",
+            "Return two values, the model and the mask: `return model, inliers`.",
             yours=brief_text(answer),
             expected="(model, inliers)",
         )
@@ -48,7 +48,7 @@ def as_model(answer: object, given: str | None = None) -> np.ndarray:
     model, _ = as_pair(answer)
     if model is None:
         raise CheckFailed(
-            "No plane was found, although there is one: the model is None.",
+            "The model is None, although the points contain a plane.",
             given=given,
             yours="None",
             expected="four numbers (a, b, c, d)",
@@ -140,7 +140,7 @@ def assert_nearest_are_inliers(answer: object, points: np.ndarray) -> None:
     gaps = gaps_from(points, plane)
     if not mask.any():
         raise CheckFailed(
-            "There is a model, but the mask marks no point near it.",
+            "The function returned a model, but its mask does not mark any points.",
             yours="0 inliers",
             expected=f"at least 3 inliers; the nearest point is {gaps.min():.2g} m away",
         )
@@ -196,7 +196,7 @@ def assert_nothing_found(answer: object, n: int) -> None:
     model, inliers = as_pair(answer)
     if model is not None:
         raise CheckFailed(
-            "No plane can be found here: the model must be None.",
+            "These points do not define a plane: the model must be None.",
             yours=brief_text(model),
             expected="None",
         )

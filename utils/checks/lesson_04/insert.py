@@ -115,9 +115,9 @@ def axes_alternate(KdTree: Callable) -> None:
     "insert",
     weight=6,
     title="Puts each of ten points in its place, down to the eighth level",
-    why="A search looks for each point in one place only, so every node must be in its place.",
-    hint="On paper, follow the point that the message names down the tree: which coordinate is "
-    "compared at each node, and where is the first free place?",
+    why="A search looks for each point in a single place, so every node must be there.",
+    hint="Take the point that the message names, and follow its way down the tree on paper: which "
+    "coordinate is compared at each node, and where is the first free place?",
 )
 def places_ten_points(KdTree: Callable) -> None:
     _assert_axes_alternate(KdTree)
@@ -214,7 +214,7 @@ def keeps_trees_apart(KdTree: Callable) -> None:
     weight=1,
     title="Does not change the point",
     why="The point is a row of the cloud. Changing it moves an obstacle.",
-    hint="Only read point[axis]; write only to the tree.",
+    hint="Read point[axis], but assign only to the tree.",
 )
 def leaves_the_point(KdTree: Callable) -> None:
     require_root(KdTree)
@@ -229,7 +229,7 @@ def leaves_the_point(KdTree: Callable) -> None:
     "insert",
     title="Works on a tree with more than a thousand levels",
     why="The sorted wall later in this lesson gives a tree with one level per point. A function "
-    "that calls itself once per level stops there with a RecursionError; a loop does not.",
+    "that calls itself once per level raises a RecursionError on that tree; a loop does not.",
 )
 def inserts_into_deep_trees(KdTree: Callable) -> None:
     _assert_sides(KdTree)

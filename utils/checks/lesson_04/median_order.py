@@ -25,7 +25,7 @@ from utils.geometry import grown, in_turn, places_of
 
 _SHORT_HINT = (
     "Put the rows before the median and the rows after it on the list of parts, and process every "
-    "part on the list. An empty part is skipped; it must not end the loop."
+    "part on the list. Skip an empty part, but do not end the loop there."
 )
 # With seven points, every part has a single middle point.
 _SEVEN_POINTS = frozen(distinct_points(np.random.default_rng(51), 7, 2))
@@ -221,7 +221,7 @@ def returns_every_row(median_order: Callable) -> None:
     "median_order",
     weight=3,
     title="Starts with the median along x",
-    why="Only the median leaves equally many points on both sides.",
+    why="Only the median leaves the same number of points on both sides.",
     hint="Sort the rows by x. The middle one of m rows is at position (m - 1) // 2.",
 )
 def starts_with_the_median(median_order: Callable) -> None:
@@ -354,8 +354,8 @@ common_checks.promise_untouched(
         precondition=_assert_halves,
     ),
     "leaves_its_input",
-    why="The order refers to the rows of the original cloud. If the cloud is sorted, it refers to "
-    "the wrong points.",
+    why="The order refers to the rows of the original cloud. If you sort the cloud, the order "
+    "refers to the wrong points.",
     hint="Sort the row numbers, not the points.",
 )
 
@@ -433,12 +433,12 @@ declare_mistakes(
     Mistake(
         "Each median is placed between its two halves; it should come before both.",
         lambda *_: _median_between_parts,
-        "Return [median] + smaller rows + other rows, in this order.",
+        "Return [median] + rows before it + rows after it, in this order.",
     ),
     Mistake(
         "Each median is placed after its two halves; it should come before both.",
         lambda *_: lambda points, order: next(_wrong_parts(points, order[::-1]), None) is None,
-        "Return [median] + smaller rows + other rows, in this order.",
+        "Return [median] + rows before it + rows after it, in this order.",
     ),
     cases=tuple(
         (distinct_points(np.random.default_rng(50), len(order), k), np.array(order))

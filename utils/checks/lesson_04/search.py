@@ -60,8 +60,8 @@ def finds_the_target(KdTree: Callable) -> None:
     "search",
     weight=5,
     title="Searches both sides if the circle crosses the split",
-    why="A split may run through a pedestrian. A search of the target's own side alone finds only "
-    "half of the points.",
+    why="A split may run through a pedestrian. If you search only the target's side of it, you "
+    "miss the points on the other side.",
     hint="Ask two separate questions, with two ifs and no else: does the box reach below the "
     "split? Does it reach the split or beyond it?",
 )
@@ -139,8 +139,8 @@ def finds_the_border(KdTree: Callable) -> bool:
     "search",
     weight=2,
     title="Searches the right side even if the box ends exactly at the split",
-    why="A point whose coordinate equals the split is on the right. The search of a well-known "
-    "course misses it, but only in some directions.",
+    why="A point whose coordinate equals the split is on the right. If the box ends there, a "
+    "search with > instead of >= misses the point.",
     hint="Search the right side if target[axis] + tolerance >= split, with the equals sign.",
 )
 def reaches_the_split(KdTree: Callable) -> None:
@@ -207,7 +207,7 @@ def handles_an_empty_tree(KdTree: Callable) -> None:
     "search",
     weight=1,
     title="Returns each index once",
-    why="When neighbours are counted, an index that is returned twice counts twice.",
+    why="If an index is returned twice, a count of the neighbours is too high.",
     hint="Append the index in one place only, where your code visits the node.",
 )
 def returns_each_once(KdTree: Callable) -> None:
@@ -247,7 +247,7 @@ def accepts_any_sequence(KdTree: Callable) -> None:
     weight=1,
     title="Does not change the tree or the target",
     why="The same tree is searched again and again, and the target may be a row of the cloud.",
-    hint="Do not assign to a node or to the target; only read them.",
+    hint="Read the nodes and the target, but do not assign to them.",
 )
 def leaves_the_tree(KdTree: Callable) -> None:
     _assert_at_target(KdTree)
@@ -261,7 +261,7 @@ def leaves_the_tree(KdTree: Callable) -> None:
     "search",
     title="Works on a tree with more than a thousand levels",
     why="The last part of this lesson searches the tree of a sorted wall. A function that calls "
-    "itself stops there with a RecursionError; a loop with a list of nodes to visit does not.",
+    "itself raises a RecursionError on that tree; a loop with a list of nodes to visit does not.",
 )
 def searches_deep_trees(KdTree: Callable) -> None:
     root = chain_tree(1200)

@@ -153,7 +153,7 @@ def _assert_stores_more(KdTree: Callable) -> None:
     except _student_errors(KdTree):
         return
     if same_class and field_counts == [1, 4]:
-        raise CheckFailed("The tree and its nodes store only what the lesson's do.")
+        raise CheckFailed("The tree and its nodes store nothing more than those of the lesson.")
 
 
 def _root_class(tree: object) -> object:
