@@ -191,7 +191,7 @@ def test_lateness_and_penalty_are_stated_in_words(monkeypatch):
     "why",
     [
         "timestamp.txt is empty",
-        "the learning platform shows it as late, but without a time",
+        "the learning platform marks the work as late, but gives no time",
         "the table of submission times has no row for this student",
     ],
 )
@@ -666,7 +666,7 @@ def test_a_team_is_not_taken_for_a_participant(tmp_path, monkeypatch, capsys):
     assert [parse_moodle(name)[0] for name in archive(tmp_path / f"{STAGE}_moodle.zip")] == ["53"]
     told = capsys.readouterr()
     assert "bjorn: submitted as Team Red, which may be a team" in told.out
-    assert told.err.count("Feedback that was left out") == 0
-    waiting = f"still has to grade a part:\n  {TWELVE.name} of ada, bjorn\n"
+    assert told.err.count("No feedback was written") == 0
+    waiting = f"still has to be graded by hand:\n  {TWELVE.name} of ada, bjorn\n"
     assert waiting in told.out
     assert sorted(path.stem for path in (tmp_path / STAGE).iterdir()) == ["ada", "bjorn", "cy"]
