@@ -637,7 +637,7 @@ def test_a_call_that_the_wall_clock_ends_is_starved(sandbox):
         with pytest.raises(StudentStopped, match="4 seconds of elapsed time"):
             student.f(6)
         assert student.starved
-        with pytest.raises(StudentStopped, match="Not tried: the notebook's 4 seconds"):
+        with pytest.raises(StudentStopped, match="Not run: the notebook has used up its 4"):
             student.f(0)
 
 
