@@ -299,7 +299,7 @@ def has_one_executor(options: argparse.Namespace) -> bool:
     """Return whether at most one executor is selected; print an error if not."""
     if options.workers and options.scheduler:
         print(
-            "--workers is for this machine, and --scheduler is for a cluster. Use only one of them.",
+            "--workers is for this machine, --scheduler is for a cluster. Use only one of them.",
             file=sys.stderr,
         )
         return False

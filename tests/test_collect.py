@@ -620,7 +620,9 @@ def test_files_of_several_students_are_never_proposed_for_one(course, layout):
     outcome = collect(course, archive(course, files))
     texts = questions(outcome)
     assert set(texts) == {"group A", "group B"}
-    assert "--who" not in texts["group A"] and "a folder named after the student" in texts["group A"]
+    assert (
+        "--who" not in texts["group A"] and "a folder named after the student" in texts["group A"]
+    )
 
 
 # ---- GitHub Classroom, folders ------------------------------------------------------------------

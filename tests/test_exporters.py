@@ -301,8 +301,8 @@ def test_the_command_fills_in_a_gradebook_and_reports_missing_students(export, t
     path = tmp_path / f"scores.{THREE}.canvas.csv"
     assert f"{path} contains the marks of 1 student." in out and "In Canvas: Grades, Import." in out
     assert (
-        "Marks that could not be exported: 2\n  ada (Ada Lovelace), 42.35 points: the file has no row"
-        in err
+        "Marks that could not be exported: 2\n"
+        "  ada (Ada Lovelace), 42.35 points: the file has no row" in err
     )
     assert given.read_bytes() == before
     canvas.import_(path.read_bytes())
