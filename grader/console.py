@@ -223,7 +223,7 @@ def print_similarity(compared: StageComparison, limit: int = 10) -> None:
     console.print(table)
     if len(pairs) > limit:
         console.print(f"Similar pairs that are not shown: {len(pairs) - limit}.")
-    console.print("The last column compares both answers with all other answers in this class.")
+    console.print("The last column compares the two answers with those of all other students.")
     console.print("The table shows which answers are similar, but not why. Ask the students.")
 
 

@@ -145,7 +145,7 @@ def test_two_folders_of_one_student_lose_nothing(course):
     stage = class_results(course).stage("yan", STAGE)
     assert f"{stage.submitted_at:%Y-%m-%d}" == "2026-03-01"  # the latest submission
     (sentence,) = respelt_folders(course, read_roster(course))
-    assert sentence.endswith("belongs to yan (Yan Yip) in addition to 'yan'.")
+    assert sentence.endswith("belongs to yan (Yan Yip), and so does 'yan'.")
     before = inode(course, "yan")
     enter_verdicts(course, verdicts(course, earned), [STAGE], quiet)
     assert inode(course, "yan") == before
@@ -172,7 +172,7 @@ def test_the_suggested_command_for_an_unmatched_folder_loses_no_file(course):
     (sentence,) = unmatched_folders(course, read_roster(course)).values()
     command = "mv -n 'submitted/Yip, Yan' submitted/yan"
     assert (
-        f"If it belongs to yan (Yan Yip): {command}; otherwise add a line for 'Yip, Yan' to"
+        f"If it belongs to yan (Yan Yip), run: {command}; otherwise add a line for 'Yip, Yan' to"
         in sentence
     )
     submit(course, "yan", GROUND, " ")
