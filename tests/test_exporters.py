@@ -149,7 +149,7 @@ def test_totals_of_missing_excused_and_auditing_students_are_empty():
     assert [row[10] for row in rows[2:]] == ["marked; missing: " + SEVEN, EXCUSED, AUDITOR, MISSING]
     found, points = marks(SIX, results)
     assert points == {"ada": 0.0}
-    assert "No mark, because auditing the course: cy." in found.notes
+    assert "No mark for auditors: cy." in found.notes
 
 
 def test_a_lesson_has_a_mark_while_another_lesson_of_its_stage_waits():
@@ -211,7 +211,7 @@ def test_waiting_marks_are_refused_unless_provisional():
         f"Provisional, because some work still has to be graded by hand: {TWELVE} of ada."
         in found.notes
     )
-    assert "No mark, because excused: dee (Dee)." in found.notes
+    assert "No mark for excused students: dee (Dee)." in found.notes
 
 
 def test_notebooks_that_are_not_entered_have_no_mark_even_if_provisional():

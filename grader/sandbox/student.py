@@ -308,7 +308,7 @@ class StudentProxy:
         return Observed(result, tuple(after), frozenset(positions(shared)))
 
     def _stop_for_wrong_reply(self, name: str) -> NoReturn:
-        self._stop(self.exercise, f"{name} did not send a valid reply")
+        self._stop(self.exercise, f"{name} sent an invalid reply")
 
     def _remote_object(self, number: int, kind: object) -> RemoteObject:
         return RemoteObject(self, _Reference(number, self._worker), wire_format.known_type(kind))
@@ -366,7 +366,7 @@ class StudentProxy:
             for failure in failures[:MOST_FAILED_CELLS]
         ]
         more = len(failures) > MOST_FAILED_CELLS
-        return [*sentences, *["More cells failed after that."] * more]
+        return [*sentences, *["Later cells failed as well."] * more]
 
     def _ensure_running(self) -> None:
         self._check_elapsed_time()

@@ -19,8 +19,8 @@ from grader.lms.results import (
 )
 
 UNMARKED_TITLES = {
-    EXCUSED: "No mark, because excused",
-    AUDITOR: "No mark, because auditing the course",
+    EXCUSED: "No mark for excused students",
+    AUDITOR: "No mark for auditors",
     MISSING: "No mark, because nothing was submitted",
     WAITING: "No mark, because the submission is not in the gradebook yet",
 }
