@@ -515,7 +515,7 @@ def test_nothing_is_concluded_from_a_part_of_a_file():
     assert not preflight.prepare_to_judge(whole, LESSON).is_as_released
 
     only_text = json.dumps({"cells": [text("a"), text("b")]})
-    for data, says in ((only_text, "There is no code"), (only_text[:-9], "cut off after 1")):
+    for data, says in ((only_text, "contains no code"), (only_text[:-9], "cut off after 1")):
         (note,) = prepare(SubmittedFiles("06_filter_ground.ipynb", data.encode()), LESSON).notes
         assert says in note
 
