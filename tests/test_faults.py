@@ -921,7 +921,7 @@ def test_the_doctor_names_problems(course, sandbox, monkeypatch):
     wrong = {finding.subject: finding.text for finding in findings if not finding.good}
     assert "lost.ipynb" in wrong["submitted"] and "chmod 600" in wrong["seed"]
     subjects = [finding.subject for finding in findings]
-    for subject in ("Python", "packages", "boundary", "disk", "oracles", "sandbox bubblewrap"):
+    for subject in ("Python", "packages", "isolation", "disk", "solutions", "sandbox bubblewrap"):
         assert subject in subjects
 
 

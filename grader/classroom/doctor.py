@@ -135,9 +135,9 @@ def _sandboxes() -> Iterator[Finding]:
 def _boundary(course: Course) -> Finding:
     exposed = [path for path in (PROJECT / "solutions", course.root) if is_shown(path)]
     if not exposed:
-        return Finding("boundary", True, "student code sees neither hidden tests nor submissions")
+        return Finding("isolation", True, "student code sees neither hidden tests nor submissions")
     return Finding(
-        "boundary",
+        "isolation",
         False,
         f"student code could read {exposed[0]}, because it is in a folder that is visible in every "
         "sandbox. Move it, for example into your home folder.",
@@ -172,9 +172,9 @@ def _solutions(
             with progress_bar("Judging the solutions") as advance:
                 rehearsals.finish(executor, advance)
     except RehearsalFailed as error:
-        return Finding("oracles", False, str(error))
+        return Finding("solutions", False, str(error))
     return Finding(
-        "oracles",
+        "solutions",
         True,
         f"the solutions of {len(all_lessons())} lessons earn all points with this seed",
     )
