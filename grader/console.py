@@ -301,7 +301,7 @@ def print_feedback(feedback: Sequence[WrittenFeedback]) -> None:
             Console(highlight=False, soft_wrap=True).print(text, markup=False)
     left = [sentence for item in feedback for sentence in item.left]
     if left:
-        text = "\n  ".join(["No feedback was written for this work:", *map(plain, left)])
+        text = "\n  ".join(["No feedback was written for:", *map(plain, left)])
         Console(highlight=False, soft_wrap=True, stderr=True).print(
             text, markup=False, style="bold red"
         )

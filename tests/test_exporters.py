@@ -316,9 +316,7 @@ def test_the_command_fills_in_a_gradebook_and_reports_missing_students(export, t
 
 def test_errors_of_the_command_suggest_a_fix(export, tmp_path, capsys):
     assert export("--format", "moodle", "--assignment", THREE) == commands.USAGE_ERROR
-    assert (
-        "worksheet that Moodle offers for the assignment. Name this file" in capsys.readouterr().err
-    )
+    assert "worksheet of the assignment in Moodle. Name this file" in capsys.readouterr().err
     assert export("--into", tmp_path) == commands.USAGE_ERROR
     assert "Leave out --into" in capsys.readouterr().err
     call = ("--format", "canvas", "--into", tmp_path / "none.csv", "--assignment", THREE)
