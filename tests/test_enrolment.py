@@ -179,7 +179,7 @@ def test_the_suggested_command_for_an_unmatched_folder_loses_no_file(course):
     submit(course, "yan", DISTANCE)
     (course.submitted / "Yip, Yan" / "stage1_ransac").mkdir()
     (sentence,) = unmatched_folders(course, read_roster(course)).values()
-    commands = sentence.partition("Yip): ")[2].partition("; otherwise")[0]
+    commands = sentence.partition("Yip), run: ")[2].partition("; otherwise")[0]
     assert all(shlex.split(part)[:2] == ["mv", "-n"] for part in commands.split(" && "))
     before = {path.read_bytes() for path in course.submitted.rglob("*.ipynb")}
     subprocess.run(commands, shell=True, check=True, cwd=course.root)
@@ -197,7 +197,7 @@ def test_a_folder_whose_number_lost_its_zeros_gets_a_suggestion(course):
     (course.root / "roster.csv").write_text("id,first_name\n0012345,Yan\n12,Zoe\n")
     submit(course, "12345", GROUND)
     sentence = unmatched_folders(course, read_roster(course))["12345"]
-    assert "belongs to 0012345 (Yan): mv -n submitted/12345 submitted/0012345;" in sentence
+    assert "belongs to 0012345 (Yan), run: mv -n submitted/12345 submitted/0012345;" in sentence
 
 
 def test_both_possible_owners_of_a_folder_are_named(course):

@@ -135,7 +135,8 @@ def _notes(
     zeros = [result for result in own if result.standing == MISSING]
     stage = notebooks[0].stage
     if len({result.lesson for result in notebooks}) > 1:
-        yield next(text for text in counted_lessons(results) if text.startswith(f"{stage} "))
+        beginning = f"Lessons that count in {stage}: "
+        yield next(text for text in counted_lessons(results) if text.startswith(beginning))
     yield from excessive_notes(results)
     undecided = [
         result.student
