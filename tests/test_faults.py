@@ -937,10 +937,12 @@ def test_the_doctor_compares_the_version_of_an_installed_dask(monkeypatch, with_
     monkeypatch.setattr(doctor.metadata, "version", version)
     wrong = [finding.text for finding in doctor._versions() if not finding.good]
     assert len(wrong) == 1 + with_dask
-    assert "rich 0.1 instead of " in wrong[0]
+    assert "rich is 0.1, should be " in wrong[0]
     assert wrong[0].endswith(". Run: pip install -r requirements.txt")
     if with_dask:
-        assert "dask 0.2 instead of " in wrong[1] and "distributed 0.2 instead of " in wrong[1]
+        assert (
+            "dask is 0.2, should be " in wrong[1] and "distributed is 0.2, should be " in wrong[1]
+        )
         assert wrong[1].endswith(". Run: pip install -r requirements-cluster.txt")
 
 
