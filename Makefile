@@ -15,10 +15,10 @@ help:
 	@echo "make test         run the tests"
 	@echo "make proof        run all tests with every seed, answer and attack"
 	@echo "make colab        run the notebooks with Colab's package versions"
-	@echo "make mutants      change the grading code in small ways; a test must notice each change"
+	@echo "make mutants      change the grading code in small ways; a test must detect each change"
 	@echo "make bench        measure speed and memory, compared with other libraries"
 	@echo "make build        write the notebooks and other generated files"
-	@echo "make check        find stale notebooks, lint errors and wrong formatting"
+	@echo "make check        find notebooks that are out of date, lint errors and wrong formatting"
 	@echo "make pictures     draw the film in README.md and the previews of the lessons"
 	@echo "make constraints  pin the versions of all packages that the requirements need"
 

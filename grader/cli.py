@@ -195,8 +195,8 @@ def _add_release(subparsers: argparse._SubParsersAction) -> None:
     kind.add_argument(
         "--solutions",
         action="store_true",
-        help="write the executed solutions as notebooks and pages instead of zips; refuse while "
-        "any student may still submit",
+        help="write the executed solutions as notebooks and pages instead of zips; refused while "
+        "a student may still submit",
     )
     release.add_argument(
         "--anyway", action="store_true", help="write solutions even if students may still submit"
@@ -211,9 +211,9 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
         commands.run_collect,
         "Put the submissions of a class into submitted/. Accept downloads from Canvas, Moodle, "
         "Blackboard, Brightspace, Gradescope, ILIAS, PrairieLearn, Sakai and GitHub Classroom, "
-        "folders and single files. If the student or lesson of a file is unclear, list the file "
-        "and the options to choose from, and exit with status 1. Run the command again with one "
-        "of these options.",
+        "folders and single files. If it is unclear which student or lesson a file belongs to, "
+        "list the file with options that settle this, and exit with status 1. Then run the "
+        "command again with one of these options.",
         "submissions.zip --stage stage3_obstacles",
         "submissions.zip --stage stage3_obstacles --who 'mueller_4711=bjorn'",
     )
@@ -245,8 +245,8 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
         default=[],
         type=_parse_answer,
         metavar="NAME=ID[,ID...]",
-        help="id of the student called NAME in the archive; several ids for a team; - to ignore "
-        "a student or a file called NAME; may be repeated",
+        help="id of the student who is called NAME in the archive, or several ids for a team; - "
+        "ignores the student or file called NAME; may be repeated",
     )
     collect.add_argument(
         "--lesson",
@@ -254,8 +254,8 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
         default=[],
         type=_parse_answer,
         metavar="FILE=NN",
-        help="number of the lesson that FILE belongs to, if the file does not show it clearly; may "
-        "be repeated",
+        help="number of the lesson that FILE belongs to, if its name and content do not settle it; "
+        "may be repeated",
     )
 
 
@@ -263,7 +263,7 @@ def _parse_answer(text: str) -> tuple[str, str]:
     """Split NAME=ID at the last equals sign, because the name may contain one."""
     name, divider, answer = text.rpartition("=")
     if not (name and divider and answer):
-        raise argparse.ArgumentTypeError(f"{text!r} does not contain =; write NAME=ANSWER")
+        raise argparse.ArgumentTypeError(f"{text!r} must have the form NAME=ANSWER")
     return name, answer
 
 
@@ -305,7 +305,7 @@ def _add_grade(subparsers: argparse._SubParsersAction) -> None:
     grade.add_argument(
         "--restore-marks",
         action="store_true",
-        help="enter the marks and comments by graders that are in marks.jsonl but not in the "
+        help="enter graders' marks and comments that are in marks.jsonl but missing from the "
         "gradebook, for example after the gradebook was lost",
     )
     add_judging_options(grade)
@@ -319,7 +319,7 @@ def _add_report(subparsers: argparse._SubParsersAction) -> None:
         "report",
         commands.run_report,
         "Write the class report again without judging. Use this command after you change marks by "
-        "hand. Write report/index.html and, without names, report/anonymous.html.",
+        "hand. It writes report/index.html, and report/anonymous.html without names.",
         "",
     )
 
@@ -377,23 +377,23 @@ def _add_export(subparsers: argparse._SubParsersAction) -> None:
         "--into",
         type=Path,
         metavar="FILE",
-        help="file from Canvas or Moodle to fill in; only a copy is written",
+        help="file from Canvas or Moodle to fill in; the file itself is not changed",
     )
     export.add_argument(
         "--column",
         metavar="TITLE",
-        help="title of the column to fill in (default: the one that contains the name of the stage "
-        "or lesson)",
+        help="title of the column to fill in (default: the column whose title contains the name of "
+        "the stage or lesson)",
     )
     export.add_argument(
         "--scale",
         action="store_true",
-        help="scale the marks if the maximum on the platform differs from the course's",
+        help="scale the marks to the platform's maximum if it differs from the course's",
     )
     export.add_argument(
         "--provisional",
         action="store_true",
-        help="also export the points so far of work that is waiting for a grader",
+        help="also export work that is waiting for a grader, with its points so far",
     )
     export.add_argument(
         "--to",
@@ -408,8 +408,8 @@ def _add_autograder(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "autograder",
         commands.run_autograder,
-        "Write an autograder zip for Gradescope, which then judges an assignment. The zip contains "
-        "the hidden tests and the secret seed.",
+        "Write an autograder zip with which Gradescope judges an assignment itself. The zip "
+        "contains the hidden tests and the secret seed.",
         "stage3_obstacles",
     )
     autograder.add_argument(
@@ -429,7 +429,7 @@ def _add_similarity(subparsers: argparse._SubParsersAction) -> None:
         "similarity",
         commands.run_similarity,
         "Show which answers in a stage are similar. Write report/similarity_STAGE.html, which "
-        "shows similar pairs side by side. No student code is run.",
+        "shows similar pairs side by side. The command does not run student code.",
         "stage3_obstacles",
     )
     similarity.add_argument(
@@ -487,7 +487,7 @@ def _add_try(subparsers: argparse._SubParsersAction) -> None:
         "try",
         commands.run_try,
         "Build a lesson, run it, judge its answers and list what is missing. Also store the "
-        "results that are lent to students who have not written a function.",
+        "results of its functions, for students who have not written a function.",
         "14",
     )
     attempt.add_argument("number", metavar="NN", help="number or name of the lesson, such as 14")

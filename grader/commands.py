@@ -74,7 +74,9 @@ def run_try(options: argparse.Namespace) -> int:
         print(f"  {mark}   {textwrap.indent(finding.sentence, ' ' * 7).lstrip()}", flush=True)
         findings.append(finding)
     unfinished = sum(not finding.good for finding in findings)
-    print(f"{lesson.name}: {unfinished} to fix." if unfinished else f"{lesson.name} is complete.")
+    print(
+        f"{lesson.name}: {unfinished} left to fix." if unfinished else f"{lesson.name} is complete."
+    )
     return FAULT if unfinished else SUCCESS
 
 
@@ -242,7 +244,7 @@ def run_judge(options: argparse.Namespace) -> int:
         )
         return USAGE_ERROR
     if not options.notebook.is_file():
-        print(f"{options.notebook} does not exist. Name a submitted notebook.", file=sys.stderr)
+        print(f"{options.notebook} does not exist. Correct the path.", file=sys.stderr)
         return USAGE_ERROR
     try:
         lesson = lesson_of_file(options.notebook)
@@ -297,7 +299,7 @@ def has_one_executor(options: argparse.Namespace) -> bool:
     """Return whether at most one executor is selected; print an error if not."""
     if options.workers and options.scheduler:
         print(
-            "--workers is for this machine and --scheduler is for a cluster. Use one of the two.",
+            "--workers is for this machine, --scheduler is for a cluster. Use only one of them.",
             file=sys.stderr,
         )
         return False

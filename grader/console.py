@@ -184,7 +184,7 @@ def print_class(
 def print_history(changes: Sequence[MarkChange]) -> None:
     """Print the history of a student's marks."""
     table = Table(title="Changed marks", title_justify="left", box=SIMPLE_HEAD)
-    for heading in ("Noticed", "Lesson", "Exercise"):
+    for heading in ("Recorded", "Lesson", "Exercise"):
         table.add_column(heading, no_wrap=True)
     for heading in ("From", "To"):
         table.add_column(heading, justify="right", no_wrap=True)
@@ -222,7 +222,8 @@ def print_similarity(compared: StageComparison, limit: int = 10) -> None:
         )
     console.print(table)
     if len(pairs) > limit:
-        console.print(f"{len(pairs) - limit} more pairs are not shown.")
+        console.print(f"Similar pairs that are not shown: {len(pairs) - limit}.")
+    console.print("The last column compares the two answers with those of all other students.")
     console.print("The table shows which answers are similar, but not why. Ask the students.")
 
 
@@ -233,7 +234,7 @@ def print_unaccounted(files: Sequence[tuple[Path, str]], limit: int = 20) -> Non
     lines = [f"{len(files)} files were not judged:" if len(files) > 1 else "1 file was not judged:"]
     lines += [f"  {plain(path)}: {plain(reason)}" for path, reason in files[:limit]]
     if len(files) > limit:
-        lines.append(f"  and {len(files) - limit} more, which are in the report")
+        lines.append(f"  and {len(files) - limit} more; the report lists all of them")
     Console(highlight=False, soft_wrap=True).print("\n".join(lines), markup=False)
 
 
@@ -246,13 +247,13 @@ def print_notes(sentences: Sequence[str]) -> None:
 def print_exported(exported: ExportResult, path: Path, backup: Path | None, next_step: str) -> None:
     """Print a summary of an exported file: its marks, missing marks, and the next step."""
     students = f"{exported.placed} student{'s' * (exported.placed != 1)}"
-    lines = [f"{plain(path)}: marks of {students}."]
+    lines = [f"{plain(path)} contains the marks of {students}."]
     if backup:
         lines.append(f"The previous file was renamed to {plain(backup.name)}.")
     lines += [plain(note) for note in exported.notes]
     Console(highlight=False, soft_wrap=True).print("\n".join(lines), markup=False)
     if exported.lost:
-        title = f"{len(exported.lost)} marks could not be exported:"
+        title = f"Marks that could not be exported: {len(exported.lost)}"
         text = "\n  ".join([title, *map(plain, exported.lost)])
         Console(highlight=False, soft_wrap=True, stderr=True).print(
             text, markup=False, style="bold red"
@@ -267,12 +268,12 @@ def print_autograder(path: Path, lessons: Sequence[Lesson]) -> None:
     machine = sum(exercise.points for exercise in exercises if not exercise.by_hand)
     by_hand = [exercise for exercise in exercises if exercise.by_hand]
     lines = [
-        f"{plain(path)}: judges {', '.join(lesson.name for lesson in lessons)}.",
+        f"{plain(path)} judges {', '.join(lesson.name for lesson in lessons)}.",
         f"In Gradescope, create a programming assignment with Autograder Points: {machine:g}. "
-        "Upload the zip under Configure Autograder, and then try your own solution with Test "
+        "Upload the zip under Configure Autograder. Then submit the course's solutions under Test "
         "Autograder.",
-        "Students may use the Python of the container or an older one, on Ubuntu 24.04 Python "
-        "3.12. Code that only a newer Python can read gets no mark.",
+        "Students may use the container's version of Python or an older one. On Ubuntu 24.04, "
+        "this is Python 3.12. Code that only a newer Python can read gets no mark.",
         "The zip contains the course's secret seed and hidden tests. Do not give it to students.",
     ]
     if by_hand:
@@ -290,7 +291,7 @@ def print_feedback(feedback: Sequence[WrittenFeedback]) -> None:
             text = f"{plain(item.pages[0].parent)}: {count}{zipped}"
             Console(highlight=False, soft_wrap=True).print(text, markup=False)
     lists = (
-        ("Not final, because a grader still has to grade a part:", "waiting"),
+        ("Not final, because a part still has to be graded by hand:", "waiting"),
         ("Not in the zip. Give these students their pages yourself:", "unreached"),
     )
     for title, name in lists:
@@ -300,7 +301,7 @@ def print_feedback(feedback: Sequence[WrittenFeedback]) -> None:
             Console(highlight=False, soft_wrap=True).print(text, markup=False)
     left = [sentence for item in feedback for sentence in item.left]
     if left:
-        text = "\n  ".join(["Feedback left out:", *map(plain, left)])
+        text = "\n  ".join(["No feedback was written for:", *map(plain, left)])
         Console(highlight=False, soft_wrap=True, stderr=True).print(
             text, markup=False, style="bold red"
         )
@@ -328,7 +329,7 @@ def _collected_table(report: CollectionReport) -> Table:
     table.add_column("Student", no_wrap=True)
     for lesson in report.lessons:
         table.add_column(lesson.number, no_wrap=True)
-    table.add_column("When" if report.late or report.undecided else "")
+    table.add_column("Submitted" if report.late or report.undecided else "")
     for student, states in report.states.items():
         is_late = student in report.late
         when = "unknown" if student in report.undecided else "late" if is_late else ""
@@ -374,19 +375,19 @@ def _collected_sentences(report: CollectionReport) -> Iterator[str]:
         students_by_reason.setdefault(reason, []).append(student)
     for reason, students in students_by_reason.items():
         yield (
-            f"It is not known whether these students were late: {', '.join(students)}. The reason: "
-            f"{reason}."
+            f"It is unknown whether these students submitted late: {', '.join(students)}. "
+            f"Reason: {reason}."
         )
     if report.undecided:
         yield (
-            "Write the missing times into timestamp.txt in the students' folders, such as "
-            "2026-11-22 18:30:00 UTC."
+            "Write each missing time, such as 2026-11-22 18:30:00 UTC, into timestamp.txt in the "
+            "student's folder."
         )
     if report.late:
         yield (
             f"Late, but without a submission time: {', '.join(report.late)}. No penalty is "
-            "subtracted until the time is known. Add times with --timestamps FILE, or write the "
-            "time into timestamp.txt in each student's folder, such as 2026-11-22 18:30:00 UTC."
+            "subtracted until the time is known. Add times with --timestamps FILE, or write each "
+            "time, such as 2026-11-22 18:30:00 UTC, into timestamp.txt in the student's folder."
         )
 
 

@@ -59,7 +59,7 @@ def write(parser: argparse.ArgumentParser) -> list[tuple[str, Path]]:
 def check(parser: argparse.ArgumentParser) -> list[str]:
     """Return a sentence for each page that is out of date."""
     stale = [path.relative_to(PROJECT) for path in _changed_pages(parser)]
-    return [f"{path} is stale. Run: python -m grader build" for path in stale]
+    return [f"{path} is out of date. Run: python -m grader build" for path in stale]
 
 
 def _changed_pages(parser: argparse.ArgumentParser) -> dict[Path, bytes]:

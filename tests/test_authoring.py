@@ -43,7 +43,7 @@ def test_true_notes_are_not_reported():
     ("answer", "verdict", "says"),
     [
         (RIGHT, verdict_on("keeps"), "It fails keeps."),
-        (WRONG, verdict_on("sorts"), "It fails sorts, but its note lists sorts, test_a."),
+        (WRONG, verdict_on("sorts"), "It fails sorts, but its notes list sorts, test_a."),
         (
             dataclasses.replace(WRONG, loses=("sorts", "test_a", "test_c")),
             verdict_on("sorts", "test_a[1]"),
@@ -52,14 +52,14 @@ def test_true_notes_are_not_reported():
         (
             WRONG,
             verdict_on("sorts", "test_a[1]", "keeps"),
-            "It fails sorts, keeps, test_a[1], but its note lists sorts, test_a.",
+            "It fails sorts, keeps, test_a[1], but its notes list sorts, test_a.",
         ),
         (
             dataclasses.replace(WRONG, loses=("sort", "test_a")),
             verdict_on("sorts", "test_a[1]"),
             "There is no check sort. The checks are:",
         ),
-        (WRONG, verdict_on("sorts", "test_a[1]", score=4.0), "It earns all points, although"),
+        (WRONG, verdict_on("sorts", "test_a[1]", score=4.0), "It is wrong, but earns all points."),
         (
             dataclasses.replace(WRONG, says="Bananas"),
             verdict_on("sorts", "test_a[1]"),

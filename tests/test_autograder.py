@@ -162,8 +162,8 @@ def test_each_file_that_is_not_judged_is_named(root, unjudged):
         "02_ransac_line.ipynb is lesson 02_ransac_line, which is not part of this assignment.",
         "07_filter_by_distance.py is not a notebook. Submit 07_filter_by_distance.ipynb, as "
         "Jupyter saves it.",
-        "Untitled.ipynb: cannot tell which lesson this is. Give the file the name it was released "
-        "under, such as 06_filter_ground.ipynb.",
+        "Untitled.ipynb cannot be matched with a lesson. Give the file the name under which it was "
+        "released, such as 06_filter_ground.ipynb.",
     )
     assert not unjudged
 

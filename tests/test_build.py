@@ -204,7 +204,7 @@ def test_stale_files_are_named(monkeypatch):
         build, "build_all", lambda: {**real, lesson.released: b"{}" + real[lesson.released]}
     )
     monkeypatch.setattr(build, "leaks", lambda solved, released, others: [])
-    assert [fault for fault in build.check() if f"{lesson.name}.ipynb is stale" in fault]
+    assert [fault for fault in build.check() if f"{lesson.name}.ipynb is out of date" in fault]
 
 
 def test_jupytext_reads_and_writes_a_source_unchanged(lesson):

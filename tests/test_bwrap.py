@@ -142,7 +142,7 @@ def test_a_program_that_hangs_is_stopped(system, wheel, monkeypatch):
     monkeypatch.setattr(bwrap, "SECONDS_TO_BUILD", 0.1)
     monkeypatch.setenv("PATH", f"{os.environ['PATH']}:/usr/bin:/bin")
     system("exec sleep 600")
-    assert "has not built a sandbox within 0.1 seconds." in bwrap.find_program(OPTIONS)[1]
+    assert "did not build a sandbox within 0.1 seconds." in bwrap.find_program(OPTIONS)[1]
 
 
 def test_other_operating_systems_get_a_message(monkeypatch):

@@ -143,7 +143,7 @@ def test_late_work_from_canvas_has_no_time(course):
     assert outcome.late == ["ada"]
     assert set(placed(course, "ada")) == {f"{SIX}.ipynb"}
     folders = [course.submitted / student / STAGE for student in ("ada", "bjorn")]
-    with pytest.raises(SubmissionTimeUnknown, match="shows it as late"):
+    with pytest.raises(SubmissionTimeUnknown, match="marks the work as late"):
         submission_time(folders[:1])
     assert submission_time(folders[1:]) is None
     (folders[0] / "timestamp.txt").write_text("2026-11-22 18:30:00 UTC")
@@ -293,7 +293,7 @@ def test_notebooks_without_a_name_from_moodle_are_read_by_their_folders(course):
     assert states(outcome) == {"ada": {"06": "new"}, "bjorn": {"06": "new"}}
     assert [one[1:] for one in outcome.archives] == [
         ("Moodle", 1),
-        ("not in the format of Moodle", 2),
+        ("not named as in Moodle", 2),
     ]
     assert set(questions(outcome)) == {"from the mail"}
     assert set(outcome.ignored) == {"notes.txt"}
@@ -620,7 +620,9 @@ def test_files_of_several_students_are_never_proposed_for_one(course, layout):
     outcome = collect(course, archive(course, files))
     texts = questions(outcome)
     assert set(texts) == {"group A", "group B"}
-    assert "--who" not in texts["group A"] and "a folder named after the id" in texts["group A"]
+    assert (
+        "--who" not in texts["group A"] and "a folder named after the student" in texts["group A"]
+    )
 
 
 # ---- GitHub Classroom, folders ------------------------------------------------------------------
@@ -678,7 +680,7 @@ def test_the_roster_of_github_classroom_is_read_in_any_form(course, tmp_path, wr
     ("written", "says"),
     [
         ("identifier,github_username\nMüller,x\n".encode("cp1252"), "it is not in UTF-8"),
-        (b"name,login\ncy,someone\n", "has no columns github_username and identifier"),
+        (b"name,login\ncy,someone\n", "must have the columns github_username and identifier"),
     ],
 )
 def test_an_unreadable_roster_of_github_classroom_is_refused(course, tmp_path, written, says):
@@ -1043,7 +1045,7 @@ def test_a_time_belongs_to_the_files_that_it_arrived_with(course):
     assert placed(course, "ada")["timestamp.txt"] == b"2026-10-12 10:00:00 UTC\n"
     outcome = collect(course, second)
     assert "timestamp.txt" not in placed(course, "ada"), "this is the time of older work"
-    assert outcome.undecided["ada"] == "it was submitted again, and the time is unknown"
+    assert outcome.undecided["ada"] == "the work was submitted again, and the time is unknown"
     assert outcome.states and b"2026-10-12 10:00:00 UTC\n" in older(course, "ada")
     collect(course, second, times=table)
     assert placed(course, "ada")["timestamp.txt"] == b"2026-10-19 10:00:00 UTC\n"
@@ -1210,7 +1212,7 @@ def test_an_untouched_repository_does_not_wait_for_an_answer(course, tmp_path):
         checkout(tmp_path / "hw", f"hw-3-{login}", given)
     outcome = collect(course, tmp_path / "hw")
     assert outcome.questions == []
-    assert remark_texts(outcome)["hw-3-bmu"] == "contains no notebook with work"
+    assert remark_texts(outcome)["hw-3-bmu"] == "contains no notebook that the student changed"
 
 
 def test_stored_answers_contain_no_names(course):
@@ -1352,7 +1354,7 @@ def test_zip_bombs_are_refused_with_a_reason(course, monkeypatch):
     assert "like a zip bomb" in texts[f"ada/{SIX}.ipynb"]
     assert "like a zip bomb" in texts[f"ada/ratio.zip/{SEVEN}.ipynb"]
     assert "contains 5,001 files" in texts["ada/many.zip"]
-    assert "zips and is not opened" in texts["ada/deep.zip/more.zip/more.zip/more.zip"]
+    assert "zips, too deep to open" in texts["ada/deep.zip/more.zip/more.zip/more.zip"]
     assert "cannot be opened as a zip" in texts["ada/broken.zip"]
     assert states(outcome) == {"ada": {}, "bjorn": {"06": "new"}}, "other students are not affected"
 
@@ -1417,7 +1419,7 @@ def test_excused_students_are_not_reported_as_missing(course, command, capsys):
         (["empty"], " is empty."),
         ([".", "--who", "x=nobody"], "no student on the roster has the id nobody"),
         ([".", "--who", "x=Ada Lovelace"], "Write ada"),
-        ([".", "--who", "x/report.pdf=ada"], "a single file can only be ignored. Write -."),
+        ([".", "--who", "x/report.pdf=ada"], "can only be ignored, not assigned. Write - instead"),
         ([".", "--lesson", "x=99"], "there is no lesson 99"),
         ([".", "--timestamps", "none.csv"], "cannot be read"),
     ],
@@ -1436,7 +1438,7 @@ def test_students_with_an_undecided_time_are_named(course, command, capsys):
     path = archive(course, [(f"ada/{SIX}.ipynb", notebook())])
     assert command(path, "--timestamps", table) == 0
     output = capsys.readouterr().out
-    assert "It is not known whether these students were late: ada. The reason: the" in output
+    assert "It is unknown whether these students submitted late: ada. Reason: the" in output
     assert "has '10/11/2026 9:00', which is not a time" in output
 
 

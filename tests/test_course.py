@@ -244,7 +244,7 @@ def test_a_course_runs_from_release_to_export(course, sandbox, capsys, monkeypat
         exported = {row["Student"]: row for row in csv.DictReader(file)}
     assert exported["carol"][LESSON.name] == exported["carol"]["Total"] == "30"
     assert (exported["erin"][LESSON.name], exported["erin"][WRITTEN.name]) == ("", "13")
-    assert exported["erin"][f"{WRITTEN.stage}: standing"] == f"waiting: {WRITTEN.name}"
+    assert exported["erin"][f"{WRITTEN.stage}: status"] == f"waiting: {WRITTEN.name}"
     assert files(course.root / "notebooks") == released
 
 

@@ -254,7 +254,7 @@ def test_a_time_that_cannot_be_read_is_quoted_and_costs_nothing(course):
     assert "ada" not in grade_with(course, HEAD)
     (sentence,) = note_texts(course)
     assert "timestamp.txt has '01.03.2026 9:00', which is not a time such as" in sentence
-    assert "so it is not known whether the work is late, and no penalty is subtracted" in sentence
+    assert "so it is unknown whether the work is late, and no penalty is subtracted" in sentence
 
 
 def test_a_shorter_extension_in_the_gradebook_is_corrected(course):

@@ -168,7 +168,7 @@ def test_students_may_have_their_own_dates_without_a_roster(course):
         ),
         (
             "[stage1_ransac.students]\nanna = 2026-10-12T23:59:00",
-            "[stage1_ransac]: some students have a date, but the others have none.",
+            "[stage1_ransac]: only some students have a date.",
         ),
         (
             "[stage1_ransac]\ndue = 2026-10-12T23:59:00\n[stage1_ransac.sections]\nC = "

@@ -145,7 +145,7 @@ def test_two_folders_of_one_student_lose_nothing(course):
     stage = class_results(course).stage("yan", STAGE)
     assert f"{stage.submitted_at:%Y-%m-%d}" == "2026-03-01"  # the latest submission
     (sentence,) = respelt_folders(course, read_roster(course))
-    assert sentence.endswith("belongs to yan (Yan Yip) in addition to 'yan'.")
+    assert sentence.endswith("belongs to yan (Yan Yip), and so does 'yan'.")
     before = inode(course, "yan")
     enter_verdicts(course, verdicts(course, earned), [STAGE], quiet)
     assert inode(course, "yan") == before
@@ -172,14 +172,14 @@ def test_the_suggested_command_for_an_unmatched_folder_loses_no_file(course):
     (sentence,) = unmatched_folders(course, read_roster(course)).values()
     command = "mv -n 'submitted/Yip, Yan' submitted/yan"
     assert (
-        f"If it belongs to yan (Yan Yip): {command}; otherwise add a line for 'Yip, Yan' to"
+        f"If it belongs to yan (Yan Yip), run: {command}; otherwise add a line for 'Yip, Yan' to"
         in sentence
     )
     submit(course, "yan", GROUND, " ")
     submit(course, "yan", DISTANCE)
     (course.submitted / "Yip, Yan" / "stage1_ransac").mkdir()
     (sentence,) = unmatched_folders(course, read_roster(course)).values()
-    commands = sentence.partition("Yip): ")[2].partition("; otherwise")[0]
+    commands = sentence.partition("Yip), run: ")[2].partition("; otherwise")[0]
     assert all(shlex.split(part)[:2] == ["mv", "-n"] for part in commands.split(" && "))
     before = {path.read_bytes() for path in course.submitted.rglob("*.ipynb")}
     subprocess.run(commands, shell=True, check=True, cwd=course.root)
@@ -197,7 +197,7 @@ def test_a_folder_whose_number_lost_its_zeros_gets_a_suggestion(course):
     (course.root / "roster.csv").write_text("id,first_name\n0012345,Yan\n12,Zoe\n")
     submit(course, "12345", GROUND)
     sentence = unmatched_folders(course, read_roster(course))["12345"]
-    assert "belongs to 0012345 (Yan): mv -n submitted/12345 submitted/0012345;" in sentence
+    assert "belongs to 0012345 (Yan), run: mv -n submitted/12345 submitted/0012345;" in sentence
 
 
 def test_both_possible_owners_of_a_folder_are_named(course):

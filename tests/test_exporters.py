@@ -95,9 +95,9 @@ def test_the_table_contains_names_scores_times_penalties_statuses_and_totals():
     assert rows[0] == [
         *("Student", "Last name", "First name", "E-mail", "Section", SIX, SEVEN),
         *(f"{THREE}: submitted", f"{THREE}: days late"),
-        *(f"{THREE}: late penalty", f"{THREE}: standing", TWELVE),
+        *(f"{THREE}: late penalty", f"{THREE}: status", TWELVE),
         *(f"{FOUR}: submitted", f"{FOUR}: days late"),
-        *(f"{FOUR}: late penalty", f"{FOUR}: standing", "Total", "Out of"),
+        *(f"{FOUR}: late penalty", f"{FOUR}: status", "Total", "Out of"),
     ]
     assert rows[1] == ["out of", *[""] * 4, "30", "20", *[""] * 4, "40", *[""] * 4, "90", "90"]
     early = "2026-10-12 21:00:00 UTC"
@@ -121,7 +121,7 @@ def test_the_table_of_a_lesson_contains_only_that_lesson():
         ["", ""],
         ["8", "20"],
     ]
-    column = rows[0].index(f"{THREE}: standing")
+    column = rows[0].index(f"{THREE}: status")
     assert [row[column] for row in rows[2:]] == ["marked", "missing", "missing", "marked"]
     with pytest.raises(ExportError, match="No student has submitted anything for stage1_ransac"):
         table(CLASS, "stage1_ransac")
@@ -145,18 +145,18 @@ def test_totals_of_missing_excused_and_auditing_students_are_empty():
     )
     rows = table(results)[1]
     assert [row[-2:] for row in rows[2:]] == [["0", "90"], ["", ""], ["", ""], ["", ""]]
-    assert rows[0][10] == f"{THREE}: standing"
+    assert rows[0][10] == f"{THREE}: status"
     assert [row[10] for row in rows[2:]] == ["marked; missing: " + SEVEN, EXCUSED, AUDITOR, MISSING]
     found, points = marks(SIX, results)
     assert points == {"ada": 0.0}
-    assert "No mark, because auditing the course: cy." in found.notes
+    assert "No mark for auditors: cy." in found.notes
 
 
 def test_a_lesson_has_a_mark_while_another_lesson_of_its_stage_waits():
     results = class_of(results_of(ADA, {SIX: 30.0, SEVEN: (WAITING, 5.0)}), people=(ADA,))
     for lesson, status in ((SIX, "marked"), (SEVEN, f"waiting: {SEVEN}")):
         rows = table(results, lesson)[1]
-        assert rows[2][rows[0].index(f"{THREE}: standing")] == status
+        assert rows[2][rows[0].index(f"{THREE}: status")] == status
 
 
 def test_unusual_names_do_not_shift_columns_or_become_formulas():
@@ -211,7 +211,7 @@ def test_waiting_marks_are_refused_unless_provisional():
         f"Provisional, because some work still has to be graded by hand: {TWELVE} of ada."
         in found.notes
     )
-    assert "No mark, because excused: dee (Dee)." in found.notes
+    assert "No mark for excused students: dee (Dee)." in found.notes
 
 
 def test_notebooks_that_are_not_entered_have_no_mark_even_if_provisional():
@@ -299,10 +299,10 @@ def test_the_command_fills_in_a_gradebook_and_reports_missing_students(export, t
     assert export(*call) == commands.FAULT
     out, err = capsys.readouterr()
     path = tmp_path / f"scores.{THREE}.canvas.csv"
-    assert f"{path}: marks of 1 student." in out and "In Canvas: Grades, Import." in out
+    assert f"{path} contains the marks of 1 student." in out and "In Canvas: Grades, Import." in out
     assert (
-        "2 marks could not be exported:\n  ada (Ada Lovelace), 42.35 points: the file has no row"
-        in err
+        "Marks that could not be exported: 2\n"
+        "  ada (Ada Lovelace), 42.35 points: the file has no row" in err
     )
     assert given.read_bytes() == before
     canvas.import_(path.read_bytes())
@@ -316,9 +316,7 @@ def test_the_command_fills_in_a_gradebook_and_reports_missing_students(export, t
 
 def test_errors_of_the_command_suggest_a_fix(export, tmp_path, capsys):
     assert export("--format", "moodle", "--assignment", THREE) == commands.USAGE_ERROR
-    assert (
-        "worksheet that Moodle offers for the assignment. Name this file" in capsys.readouterr().err
-    )
+    assert "worksheet of the assignment in Moodle. Name this file" in capsys.readouterr().err
     assert export("--into", tmp_path) == commands.USAGE_ERROR
     assert "Leave out --into" in capsys.readouterr().err
     call = ("--format", "canvas", "--into", tmp_path / "none.csv", "--assignment", THREE)

@@ -637,7 +637,7 @@ def test_a_call_that_the_wall_clock_ends_is_starved(sandbox):
         with pytest.raises(StudentStopped, match="4 seconds of elapsed time"):
             student.f(6)
         assert student.starved
-        with pytest.raises(StudentStopped, match="Not tried: the notebook's 4 seconds"):
+        with pytest.raises(StudentStopped, match="Not run: the notebook has used up its 4"):
             student.f(0)
 
 
@@ -921,7 +921,7 @@ def test_the_doctor_names_problems(course, sandbox, monkeypatch):
     wrong = {finding.subject: finding.text for finding in findings if not finding.good}
     assert "lost.ipynb" in wrong["submitted"] and "chmod 600" in wrong["seed"]
     subjects = [finding.subject for finding in findings]
-    for subject in ("Python", "packages", "boundary", "disk", "oracles", "sandbox bubblewrap"):
+    for subject in ("Python", "packages", "isolation", "disk", "solutions", "sandbox bubblewrap"):
         assert subject in subjects
 
 
@@ -937,10 +937,12 @@ def test_the_doctor_compares_the_version_of_an_installed_dask(monkeypatch, with_
     monkeypatch.setattr(doctor.metadata, "version", version)
     wrong = [finding.text for finding in doctor._versions() if not finding.good]
     assert len(wrong) == 1 + with_dask
-    assert "rich 0.1 instead of " in wrong[0]
+    assert "rich is 0.1, should be " in wrong[0]
     assert wrong[0].endswith(". Run: pip install -r requirements.txt")
     if with_dask:
-        assert "dask 0.2 instead of " in wrong[1] and "distributed 0.2 instead of " in wrong[1]
+        assert (
+            "dask is 0.2, should be " in wrong[1] and "distributed is 0.2, should be " in wrong[1]
+        )
         assert wrong[1].endswith(". Run: pip install -r requirements-cluster.txt")
 
 

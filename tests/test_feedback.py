@@ -191,7 +191,7 @@ def test_lateness_and_penalty_are_stated_in_words(monkeypatch):
     "why",
     [
         "timestamp.txt is empty",
-        "the learning platform shows it as late, but without a time",
+        "the learning platform marks the work as late, but gives no time",
         "the table of submission times has no row for this student",
     ],
 )
@@ -380,7 +380,9 @@ def test_a_stage_with_an_answer_or_a_manual_mark_counts_as_started(other):
 
 def test_points_for_a_single_slip_are_explained():
     text = words(feedback_page(feedback_on((WRONG, 6.25))))
-    kept = "1 of 18 checks pass. You still get 6.25 of 30 points, because one slip explains every"
+    kept = (
+        "1 of 18 checks pass. You still get 6.25 of 30 points, because a single slip explains every"
+    )
     assert kept in text and "(+" not in text
     feedback = feedback_on((WRONG, 6.25))
     (exercise,) = feedback.lessons[0].exercises
@@ -394,13 +396,13 @@ def test_each_score_names_its_function(pages):
     text = words(pages["bjorn"])
     assert "euclidean_clustering_accelerated 6.25 of 30" in text
     assert "match_boxes 2.25 of 5" in text
-    assert "A grader set these points. The checks earned 5." in text
+    assert "A grader set these points. The checks alone give 5 points." in text
     assert "Björn Müller: 36 of 70 points" in text  # 6.25 + 20 + 2.25 + 7.5
 
 
 def test_a_page_shows_the_first_failure_in_full_and_the_rest_in_lines(pages):
     text = words(pages["bjorn"])
-    assert "✗ Begin here: It parts" in text
+    assert "✗ Fix this first: It parts" in text
     assert "Hint: Compare <cells>." in text
     assert "12 more cannot be tested until this is right." in text
     assert text.count("This check waits") == 0
@@ -666,7 +668,7 @@ def test_a_team_is_not_taken_for_a_participant(tmp_path, monkeypatch, capsys):
     assert [parse_moodle(name)[0] for name in archive(tmp_path / f"{STAGE}_moodle.zip")] == ["53"]
     told = capsys.readouterr()
     assert "bjorn: submitted as Team Red, which may be a team" in told.out
-    assert told.err.count("Feedback that was left out") == 0
-    waiting = f"still has to grade a part:\n  {TWELVE.name} of ada, bjorn\n"
+    assert told.err.count("No feedback was written") == 0
+    waiting = f"still has to be graded by hand:\n  {TWELVE.name} of ada, bjorn\n"
     assert waiting in told.out
     assert sorted(path.stem for path in (tmp_path / STAGE).iterdir()) == ["ada", "bjorn", "cy"]

@@ -209,7 +209,8 @@ def test_failed_verdicts_are_not_entered_and_old_marks_stay(entered):
     (sentence,) = str(trouble.value).splitlines()[1:]
     path = entered.verdicts / "ada" / STAGE / f"{GROUND.name}.json"
     assert sentence == (
-        f"ada, {STAGE}: not entered, because the judge failed on {GROUND.name}; see {path}"
+        f"ada, {STAGE}: not entered, because the judge failed on {GROUND.name}. "
+        f"See the reason in {path}"
     )
     assert marks(entered) == expected_marks(earned)
 

@@ -183,7 +183,7 @@ def test_unknown_and_ambiguous_students_are_reported(course, capsys):
     )
     (course.root / "roster.csv").write_text(ROSTER + "ada2,Ada,Ash,\n")
     with pytest.raises(
-        UnknownStudent, match="may be ada .Ada Ash. or ada2 .Ada Ash.. Name the student by id"
+        UnknownStudent, match="may be ada .Ada Ash. or ada2 .Ada Ash.. Use the student's id"
     ):
         find_student(course, "Ada Ash")
     (course.root / "roster.csv").unlink()
@@ -275,7 +275,7 @@ def test_the_doctor_reports_missing_files(course, monkeypatch):
     assert texts["deadlines"].startswith(
         "there is no deadlines.toml, so the dates in the gradebook"
     )
-    assert texts["sandbox process"].startswith("protects less; used only with")
+    assert texts["sandbox process"].startswith("protects less than bubblewrap; used only")
     assert texts["gradebook"] == f"{course.root / 'gradebook.db'}, with marks of 0 students"
 
 

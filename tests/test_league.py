@@ -477,7 +477,7 @@ def test_the_page_has_results_but_no_names(league_files):
         "It braked for no reason: road mistaken for an obstacle, 9 m ahead, frame 31.",
         "The car hits a person at 20 km/h.",
         "did not answer within 5 seconds",
-        "not because of the detector",
+        "for a reason other than the detector",
         "Near misses: 1.",
         TRUE_BOXES,
         "No sandbox.",

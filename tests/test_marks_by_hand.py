@@ -97,7 +97,7 @@ def test_marks_and_comments_of_a_lost_gradebook_are_named_and_restored(course):
     assert enter(course) == [] and wrong_findings(course) == []
     lose_gradebook(course)
     says = (
-        f"3 marks by hand and 2 comments in marks.jsonl are not in {course.root / 'gradebook.db'}: "
+        f"{course.root / 'gradebook.db'} lacks 3 marks by hand and 2 comments from marks.jsonl: "
         f"write_up in {LESSON} of ada, bob; {MACHINE.name} in {LESSON} of bob. "
     )
     (finding,) = wrong_findings(course)  # also before the next run of `grade`
@@ -125,7 +125,7 @@ def test_a_restored_mark_of_a_changed_answer_waits_for_a_person(course):
     write_answer(course, "ada", "ada finds 15 of 17 cars.")
     lose_gradebook(course)
     restored, waiting = enter(course, restore=True)
-    assert waiting.startswith("Look at these again") and waiting.endswith("of ada.")
+    assert waiting.startswith("Review these marks") and waiting.endswith("of ada.")
     assert (given(course, "ada"), given(course, "bob")) == ((7.5, True, None), (6.5, False, None))
     give(course, "ada", "write_up", 7.5)  # the same points for the new answer
     enter(course)
@@ -259,8 +259,8 @@ def test_an_exercise_that_is_not_in_the_release_any_more_is_removed(course):
             book.db.add(Comment(cell_id=cells[1].id, notebook=submitted))
         book.db.commit()
     (told,) = enter(course)
-    assert "essay is not in the release any more" in told
-    assert "2 marks by hand for it can be found only in marks.jsonl" in told
+    assert "essay is no longer in the release" in told
+    assert "Only marks.jsonl still contains its 2 marks by hand" in told
     assert given(course, "ada") == (7.5, False, "Good.")
     assert [one.after for one in read_changes(course) if one.exercise == "essay"] == [
         *(3.5, 3.5, None, None),
@@ -288,5 +288,5 @@ def test_marks_above_a_reduced_maximum_are_named(course):
     results = class_results(course)
     assert results.excessive == (f"ada, {LESSON}, write_up: 9.5 of 5 points",)
     (sentence,) = notes(course, results, None)
-    assert sentence.endswith("was reduced after a person graded it: grade it again.")
+    assert sentence.endswith("was reduced after a person graded it. Grade it again.")
     assert wrong_findings(course) == [sentence]

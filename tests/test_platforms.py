@@ -351,7 +351,7 @@ def test_other_maximum_points_are_refused_or_scaled(fill):
     course.assignments[42][1] = 10.0
     with pytest.raises(
         ExportError,
-        match=r"\(06_filter_ground 100\), and 'Stage 3: Obstacles \(42\)' is worth 10 there",
+        match=r"\(06_filter_ground 100\), but 'Stage 3: Obstacles \(42\)' is worth 10 on",
     ):
         fill(course, marks())
     course.import_(fill(course, marks(), scale=True).content)
@@ -525,7 +525,7 @@ def test_a_participant_number_is_not_taken_for_an_lms_id(fill):
 def test_the_maximum_grade_of_moodle_is_kept(fill):
     course = moodle_course()
     course.most, course.grades = 10.0, {}
-    with pytest.raises(ExportError, match="'Grade' is worth 10 there"):
+    with pytest.raises(ExportError, match="'Grade' is worth 10 on the platform"):
         fill(course, marks())
     course.import_(fill(course, marks(), scale=True).content)
     assert course.grades == {311: 0.85, 312: 3.12, 313: 10.0, 314: 0.0}

@@ -278,7 +278,7 @@ EARNS_EVERYTHING = {
         lambda notebook: notebook["cells"].append(
             cell_of(json.loads(LESSON.released.read_text()), "voxel_grid")
         ),
-        "a copy of the released cell",
+        "A copy of the released cell",
     ),
     "every cell twice": (
         lambda notebook: notebook["cells"].extend(copy.deepcopy(notebook["cells"])),
@@ -432,8 +432,8 @@ def test_an_unreadable_file_is_shown_as_released(change, says):
             lambda: json.loads(find_lesson("05_euclidean_clustering").released.read_text()),
             "contains the notebook of 05_euclidean_clustering",
         ),
-        (lambda: {"cells": [], "metadata": {}, "nbformat": 4}, "There is no code in"),
-        (lambda: {"cells": [text("# my essay")], "nbformat": 4}, "There is no code in"),
+        (lambda: {"cells": [], "metadata": {}, "nbformat": 4}, " contains no code."),
+        (lambda: {"cells": [text("# my essay")], "nbformat": 4}, " contains no code."),
     ],
 )
 def test_a_submission_without_code_of_this_lesson_gets_a_message(notebook, says, sandbox):
@@ -490,7 +490,7 @@ def test_too_much_code_is_refused_with_a_sentence():
     notebook["cells"].append(code(f"TABLE = '{'7' * 17 * 2**20}'"))
     submission = SubmittedFiles("06_filter_ground.ipynb", json.dumps(notebook).encode())
     (problem,) = judge_files(submission, 1, None, LESSON).problems
-    assert "have 17 MB; the judge reads at most 15 MB. Read large tables from a file" in problem
+    assert "contain 17 MB, but the judge reads at most 15 MB. Delete the cells" in problem
 
 
 def test_a_cut_off_file_keeps_the_complete_answer():
@@ -515,7 +515,7 @@ def test_nothing_is_concluded_from_a_part_of_a_file():
     assert not preflight.prepare_to_judge(whole, LESSON).is_as_released
 
     only_text = json.dumps({"cells": [text("a"), text("b")]})
-    for data, says in ((only_text, "There is no code"), (only_text[:-9], "cut off after 1")):
+    for data, says in ((only_text, "contains no code"), (only_text[:-9], "cut off after 1")):
         (note,) = prepare(SubmittedFiles("06_filter_ground.ipynb", data.encode()), LESSON).notes
         assert says in note
 
@@ -721,7 +721,11 @@ def test_stubs_are_omitted_only_below_an_answer():
     ):
         made = from_cells(*cells)
         assert [cell.source.startswith(left) for cell in made.cells] == expected
-        notes = [note for note in made.notes if note.startswith("Below your filter_ground there")]
+        notes = [
+            note
+            for note in made.notes
+            if note.startswith("A copy of the released cell is below your filter_ground")
+        ]
         assert len(notes) == any(expected)
         last = made.cells[made.graded["filter_ground"]].source
         assert not last.startswith(left) and "filter_ground" in last
@@ -771,8 +775,8 @@ def test_another_lessons_notebook_is_reported_if_this_lesson_is_missing():
     assert from_cells(code("x = 1"), lesson_name=LESSON.name).notes == ()
     assert from_cells(code("x = 1")).notes == ()
     empty = from_cells(code(" \n"), text("Some text."))
-    assert [note.partition(".")[0] for note in empty.notes] == [
-        "There is no code in 06_filter_ground"
+    assert [note.partition(". ")[0] for note in empty.notes] == [
+        "06_filter_ground.ipynb contains no code"
     ]
     functions = "def filter_by_distance(c): pass\ndef crop_region(c, a, b): pass"
     submitted = from_cells(code(functions), lesson_name=LESSON.name)
@@ -993,10 +997,10 @@ def test_an_answer_below_its_cell_ends_at_the_next_cell_of_the_course():
     assert kept == [
         *(prompt()["source"], "YOUR ANSWER HERE", " ", "x = 1", footer["source"], "Third.")
     ]
-    assert len(notes) == 1 and "but in 2 new cells below it" in notes[0]
+    assert len(notes) == 1 and "was in 2 new cells below the cell" in notes[0]
     assert write_up(OWN, text("First."), OWN)[0] == "First."
     stopped = write_up(OWN, text("First."), tagged(text("Other."), "test_x"), text("Second."))
-    assert stopped[0] == "First." and "in a new cell below it" in stopped[4][0]
+    assert stopped[0] == "First." and "in a new cell below the cell" in stopped[4][0]
     assert write_up(OWN, code("x = 1"), text(" "))[:3] == (
         "",
         True,

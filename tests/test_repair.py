@@ -157,7 +157,7 @@ def test_a_named_mistake_that_explains_every_answer_is_one_slip(sandbox):
     drop = exercises["drop_invalid"]
     assert drop.cause.startswith("Returns at (0, 0, 0) are kept.")
     assert drop.slip.cell == 0 and drop.score >= 3.0
-    assert drop.slip.sentence.startswith("The mistake named here explains every wrong answer.")
+    assert drop.slip.sentence.startswith("The mistake named above explains every wrong answer.")
     assert drop.slip.sentence in score_output(drop)["data"]["text/html"]
     for answer in (ALSO_UNIQUE, DROPS_NOTHING):
         _, exercises = judge_with(sandbox, lesson, drop_invalid=answer)

@@ -207,7 +207,7 @@ def test_a_mean_says_which_scores_it_includes():
     distribution = distribution_of(SIX, results, [])
     assert (distribution.mean, distribution.median, distribution.count) == (15.0, 15.0, 3)
     assert distribution.population == (
-        "of the 3 students with a score, 1 of whom wait for a grader; not counted: "
+        "of the 3 students with a score, 1 still waiting for a grader; not counted: "
         "1 not yet entered, 1 missing, 1 excused"
     )
     assert distribution.histogram == (1, 0, 0, 0, 0, 1, 0, 0, 0, 1)

@@ -313,7 +313,7 @@ def test_giving_up_an_exercise_names_the_number_of_huge_answers(made):
 
     checks = [shown(f"f{number}", "f", much) for number in range(6)]
     *_, last = run_checks(made(TWO, checks), RecordingStudent(), SEED, lambda check: check.is_shown)
-    assert str(last.failure).startswith("Not tried: 5 answers of this exercise were far larger")
+    assert str(last.failure).startswith("Not run: 5 answers of this exercise were far larger")
 
 
 def test_slow_comparisons_of_wrong_answers_have_one_limit(made, monkeypatch):
@@ -335,7 +335,7 @@ def test_slow_comparisons_of_wrong_answers_have_one_limit(made, monkeypatch):
     outcomes = run_checks(made(TWO, [*right, *wrong]), student, SEED, lambda check: check.is_shown)
     assert [*failures(outcomes).values()] == 3 * [CheckFailed] + 3 * [StudentStopped]
     (last,) = (outcome.failure for outcome in outcomes if outcome.check.name == "wrong 5")
-    assert str(last).startswith("Not tried: comparing earlier answers")
+    assert str(last).startswith("Not run: comparing earlier answers")
 
 
 # ---- memory --------------------------------------------------------------------------------------

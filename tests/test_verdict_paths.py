@@ -223,7 +223,7 @@ def test_a_faulty_test_fails_the_solution_twice(reference):
 
 def test_a_notebook_of_an_unknown_lesson_is_refused():
     nameless = b'{"cells": [], "metadata": {}}'
-    for data, says in ((nameless, "cannot tell which lesson"), (b"", "is empty")):
+    for data, says in ((nameless, "cannot be matched with a lesson"), (b"", "is empty")):
         with pytest.raises(judging.UnknownLesson, match=says):
             judging.judge_files(SubmittedFiles("my homework.ipynb", data), 7, None)
     verdict = judging.judge_files(SubmittedFiles("06_filter_ground.ipynb", b""), 7, None)

@@ -210,7 +210,7 @@ class _SandboxedDetector:
             found = getattr(self._student, DETECTOR)(cloud)
         except StudentError as error:
             if error.type_name == "NotImplementedError":
-                return no_boxes, "It calls a function that is not written yet."
+                return no_boxes, "It calls a function that the student has not written."
             return no_boxes, f"{DETECTOR} raised {error.shown_type}."
         try:
             boxes = checked_boxes(found)

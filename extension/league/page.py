@@ -127,7 +127,7 @@ def write_league(course: Course, season: Season, seed: int, warning: str = "") -
 def problem_sentences(result: DriveResult) -> Iterator[str]:
     """Yield a sentence about each problem in a drive, without text that the student chose."""
     if result.fault:
-        yield "The drive failed, but not because of the detector."
+        yield "The drive failed for a reason other than the detector."
     if result.stopped:
         yield result.stopped
     if result.collision:

@@ -107,7 +107,7 @@ def _run_notebooks(lesson: Lesson) -> Iterator[Finding]:
         path.write_bytes(recorded)
         yield Finding(
             True,
-            "The results that are lent to students without an answer were stored in "
+            "The results that students see instead of a missing answer were stored in "
             f"{path.relative_to(PROJECT)}.",
         )
     try:
@@ -230,9 +230,9 @@ def _wrong_losses(
         checks = _join_names(names)
         yield f"There is no check {_join_names(sorted(unknown))}. The checks are: {checks}."
     elif passed or (answer.loses_only and others):
-        yield f"It fails {_join_names(failed)}, but its note lists {_join_names(answer.loses)}."
+        yield f"It fails {_join_names(failed)}, but its notes list {_join_names(answer.loses)}."
     if result.score == result.max_score:
-        yield "It earns all points, although it is wrong."
+        yield "It is wrong, but earns all points."
 
 
 def _wrong_quotes(answer: KeptAnswer, result: ExerciseResult, verdict: Verdict) -> Iterator[str]:

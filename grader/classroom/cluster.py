@@ -228,7 +228,7 @@ class Cluster(Executor):
                 return
             elif now - last_suitable > LONGEST_WAIT:
                 self._give_up(
-                    f"The scheduler {self._address} has had no worker that can judge for "
+                    f"The scheduler {self._address} has had no suitable worker for "
                     f"{LONGEST_WAIT / 60:.0f} minutes. Start one with: dask worker "
                     f"{self._address}\nand run the same command again. Verdicts are kept."
                 )
@@ -236,7 +236,7 @@ class Cluster(Executor):
             elif now - last_suitable > 10 and not is_announced:
                 is_announced = True
                 self._notify(
-                    f"The scheduler {self._address} has no worker that can judge yet. Start one "
+                    f"The scheduler {self._address} has no suitable worker yet. Start one "
                     f"within {LONGEST_WAIT / 60:.0f} minutes: dask worker {self._address}"
                 )
 
@@ -252,7 +252,7 @@ class Cluster(Executor):
     def _unreachable_message(self) -> str:
         return (
             f"The scheduler {self._address} no longer answers. Verdicts are kept. "
-            "Start it and its workers again, and run the same command."
+            "Start it and its workers, and run the same command again."
         )
 
 

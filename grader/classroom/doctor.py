@@ -86,7 +86,7 @@ def _versions() -> Iterator[Finding]:
         "Python",
         True,
         f"{platform.python_version()} on {platform.platform()}. Students may use Python {newest} "
-        "or older. Code that only a newer Python can read is named and gets no mark",
+        "or older. A notebook that only a newer Python can read gets no mark, and `grade` names it",
     )
     yield _packages("requirements.txt")
     if _version("distributed"):  # installed only for a cluster
@@ -97,16 +97,16 @@ def _packages(file: str) -> Finding:
     lines = re.findall(r"^\w[^#\n]*==[^#\n]*", (PROJECT / file).read_text("utf-8"), re.M)
     pins = [pin for pin in map(Requirement, lines) if not pin.marker or pin.marker.evaluate()]
     mismatches = [
-        f"{pin.name} {_version(pin.name) or 'missing'} instead of {str(pin.specifier)[2:]}"
+        f"{pin.name} is {_version(pin.name) or 'missing'}, should be {str(pin.specifier)[2:]}"
         for pin in pins
         if not _version(pin.name) or _version(pin.name) not in pin.specifier
     ]
     return Finding(
         "packages",
         not mismatches,
-        f"{', '.join(mismatches)}. Run: pip install -r {file}"
+        f"{'; '.join(mismatches)}. Run: pip install -r {file}"
         if mismatches
-        else f"all {len(pins)} match {file}",
+        else f"the versions of all {len(pins)} match {file}",
     )
 
 
@@ -120,7 +120,7 @@ def _version(name: str) -> str | None:
 def _sandboxes() -> Iterator[Finding]:
     for sandbox in SANDBOXES.values():
         if sandbox.warning:
-            remark = f"protects less; used only with --sandbox {sandbox.name}"
+            remark = f"protects less than bubblewrap; used only with --sandbox {sandbox.name}"
             yield Finding(f"sandbox {sandbox.name}", True, remark)
             continue
         try:
@@ -135,9 +135,9 @@ def _sandboxes() -> Iterator[Finding]:
 def _boundary(course: Course) -> Finding:
     exposed = [path for path in (PROJECT / "solutions", course.root) if is_shown(path)]
     if not exposed:
-        return Finding("boundary", True, "student code sees neither hidden tests nor submissions")
+        return Finding("isolation", True, "student code sees neither hidden tests nor submissions")
     return Finding(
-        "boundary",
+        "isolation",
         False,
         f"student code could read {exposed[0]}, because it is in a folder that is visible in every "
         "sandbox. Move it, for example into your home folder.",
@@ -151,7 +151,7 @@ def _space(course: Course) -> Finding:
 
 def _seed(course: Course) -> Finding:
     if not course.seed_file.exists():
-        return Finding("seed", True, "not created yet; the first grading creates it")
+        return Finding("seed", True, "not created yet; the first run of `grade` creates it")
     is_readable_by_others = course.seed_file.stat().st_mode & 0o077
     return Finding(
         "seed",
@@ -172,18 +172,18 @@ def _solutions(
             with progress_bar("Judging the solutions") as advance:
                 rehearsals.finish(executor, advance)
     except RehearsalFailed as error:
-        return Finding("oracles", False, str(error))
+        return Finding("solutions", False, str(error))
     return Finding(
-        "oracles",
+        "solutions",
         True,
-        f"the solutions to {len(all_lessons())} lessons earn full marks with this seed",
+        f"the solutions of {len(all_lessons())} lessons earn all points with this seed",
     )
 
 
 def _files(course: Course) -> Iterator[Finding]:
     found = unaccounted_files(course)
     if not found:
-        yield Finding("submitted", True, "every file is a submission or belongs to one")
+        yield Finding("submitted", True, "every file is a submission, or belongs to a submission")
     for path, reason in found:
         yield Finding("submitted", False, f"{path}: {reason}")
 

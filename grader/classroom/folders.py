@@ -32,13 +32,15 @@ def find_student(course: Course, text: str) -> str:
     people = roster.find_people(text) if roster else ()
     if len(people) > 1:
         names = " or ".join(person.display_name for person in people)
-        raise UnknownStudent(f"{text!r} may be {names}. Name the student by id.")
+        raise UnknownStudent(f"{text!r} may be {names}. Use the student's id instead.")
     if people:
         return people[0].id
     if text in _folders(course):
         return text
     beginning = "is not on the roster, and " if roster else ""
-    raise UnknownStudent(f"{text!r} {beginning}has no folder in {course.submitted.name}/.")
+    raise UnknownStudent(
+        f"{text!r} {beginning}has no folder in {course.submitted.name}/. Correct the name."
+    )
 
 
 def unmatched_folders(course: Course, roster: Roster) -> dict[str, str]:
@@ -60,7 +62,7 @@ def respelt_folders(course: Course, roster: Roster) -> Iterator[str]:
     for folder in folders:
         owner = roster.owner_of(folder)
         if owner and owner.id != folder:
-            addition = f" in addition to {owner.id!r}" if owner.id in folders else ""
+            addition = f", and so does {owner.id!r}" if owner.id in folders else ""
             yield (
                 f"{folder!r} in {course.submitted.name}/ belongs to {owner.display_name}{addition}."
             )
@@ -82,7 +84,9 @@ def _question(course: Course, roster: Roster, folder: str) -> str:
         names = " or ".join(person.display_name for person in people)
         return f"{beginning} It may belong to {names}. Rename the folder to the right id, or {add}."
     commands = " && ".join(_moves(course, folder, people[0]))
-    return f"{beginning} If it belongs to {people[0].display_name}: {commands}; otherwise {add}."
+    return (
+        f"{beginning} If it belongs to {people[0].display_name}, run: {commands}; otherwise {add}."
+    )
 
 
 def _moves(course: Course, folder: str, person: Person) -> Iterator[str]:

@@ -99,7 +99,7 @@ class Pool(Executor):
     def _take_process(self) -> _Process:
         with self._lock:
             if self._closed:
-                raise BrokenExecutor("Judging was stopped; run the same command again.")
+                raise BrokenExecutor("Judging was stopped. Run the same command again.")
             process = self._idle.pop() if self._idle else _Process(self._context)
             self._busy.add(process)
             return process

@@ -103,8 +103,8 @@ class Rehearsals:
         if self.failed:
             found = sorted(self._complaints.items())
             raise RehearsalFailed(
-                "No notebook was graded: with the course's seed, these tests reject the "
-                "lesson's own solution. Fix the tests, or use another seed with --seed.\n"
+                "No notebook was graded, because these tests reject the lesson's own "
+                "solution with the course's seed. Fix the tests, or use another seed with --seed.\n"
                 + "\n".join("\n".join((f"{name}:", *complaints)) for name, complaints in found)
             )
 

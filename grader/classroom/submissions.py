@@ -93,7 +93,7 @@ class Submission:
         if submitted_files.fingerprint() != fingerprint:
             raise ReplacedSubmission(
                 f"{self.student}, {self.lesson.stage}: {self.path.name}, or a module next to "
-                "it, was replaced after it was judged, so this stage was not entered into "
+                "it, was replaced after it was judged, so no score for this stage was entered into "
                 "the gradebook. Run grade again."
             )
         return submitted_files
@@ -111,9 +111,7 @@ class Submission:
                 "only the right one."
             )
         elif self.path.name != name:
-            yield (
-                f"{self.path.name} was recognised as {name}. Give it that name when you submit it."
-            )
+            yield (f"{self.path.name} was recognised as {name}. Submit it under that name.")
 
 
 def find_submissions(course: Course, stages: Iterable[str] = ()) -> list[Submission]:

@@ -89,12 +89,12 @@ def check() -> list[str]:
         return faults
     built = build_all()
     faults = [
-        f"{path.relative_to(PROJECT)} is stale. Run: python -m grader build"
+        f"{path.relative_to(PROJECT)} is out of date. Run: python -m grader build"
         for path, text in built.items()
         if not path.exists() or path.read_bytes() != text
     ]
     faults += [
-        f"{path.relative_to(PROJECT)} has no source. Run: python -m grader build"
+        f"{path.relative_to(PROJECT)} belongs to no lesson. Run: python -m grader build"
         for path in _stray_notebooks()
     ]
     for lesson in every_lesson():

@@ -204,7 +204,7 @@ def _dates(location: str, table: object, zone: tzinfo | None) -> StageDates:
         if not isinstance(group, dict):
             raise DeadlinesError(
                 f"{location}]: make {kind} a separate heading, "
-                f"{location.partition(', ')[2]}.{kind}], with one line for each below it."
+                f"{location.partition(', ')[2]}.{kind}], with one line below it for each date."
             )
     excused = frozenset(id for id, value in groups["students"].items() if value == EXCUSED)
     due = table.get("due")
@@ -223,8 +223,8 @@ def _dates(location: str, table: object, zone: tzinfo | None) -> StageDates:
     )
     if read.due is None and (read.sections or read.students):
         raise DeadlinesError(
-            f"{location}]: some students have a date, but the others have none. Add a line "
-            f"due = {_EXAMPLE} below this heading."
+            f"{location}]: only some students have a date. Add a line due = {_EXAMPLE} below this "
+            "heading for all others."
         )
     return read
 
@@ -281,7 +281,7 @@ def _check_names(location: str, dates: StageDates, roster: Roster | None) -> Non
     if dates.sections and roster is None:
         raise DeadlinesError(
             f"{location}.sections]: the sections are unknown, because there is no roster.csv. "
-            f"Write one with the columns id and section, or set dates for single students."
+            f"Write one with the columns id and section, or set dates for individual students."
         )
     if roster is None:
         return

@@ -61,13 +61,13 @@ def read_time(text: str, language: str = "en") -> datetime:
     zone = _zone(match["zone"]) if match["zone"] else None
     if match["zone"] and zone is None:
         raise UnclearTime(
-            f"has {quoted(text)}, and this machine does not know the time zone "
-            f"{quoted(match['zone'])}"
+            f"has {quoted(text)}, whose time zone {quoted(match['zone'])} is unknown on this "
+            "machine"
         )
     try:
         stated = datetime(*date, *clock, tzinfo=zone)
     except ValueError:
-        raise UnclearTime(f"has {quoted(text)}, which does not exist") from None
+        raise UnclearTime(f"has {quoted(text)}, a time that does not exist") from None
     return stated.astimezone(UTC) if zone else stated
 
 

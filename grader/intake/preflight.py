@@ -168,9 +168,9 @@ def prepare_to_judge(submitted_files: SubmittedFiles, lesson: Lesson) -> JudgeIn
         size = len(json.dumps(prepared.code))
         if size > LARGEST_CODE:
             raise UnreadableNotebook(
-                f"The code cells of {submitted_files.name} have {size / 2**20:.0f} MB; the judge "
-                f"reads at most {LARGEST_CODE // 2**20} MB. Read large tables from a file, delete "
-                "the cell that contains them, and submit the notebook again."
+                f"The code cells of {submitted_files.name} contain {size / 2**20:.0f} MB, but the "
+                f"judge reads at most {LARGEST_CODE // 2**20} MB. Delete the cells that contain "
+                "large tables, read the tables from a file, and submit the notebook again."
             )
         untouched = prepared.is_complete and _is_as_released(lesson, prepared.code)
         return (
@@ -305,9 +305,9 @@ def _remove_later_stubs(draft: _Draft) -> Iterator[str]:
             for index in (index for index in indices if index > answers[-1]):
                 draft.cells[index] = Cell("code", "# Left out: the cell as it was released.")
             yield (
-                f"Below your {name} there is a copy of the released cell, which overwrites your "
-                "answer when the notebook runs. The grader judged your answer and ignored that "
-                "copy. Delete it."
+                f"A copy of the released cell is below your {name}, and overwrites your answer "
+                "when the notebook runs. The grader judged your answer and ignored the copy. "
+                "Delete the copy."
             )
 
 
@@ -348,8 +348,8 @@ def _report_other_lesson(draft: _Draft) -> Iterator[str]:
         )
     elif not any(cell.kind == "code" and cell.source.strip() for cell in draft.cells):
         yield (
-            f"There is no code in {draft.submitted_files.name}. Open the notebook that you "
-            "worked in, save it, and submit that file."
+            f"{draft.submitted_files.name} contains no code. Open the notebook in which you "
+            "worked, save it, and submit that file."
         )
 
 
@@ -413,7 +413,7 @@ def _collect_written_answers(draft: _Draft) -> Iterator[str]:
             moved.update(filled[1:])
             if any(draft.cells[index].kind == "code" for index in filled):
                 yield (
-                    f"The answer for {name} was in a code cell. The grader treats it as text. In "
+                    f"The answer to {name} was in a code cell. The grader treats it as text. In "
                     "Jupyter, select the cell and press M to make it a text cell again."
                 )
         else:
@@ -428,9 +428,9 @@ def _collect_written_answers(draft: _Draft) -> Iterator[str]:
                 moved.update(below[1:])
             if texts:
                 yield (
-                    f"The answer for {name} was not in its own cell but in "
-                    f"{'a new cell' if len(texts) == 1 else f'{len(texts)} new cells'} below it. "
-                    "The grader moved it there."
+                    f"The answer to {name} was in "
+                    f"{'a new cell' if len(texts) == 1 else f'{len(texts)} new cells'} below the "
+                    "cell for it. The grader moved the answer into the right cell."
                 )
         text = "\n\n".join(cell.source for cell in texts)
         pictures = {key: value for cell in texts for key, value in cell.attachments.items()}
@@ -443,8 +443,8 @@ def _collect_written_answers(draft: _Draft) -> Iterator[str]:
         elif not text and draft.notebook.repairs:
             text = _look_in_the_file(draft.submitted_files, "is damaged")
             yield (
-                f"There is no answer for {name} in the part of the file that could be read. A "
-                "grader will look for it."
+                f"The part of the file that could be read contains no answer to {name}. A grader "
+                "will look for it."
             )
         draft.answers[name] = WrittenAnswer(text, certain, pictures)
     _remove_cells(draft, moved)
@@ -487,8 +487,8 @@ def _duplicate_sentences(draft: _Draft) -> dict[str, str]:
             listed = ", ".join(map(str, some[:4])) + (", …" if len(some) > 4 else "")
             found[name] = (
                 f"{name} is defined {len(indices)} times, in code cells {listed} and {last}. The "
-                "last definition counts, as when the notebook runs from top to bottom. Keep only "
-                "one."
+                "last definition counts, as when the notebook runs from top to bottom. Delete the "
+                "others."
             )
     return found
 

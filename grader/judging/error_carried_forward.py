@@ -28,7 +28,7 @@ from utils.notebooks import slicing
 
 _INCONSISTENT = (
     "{name} was run a second time because it calls a function that is wrong. A check that passed "
-    "the first time but failed the second time does not count. Does {name} use random numbers?"
+    "the first time but failed the second time earns no points. Does {name} use random numbers?"
 )
 
 

@@ -141,8 +141,8 @@ def _identify_lesson(submitted_files: SubmittedFiles) -> Lesson:
                 "nothing to judge."
             )
         raise UnknownLesson(
-            f"{file_name}: cannot tell which lesson this is. Give the file the name it "
-            "was released under, such as 06_filter_ground.ipynb."
+            f"{file_name} cannot be matched with a lesson. Give the file the name under which it "
+            "was released, such as 06_filter_ground.ipynb."
         )
     return lesson
 
@@ -231,7 +231,7 @@ def _too_new(results: RunResults) -> tuple[str, ...]:
     parts = dict.fromkeys(part for name, part in results.newer.items() if name in lost)
     here = platform.python_version()
     return tuple(
-        f"{part}, and this judge has Python {here}. Run the grader with such a Python."
+        f"{part}, and this judge has Python {here}. Run the grader with the newer version."
         for part in parts
     )
 

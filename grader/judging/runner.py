@@ -108,15 +108,15 @@ class _Runner:
         """Set the exercise under test and limit the judge's own processor time, in a with block."""
         self.proxy.exercise = exercise = check.exercise
         if not self.continues:
-            raise StudentStopped("Not tried: another check has failed.")
+            raise StudentStopped("Not run: another check has failed.")
         if self.too_large[exercise] >= MOST_TOO_LARGE:
             raise StudentStopped(
-                f"Not tried: {self.too_large[exercise]} answers of this exercise were far larger "
-                "than any right one."
+                f"Not run: {self.too_large[exercise]} answers of this exercise were far larger "
+                "than any right answer."
             )
         if self.own_seconds[exercise] >= SECONDS_OF_A_TEST:
             raise StudentStopped(
-                "Not tried: comparing earlier answers of this exercise took longer than any right "
+                "Not run: comparing earlier answers of this exercise took longer than any right "
                 "answer needs."
             )
         begin = time.process_time()

@@ -89,10 +89,10 @@ class Slip:
     def place(self) -> str:
         """The sentence that says where the slip is, but not how to correct it."""
         if not self.cell:
-            return "The mistake named here explains every wrong answer."
+            return "The mistake named above explains every wrong answer."
         line = self.before.split("\n")[0].strip()[:LONGEST_LINE]
         where = f"code cell {self.cell}, line {self.line} (`{line}`)"
-        return f"One change in {where} makes everything here right."
+        return f"One change in {where} would correct this exercise."
 
 
 @dataclass(frozen=True)

@@ -125,16 +125,16 @@ def _tell_about_exercises(
         )
         exercise, marks = exercise_of(name), f"{by_hand} mark{'s' * (by_hand != 1)} by hand"
         if name not in now:
-            kept = f" {marks} for it can be found only in marks.jsonl." if by_hand else ""
+            kept = f" Only marks.jsonl still contains its {marks}." if by_hand else ""
             tell(
-                f"{lesson.name}: {exercise} is not in the release any more, so it was removed "
+                f"{lesson.name}: {exercise} is no longer in the release, so it was removed "
                 f"from the gradebook.{kept}"
             )
         elif by_hand and cell.max_score != _points(now[name]):
             tell(
                 f"{lesson.name}: {exercise} is now worth {format_points(_points(now[name]))} "
                 f"points instead of {format_points(cell.max_score)}, but {marks} did not change. "
-                "Look at them again."
+                "Review these marks."
             )
 
 

@@ -57,7 +57,7 @@ class Distribution:
             else "of the one student with a score"
         )
         if self.waiting:
-            phrase += f", {self.waiting} of whom wait for a grader"
+            phrase += f", {self.waiting} still waiting for a grader"
         excluded = {
             "not yet entered": self.not_entered,
             "missing": self.missing,

@@ -70,9 +70,9 @@ class CollectOrdinaryFiles(ExchangeCollect):
     def _collect(self, student: str, record: dict) -> None:
         stage, time = self.coursedir.assignment_id, record["timestamp"]
         if not student or not student.isprintable():
-            raise NotCollected("does not begin with the name of a student.")
+            raise NotCollected("has a name that does not begin with a student's name.")
         if time == datetime.min:
-            raise NotCollected("does not have the time that `nbgrader submit` puts in the name.")
+            raise NotCollected("has a name without the time that `nbgrader submit` adds.")
         folder = Path(
             self.coursedir.format_path(self.coursedir.submitted_directory, student, stage)
         )
@@ -121,7 +121,7 @@ class CollectOrdinaryFiles(ExchangeCollect):
         finally:
             os.close(top)
         if not files:
-            raise NotCollected("does not contain any file that can be collected.")
+            raise NotCollected("contains no file that can be collected.")
         return files, datetime.fromtimestamp(latest, UTC).replace(tzinfo=None)
 
     @contextlib.contextmanager
@@ -167,7 +167,8 @@ class CollectOrdinaryFiles(ExchangeCollect):
         claimed = record["timestamp"]
         if changed - claimed > LONGEST_SUBMISSION:
             self.log.warning(
-                "%s says %s, but was changed at %s (UTC). Decide which time counts.",
+                "%s: the time in the name is %s, but the folder was changed at %s (UTC). Decide "
+                "which time counts.",
                 one_line(record["filename"]),
                 f"{claimed:%Y-%m-%d %H:%M}",
                 f"{changed:%Y-%m-%d %H:%M}",

@@ -120,13 +120,13 @@ PLATFORMS = {
     "moodle": Platform(
         build_moodle_archive,
         "In Moodle: the assignment's Submissions, Actions, Upload multiple feedback files in a "
-        "zip. If each lesson of the stage is a separate assignment, do this in each of them. "
-        "Moodle offers it if the assignment's feedback types include feedback files.",
+        "zip. This action appears only if the assignment's feedback types include feedback files. "
+        "If each lesson of the stage is a separate assignment, upload the zip to each of them.",
     ),
     "canvas": Platform(
         build_canvas_archive,
-        "In Canvas: Grades, the assignment's menu, Upload Submissions. Canvas offers it after "
-        "Download Submissions. Each file becomes an attachment to a comment.",
+        "In Canvas: Grades, the assignment's menu, Upload Submissions. This entry appears only "
+        "after Download Submissions. Each file becomes an attachment to a comment.",
     ),
 }
 

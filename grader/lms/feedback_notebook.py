@@ -14,7 +14,7 @@ import nbformat
 from grader.lms.feedback import Feedback, LessonFeedback, SanitizedText
 from grader.lms.feedback_page import render_template
 
-SENTENCE = "This notebook contains the feedback. Your own notebook is unchanged."
+SENTENCE = "This notebook contains your feedback. The notebook that you submitted is unchanged."
 
 
 def feedback_notebook(feedback: Feedback, lesson: LessonFeedback) -> bytes:

@@ -42,9 +42,10 @@ def open_gradebook(course: Course) -> Iterator[Gradebook]:
         book = Gradebook(directory.db_url, directory.course_id)
     except ModuleNotFoundError as error:
         raise GradebookUnavailable(
-            f"The gradebook needs the package {error.name}, which is not installed. For PostgreSQL "
-            'write c.CourseDirectory.db_url = "postgresql+pg8000://USER:PASSWORD@HOST/DATABASE" '
-            "into nbgrader_config.py, and run: pip install pg8000 -c constraints.txt"
+            f"The gradebook needs the package {error.name}, which is not installed. For "
+            "PostgreSQL, write c.CourseDirectory.db_url = "
+            '"postgresql+pg8000://USER:PASSWORD@HOST/DATABASE" into nbgrader_config.py, and run: '
+            "pip install pg8000 -c constraints.txt"
         ) from error
     except (SQLAlchemyError, InvalidEntry) as error:
         raise GradebookUnavailable(
@@ -60,7 +61,7 @@ def open_gradebook(course: Course) -> Iterator[Gradebook]:
         if not problem and not isinstance(error, OperationalError):
             raise
         raise GradebookUnavailable(
-            problem or f"The gradebook cannot be used: {_reason(error)}."
+            problem or f"The gradebook cannot be read or written: {_reason(error)}."
         ) from error
 
 
@@ -85,7 +86,7 @@ def database_problem(error: Exception) -> str:
         )
     if _OUTDATED.search(text):
         return (
-            f"The gradebook comes from an older version of nbgrader: {_reason(error)}. Run: "
+            f"The gradebook was created by an older version of nbgrader: {_reason(error)}. Run: "
             "nbgrader db upgrade"
         )
     return ""

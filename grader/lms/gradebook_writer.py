@@ -150,7 +150,7 @@ def _enter_one(
         copies[submission.lesson.name] = copy
         if complaint:
             trouble.append(
-                f"{entry.name}: the points are entered, but the copy in autograded/ does not show "
+                f"{entry.name}: the points were entered, but the copy in autograded/ does not show "
                 f"the student's work. {complaint}"
             )
         for name, source in submitted_files.modules.items():

@@ -22,7 +22,8 @@ def counted_lessons(results: ClassResults) -> Iterator[str]:
         stages.setdefault(result.stage, {})[result.lesson] = result.max_score
     for stage, points in stages.items():
         numbers = ", ".join(name[:2] for name in points)
-        yield f"{stage} counts {numbers}, with {format_points(sum(points.values()))} points."
+        points_text = format_points(sum(points.values()))
+        yield f"Lessons that count in {stage}: {numbers}, with {points_text} points in total."
 
 
 def assignment_notes(results: ClassResults, deadlines: Deadlines | None) -> Iterator[str]:
@@ -67,18 +68,18 @@ def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) ->
         label = f"{stage.student}, {stage.stage}"
         if stage.undecided:
             yield (
-                f"{label}: {stage.undecided}, so it is not known whether the work is late, and no "
-                "penalty is subtracted. Write the time into timestamp.txt in that folder, such as "
-                "2026-11-22 18:30:00 UTC, and run grade again."
+                f"{label}: {stage.undecided}, so it is unknown whether the work is late, and no "
+                "penalty is subtracted. Write the time, such as 2026-11-22 18:30:00 UTC, into "
+                "timestamp.txt in the folder of this stage, and run grade again."
             )
         yield from _zone_notes(stage, label, deadlines.zone if deadlines else None)
         if deadlines and _is_granted(stage, deadlines):
             until = stage.due.astimezone(UTC)
             yield (
                 f"{label}: the gradebook grants more time than {deadlines_path(course).name}, "
-                f"until {until:%Y-%m-%d %H:%M} UTC, and the later date counts. To keep it, add "
+                f"until {until:%Y-%m-%d %H:%M} UTC. The later date counts. To keep that date, add "
                 f'this line to the file below [{stage.stage}.students]: "{stage.student}" = '
-                f"{until:%Y-%m-%dT%H:%M:%S}Z. To change it, write another date there."
+                f"{until:%Y-%m-%dT%H:%M:%S}Z. To change the date, write another one in that line."
             )
     yield from assignment_notes(results, deadlines)
     yield from excessive_notes(results)
@@ -88,7 +89,7 @@ def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) ->
 def excessive_notes(results: ClassResults) -> Iterator[str]:
     """Yield one sentence for each mark by hand that is above the maximum of its exercise."""
     for mark in results.excessive:
-        yield f"{mark}. Its maximum was reduced after a person graded it: grade it again."
+        yield f"{mark}. Its maximum was reduced after a person graded it. Grade it again."
 
 
 def unlisted_notes(results: ClassResults) -> Iterator[str]:
@@ -112,7 +113,7 @@ def _zone_notes(stage: StageResult, label: str, zone: tzinfo | None) -> Iterator
     yield (
         f"{label}: the time in timestamp.txt has no time zone and was read as UTC: "
         f"{_lateness(stage.late)}. In the time zone of the course, the work would be "
-        f"{_lateness(late)}. Write the zone into that file, as in "
+        f"{_lateness(late)}. Add the zone to that time, as in "
         f"{stage.submitted_at:%Y-%m-%d %H:%M:%S} UTC or {local:%Y-%m-%d %H:%M:%S%z}, and run grade "
         "again."
     )

@@ -95,7 +95,7 @@ def restore_marks(course: Course, book: Gradebook, lost: Collection[MarkChange])
     sentences = [f"Restored from marks.jsonl: {_listed(restored)}."] if restored else []
     if waiting:
         sentences.append(
-            f"Look at these again, because the work may have changed: {_listed(waiting)}."
+            f"Review these marks, because the work may have changed: {_listed(waiting)}."
         )
     return sentences
 
@@ -107,7 +107,7 @@ def lost_sentence(course: Course, lost: Collection[MarkChange]) -> str:
     counts = [f"{marks} mark{'s' * (marks != 1)} by hand"] * bool(marks)
     counts += [f"{comments} comment{'s' * (comments != 1)}"] * bool(comments)
     return (
-        f"{' and '.join(counts)} in marks.jsonl are not in {gradebook_location(course)}: "
+        f"{gradebook_location(course)} lacks {' and '.join(counts)} from marks.jsonl: "
         f"{_listed(lost)}. If this is the wrong gradebook, correct c.CourseDirectory.db_url in "
         "nbgrader_config.py. If the gradebook was lost, run: python -m grader grade "
         "--restore-marks"

@@ -24,7 +24,7 @@ from grader.lms.results import (
 # For each standing that does not count: the text of a cell without a score, and its meaning.
 NOT_COUNTED = {
     EXCUSED: ("exc.", "excused: no submission needed"),
-    AUDITOR: ("aud.", "auditor: nothing counts"),
+    AUDITOR: ("aud.", "auditor: no work counts"),
 }
 
 

@@ -16,7 +16,11 @@ SECTIONS = {
     "waiting": ("marks", "notebook to grade by hand", "notebooks to grade by hand"),
     "failed": ("marks", "notebook could not be judged", "notebooks could not be judged"),
     "undecided": ("undecided", "submission time is unknown", "submission times are unknown"),
-    "same": ("same", "file came from several students", "files came from several students"),
+    "same": (
+        "same",
+        "file was submitted by several students",
+        "files were submitted by several students",
+    ),
     "stopped": ("stopped", "notebook ran out of time", "notebooks ran out of time"),
     "repaired": ("repaired", "repaired or unusual file", "repaired or unusual files"),
     "left": ("left", "file was not judged", "files were not judged"),

@@ -86,7 +86,7 @@ class Executable:
             )
         except subprocess.TimeoutExpired:
             return (
-                f"has not built a sandbox within {SECONDS_TO_BUILD} seconds. Is the machine "
+                f"did not build a sandbox within {SECONDS_TO_BUILD} seconds. Is the machine "
                 "overloaded, or is a disk or network drive not responding?"
             )
         except OSError as error:
@@ -153,7 +153,7 @@ def _installation_advice(machine: str) -> str:
 def _remedy(words: str) -> str:
     """Return a remedy for a failure, based on bubblewrap's message and the kernel's settings."""
     if "nknown option" in words:
-        return "It is too old: update it, or on x86-64 run: pip install -r requirements.txt"
+        return "It is too old. Update it, or on x86-64 run: pip install -r requirements.txt"
     status = dict(
         line.split(":\t", 1) for line in _read_lines("/proc/self/status") if ":\t" in line
     )

@@ -116,8 +116,8 @@ def explain_process_end(code: int | None) -> str:
     """
     if code in (137, -9):
         return (
-            "The notebook's process was killed. Either it used too much memory, or the notebook "
-            "killed it."
+            "The notebook's process was killed. Either it used too much memory, or code in the "
+            "notebook killed it."
         )
     if code in (152, -24):
         return "The notebook's process used up its processor time. Is there an endless loop?"

@@ -48,7 +48,7 @@ SENTENCES = (
     (
         "FileNotFoundError",
         r"There is no notebook .*The judge sees only one notebook",
-        "the judge sees only one notebook: paste the functions that it needs into that notebook",
+        "the judge sees only this notebook, so paste the functions that it needs into it",
     ),
     ("MemoryError", r"it returned more data", "it returned more data than any answer needs"),
 )

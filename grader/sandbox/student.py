@@ -308,7 +308,7 @@ class StudentProxy:
         return Observed(result, tuple(after), frozenset(positions(shared)))
 
     def _stop_for_wrong_reply(self, name: str) -> NoReturn:
-        self._stop(self.exercise, f"{name} did not send a valid reply")
+        self._stop(self.exercise, f"{name} sent an invalid reply")
 
     def _remote_object(self, number: int, kind: object) -> RemoteObject:
         return RemoteObject(self, _Reference(number, self._worker), wire_format.known_type(kind))
@@ -368,7 +368,7 @@ class StudentProxy:
             for failure in failures[:MOST_FAILED_CELLS]
         ]
         more = len(failures) > MOST_FAILED_CELLS
-        return [*sentences, *["More cells failed after that."] * more]
+        return [*sentences, *["Later cells failed as well."] * more]
 
     def _ensure_running(self) -> None:
         self._check_elapsed_time()
@@ -378,7 +378,7 @@ class StudentProxy:
             self._check_restarts(what)
         if self._budget.seconds <= 0:
             raise StudentStopped(
-                f"Not tried: the notebook had used up its {self._limits.total_seconds:.0f} seconds."
+                f"Not run: the notebook had used up its {self._limits.total_seconds:.0f} seconds."
             )
         program = self._program
         self._known.clear()
@@ -425,11 +425,11 @@ class StudentProxy:
         if time.monotonic() >= self._budget.until:
             self.starved = True
             self.close()
-            raise StudentStopped(f"Not tried: {self._describe_elapsed_limit()}")
+            raise StudentStopped(f"Not run: {self._describe_elapsed_limit()}")
 
     def _describe_elapsed_limit(self) -> str:
         seconds = f"{self._limits.wall_seconds:g}"
-        return f"the notebook's {seconds} seconds of elapsed time are used up."
+        return f"the notebook has used up its {seconds} seconds of elapsed time."
 
     def _check_restarts(self, task: str) -> None:
         stops = self._stops.get(task, [])
@@ -437,7 +437,7 @@ class StudentProxy:
             code = "the notebook's own cells" if task == _NEEDED else "this exercise's code"
             times = "once" if len(stops) == 1 else f"{len(stops)} times"
             raise StudentStopped(
-                f"Not tried: {code} had to be stopped {times} before. {stops[-1]}",
+                f"Not run: {code} had already been stopped {times}. {stops[-1]}",
                 stops[-1].reason,
                 stops[-1].out_of_time,
             )
@@ -479,7 +479,7 @@ class StudentProxy:
             self.starved |= time_limit.starved
             if time.monotonic() >= self._budget.until:
                 self._stop(
-                    task, f"The judge gave up on the notebook: {self._describe_elapsed_limit()}"
+                    task, f"The judge stopped the notebook: {self._describe_elapsed_limit()}"
                 )
             sentence = too_slow.format(seconds=round(seconds, 1))
             reason = self._budget.timeouts.setdefault(task, sentence)

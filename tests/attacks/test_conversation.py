@@ -56,15 +56,15 @@ ANSWER = b'{"dict":[["id",%d],["result",%s]]}'
         "sends a hundred thousand brackets": ("say(b'[' * 100000)", "own channel"),
         "sends an integer with a hundred thousand digits": ("say(b'1' * 100000)", "own channel"),
         "sends a list instead of a message": ("say(b'[]')", "own channel"),
-        "sends a string instead of a message": ("say(b'\"hello\"')", "did not send a valid reply"),
-        "answers a later call": ("say(ANSWER % (99, b'1'))", "did not send a valid reply"),
+        "sends a string instead of a message": ("say(b'\"hello\"')", "sent an invalid reply"),
+        "answers a later call": ("say(ANSWER % (99, b'1'))", "sent an invalid reply"),
         "sends True as the ID": (
             'say(b\'{"dict":[["id",true]]}\')',
-            "did not send a valid reply",
+            "sent an invalid reply",
         ),
         "sends an array as the ID": (
             'say(b\'{"dict":[["id",{"array":["|u1",[2]]}]]}\', b\'ab\')',
-            "did not send a valid reply",
+            "sent an invalid reply",
         ),
         "sends a generator without a state": (
             'say(b\'{"generator":["0x0","0x0",0,[]]}\')',
@@ -94,7 +94,7 @@ ANSWER = b'{"dict":[["id",%d],["result",%s]]}'
             "try: os.kill(os.getppid(), 15)\nfinally: os._exit(0)",
             "ended",
         ),
-        "kills itself": ("os.kill(os.getpid(), 9)", "or the notebook killed it"),
+        "kills itself": ("os.kill(os.getpid(), 9)", "or code in the notebook killed it"),
         "crashes": ("import ctypes; ctypes.string_at(1)", "crashed"),
         "exits but leaves a child running": ("if os.fork(): os._exit(0)\ntime.sleep(60)", "ended"),
         "replaces itself with another program": (
@@ -111,11 +111,11 @@ while True: os.write(write, b" ")
         ),
         "sends a string as the changed arguments": (
             'say(b\'{"dict":[["id",2],["result",1],["arguments","none"]]}\'); time.sleep(9)',
-            "did not send a valid reply",
+            "sent an invalid reply",
         ),
         "sends too few changed arguments": (
             'say(b\'{"dict":[["id",2],["result",1],["arguments",{"list":[]}]]}\'); time.sleep(9)',
-            "did not send a valid reply",
+            "sent an invalid reply",
         ),
     },
 )
@@ -226,7 +226,7 @@ def test_a_forged_answer_is_checked_like_any_other():
     source = PIPES + function("say(ANSWER % (2, b'\"forged\"'))\nreturn 'honest'")
     with (
         attack(source) as student,
-        pytest.raises(StudentStopped, match="did not send a valid reply"),
+        pytest.raises(StudentStopped, match="sent an invalid reply"),
     ):
         student.f(1)
     body = """
@@ -262,7 +262,7 @@ def f(array):
 
 def test_calls_are_skipped_when_restarts_run_out():
     with attack("import os\ndef f(): os._exit(3)", restarts=1) as student:
-        for sentence in ("os._exit", "os._exit", "Not tried"):
+        for sentence in ("os._exit", "os._exit", "Not run"):
             with pytest.raises(StudentStopped, match=sentence):
                 student.f()
 
@@ -294,7 +294,7 @@ def test_forged_object_numbers_are_refused():
     source = PIPES + function(
         'say(b\'{"dict":[["id",1],["object",{"list":[1]}],["type","x"]]}\'); time.sleep(2)'
     )
-    with attack(source) as student, pytest.raises(StudentStopped, match="did not send a valid"):
+    with attack(source) as student, pytest.raises(StudentStopped, match="sent an invalid"):
         student.f(1)
 
 

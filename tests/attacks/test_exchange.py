@@ -131,7 +131,7 @@ def test_a_time_that_the_student_set_is_named(inbound, collect):
     submit(inbound, {NOTEBOOK: "{}", "timestamp.txt": "1999-01-01 00:00:00 UTC"})
     collected, warnings = collect()
     assert collected[f"{ME}/{STAGE}/timestamp.txt"] == TIME
-    assert "says 2026-01-10 10:00, but was changed at" in warnings[0]
+    assert "the time in the name is 2026-01-10 10:00, but the folder was changed at" in warnings[0]
 
 
 def test_too_much_is_refused_and_the_earlier_submission_stays(inbound, collect, monkeypatch):

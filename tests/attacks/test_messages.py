@@ -167,7 +167,7 @@ def test_the_number_of_reported_failing_cells_is_limited():
     with attack(source) as student:
         student.f()
         *reported, last = student.problems
-    assert len(reported) == MOST_FAILED_CELLS and last == "More cells failed after that."
+    assert len(reported) == MOST_FAILED_CELLS and last == "Later cells failed as well."
 
 
 @with_attacks(

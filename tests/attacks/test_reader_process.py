@@ -158,7 +158,7 @@ def test_the_class_is_graded_despite_a_costly_file(
     assert (verdict.status, verdict.score) == (JUDGED, score)
     if score:
         assert status == commands.FAULT
-        assert "mallory, stage4_realtime: the points are entered, but the copy" in said
+        assert "mallory, stage4_realtime: the points were entered, but the copy" in said
     else:
         assert status == commands.SUCCESS
 

@@ -81,4 +81,4 @@ def open_archives(paths: Iterable[Path]) -> Iterator[SubmittedArchive]:
         )
         if notebooks:
             files = read_folder(Archive(path, notebooks))
-            yield SubmittedArchive(path, f"not in the format of {kind}", tuple(files))
+            yield SubmittedArchive(path, f"not named as in {kind}", tuple(files))

@@ -157,8 +157,8 @@ def _lessons(answers: dict[str, str]) -> dict[str, Lesson]:
         )
         if lesson is None:
             raise CollectError(
-                f"--lesson {shlex.quote(file)}=…: there is no lesson {answer}. Write a lesson's "
-                "number, such as 06."
+                f"--lesson {shlex.quote(file)}=…: there is no lesson {answer}. Write the number "
+                "of a lesson, such as 06."
             )
         chosen_lessons[file] = lesson
     return chosen_lessons

@@ -28,7 +28,7 @@ from grader.course.roster import Roster, read_roster
 
 _SORT_FILES = (
     "Their names show that they may belong to several students. Put each student's files into a "
-    "folder named after the id, and collect the folder that contains these folders"
+    "folder named after the student's id, and collect the folder that contains these folders"
 )
 ArchivedFile = tuple[Path, SubmittedFile]
 """The archive and a submitted file in it."""

@@ -77,8 +77,8 @@ def _identifiers(archive: Archive) -> dict[str, str]:
             ) from None
         if not {"github_username", "identifier"} <= set(table.titles):
             raise CollectError(
-                f"{ROSTER} has no columns github_username and identifier. Download it again from "
-                "GitHub Classroom."
+                f"{ROSTER} must have the columns github_username and identifier. Download it again "
+                "from GitHub Classroom."
             )
         for cells in table.rows[1:]:
             row = dict(zip(table.titles, cells, strict=False))

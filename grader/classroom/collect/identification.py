@@ -48,15 +48,16 @@ def lesson_of(
         if named in existing and is_placed(inside, file):
             return inside
         raise Contradiction(
-            f"is named {named.name}, but contains lesson {inside.name}. Open it, and add "
-            f"{lesson_option(file, inside.number)} or {lesson_option(file, named.number)}",
+            f"is named {named.name}, but contains lesson {inside.name}. Open it to see which is "
+            f"right, and add {lesson_option(file, inside.number)} or "
+            f"{lesson_option(file, named.number)}",
             (named, inside),
         )
     found = named or inside
     found = found or next((lesson for lesson in all_lessons() if is_placed(lesson, file)), None)
     if found is None:
         complaint = file.unpacked.complaint
-        reason = complaint or "does not show its lesson, in its name or its content"
+        reason = complaint or "matches no lesson by its name or content"
         raise Unrecognised(f"{reason}. If it belongs to a lesson, add {lesson_option(file, 'NN')}")
     return found
 

@@ -30,10 +30,10 @@ TOO_MUCH_OF_A_STUDENT = f"more than {MOST_BYTES_OF_A_STUDENT // 2**20} MB of not
 NOTEBOOK, MODULE, SUBSTITUTE, OTHER = "notebook", "module", "work", "other"
 
 _LFS_POINTER = (
-    "is a Git LFS pointer: Git has not downloaded the notebook itself. Run `git lfs pull` in the "
-    "checkout, and collect again"
+    "is a Git LFS pointer, because Git has not downloaded the notebook itself. Run `git lfs pull` "
+    "in the checkout, and collect again"
 )
-_ASK = "Inspect the file, and ask for the .ipynb file without a zip"
+_ASK = "Inspect the file, and ask the student for the .ipynb file without a zip"
 
 # File types that students submit instead of a notebook.
 _SUBSTITUTES = (".html", ".pdf", ".docx", ".rar", ".7z", ".gz", ".tar", ".tgz", ".ipynb", ".zip")
@@ -135,7 +135,7 @@ def _unpack_zip(data: bytes, path: tuple[str, ...], depth: int) -> list[Unpacked
     if depth > DEEPEST:
         return [
             UnpackedFile(
-                path, SUBSTITUTE, complaint=f"is inside {DEEPEST} zips and is not opened. {_ASK}"
+                path, SUBSTITUTE, complaint=f"is nested in {DEEPEST} zips, too deep to open. {_ASK}"
             )
         ]
     try:

@@ -158,8 +158,8 @@ class Owners:
         for label, answer in answers.items():
             if "/" in label and ids_in(answer):
                 raise CollectError(
-                    f"--who {shlex.quote(label)}=…: a single file can only be ignored. Write "
-                    f"{NOBODY}."
+                    f"--who {shlex.quote(label)}=…: a single file can only be ignored, not "
+                    f"assigned. Write {NOBODY} instead of an id."
                 )
             for id in ids_in(answer):
                 self._check_answer(label, id)
@@ -251,7 +251,7 @@ class Owners:
             numbers = " or ".join(f"{person.lms_id} ({person.id})" for person in others)
             return (
                 f"The roster lists this name with the number {numbers}, not {owner.lms_id}. "
-                f"Correct the roster, or add {_owner_option(owner, others[0].id)} or another id"
+                f"Correct the roster, or add {_owner_option(owner, others[0].id)} (or another id)"
             )
         if owner.lms_id:
             remedy = (
@@ -272,7 +272,7 @@ class Owners:
         before = self._folders.setdefault(normalized(name), owner.folder)
         if before != owner.folder:
             raise UnknownOwner(
-                f"The folder would have the same name as for {before}. Add "
+                f"The folder would have the same name as the one for {before}. Add "
                 f"{_owner_option(owner, 'ID')}"
             )
         return name
@@ -288,7 +288,10 @@ def safe_folder(name: str) -> str:
 
 def _choice(owner: Owner, people: Sequence[Person]) -> str:
     ids = " or ".join(person.id for person in people)
-    return f"The student may be {ids}. Add {_owner_option(owner, people[0].id)} or another id"
+    return (
+        f"The student may be {ids}. Add {_owner_option(owner, people[0].id)}, or the same option "
+        "with another id"
+    )
 
 
 def _owner_option(owner: Owner, ids: str) -> str:

@@ -125,5 +125,5 @@ def reason_without_time(folder: Path) -> str:
         return ""
     record = read_record(folder)
     late = any(origin.late and (folder / name).is_file() for name, origin in record.files.items())
-    late_reason = "the learning platform shows it as late, but without a time"
+    late_reason = "the learning platform marks the work as late, but gives no time"
     return record.undecided or (late_reason if late else "")

@@ -36,7 +36,7 @@ def open_archive(path: Path) -> Archive:
         files = [((path.name,), _entry(path, (path.name,)))]
     entries = tuple(entry for parts, entry in files if not is_hidden(parts))
     if not entries:
-        raise CollectError(f"{path} is empty.")
+        raise CollectError(f"{path} is empty. Name another archive or folder.")
     checkouts = {parts[: parts.index(".git")] for parts, _ in files if ".git" in parts}
     return Archive(path, entries, frozenset(checkouts))
 

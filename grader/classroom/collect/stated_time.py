@@ -79,7 +79,7 @@ class StatedTime:
             return ""
         return (
             f"The table of submission times has {quoted(self.text)}, but {file} has {shown} for "
-            f"the same files, and this time counts. To change it, write {wanted} into timestamp.txt"
+            f"the same files. The time in {file} counts. To change it, write {wanted} there"
         )
 
 

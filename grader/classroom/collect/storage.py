@@ -30,7 +30,7 @@ from utils.notebooks.reading import UnreadableNotebook
 NEW, NEWER, SAME, KEPT = "new", "newer", "same", "kept"
 OLDER_FOLDER = ".older"
 _INTERRUPTED = "collecting was interrupted before the submission time was written; collect again"
-_RESUBMITTED = "it was submitted again, and the time is unknown"
+_RESUBMITTED = "the work was submitted again, and the time is unknown"
 
 
 class UnclearVersion(Exception):
@@ -87,7 +87,7 @@ class StageFolder:
             raise UnclearVersion(
                 f"differs from the {name} next to another notebook of this student. In "
                 f"{self._relative(self.path)}, create one folder per notebook, and move each "
-                f"notebook there with its {name}"
+                f"notebook into its folder together with its {name}"
             )
         existing = current.path if current else self.path / name
         if not os.path.lexists(existing):
@@ -107,8 +107,8 @@ class StageFolder:
         newer = origin.newer_than(recorded)
         if newer is None:
             raise UnclearVersion(
-                f"differs from {self._relative(existing)}, and it is unknown which one is "
-                "newer. To collect this one, delete the other"
+                f"differs from {self._relative(existing)}, and it is unknown which of the two is "
+                "newer. To collect this file, delete the other"
             )
         if not newer:
             return KEPT

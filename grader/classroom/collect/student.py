@@ -171,7 +171,7 @@ class StudentCollector:
             names = ", ".join(file.name for file in newest_files[1:])
             self._report.add_question(
                 newest_files[0].name,
-                f"belongs to {lesson.name}, like {names}, and it is unknown which is newer. Add "
+                f"belongs to {lesson.name}, like {names}. It is unknown which is newer. Add "
                 f"{lesson_option(newest_files[0], lesson.number)}, or the same option for the "
                 "other file",
             )
@@ -242,7 +242,7 @@ class StudentCollector:
             return
         names = list(dict.fromkeys(file.path[-1] for file in submitted))
         if all(file.is_given for file in submitted):
-            text = "contains no notebook with work"
+            text = "contains no notebook that the student changed"
             self._report.remarks.append(Question(submitted[0].owner.label, text))
         else:
             more = ", …" if len(names) > 5 else ""

@@ -70,7 +70,7 @@ def strongest_sandbox() -> Sandbox:
         else:
             return SANDBOXES[name]
     raise SandboxUnavailable(
-        "Student code cannot be isolated here from tests, seed and results, so it "
-        "does not run. Grade on your own machine, and enter the marks with `python -m "
+        "Student code was not run, because it cannot be isolated from tests, seed and results "
+        "here. Grade on your own machine, and enter the marks with `python -m "
         "grader export --format gradescope`.\n" + "\n".join(complaints)
     )

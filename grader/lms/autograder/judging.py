@@ -143,6 +143,6 @@ def _explain_unjudged(folder: Path, lessons: tuple[Lesson, ...]) -> Iterator[str
                 yield f"{name} is lesson {lesson.name}, which is not part of this assignment."
             elif is_notebook and not lesson:
                 yield (
-                    f"{name}: cannot tell which lesson this is. Give the file the name it was "
-                    f"released under, such as {lessons[0].name}.ipynb."
+                    f"{name} cannot be matched with a lesson. Give the file the name under which "
+                    f"it was released, such as {lessons[0].name}.ipynb."
                 )

@@ -55,7 +55,7 @@ def _exercise(number: str, exercise: ExerciseResult) -> Iterator[dict]:
         visibility = NOW if test.visible else AFTERWARDS
         yield _scored(f"{number}.{row}", name, test.score, test.max_score, test.message, visibility)
     if not exercise.tests:
-        message = "This could not be judged. The message about the lesson above gives the reason."
+        message = "This exercise could not be judged. The message about the lesson says why."
         yield _scored(number, exercise.name, exercise.score, exercise.max_score, message, NOW)
     if exercise.slip:
         fields = _message(number, f"{exercise.name}: one slip", exercise.slip.sentence, AFTERWARDS)

@@ -49,7 +49,7 @@ EXPORTERS = {
     "moodle": Exporter(
         moodle,
         ".moodle.csv",
-        "the offline grading worksheet that Moodle offers for the assignment",
+        "the offline grading worksheet of the assignment in Moodle",
         "In Moodle: the assignment's Submissions, Actions, Upload grading worksheet. Moodle lists "
         "each change before you confirm. If a mark is not listed, Moodle already has the mark, or "
         "it was changed in Moodle after the download.",

@@ -19,8 +19,8 @@ from grader.lms.results import (
 )
 
 UNMARKED_TITLES = {
-    EXCUSED: "No mark, because excused",
-    AUDITOR: "No mark, because auditing the course",
+    EXCUSED: "No mark for excused students",
+    AUDITOR: "No mark for auditors",
     MISSING: "No mark, because nothing was submitted",
     WAITING: "No mark, because the submission is not in the gradebook yet",
 }
@@ -135,7 +135,8 @@ def _notes(
     zeros = [result for result in own if result.standing == MISSING]
     stage = notebooks[0].stage
     if len({result.lesson for result in notebooks}) > 1:
-        yield next(text for text in counted_lessons(results) if text.startswith(f"{stage} "))
+        beginning = f"Lessons that count in {stage}: "
+        yield next(text for text in counted_lessons(results) if text.startswith(beginning))
     yield from excessive_notes(results)
     undecided = [
         result.student

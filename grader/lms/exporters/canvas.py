@@ -133,7 +133,10 @@ def _person_row(sheet: MarksTableFile, row: tuple[str, ...], name: str) -> Perso
 def _refusal(column: int) -> Callable[[tuple[str, ...], float], str]:
     def refuse(row: tuple[str, ...], points: float) -> str:
         if row[column].strip() == NOT_ASSIGNED:
-            return "Canvas would ignore the mark, because this work is not assigned (N/A)"
+            return (
+                "Canvas would ignore the mark, because the assignment is not assigned to this "
+                "student (N/A)"
+            )
         return ""
 
     return refuse

@@ -159,9 +159,9 @@ def scale_factor(marks: Marks, most: float | None, title: str, scale: bool) -> f
         else ""
     )
     raise ExportError(
-        f"{marks.assignment} is worth {format_points(marks.max_points)} points here ({lessons}), "
-        f"and {title!r} is worth {format_points(most)} there. {choice}Change the points there and "
-        "download the file again, or add --scale to convert each mark."
+        f"{marks.assignment} is worth {format_points(marks.max_points)} points in the course "
+        f"({lessons}), but {title!r} is worth {format_points(most)} on the platform. {choice}"
+        "Change the points there and download the file again, or add --scale to convert each mark."
     )
 
 

@@ -21,13 +21,22 @@ def main(root: Path) -> str:
     emails = [user["email"].strip().casefold() for user in metadata["users"]]
     matching = [marks[email] for email in emails if email in marks]
     if not matching:
-        return f"There is no mark for {', '.join(emails)}. Grade, export and upload again."
+        return (
+            f"There is no mark for {', '.join(emails)}. Grade the work, export the marks and "
+            "upload the zip again."
+        )
     digests = {digest(path) for path in files_of(root / "submission")}
     judged = [mark for mark in matching if set(mark["judged"]) <= digests <= set(mark["known"])]
     if not judged:
-        return "This submission is not the one that was judged. Grade, export and upload again."
+        return (
+            "This submission is not the one that was judged. Grade the work, export the marks and "
+            "upload the zip again."
+        )
     if any(mark["results"] != judged[0]["results"] for mark in judged):
-        return f"{', '.join(emails)} submitted together but have different marks. Make them equal."
+        return (
+            f"{', '.join(emails)} submitted together but have different marks. Make the marks "
+            "equal, export them and upload the zip again."
+        )
     results = root / "results" / "results.json"
     results.parent.mkdir(exist_ok=True)
     results.write_text(json.dumps(judged[0]["results"]), "utf-8")

@@ -56,8 +56,8 @@ LOCKED = frozenset(
     ]
 )
 HOW_TO_DOWNLOAD = (
-    "In Moodle: the assignment's Submissions, Actions, Download grading worksheet. Moodle offers "
-    "it if the assignment's feedback types include the offline grading worksheet."
+    "In Moodle: the assignment's Submissions, Actions, Download grading worksheet. This action "
+    "appears only if the assignment's feedback types include the offline grading worksheet."
 )
 
 
@@ -96,7 +96,7 @@ def _grade_column(sheet: MarksTableFile, wanted: str | None) -> int:
     if not participants or not titles:
         raise ExportError(
             f"{sheet.name} is not an offline grading worksheet from Moodle, or its grades are "
-            f"words of a scale. {HOW_TO_DOWNLOAD}"
+            f"words instead of points. {HOW_TO_DOWNLOAD}"
         )
     if len(titles) == 1 and wanted is None:
         return min(titles)

@@ -22,7 +22,7 @@ from grader.lms.results import (
 )
 
 ABOUT_PERSON = ("Student", "Last name", "First name", "E-mail", "Section")
-ABOUT_STAGE = ("submitted", "days late", "late penalty", "standing")
+ABOUT_STAGE = ("submitted", "days late", "late penalty", "status")
 
 
 def scores_csv(options: ExportOptions) -> ExportResult:
@@ -30,7 +30,7 @@ def scores_csv(options: ExportOptions) -> ExportResult:
 
     The file has a heading, a row with the maximum score of each lesson, and one row per student. A
     student's row contains the score in each lesson; without a score, the cell is empty. For each
-    stage it also contains the submission time, the days late, the penalty and the standing. The
+    stage it also contains the submission time, the days late, the penalty and the status. The
     last two columns are the total and its maximum, without the stages from which a student is
     excused. They are empty if a student has no mark.
     """
