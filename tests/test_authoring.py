@@ -154,7 +154,7 @@ def test_removed_parts_are_reported(copy, sandbox):
         tried = run(copy, "try", "16", "--sandbox", sandbox.name)
     assert tried.returncode == 1
     assert "far_distance has no hidden test. Write one in 16_far_distance/hidden" in tried.stdout
-    assert "The lesson cannot be judged: " in tried.stdout and "2 to fix." in tried.stdout
+    assert "The lesson cannot be judged: " in tried.stdout and "2 left to fix." in tried.stdout
 
     changed = ("# %% right: a loop", "# %% wrong: it"), ("np.linalg", "npp.linalg")
     answers, hidden = folder / "answers" / "far_distance.txt", folder / "hidden_tests.py"
@@ -176,7 +176,7 @@ def test_faults_of_the_checks_are_reported_once(copy, sandbox):
     checks = copy / "utils" / "checks" / "lesson_15.py"
     with replaced(checks, "7.505553499465135", "7.6"):
         tried = run(copy, "try", "15", "--sandbox", sandbox.name)
-    assert "The solution earns " in tried.stdout and "15_mean_square: 1 to fix." in tried.stdout
+    assert "The solution earns " in tried.stdout and "15_mean_square: 1 left to fix." in tried.stdout
     assert (
         "mean_square, “Computes the root mean square of three numbers”: The number is wrong."
         in tried.stdout
@@ -190,7 +190,7 @@ def test_faults_of_the_checks_are_reported_once(copy, sandbox):
         with replaced(checks, old, new):
             tried = run(copy, "try", "15", "--sandbox", sandbox.name)
         assert f"utils/checks/lesson_15.py, line {line}: " in tried.stdout
-        assert reason in tried.stdout and "15_mean_square: 1 to fix." in tried.stdout
+        assert reason in tried.stdout and "15_mean_square: 1 left to fix." in tried.stdout
 
 
 @pytest.mark.proof
