@@ -675,7 +675,7 @@ def test_the_command_explains_errors(tmp_path, capsys):
     assert command.main([str(tmp_path / "none.ipynb")]) == 2
     assert "There is no notebook" in capsys.readouterr().out
     assert command.main(["--to", "film.mp4"]) == 2
-    assert "--to writes one street" in capsys.readouterr().out
+    assert "--to needs exactly one street" in capsys.readouterr().out
     for wrong in (["--street", "21"], ["--to", "film.avi"], ["--seconds", "no"]):
         with pytest.raises(SystemExit):
             command.main(wrong)
@@ -763,7 +763,7 @@ CLAIMS = {
     "05: 0.9 m causes a jumping box": (11, within(0.9), "8.6 s  a person in our lane", "needless"),
     "05: 0.9 m is too late": (11, within(0.9), "The car hits a person", "needless"),
     "07: 6 m is enough": (2, half_width(6.0), "a person", "hits"),
-    "07: 2.5 m is enough": (2, half_width(2.5), "7.1 s  a person about to come", "hits"),
+    "07: 2.5 m is enough": (2, half_width(2.5), "7.1 s  a person about to enter", "hits"),
     "07: 2.2 m brakes late": (2, half_width(2.2), "7.4 s  a person in our lane, 5 m", "needless"),
     "07: 2.2 m is too late": (2, half_width(2.2), "The car hits a person", "needless"),
     "09: 100 points drop a cyclist": (3, at_least(100), "The car hits a cyclist", "needless"),

@@ -1,4 +1,4 @@
-"""Compare results with the expected ones: masks, labels and their confusion matrix."""
+"""Compare results with the expected results: masks, labels and their confusion matrix."""
 
 from __future__ import annotations
 
