@@ -465,7 +465,8 @@ common_row_checks.note_array(_CROP_CASE, "gives_an_array")
     weight=4,
     title="Removes points inside the box and keeps points outside",
     why="A return from the ego car's mirror looks like an obstacle that never goes away.",
-    hint="Find the rows inside as in crop_region, then keep the other rows: ~inside.",
+    hint="Find the rows inside the box as in crop_region, then keep the other rows: "
+    "cloud[~inside].",
 )
 def removes_points_inside(remove_ego_returns: Callable) -> None:
     assert_points_left_by_box(
@@ -477,8 +478,8 @@ def removes_points_inside(remove_ego_returns: Callable) -> None:
     "remove_ego_returns",
     weight=10,
     title="Keeps points that are outside in x only or in y only",
-    why="The car ahead has the same y and z as the ego car. A function that compares only y or z "
-    "removes that car.",
+    why="A function that ignores x also removes the car ahead, which has the same y and z as the "
+    "ego car.",
     hint="A row is outside if at least one of its coordinates is outside: not (a and b and c) "
     "equals (not a) or (not b) or (not c).",
 )

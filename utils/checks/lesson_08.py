@@ -57,7 +57,7 @@ def require_three_boxes(get_bounding_boxes: Callable) -> None:
 @visible(
     "get_bounding_boxes",
     weight=4,
-    title="Makes each box extend from the smallest to the largest x, y and z of its points",
+    title="Returns boxes that extend from the smallest to the largest x, y and z of their points",
     why="The planner sees only boxes. The car may hit anything that sticks out of a box, and it "
     "cannot use free space inside one. An obstacle without a box is invisible.",
     hint="Take points.min(axis=0) and points.max(axis=0) of the rows with one label. Each "

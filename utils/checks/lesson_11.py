@@ -584,7 +584,7 @@ def _two_blocks_text(*headings: float) -> str:
     weight=11,
     title="Returns boxes that contain every point of their clusters",
     why="The car may drive wherever there is no box, so every point of an obstacle must be inside "
-    "one.",
+    "a box.",
     hint="Turn the points by minus yaw, take minimum and maximum, build the corners, and turn "
     "them by plus yaw.",
 )

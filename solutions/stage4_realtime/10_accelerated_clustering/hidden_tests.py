@@ -196,7 +196,7 @@ def answer_in_time(student, cloud, threshold, advice):
     try:
         return student.euclidean_clustering_accelerated(cloud, threshold)
     except StudentStopped as stopped:
-        raise CheckFailed(f"{len(cloud):,} points. {stopped} {advice}") from None
+        raise CheckFailed(f"The cloud has {len(cloud):,} points. {stopped} {advice}") from None
 
 
 @functools.lru_cache(maxsize=16)

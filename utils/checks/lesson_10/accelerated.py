@@ -207,7 +207,7 @@ def finds_the_close_pair(euclidean_clustering_accelerated: Callable) -> None:
     _NAME,
     weight=19,
     title="Finds the right clusters at the far end of the lesson's street",
-    why="A street combines all the cases that the smaller checks test one by one. The picture "
+    why="A street combines most of the cases that the checks above test one by one. The picture "
     "above shows this scan.",
     hint="The picture of the pieces after two steps shows the same end of the street. Draw your "
     "labels next to those of join_all_pairs. Which clusters are split, and which are merged?",

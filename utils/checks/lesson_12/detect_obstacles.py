@@ -259,7 +259,7 @@ def works_on_an_empty_scan(detect_obstacles: Callable) -> None:
     "detect_obstacles",
     weight=5,
     title="Works on scans without intensity",
-    why="Not every scanner measures intensity, and a cloud may come from another source.",
+    why="Some scanners do not measure intensity, and some recordings do not store it.",
     hint="Use cloud[:, :3] from the start.",
 )
 def works_without_intensity(detect_obstacles: Callable) -> None:

@@ -317,8 +317,8 @@ def keeps_the_shape(correct_boxes: Callable) -> None:
 @visible(
     "correct_boxes",
     title="Corrects the velocity with the second gain",
-    why="Only this correction shows a track that a car is coming towards us. If the second gain "
-    "is too large, a wobble looks like speed although nothing moves.",
+    why="Without this correction, a track never learns that a car is coming towards us. If the "
+    "second gain is too large, a wobble looks like speed although nothing moves.",
     hint="Compute beta = 2 * (1 - np.sqrt(1 - gain)) ** 2. The new velocities are velocities + "
     "beta * off / seconds.",
 )
