@@ -389,7 +389,10 @@ def works_without_boxes(match_boxes: Callable) -> None:
         # Skip functions with another marker for new boxes, because another check tests for -1.
         if marker == -1 and not (yours == marker).all():
             raise CheckFailed(
-                "Without previous boxes, every current box is new, but not all are marked with -1.",
+                fixed(
+                    "Without previous boxes, every current box is new, but not all are marked "
+                    "with -1."
+                ),
                 given=f"{len(previous)} previous and {len(current)} current boxes",
                 yours=brief_text(yours),
                 expected=brief_text(np.full(len(current), -1)),
