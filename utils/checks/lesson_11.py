@@ -677,7 +677,7 @@ def keeps_boxes_upright(get_oriented_boxes: Callable) -> None:
     title="Puts the floor at the lowest point and the roof at the highest",
     why="The floor and the roof of a box decide whether the car fits under a branch or over a "
     "kerb.",
-    hint="Floor and roof are the smallest and the largest z of the cluster.",
+    hint="The floor is at the smallest z of the cluster, and the roof is at the largest.",
 )
 def reaches_floor_and_roof(get_oriented_boxes: Callable) -> None:
     require_straight_boxes(get_oriented_boxes)
@@ -688,7 +688,7 @@ def reaches_floor_and_roof(get_oriented_boxes: Callable) -> None:
 @visible(
     "get_oriented_boxes",
     weight=8,
-    title="Finds the heading of an object that is taller than long",
+    title="Finds the heading of an object that is taller than it is long",
     why="The longest direction of a pedestrian in space is up, which says nothing about the "
     "heading seen from above.",
     hint="Find the yaw from x and y alone, for example with z set to 0 in a copy of the points.",
@@ -731,7 +731,7 @@ common_box_checks.promise_no_box_for_noise(_BOXES_CASE, "leaves_noise_alone", we
     weight=1,
     title="Works on clusters of one point, of equal points and of points on a line",
     why="Posts return single points, and thin walls return lines.",
-    hint="The box of a single point is that point eight times. You need no special case.",
+    hint="You need no special case: the box of a single point consists of that point eight times.",
 )
 def works_on_small_clusters(get_oriented_boxes: Callable) -> None:
     require_straight_boxes(get_oriented_boxes)
@@ -767,8 +767,8 @@ common_box_checks.promise_untouched(
     "get_oriented_boxes",
     title="Returns the four floor corners in order around the box, then the roof corners above "
     "them",
-    why="floor_area, a few cells below, measures from corner 0 to 1 and from 1 to 2. In another "
-    "order it computes a wrong area.",
+    why="floor_area, a few cells below, measures from corner 0 to 1 and from 1 to 2. If the "
+    "corners are in another order, it computes a wrong area.",
 )
 def orders_the_corners(get_oriented_boxes: Callable) -> None:
     floor, roof = np.split(

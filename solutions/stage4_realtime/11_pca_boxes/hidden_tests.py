@@ -345,7 +345,7 @@ def test_scanned_vehicles(student, seed):
 @hidden(
     "get_oriented_boxes",
     weight=8,
-    title="Fits boxes tightly around objects that are taller than long",
+    title="Fits boxes tightly around objects that are taller than they are long",
     hint="The longest direction in space may be up. Find the heading from x and y alone.",
 )
 def test_tall_objects(student, seed):

@@ -71,7 +71,7 @@ def separates_groups(euclidean_clustering_accelerated: Callable) -> None:
     title="Joins six of the lesson's seven points",
     why="Each of the three steps joins some of these points.",
     hint="If you use the three steps, run the cells that try each of them on the seven points. "
-    "Which step is the first to differ from the expected result?",
+    "Which is the first step whose result differs from the expected one?",
 )
 def joins_six_of_seven_points(euclidean_clustering_accelerated: Callable) -> None:
     labels = np.array([1, 1, 1, 1, 1, 1, 2])

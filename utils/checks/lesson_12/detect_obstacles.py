@@ -85,7 +85,7 @@ def finds_people(detect_obstacles: Callable) -> None:
     "detect_obstacles",
     weight=3,
     title="Finds a car across the road, 8 to 10 m ahead",
-    why="At 30 km/h a car needs 9 m to brake. A detector with a shorter range finds obstacles too "
+    why="At 30 km/h a car needs 9 m to stop. A detector with a shorter range finds obstacles too "
     "late.",
     hint="Where does your region of interest end? It must reach a little more than 10 m ahead.",
 )

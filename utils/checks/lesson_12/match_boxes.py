@@ -265,9 +265,9 @@ def finds_again(match_boxes: Callable) -> None:
 @visible(
     "match_boxes",
     weight=2,
-    title="Marks a box without a partner as new with -1",
-    why="A pedestrian steps out from behind a lorry. The new box must not get the track ID of the "
-    "lorry.",
+    title="Returns -1 for a box without a partner, because it is new",
+    why="When a pedestrian steps out from behind a lorry, the new box must not get the lorry's "
+    "track ID.",
     hint="Start from an array of -1 that is as long as current, and write the partners into it.",
 )
 def marks_new_boxes(match_boxes: Callable) -> None:

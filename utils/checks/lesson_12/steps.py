@@ -340,7 +340,8 @@ def corrects_the_velocity(correct_boxes: Callable) -> None:
 @visible(
     "correct_boxes",
     title="Uses the expected position at gain 0 and the found position at gain 1",
-    why="These are the smallest and the largest possible gain.",
+    why="The two extreme gains show whether the gain is the weight of the found box, as it should "
+    "be.",
     hint="With a gain of 0 the box is where it was expected and keeps its velocity. With a gain "
     "of 1 it is where it was found.",
 )
