@@ -151,9 +151,9 @@ def test_failing_unwritten_and_unknown_functions_get_a_message(capsys):
         raise KeyError("mine")
 
     breaking.tell_apart(euclidean_clustering, A=[[0, 0, 0]])
-    assert "Your own function raised KeyError" in capsys.readouterr().out
+    assert "Your function raised KeyError" in capsys.readouterr().out
     breaking.show_broken(euclidean_clustering)
-    assert "Your own function raised KeyError" in capsys.readouterr().out
+    assert "Your function raised KeyError" in capsys.readouterr().out
     space = {}
     exec("def ransac_line(*about):\n    raise NotImplementedError", space)
     breaking.tell_apart(space["ransac_line"], A=[[0, 0]])
@@ -172,7 +172,7 @@ def test_an_endless_loop_is_stopped(capsys, monkeypatch):
             pass
 
     breaking.tell_apart(euclidean_clustering, A=[[0, 0, 0]])
-    assert "A ✗ Your own function did not answer within 0.3 seconds" in capsys.readouterr().out
+    assert "A ✗ Your function did not answer within 0.3 seconds" in capsys.readouterr().out
     breaking.show_broken(euclidean_clustering)
     assert "a loop that never ends" in capsys.readouterr().out
 

@@ -675,7 +675,7 @@ def test_the_command_explains_errors(tmp_path, capsys):
     assert command.main([str(tmp_path / "none.ipynb")]) == 2
     assert "There is no notebook" in capsys.readouterr().out
     assert command.main(["--to", "film.mp4"]) == 2
-    assert "--to writes one street" in capsys.readouterr().out
+    assert "--to needs exactly one street" in capsys.readouterr().out
     for wrong in (["--street", "21"], ["--to", "film.avi"], ["--seconds", "no"]):
         with pytest.raises(SystemExit):
             command.main(wrong)

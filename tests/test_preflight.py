@@ -216,7 +216,7 @@ EARNS_EVERYTHING = {
     "zeros at the end": (lambda notebook: json.dumps(notebook) + "\0" * 4096, ""),
     "text after the end": (
         lambda notebook: json.dumps(notebook) + "<html>",
-        "something after the end",
+        "continues after the end",
     ),
     "a second copy after the end": (lambda notebook: json.dumps(notebook) * 2, "second copy"),
     "cut off after the answers": (

@@ -117,7 +117,7 @@ def predict(
     prediction = Prediction(question, tuple(choices), unit, digits)
     if hasattr(ipywidgets, "is_still"):
         options = f" ({', '.join(choices)})" if choices else ""
-        text = f"Your prediction. {question}{options} Write it down before you continue."
+        text = f"Your prediction. {question}{options} Write your answer down before you continue."
         show(escape(text), text)
         return prediction
     if choices:

@@ -103,7 +103,7 @@ def _verdict(puzzle: Puzzle, function: Callable, letter: str, given: ArrayLike |
     if cloud.ndim != 2 or cloud.shape[1] != puzzle.example.shape[1] or len(cloud) > MOST_ROWS:
         return f"✗ Use a list of at most {MOST_ROWS} rows [{puzzle.columns}]."
     if not np.isfinite(cloud).all():
-        return "✗ Use finite numbers. The versions differ on ordinary points."
+        return "✗ Use finite numbers: ordinary points are enough to show every fault."
     version, others = puzzle.versions[letter], [name for name in puzzle.versions if name != letter]
     try:
         with limit_resources(SECONDS):
@@ -131,10 +131,10 @@ def _verdict(puzzle: Puzzle, function: Callable, letter: str, given: ArrayLike |
 def _raised(error: Exception) -> str:
     if isinstance(error, TimeUp):
         return (
-            f"Your own function did not answer within {SECONDS} seconds, so nothing can be "
-            f"compared. {ENDLESS.capitalize()}"
+            f"Your function did not answer within {SECONDS} seconds, so nothing can be compared. "
+            f"{ENDLESS.capitalize()}"
         )
-    return f"Your own function raised {type(error).__name__}, so nothing can be compared: {error}"
+    return f"Your function raised {type(error).__name__}, so nothing can be compared: {error}"
 
 
 def _same(first: np.ndarray, second: np.ndarray) -> bool:

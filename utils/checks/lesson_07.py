@@ -94,7 +94,7 @@ def _assert_any_corner_type(function: Callable, kind: Callable) -> None:
     )
     if not np.array_equal(with_tuples, with_kind):
         raise CheckFailed(
-            "The same corners give different rows when they are not tuples.",
+            "The function returns different rows if the same corners are not tuples.",
             given=f"six points on a line, and corners {brief_text(kind(_CUBE[0]))} and "
             f"{brief_text(kind(_CUBE[1]))}",
             yours=f"{len(with_kind)} rows",
@@ -207,7 +207,7 @@ def require_ego_removed(remove_ego_returns: Callable) -> None:
     title="Keeps near points and removes far ones",
     why="Points far away cost computing time, and the car can stop long before it reaches them.",
     hint="Square x and y, add them and take the square root: this gives one distance per point. "
-    "Keep the points where it is at most `distance`.",
+    "Keep the points whose distance is at most `distance`.",
 )
 def keeps_near_points(filter_by_distance: Callable) -> None:
     assert_points_left(filter_by_distance(_SCATTERED.copy(), 10.0), _SCATTERED, 10.0, _NEAR)
@@ -217,7 +217,7 @@ def keeps_near_points(filter_by_distance: Callable) -> None:
     "filter_by_distance",
     weight=3,
     title="Works in all directions: ahead, behind, left and right",
-    why="A car behind us is as real as one ahead.",
+    why="A car may overtake from behind, and a pedestrian may step out on either side.",
     hint="x is negative behind the car and y is negative on its right. Squaring removes the sign.",
 )
 def works_in_all_directions(filter_by_distance: Callable) -> None:
@@ -245,8 +245,8 @@ def keeps_a_circle(filter_by_distance: Callable) -> None:
     "filter_by_distance",
     weight=4,
     title="Ignores the height",
-    why="A child in front of a lorry is far below its sensor, so the straight line to the child "
-    "is longer than the distance along the road.",
+    why="A child in front of a lorry is far below the sensor on the roof, so the straight line to "
+    "the child is longer than the distance along the road.",
     hint="Use columns 0 and 1 only. Column 2 is the height.",
 )
 def ignores_height(filter_by_distance: Callable) -> None:
@@ -259,8 +259,8 @@ def ignores_height(filter_by_distance: Callable) -> None:
     "filter_by_distance",
     weight=3,
     title="Ignores the intensity",
-    why="Some sensors report intensities up to 255. If these counted, every bright car would "
-    "vanish.",
+    why="Some sensors report intensities up to 255. If the distance included intensity, every "
+    "bright car would vanish.",
     hint="Compute the distance from columns 0 and 1 only.",
 )
 def ignores_intensity(filter_by_distance: Callable) -> None:
@@ -278,7 +278,7 @@ def ignores_intensity(filter_by_distance: Callable) -> None:
     "filter_by_distance",
     weight=5,
     title="Uses the parameter distance as the limit",
-    why="A fast car must look farther than a slow one.",
+    why="A fast car needs a longer distance to brake, so it must look farther ahead.",
     hint="Compare with `distance`, not with a fixed number.",
 )
 def uses_the_distance(filter_by_distance: Callable) -> None:
@@ -325,7 +325,7 @@ common_checks.promise_three_columns(
 common_row_checks.promise_empty_table(
     _NEAR_CASE,
     "works_on_small_clouds",
-    hint="No special case is needed: a mask without any True selects no rows.",
+    hint="You need no special case: a mask without any True selects no rows.",
     weight=2,
 )
 common_row_checks.promise_untouched(_NEAR_CASE, "leaves_its_input", weight=2)
@@ -334,8 +334,8 @@ common_row_checks.promise_untouched(_NEAR_CASE, "leaves_its_input", weight=2)
 @noted(
     "filter_by_distance",
     title="Keeps points exactly at the distance",
-    why='The docstring says <=, "at most". In a scan hardly any point is exactly at the '
-    "distance, but in a hand-made example one may be.",
+    why='The docstring says "at most", which is <=. Hardly any point of a scan is exactly at the '
+    "distance, but a point of a hand-made example may be.",
 )
 def keeps_points_at_the_distance(filter_by_distance: Callable) -> None:
     cloud, near = parse_marked_points("3 4 -0.5 0.1 +; 6 1 -0.5 0.1 -; 1 2 -0.5 0.1 +")
@@ -363,7 +363,7 @@ def keeps_points_inside(crop_region: Callable) -> None:
     weight=9,
     title="Removes points that are outside in x only or in y only",
     why="If one side is forgotten, all houses on that side of the street stay in the cloud.",
-    hint="A row is inside only if all three of its coordinates are: use .all(axis=1).",
+    hint="A row is inside only if all three of its coordinates are inside. Use .all(axis=1).",
 )
 def removes_points_outside_in_x_or_y(crop_region: Callable) -> None:
     require_crop(crop_region)
@@ -378,7 +378,7 @@ def removes_points_outside_in_x_or_y(crop_region: Callable) -> None:
     weight=5,
     title="Removes points below or above the box",
     why="A bridge over the street is not an obstacle.",
-    hint="A point is inside only if x, y and z all are: compare cloud[:, :3].",
+    hint="A point is inside only if x, y and z are all inside. Compare cloud[:, :3].",
 )
 def removes_points_below_or_above(crop_region: Callable) -> None:
     require_crop(crop_region)
@@ -423,7 +423,7 @@ def uses_the_corners(crop_region: Callable) -> None:
     title="Accepts corners as tuples, lists or arrays",
     why="A box may come from a configuration file, a map or another array.",
     hint="Compare the corners directly: NumPy compares a table with three numbers column by "
-    "column, even if they are in a tuple or a list.",
+    "column, even if these numbers are in a tuple or a list.",
 )
 def accepts_any_corner_type(crop_region: Callable) -> None:
     require_crop(crop_region)
@@ -453,7 +453,7 @@ common_row_checks.promise_order(_CROP_CASE, "crops_in_order")
 common_checks.promise_three_columns(
     _CROP_CASE,
     "crops_three_columns",
-    hint="Use cloud[:, :3]: it exists with three columns and with four.",
+    hint="Use cloud[:, :3], which works with three columns and with four.",
 )
 common_row_checks.promise_empty_table(_CROP_CASE, "crops_small_clouds", weight=2)
 common_row_checks.promise_untouched(_CROP_CASE, "crop_leaves_its_input")
@@ -464,8 +464,9 @@ common_row_checks.note_array(_CROP_CASE, "gives_an_array")
     "remove_ego_returns",
     weight=4,
     title="Removes points inside the box and keeps points outside",
-    why="A return from the ego car's own mirror is an obstacle that never goes away.",
-    hint="Find the rows inside as in crop_region, then keep the other rows: ~inside.",
+    why="A return from the ego car's mirror looks like an obstacle that never goes away.",
+    hint="Find the rows inside the box as in crop_region, then keep the other rows: "
+    "cloud[~inside].",
 )
 def removes_points_inside(remove_ego_returns: Callable) -> None:
     assert_points_left_by_box(
@@ -477,9 +478,10 @@ def removes_points_inside(remove_ego_returns: Callable) -> None:
     "remove_ego_returns",
     weight=10,
     title="Keeps points that are outside in x only or in y only",
-    why="The car ahead has the same y and z as the ego car, and losing it would be dangerous.",
-    hint="A row is outside if at least one coordinate is: not (a and b and c) is (not a) or (not "
-    "b) or (not c).",
+    why="A function that ignores x also removes the car ahead, which has the same y and z as the "
+    "ego car.",
+    hint="A row is outside if at least one of its coordinates is outside: not (a and b and c) "
+    "equals (not a) or (not b) or (not c).",
 )
 def keeps_points_outside_in_x_or_y(remove_ego_returns: Callable) -> None:
     require_ego_removed(remove_ego_returns)
@@ -494,7 +496,7 @@ def keeps_points_outside_in_x_or_y(remove_ego_returns: Callable) -> None:
     weight=4,
     title="Keeps points above or below the box",
     why="A sign above the bonnet or a kerb under the bumper is not part of the ego car.",
-    hint="A point is inside only if x, y and z all are: compare cloud[:, :3].",
+    hint="A point is inside only if x, y and z are all inside. Compare cloud[:, :3].",
 )
 def keeps_points_above_or_below(remove_ego_returns: Callable) -> None:
     require_ego_removed(remove_ego_returns)
@@ -527,7 +529,7 @@ def removes_points_on_faces(remove_ego_returns: Callable) -> None:
     "remove_ego_returns",
     weight=3,
     title="Uses minimum and maximum as the corners of the box",
-    why="Every car needs its own box: a lorry is larger, and a roof rack makes a car higher.",
+    why="The box depends on the vehicle: a lorry is larger, and a roof rack makes a car taller.",
     hint="Compare with minimum and maximum, not with fixed numbers.",
 )
 def uses_the_ego_box(remove_ego_returns: Callable) -> None:
@@ -546,7 +548,7 @@ def uses_the_ego_box(remove_ego_returns: Callable) -> None:
     title="Accepts corners as tuples, lists or arrays",
     why="A box may come from a configuration file, a drawing or another array.",
     hint="Compare the corners directly: NumPy compares a table with three numbers column by "
-    "column, even if they are in a tuple or a list.",
+    "column, even if these numbers are in a tuple or a list.",
 )
 def accepts_any_ego_box_type(remove_ego_returns: Callable) -> None:
     require_ego_removed(remove_ego_returns)
@@ -576,7 +578,7 @@ common_row_checks.promise_order(_EGO_CASE, "keeps_the_row_order")
 common_checks.promise_three_columns(
     _EGO_CASE,
     "removes_with_three_columns",
-    hint="Use cloud[:, :3]: it exists with three columns and with four.",
+    hint="Use cloud[:, :3], which works with three columns and with four.",
 )
 common_row_checks.promise_empty_table(_EGO_CASE, "removes_from_small_clouds", weight=2)
 common_row_checks.promise_untouched(_EGO_CASE, "removal_leaves_its_input")
@@ -598,17 +600,17 @@ declare_mistakes(
         lambda right, cloud, distance: _rows_at_most(
             cloud, -_horizontal_distances(cloud), -distance
         ),
-        'Near points are "at most distance" away: which comparison says that?',
+        'Near points are "at most distance" away, so keep the points with <=.',
     ),
     Mistake(
-        "The height is included: this is the distance in space, not the distance along the road.",
+        "The height is included, so your code computes the distance in space, not along the road.",
         lambda right, cloud, distance: _rows_at_most(
             right, (right[:, :3] ** 2).sum(axis=1), distance**2
         ),
         "Use columns 0 and 1 only. Column 2 is the height.",
     ),
     Mistake(
-        "Height and intensity are included: this is the length of the whole row, not a distance.",
+        "Height and intensity are included, so your code computes the length of the whole row.",
         lambda right, cloud, distance: _rows_at_most(right, (right**2).sum(axis=1), distance**2),
         "Use columns 0 and 1 only.",
     ),
@@ -641,14 +643,15 @@ declare_mistakes(
         "Combine x and y into one distance first: np.hypot(x, y).",
     ),
     Mistake(
-        "|x| and |y| are added. The distance needs their squares and a square root.",
+        "|x| and |y| are added. The distance is the square root of the sum of their squares.",
         lambda right, cloud, distance: _rows_at_most(
             cloud, np.abs(cloud[:, :2]).sum(axis=1), distance
         ),
         "Square x and y, add them and take the square root, or call np.hypot(x, y).",
     ),
     Mistake(
-        "x and y are added with their signs. The distance needs their squares and a square root.",
+        "x and y are added with their signs. The distance is the square root of the sum of their "
+        "squares.",
         lambda right, cloud, distance: _rows_at_most(cloud, cloud[:, :2].sum(axis=1), distance),
         "Square x and y, add them and take the square root, or call np.hypot(x, y).",
     ),
@@ -815,7 +818,7 @@ declare_mistakes(
         "Index with the mask of the rows inside, without ~.",
     ),
     Mistake(
-        "A point counts as inside if one of its coordinates is inside. All three must be.",
+        "A point counts as inside if one of its coordinates is inside. All three must be inside.",
         lambda right, *case: case[0][_depths(*case).max(axis=1) >= 0],
         "Use .all(axis=1) instead of .any(axis=1).",
     ),
@@ -837,7 +840,7 @@ declare_mistakes(
         is_cheap=True,
     ),
     Mistake(
-        "The lesson's own region is always used; minimum and maximum are ignored.",
+        "Your code always uses the lesson's region and ignores minimum and maximum.",
         lambda right, cloud, low, high: _rows_inside(cloud, _MINIMUM, _MAXIMUM),
         "Compare with the parameters minimum and maximum.",
     ),
@@ -880,8 +883,8 @@ declare_mistakes(
         "Index with ~inside.",
     ),
     Mistake(
-        "A point stays only if it is outside in x, in y and in z. Outside in one of them is "
-        "enough.",
+        "A point stays only if it is outside in x, in y and in z. It should stay if it is outside "
+        "in any of them.",
         lambda right, *case: case[0][_depths(*case).max(axis=1) < 0],
         "Combine the comparisons for outside with .any(axis=1), or invert at the very end: "
         "~inside.",
@@ -892,12 +895,12 @@ declare_mistakes(
         "Compare all three coordinates: cloud[:, :3].",
     ),
     Mistake(
-        "The lesson's own box is always used; minimum and maximum are ignored.",
+        "Your code always uses the lesson's box and ignores minimum and maximum.",
         lambda right, cloud, low, high: _rows_outside(cloud, *_EGO_BOX),
         "Compare with the parameters minimum and maximum.",
     ),
     Mistake(
-        "Returns of our own car are set to 0. They should be removed.",
+        "Returns from the ego car are set to 0. They should be removed.",
         lambda right, *case: case[0] * (_depths(*case).min(axis=1, keepdims=True) < 0),
         "Index with a mask: cloud[mask] contains only the rows where the mask is True.",
     ),

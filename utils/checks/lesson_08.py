@@ -57,11 +57,11 @@ def require_three_boxes(get_bounding_boxes: Callable) -> None:
 @visible(
     "get_bounding_boxes",
     weight=4,
-    title="Makes each box extend from the smallest to the largest x, y and z of its points",
+    title="Returns boxes that extend from the smallest to the largest x, y and z of their points",
     why="The planner sees only boxes. The car may hit anything that sticks out of a box, and it "
     "cannot use free space inside one. An obstacle without a box is invisible.",
-    hint="Take points.min(axis=0) and points.max(axis=0) of the rows with one label. On each "
-    "axis, a corner uses one of the two values.",
+    hint="Take points.min(axis=0) and points.max(axis=0) of the rows with one label. Each "
+    "coordinate of a corner is one of the two values.",
 )
 def extends_from_min_to_max(get_bounding_boxes: Callable) -> None:
     labels = np.ones(7, dtype=int)
@@ -88,8 +88,9 @@ def returns_one_box_per_label(get_bounding_boxes: Callable) -> None:
     "get_bounding_boxes",
     weight=2,
     title="Does not round the coordinates",
-    why="Errors add up from step to step in a pipeline. Round only in texts that people read.",
-    hint="Return the numbers as they are, without round.",
+    why="Rounding errors add up from step to step in a pipeline. Round only the numbers that you "
+    "print.",
+    hint="Return the numbers without rounding them.",
 )
 def does_not_round(get_bounding_boxes: Callable) -> None:
     require_three_boxes(get_bounding_boxes)
@@ -101,8 +102,9 @@ def does_not_round(get_bounding_boxes: Callable) -> None:
 @visible(
     "get_bounding_boxes",
     weight=3,
-    title="Works on clusters in all directions, such as behind on the right",
-    why="Behind us on the right, x and y are negative, so even their largest values are below 0.",
+    title="Works on clusters in all directions, for example behind the car on the right",
+    why="Behind the car on the right, x and y are negative, so even their largest values are "
+    "below 0.",
     hint="Start the minimum and maximum from the first point or from infinity, not from 0.",
 )
 def works_in_all_directions(get_bounding_boxes: Callable) -> None:
@@ -192,8 +194,8 @@ common_box_checks.promise_untouched(
 @noted(
     "get_bounding_boxes",
     title="Gives corner k the larger x if k & 1, the larger y if k & 2 and the larger z if k & 4",
-    why="The lesson's pictures join corners by these numbers, so in another order the edges "
-    "cross. The picture of the box of seven points shows your numbers.",
+    why="The lesson's pictures use these numbers to draw the edges, so the edges cross if the "
+    "corners are in another order. The picture of the box of seven points shows your numbers.",
 )
 def numbers_the_corners(get_bounding_boxes: Callable) -> None:
     box = as_array(get_bounding_boxes(_POINTS.copy(), np.ones(7, dtype=int)))[0]
@@ -202,7 +204,7 @@ def numbers_the_corners(get_bounding_boxes: Callable) -> None:
         place = np.where(larger, _HIGH, _LOW)
         if np.abs(box[corner] - place).max() > 1e-3:
             raise CheckFailed(
-                f"Corner {corner} is in another place.",
+                f"Corner {corner} is not where the lesson's pictures expect it.",
                 yours=brief_text(box[corner]),
                 expected=brief_text(place),
             )
@@ -216,7 +218,9 @@ def numbers_the_corners(get_bounding_boxes: Callable) -> None:
 def returns_an_array(get_bounding_boxes: Callable) -> None:
     answer = get_bounding_boxes(_CLOUD.copy(), _LABELS.copy())
     if isinstance(answer, (list, tuple)):
-        raise CheckFailed(f"The boxes are in a {type(answer).__name__}.")
+        raise CheckFailed(
+            f"The function returns the boxes as a {type(answer).__name__}, not as an array."
+        )
 
 
 # Small streets with the corners of their boxes. The clusters do not overlap, their labels have no
@@ -387,8 +391,8 @@ declare_mistakes(
         "The loop over the labels ends too early: put `return` after the loop, not inside it.",
     ),
     Mistake(
-        "Your code always skips the smallest label. If no point has label 0, that label is an "
-        "obstacle.",
+        "Your code always skips the smallest label. If no point has label 0, the smallest label "
+        "is an obstacle.",
         lambda right, cloud, labels: right[int(0 not in labels) :],
         "Keep labels > 0 instead of dropping the first label: there may be no noise.",
     ),
@@ -427,7 +431,7 @@ declare_mistakes(
         "points.min(axis=0) gives three numbers, one for each column.",
     ),
     Mistake(
-        "Minimum and maximum are not reset for each label, so a box also contains the boxes "
+        "Minimum and maximum are not reset for each label, so each box also contains the boxes "
         "before it.",
         lambda right, cloud, labels: _change_corners(
             [np.vstack(right[: row + 1]) for row in range(len(right))],

@@ -174,8 +174,8 @@ def _summary_text(labels: np.ndarray) -> str:
     "filter_clusters",
     weight=6,
     title="Removes clusters with too few points and keeps the others",
-    why="Later steps draw a box around every label above 0, so the car would brake for every "
-    "puff of spray that stays.",
+    why="Later steps draw a box around every cluster with a label above 0, so the car would brake "
+    "for every puff of spray that you keep.",
     hint="First count how often each label occurs. Then keep or remove each point according to "
     "the count of its label.",
 )
@@ -187,7 +187,7 @@ def removes_small_clusters(filter_clusters: Callable) -> None:
     "filter_clusters",
     weight=3,
     title="Keeps the labels of the remaining clusters",
-    why="The label identifies an obstacle: the next steps use it to find the points and the box.",
+    why="The label identifies an obstacle: the next steps use it to find its points and its box.",
     hint="Start from a copy of the labels, and change labels only to 0.",
 )
 def keeps_the_labels(filter_clusters: Callable) -> None:
@@ -200,14 +200,14 @@ def keeps_the_labels(filter_clusters: Callable) -> None:
     weight=3,
     title="Gives the points of removed clusters the label 0",
     why="All later steps treat label 0 as noise. A negative label has no meaning.",
-    hint="Write 0 where a cluster is too small.",
+    hint="Write 0 for every point of a cluster that is too small.",
 )
 def writes_zeros(filter_clusters: Callable) -> None:
     require_most_clusters_right(filter_clusters)
     yours = as_labels(filter_clusters(_LABELS.copy(), 3), len(_LABELS))
     if (yours < 0).any():
         raise CheckFailed(
-            fixed("Points of removed clusters must get the label 0, not a negative one."),
+            fixed("Points of removed clusters must get the label 0, not a negative label."),
             yours=brief_text(yours),
             expected=brief_text(_KEPT),
         )
@@ -216,9 +216,9 @@ def writes_zeros(filter_clusters: Callable) -> None:
 @visible(
     "filter_clusters",
     weight=3,
-    title="Removes every small cluster, even if it follows another one",
-    why="Clutter often forms many small clusters. Renumbering the labels inside the loop skips "
-    "the cluster after each removed one.",
+    title="Removes every small cluster, even several in a row",
+    why="Clutter often forms many small clusters. A loop that renumbers the labels skips the "
+    "cluster after each removed cluster.",
     hint="Change labels only to 0. If you loop, read from the original labels and write into a "
     "copy.",
 )
@@ -326,7 +326,7 @@ def keeps_large_clusters(filter_clusters: Callable) -> None:
     "filter_clusters",
     weight=3,
     title="Keeps label 0, however many points have it",
-    why="Earlier steps also use label 0 for noise. It must not become one huge obstacle.",
+    why="Earlier steps also use label 0 for noise, and noise must not become one huge obstacle.",
     hint="Skip label 0 when you look for clusters, or leave it unchanged.",
 )
 def keeps_label_zero(filter_clusters: Callable) -> None:
@@ -346,7 +346,7 @@ def keeps_label_zero(filter_clusters: Callable) -> None:
     "filter_clusters",
     weight=2,
     title="Works when labels have gaps",
-    why="If labels are filtered twice, the second call gets the gaps left by the first.",
+    why="If you filter labels twice, the first call leaves gaps for the second.",
     hint="Loop over the labels that occur, from np.unique, not over range(1, N): label 7 may "
     "occur without label 6.",
 )
@@ -408,7 +408,9 @@ def returns_a_new_array(filter_clusters: Callable) -> None:
 def returns_an_array(filter_clusters: Callable) -> None:
     answer = filter_clusters(_LABELS.copy(), 3)
     if isinstance(answer, (list, tuple)):
-        raise CheckFailed(f"The labels are in a {type(answer).__name__}.")
+        raise CheckFailed(
+            f"The function returns the labels as a {type(answer).__name__}, not as an array."
+        )
 
 
 @noted(
@@ -505,7 +507,7 @@ declare_mistakes(
         is_cheap=True,
     ),
     Mistake(
-        "Your loop renumbers the later labels, so it skips the cluster after each removed one.",
+        "Your loop renumbers the later labels, so it skips the cluster after each removed cluster.",
         _renumbered_inside_the_loop,
         "Change labels only to 0. Read from cluster_labels and write into a copy.",
     ),

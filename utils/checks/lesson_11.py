@@ -86,7 +86,7 @@ def as_axes(answer: object) -> np.ndarray:
             )
         raise WrongForm(message, yours=f"shape {axes.shape}", expected="shape (3, 3)")
     if not np.isfinite(axes).all():
-        raise CheckFailed("Some components are not finite.", yours=brief_text(axes))
+        raise CheckFailed("Some components of the axes are not finite.", yours=brief_text(axes))
     return axes.astype(float)
 
 
@@ -284,8 +284,8 @@ def orders_by_spread(principal_axes: Callable) -> None:
     "principal_axes",
     weight=10,
     title="Returns right-handed axes for every heading",
-    why="Left-handed axes form a reflection. Reading angles from it as if it were a rotation "
-    "gives nonsense.",
+    why="Left-handed axes describe a reflection. If you treat it as a rotation, all angles that "
+    "you read from it are wrong.",
     hint="If np.linalg.det(axes) is negative, flip the sign of one column. Do this last, because "
     "reversing the order of three columns also changes the sign of the determinant.",
 )
@@ -387,8 +387,8 @@ def assert_axes(answer: object, expected: np.ndarray, given: str | None = None) 
     "principal_axes",
     weight=26,
     title="Returns the right axes for the vehicles of the lesson's street",
-    why="The axes are meant for vehicles in a scan. This check combines all the properties that "
-    "are checked above.",
+    why="The scanner sees only some sides of a vehicle. This check combines all the properties "
+    "that the checks above test separately.",
     hint="First fix any check above that also fails, because each of them tests a single "
     "property. Then print your axes of one vehicle next to those of np.linalg.svd, which the "
     "lesson uses above the exercise.",
@@ -458,7 +458,7 @@ common_checks.promise_untouched(
 def returns_an_array(principal_axes: Callable) -> None:
     answer = principal_axes(_grid(*_SIDES[0]))
     if isinstance(answer, (list, tuple)):
-        raise CheckFailed(f"The axes are a {type(answer).__name__}.")
+        raise CheckFailed(f"The function returns the axes as a {type(answer).__name__}.")
 
 
 # Blocks away from the origin, each moved exactly along one of its axes. Without centring, that axis
@@ -518,8 +518,8 @@ declare_mistakes(
         "Subtract points.mean(axis=0) before anything else.",
     ),
     Mistake(
-        "Each coordinate is divided by its own spread. The spreads of x and y are then equal, and "
-        "the first axis of any turned block is at 45°.",
+        "Each coordinate is divided by its spread. The spreads of x and y are then equal, and the "
+        "first axis of any turned block is at 45°.",
         lambda right, points: np.sqrt([[0.5, 0, 0.5], [0.5, 0, 0.5], [0, 1, 0]]),
         "Only subtract the mean; do not divide by the standard deviation.",
     ),
@@ -584,7 +584,7 @@ def _two_blocks_text(*headings: float) -> str:
     weight=11,
     title="Returns boxes that contain every point of their clusters",
     why="The car may drive wherever there is no box, so every point of an obstacle must be inside "
-    "one.",
+    "a box.",
     hint="Turn the points by minus yaw, take minimum and maximum, build the corners, and turn "
     "them by plus yaw.",
 )
@@ -677,7 +677,7 @@ def keeps_boxes_upright(get_oriented_boxes: Callable) -> None:
     title="Puts the floor at the lowest point and the roof at the highest",
     why="The floor and the roof of a box decide whether the car fits under a branch or over a "
     "kerb.",
-    hint="Floor and roof are the smallest and the largest z of the cluster.",
+    hint="The floor is at the smallest z of the cluster, and the roof is at the largest.",
 )
 def reaches_floor_and_roof(get_oriented_boxes: Callable) -> None:
     require_straight_boxes(get_oriented_boxes)
@@ -688,7 +688,7 @@ def reaches_floor_and_roof(get_oriented_boxes: Callable) -> None:
 @visible(
     "get_oriented_boxes",
     weight=8,
-    title="Finds the heading of an object that is taller than long",
+    title="Finds the heading of an object that is taller than it is long",
     why="The longest direction of a pedestrian in space is up, which says nothing about the "
     "heading seen from above.",
     hint="Find the yaw from x and y alone, for example with z set to 0 in a copy of the points.",
@@ -731,7 +731,7 @@ common_box_checks.promise_no_box_for_noise(_BOXES_CASE, "leaves_noise_alone", we
     weight=1,
     title="Works on clusters of one point, of equal points and of points on a line",
     why="Posts return single points, and thin walls return lines.",
-    hint="The box of a single point is that point eight times. You need no special case.",
+    hint="You need no special case: the box of a single point consists of that point eight times.",
 )
 def works_on_small_clusters(get_oriented_boxes: Callable) -> None:
     require_straight_boxes(get_oriented_boxes)
@@ -767,8 +767,8 @@ common_box_checks.promise_untouched(
     "get_oriented_boxes",
     title="Returns the four floor corners in order around the box, then the roof corners above "
     "them",
-    why="floor_area, a few cells below, measures from corner 0 to 1 and from 1 to 2. In another "
-    "order it computes a wrong area.",
+    why="floor_area, a few cells below, measures from corner 0 to 1 and from 1 to 2. If the "
+    "corners are in another order, it computes a wrong area.",
 )
 def orders_the_corners(get_oriented_boxes: Callable) -> None:
     floor, roof = np.split(
@@ -780,7 +780,9 @@ def orders_the_corners(get_oriented_boxes: Callable) -> None:
     if np.abs((sides * np.roll(sides, -1, axis=0)).sum(axis=1)).max() > 0.1:
         raise CheckFailed("The first four corners are not in order around the floor.")
     if np.abs(roof[:, :2] - floor[:, :2]).max() > 1e-2:
-        raise CheckFailed(fixed("Corners 4 to 7 are not above corners 0 to 3, one by one."))
+        raise CheckFailed(
+            fixed("Corners 4 to 7 are not directly above corners 0 to 3 in the same order.")
+        )
 
 
 @noted(
@@ -792,7 +794,7 @@ def orders_the_corners(get_oriented_boxes: Callable) -> None:
 def returns_boxes_as_an_array(get_oriented_boxes: Callable) -> None:
     answer = get_oriented_boxes(_STRAIGHT.copy(), _LABELS.copy())
     if isinstance(answer, (list, tuple)):
-        raise CheckFailed(f"The boxes are a {type(answer).__name__}.")
+        raise CheckFailed(f"The function returns the boxes as a {type(answer).__name__}.")
 
 
 def _make_box(
@@ -910,7 +912,7 @@ def _same_boxes(answer: object, predicted: np.ndarray) -> bool:
 declare_mistakes(
     "get_oriented_boxes",
     Mistake(
-        "The boxes are not turned at all: their sides are parallel to x and y.",
+        "The boxes are not turned: their sides are parallel to x and y.",
         _prediction_with_changed_boxes(_axis_aligned),
         "Turn the points by minus yaw before you take minimum and maximum.",
     ),
@@ -926,7 +928,8 @@ declare_mistakes(
         "Turn the points by minus yaw and the corners by plus yaw.",
     ),
     Mistake(
-        "The corners are not turned back, so the boxes are where the turned points were.",
+        "The corners are not turned back, so the boxes are around the turned points, not around "
+        "the cluster.",
         _prediction_turned_about_sensor(-1),
         "After you have built the corners from minimum and maximum, turn them by plus yaw.",
     ),

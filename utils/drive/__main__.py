@@ -42,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _drive(options: argparse.Namespace, detect: object, tracker: object) -> int:
     streets = [STREETS[number - 1] for number in options.street or range(1, len(STREETS) + 1)]
     if options.to and len(streets) != 1:
-        print("--to writes one street. Choose it, for example with --street 3.")
+        print("--to needs exactly one street. Choose a street, for example with --street 3.")
         return 2
     done: dict[int, Result] = {}
     stopped = False

@@ -173,7 +173,7 @@ def _apparent_cause(drive: Drive, number: int, cause: Thing) -> str:
         second = WORDS[drive.street.kind_of(things[1])]
         other = f"another {second.partition(' ')[2]}" if second == first else second
         return f"{first} and {other} in one box"
-    return f"the box of {first} next to our lane reaches into it"
+    return f"{first} next to our lane, whose box reaches into it"
 
 
 def _real_cause(drive: Drive, number: int, cause: Thing, needed: set[int]) -> str:

@@ -1,4 +1,4 @@
-"""Ready-made steps of a detector, so that you can drive with only one step of your own.
+"""Ready-made steps of a detector, for driving when you have written only one step yourself.
 
 The ready-made steps use libraries, and none of them solves an exercise. Replace any of them with
 your own function:
@@ -15,7 +15,7 @@ import numpy as np
 
 EGO = np.array([(-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)])
 REGION = np.array([(-5.0, -6.0, -2.5), (35.0, 9.2, 1.0)])
-"""Opposite corners of the ego car's own returns and of the region searched, in metres."""
+"""Opposite corners of the box of the ego car's returns, and of the region to search, in metres."""
 
 
 def chain(

@@ -196,5 +196,5 @@ def draw(drive: Drive, number: int, braking: Braking | None = None) -> object:
         axes.add_patch(plt.Polygon(around, fill=False, color=VERMILION, linewidth=3))
         high = around.max(axis=0)
         at = (min(high[0], VIEW[0][1] - 12), min(high[1] + 0.4, VIEW[1][1] - 1.5))
-        axes.text(*at, "braked for this", color=VERMILION, weight="bold")
+        axes.text(*at, "braked for this box", color=VERMILION, weight="bold")
     return axes

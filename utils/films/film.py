@@ -253,6 +253,6 @@ def checked_boxes(found: ArrayLike) -> np.ndarray:
         return np.empty((0, 8, 3))
     if boxes.ndim != 3 or boxes.shape[1:] != (8, 3):
         raise ValueError(
-            f"A detector must return boxes of shape (N, 8, 3); yours has shape {boxes.shape}."
+            f"A detector must return boxes of shape (N, 8, 3); your boxes have shape {boxes.shape}."
         )
     return boxes

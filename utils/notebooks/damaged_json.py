@@ -146,8 +146,8 @@ def _decode(text: str) -> tuple[object, str]:
 
 def _about_rest(rest: str, name: str) -> str:
     return rest and (
-        f"{name} contains something after the end of the notebook, such as a second "
-        "copy. Only the notebook was read. Save it again in Jupyter and submit it again."
+        f"{name} continues after the end of the notebook, for example with a second copy. Only "
+        "the notebook itself was read. Save it again in Jupyter and submit it again."
     )
 
 

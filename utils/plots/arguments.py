@@ -96,7 +96,7 @@ def as_names(names: bool | Sequence[str | int] | None, count: int) -> list[str]:
         return []
     texts = [str(name) for name in (range(count) if names is True else names)]
     if len(texts) != count:
-        raise ValueError(f"names must contain one name per box, so {count}, not {len(texts)}.")
+        raise ValueError(f"names must contain one name per box: {count} names, not {len(texts)}.")
     return texts
 
 

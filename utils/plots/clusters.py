@@ -243,11 +243,11 @@ def _as_edges(edges: ArrayLike, count: int) -> np.ndarray:
         return np.empty((0, 2), dtype=int)
     if edges.ndim != 2 or edges.shape[1] != 2 or not np.issubdtype(edges.dtype, np.integer):
         raise ValueError(
-            "edges must be whole numbers of shape (m, 2): the two rows that each edge joins; "
-            f"yours has shape {edges.shape} and dtype {edges.dtype}."
+            "edges must be an array of whole numbers of shape (m, 2), with the two rows that each "
+            f"edge joins; yours has shape {edges.shape} and dtype {edges.dtype}."
         )
     if edges.min() < 0 or edges.max() >= count:
-        raise ValueError(f"edges must name rows from 0 to {count - 1}.")
+        raise ValueError(f"edges must contain row numbers from 0 to {count - 1}.")
     return edges
 
 
@@ -299,7 +299,7 @@ def growth(
     titles = [f"step {step}" for step in range(len(frames))] if titles is None else list(titles)
     if len(titles) != len(frames):
         raise ValueError(
-            f"titles must contain one title per step, so {len(frames)}, not {len(titles)}."
+            f"titles must contain one title per step: {len(frames)} titles, not {len(titles)}."
         )
     own_figure = axes is None
     columns = min(columns, max(1, len(frames)))

@@ -1,4 +1,4 @@
-"""Compare results with the expected ones: masks, labels and their confusion matrix."""
+"""Compare results with the expected results: masks, labels and their confusion matrix."""
 
 from __future__ import annotations
 
@@ -63,8 +63,8 @@ def difference(
     yours = as_mask(yours_mask, len(cloud), "yours_mask")
     expected = as_mask(expected_mask, len(cloud), "expected_mask")
     groups = (
-        Group("rightly removed", ~yours & ~expected, "x", PALE),
-        Group("rightly kept", yours & expected, "o", SKY),
+        Group("correctly removed", ~yours & ~expected, "x", PALE),
+        Group("correctly kept", yours & expected, "o", SKY),
         Group("wrongly kept", yours & ~expected, "^", VERMILION, strong=True),
         Group("wrongly removed", ~yours & expected, "s", INK, strong=True),
     )

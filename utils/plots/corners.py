@@ -109,7 +109,7 @@ def corner_numbers(box: ArrayLike, *, title: str | None = None, axes: Axes | Non
     axes = canvas(axes, size=(5.5, 4.2))
     axes.set_axis_off()
     if not np.isfinite(box).all():
-        note(axes, "the box has a corner that is not a number")
+        note(axes, "a corner of the box is not finite")
         return finish(axes, title)
     drawn = _oblique(box - box.mean(axis=0))
     extent = max(np.ptp(drawn, axis=0).max(), 1e-3)

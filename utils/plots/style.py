@@ -126,7 +126,7 @@ def panels(
         axes = grid.flat[:count]
     axes = np.atleast_1d(np.asarray(axes, dtype=object)).ravel()
     if len(axes) != count:
-        raise ValueError(f"axes must contain one Axes per panel, so {count}, not {len(axes)}.")
+        raise ValueError(f"axes must contain one Axes per panel: {count} axes, not {len(axes)}.")
     for panel in axes:
         canvas(panel)
     return axes
@@ -183,8 +183,8 @@ def _spans_of(limits: ArrayLike) -> np.ndarray:
         spans = np.full((2, 2), np.nan)
     if not np.isfinite(spans).all() or (spans[:, 0] == spans[:, 1]).any():
         raise ValueError(
-            "limits must be ((low, high), (low, high)), first across and then up, in metres, "
-            f"for example ((-20, 40), (-10, 10)); yours is {limits!r}."
+            "limits must be ((low, high), (low, high)) in metres, first horizontally and then "
+            f"vertically, for example ((-20, 40), (-10, 10)); yours is {limits!r}."
         )
     return spans
 

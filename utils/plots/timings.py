@@ -79,7 +79,7 @@ def _measurements(
         valid = False
     if not valid:
         raise ValueError(
-            f'series["{name}"] must be a pair (n, seconds) of two number lists of equal length.'
+            f'series["{name}"] must be a pair (n, seconds) of two lists of numbers of equal length.'
         )
     usable = np.isfinite(n) & np.isfinite(seconds) & (n > 0) & (seconds > 0)
     return n[usable], seconds[usable]

@@ -19,8 +19,8 @@ UDACITY = (
 )
 LICENCE = (
     "Recorded by the KITTI project (Geiger, Lenz, Stiller and Urtasun, IJRR 2013; "
-    "www.cvlibs.net/datasets/kitti) and published under CC BY-NC-SA 3.0: for non-commercial use, "
-    "naming the authors, and passed on only under the same terms."
+    "www.cvlibs.net/datasets/kitti) and published under CC BY-NC-SA 3.0: use it only for "
+    "non-commercial purposes, name the authors, and share it only under the same terms."
 )
 
 

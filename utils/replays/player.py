@@ -103,7 +103,7 @@ def _show(run: Replay, position: int) -> None:
     step, wrong = run.steps[position], run.wrong
     title = f"step {position + 1} of {len(run.steps)}"
     if wrong and wrong.step == position:
-        title += ": here it is wrong"
+        title += ": the first mistake"
     step.draw(title)
     plt.show()
     html, text = f"<p>{escape(step.says)}</p>", step.says

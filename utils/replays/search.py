@@ -76,7 +76,7 @@ def walk(
 
     wrong = None
     if misplaced := next(_misplaced(root), None):
-        remark = f"The tree itself is wrong, so look at insert first: {misplaced}."
+        remark = f"The tree itself is wrong, so fix insert first: {misplaced}."
     elif not remark:
         wrong = _first_mistake(root, target, tolerance, list(visited), rows)
     return Replay([step(number) for number in range(len(visited) + 1)], wrong, remark)

@@ -66,8 +66,8 @@ def flattened(cloud):
     "filter_by_distance",
     weight=4,
     title="Keeps the near points of the course's scan",
-    hint="Compare with the picture in the notebook: the result is a disc with nothing missing "
-    "inside.",
+    hint="Compare with the picture in the notebook: the result must be a disc from which no "
+    "points are missing.",
 )
 def test_filters_the_course_scan(student):
     assert_distance_filtered(student, samples.course_cloud()[::5])
@@ -77,7 +77,7 @@ def test_filters_the_course_scan(student):
     "filter_by_distance",
     weight=4,
     title="Keeps the near points of a flattened street you have not seen",
-    hint="Keep the rows with sqrt(x² + y²) <= distance, on any street.",
+    hint="Keep exactly the rows with sqrt(x² + y²) <= distance.",
 )
 def test_filters_a_new_street(student, seed):
     assert_distance_filtered(student, flattened(samples.fresh_street(seed)[::5]))
@@ -139,7 +139,7 @@ def test_keeps_the_same_points_when_turned(student, seed):
     "filter_by_distance",
     weight=2,
     title="Keeps the intensity of every row",
-    hint="Index the cloud itself: this keeps all columns.",
+    hint="Index the cloud itself, cloud[mask], which keeps all columns.",
 )
 def test_keeps_all_columns(student, seed):
     cloud = without_corners(flattened(samples.patch_of_course_cloud(seed, 500)), 10.0)
@@ -151,7 +151,7 @@ def test_keeps_all_columns(student, seed):
     "filter_by_distance",
     weight=2,
     title="Keeps the order of the rows, whatever it was",
-    hint="Index with a mask: it never changes the order.",
+    hint="Index with a mask, which never changes the order.",
 )
 def test_keeps_the_order(student, seed):
     cloud = without_corners(flattened(samples.patch_of_course_cloud(seed, 500)), 10.0)
@@ -165,7 +165,7 @@ def test_keeps_the_order(student, seed):
     "filter_by_distance",
     weight=1,
     title="Works with three columns, float32 and duplicate rows",
-    hint="Your two lines handle every case: no special case is needed.",
+    hint="You need no special case: the same mask works for every cloud.",
 )
 def test_works_on_all_kinds_of_clouds(student, seed):
     require_near_points_kept(student.filter_by_distance)
@@ -180,7 +180,7 @@ def test_works_on_all_kinds_of_clouds(student, seed):
     "filter_by_distance",
     weight=1,
     title="Works on a single point, and when no point is left",
-    hint="Your two lines handle every case: no special case is needed.",
+    hint="You need no special case: the same mask works for every cloud.",
 )
 def test_works_on_small_clouds(student, seed):
     require_near_points_kept(student.filter_by_distance)
@@ -195,7 +195,7 @@ def test_works_on_small_clouds(student, seed):
     "filter_by_distance",
     weight=2,
     title="Never modifies its input",
-    hint="Index with a mask: this makes a new array and leaves the cloud unchanged.",
+    hint="Index with a mask, which creates a new array and leaves the cloud unchanged.",
 )
 def test_leaves_its_input_unchanged(student, seed):
     require_near_points_kept(student.filter_by_distance)
@@ -342,7 +342,7 @@ def test_crop_keeps_all_columns(student, seed):
     "crop_region",
     weight=1,
     title="Keeps the order of the rows, whatever it was",
-    hint="Index with a mask: it never changes the order.",
+    hint="Index with a mask, which never changes the order.",
 )
 def test_crop_keeps_the_order(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 500)
@@ -382,7 +382,7 @@ def test_crops_small_clouds(student, seed):
     "crop_region",
     weight=1,
     title="Never modifies the cloud or the corners",
-    hint="Index with a mask: this makes a new array and leaves the cloud unchanged.",
+    hint="Index with a mask, which creates a new array and leaves the cloud unchanged.",
 )
 def test_crop_leaves_its_input_unchanged(student, seed):
     require_crop(student.crop_region)
@@ -420,7 +420,7 @@ def test_works_with_other_boxes(student, seed):
     "remove_ego_returns",
     weight=3,
     title="Keeps points that are outside in height only",
-    hint="Keep points above and below the box: they are not part of it.",
+    hint="Keep points above and below the box: they are not inside it.",
 )
 def test_keeps_points_above_and_below(student, seed):
     require_ego_removed(student.remove_ego_returns)
@@ -444,7 +444,7 @@ def test_removal_keeps_all_columns(student, seed):
     "remove_ego_returns",
     weight=1,
     title="Keeps the order of the rows, whatever it was",
-    hint="Index with a mask: it never changes the order.",
+    hint="Index with a mask, which never changes the order.",
 )
 def test_removal_keeps_the_order(student, seed):
     cloud = scan_around_the_car(seed)
@@ -485,7 +485,7 @@ def test_removes_from_small_clouds(student, seed):
     "remove_ego_returns",
     weight=1,
     title="Never modifies the cloud or the corners",
-    hint="Index with a mask: this makes a new array and leaves the cloud unchanged.",
+    hint="Index with a mask, which creates a new array and leaves the cloud unchanged.",
 )
 def test_removal_leaves_its_input_unchanged(student, seed):
     require_ego_removed(student.remove_ego_returns)

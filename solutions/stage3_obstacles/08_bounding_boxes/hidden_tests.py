@@ -107,7 +107,8 @@ def without_small(labels, least):
     "get_bounding_boxes",
     weight=4,
     title="Puts a box around every obstacle in the course's scan",
-    hint="Compare with the picture in the notebook: is every obstacle in its box?",
+    hint="Draw your boxes and compare them with the picture in the notebook. Is every obstacle "
+    "inside a box?",
 )
 def test_boxes_the_course_scan(student, seed):
     assert_boxed(student, *course_clusters(seed))
@@ -127,7 +128,7 @@ def test_boxes_a_new_street(student, seed):
     "get_bounding_boxes",
     weight=2,
     title="Works when labels have large gaps",
-    hint="Loop over np.unique(labels[labels > 0]): it lists the labels that occur.",
+    hint="Loop over np.unique(labels[labels > 0]), which lists the labels that occur.",
 )
 def test_works_with_gaps(student, seed):
     rng = np.random.default_rng(seed)
@@ -225,7 +226,7 @@ def test_works_with_intensity(student, seed):
     "get_bounding_boxes",
     weight=1,
     title="Works with float32 points and with 32-bit labels",
-    hint="Compare with cluster_labels == label, which works for every number type.",
+    hint="Select rows with cluster_labels == label, which works for every type of number.",
 )
 def test_works_with_other_number_types(student, seed):
     cloud, labels = clusters_around_the_origin(np.random.default_rng(seed))

@@ -68,8 +68,8 @@ def test_filters_the_course_scan(student, seed):
     "filter_clusters",
     weight=7,
     title="Removes small clusters from swarms you have not seen",
-    hint="Decide about each cluster only by its own number of points, even if many small ones "
-    "follow each other.",
+    hint="Judge each cluster only by its number of points, even if many small clusters follow "
+    "each other.",
 )
 def test_filters_swarms(student, seed):
     rng = np.random.default_rng(seed)
@@ -115,7 +115,8 @@ def test_keeps_clusters_of_the_minimum_size(student, seed):
     "filter_clusters",
     weight=3,
     title="Keeps labels that are large and have gaps",
-    hint="Filtering twice must work: the second time, labels have gaps and there are many zeros.",
+    hint="Do not assume labels from 1 to N: when labels are filtered a second time, they have "
+    "gaps and many zeros.",
 )
 def test_keeps_the_labels(student, seed):
     require_most_clusters_right(student.filter_clusters)
@@ -130,7 +131,7 @@ def test_keeps_the_labels(student, seed):
 @hidden(
     "filter_clusters",
     weight=3,
-    title="Never turns noise into a cluster, however much there is",
+    title="Never turns noise into a cluster, however many noise points there are",
     hint="Label 0 is not a cluster, however often it occurs.",
 )
 def test_never_clusters_noise(student, seed):
@@ -161,7 +162,7 @@ def test_works_in_any_order(student, seed):
 @hidden(
     "filter_clusters",
     weight=2,
-    title="Keeps everything with a minimum of 0 and nothing with a huge one",
+    title="Keeps all clusters if the minimum is 0, and none if it is huge",
     hint="Use the same lines for every minimum: 0 and a huge minimum need no special case.",
 )
 def test_works_with_extreme_minima(student, seed):
@@ -193,7 +194,7 @@ def test_works_with_other_number_types(student, seed):
     "filter_clusters",
     weight=2,
     title="Never modifies its input",
-    hint="Work on a copy.",
+    hint="Write into a copy: cluster_labels.copy().",
 )
 def test_leaves_its_input_unchanged(student, seed):
     labels = clutter(np.random.default_rng(seed), 20, 30)

@@ -180,7 +180,7 @@ def test_extremes(student, seed):
     NAME,
     weight=2,
     title="Finds hundreds of clusters",
-    hint="The largest label is the number of clusters, but an 8-bit integer ends at 255.",
+    hint="Labels need a type that holds numbers above 255, so 8-bit integers are too small.",
 )
 def test_many_clusters(student, seed):
     require_simplest_clusters(student.euclidean_clustering_accelerated)
@@ -196,7 +196,7 @@ def answer_in_time(student, cloud, threshold, advice):
     try:
         return student.euclidean_clustering_accelerated(cloud, threshold)
     except StudentStopped as stopped:
-        raise CheckFailed(f"{len(cloud):,} points. {stopped} {advice}") from None
+        raise CheckFailed(f"The cloud has {len(cloud):,} points. {stopped} {advice}") from None
 
 
 @functools.lru_cache(maxsize=16)

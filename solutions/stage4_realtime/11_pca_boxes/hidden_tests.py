@@ -235,7 +235,7 @@ def test_position(student, seed):
     "principal_axes",
     weight=2,
     title="Does not depend on the order of the points or the size of the cluster",
-    hint="Do not write lengths or numbers of points into the function as constants.",
+    hint="Do not assume a certain length or number of points.",
 )
 def test_order_and_size(student, seed):
     rng = np.random.default_rng(seed)
@@ -345,7 +345,7 @@ def test_scanned_vehicles(student, seed):
 @hidden(
     "get_oriented_boxes",
     weight=8,
-    title="Fits boxes tightly around objects that are taller than long",
+    title="Fits boxes tightly around objects that are taller than they are long",
     hint="The longest direction in space may be up. Find the heading from x and y alone.",
 )
 def test_tall_objects(student, seed):
@@ -368,8 +368,8 @@ def test_tall_objects(student, seed):
     "get_oriented_boxes",
     weight=5,
     title="Contains every point of the clusters on a new street",
-    hint="Poles, people, hedges and walls also get a heading. Whatever it is, the box must "
-    "contain all of their points.",
+    hint="Poles, people, hedges and walls also get a heading. Whatever the heading is, each box "
+    "must contain all points of its cluster.",
 )
 def test_fresh_street(student, seed):
     cloud, labels = street_clusters(seed)
@@ -505,7 +505,7 @@ def test_array_types(student, seed):
     "get_oriented_boxes",
     weight=1,
     title="Works with many clusters",
-    hint="Do not write a number of boxes into the function as a constant.",
+    hint="Return one box for each label, however many labels there are.",
 )
 def test_many_clusters(student, seed):
     require_straight_boxes(student.get_oriented_boxes)

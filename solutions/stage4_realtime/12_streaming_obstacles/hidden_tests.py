@@ -119,7 +119,7 @@ def test_fresh_streets(student, seed):
     "detect_obstacles",
     weight=3,
     title="Finds the cars during a drive through a new city",
-    hint="Draw your boxes on several frames of scenes.city_block. Where is a car without a box?",
+    hint="Draw your boxes on several frames of scenes.city_block. Which cars have no box?",
 )
 def test_city(student, seed):
     require_cars_found_in_frame(student.detect_obstacles, square(seed))
@@ -154,7 +154,7 @@ def test_reach(student, seed):
     "detect_obstacles",
     weight=3,
     title="Finds a person next to the bumper, on either side",
-    hint="remove_ego_returns must remove the box of the ego car and nothing outside it.",
+    hint="remove_ego_returns must remove the points in the box of the ego car and no others.",
 )
 def test_person_at_the_bumper(student, seed):
     assert_found_on_climbs(student, seed, "pedestrian")
@@ -174,7 +174,7 @@ def test_edge_of_the_road(student, seed):
     "detect_obstacles",
     weight=3,
     title="Finds lorries",
-    hint="A cluster of a thousand points is a wall or a lorry.",
+    hint="Do not remove large clusters: a cluster of a thousand points is a wall or a lorry.",
 )
 def test_lorries(student, seed):
     assert_found_on_climbs(student, seed, "truck")
@@ -183,7 +183,7 @@ def test_lorries(student, seed):
 @hidden(
     "detect_obstacles",
     weight=3,
-    title="Gives closely parked cars separate boxes",
+    title="Gives cars that are parked close together separate boxes",
     hint="Two objects become one cluster if the threshold is larger than the gap between them.",
 )
 def test_parked_cars(student, seed):
@@ -196,7 +196,7 @@ def test_parked_cars(student, seed):
 @hidden(
     "detect_obstacles",
     weight=4,
-    title="Puts few boxes around road or nothing on new streets and in a new city",
+    title="Puts few boxes around road or empty space on new streets and in a new city",
     hint="Draw the boxes of scenes.random_street(1). Which of them contain only road, or no "
     "points at all? In the city the road goes uphill: what does your ground filter leave 20 m "
     "ahead?",
@@ -220,7 +220,7 @@ def test_turned_cars(student, seed):
 @hidden(
     "detect_obstacles",
     weight=12,
-    title="Puts no box around the ego car, however much of it the scanner sees",
+    title="Does not put a box around the ego car, however much of it the scanner sees",
     hint="Remove all returns inside the box of the ego car and on its faces.",
 )
 def test_ego_car(student, seed):
@@ -259,7 +259,7 @@ def test_rain(student, seed):
     "detect_obstacles",
     weight=2,
     title="Returns no box where a car was a moment ago",
-    hint="Every call must use only its own cloud, and nothing from earlier calls.",
+    hint="Use only the cloud of the current call, and nothing from earlier calls.",
 )
 def test_removed_car(student, seed):
     car = clear_cars(square(seed + 4))[seed % 3]
@@ -316,7 +316,7 @@ def test_single_precision(student, seed):
     "detect_obstacles",
     weight=1,
     title="Works on scans of a few returns",
-    hint="Some steps need three or more points. What do they do with one?",
+    hint="Some steps need at least three points. What do they do with a single point?",
 )
 def test_small_scans(student, seed):
     cloud = square(seed + 4).cloud
@@ -325,7 +325,7 @@ def test_small_scans(student, seed):
         boxes = as_boxes(student.detect_obstacles(cloud[-count:].copy()))
         if len(boxes) > count:
             raise CheckFailed(
-                "There are more boxes than returns.",
+                "The detector returns more boxes than the scan has returns.",
                 yours=f"{len(boxes)} boxes",
                 expected=f"at most {count}",
             )
@@ -416,7 +416,7 @@ def test_max_distance(student, seed):
     "match_boxes",
     weight=10,
     title="Gives each box at most one partner, even in a crowd",
-    hint="If two boxes are close to the same partner, what does the second one get?",
+    hint="If two boxes are close to the same partner, what does the farther box get?",
 )
 def test_one_to_one(student, seed):
     require_matching(student.match_boxes)
@@ -464,7 +464,7 @@ def test_second_choice(student, seed):
     weight=6,
     title="Does not depend on the order of a box's corners",
     hint="The corners of a box that turns slightly may be in another order. The mean of all eight "
-    "does not depend on the order.",
+    "corners does not depend on the order.",
 )
 def test_order_of_corners(student, seed):
     require_matching(student.match_boxes)
@@ -496,7 +496,7 @@ def test_position_and_rotation(student, seed):
     "match_boxes",
     weight=1,
     title="Works in single precision",
-    hint="Use only the distances between centres. A centimetre must not matter.",
+    hint="Use only the distances between centres. A difference of a centimetre must not matter.",
 )
 def test_single_precision_of_boxes(student, seed):
     previous, current, partner = moved_boxes(np.random.default_rng(seed))

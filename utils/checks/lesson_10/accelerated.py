@@ -71,7 +71,7 @@ def separates_groups(euclidean_clustering_accelerated: Callable) -> None:
     title="Joins six of the lesson's seven points",
     why="Each of the three steps joins some of these points.",
     hint="If you use the three steps, run the cells that try each of them on the seven points. "
-    "Which step is the first to differ from the expected result?",
+    "Which is the first step whose result differs from the expected one?",
 )
 def joins_six_of_seven_points(euclidean_clustering_accelerated: Callable) -> None:
     labels = np.array([1, 1, 1, 1, 1, 1, 2])
@@ -150,8 +150,8 @@ def separates_pairs_above_the_threshold(euclidean_clustering_accelerated: Callab
     title="Keeps pairs just above the threshold apart when the cloud begins with a heap",
     why="A scan may begin with thousands of returns from one wall. They must not change which of "
     "the other points are joined.",
-    hint="Do the two points that you measure belong to the two cells? The row of a cell in the "
-    "list of cells is not the row of a point in the cloud.",
+    hint="Do the two points whose distance you compute belong to the two cells? The row of a cell "
+    "in the list of cells is not the row of a point in the cloud.",
 )
 def separates_pairs_behind_a_heap(euclidean_clustering_accelerated: Callable) -> None:
     require_simplest_clusters(euclidean_clustering_accelerated)
@@ -191,8 +191,8 @@ def separates_pairs_around_the_sensor(euclidean_clustering_accelerated: Callable
     _NAME,
     weight=6,
     title="Finds the only close pair of points in two crowded cells",
-    why="Two parts of a car may be close at a single pair of points. If only one point of each "
-    "cell is compared, one obstacle becomes two, depending on the order of the scan.",
+    why="A single pair of close points may connect two parts of a car. If you compare only one "
+    "point of each cell, one obstacle becomes two, depending on the order of the scan.",
     hint="Two cells may be close even if their representatives are far apart. If the pieces of "
     "two neighbouring cells still differ, compare all their points. If any pair is closer than "
     "the threshold, give all cells of one piece the label of the other.",
@@ -207,7 +207,8 @@ def finds_the_close_pair(euclidean_clustering_accelerated: Callable) -> None:
     _NAME,
     weight=19,
     title="Finds the right clusters at the far end of the lesson's street",
-    why="The picture above shows this scan.",
+    why="A street combines most of the cases that the checks above test one by one. The picture "
+    "above shows this scan.",
     hint="The picture of the pieces after two steps shows the same end of the street. Draw your "
     "labels next to those of join_all_pairs. Which clusters are split, and which are merged?",
 )
@@ -292,7 +293,7 @@ common_cluster_checks.promise_few_points(
     _CASE,
     "works_on_smallest_clouds",
     why="Filters sometimes leave no points.",
-    hint="Return an array of length 0 early if len(cloud) == 0. A list of pairs may also be empty.",
+    hint="If len(cloud) == 0, return an empty array at once. The list of pairs may also be empty.",
     weight=2,
 )
 common_cluster_checks.promise_equal_points(
@@ -311,8 +312,8 @@ common_cluster_checks.promise_untouched(_CASE, "leaves_its_input")
     weight=4,
     title="Clusters many points on many objects quickly",
     why="A scanner delivers ten times as many points as this cloud, ten times a second.",
-    hint="Where is the time spent? Comparing each point with all others takes n * n steps. Work "
-    "with cells instead, because there are far fewer of them.",
+    hint="Where does your function spend its time? Comparing each point with all others takes n * "
+    "n steps. Work with cells instead, because there are far fewer of them.",
 )
 def is_quick(euclidean_clustering_accelerated: Callable) -> None:
     # Fourteen walls at least 3 m apart, with points every 0.1 m.
@@ -331,8 +332,8 @@ def is_quick(euclidean_clustering_accelerated: Callable) -> None:
     why="A wet wall just in front of the sensor, or two merged scans, can put thousands of points "
     "close together. The number of close pairs then grows with the square of the number of "
     "points, and a list of them fills the memory.",
-    hint="Points that share a cell of side threshold / sqrt(3) share a cluster, so no pair of "
-    "points inside has to be listed or measured.",
+    hint="Points that share a cell of side threshold / sqrt(3) share a cluster, so you need not "
+    "list or measure any pair of points in one cell.",
 )
 def is_quick_on_a_heap(euclidean_clustering_accelerated: Callable) -> None:
     cloud, labels = _two_heaps(2500, 5.0)
@@ -343,8 +344,8 @@ def is_quick_on_a_heap(euclidean_clustering_accelerated: Callable) -> None:
     _NAME,
     weight=12,
     title="Compares two neighbouring heaps quickly",
-    why="Two crowded cells with thousands of points each have millions of distances between them. "
-    "Ordinary streets do not show this problem, but merged scans do.",
+    why="Two cells of thousands of points each form millions of pairs. This problem does not "
+    "occur in an ordinary street, but it does in merged scans.",
     hint="You do not need a table of all distances to find the closest pair of two cells. "
     "cKDTree(p).query(q) finds the nearest point of p for each point of q.",
 )
@@ -386,8 +387,8 @@ def assert_in_time(
             break
     if best > allowed:
         raise CheckFailed(
-            f"The clusters are right, but they took {ceil(best / allowed * times)} times as long "
-            "as finding the nearest neighbour of every point.",
+            f"The clusters are right, but computing them took {ceil(best / allowed * times)} "
+            "times as long as finding the nearest neighbour of every point.",
             given=f"{len(cloud)} points; threshold 0.5 m",
             yours=f"{best:.2f} s of processor time",
             expected=f"less than {times:.0f} times as long, {allowed:.2f} s",
@@ -459,8 +460,8 @@ def leaves_no_gaps(euclidean_clustering_accelerated: Callable) -> None:
 @noted(
     _NAME,
     title="Numbers the clusters in the order of their first points",
-    why="The docstring says so, and only then can you compare the labels with those of lesson 05 "
-    "one by one. np.argsort gives an order; np.argsort of that order gives the ranks.",
+    why="The docstring asks for this order. It lets you compare the labels with those of lesson "
+    "05 one by one. np.argsort gives an order; np.argsort of that order gives the ranks.",
 )
 def numbers_by_appearance(euclidean_clustering_accelerated: Callable) -> None:
     assert_numbered_by_appearance(euclidean_clustering_accelerated)

@@ -141,7 +141,7 @@ def finds_the_cells(points_in_cells: Callable) -> None:
 
 @visible(
     "points_in_cells",
-    title="Makes cells that are threshold / √3 wide at any threshold",
+    title="Makes cells that are threshold / √3 wide for any threshold",
     why="Two points in a larger cell may be too far apart to be neighbours. Smaller cells only "
     "take longer.",
     hint="Write side = threshold / np.sqrt(3). The diagonal of a cell then equals the threshold.",
@@ -165,7 +165,7 @@ def scales_with_the_threshold(points_in_cells: Callable) -> None:
     "points_in_cells",
     title="Does not change the points",
     why="Step 2 uses the same points. If step 1 changes them, step 2 measures wrong distances, "
-    "and running a cell twice starts from different points.",
+    "and a notebook cell that you run twice starts from different points.",
     hint="points / side creates a new array. points /= side changes the array that the function "
     "received.",
 )
@@ -201,7 +201,8 @@ def finds_the_neighbours(join_cheaply: Callable) -> None:
     yours = np.unique(np.sort(pairs, axis=1), axis=0)
     if len(yours) != len(pairs) or not np.array_equal(yours, _PAIRS):
         raise CheckFailed(
-            "pairs must contain each pair of cells at most two steps apart exactly once.",
+            "pairs must contain every pair of cells that are at most two steps apart, and each "
+            "pair only once.",
             given=_GIVEN,
             yours=brief_text(yours.tolist()),
             expected=brief_text(_PAIRS.tolist()),
@@ -276,7 +277,7 @@ def joins_exactly(join_exactly: Callable) -> None:
     "join_exactly",
     title="Does not change the labels of step 2",
     why="If you run the cell below a second time, it must start from the pieces of step 2, not "
-    "from joined ones.",
+    "from pieces that are already joined.",
     hint="Write label = label.copy() before you change any label.",
 )
 def keeps_the_labels_unchanged(join_exactly: Callable) -> None:

@@ -56,9 +56,10 @@ SQUARE_SEED, WALK_SEED, CLIMB_SEED = 25, 7, 4
     "detect_obstacles",
     weight=5,
     title="Finds isolated cars near the sensor",
-    why="This detector combines what you wrote in the previous lessons.",
-    hint="Follow the returns near that place. How many are left after each step, and at which "
-    "step do they vanish?",
+    why="The detector combines your functions of the previous lessons. If any step loses a parked "
+    "car, the ego car may hit it.",
+    hint="Follow the returns of the missed car. How many are left after each step, and which step "
+    "removes the last of them?",
 )
 def finds_cars(detect_obstacles: Callable) -> None:
     # Include every scan that later checks use, because those checks wait until the cars in their
@@ -73,7 +74,7 @@ def finds_cars(detect_obstacles: Callable) -> None:
     title="Finds isolated people near the sensor",
     why="People are the smallest road users, and missing them is the worst mistake.",
     hint="How many points of a person are left before clustering? min_num_points must not be "
-    "larger.",
+    "larger than that number.",
 )
 def finds_people(detect_obstacles: Callable) -> None:
     require_cars_found_in_frame(detect_obstacles, walk(WALK_SEED))
@@ -84,7 +85,7 @@ def finds_people(detect_obstacles: Callable) -> None:
     "detect_obstacles",
     weight=3,
     title="Finds a car across the road, 8 to 10 m ahead",
-    why="At 30 km/h a car needs 9 m to brake. A detector with a shorter range finds obstacles too "
+    why="At 30 km/h a car needs 9 m to stop. A detector with a shorter range finds obstacles too "
     "late.",
     hint="Where does your region of interest end? It must reach a little more than 10 m ahead.",
 )
@@ -100,8 +101,8 @@ def looks_far_enough(detect_obstacles: Callable) -> None:
     title="Puts boxes around obstacles, not around road or empty space",
     why="A car that brakes for the road itself is useless.",
     hint="Look from the side at the boxes that contain no obstacle. If the road rises above the "
-    "ground level, use a plane (lesson 03), which rises with it. If they contain only a few "
-    "points, filter_clusters should have removed them.",
+    "ground level, use a plane (lesson 03), which rises with it. If the boxes contain only a few "
+    "points, filter_clusters should have removed these points.",
 )
 def avoids_ghosts(detect_obstacles: Callable) -> None:
     require_cars_found_in_frame(detect_obstacles, street_before())
@@ -122,9 +123,9 @@ def _assert_found_on_the_climb(detect_obstacles: Callable, kind: str) -> None:
     "detect_obstacles",
     weight=3,
     title="Finds a person next to the bumper",
-    why="A person who crosses in front of a standing car is closer than anything else.",
-    hint="remove_ego_returns must remove the box of the ego car, from (-1.5, -1.7, -1.0) to (2.6, "
-    "1.7, -0.4), and nothing outside it.",
+    why="A person who crosses right in front of a standing car is the nearest obstacle.",
+    hint="remove_ego_returns must remove the points in the box of the ego car, from (-1.5, -1.7, "
+    "-1.0) to (2.6, 1.7, -0.4), and no others.",
 )
 def finds_the_person_at_the_bumper(detect_obstacles: Callable) -> None:
     _assert_found_on_the_climb(detect_obstacles, "pedestrian")
@@ -156,7 +157,7 @@ def finds_the_lorry(detect_obstacles: Callable) -> None:
 @visible(
     "detect_obstacles",
     weight=3,
-    title="Gives two closely parked cars two boxes",
+    title="Gives two cars that are parked close together separate boxes",
     why="A single box hides the gap from which a child may run into the road.",
     hint="Two objects become one cluster if the threshold is larger than the gap between them.",
 )
@@ -170,7 +171,7 @@ def keeps_parked_cars_apart(detect_obstacles: Callable) -> None:
 @visible(
     "detect_obstacles",
     weight=12,
-    title="Puts no box around the ego car",
+    title="Does not put a box around the ego car",
     why="With an obstacle at 0 m, the car would brake forever.",
     hint="Call remove_ego_returns with the whole box of the ego car, from (-1.5, -1.7, -1.0) to "
     "(2.6, 1.7, -0.4), before you average or cluster points. In this check the scanner sees the "
@@ -200,7 +201,8 @@ def turns_boxes(detect_obstacles: Callable) -> None:
 @visible(
     "detect_obstacles",
     weight=2,
-    title="Returns upright boxes with a level floor, right angles and a corner above each corner",
+    title="Returns upright boxes with a level floor, right angles and each roof corner above a "
+    "floor corner",
     why="The planner uses the height of each corner and the area between the corners.",
     hint="End with your get_oriented_boxes of lesson 11, which turns boxes about z only.",
 )
@@ -243,8 +245,8 @@ def drops_invalid(detect_obstacles: Callable) -> None:
     weight=1,
     title="Works on an empty scan",
     why="A bad frame must not stop the stream.",
-    hint="Return np.empty((0, 8, 3)) as soon as no point is left, after every filter that may "
-    "remove all points.",
+    hint="After every filter that may remove all points, return np.empty((0, 8, 3)) if no point "
+    "is left.",
 )
 def works_on_an_empty_scan(detect_obstacles: Callable) -> None:
     require_cars_found_in_frame(detect_obstacles, square(SQUARE_SEED))
@@ -257,7 +259,7 @@ def works_on_an_empty_scan(detect_obstacles: Callable) -> None:
     "detect_obstacles",
     weight=5,
     title="Works on scans without intensity",
-    why="Not every scanner measures intensity, and a cloud may come from another source.",
+    why="Some scanners do not measure intensity, and some recordings do not store it.",
     hint="Use cloud[:, :3] from the start.",
 )
 def works_without_intensity(detect_obstacles: Callable) -> None:
@@ -284,8 +286,9 @@ def keeps_the_cloud_unchanged(detect_obstacles: Callable) -> None:
 @noted(
     "detect_obstacles",
     title="Does not mistake a climbing road for an obstacle",
-    why="If a road climbs by 4 %, a fixed ground level leaves road in the cloud from 13 m ahead, "
-    "and the car brakes there. A plane through the low points (lesson 03) climbs with the road.",
+    why="If a road climbs by 4 %, a fixed ground level leaves points of the road in the cloud "
+    "from 13 m ahead, and the car brakes for them. A plane through the low points (lesson 03) "
+    "climbs with the road.",
 )
 def ignores_a_climbing_road(detect_obstacles: Callable) -> None:
     assert_no_boxes_on_road(detect_once(detect_obstacles, climb(CLIMB_SEED)), climb(CLIMB_SEED))
@@ -318,15 +321,15 @@ def lists_the_floor_first(detect_obstacles: Callable) -> None:
     for box in as_boxes(detect_obstacles(street_before().cloud.copy())):
         if np.ptp(box[:4, 2]) > 2e-3:
             raise CheckFailed(
-                "The first four corners are not at one height.", yours=brief_text(box)
+                "The first four corners are not at the same height.", yours=brief_text(box)
             )
 
 
 @noted(
     "detect_obstacles",
     title="Uses only functions of this notebook",
-    why="The judge sees only this notebook, where the detector would find nothing and earn "
-    "nothing. Paste the functions that it needs into the cells above it.",
+    why="The judge runs only this notebook, so a detector that needs another notebook fails and "
+    "earns no points. Paste the functions that the detector needs into the cells above it.",
 )
 def uses_this_notebook_only(detect_obstacles: Callable) -> None:
     if name := _foreign_name(detect_obstacles):

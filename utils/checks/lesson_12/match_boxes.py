@@ -85,9 +85,10 @@ def as_indices(answer: object, previous: np.ndarray, current: np.ndarray) -> np.
     if yours.dtype.kind == "b":
         message = " This is a mask, True or False."
     elif yours.shape == (len(current), len(previous)):
-        message = " This has the shape of a table of all pairs: return one column for each row."
+        message = " This has the shape of a table of all pairs: return the index of one column "
+        "for each row."
     elif yours.shape == (len(previous),):
-        message = f" There are {len(previous)}, one for each previous box."
+        message = f" Your answer has {len(previous)}, one for each previous box."
     elif yours.ndim == 2 and yours.shape[1] == 2:
         message = " If these are pairs, write answer[first] = second for each pair."
     raise WrongForm(
@@ -220,7 +221,7 @@ def assert_limit_respected(
     text = "it has no partner" if expected[first] < 0 else "that box is its partner"
     raise CheckFailed(
         f"Current box {first} is {gap:.2f} m from the nearest previous box, and max_distance is "
-        f"{max_distance:g} m: {text}.",
+        f"{max_distance:g} m, so {text}.",
         given=_centres_text(previous, current, f"max_distance {max_distance:g}"),
         yours=brief_text(yours),
         expected=brief_text(expected),
@@ -264,9 +265,9 @@ def finds_again(match_boxes: Callable) -> None:
 @visible(
     "match_boxes",
     weight=2,
-    title="Marks a box without a partner as new with -1",
-    why="A pedestrian steps out from behind a lorry. The new box must not get the track ID of the "
-    "lorry.",
+    title="Returns -1 for a box without a partner, because it is new",
+    why="When a pedestrian steps out from behind a lorry, the new box must not get the lorry's "
+    "track ID.",
     hint="Start from an array of -1 that is as long as current, and write the partners into it.",
 )
 def marks_new_boxes(match_boxes: Callable) -> None:
@@ -342,7 +343,8 @@ def prefers_the_nearer_rival(match_boxes: Callable) -> None:
     "match_boxes",
     weight=2,
     title="Pairs a box with the nearer of two previous boxes",
-    why="If a car was next to a post, the car must keep its track ID and its speed.",
+    why="A car next to a post must keep its track ID and its speed, and not take those of the "
+    "post.",
     hint="Also cross out the row of a pair: a box that has a partner must not get a second one.",
 )
 def prefers_the_nearer_previous_box(match_boxes: Callable) -> None:
@@ -387,7 +389,10 @@ def works_without_boxes(match_boxes: Callable) -> None:
         # Skip functions with another marker for new boxes, because another check tests for -1.
         if marker == -1 and not (yours == marker).all():
             raise CheckFailed(
-                "Without previous boxes each current box is new, but it is not marked as new.",
+                fixed(
+                    "Without previous boxes, every current box is new, but not all are marked "
+                    "with -1."
+                ),
                 given=f"{len(previous)} previous and {len(current)} current boxes",
                 yours=brief_text(yours),
                 expected=brief_text(np.full(len(current), -1)),
@@ -546,8 +551,8 @@ declare_mistakes(
         "Accept a pair only if it is not farther apart than max_distance.",
     ),
     Mistake(
-        "The code finds the pairs with the best sum first and drops those that are too far apart "
-        "afterwards. A dropped pair may have replaced a pair that is close enough.",
+        "The code first finds the pairs with the smallest total distance and then drops the pairs "
+        "that are too far apart. A dropped pair may have replaced a pair that is close enough.",
         _prediction_with_answers(chain=(-1, -1), gap=(-1, -1)),
         "Before linear_sum_assignment, replace each distance that is too large by a huge number.",
     ),
@@ -606,7 +611,8 @@ declare_mistakes(
         "boxes.mean(axis=1) is one centre (x, y, z) for each box; axis=2 would mix x with y.",
     ),
     Mistake(
-        "Corners are compared, not centres. The next box may have its corners in another order.",
+        "Corners are compared, not centres. In the next frame, the corners of a box may be in "
+        "another order.",
         _prediction_with_answers(far=(-1, -1, -1), near=(-1, -1)),
         "Compare the centres: the mean of all eight corners.",
     ),
@@ -628,7 +634,8 @@ def _draw_matches(
             names=True,
             label="current",
             axes=axes,
-            title="Solid lines: your pairs" + ("; dotted: the right ones" if len(expected) else ""),
+            title="Solid lines: your pairs"
+            + ("; dotted lines: the right pairs" if len(expected) else ""),
         )
     chosen = np.nan_to_num(yours, nan=-1).astype(int)
     for pairs, style, width in ((expected, ":", 4.0), (chosen, "-", 1.5)):

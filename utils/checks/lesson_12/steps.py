@@ -194,7 +194,7 @@ declare_mistakes(
         "velocities[:, None] moves all corners of a box alike.",
     ),
     Mistake(
-        "All boxes move by the velocity of the first one.",
+        "All boxes move by the velocity of the first box.",
         lambda right, boxes, velocities, seconds: boxes + seconds * velocities[0],
         "Use one row for each box: velocities[:, None], not velocities[0].",
     ),
@@ -268,7 +268,8 @@ def _assert_placed(correct_boxes: Callable, gain: float, seconds: float) -> None
     if is_wrong.any():
         row = np.flatnonzero(is_wrong)[0]
         raise CheckFailed(
-            f"The centre of box {row} is not at expected plus gain times the offset to found.",
+            f"The centre of box {row} is not at the expected centre plus gain times the offset to "
+            "the found centre.",
             given=_given_text(row, gain, seconds),
             yours=f"centre at {brief_text(_centres(yours)[row])}",
             expected=f"centre at {brief_text(_centres(right)[row])}",
@@ -305,7 +306,8 @@ def keeps_the_shape(correct_boxes: Callable) -> None:
         row = wrong[0]
         raise CheckFailed(
             f"Box {row} does not have the size and corners of the found box.",
-            given="a found box twice as large as expected, which starts with another corner",
+            given="a found box that is twice as large as the expected box and starts with another "
+            "corner",
             yours=f"corners 0 and 1 at {brief_text(yours[row, 0])} and {brief_text(yours[row, 1])}",
             expected=f"corners 0 and 1 at {brief_text(right[row, 0])} and "
             f"{brief_text(right[row, 1])}",
@@ -315,8 +317,8 @@ def keeps_the_shape(correct_boxes: Callable) -> None:
 @visible(
     "correct_boxes",
     title="Corrects the velocity with the second gain",
-    why="The correction teaches a track that a car is coming towards us. If the gain is too "
-    "large, a wobble becomes speed although nothing moves.",
+    why="Without this correction, a track never learns that a car is coming towards us. If the "
+    "second gain is too large, a wobble looks like speed although nothing moves.",
     hint="Compute beta = 2 * (1 - np.sqrt(1 - gain)) ** 2. The new velocities are velocities + "
     "beta * off / seconds.",
 )
@@ -338,7 +340,8 @@ def corrects_the_velocity(correct_boxes: Callable) -> None:
 @visible(
     "correct_boxes",
     title="Uses the expected position at gain 0 and the found position at gain 1",
-    why="These are the smallest and the largest possible gain.",
+    why="The two extreme gains show whether the gain is the weight of the found box, as it should "
+    "be.",
     hint="With a gain of 0 the box is where it was expected and keeps its velocity. With a gain "
     "of 1 it is where it was found.",
 )
@@ -539,7 +542,7 @@ def drops_tracks_after_patience(coast: Callable) -> None:
 @visible(
     "coast",
     title="Works on frames without boxes, and without tracks",
-    why="In fog a whole frame may be empty. That is when the tracks are needed.",
+    why="In fog a whole frame may be empty, and the tracks must last until the boxes return.",
     hint="Work with whole arrays. You need no special case.",
 )
 def works_on_empty_frames(coast: Callable) -> None:

@@ -2,6 +2,7 @@
 
 COMPILES_TITLE = "Compiles with Numba and returns the same answer"
 COMPILES_WHY = (
-    "The cells below call the compiled function. In compiled code each variable keeps its type, "
-    "every branch returns the same type, and all called functions must be compiled as well."
+    "The cells below call the compiled function. In compiled code, each variable must keep its "
+    "type, every branch must return the same type, and every function that the code calls must be "
+    "compiled as well."
 )

@@ -170,7 +170,7 @@ declare_mistakes(
     Mistake(
         "The answer minimises the sum of the two sides instead of their product.",
         _prediction_from_measure(lambda points: sum(_extents(points))),
-        "An area is a product.",
+        "Find the smallest area, which is the product of the two sides.",
     ),
     Mistake(
         "Only the extent along each direction is measured.",
@@ -188,7 +188,7 @@ declare_mistakes(
         "Start with np.full(90, np.inf) for the smallest and np.full(90, -np.inf) for the largest.",
     ),
     Mistake(
-        "The points are turned the other way, because the signs of both sines are swapped.",
+        "The points are turned the wrong way, because both sines have the wrong sign.",
         _prediction_from_measure(lambda points: _area(points * [1, -1, 1])),
         "along is x cos + y sin, and across is y cos - x sin.",
     ),

@@ -38,7 +38,7 @@ def _roots(parent: np.ndarray, given: str) -> np.ndarray:
     """
     if not ((parent >= 0) & (parent < len(parent))).all():
         raise CheckFailed(
-            "A parent is not a cell.",
+            "An entry of parent is not the number of a cell.",
             given=given,
             yours=f"parent {brief_text(parent)}",
             expected=f"numbers from 0 to {len(parent) - 1}",
@@ -46,7 +46,7 @@ def _roots(parent: np.ndarray, given: str) -> np.ndarray:
     paths = [_path(parent, cell) for cell in range(len(parent))]
     if None in paths:
         raise CheckFailed(
-            f"The parents of cell {paths.index(None)} form a cycle and lead to no root.",
+            f"The parents of cell {paths.index(None)} form a cycle and never lead to a root.",
             given=given,
             yours=f"parent {brief_text(parent)}",
         )
@@ -186,7 +186,7 @@ declare_mistakes(
         "Write while parent[cell] != cell.",
     ),
     Mistake(
-        "The function returns the cell that it was given.",
+        "The function returns its argument cell unchanged.",
         lambda right, parent, cell: cell,
         "Write cell = parent[cell] in the loop, and return cell after it.",
         is_cheap=True,

@@ -141,7 +141,9 @@ class Rounds:
         length = 1 if self.answer.model is None else np.linalg.norm(self.answer.model[:-1])
         if abs(length - 1) < HAIR:
             return None
-        return Fault(self._last, f"The normal of your {self.task.model} has length {length:.2f}.")
+        return Fault(
+            self._last, f"The normal of your {self.task.model} has length {length:.2f}, not 1."
+        )
 
     def _not_the_best(self) -> Fault | None:
         best, winner = self._best, self.winner
@@ -200,7 +202,8 @@ def _own_mistake(round_: Round) -> Fault | None:
     if abs(length - 1) > HAIR:
         return Fault(
             step,
-            f"The normal of this {task.model} has length {length:.2f}. Look at {task.through}.",
+            f"The normal of this {task.model} has length {length:.2f}, not 1. Look at "
+            f"{task.through}.",
         )
     return None
 
