@@ -176,7 +176,9 @@ def test_faults_of_the_checks_are_reported_once(copy, sandbox):
     checks = copy / "utils" / "checks" / "lesson_15.py"
     with replaced(checks, "7.505553499465135", "7.6"):
         tried = run(copy, "try", "15", "--sandbox", sandbox.name)
-    assert "The solution earns " in tried.stdout and "15_mean_square: 1 left to fix." in tried.stdout
+    assert (
+        "The solution earns " in tried.stdout and "15_mean_square: 1 left to fix." in tried.stdout
+    )
     assert (
         "mean_square, “Computes the root mean square of three numbers”: The number is wrong."
         in tried.stdout
@@ -184,7 +186,7 @@ def test_faults_of_the_checks_are_reported_once(copy, sandbox):
     assert "Hint: Square the numbers, take the mean" in tried.stdout
 
     for old, new, line, reason in (
-        ('promise("names")', 'promise("name")', 32, "There is no promise 'name'. Use one of names,"),
+        ('promise("names")', 'promise("name")', 32, "no promise 'name'. Use one of names,"),
         ("weight=4,", "weight=4", 10, "SyntaxError: "),
     ):
         with replaced(checks, old, new):
