@@ -437,6 +437,24 @@ def _add_similarity(subparsers: argparse._SubParsersAction) -> None:
     )
 
 
+def _add_forget(subparsers: argparse._SubParsersAction) -> None:
+    forget = add_command(
+        subparsers,
+        "forget",
+        commands.run_forget,
+        "Delete all data about a student from the course's folder. List the data first, and delete "
+        "nothing without --delete. Exit with status 1 if data about the student remains.",
+        "anna",
+        "anna --delete",
+    )
+    forget.add_argument(
+        "student", metavar="STUDENT", help="id, name, e-mail address or login of the student"
+    )
+    forget.add_argument(
+        "--delete", action="store_true", help="delete the data; it cannot be restored"
+    )
+
+
 def _add_site(subparsers: argparse._SubParsersAction) -> None:
     site = add_command(
         subparsers,
@@ -522,6 +540,7 @@ COMMANDS = (
     _add_export,
     _add_autograder,
     _add_similarity,
+    _add_forget,
     _add_site,
     _add_new,
     _add_try,

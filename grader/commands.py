@@ -471,6 +471,36 @@ def run_similarity(options: argparse.Namespace) -> int:
     return SUCCESS
 
 
+def run_forget(options: argparse.Namespace) -> int:
+    """Run the command ``forget STUDENT [--delete]``."""
+    from grader.classroom.folders import UnknownStudent
+    from grader.classroom.lock import AlreadyRunning, course_lock
+    from grader.lms.forget import find_traces, remaining_lines, student_to_forget
+
+    course = Course()
+    try:
+        with course_lock(course):
+            student = student_to_forget(course, options.student)
+            traces = find_traces(course, student)
+            for trace in traces:
+                if options.delete:
+                    trace.delete()
+                print(console.plain(f"{'deleted ' if options.delete else ''}{trace.sentence}"))
+            remaining = list(remaining_lines(course, student))
+    except UnknownStudent as error:
+        print(console.plain(error), file=sys.stderr)
+        return USAGE_ERROR
+    except AlreadyRunning as error:
+        print(error, file=sys.stderr)
+        return FAULT
+    for sentence in remaining:
+        print(console.plain(f"{sentence} Otherwise, grade enters the student again."))
+    if traces and not options.delete:
+        print("Nothing was deleted. To delete all of this, add --delete.", file=sys.stderr)
+        return FAULT
+    return FAULT if remaining else SUCCESS
+
+
 def run_doctor(options: argparse.Namespace) -> int:
     """Run the command ``doctor``."""
     from grader.classroom.doctor import examine
