@@ -431,9 +431,19 @@ def _add_similarity(subparsers: argparse._SubParsersAction) -> None:
         "Show which answers in a stage are similar. Write report/similarity_STAGE.html, which "
         "shows similar pairs side by side. No student code is run.",
         "stage3_obstacles",
+        "stage3_obstacles --earlier ../course-2025",
     )
     similarity.add_argument(
         "stage", metavar="STAGE", help="stage to compare, such as stage3_obstacles"
+    )
+    similarity.add_argument(
+        "--earlier",
+        action="append",
+        default=[],
+        type=Path,
+        metavar="DIR",
+        help="folder of an earlier course, or its submitted/, to compare the class with; may be "
+        "repeated",
     )
 
 

@@ -450,14 +450,24 @@ def run_feedback(options: argparse.Namespace) -> int:
 def run_similarity(options: argparse.Namespace) -> int:
     """Run the command ``similarity STAGE``."""
     from grader.classroom.similarity.page import write_similarity
-    from grader.classroom.similarity.stage import compare_stage
+    from grader.classroom.similarity.stage import compare_stage, earlier_course
+    from grader.classroom.submissions import find_submissions
 
     if not stages_exist([options.stage]):
         return USAGE_ERROR
     course = Course()
+    earlier = [earlier_course(folder) for folder in options.earlier]
+    for source in earlier:
+        if not find_submissions(source, [options.stage]):
+            print(
+                f"There are no submissions in {source.submitted}/<student>/{options.stage}/. "
+                "Correct --earlier.",
+                file=sys.stderr,
+            )
+            return USAGE_ERROR
     with console.progress_bar("Comparing") as advance:
-        compared = compare_stage(course, options.stage, advance)
-    if len(compared.students) < 2:
+        compared = compare_stage(course, options.stage, advance, earlier)
+    if len(compared.students) < (1 if earlier else 2):
         print(
             f"Fewer than two students have submissions in "
             f"{course.submitted}/<student>/{options.stage}/. "

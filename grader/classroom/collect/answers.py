@@ -118,6 +118,15 @@ def store_ignored(
     _store(course, stages, {_digest(_with(content, name)): () for name, content in ignored})
 
 
+def teams_in(course: Course, stage: str) -> list[frozenset[str]]:
+    """Return the teams of a stage that stored answers declare, as sets of ids."""
+    members: dict[str, set[str]] = {}
+    for entry_stage, digest, id in _read_entries(course):
+        if entry_stage == stage:
+            members.setdefault(digest, set()).add(id)
+    return [frozenset(ids) for ids in members.values() if len(ids) > 1]
+
+
 def count_answers_about(course: Course, student: str) -> int:
     """Return the number of stored lines that name a student."""
     return sum(id == student for _, _, id in _read_entries(course))

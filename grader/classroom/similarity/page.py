@@ -105,7 +105,7 @@ def _sentences(pair: Pair, one: ComparedAnswer, other: ComparedAnswer) -> Iterat
     kept_text = f" and {kept} right answers of the course" if kept else ""
     yield (
         f"{pair.exclusive} of these steps occur only in these two answers, and in none of the "
-        f"{in_class} other answers in this class{kept_text}. The two answers have "
+        f"{in_class} answers of other students{kept_text}. The two answers have "
         f"{percent(pair.share)} of their unusual code in common. Neither has more than "
         f"{percent(pair.nearest[0])} in common with the answer of another student"
         f"{f', or {percent(pair.nearest[1])} with an answer of the course' if kept else ''}."
