@@ -159,7 +159,7 @@ def _add_demo(subparsers: argparse._SubParsersAction) -> None:
     )
     demo.add_argument(
         "--students",
-        type=_positive_number,
+        type=positive_number,
         default=13,
         metavar="N",
         help="number of sample students (default: %(default)s)",
@@ -603,7 +603,8 @@ def add_sandbox_option(command: argparse.ArgumentParser) -> None:
     )
 
 
-def _positive_number(text: str) -> int:
+def positive_number(text: str) -> int:
+    """Parse a number of at least 1."""
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"must be at least 1, not {text}.")
     return int(text)
@@ -615,7 +616,7 @@ def add_workers_option(
     """Add the option for the number of parallel processes."""
     command.add_argument(
         "--workers",
-        type=_positive_number,
+        type=positive_number,
         default=processors(),
         metavar="N",
         help=f"number of {description} at the same time (default: one per core)",
