@@ -159,7 +159,7 @@ def _add_demo(subparsers: argparse._SubParsersAction) -> None:
     )
     demo.add_argument(
         "--students",
-        type=_positive_number,
+        type=positive_number,
         default=13,
         metavar="N",
         help="number of sample students (default: %(default)s)",
@@ -431,9 +431,37 @@ def _add_similarity(subparsers: argparse._SubParsersAction) -> None:
         "Show which answers in a stage are similar. Write report/similarity_STAGE.html, which "
         "shows similar pairs side by side. The command does not run student code.",
         "stage3_obstacles",
+        "stage3_obstacles --earlier ../course-2025",
     )
     similarity.add_argument(
         "stage", metavar="STAGE", help="stage to compare, such as stage3_obstacles"
+    )
+    similarity.add_argument(
+        "--earlier",
+        action="append",
+        default=[],
+        type=Path,
+        metavar="DIR",
+        help="folder of an earlier course, or its submitted/, to compare the class with; may be "
+        "repeated",
+    )
+
+
+def _add_forget(subparsers: argparse._SubParsersAction) -> None:
+    forget = add_command(
+        subparsers,
+        "forget",
+        commands.run_forget,
+        "Delete all data about a student from the course's folder. List the data first, and delete "
+        "nothing without --delete. Exit with status 1 if data about the student remains.",
+        "anna",
+        "anna --delete",
+    )
+    forget.add_argument(
+        "student", metavar="STUDENT", help="id, name, e-mail address or login of the student"
+    )
+    forget.add_argument(
+        "--delete", action="store_true", help="delete the data; it cannot be restored"
     )
 
 
@@ -522,6 +550,7 @@ COMMANDS = (
     _add_export,
     _add_autograder,
     _add_similarity,
+    _add_forget,
     _add_site,
     _add_new,
     _add_try,
@@ -574,7 +603,8 @@ def add_sandbox_option(command: argparse.ArgumentParser) -> None:
     )
 
 
-def _positive_number(text: str) -> int:
+def positive_number(text: str) -> int:
+    """Parse a number of at least 1."""
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"must be at least 1, not {text}.")
     return int(text)
@@ -586,7 +616,7 @@ def add_workers_option(
     """Add the option for the number of parallel processes."""
     command.add_argument(
         "--workers",
-        type=_positive_number,
+        type=positive_number,
         default=processors(),
         metavar="N",
         help=f"number of {description} at the same time (default: one per core)",

@@ -452,14 +452,24 @@ def run_feedback(options: argparse.Namespace) -> int:
 def run_similarity(options: argparse.Namespace) -> int:
     """Run the command ``similarity STAGE``."""
     from grader.classroom.similarity.page import write_similarity
-    from grader.classroom.similarity.stage import compare_stage
+    from grader.classroom.similarity.stage import compare_stage, earlier_course
+    from grader.classroom.submissions import find_submissions
 
     if not stages_exist([options.stage]):
         return USAGE_ERROR
     course = Course()
+    earlier = [earlier_course(folder) for folder in options.earlier]
+    for source in earlier:
+        if not find_submissions(source, [options.stage]):
+            print(
+                f"There are no submissions in {source.submitted}/<student>/{options.stage}/. "
+                "Correct --earlier.",
+                file=sys.stderr,
+            )
+            return USAGE_ERROR
     with console.progress_bar("Comparing") as advance:
-        compared = compare_stage(course, options.stage, advance)
-    if len(compared.students) < 2:
+        compared = compare_stage(course, options.stage, advance, earlier)
+    if len(compared.students) < (1 if earlier else 2):
         print(
             f"Fewer than two students have submissions in "
             f"{course.submitted}/<student>/{options.stage}/. "
@@ -471,6 +481,36 @@ def run_similarity(options: argparse.Namespace) -> int:
     console.print_similarity(compared)
     print(f"Similar pairs side by side: {path}")
     return SUCCESS
+
+
+def run_forget(options: argparse.Namespace) -> int:
+    """Run the command ``forget STUDENT [--delete]``."""
+    from grader.classroom.folders import UnknownStudent
+    from grader.classroom.lock import AlreadyRunning, course_lock
+    from grader.lms.forget import find_traces, remaining_lines, student_to_forget
+
+    course = Course()
+    try:
+        with course_lock(course):
+            student = student_to_forget(course, options.student)
+            traces = find_traces(course, student)
+            for trace in traces:
+                if options.delete:
+                    trace.delete()
+                print(console.plain(f"{'deleted ' if options.delete else ''}{trace.sentence}"))
+            remaining = list(remaining_lines(course, student))
+    except UnknownStudent as error:
+        print(console.plain(error), file=sys.stderr)
+        return USAGE_ERROR
+    except AlreadyRunning as error:
+        print(error, file=sys.stderr)
+        return FAULT
+    for sentence in remaining:
+        print(console.plain(f"{sentence} Otherwise, grade enters the student again."))
+    if traces and not options.delete:
+        print("Nothing was deleted. To delete all of this, add --delete.", file=sys.stderr)
+        return FAULT
+    return FAULT if remaining else SUCCESS
 
 
 def run_doctor(options: argparse.Namespace) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import sys
+import time
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from datetime import datetime
@@ -42,33 +43,83 @@ LEGEND = {
 }
 
 
+LEAST_FINISHED = 3  # items; several run at the same time, so the first alone would mislead
+LONG = 60.0  # seconds
+
+
 @contextlib.contextmanager
 def progress_bar(title: str) -> Iterator[Callable[[int, int, object], None]]:
     """Show a progress bar on stderr; yield a function that updates it with (done, total, item).
 
     Until the total is known, `item` is a sentence about the work. The bar appears only when work
-    begins, so that an error before that does not look like an interruption.
+    begins, so that an error before that does not look like an interruption. It shows an estimate of
+    the remaining time. If the work is long, a sentence states the first estimate, because a bar is
+    not visible in a log.
     """
     columns = (
         TextColumn("{task.description}", markup=False),  # a folder's name may contain brackets
         BarColumn(),
         MofNCompleteColumn(),
         TimeElapsedColumn(),
+        TextColumn("{task.fields[left]}"),
     )
     progress = Progress(*columns, console=Console(stderr=True))
-    task = progress.add_task(title, total=None)
+    task = progress.add_task(title, total=None, left="")
+    estimate = RemainingTime()
 
     def advance(done: int, total: int, item: object) -> None:
         text = f"{title}: {item}" if isinstance(item, str) and item else title
-        progress.update(task, completed=done, total=total, description=text)
+        is_first = estimate.seconds is None
+        estimate.update(done, total)
+        progress.update(
+            task, completed=done, total=total, description=text, left=estimate.in_words()
+        )
         if total or text != title:
             progress.start()
+        if is_first and (estimate.seconds or 0) >= LONG:
+            tell(f"{title}: {estimate.in_words()}, estimated after {done} of {total}.")
 
     try:
         yield advance
     finally:
         if progress.live.is_started:
             progress.stop()
+
+
+class RemainingTime:
+    """Estimates the remaining time of some work from the items that were finished in this run.
+
+    Parameters
+    ----------
+    clock : callable, optional
+        Returns the current time in seconds.
+
+    Attributes
+    ----------
+    seconds : float or None
+        None until enough items are finished.
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self.seconds: float | None = None
+        self._clock = clock
+        self._begin: tuple[float, int] | None = None
+
+    def update(self, done: int, total: int) -> None:
+        """Take note that `done` of `total` items are finished; the first call starts the clock."""
+        if not total:
+            return
+        now = self._clock()
+        begin, first = self._begin = self._begin or (now, done)
+        if done - first >= LEAST_FINISHED:
+            self.seconds = (now - begin) / (done - first) * (total - done)
+
+    def in_words(self) -> str:
+        """Return a phrase such as "about 13 minutes left", or nothing for a short time."""
+        if self.seconds is None or self.seconds < LONG:
+            return ""
+        minutes = round(self.seconds / 60)
+        return f"about {minutes} minute{'s' * (minutes != 1)} left"
 
 
 def plain(text: object) -> str:

@@ -110,6 +110,37 @@ def test_grade_suggests_collect_in_an_empty_course(course, monkeypatch, sandbox,
     assert "Run: python -m grader collect ARCHIVE --stage STAGE" in capsys.readouterr().err
 
 
+def remaining(times, total, first=0):
+    """Return the phrases about the remaining time if items are finished at these times."""
+    clock = iter([0.0, *times])
+    estimate = console.RemainingTime(lambda: next(clock))
+    phrases = []
+    for done in range(first, first + len(times) + 1):
+        estimate.update(done, total)
+        phrases.append(estimate.in_words())
+    return phrases
+
+
+def test_the_remaining_time_follows_from_the_work_of_this_run():
+    assert remaining([20, 40, 60], 84)[:3] == ["", "", ""], "too early for an estimate"
+    assert remaining([20, 40, 60], 84)[3] == "about 27 minutes left"  # 81 items of 20 s
+    assert remaining([20, 40, 60], 84, first=60)[3] == "about 7 minutes left"  # 21 items
+    assert remaining([2, 4, 6], 30)[3] == "", "less than a minute"
+    assert remaining([20] * 3, 12)[3] == "about 1 minute left"  # 3 at a time, 9 items
+
+
+def test_long_work_is_announced_once_in_a_sentence(monkeypatch, capsys):
+    clock = iter(range(0, 10_000, 30))
+    estimate = console.RemainingTime(lambda: next(clock))
+    monkeypatch.setattr(console, "RemainingTime", lambda: estimate)
+    with console.progress_bar("Driving") as advance:
+        for done in range(20):
+            advance(done, 84, None)
+    said = capsys.readouterr().err
+    sentence = "Driving: about 40 minutes left, estimated after 3 of 84."
+    assert said.count("estimated after") == 1 and sentence in said
+
+
 def test_a_progress_bar_appears_when_work_begins(capsys):
     with console.progress_bar("Judging") as advance:
         advance(0, 0, "")

@@ -346,8 +346,46 @@ def jobs(monkeypatch):
     return calls
 
 
-def drive_the_class(course, sandbox, progress=lambda *about: None):
-    return drive_class(course, LESSON, SEED, sandbox, Inline, 2, progress)
+def drive_the_class(course, sandbox, progress=lambda *about: None, **more):
+    return drive_class(course, LESSON, SEED, sandbox, Inline, 2, progress, **more)
+
+
+def test_one_student_drives_while_others_take_part_with_stored_drives(course, jobs, sandbox):
+    folder, submit = course
+    only_ada = drive_the_class(folder, sandbox, students=["ada"])
+    assert [entrant.name for entrant in only_ada.students] == ["ada"]
+    assert len(jobs) == 3 * len(draw_streets(SEED))  # two reference entrants
+    jobs.clear()
+    submit("ada", {DETECTOR: returning("None")})
+    both = drive_the_class(folder, sandbox, students=["ben"])
+    assert [entrant.name for entrant in both.students] == ["ben"], "Ada's new work has not driven"
+    assert len(jobs) == len(draw_streets(SEED))
+    assert {entrant.name for entrant in drive_the_class(folder, sandbox).students} == {"ada", "ben"}
+
+
+def test_a_league_of_a_few_streets_is_part_of_the_whole_league(course, jobs, sandbox):
+    short = drive_the_class(course[0], sandbox, street_count=2)
+    assert [street.number for street in short.streets] == [1, 2]
+    assert {number for _, number in jobs} == {1, 2}
+    jobs.clear()
+    assert len(drive_the_class(course[0], sandbox).streets) == len(draw_streets(SEED))
+    assert {number for _, number in jobs} == {3, 4, 5, 6}
+    jobs.clear()
+    assert len(drive_the_class(course[0], sandbox, street_count=2).streets) == 2
+    assert jobs == []
+
+
+def test_the_command_takes_a_student_and_a_number_of_streets(
+    course, jobs, sandbox, monkeypatch, capsys
+):
+    monkeypatch.setattr("extension.league.command.Course", lambda: course[0])
+    monkeypatch.setattr("grader.classroom.executors.EXECUTORS", {"processes": Inline})
+    monkeypatch.setattr(page, "_film_best_drive", lambda *about: None)
+    call = ["league", LESSON.stage, "--seed", str(SEED), "--sandbox", sandbox.name]
+    assert cli.main([*call, "--student", "zoe"]) == 2
+    assert "zoe" in capsys.readouterr().err and jobs == []
+    assert cli.main([*call, "--student", "ada", "--streets", "1"]) == 0
+    assert len(jobs) == 3 and {number for _, number in jobs} == {1}
 
 
 def test_a_class_drives_once_and_new_submissions_drive_again(course, jobs, sandbox):

@@ -223,6 +223,43 @@ def test_an_exercise_that_is_added_in_mid_term_is_entered(course):
     assert enter(course) == []
 
 
+def declare_team(course, *ids):
+    lines = [json.dumps({"student": id, "stage": STAGE, "label": "a" * 64}) + "\n" for id in ids]
+    (course.submitted / ".whose.jsonl").write_text("".join(lines))
+
+
+def test_a_teams_written_answer_is_graded_once(course):
+    for student in ("ada", "bob", "cy"):
+        write_answer(course, student, "We find 14 of 17 cars.")
+    write_answer(course, "dee", "I find 15 of 17 cars.")
+    assert enter(course) == []
+    declare_team(course, "ada", "bob", "dee")
+    give(course, "ada", "write_up", 7.5, "Which 3 cars?", extra=0.5)
+    (told,) = enter(course)
+    assert told == f"Entered a team's mark for its other members: write_up in {LESSON} of bob."
+    assert given(course, "bob") == (7.5, False, "Which 3 cars?")
+    assert given(course, "cy")[:2] == (None, True), "not a member"
+    assert given(course, "dee")[:2] == (None, True), "a member with another answer"
+    assert enter(course) == []
+    give(course, "bob", "write_up", 6.0)  # a member may have another mark
+    assert enter(course) == []
+    assert given(course, "ada")[0] == 7.5 and given(course, "bob")[0] == 6.0
+    scores = {result.student: result.score for result in class_results(course).notebooks}
+    points = POINTS * len(STREAM.machine_graded)
+    assert scores["ada"] == 8.0 + points and wrong_findings(course) == []
+
+
+def test_different_marks_in_a_team_are_not_passed_on(course):
+    for student in ("ada", "bob", "cy"):
+        write_answer(course, student, "We find 14 of 17 cars.")
+    enter(course)
+    declare_team(course, "ada", "bob", "cy")
+    give(course, "ada", "write_up", 7.5)
+    give(course, "bob", "write_up", 6.0)
+    assert enter(course) == []
+    assert given(course, "cy")[:2] == (None, True)
+
+
 def test_a_written_answer_that_is_added_in_mid_term_waits_for_a_person(course):
     forget_cells(course, "write_up")
     assert len(enter(course)) == 1

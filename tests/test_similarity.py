@@ -392,6 +392,57 @@ def test_a_stage_is_compared_and_shown(course):
     assert not re.search(r"\bsrc=|\bhref=\"[^#]|@import|url\(", page), "needs no other file"
 
 
+def declare_team(course, *ids):
+    lines = [
+        json.dumps({"student": id, "stage": LESSON.stage, "label": "a" * 64}) + "\n" for id in ids
+    ]
+    (course.submitted / ".whose.jsonl").write_text("".join(lines))
+
+
+def test_names_are_shown_as_in_the_report(course):
+    one, two = last_two(course)
+    (course.root / "roster.csv").write_text(f"id,first_name,last_name\n{one},Ada,Ash\n{two},,\n")
+    compared_ = compare_stage(course, LESSON.stage)
+    assert compared_.pairs[0].students == (f"{one} (Ada Ash)", two)
+    assert f"{one} (Ada Ash) and {two}" in write_similarity(course, compared_).read_text("utf-8")
+
+
+def test_a_declared_team_is_named_but_not_reported(course):
+    one, two = last_two(course)
+    for student in (one, two):
+        submit(course, student, fill_in(LESSON, {"get_bounding_boxes": ORIGINAL}))
+    assert compare_stage(course, LESSON.stage).same_files
+    declare_team(course, one, two)
+    compared_ = compare_stage(course, LESSON.stage)
+    assert (compared_.pairs, compared_.same_files) == ((), ())
+    page = write_similarity(course, compared_).read_text("utf-8")
+    assert f"not compared with each other: {one} and {two}." in page
+    declare_team(course, one, "s0")
+    assert compare_stage(course, LESSON.stage).same_files, "two students of different teams"
+
+
+@pytest.mark.parametrize("folder", [".", "submitted"])
+def test_a_class_is_compared_with_an_earlier_course(course, folder, tmp_path, monkeypatch, capsys):
+    """Work of an earlier course is found, but two students of that course are not reported."""
+    last = Course(tmp_path / "course-2025")
+    *_, two = last_two(course)
+    for student, words in (("anna", "other names"), ("bea", "other names")):
+        submit(last, student, fill_in(LESSON, {"get_bounding_boxes": DISGUISED[words]}))
+    shutil.rmtree(course.submitted / two)
+    monkeypatch.setattr(commands, "Course", lambda: course)
+    options = ["similarity", LESSON.stage, "--earlier", str(last.root / folder)]
+    assert cli.main(options) == 0
+    said = capsys.readouterr().out
+    one = sorted(path.name for path in course.submitted.iterdir())[-1]
+    assert f"{one} and course-2025/anna" in said and f"{one} and course-2025/bea" in said
+    assert "anna and" not in said and "identical" not in said
+    page = (course.report / f"similarity_{LESSON.stage}.html").read_text("utf-8")
+    assert "students and 2 of earlier courses" in page
+    assert {path.name for path in course.submitted.iterdir()}.isdisjoint({"anna", "bea"})
+    assert cli.main([*options, "--earlier", str(tmp_path / "empty")]) == 2
+    assert "Correct --earlier." in capsys.readouterr().err
+
+
 def test_the_command_prints_similar_answers(course, monkeypatch, capsys):
     monkeypatch.setattr(commands, "Course", lambda: course)
     assert cli.main(["similarity", LESSON.stage]) == 0

@@ -50,6 +50,40 @@ def test_a_submitted_module_for_a_newer_python_gets_no_mark(sandbox):
     assert verdict.status == FAILED and verdict.reason.startswith("helpers.py needs Python 3.14")
 
 
+# Python 3.14 has this function; the oldest and the newest Python of the course do not.
+LIBRARY = "from operator import is_not_none\n" + RIGHT.replace(
+    BODY, f"    if is_not_none(cloud):\n    {BODY}"
+)
+
+
+@pytest.mark.parametrize("python", [None, "3.14.2"])
+def test_a_function_that_only_a_newer_library_has_gets_no_mark(sandbox, python):
+    verdict, _ = judged(sandbox, LIBRARY, python=python)
+    assert verdict.status == FAILED and verdict.score == 0
+    assert (
+        " uses operator.is_not_none, which needs Python 3.14 or later, and this" in verdict.reason
+    )
+
+
+def test_a_module_that_needs_a_newer_library_gets_no_mark(sandbox):
+    cell = "from helpers import filter_ground"
+    verdict, _ = judged(sandbox, cell, modules={"helpers": LIBRARY})
+    assert verdict.status == FAILED and verdict.reason.startswith("helpers.py uses operator.is_not")
+
+
+def test_a_newer_library_does_not_matter_where_the_code_works_without_it(sandbox):
+    guarded = "try:\n    from operator import is_not_none\nexcept ImportError:\n    pass\n" + RIGHT
+    verdict, _ = judged(sandbox, guarded.replace(">=", "<"))
+    assert verdict.status == JUDGED and verdict.exercises[0].score < 10
+    verdict, _ = judged(sandbox, LIBRARY.replace("filter_ground", "other"), RIGHT)
+    assert verdict.status == JUDGED and verdict.exercises[0].score == 10
+
+
+def test_a_name_that_the_students_own_python_lacked_is_judged(sandbox):
+    verdict, check = judged(sandbox, LIBRARY, python="3.12.1")
+    assert verdict.status == JUDGED and not check.passed
+
+
 def test_invalid_code_of_a_version_with_unknown_syntax_gets_no_mark(sandbox):
     verdict, _ = judged(sandbox, RIGHT.replace("return", "return = ="), python="3.99.0")
     assert verdict.status == FAILED and "needs Python 3.99 or later" in verdict.reason

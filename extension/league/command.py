@@ -22,9 +22,24 @@ def add_league(subparsers: argparse._SubParsersAction) -> None:
         "not affect marks. Write league/STAGE.html with pseudonyms, and report/league_STAGE.csv, "
         "which links pseudonyms to students.",
         "stage4_realtime",
+        "stage4_realtime --student anna --streets 2",
     )
     league.add_argument(
         "stage", metavar="STAGE", help="stage with a detector, such as stage4_realtime"
+    )
+    league.add_argument(
+        "--student",
+        action="append",
+        default=[],
+        metavar="X",
+        help="run only this student's drives; other students take part if their drives are stored; "
+        "X is an id, name, e-mail address or login; may be repeated (default: whole class)",
+    )
+    league.add_argument(
+        "--streets",
+        type=cli.positive_number,
+        metavar="N",
+        help="drive only through the first N streets (default: all)",
     )
     cli.add_judging_options(league)
     cli.add_executor_options(league)
@@ -36,6 +51,7 @@ def run_league(options: argparse.Namespace) -> int:
     from extension.league.page import write_league
     from extension.league.season import drive_class, lesson_of_league
     from grader.classroom.executors import processors
+    from grader.classroom.folders import UnknownStudent, find_student
     from grader.classroom.lock import AlreadyRunning, course_lock
     from grader.classroom.protocol import ExecutorLost
     from grader.course.seed import course_seed
@@ -50,6 +66,11 @@ def run_league(options: argparse.Namespace) -> int:
             file=sys.stderr,
         )
         return commands.USAGE_ERROR
+    try:
+        students = [find_student(course, text) for text in options.student]
+    except UnknownStudent as error:
+        print(console.plain(error), file=sys.stderr)
+        return commands.USAGE_ERROR
     choose = commands.sandbox_of_workers if options.scheduler else choose_sandbox
     sandbox = choose(options.sandbox)
     console.warn_if_unprotected(sandbox)
@@ -60,7 +81,17 @@ def run_league(options: argparse.Namespace) -> int:
                 commands.executor_factory(options.scheduler, sandbox) as open_executor,
                 console.progress_bar("Driving") as advance,
             ):
-                season = drive_class(course, lesson, seed, sandbox, open_executor, workers, advance)
+                season = drive_class(
+                    course,
+                    lesson,
+                    seed,
+                    sandbox,
+                    open_executor,
+                    workers,
+                    advance,
+                    students,
+                    options.streets,
+                )
             if not season.students:
                 print(
                     f"There is no {lesson.name}.ipynb in "

@@ -6,7 +6,7 @@ Finished drives are stored and not repeated.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -107,6 +107,8 @@ def drive_class(
     open_executor: Callable[[int], Executor],
     workers: int,
     progress: Callable[[int, int, object], None],
+    students: Collection[str] = (),
+    street_count: int | None = None,
 ) -> Season:
     """Return the drives of a class; run those that are not stored yet.
 
@@ -125,12 +127,25 @@ def drive_class(
     workers : int
     progress : callable
         Called with (done, total, None) after each drive.
+    students : collection of str, optional
+        Run only the drives of these students. The other students take part if all their drives are
+        stored. By default, all students drive.
+    street_count : int, optional
+        Drive only through this many streets.
     """
-    streets = draw_streets(seed)
+    streets = draw_streets(seed)[:street_count]
     entrants = list(_entrants(course, lesson))
-    if not any(entrant.student for entrant in entrants):
-        return Season(lesson, streets, (), {})
     drives = {entrant: _read_valid_drives(entrant, streets, lesson) for entrant in entrants}
+    drives = {
+        entrant: stored
+        for entrant, stored in drives.items()
+        if not students
+        or not entrant.student
+        or entrant.name in students
+        or len(stored) == len(streets)
+    }
+    if not any(entrant.student for entrant in drives):
+        return Season(lesson, streets, (), {})
     missing = [
         (entrant, street)
         for street in streets

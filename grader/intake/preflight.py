@@ -16,16 +16,19 @@ import itertools
 import json
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from grader.course.lessons import Lesson, all_lessons
+from grader.intake.pictures import illustrate
 from grader.intake.reader_process import TooCostly, run_in_child
 from grader.intake.submission import MOST_MODULES, SubmittedFiles
 from utils.notebooks.reading import Cell, Notebook, UnreadableNotebook
 
 LARGEST_CODE = 15 * 2**20
 """Bytes of all code cells as JSON; a message to the sandbox may have one more MB."""
+MOST_NAMES = 5
+"""Number of pictures that a sentence names."""
 _WRITES_MODULE = re.compile(r"%%(?:writefile|file)[ \t]+\"?([A-Za-z_]\w{0,99})\.py\"?")
 
 
@@ -40,7 +43,7 @@ class WrittenAnswer:
     certain : bool
         False if other text in the notebook may be the answer, so a person has to look for it.
     attachments : dict
-        Pictures in the answer, in the format of the notebook file.
+        Valid pictures in the answer, in the format of the notebook file.
     """
 
     text: str
@@ -432,8 +435,10 @@ def _collect_written_answers(draft: _Draft) -> Iterator[str]:
                     f"{'a new cell' if len(texts) == 1 else f'{len(texts)} new cells'} below the "
                     "cell for it. The grader moved the answer into the right cell."
                 )
-        text = "\n\n".join(cell.source for cell in texts)
-        pictures = {key: value for cell in texts for key, value in cell.attachments.items()}
+        answer = illustrate(texts)
+        text = answer.text
+        if answer.not_shown:
+            yield _not_shown_sentence(name, answer.not_shown)
         certain = bool(text) or bool(own) or not _has_stray_text(draft, released)
         if not certain:
             yield (
@@ -446,8 +451,19 @@ def _collect_written_answers(draft: _Draft) -> Iterator[str]:
                 f"The part of the file that could be read contains no answer to {name}. A grader "
                 "will look for it."
             )
-        draft.answers[name] = WrittenAnswer(text, certain, pictures)
+        draft.answers[name] = WrittenAnswer(text, certain, answer.attachments)
     _remove_cells(draft, moved)
+
+
+def _not_shown_sentence(name: str, pictures: Sequence[str]) -> str:
+    """Say which pictures of an answer a grader cannot see, and how to submit them."""
+    named = list(pictures[:MOST_NAMES])
+    if len(pictures) > MOST_NAMES:
+        named.append(f"and {len(pictures) - MOST_NAMES} more")
+    return (
+        f"A grader cannot see every picture in the answer for {name}: {', '.join(named)}. Drag "
+        "these pictures into the text cell in JupyterLab, and submit the notebook again."
+    )
 
 
 def _as_text(cell: Cell) -> Cell:

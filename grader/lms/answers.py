@@ -1,4 +1,4 @@
-"""Fingerprints of written answers, because a mark given by hand applies only to one text."""
+"""Fingerprints of written answers, because a mark given by hand applies only to one answer."""
 
 from __future__ import annotations
 
@@ -17,10 +17,15 @@ from grader.course.paths import Course
 def fingerprints(notebook: NotebookNode) -> dict[str, str]:
     """Return the digest of each written answer in an autograded copy, by ``grade_id``."""
     return {
-        cell.metadata.nbgrader.grade_id: hashlib.sha256(cell.source.encode()).hexdigest()
+        cell.metadata.nbgrader.grade_id: hashlib.sha256(_content(cell).encode()).hexdigest()
         for cell in notebook.cells
         if "nbgrader" in cell.metadata and is_grade(cell) and is_solution(cell)
     }
+
+
+def _content(cell: NotebookNode) -> str:
+    pictures = cell.get("attachments")
+    return cell.source + json.dumps(pictures, sort_keys=True) if pictures else cell.source
 
 
 def read_fingerprints(course: Course, student: str, stage: str) -> dict[str, dict[str, str]]:

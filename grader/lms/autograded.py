@@ -21,6 +21,7 @@ from nbgrader.utils import is_grade, is_solution
 from grader.course.lessons import Lesson
 from grader.course.paths import Course
 from grader.course.standalone import TITLE, is_setup_cell
+from grader.intake.pictures import illustrate
 from grader.intake.preflight import (
     PreparedNotebook,
     WrittenAnswer,
@@ -31,7 +32,7 @@ from grader.intake.reader_process import TooCostly, run_in_child
 from grader.intake.submission import SubmittedFiles
 from grader.judging.verdict import ExerciseResult, Verdict
 from grader.lms.check_summary import summarise_checks
-from grader.lms.sanitizer import ZERO_WIDTH_SPACE, as_code, harmless_pictures, sanitize_markdown
+from grader.lms.sanitizer import ZERO_WIDTH_SPACE, as_code, sanitize_markdown
 from grader.untrusted import one_line
 from utils.notebooks.reading import Cell
 
@@ -228,7 +229,8 @@ def _student_cell(cell: Cell, released: NotebookNode | None, lesson: Lesson) -> 
         return _cell(cell.source, kind="code")
     if cell.kind == "raw":  # some programs treat raw text as HTML
         return _cell(sanitize_markdown(as_code(cell.source)))
-    return _with_pictures(_cell(sanitize_markdown(cell.source)), cell.attachments)
+    shown = illustrate([cell])
+    return _with_pictures(_cell(sanitize_markdown(shown.text)), shown.attachments)
 
 
 def _cell(source: str, kind: str = "markdown") -> NotebookNode:
@@ -238,9 +240,8 @@ def _cell(source: str, kind: str = "markdown") -> NotebookNode:
     return nbformat.from_dict(cell)
 
 
-def _with_pictures(cell: NotebookNode, attachments: dict) -> NotebookNode:
-    """Attach harmless pictures and disable other references, which nbconvert cannot handle."""
-    pictures = harmless_pictures(attachments)
+def _with_pictures(cell: NotebookNode, pictures: dict) -> NotebookNode:
+    """Attach valid pictures and disable other references, which nbconvert cannot handle."""
     if pictures:
         cell.attachments = pictures
     cell.source = _PICTURE.sub(

@@ -30,7 +30,7 @@ from grader.lms.differences import differences
 from grader.lms.entries import StageEntry, group_entries
 from grader.lms.gradebook import database_problem, open_gradebook
 from grader.lms.history import log_changes
-from grader.lms.marks_by_hand import lost_marks, lost_sentence, restore_marks
+from grader.lms.marks_by_hand import lost_marks, lost_sentence, restore_marks, share_in_teams
 from grader.lms.penalties import load_penalty_plugin, penalty_of
 from grader.lms.people import enrol
 from grader.lms.registration import register_stages
@@ -92,10 +92,12 @@ def enter_verdicts(
             progress(done, len(entries), entry.student)
         students = {student for student, _ in submitted}
         lost = lost_marks(course, book, students)
-        if lost and restore:
-            for sentence in restore_marks(course, book, lost):
-                tell(sentence)
-            for entry in entries:  # a late penalty depends on the restored marks
+        restored = restore_marks(course, book, lost) if lost and restore else []
+        entered = [*restored, *share_in_teams(course, book, stages)]
+        for sentence in entered:
+            tell(sentence)
+        if entered:
+            for entry in entries:  # a late penalty depends on the marks by hand
                 if differences(course, book, entry, late, deadlines):
                     trouble += _try_to_enter(course, book, entry, late, deadlines)
             lost = lost_marks(course, book, students)

@@ -28,6 +28,7 @@ from nbgrader.api import (
 )
 from sqlalchemy.orm import Query
 
+from grader.course.atomic_files import write_atomically
 from grader.course.paths import Course
 from grader.lms.answers import read_fingerprints
 from grader.lms.autograded import verdict_key_of_copy
@@ -94,11 +95,7 @@ class MarkChange:
 
 def read_changes(course: Course) -> Iterator[MarkChange]:
     """Yield all changes, the oldest first; unreadable lines are skipped."""
-    try:
-        text = _path(course).read_text("utf-8", errors="surrogateescape")
-    except FileNotFoundError:
-        return
-    for line in text.split("\n"):
+    for line in _lines(course):
         try:
             fields = json.loads(line)
             by_hand = fields.pop("by_hand", None)
@@ -108,6 +105,36 @@ def read_changes(course: Course) -> Iterator[MarkChange]:
             )
         except (ValueError, TypeError, KeyError, AttributeError):
             continue
+
+
+def count_changes_of(course: Course, student: str) -> int:
+    """Return the number of lines about a student."""
+    return len(_lines(course)) - len(_lines_without(course, student))
+
+
+def delete_changes_of(course: Course, student: str) -> None:
+    """Delete all lines about a student."""
+    content = "".join(f"{line}\n" for line in _lines_without(course, student))
+    write_atomically(content.encode(errors="surrogateescape"), _path(course))
+
+
+def _lines_without(course: Course, student: str) -> list[str]:
+    return [line for line in _lines(course) if not _is_about(line, student)]
+
+
+def _lines(course: Course) -> list[str]:
+    try:
+        text = _path(course).read_text("utf-8", errors="surrogateescape")
+    except FileNotFoundError:
+        return []
+    return [line for line in text.split("\n") if line]
+
+
+def _is_about(line: str, student: str) -> bool:
+    try:
+        return json.loads(line)["student"] == student
+    except (ValueError, TypeError, KeyError):
+        return student in line  # a torn line is not read, but may contain a comment
 
 
 def log_changes(

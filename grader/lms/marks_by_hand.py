@@ -1,12 +1,17 @@
-"""Find and restore marks and comments by graders that were lost with a gradebook."""
+"""Enter graders' marks and comments that the gradebook lacks.
+
+They are marks that were lost with a gradebook, and marks that a grader gave to another member of
+the same team for the same answer.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from dataclasses import replace
 
 from nbgrader.api import Gradebook, MissingEntry
 
+from grader.classroom.collect.answers import teams_in
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.lms.answers import read_fingerprints
@@ -67,13 +72,51 @@ def _given_by_hand(course: Course) -> dict[Place, MarkChange]:
 
 
 def restore_marks(course: Course, book: Gradebook, lost: Collection[MarkChange]) -> list[str]:
-    """Enter lost marks and comments again; return sentences about what was restored.
+    """Enter lost marks and comments again; return sentences about what was restored."""
+    restored, waiting = _enter(course, book, lost)
+    sentences = [f"Restored from marks.jsonl: {_listed(restored)}."] if restored else []
+    if waiting:
+        sentences.append(
+            f"Review these marks, because the work may have changed: {_listed(waiting)}."
+        )
+    return sentences
 
-    A mark applies only to what the person graded. If that has changed, or if the log does not say
-    what it was, the mark is entered and waits for a person.
+
+def share_in_teams(course: Course, book: Gradebook, stages: Iterable[str]) -> list[str]:
+    """Enter the mark for a team's written answer for its other members; say for whom.
+
+    The other members must have submitted the same answer, and must not have a mark or a comment.
+    """
+    found: dict[Place, set[MarkChange]] = {}
+    teams = {stage: teams_in(course, stage) for stage in stages}
+    marks = current_marks(course, book) if any(teams.values()) else {}
+    for (student, stage, lesson, exercise), mark in marks.items():
+        mates = {mate for team in teams.get(stage, ()) if student in team for mate in team}
+        for mate in sorted(mates - {student}) if mark.by_hand and mark.graded else ():
+            place = (mate, stage, lesson, exercise)
+            other = marks.get(place)
+            answers = read_fingerprints(course, mate, stage).get(lesson, {})
+            is_free = other is not None and not (other.by_hand or other.comment)
+            if is_free and answers.get(exercise) == mark.graded:
+                by_person = (mark.by_hand, mark.comment, mark.graded)
+                change = MarkChange("", *place, None, None, A_PERSON, *by_person)
+                found.setdefault(place, set()).add(change)
+    # If the other members have different marks, a person has to decide.
+    agreed = [change for changes in found.values() if len(changes) == 1 for change in changes]
+    entered, _ = _enter(course, book, agreed)
+    return [f"Entered a team's mark for its other members: {_listed(entered)}."] if entered else []
+
+
+def _enter(
+    course: Course, book: Gradebook, changes: Collection[MarkChange]
+) -> tuple[list[MarkChange], list[MarkChange]]:
+    """Enter marks and comments; return those that were entered, and those that wait for a person.
+
+    A mark applies only to what the person graded. If that has changed, or if it is unknown, the
+    mark is entered and waits for a person.
     """
     restored, waiting = [], []
-    for change in lost:
+    for change in changes:
         try:
             notebook = book.find_submission_notebook(change.lesson, change.stage, change.student)
         except MissingEntry:  # the submission is not entered, so the mark stays lost
@@ -92,12 +135,7 @@ def restore_marks(course: Course, book: Gradebook, lost: Collection[MarkChange])
                 comment.manual_comment = change.comment or None
         restored.append(change)
     book.db.commit()
-    sentences = [f"Restored from marks.jsonl: {_listed(restored)}."] if restored else []
-    if waiting:
-        sentences.append(
-            f"Review these marks, because the work may have changed: {_listed(waiting)}."
-        )
-    return sentences
+    return restored, waiting
 
 
 def lost_sentence(course: Course, lost: Collection[MarkChange]) -> str:

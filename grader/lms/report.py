@@ -16,6 +16,7 @@ from urllib.parse import quote
 
 from markupsafe import Markup
 
+from grader.classroom.collect.answers import teams_in
 from grader.classroom.item_analysis import (
     LEAST_STUDENTS,
     common_messages,
@@ -114,7 +115,7 @@ def write_report(
     }
     sections = {
         "undecided": [stage for stage in results.stages if stage.undecided],
-        "same": _same_files(pairs),
+        "same": _same_files(course, pairs),
         "stopped": [
             (student, v.lesson, names) for student, v in pairs if (names := out_of_time(v))
         ],
@@ -172,8 +173,10 @@ def _items(lessons: Sequence[Lesson], counted: Sequence[Verdict]) -> list[tuple[
     return analyses
 
 
-def _same_files(pairs: Sequence[tuple[str, Verdict]]) -> list[tuple[str, list[str]]]:
-    """Return (lesson, students with identical files), except for unchanged notebooks."""
+def _same_files(
+    course: Course, pairs: Sequence[tuple[str, Verdict]]
+) -> list[tuple[str, list[str]]]:
+    """Return (lesson, students with identical files), except for unchanged notebooks and teams."""
     by_content: dict[tuple[str, str], list[str]] = {}
     for student, verdict in pairs:
         if verdict.fingerprint:
@@ -181,15 +184,21 @@ def _same_files(pairs: Sequence[tuple[str, Verdict]]) -> list[tuple[str, list[st
     duplicates = {
         content: students for content, students in by_content.items() if len(students) > 1
     }
+    teams = {
+        lesson.name: teams_in(course, lesson.stage)
+        for lesson in all_lessons()
+        if lesson.name in {name for name, _ in duplicates}
+    }
     as_released = {
         SubmittedFiles(lesson.released.name, lesson.released.read_bytes()).fingerprint()
         for lesson in all_lessons()
-        if lesson.name in {name for name, _ in duplicates}
+        if lesson.name in teams
     }
     return [
         (lesson, students)
         for (lesson, fingerprint), students in duplicates.items()
         if fingerprint not in as_released
+        and not any(team.issuperset(students) for team in teams.get(lesson, ()))
     ]
 
 

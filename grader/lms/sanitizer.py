@@ -8,13 +8,10 @@ these programs has a different one.
 
 from __future__ import annotations
 
-import base64
-import binascii
 import re
 
 from grader.lms.formula_sanitizer import ZERO_WIDTH_SPACE, sanitize_formulas
 
-PICTURES = ("image/png", "image/jpeg", "image/gif")
 _TAG = re.compile(r"<(?=[A-Za-z/!?])")
 # After a bracket, only these schemes and relative addresses are allowed. A relative address has up
 # to 200 characters without a colon before a slash, `?`, `#`, `)`, a space or the end.
@@ -26,7 +23,6 @@ _ADDRESS = re.compile(
 # A browser would fetch a picture from another address with the cookies of the page's reader.
 _FETCHED = re.compile(r"!(?=\[)(?!\[[^\[\]\n]{0,200}+\]\(attachment:)")
 _DIAGRAM = re.compile(r"((?<!`)`{3,}+[^\S\n]*+|(?<!~)~{3,}+[^\S\n]*+)(?=mermaid)")
-_FILE_NAME = re.compile(r"[\w .()+\-]{1,100}")
 
 
 def sanitize_markdown(markdown: str) -> str:
@@ -52,27 +48,3 @@ def as_code(text: str) -> str:
     longest = max((len(run) for run in re.findall(r"`+", text)), default=0)
     fence = "`" * max(3, longest + 1)
     return f"{fence}text\n{text}\n{fence}"
-
-
-def harmless_pictures(attachments: dict) -> dict:
-    """Return only the valid pictures among the attachments of a cell."""
-    pictures = {}
-    for name, content in attachments.items():
-        if not isinstance(content, dict) or not _FILE_NAME.fullmatch(name):
-            continue
-        versions = {
-            mime_type: data for mime_type, data in content.items() if _is_picture(mime_type, data)
-        }
-        if versions:
-            pictures[name] = versions
-    return pictures
-
-
-def _is_picture(mime_type: str, data: object) -> bool:
-    if mime_type not in PICTURES or not isinstance(data, str):
-        return False
-    try:
-        base64.b64decode("".join(data.split()), validate=True)
-    except (binascii.Error, ValueError):
-        return False
-    return True

@@ -10,16 +10,17 @@ import pytest
 from markdown_it import MarkdownIt
 from nbconvert.exporters import HTMLExporter
 from nbconvert.filters import markdown2html
+from nbconvert.filters.markdown_mistune import IPythonRenderer, MarkdownWithMath
 
 from grader.course.kept_answers import fill_in
 from grader.course.lessons import find_lesson
 from grader.intake.preflight import prepare, prepare_to_show
 from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import UnknownLesson, judge_files
-from grader.lms.autograded import build_copy, write_verdict
+from grader.lms.autograded import _student_cell, build_copy, write_verdict
 from grader.lms.sanitizer import ZERO_WIDTH_SPACE, sanitize_markdown
 from tests.attacks.attack import with_attacks
-from utils.notebooks.reading import UnreadableNotebook
+from utils.notebooks.reading import Cell, UnreadableNotebook
 
 # Tags that Markdown produces from plain text.
 FINE = {
@@ -120,6 +121,25 @@ def test_scripts_in_an_answer_are_disarmed(text):
     assert (
         active_parts(MarkdownIt("commonmark", {"html": True}).render(sanitize_markdown(text))) == []
     )
+
+
+@with_attacks("text", SCRIPTS)
+def test_scripts_next_to_pictures_are_disarmed(text):
+    """Pictures in other spellings are rewritten before the text is sanitized."""
+    lesson = find_lesson("12_streaming_obstacles")
+    picture = f'<img alt="{text}" src="data:image/png;base64,iVBORw0K"> ![{text}](attachment:a.png)'
+    for answer in (text, picture, f"![{text}][1]\n\n[1]: data:image/png;base64,iVBORw0K"):
+        given = Cell("markdown", answer, "", {"a.png": {"image/png": "iVBORw0K"}})
+        cell = _student_cell(given, None, lesson)
+        renderer = IPythonRenderer(escape=False, attachments=cell.get("attachments", {}))
+        pages = (
+            MarkdownWithMath(renderer=renderer).render(cell.source),
+            MarkdownIt("commonmark", {"html": True}).render(cell.source),
+        )
+        # The second address is that of a picture around another picture, which is not found.
+        sources = ("data:image/png;base64,iVBORw0K", "%E2%80%8Battachment:a.png")
+        harmless = {("img", "src", source) for source in sources}
+        assert {part for page in pages for part in active_parts(page)} <= harmless
 
 
 def test_most_scripts_would_run_unsanitized():

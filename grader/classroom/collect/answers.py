@@ -118,6 +118,26 @@ def store_ignored(
     _store(course, stages, {_digest(_with(content, name)): () for name, content in ignored})
 
 
+def teams_in(course: Course, stage: str) -> list[frozenset[str]]:
+    """Return the teams of a stage that stored answers declare, as sets of ids."""
+    members: dict[str, set[str]] = {}
+    for entry_stage, digest, id in _read_entries(course):
+        if entry_stage == stage:
+            members.setdefault(digest, set()).add(id)
+    return [frozenset(ids) for ids in members.values() if len(ids) > 1]
+
+
+def count_answers_about(course: Course, student: str) -> int:
+    """Return the number of stored lines that name a student."""
+    return sum(id == student for _, _, id in _read_entries(course))
+
+
+def delete_answers_about(course: Course, student: str) -> None:
+    """Delete the stored lines that name a student."""
+    kept = [entry for entry in _read_entries(course) if entry[2] != student]
+    write_atomically("".join(map(_json_line, kept)), _path(course))
+
+
 def _store(course: Course, stages: Sequence[str], new: dict[str, tuple[str, ...]]) -> None:
     if not new:
         return
@@ -179,7 +199,6 @@ def _read_entries(course: Course) -> list[tuple[str, str, str]]:
 
 def _json_line(entry: tuple[str, str, str]) -> str:
     stage, digest, id = entry
-    # The documented command for deleting a student's data searches for this text.
     return json.dumps({"student": id, "stage": stage, "label": digest}, ensure_ascii=False) + "\n"
 
 

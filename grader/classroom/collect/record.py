@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import json
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
@@ -113,6 +114,15 @@ def read_record(folder: Path) -> Record:
 def write_record(record: Record, folder: Path) -> None:
     """Write the record of a folder."""
     write_atomically(json.dumps(dataclasses.asdict(record), indent=1), folder / NAME)
+
+
+def without_archives(record: Record, archives: Collection[str]) -> Record:
+    """Return a record without these names of archives and files, which may contain a name."""
+    files = {
+        name: dataclasses.replace(origin, archive="") if origin.archive in archives else origin
+        for name, origin in record.files.items()
+    }
+    return dataclasses.replace(record, files=files)
 
 
 def reason_without_time(folder: Path) -> str:

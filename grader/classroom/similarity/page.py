@@ -106,8 +106,8 @@ def _sentences(pair: Pair, one: ComparedAnswer, other: ComparedAnswer) -> Iterat
     in_class, kept = pair.others
     kept_text = f", and in none of {kept} right answers of the course" if kept else ""
     yield (
-        f"{pair.exclusive} of these steps occur in none of the {in_class} other answers in this "
-        f"class{kept_text}. The two answers have "
+        f"{pair.exclusive} of these steps occur in none of the {in_class} answers of other "
+        f"students{kept_text}. The two answers have "
         f"{percent(pair.share)} of their unusual code in common. Neither has more than "
         f"{percent(pair.nearest[0])} in common with the answer of another student"
         f"{f', or {percent(pair.nearest[1])} with an answer of the course' if kept else ''}."

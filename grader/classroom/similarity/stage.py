@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
+from grader.classroom.collect.answers import teams_in
 from grader.classroom.pages import printable
 from grader.classroom.similarity.answers import (
     ComparedAnswer,
@@ -15,9 +18,10 @@ from grader.classroom.similarity.answers import (
     suggested_answers,
 )
 from grader.classroom.similarity.comparison import Comparison, Pair, compare
-from grader.classroom.submissions import Submission, find_submissions
+from grader.classroom.submissions import find_submissions
 from grader.course.lessons import all_lessons
 from grader.course.paths import Course
+from grader.course.roster import read_roster
 from grader.intake.reader_process import ReadingFailed
 from utils.notebooks.reading import UnreadableNotebook
 
@@ -64,7 +68,11 @@ class StageComparison:
     ----------
     stage : str
     students : tuple of str
-        The students whose work was compared.
+        The students of this course whose work was compared, with their names.
+    earlier : tuple of str
+        The students of earlier courses.
+    teams : tuple of (tuple of str)
+        Declared teams, whose members are not compared with each other.
     notebooks : int
     comparisons : tuple of Comparison
         One comparison for each exercise with at least one answer.
@@ -77,6 +85,8 @@ class StageComparison:
 
     stage: str
     students: tuple[str, ...]
+    earlier: tuple[str, ...]
+    teams: tuple[tuple[str, ...], ...]
     notebooks: int
     comparisons: tuple[Comparison, ...]
     answers: Mapping[tuple[str, str], ComparedAnswer] = field(repr=False, hash=False)
@@ -94,8 +104,50 @@ class StageComparison:
         return tuple(sorted(pairs, key=lambda pair: -pair.bits))
 
 
+@dataclass(frozen=True)
+class EarlierCourse(Course):
+    """The folder of an earlier course; `root` may also be a folder of submissions."""
+
+    @property
+    def submitted(self) -> Path:
+        """Folder of the submissions, ``<student>/<stage>/<NN_name>.ipynb``."""
+        folder = self.root / "submitted"
+        return folder if folder.is_dir() else self.root
+
+
+@dataclass(frozen=True)
+class _Work:
+    """A notebook that was read, and the student's name on the page."""
+
+    student: str
+    lesson: str
+    digest: str
+    parts: NotebookParts
+
+
+@dataclass(frozen=True)
+class _People:
+    """The students who are not compared with each other."""
+
+    earlier: frozenset[str]
+    teams: tuple[frozenset[str], ...]
+
+    def belong_together(self, students: Collection[str]) -> bool:
+        """Return whether all of these students are in one team, or in earlier courses."""
+        return any(group.issuperset(students) for group in (self.earlier, *self.teams))
+
+
+def earlier_course(folder: Path) -> EarlierCourse:
+    """Return the course with a folder, which may be the course's folder of submissions."""
+    folder = folder.resolve()
+    return EarlierCourse(folder.parent if folder.name == "submitted" else folder)
+
+
 def compare_stage(
-    course: Course, stage: str, advance: Callable[[int, int, object], None] = lambda *_: None
+    course: Course,
+    stage: str,
+    advance: Callable[[int, int, object], None] = lambda *_: None,
+    earlier: Sequence[EarlierCourse] = (),
 ) -> StageComparison:
     """Compare the submissions for a stage.
 
@@ -105,41 +157,69 @@ def compare_stage(
     stage : str
     advance : callable, optional
         Called with (done, total, None) before each notebook and at the end.
+    earlier : sequence of EarlierCourse, optional
+        Courses whose students are compared with those of `course`, but not with each other.
     """
-    submissions = find_submissions(course, [stage])
-    read: list[tuple[Submission, str, NotebookParts]] = []
+    names = _names(course)
+    found = [
+        (source, submission, _label(source, submission.student, names))
+        for source in (course, *earlier)
+        for submission in find_submissions(source, [stage])
+    ]
+    read: list[_Work] = []
     problems = []
-    for number, submission in enumerate(submissions):
-        advance(number, len(submissions), None)
-        student, lesson = printable(submission.student), submission.lesson.name
-        submitted_files = submission.read(course)
+    for number, (source, submission, student) in enumerate(found):
+        advance(number, len(found), None)
+        lesson = submission.lesson.name
+        submitted_files = submission.read(source)
         try:
             parts = read_notebook_parts(submitted_files, submission.lesson)
         except (UnreadableNotebook, ReadingFailed) as error:
             problems.append((student, lesson, str(error).splitlines()[0]))
             continue
         problems += [(student, lesson, sentence) for sentence in parts.problems]
-        read.append((submission, hashlib.sha256(submitted_files.data).hexdigest(), parts))
-    advance(len(submissions), len(submissions), None)
+        digest = hashlib.sha256(submitted_files.data).hexdigest()
+        read.append(_Work(student, lesson, digest, parts))
+    advance(len(found), len(found), None)
     answers = {
-        (exercise, printable(submission.student)): answer
-        for submission, _, parts in read
-        for exercise, answer in parts.answers.items()
+        (exercise, work.student): answer
+        for work in read
+        for exercise, answer in work.parts.answers.items()
     }
+    students = dict.fromkeys(student for source, _, student in found if source is course)
+    others = dict.fromkeys(student for source, _, student in found if source is not course)
+    teams = tuple(
+        frozenset(_label(course, id, names) for id in team) for team in teams_in(course, stage)
+    )
+    people = _People(frozenset(others), teams)
     return StageComparison(
         stage,
-        tuple(dict.fromkeys(printable(submission.student) for submission in submissions)),
+        tuple(students),
+        tuple(others),
+        tuple(sorted(tuple(sorted(team)) for team in set(teams))),
         len(read),
-        tuple(_comparisons(stage, answers)),
+        tuple(_comparisons(stage, answers, people)),
         answers,
-        tuple(_same_files(read)),
+        tuple(_same_files(read, people)),
         tuple(problems),
     )
 
 
+def _names(course: Course) -> dict[str, str]:
+    roster = read_roster(course)
+    return {person.id: person.display_name for person in roster.people} if roster else {}
+
+
+def _label(course: Course, student: str, names: Mapping[str, str]) -> str:
+    """Return a student's id with the name, or with the folder of an earlier course."""
+    if isinstance(course, EarlierCourse):
+        return printable(f"{course.root.name}/{student}")
+    return printable(names.get(student, student))
+
+
 def _comparisons(
-    stage: str, answers: Mapping[tuple[str, str], ComparedAnswer]
-) -> Iterable[Comparison]:
+    stage: str, answers: Mapping[tuple[str, str], ComparedAnswer], people: _People
+) -> Iterator[Comparison]:
     written: dict[str, dict[str, ComparedAnswer]] = {}
     for (exercise, student), answer in answers.items():
         written.setdefault(exercise, {})[student] = answer
@@ -147,25 +227,29 @@ def _comparisons(
         for name in (exercise.name for exercise in lesson.machine_graded):
             if name in written:
                 kept, suggested = kept_answers(lesson)[name], suggested_answers(lesson)[name]
-                yield compare(name, written[name], kept, suggested)
+                compared = compare(name, written[name], kept, suggested)
+                pairs = [
+                    pair for pair in compared.pairs if not people.belong_together(pair.students)
+                ]
+                yield dataclasses.replace(compared, pairs=tuple(pairs))
 
 
-def _same_files(read: Iterable[tuple[Submission, str, NotebookParts]]) -> Iterable[SameFile]:
+def _same_files(read: Iterable[_Work], people: _People) -> Iterator[SameFile]:
     files: dict[tuple[str, str], list[str]] = {}
     sizes = {}
-    for submission, data, parts in read:
-        if parts.cells:
-            for digest in (data, parts.cells):
-                key = submission.lesson.name, digest
-                files.setdefault(key, []).append(printable(submission.student))
-                sizes[key] = parts.own, parts.all, digest is data
+    for work in read:
+        if work.parts.cells:
+            for digest in (work.digest, work.parts.cells):
+                key = work.lesson, digest
+                files.setdefault(key, []).append(work.student)
+                sizes[key] = work.parts.own, work.parts.all, digest is work.digest
     reported = set()
     # Files with the same bytes come first, so that their equal cells are not reported again.
     for key, students in sorted(
         files.items(), key=lambda file: (file[0][0], not sizes[file[0]][2])
     ):
         group = key[0], frozenset(students)
-        if len(students) > 1 and group not in reported:
+        if len(students) > 1 and group not in reported and not people.belong_together(students):
             reported.add(group)
             own, cells, same_bytes = sizes[key]
             yield SameFile(key[0], tuple(students), same_bytes, own, cells)

@@ -26,6 +26,7 @@ _HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(_HERE))
 
 import importing  # noqa: E402
+import newer_library  # noqa: E402
 import semaphores  # noqa: E402
 import syscalls  # noqa: E402
 import wire  # noqa: E402
@@ -144,8 +145,11 @@ def newer_parts(
     ]
     modules = {}
     for name, source in start["modules"].items():
-        _, unread = slicing.parse_notebook([source], python)
-        modules.update((name, f"{name}.py {cell.reason}") for cell in unread if cell.newer)
+        own, unread = slicing.parse_notebook([source], python)
+        nodes = [statement.node for statement in own]
+        why = [cell.reason for cell in unread if cell.newer]
+        why += [reason for _, reason in newer_library.newer_names(nodes, python, start["modules"])]
+        modules.update((name, f"{name}.py {reason}") for reason in why[:1])
     # The syntax of an unknown version cannot be parsed at all.
     unknown = [cell for cell in skipped if cell.newer and not cell.newer.body]
     found = {
@@ -154,14 +158,17 @@ def newer_parts(
         for cell in unknown
         if cell.defines(name)
     }
-    if not added and not modules:
-        return found
     every = sorted([*statements, *added], key=lambda statement: statement.cell)
     for name in start["names"]:
         needed = slicing.slice_for([name], every)
         imported = {module.split(".")[0] for _, module in slicing.imported_modules(needed)}
         sentences = [reasons[statement.cell] for statement in needed if statement in added]
         sentences += [modules[module] for module in imported & modules.keys()]
+        nodes = [statement.node for statement in needed]
+        sentences += [
+            f"Code cell {needed[place].cell} {reason}"
+            for place, reason in newer_library.newer_names(nodes, python, start["modules"])
+        ]
         if sentences:
             found[name] = sentences[0]
     return found
