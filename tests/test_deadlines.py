@@ -316,10 +316,10 @@ def test_rules_are_read_and_described(course):
     assert dates.rules.without == {"drop_invalid", "fit_plane"}
     assert (dates.rules.drop_lowest, dates.rules.pass_mark) == (2, 50.5)
     assert list(dates.in_words()) == [
-        "stage1_ransac 2026-10-12 12:00 UTC, section B 2026-10-13 12:00 UTC, 1 with an extension, "
-        "lessons that count: 01 03",
-        "01_point_clouds 2026-10-05 12:00 UTC, 1 with an extension",
-        "03_ransac_plane 2026-10-20 12:00 UTC",
+        "stage1_ransac due 2026-10-12 12:00 UTC, section B 2026-10-13 12:00 UTC, "
+        "1 with an extension, lessons that count: 01 03",
+        "01_point_clouds due 2026-10-05 12:00 UTC, 1 with an extension",
+        "03_ransac_plane due 2026-10-20 12:00 UTC",
         "exercises that do not count: drop_invalid, fit_plane",
         "totals leave out each student's 2 lowest lessons",
         "pass mark 50.5 %",

@@ -155,7 +155,7 @@ class Deadlines:
             yield f"pass mark {self.rules.pass_mark:g} %"
 
     def _dates_in_words(self, name: str, dates: DueDates) -> Iterator[str]:
-        yield self._time_in_words(dates.due) if dates.due else "no date"
+        yield f"due {self._time_in_words(dates.due)}" if dates.due else "no date"
         for section, due in dates.sections.items():
             yield f"section {section} {self._time_in_words(due)}"
         if extensions := self.extensions(name):

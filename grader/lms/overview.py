@@ -84,7 +84,7 @@ def overview_of(
         (*counted_lessons(results), *assignment_notes(results, deadlines)),
         "; ".join(deadlines.in_words()) if deadlines else "",
         _passed(table, results),
-        _mean([row.share for row in table.rows]),
+        _mean([row.share for row in table.rows]) + _auditors(results),
         _missing(results),
         tuple(
             AttentionItem(f"{counts[name]} {words[counts[name] > 1]}", f"report-{anchor}")
@@ -102,6 +102,13 @@ def _mean(shares: Sequence[float | None]) -> str:
     if len(marked) == 1:
         return f"{percent}, for the only student with a mark."
     return f"{percent}, for {len(marked)} students with a mark."
+
+
+def _auditors(results: ClassResults) -> str:
+    count = sum(person.is_auditor for person in results.people)
+    if not count:
+        return ""
+    return f" {count} auditor{'s do' if count > 1 else ' does'} not count."
 
 
 def _passed(table: MarksTable, results: ClassResults) -> str:
