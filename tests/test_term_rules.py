@@ -321,6 +321,18 @@ def test_an_extension_also_applies_to_lessons(course):
     assert lost(course, UTC_DUE + OWN) == {}
 
 
+def test_an_extension_of_a_date_that_is_only_in_the_gradebook_applies_to_lessons(course):
+    submitted_at(course, "ada", ground="2026-02-23T11:00:00", distance="2026-02-24T13:00:00")
+    with gradebook.open_gradebook(course) as book:
+        book.update_or_create_assignment(STAGE, duedate="2026-02-22 12:00:00")
+    own = f'timezone = "UTC"\n{OWN}'
+    assert lost(course, own) == {("ada", "06"): 10, ("ada", "07"): 30}
+    with gradebook.open_gradebook(course) as book:
+        book.grant_extension(STAGE, "ada", days=3)
+    assert lost(course, own) == {}
+    assert result(course, "ada").due == datetime(2026, 2, 25, 12, tzinfo=UTC)
+
+
 def test_a_time_written_by_hand_applies_to_all_lessons_and_is_named(course):
     submitted_at(
         course,

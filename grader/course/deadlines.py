@@ -91,7 +91,12 @@ class Deadlines:
         return dates.students.get(id, self._due_without_extension(id, dates))
 
     def due_of_lesson(
-        self, student: str, stage: str, lesson: str, due_of_stage: datetime | None
+        self,
+        student: str,
+        stage: str,
+        lesson: str,
+        due_of_stage: datetime | None,
+        due_in_gradebook: datetime | None = None,
     ) -> datetime | None:
         """Return the due date of a lesson for a student, in UTC, or None if there is none.
 
@@ -101,12 +106,15 @@ class Deadlines:
         due_of_stage : datetime or None
             The student's due date of the stage, from the gradebook if it grants more time. It also
             applies to a lesson with its own date if it is an extension.
+        due_in_gradebook : datetime or None
+            The due date of the stage for the class, which counts if the file has none.
         """
         if lesson not in self.lessons:
             return due_of_stage
         dates = self.lessons[lesson]
         own = dates.students.get(student, self._due_without_extension(student, dates))
         regular = self._due_without_extension(student, self.stages.get(stage, DueDates()))
+        regular = regular or due_in_gradebook
         has_extension = due_of_stage and regular and due_of_stage > regular
         return max(own, due_of_stage) if has_extension else own
 

@@ -41,8 +41,10 @@ def penalty_of(
         return None
     student, lesson = submission.student.id, notebook.name
     # Without a due date, nbgrader cannot add an extension to it.
-    due = submission.duedate.replace(tzinfo=UTC) if submission.assignment.duedate else None
-    due = deadlines.due_of_lesson(student, submission.assignment.name, lesson, due)
+    of_class = submission.assignment.duedate
+    of_stage = submission.duedate.replace(tzinfo=UTC) if of_class else None
+    of_class = of_class and of_class.replace(tzinfo=UTC)
+    due = deadlines.due_of_lesson(student, submission.assignment.name, lesson, of_stage, of_class)
     if due is None:
         return None
     submitted_at = times.get(lesson, submission.timestamp.replace(tzinfo=UTC))

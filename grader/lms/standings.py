@@ -93,7 +93,9 @@ def class_results(course: Course) -> ClassResults:
                     row.score if row else None,
                     max_scores[lesson.name],
                     row.penalty if row else 0.0,
-                    due=deadlines.due_of_lesson(person.id, stage, lesson.name, times.due),
+                    due=deadlines.due_of_lesson(
+                        person.id, stage, lesson.name, times.due, times.due_in_gradebook
+                    ),
                     exercises=_exercises(lesson, cells.get(pair, {}) if row else {}, deadlines),
                 )
                 if row or pair in submitted:
@@ -224,6 +226,7 @@ class _StageTimes:
 
     submitted_at: datetime | None
     due: datetime | None
+    due_in_gradebook: datetime | None
     undecided: str
     lacks_zone: bool
     of_lessons: Mapping[str, datetime]
@@ -241,9 +244,10 @@ def _stage_times(
 
     The gradebook's times take precedence, because nbgrader computes penalties from them.
     """
-    due = deadlines.due(student, stage)
+    due, in_gradebook = deadlines.due(student, stage), None
     if row and row.due:
-        due = (row.due + (row.extension or timedelta())).replace(tzinfo=UTC)
+        in_gradebook = row.due.replace(tzinfo=UTC)
+        due = in_gradebook + (row.extension or timedelta())
     submitted_at, undecided = row and row.submitted_at and row.submitted_at.replace(tzinfo=UTC), ""
     folders = {submission.stage_folder(course) for submission in files}
     if not submitted_at:
@@ -252,7 +256,7 @@ def _stage_times(
         except SubmissionTimeUnknown as error:
             undecided = str(error) if due or deadlines.lessons_with_dates(stage) else ""
     of_lessons = lesson_times(files, deadlines) if submitted_at else {}
-    return _StageTimes(submitted_at, due, undecided, lacks_zone(folders), of_lessons)
+    return _StageTimes(submitted_at, due, in_gradebook, undecided, lacks_zone(folders), of_lessons)
 
 
 def _timed(result: NotebookResult, times: _StageTimes, deadlines: Deadlines) -> NotebookResult:
