@@ -10,7 +10,7 @@ from pathlib import Path
 from grader import commands
 from grader.authoring.skeleton import OWN_STAGE
 from grader.classroom.executors import processors
-from grader.course.deadlines import DeadlinesError
+from grader.course.deadlines_file import DeadlinesError
 from grader.course.extension import course_constant
 from grader.course.roster import RosterError
 from grader.course.seed import ShortSeed
@@ -314,14 +314,16 @@ def _add_grade(subparsers: argparse._SubParsersAction) -> None:
 
 
 def _add_report(subparsers: argparse._SubParsersAction) -> None:
-    add_command(
+    report = add_command(
         subparsers,
         "report",
         commands.run_report,
         "Write the class report again without judging. Use this command after you change marks by "
         "hand. It writes report/index.html, and report/anonymous.html without names.",
         "",
+        "--section A",
     )
+    _add_section_option(report, "write report/section_NAME.html about the students of one section")
 
 
 def _add_feedback(subparsers: argparse._SubParsersAction) -> None:
@@ -334,7 +336,8 @@ def _add_feedback(subparsers: argparse._SubParsersAction) -> None:
         "stage3_obstacles --for moodle",
     )
     add_stages_argument(feedback)
-    feedback.add_argument(
+    students = feedback.add_mutually_exclusive_group()
+    students.add_argument(
         "--student",
         action="append",
         default=[],
@@ -342,6 +345,7 @@ def _add_feedback(subparsers: argparse._SubParsersAction) -> None:
         help="write pages only for this student; X is an id, name, e-mail address or login; may be "
         "repeated (default: whole class)",
     )
+    _add_section_option(students, "write pages only for the students of one section")
     feedback.add_argument(
         "--for",
         dest="platform",
@@ -357,8 +361,10 @@ def _add_export(subparsers: argparse._SubParsersAction) -> None:
         "export",
         commands.run_export,
         "Write the marks to a table or to a file for a learning platform. Late penalties are "
-        "already subtracted. Students without a mark are listed, but not exported.",
+        "already subtracted, except in the table of exercises. Students without a mark are listed, "
+        "but not exported.",
         "",
+        "--format exercises",
         "--format canvas --assignment stage3_obstacles --into gradebook.csv",
     )
     export.add_argument(
@@ -370,8 +376,8 @@ def _add_export(subparsers: argparse._SubParsersAction) -> None:
     export.add_argument(
         "--assignment",
         metavar="NAME",
-        help="stage or lesson whose marks to export (default for csv: all; required for other "
-        "formats)",
+        help="stage or lesson whose marks to export (default for csv and exercises: all; required "
+        "for other formats)",
     )
     export.add_argument(
         "--into",
@@ -395,6 +401,7 @@ def _add_export(subparsers: argparse._SubParsersAction) -> None:
         action="store_true",
         help="also export work that is waiting for a grader, with its points so far",
     )
+    _add_section_option(export, "export only the students of one section")
     export.add_argument(
         "--to",
         type=Path,
@@ -569,6 +576,14 @@ def add_stages_argument(command: argparse.ArgumentParser) -> None:
         nargs="*",
         metavar="STAGE",
         help="stages to work on, such as stage3_obstacles (default: all)",
+    )
+
+
+def _add_section_option(command: argparse._ActionsContainer, help: str) -> None:
+    command.add_argument(
+        "--section",
+        metavar="NAME",
+        help=f"{help}, as named in the column section of roster.csv (default: whole class)",
     )
 
 

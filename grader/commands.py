@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
     from grader.classroom.grade import JudgedSubmissions
     from grader.course.lessons import Lesson
+    from grader.course.roster import Person
     from grader.lms.results import ClassResults
 
 SUCCESS, FAULT, USAGE_ERROR = 0, 1, 2
@@ -122,7 +123,8 @@ def run_release(options: argparse.Namespace) -> int:
 
 def _release_solutions(options: argparse.Namespace) -> int:
     from grader.classroom.executors import processors
-    from grader.course.deadlines import Deadlines, read_deadlines
+    from grader.course.deadlines import Deadlines
+    from grader.course.deadlines_file import read_deadlines
     from grader.course.lessons import all_lessons
     from grader.course.solutions import reason_still_open, write_solutions
     from grader.lms.dates import gradebook_extensions
@@ -185,7 +187,7 @@ def run_collect(options: argparse.Namespace) -> int:
     from grader.classroom.collect import CollectError
     from grader.classroom.collect.collection import collect
     from grader.classroom.lock import AlreadyRunning, course_lock
-    from grader.course.deadlines import DeadlinesError
+    from grader.course.deadlines_file import DeadlinesError
     from grader.course.roster import RosterError
 
     if not stages_exist(options.stages):
@@ -265,7 +267,7 @@ def run_grade(options: argparse.Namespace) -> int:
     """Run the command ``grade [STAGE ...]``."""
     from grader.classroom.executors import processors
     from grader.classroom.folders import UnknownStudent, find_student
-    from grader.course.deadlines import read_deadlines
+    from grader.course.deadlines_file import read_deadlines
     from grader.course.seed import course_seed
 
     if not stages_exist(options.stages):
@@ -315,6 +317,7 @@ def sandbox_of_workers(choice: str) -> Sandbox:
 
 def run_report(options: argparse.Namespace) -> int:
     """Run the command ``report``."""
+    from grader.classroom.folders import UnknownStudent
     from grader.classroom.submissions import unaccounted_files
     from grader.lms.report import write_report
     from grader.lms.standings import class_results
@@ -324,9 +327,37 @@ def run_report(options: argparse.Namespace) -> int:
     if not judged:
         print("Nothing has been graded yet. Run: python -m grader grade", file=sys.stderr)
         return USAGE_ERROR
-    left = unaccounted_files(course)
-    print(f"Report: {write_report(course, judged, class_results(course), left=left)}")
+    left, results, section = unaccounted_files(course), class_results(course), ""
+    if options.section is not None:
+        try:
+            people, section = _section(course, options.section)
+        except UnknownStudent as error:
+            print(console.plain(error), file=sys.stderr)
+            return USAGE_ERROR
+        results, left = results.of_people(people), _files_of(course, people, left)
+        ids = {person.id for person in people}
+        judged = [pair for pair in judged if pair[0].student in ids]
+    path = write_report(course, judged, results, left=left, section=section)
+    print(f"Report: {path}")
     return SUCCESS
+
+
+def _section(course: Course, name: str) -> tuple[Sequence[Person], str]:
+    """Return the students of a section, and its name as on the roster."""
+    from grader.classroom.folders import find_section
+
+    people = find_section(course, name)
+    return people, people[0].section
+
+
+def _files_of(
+    course: Course, people: Sequence[Person], files: Sequence[tuple[Path, str]]
+) -> list[tuple[Path, str]]:
+    """Return those of the files in ``submitted/`` that are in folders of some students."""
+    from grader.course.roster import read_roster
+
+    roster = read_roster(course)
+    return [(path, reason) for path, reason in files if roster.owner_of(path.parts[1]) in people]
 
 
 def _read_verdicts(course: Course) -> JudgedSubmissions:
@@ -341,6 +372,8 @@ def _read_verdicts(course: Course) -> JudgedSubmissions:
 
 def run_export(options: argparse.Namespace) -> int:
     """Run the command ``export``."""
+    from grader.classroom.folders import UnknownStudent
+    from grader.course.roster import in_file_name
     from grader.lms.exporters import EXPORTERS, ExportError, ExportOptions
     from grader.lms.exporters.destination import write_export
     from grader.lms.standings import class_results
@@ -359,11 +392,17 @@ def run_export(options: argparse.Namespace) -> int:
         print("The gradebook is empty. Run: python -m grader grade", file=sys.stderr)
         return USAGE_ERROR
     wanted = (options.assignment, options.provisional, options.into, options.column, options.scale)
+    section, others = "", ()
     try:
-        exported = exporter.write(ExportOptions(course, results, *wanted))
-        name = ".".join(filter(None, ("scores", options.assignment))) + exporter.ending
+        if options.section is not None:
+            people, section = _section(course, options.section)
+            others = tuple(person for person in results.people if person not in people)
+            results = results.of_people(people)
+        exported = exporter.write(ExportOptions(course, results, *wanted, others))
+        parts = ("scores", options.assignment, in_file_name(section))
+        name = ".".join(filter(None, parts)) + exporter.ending
         path, backup = write_export(exported.content, options.to, course.root / name, options.into)
-    except ExportError as error:
+    except (ExportError, UnknownStudent) as error:
         print(console.plain(error), file=sys.stderr)
         return USAGE_ERROR
     console.print_exported(exported, path, backup, exporter.next_step)
@@ -374,6 +413,7 @@ def run_autograder(options: argparse.Namespace) -> int:
     """Run the command ``autograder NAME``."""
     from grader.classroom.executors import EXECUTORS, processors
     from grader.classroom.rehearsals import RehearsalFailed, Rehearsals
+    from grader.course.deadlines_file import read_deadlines
     from grader.course.seed import course_seed
     from grader.lms.autograder.judging import lessons_of
     from grader.lms.autograder.package import build_autograder_zip, write_secret
@@ -406,35 +446,49 @@ def run_autograder(options: argparse.Namespace) -> int:
         return FAULT
     path = options.to or course.root / f"autograder.{options.assignment}.zip"
     write_secret(build_autograder_zip(options.assignment, seed), path)
-    console.print_autograder(path, lessons)
+    deadlines = read_deadlines(course)
+    off = [name for one in lessons for name in deadlines.rules.without_in(one)] if deadlines else ()
+    console.print_autograder(path, lessons, off)
     return SUCCESS
 
 
 def run_feedback(options: argparse.Namespace) -> int:
     """Run the command ``feedback [STAGE ...]``."""
     from grader.classroom.folders import UnknownStudent, find_student
-    from grader.course.deadlines import read_deadlines
+    from grader.course.deadlines_file import read_deadlines
     from grader.lms.feedback_archives import PLATFORMS, write_feedback
     from grader.lms.instructor_notes import assignment_notes
     from grader.lms.standings import class_results
 
     if not stages_exist(options.stages):
         return USAGE_ERROR
-    course = Course()
+    course, people, section = Course(), (), ""
     try:
         students = [find_student(course, text) for text in options.student]
+        if options.section is not None:
+            people, section = _section(course, options.section)
     except UnknownStudent as error:
         print(console.plain(error), file=sys.stderr)
         return USAGE_ERROR
     folder = options.to or course.root / "handed_back"
     with console.progress_bar("Writing feedback") as advance:
         feedback = [
-            write_feedback(course, stage, students, folder, options.platform, advance)
+            write_feedback(
+                course,
+                stage,
+                students or [person.id for person in people],
+                folder,
+                options.platform,
+                advance,
+                section,
+            )
             for stage in options.stages or stages()
         ]
     console.print_feedback(feedback)
     if any(item.pages for item in feedback):  # students see which lessons count
-        console.print_notes([*assignment_notes(class_results(course), read_deadlines(course))])
+        results = class_results(course)
+        results = results.of_people(people) if people else results
+        console.print_notes([*assignment_notes(results, read_deadlines(course))])
     if not any(item.pages for item in feedback):
         print("There is no feedback to write yet. Run: python -m grader grade", file=sys.stderr)
         return USAGE_ERROR
@@ -644,7 +698,7 @@ def _grade_with_lock(
     run = GradingRun(now, len(reported) - now, seconds, label)
     path = write_report(course, reported, results, run, warning or sandbox.warning, left)
     if student:
-        _print_student(course, student, judged)
+        _print_student(course, student, judged, results)
     else:
         _print_class(course, judged, results, left)
     _print_summary(course, len(judged), stored_count, seconds, label)
@@ -708,7 +762,7 @@ def _print_class(
 ) -> None:
     """Print the results of the class, and everything that needs attention."""
     from grader.classroom.folders import respelt_folders
-    from grader.course.deadlines import read_deadlines
+    from grader.course.deadlines_file import read_deadlines
     from grader.course.roster import read_roster
     from grader.lms.instructor_notes import counted_lessons, notes
 
@@ -721,12 +775,18 @@ def _print_class(
     console.print_notes([*respelt, *notes(course, results, read_deadlines(course))])
 
 
-def _print_student(course: Course, student: str, judged: JudgedSubmissions) -> None:
-    """Print the verdicts on a student's work, and the history of the marks."""
+def _print_student(
+    course: Course, student: str, judged: JudgedSubmissions, results: ClassResults
+) -> None:
+    """Print the verdicts on a student's work, the results of the term, and their history."""
     from grader.lms.history import read_changes
+    from grader.lms.term import term_in_words, term_result
 
     for _, verdict in judged:
         console.print_verdict(verdict)
+    if notebooks := results.of_student(student):
+        total = term_result(notebooks, results.rules)
+        console.print_term(notebooks, term_in_words(total, results.rules))
     lessons = {submission.lesson.name for submission, _ in judged}
     console.print_history(
         [

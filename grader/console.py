@@ -7,7 +7,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from datetime import datetime
+from datetime import datetime, timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -219,7 +219,7 @@ def print_class(
             scores = [_mark_text(results.notebook(student, lesson)) for lesson in lessons]
             first_fault = _first_fault(verdicts.values())
         else:
-            scores = [_score_text(verdicts.get(lesson)) for lesson in lessons]
+            scores = [_score_text(verdicts.get(lesson), results) for lesson in lessons]
             first_fault = "not on the roster, so no mark was entered" if results else ""
             first_fault = first_fault or _first_fault(verdicts.values())
         cells += scores
@@ -230,6 +230,26 @@ def print_class(
     legend = [text for sign, text in LEGEND.items() if any(sign in cell for cell in cells)]
     if legend and results:
         console.print(" · ".join(legend), markup=False, style="dim")
+
+
+def print_term(notebooks: Sequence[NotebookResult], total: str) -> None:
+    """Print a student's results in all lessons of the term, and a sentence about the total."""
+    table = Table(title="The term so far", title_justify="left", box=SIMPLE_HEAD)
+    table.add_column("Lesson", no_wrap=True)
+    for heading in ("Points", "Of", "Penalty", "Days late"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("Status")
+    for result in notebooks:
+        table.add_row(
+            result.lesson,
+            "-" if result.score is None else f"{result.score:.4g}",
+            f"{result.max_score:g}",
+            f"-{result.penalty:.3g}" if result.penalty else "",
+            f"{result.late / timedelta(days=1):.1f}" if result.late else "",
+            result.standing,
+        )
+    Console(highlight=False, width=None if sys.stdout.isatty() else 120).print(table)
+    print(f"Total: {total}")
 
 
 def print_history(changes: Sequence[MarkChange]) -> None:
@@ -313,7 +333,7 @@ def print_exported(exported: ExportResult, path: Path, backup: Path | None, next
         print(next_step)
 
 
-def print_autograder(path: Path, lessons: Sequence[Lesson]) -> None:
+def print_autograder(path: Path, lessons: Sequence[Lesson], off: Sequence[str] = ()) -> None:
     """Print which lessons an autograder judges, and how to upload it."""
     exercises = [exercise for lesson in lessons for exercise in lesson.exercises]
     machine = sum(exercise.points for exercise in exercises if not exercise.by_hand)
@@ -330,6 +350,11 @@ def print_autograder(path: Path, lessons: Sequence[Lesson]) -> None:
     if by_hand:
         names = ", ".join(f"{exercise.name} ({exercise.points:g} points)" for exercise in by_hand)
         lines.insert(2, f"Grade by hand in Gradescope: {names}.")
+    if off:
+        lines.append(
+            f"deadlines.toml switches off {', '.join(off)}, but this autograder counts them. To "
+            "leave them out, judge here, and run: python -m grader export --format gradescope"
+        )
     Console(highlight=False, soft_wrap=True).print("\n".join(lines), markup=False)
 
 
@@ -479,10 +504,11 @@ def _mark_text(result: NotebookResult) -> str:
     return f"{result.score:.3g}{'*' * (result.standing == 'waiting')}"
 
 
-def _score_text(verdict: Verdict | None) -> str:
+def _score_text(verdict: Verdict | None, results: ClassResults | None) -> str:
     if verdict is None:
         return "-"
-    return f"{verdict.score:.3g}" if verdict.status == "judged" else "?"
+    points = results.judged_points(verdict) if results else verdict.score
+    return f"{points:.3g}" if verdict.status == "judged" else "?"
 
 
 def _first_fault(verdicts: Iterable[Verdict]) -> str:

@@ -94,6 +94,19 @@ def test_a_time_written_by_hand_counts_for_all_files_in_the_folder(course):
     assert LATE.encode() in older(course, "ada")
 
 
+def test_each_lesson_has_its_own_time_until_a_person_writes_one(course):
+    """Lessons with their own due dates need these times."""
+    for name, time in ((SIX, EARLY), (SEVEN, LATE), (SIX, LATE)):  # lesson 06 did not change
+        collect(course, lesson(course, name), times=table(course, time))
+    paths = [folder(course) / f"{name}.ipynb" for name in (SIX, SEVEN)]
+    assert [record.file_time(path) for path in paths] == [utc(EARLY), utc(LATE)]
+    assert record.file_time(folder(course) / "other.ipynb") is None
+    (folder(course) / "timestamp.txt").write_text("2026-10-19 10:00:00 UTC")
+    assert [record.file_time(path) for path in paths] == [None, None]
+    (folder(course) / "timestamp.txt").unlink()
+    assert [record.file_time(path) for path in paths] == [None, None]
+
+
 def test_the_time_of_files_that_were_not_collected_counts(course):
     """A file that nbgrader collected earlier determines the stage's time if its time is later."""
     folder(course).mkdir(parents=True)

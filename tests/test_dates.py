@@ -6,7 +6,7 @@ from datetime import UTC, datetime, timedelta
 import pytest
 
 from grader.course import paths
-from grader.course.deadlines import read_deadlines
+from grader.course.deadlines_file import read_deadlines
 from grader.course.paths import Course
 from grader.lms import dates as dates_module
 from grader.lms import gradebook

@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 
 import pytest
 
-from grader.course.deadlines import DeadlinesError, read_deadlines
+from grader.course.deadlines_file import DeadlinesError, read_deadlines
 from grader.course.paths import Course
 from grader.course.roster import Person, RosterError
 
@@ -131,14 +131,17 @@ def test_students_may_have_their_own_dates_without_a_roster(course):
             '[stage1_ransac]\ndue = 2026-10-12T23:59:00\ntimezone = "UTC"',
             "[stage1_ransac]: move timezone above the first heading.",
         ),
-        ('Timezone = "UTC"', "there is no stage or setting Timezone. Choose from: stage1_ransac,"),
+        (
+            'Timezone = "UTC"',
+            "there is no stage, lesson or setting Timezone. Choose from: stage1_ransac,",
+        ),
         (
             "[stage1_ransac]\ndue = 2026-10-12T23:59:00\n[stage1_ransac.students]\nmary jane = 1",
             "mary",
         ),
         (
             "[stage1]\n",
-            "there is no stage or setting stage1. Choose from: stage1_ransac, stage2_clustering",
+            "no stage, lesson or setting stage1. Choose from: stage1_ransac, stage2_clustering",
         ),
         ("stage1_ransac = 2026-10-12T23:59:00", "make this a heading, and write due ="),
         ("[stage1_ransac]\nlessons = [1]", "[stage1_ransac], lessons: list the numbers"),
@@ -240,3 +243,140 @@ def test_lessons_that_count_are_read_in_their_order(course):
     assert deadlines.assigned("stage2_clustering") is None
     assert deadlines.assigned("stage3_obstacles") is None
     assert read(course, "[stage1_ransac]\nlessons = []").assigned("stage1_ransac") == ()
+
+
+LESSON = """
+timezone = "UTC"
+[stage1_ransac]
+due = 2026-10-12T12:00:00
+[stage1_ransac.sections]
+B = 2026-10-13T12:00:00
+[stage1_ransac.students]
+anna = 2026-10-19T12:00:00
+[01_point_clouds]
+due = 2026-10-05T12:00:00
+[01_point_clouds.students]
+cleo = 2026-10-06T12:00:00
+[03_ransac_plane]
+due = 2026-10-20T12:00:00
+"""
+
+
+def lesson_dates(dates, lesson, granted=None):
+    """Return the day on which a lesson is due, by student; `granted` is from the gradebook."""
+    due = {}
+    for name in ("anna", "ben", "cleo", "dora"):
+        of_stage = granted or dates.due(name, "stage1_ransac")
+        due[name] = dates.due_of_lesson(name, "stage1_ransac", lesson, of_stage).day
+    return due
+
+
+def test_a_lesson_may_have_its_own_dates(course):
+    dates = read(course, LESSON)
+    assert lesson_dates(dates, "02_ransac_line") == {"anna": 19, "ben": 13, "cleo": 13, "dora": 12}
+    assert lesson_dates(dates, "01_point_clouds") == {"anna": 19, "ben": 5, "cleo": 6, "dora": 5}
+    assert set(dates.lessons_with_dates("stage1_ransac")) == {"01_point_clouds", "03_ransac_plane"}
+    assert dates.lessons_with_dates("stage2_clustering") == {}
+    assert set(dates.extensions("01_point_clouds")) == {"cleo"}
+
+
+def test_an_extension_of_the_stage_never_shortens_the_time_for_a_lesson(course):
+    dates = read(course, LESSON)
+    assert lesson_dates(dates, "03_ransac_plane") == dict.fromkeys(
+        ("anna", "ben", "cleo", "dora"), 20
+    )
+    granted = lesson_dates(dates, "01_point_clouds", utc(2026, 10, 25))
+    assert granted == dict.fromkeys(("anna", "ben", "cleo", "dora"), 25)
+    assert lesson_dates(dates, "03_ransac_plane", utc(2026, 10, 11)) == dict.fromkeys(granted, 20)
+
+
+def test_a_lesson_may_have_a_date_in_a_stage_without_one(course):
+    dates = read(course, "[01_point_clouds]\ndue = 2026-10-05T12:00:00Z\n")
+    due = dates.due_of_lesson("anna", "stage1_ransac", "01_point_clouds", None)
+    assert due == utc(2026, 10, 5, 12)
+    assert dates.due_of_lesson("anna", "stage1_ransac", "02_ransac_line", None) is None
+
+
+def test_without_rules_everything_counts(course):
+    rules = read(course, DATES).rules
+    assert (rules.without, rules.drop_lowest, rules.pass_mark) == (frozenset(), 0, None)
+
+
+def test_rules_are_read_and_described(course):
+    dates = read(
+        course,
+        "drop_lowest = 2\npass_mark = 50.5\n"
+        + LESSON.replace(
+            "12:00:00\n[stage1_ransac.s",
+            '12:00:00\nlessons = ["01", "03"]\n'
+            'without = ["fit_plane", "drop_invalid"]\n[stage1_ransac.s',
+            1,
+        ),
+    )
+    assert dates.rules.without == {"drop_invalid", "fit_plane"}
+    assert (dates.rules.drop_lowest, dates.rules.pass_mark) == (2, 50.5)
+    assert list(dates.in_words()) == [
+        "stage1_ransac due 2026-10-12 12:00 UTC, section B 2026-10-13 12:00 UTC, "
+        "1 with an extension, lessons that count: 01 03",
+        "01_point_clouds due 2026-10-05 12:00 UTC, 1 with an extension",
+        "03_ransac_plane due 2026-10-20 12:00 UTC",
+        "exercises that do not count: drop_invalid, fit_plane",
+        "totals leave out each student's 2 lowest lessons",
+        "pass mark 50.5 %",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("written", "says"),
+    [
+        ("drop_lowest = 12", "12 is not a number of lessons that can be left out of 12. Write a"),
+        ("drop_lowest = -1", "-1 is not a number of lessons"),
+        ("drop_lowest = true", "is not a number of lessons"),
+        ('drop_lowest = "1"', "drop_lowest: 1 is not a number of lessons"),
+        ("drop_lowest = 9\n[stage1_ransac]\nlessons = []", "can be left out of 9."),
+        ("[stage1_ransac]\ndrop_lowest = 1", "move drop_lowest above the first heading"),
+        ("pass_mark = 0", "pass_mark: 0 is not a percentage"),
+        ("pass_mark = 100.5", "is not a percentage"),
+        ("pass_mark = nan", "is not a percentage"),
+        ('pass_mark = "50 %"', "is not a percentage"),
+        ("[stage1_ransac]\npass_mark = 50", "move pass_mark above the first heading"),
+        ('without = ["fit_plane"]', "move without below the heading of its stage"),
+        ('[stage1_ransac]\nwithout = ["fit_plan"]', "The exercises that count are: horizontal_di"),
+        ('[stage1_ransac]\nwithout = "fit_plane"', "list exercises in quotation marks"),
+        ("[stage1_ransac]\nwithout = [1]", "list exercises in quotation marks"),
+        ('[stage1_ransac]\nwithout = ["filter_ground"]', "The exercises that count are:"),
+        (
+            '[stage1_ransac]\nlessons = ["01"]\nwithout = ["fit_plane"]',
+            "The exercises that count are: horizontal_distance, drop_invalid.",
+        ),
+        (
+            '[stage1_ransac]\nwithout = ["drop_invalid", "horizontal_distance"]',
+            "this switches off all exercises of 01_point_clouds. To leave out the whole lesson",
+        ),
+        ("[01_point_clouds]", "[01_point_clouds]: no date. Add a line due = 2026-10-12T23:59:00"),
+        ("[01_point_clouds]\nlessons = []", "move lessons below the heading of its stage"),
+        (
+            '[01_point_clouds]\ndue = 2026-10-12T23:59:00\nwithout = ["fit_plane"]',
+            "move without below the heading of its stage",
+        ),
+        (
+            "[01_point_clouds]\ndue = 2026-10-12T23:59:00\n[01_point_clouds.students]\n"
+            'anna = "excused"',
+            "[01_point_clouds.students], anna: a student can be excused only from a whole stage. "
+            "Move this line below [stage1_ransac.students]",
+        ),
+        (
+            "[01_point_clouds]\ndue = 2026-10-12T23:59:00\n[01_point_clouds.students]\n"
+            "zoe = 2026-10-12T23:59:00",
+            "[01_point_clouds.students], zoe: no student on the roster has this id",
+        ),
+        (
+            '[stage1_ransac]\nlessons = ["02"]\n[01_point_clouds]\ndue = 2026-10-12T23:59:00',
+            '[01_point_clouds]: this lesson has a date but does not count. Add "01" to lessons',
+        ),
+    ],
+)
+def test_contradictory_rules_are_refused(course, written, says):
+    with pytest.raises(DeadlinesError) as trouble:
+        read(course, written)
+    assert says in str(trouble.value) and str(trouble.value).startswith("deadlines.toml")

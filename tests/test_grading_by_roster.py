@@ -252,7 +252,7 @@ def test_the_doctor_uses_the_roster(course, monkeypatch):
     assert (
         "deadlines",
         True,
-        f"{STAGE} 2026-03-01 12:00 UTC, 1 with an extension, 1 excused",
+        f"{STAGE} due 2026-03-01 12:00 UTC, 1 with an extension, 1 excused",
     ) in found
 
 
@@ -261,7 +261,7 @@ def test_the_doctor_shows_due_dates_of_sections(course, monkeypatch):
     dates.write_text(f"{dates.read_text()}\n[{STAGE}.sections]\nB = 2026-03-02T09:30:00\n")
     texts = {subject: text for subject, _, text in findings(course, monkeypatch)}
     shown = "2026-03-01 12:00 UTC, section B 2026-03-02 09:30 UTC, 1 with an extension, 1 excused"
-    assert texts["deadlines"] == f"{STAGE} {shown}"
+    assert texts["deadlines"] == f"{STAGE} due {shown}"
 
 
 def test_the_doctor_reports_missing_files(course, monkeypatch):

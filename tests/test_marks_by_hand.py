@@ -323,7 +323,7 @@ def test_marks_above_a_reduced_maximum_are_named(course):
         book.find_grade_cell("write_up", LESSON, STAGE).max_score = 5.0
         book.db.commit()
     results = class_results(course)
-    assert results.excessive == (f"ada, {LESSON}, write_up: 9.5 of 5 points",)
+    assert results.excessive == (("ada", f"ada, {LESSON}, write_up: 9.5 of 5 points"),)
     (sentence,) = notes(course, results, None)
     assert sentence.endswith("was reduced after a person graded it. Grade it again.")
     assert wrong_findings(course) == [sentence]

@@ -1,5 +1,6 @@
 """Releases for students: zips, notebooks through nbgrader, and solutions."""
 
+import dataclasses
 import io
 import json
 import re
@@ -22,7 +23,7 @@ from traitlets.config import Config
 from grader import cli, commands
 from grader.course import release, solutions, standalone
 from grader.course.archives import make_zip
-from grader.course.deadlines import Deadlines, StageDates
+from grader.course.deadlines import Deadlines, DueDates
 from grader.course.lessons import all_lessons, find_lesson, stages
 from grader.course.nbgrader_settings import configure
 from grader.course.paths import PROJECT, Course
@@ -198,7 +199,7 @@ def test_only_badge_and_setup_cells_differ_from_the_released_notebook(fetched):
 
 
 def deadlines(**dates):
-    return Deadlines({STAGE: StageDates(**dates)}, zone=ZoneInfo("Europe/Berlin"))
+    return Deadlines({STAGE: DueDates(**dates)}, zone=ZoneInfo("Europe/Berlin"))
 
 
 def test_the_message_lists_the_students_who_may_still_submit():
@@ -219,6 +220,22 @@ def test_the_message_lists_the_students_who_may_still_submit():
         deadlines(due=over), STAGE, NOW, {"cy": late, "dee": over}
     )
     assert granted == "stage3_obstacles is still open for cy until 12 October 2026, 15:00 CEST."
+
+
+def test_solutions_wait_for_lessons_that_are_due_later_than_their_stage():
+    late, over = NOW + HOUR, NOW - HOUR
+    lessons = [lesson.name for lesson in all_lessons() if lesson.stage == STAGE]
+    own = {lessons[0]: DueDates(over), lessons[-1]: DueDates(late, {"B": late}, {"bo": over})}
+    dates = dataclasses.replace(deadlines(due=over), lessons=own)
+    assert solutions.reason_still_open(dates, STAGE, NOW, {}) == (
+        f"stage3_obstacles is still open for {lessons[-1]} until 12 October 2026, 15:00 CEST, "
+        f"section B in {lessons[-1]} until 12 October 2026, 15:00 CEST."
+    )
+    own = dict.fromkeys(lessons, DueDates(over))
+    assert solutions.reason_still_open(Deadlines({}, lessons=own), STAGE, NOW, {}) == ""
+    del own[lessons[1]]
+    message = solutions.reason_still_open(Deadlines({}, lessons=own), STAGE, NOW, {})
+    assert "its due date is not known" in message
 
 
 def test_a_stage_without_a_due_date_may_be_open():

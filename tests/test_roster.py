@@ -56,7 +56,13 @@ def test_each_person_is_read_in_the_order_of_the_file(course):
         ("email;ID;Last Name\nq@x;b;Yip, Jr\n", [Person("b", "", "Yip, Jr", "q@x")]),
         ("id\tsection\nb\tB 2\n", [Person("b", section="B 2")]),
         ("\ufeffid,lms_user_id\r\nb,77\r\n", [Person("b", lms_id="77")]),
-        ("id,notes,github\n b ,late?,gh\n\n,,\nc\n", [Person("b", github="gh"), Person("c")]),
+        (
+            "id,Notes,github\n b ,late?,gh\n\n,,\nc\n",
+            [
+                Person("b", github="gh", more=(("Notes", "late?"),)),
+                Person("c", more=(("Notes", ""),)),
+            ],
+        ),
         ('id,first_name\nb,"Two\nlines"\nc,C\n', [Person("b", "Two\nlines"), Person("c", "C")]),
         (unicodedata.normalize("NFD", "id\nbjörn\n"), [Person("björn")]),
         ("id,last_name\nb,Müller\n".encode("utf-16"), [Person("b", last_name="Müller")]),
@@ -153,3 +159,20 @@ def test_only_an_id_identifies_the_owner_of_a_folder(course, folder, id):
 
 def test_an_empty_roster_matches_no_person():
     assert Roster(()).find_people("") == () and Roster(()).person("a") is None
+
+
+def test_other_columns_are_kept_with_their_titles(course):
+    roster = read(course, "Matriculation No.,ID,EMAIL,, Group ,group\n007,b,b@x,z,1,=2\n8,c\n")
+    titles = ("Matriculation No.", "Group", "group")
+    assert [dict(person.more) for person in roster.people] == [
+        dict(zip(titles, ("007", "1", "=2"), strict=True)),
+        dict(zip(titles, ("8", "", ""), strict=True)),
+    ]
+    assert [person.email for person in roster.people] == ["b@x", ""]
+    assert read(course, "id,github\nb,gh\n").people[0].more == ()
+
+
+def test_sections_are_found_without_regard_to_case_and_blanks(course):
+    roster = read(course, "id,section\nb,Group  1\nc,\nd,group 1\ne,Group 10\n")
+    assert [person.id for person in roster.in_section(" GROUP 1")] == ["b", "d"]
+    assert roster.in_section("Group") == roster.in_section("") == ()

@@ -6,7 +6,7 @@ import shutil
 import pytest
 
 from grader.course import paths
-from grader.course.deadlines import read_deadlines
+from grader.course.deadlines_file import read_deadlines
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.roster import Person

@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from datetime import datetime
 from importlib import metadata
 
 from packaging.requirements import Requirement
@@ -20,7 +19,8 @@ from packaging.requirements import Requirement
 from grader.classroom.folders import respelt_folders, unmatched_folders
 from grader.classroom.rehearsals import RehearsalFailed, Rehearsals
 from grader.classroom.submissions import find_submissions, unaccounted_files
-from grader.course.deadlines import Deadlines, DeadlinesError, read_deadlines
+from grader.course.deadlines import Deadlines
+from grader.course.deadlines_file import DeadlinesError, read_deadlines
 from grader.course.lessons import all_lessons
 from grader.course.paths import PROJECT, Course
 from grader.course.roster import Roster, RosterError, read_roster
@@ -239,23 +239,5 @@ def _deadlines(course: Course) -> Finding:
         return Finding(
             "deadlines", True, "there is no deadlines.toml, so the dates in the gradebook apply"
         )
-    texts = []
-    for stage, dates in deadlines.stages.items():
-        parts = [_local_time(deadlines, dates.due) if dates.due else "no date"]
-        parts += [
-            f"section {name} {_local_time(deadlines, due)}" for name, due in dates.sections.items()
-        ]
-        parts += [f"{len(deadlines.extensions(stage))} with an extension"] * bool(
-            deadlines.extensions(stage)
-        )
-        parts += [f"{len(dates.excused)} excused"] * bool(dates.excused)
-        if dates.lessons is not None:
-            parts.append(f"lessons that count: {' '.join(name[:2] for name in dates.lessons)}")
-        texts.append(f"{stage} {', '.join(parts)}")
-    return Finding(
-        "deadlines", True, "; ".join(texts) or "deadlines.toml does not contain any dates"
-    )
-
-
-def _local_time(deadlines: Deadlines, due: datetime) -> str:
-    return f"{deadlines.to_local_time(due):%Y-%m-%d %H:%M %Z}"
+    text = "; ".join(deadlines.in_words())
+    return Finding("deadlines", True, text or "deadlines.toml does not contain any settings")

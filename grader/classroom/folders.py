@@ -43,6 +43,29 @@ def find_student(course: Course, text: str) -> str:
     )
 
 
+def find_section(course: Course, name: str) -> tuple[Person, ...]:
+    """Return the students of a section.
+
+    Raises
+    ------
+    UnknownStudent
+        If no student on the roster is in this section.
+    """
+    roster = read_roster(course)
+    people = roster.in_section(name) if roster else ()
+    if not people:
+        sections = {person.section for person in roster.people} - {""} if roster else ()
+        raise UnknownStudent(
+            f"No student on the roster is in section {name!r}. "
+            + (
+                f"The sections are: {', '.join(sorted(sections))}."
+                if sections
+                else f"Write the sections into a column section of {roster_path(course).name}."
+            )
+        )
+    return people
+
+
 def unmatched_folders(course: Course, roster: Roster) -> dict[str, str]:
     """Return the folders that match no student on the roster, each with a suggested fix.
 

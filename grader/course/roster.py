@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import re
 import unicodedata
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -35,6 +36,8 @@ class Person:
         GitHub login.
     role : str
         "auditor" for a person whose work is judged but does not count; other roles are ignored.
+    more : tuple of (str, str)
+        Titles and values of all other columns, which only pass through to tables of marks.
     """
 
     id: str
@@ -45,6 +48,7 @@ class Person:
     lms_id: str = ""
     github: str = ""
     role: str = ""
+    more: tuple[tuple[str, str], ...] = ()
 
     @property
     def is_auditor(self) -> bool:
@@ -62,7 +66,7 @@ class Person:
         return self.id if self.name == self.id else f"{self.id} ({self.name})"
 
 
-COLUMNS = tuple(field.name for field in dataclasses.fields(Person))
+COLUMNS = tuple(field.name for field in dataclasses.fields(Person) if field.name != "more")
 # If two students shared one of these, marks could go to the wrong student.
 UNIQUE = ("id", "email", "lms_id", "github")
 
@@ -85,6 +89,13 @@ class Roster:
         """
         same = self._by_folded_id.get(folded(folder), ())
         return self.person(folder) or (same[0] if len(same) == 1 else None)
+
+    def in_section(self, name: str) -> tuple[Person, ...]:
+        """Return the students of a section; case and blanks are ignored."""
+        wanted = folded(name)
+        return tuple(
+            person for person in self.people if wanted and folded(person.section) == wanted
+        )
 
     def find_people(self, text: str) -> tuple[Person, ...]:
         """Return the students that an ID, login, LMS number, e-mail or name may refer to.
@@ -137,8 +148,8 @@ def roster_path(course: Course) -> Path:
 def read_roster(course: Course) -> Roster | None:
     """Read the roster of a course.
 
-    Columns may be in any order, and only ``id`` is required. Columns that are not attributes of
-    `Person` are ignored. The separator may be a comma, a semicolon or a tab.
+    Columns may be in any order, and only ``id`` is required. The separator may be a comma, a
+    semicolon or a tab.
 
     Returns
     -------
@@ -182,8 +193,14 @@ def _people(file: str, table: Table) -> Iterator[Person]:
                 f"{file}, line {line}: there are {len(cells)} values for {len(columns)} columns. "
                 "If a value contains a separator, put it in quotation marks."
             )
-        values = dict(zip(columns, cells, strict=False))
-        person = Person(**{name: values.get(name, "") for name in COLUMNS})
+        cells += [""] * (len(columns) - len(cells))
+        values = dict(zip(columns, cells, strict=True))
+        more = tuple(
+            (title.strip(), cell)
+            for title, name, cell in zip(table.titles, columns, cells, strict=True)
+            if title.strip() and name not in COLUMNS
+        )
+        person = Person(**{name: values.get(name, "") for name in COLUMNS}, more=more)
         _check(person, f"{file}, line {line}")
         for name in UNIQUE:
             value = getattr(person, name)
@@ -238,6 +255,11 @@ def has_other_lms_id(person: Person, lms_id: str) -> bool:
 def folded(text: str) -> str:
     """Normalize a text, so that comparisons ignore case, repeated blanks and Unicode forms."""
     return " ".join(unicodedata.normalize("NFKC", text).casefold().split())
+
+
+def in_file_name(section: str) -> str:
+    """Return the name of a section with all unusual characters replaced, for names of files."""
+    return re.sub(r"[^\w-]+", "_", section)
 
 
 def letters(text: str) -> str:

@@ -14,8 +14,8 @@ from nbformat import NotebookNode
 
 from grader.course.archives import make_zip
 from grader.course.atomic_files import write_atomically
-from grader.course.deadlines import Deadlines, StageDates
-from grader.course.lessons import Lesson
+from grader.course.deadlines import Deadlines, DueDates
+from grader.course.lessons import Lesson, all_lessons
 from grader.course.mathml import STYLE, MathPage
 from grader.course.notebook_runs import NotebookStopped, run_notebook
 from grader.course.paths import PROJECT
@@ -41,11 +41,15 @@ def reason_still_open(
     extensions : mapping of str to datetime.datetime
         Further due dates, by student. The key `""` means the whole class.
     """
-    dates = deadlines.stages.get(stage, StageDates())
-    groups = {f"section {name}": due for name, due in dates.sections.items()}
-    whole_class = {"": dates.due} if dates.due else {}
-    names = {**extensions, **whole_class, **groups, **dates.students}
-    if "" not in names:
+    names = {**extensions, **_dates_by_name(deadlines.stages.get(stage, DueDates()))}
+    own_dates = deadlines.lessons_with_dates(stage)
+    for lesson, dates in own_dates.items():
+        names |= {
+            f"{name} in {lesson}" if name else lesson: due
+            for name, due in _dates_by_name(dates).items()
+        }
+    lessons = {lesson.name for lesson in all_lessons() if lesson.stage == stage}
+    if "" not in names and not own_dates.keys() >= lessons:
         return (
             f"{stage} may still be open, because its due date is not known. Add the date to "
             "deadlines.toml."
@@ -56,6 +60,13 @@ def reason_still_open(
         if due > now
     ]
     return f"{stage} is still open for {', '.join(open_groups)}." if open_groups else ""
+
+
+def _dates_by_name(dates: DueDates) -> dict[str, datetime]:
+    """Return due dates by section and student; the key `""` means everyone else."""
+    whole_class = {"": dates.due} if dates.due else {}
+    groups = {f"section {name}": due for name, due in dates.sections.items()}
+    return {**whole_class, **groups, **dates.students}
 
 
 def write_solutions(folder: Path, solutions: Mapping[Lesson, bytes]) -> Iterator[Path]:

@@ -30,16 +30,18 @@ class CellMark:
         Whether a person gave or changed the points.
     waiting : bool
         Whether a person still has to grade the cell.
+    max_score : float
     """
 
     score: float
     by_hand: bool
     waiting: bool
+    max_score: float = 0.0
 
 
 @dataclass(frozen=True)
 class CellMarks:
-    """Marks and comments for all cells of a stage.
+    """Marks and comments for the cells of one stage or of all stages.
 
     Attributes
     ----------
@@ -53,8 +55,8 @@ class CellMarks:
     comments: dict[tuple[str, str, str], str]
 
 
-def cell_marks(book: Gradebook, stage: str) -> CellMarks:
-    """Read the cells of a stage for all students in two queries."""
+def cell_marks(book: Gradebook, stage: str | None = None) -> CellMarks:
+    """Read the cells of a stage, or of all stages, for all students in two queries."""
     grades = _rows(
         book,
         stage,
@@ -63,14 +65,15 @@ def cell_marks(book: Gradebook, stage: str) -> CellMarks:
         Grade.manual_score,
         Grade.extra_credit,
         Grade.needs_manual_grade,
+        Grade.max_score,
     )
     comments = _rows(book, stage, Comment, Comment.manual_comment)
     return CellMarks(
         {
             (student, lesson, cell): CellMark(
-                score or 0.0, manual is not None or bool(extra), bool(waiting)
+                score or 0.0, manual is not None or bool(extra), bool(waiting), most
             )
-            for student, lesson, cell, score, manual, extra, waiting in grades
+            for student, lesson, cell, score, manual, extra, waiting, most in grades
         },
         {
             (student, lesson, cell): comment
@@ -80,9 +83,9 @@ def cell_marks(book: Gradebook, stage: str) -> CellMarks:
     )
 
 
-def _rows(book: Gradebook, stage: str, table: type, *columns: object) -> Query:
-    """Query columns of a stage's grades or comments, preceded by student, lesson and cell."""
-    return (
+def _rows(book: Gradebook, stage: str | None, table: type, *columns: object) -> Query:
+    """Query columns of grades or comments, preceded by student, lesson and cell."""
+    rows = (
         book.db.query(SubmittedAssignment.student_id, Notebook.name, BaseCell.name, *columns)
         .select_from(table)
         .join(BaseCell, table.cell_id == BaseCell.id)
@@ -90,5 +93,5 @@ def _rows(book: Gradebook, stage: str, table: type, *columns: object) -> Query:
         .join(Notebook, SubmittedNotebook.notebook_id == Notebook.id)
         .join(SubmittedAssignment, SubmittedNotebook.assignment_id == SubmittedAssignment.id)
         .join(Assignment, SubmittedAssignment.assignment_id == Assignment.id)
-        .filter(Assignment.name == stage)
     )
+    return rows if stage is None else rows.filter(Assignment.name == stage)

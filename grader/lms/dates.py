@@ -17,7 +17,7 @@ from pathlib import Path
 from nbgrader.api import Assignment, Gradebook, MissingEntry, SubmittedAssignment
 
 from grader.course.atomic_files import write_atomically
-from grader.course.deadlines import Deadlines, StageDates
+from grader.course.deadlines import Deadlines, DueDates
 from grader.course.lessons import stages
 from grader.course.paths import Course
 from grader.lms.gradebook import gradebook_exists, open_gradebook
@@ -30,7 +30,7 @@ def enter_due_dates(course: Course, book: Gradebook, deadlines: Deadlines) -> No
     """
     for stage in stages():
         with contextlib.suppress(MissingEntry):
-            due = deadlines.stages.get(stage, StageDates()).due
+            due = deadlines.stages.get(stage, DueDates()).due
             _enter_due_date(course, book, book.find_assignment(stage), due and _naive(due))
 
 
@@ -72,7 +72,7 @@ def extension_of(
     the student.
     """
     student, stage = submission.student.id, submission.assignment.name
-    dates = deadlines.stages.get(stage, StageDates())
+    dates = deadlines.stages.get(stage, DueDates())
     granted = submission.extension
     if granted is not None and granted == _entered_extension(course, student, stage):
         granted = None  # the extension came from deadlines.toml, not from a person
@@ -121,7 +121,7 @@ def gradebook_extensions(
 def _granted_dates(
     course: Course, assignment: Assignment, deadlines: Deadlines
 ) -> dict[str, datetime]:
-    date_of_file = deadlines.stages.get(assignment.name, StageDates()).due
+    date_of_file = deadlines.stages.get(assignment.name, DueDates()).due
     due = date_of_file or (assignment.duedate and assignment.duedate.replace(tzinfo=UTC))
     if due is None:
         return {}

@@ -40,6 +40,7 @@ def differences(
         sentences.append(f"{entry.name}: the gradebook has a different submission time")
     if submission.extension != extension_of(course, submission, deadlines):
         sentences.append(f"{entry.name}: the gradebook has a different extension")
+    times = entry.lesson_times(deadlines)
     verdicts = {verdict.lesson: verdict for _, verdict in entry.judged}
     for notebook in submission.notebooks:
         label = f"{entry.name}, {notebook.name}"
@@ -57,7 +58,7 @@ def differences(
                 sentences.append(
                     f"{label}: {grade.name} is worth {grade.max_score} points, not {max_score}"
                 )
-        penalty = penalty_of(submission, notebook, late, deadlines)
+        penalty = penalty_of(submission, notebook, late, deadlines, times)
         if not _is_close(notebook.late_submission_penalty, penalty):
             sentences.append(f"{label}: the gradebook has a different late penalty")
         if (

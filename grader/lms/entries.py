@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from datetime import datetime
 from pathlib import Path
 
 from grader.classroom.pages import printable
 from grader.classroom.submissions import Submission
+from grader.course.deadlines import Deadlines
 from grader.course.paths import Course
 from grader.judging.judge import JUDGE_FAILED_NOTE
 from grader.judging.verdict import JUDGED, Verdict
+from grader.lms.submission_times import lesson_times
 
 
 @dataclass(frozen=True)
@@ -25,6 +28,10 @@ class StageEntry:
     def name(self) -> str:
         """Student and stage, for messages."""
         return f"{self.student}, {self.stage}"
+
+    def lesson_times(self, deadlines: Deadlines) -> dict[str, datetime]:
+        """Return when each lesson was submitted; see `grader.lms.submission_times.lesson_times`."""
+        return lesson_times([submission for submission, _ in self.judged], deadlines)
 
     def folders(self, course: Course) -> tuple[Path, ...]:
         """Return the submission folders; several if the student's ID is spelt in several ways."""

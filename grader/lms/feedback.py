@@ -5,13 +5,13 @@ from __future__ import annotations
 import functools
 import json
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime, timedelta, tzinfo
 
 import nbformat
 
-from grader.course.deadlines import read_deadlines
+from grader.course.deadlines_file import read_deadlines
 from grader.course.lessons import Exercise, Lesson, find_lesson
 from grader.course.paths import Course
 from grader.course.roster import Person
@@ -57,6 +57,8 @@ class ExerciseFeedback:
         The student's written answer; None if it is blank or the exercise does not require one.
     comment : SanitizedText or None
         The grader's comment on the answer.
+    counts : bool
+        False if the exercise is switched off.
     """
 
     exercise: Exercise
@@ -65,6 +67,7 @@ class ExerciseFeedback:
     folded: ExerciseSummary | None
     answer: SanitizedText | None
     comment: SanitizedText | None
+    counts: bool = True
 
 
 @dataclass(frozen=True)
@@ -136,7 +139,7 @@ class Feedback:
         return (
             *([untouched] if self.is_untouched and is_whole else ()),
             *([about] if waiting else ()),
-            *lateness_sentences(self.result, self.zone),
+            *lateness_sentences(self.result, self.zone, [lesson.result for lesson in self.lessons]),
         )
 
 
@@ -249,6 +252,7 @@ class FeedbackWriter:
             if written
             else None,
             SanitizedText(sanitize_markdown(comment)) if comment else None,
+            exercise.name not in self._results.rules.without,
         )
 
 
@@ -276,19 +280,32 @@ def title_of(lesson: Lesson) -> str:
     return lesson.name
 
 
-def lateness_sentences(result: StageResult, zone: tzinfo | None = None) -> Iterator[str]:
-    """Yield sentences about the submission time of a stage and about the late penalty."""
+def lateness_sentences(
+    result: StageResult, zone: tzinfo | None = None, lessons: Sequence[NotebookResult] = ()
+) -> Iterator[str]:
+    """Yield sentences about the submission time of a stage and about the late penalty.
+
+    If lessons have their own due dates, each lesson gets a sentence.
+    """
     if result.undecided:
         yield (
             "The time of your submission is unknown, so your instructor has to decide whether it "
             "is late."
         )
+    elif any(lesson.due and lesson.due != result.due for lesson in lessons):
+        for lesson in lessons:
+            if lesson.submitted_at and lesson.due:
+                yield f"{lesson.lesson}: {_lateness_sentence(lesson, zone)}"
     elif result.submitted_at and result.due:
-        submitted_at, due = (_format_time(when, zone) for when in (result.submitted_at, result.due))
-        punctuality = f"{_format_span(result.late)} late" if result.late else "on time"
-        yield f"Submitted {punctuality}, on {submitted_at}. It was due on {due}."
+        yield _lateness_sentence(result, zone)
     if result.penalty:
         yield f"{format_points(result.penalty)} points are subtracted for lateness."
+
+
+def _lateness_sentence(result: StageResult | NotebookResult, zone: tzinfo | None) -> str:
+    submitted_at, due = (_format_time(when, zone) for when in (result.submitted_at, result.due))
+    punctuality = f"{_format_span(result.late)} late" if result.late else "on time"
+    return f"Submitted {punctuality}, on {submitted_at}. It was due on {due}."
 
 
 def _format_time(when: datetime, zone: tzinfo | None) -> str:

@@ -13,7 +13,7 @@ from pathlib import Path
 from grader.course.archives import make_zip
 from grader.course.atomic_files import write_atomically
 from grader.course.paths import Course
-from grader.course.roster import read_roster
+from grader.course.roster import in_file_name, read_roster
 from grader.lms.collected_files import CollectedFile, collected_files
 from grader.lms.feedback import Feedback, FeedbackNotReady, FeedbackWriter, LessonFeedback
 from grader.lms.feedback_notebook import feedback_notebook
@@ -163,6 +163,7 @@ def write_feedback(
     folder: Path,
     platform: str | None,
     progress: Callable[[int, int, object], None],
+    section: str = "",
 ) -> WrittenFeedback:
     """Write ``<folder>/<stage>/<student>.html``, and the zip for an LMS next to the stage's folder.
 
@@ -178,6 +179,8 @@ def write_feedback(
         One of `PLATFORMS`.
     progress : callable
         Called with (done, total, student) after each page.
+    section : str, optional
+        The section to which `students` belong. It becomes a part of the zip's name.
 
     Raises
     ------
@@ -186,7 +189,8 @@ def write_feedback(
     writer = FeedbackWriter(course, stage)
     people = writer.people(students)
     all_feedback, pages = [], []
-    skipped = [f"{id}: has marks but is not on the roster" for id in writer.unlisted()]
+    unlisted = () if section else writer.unlisted()
+    skipped = [f"{id}: has marks but is not on the roster" for id in unlisted]
     for done, person in enumerate(people, start=1):
         try:
             feedback = writer.feedback(person)
@@ -202,7 +206,8 @@ def write_feedback(
     if not platform or not pages:
         return WrittenFeedback(tuple(pages), None, tuple(skipped), waiting=waiting)
     returned = PLATFORMS[platform].returns(course, stage, all_feedback)
-    archive = folder / f"{stage}_{platform}.zip" if returned.files else None
+    parts = [stage, platform, *[in_file_name(section)] * bool(section)]
+    archive = folder / f"{'_'.join(parts)}.zip" if returned.files else None
     if archive:
         write_atomically(make_zip(returned.files), archive)
     return WrittenFeedback(tuple(pages), archive, tuple(skipped), returned.left, waiting)

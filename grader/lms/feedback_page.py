@@ -67,6 +67,8 @@ def _name(feedback: ExerciseFeedback) -> str:
 
 
 def _mark(feedback: ExerciseFeedback) -> str:
+    if not feedback.counts:
+        return "does not count"
     if feedback.mark.waiting:
         return f"not graded yet, of {format_points(feedback.exercise.points)}"
     return f"{format_points(feedback.mark.score)} of {format_points(feedback.exercise.points)}"

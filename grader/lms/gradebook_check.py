@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from grader.classroom.doctor import Finding
 from grader.classroom.submissions import find_submissions
-from grader.course.deadlines import DeadlinesError
+from grader.course.deadlines_file import DeadlinesError
 from grader.course.paths import Course
 from grader.course.roster import RosterError
 from grader.lms.gradebook import gradebook_location, open_gradebook

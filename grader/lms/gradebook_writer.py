@@ -18,7 +18,8 @@ from sqlalchemy.orm import Session
 
 from grader.classroom.folders import unmatched_folders
 from grader.classroom.submissions import ReplacedSubmission, Submission
-from grader.course.deadlines import Deadlines, read_deadlines
+from grader.course.deadlines import Deadlines
+from grader.course.deadlines_file import read_deadlines
 from grader.course.paths import Course
 from grader.course.roster import read_roster
 from grader.judging.verdict import Verdict
@@ -72,7 +73,7 @@ def enter_verdicts(
     ------
     GradebookError
         If some submissions could not be entered; all others are entered first.
-    grader.course.roster.RosterError, grader.course.deadlines.DeadlinesError
+    grader.course.roster.RosterError, grader.course.deadlines_file.DeadlinesError
     """
     roster, deadlines = read_roster(course), read_deadlines(course) or Deadlines({})
     unknown = unmatched_folders(course, roster) if roster else {}
@@ -165,6 +166,7 @@ def _enter_one(
     write_draft(course, entry, copies, modules, draft)
     old_answers = read_fingerprints(course, entry.student, entry.stage)
     answers = {name: fingerprints(copy) for name, copy in copies.items()}
+    times = entry.lesson_times(deadlines)
     with _one_transaction(book):
         book.update_or_create_student(entry.student)
         submission = book.update_or_create_submission(
@@ -181,7 +183,7 @@ def _enter_one(
         book.db.flush()
         book.db.expire_all()  # reload the sums, which the database computes
         for notebook in submission.notebooks:
-            penalty = penalty_of(submission, notebook, late, deadlines)
+            penalty = penalty_of(submission, notebook, late, deadlines, times)
             notebook.late_submission_penalty = penalty
     replace_folder(draft, folder)
     write_fingerprints(course, entry.student, entry.stage, answers)

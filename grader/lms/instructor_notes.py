@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from datetime import UTC, timedelta, tzinfo
 
-from grader.course.deadlines import Deadlines, deadlines_path
+from grader.course.deadlines import Deadlines
+from grader.course.deadlines_file import deadlines_path
+from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.times import time_late, to_utc
 from grader.lms.marks_table import duration
-from grader.lms.results import WAITING, ClassResults, StageResult, format_points
+from grader.lms.results import WAITING, ClassResults, NotebookResult, StageResult, format_points
 
 DEADLINES = "deadlines.toml"
 
@@ -22,8 +24,10 @@ def counted_lessons(results: ClassResults) -> Iterator[str]:
         stages.setdefault(result.stage, {})[result.lesson] = result.max_score
     for stage, points in stages.items():
         numbers = ", ".join(name[:2] for name in points)
-        points_text = format_points(sum(points.values()))
-        yield f"Lessons that count in {stage}: {numbers}, with {points_text} points in total."
+        off = [name for lesson in points for name in results.rules.without_in(find_lesson(lesson))]
+        without = f", without {', '.join(off)}" if off else ""
+        total = format_points(sum(points.values()))
+        yield f"Lessons that count in {stage}: {numbers}{without}, with {total} points in total."
 
 
 def assignment_notes(results: ClassResults, deadlines: Deadlines | None) -> Iterator[str]:
@@ -72,7 +76,9 @@ def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) ->
                 "penalty is subtracted. Write the time, such as 2026-11-22 18:30:00 UTC, into "
                 "timestamp.txt in the folder of this stage, and run grade again."
             )
-        yield from _zone_notes(stage, label, deadlines.zone if deadlines else None)
+        yield from _zone_notes(
+            stage, results.of_student(stage.student), deadlines.zone if deadlines else None
+        )
         if deadlines and _is_granted(stage, deadlines):
             until = stage.due.astimezone(UTC)
             yield (
@@ -81,6 +87,7 @@ def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) ->
                 f'this line to the file below [{stage.stage}.students]: "{stage.student}" = '
                 f"{until:%Y-%m-%dT%H:%M:%S}Z. To change the date, write another one in that line."
             )
+    yield from _shared_time_notes(results)
     yield from assignment_notes(results, deadlines)
     yield from excessive_notes(results)
     yield from unlisted_notes(results)
@@ -88,7 +95,7 @@ def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) ->
 
 def excessive_notes(results: ClassResults) -> Iterator[str]:
     """Yield one sentence for each mark by hand that is above the maximum of its exercise."""
-    for mark in results.excessive:
+    for _, mark in results.excessive:
         yield f"{mark}. Its maximum was reduced after a person graded it. Grade it again."
 
 
@@ -102,17 +109,40 @@ def unlisted_notes(results: ClassResults) -> Iterator[str]:
         )
 
 
-def _zone_notes(stage: StageResult, label: str, zone: tzinfo | None) -> Iterator[str]:
+def _shared_time_notes(results: ClassResults) -> Iterator[str]:
+    """Yield a sentence if lessons may be late only because of another lesson of their stage."""
+    students: dict[str, list[str]] = {}
+    for stage in results.stages:
+        submitted = [
+            result
+            for result in results.of_student(stage.student)
+            if result.stage == stage.stage and result.submitted_at
+        ]
+        if len(submitted) > 1 and any(one.late and one.has_shared_time for one in submitted):
+            students.setdefault(stage.stage, []).append(stage.student)
+    for stage, names in students.items():
+        yield (
+            f"{stage}: lessons have their own due dates, but only the time of the whole stage is "
+            f"known for {', '.join(names)}, so a lesson that was on time may count as late. "
+            "Collect after each due date with --timestamps, or use one due date for the stage."
+        )
+
+
+def _zone_notes(
+    stage: StageResult, notebooks: Iterable[NotebookResult], zone: tzinfo | None
+) -> Iterator[str]:
     """Yield a sentence if it matters whether a time without a zone is in UTC or in the course's."""
-    if not (stage.lacks_zone and stage.submitted_at and stage.due):
+    own = [one for one in notebooks if one.stage == stage.stage and one.submitted_at]
+    dues = {one.due for one in own if one.due} or {stage.due} - {None}
+    if not (stage.lacks_zone and stage.submitted_at and dues):
         return
     local = to_utc(stage.submitted_at.replace(tzinfo=None), zone).astimezone(zone)
-    late = time_late(local, stage.due, zone)
+    late = max(time_late(local, due, zone) for due in dues)
     if late == stage.late:
         return
     yield (
-        f"{label}: the time in timestamp.txt has no time zone and was read as UTC: "
-        f"{_lateness(stage.late)}. In the time zone of the course, the work would be "
+        f"{stage.student}, {stage.stage}: the time in timestamp.txt has no time zone and was read "
+        f"as UTC: {_lateness(stage.late)}. In the time zone of the course, the work would be "
         f"{_lateness(late)}. Add the zone to that time, as in "
         f"{stage.submitted_at:%Y-%m-%d %H:%M:%S} UTC or {local:%Y-%m-%d %H:%M:%S%z}, and run grade "
         "again."

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import timedelta
 
+from grader.course.deadlines import TermRules
 from grader.course.lessons import Lesson
 from grader.course.roster import Person
 from grader.judging.verdict import JUDGED, Verdict
@@ -20,6 +21,7 @@ from grader.lms.results import (
     StageResult,
     rounded_points,
 )
+from grader.lms.term import TermResult, term_result
 
 # For each standing that does not count: the text of a cell without a score, and its meaning.
 NOT_COUNTED = {
@@ -51,6 +53,8 @@ class StudentRow:
     sum : MarkCell
     share : float or None
         Fraction of the possible points that the student earned; None without a mark.
+    passed : MarkCell
+        Whether the student reaches the pass mark; blank if there is none.
     """
 
     person: Person
@@ -59,6 +63,7 @@ class StudentRow:
     late: MarkCell
     sum: MarkCell
     share: float | None = None
+    passed: MarkCell = MarkCell("")
 
 
 @dataclass(frozen=True)
@@ -95,6 +100,7 @@ class MarksTable:
         Empty if no student has a section.
     has_late : bool
         Whether any student is late.
+    has_pass_mark : bool
     from_gradebook : bool
         False if the scores come from the judge.
     """
@@ -104,6 +110,7 @@ class MarksTable:
     rows: tuple[StudentRow, ...]
     sections: tuple[Section, ...]
     has_late: bool
+    has_pass_mark: bool
     from_gradebook: bool
 
 
@@ -127,17 +134,14 @@ def marks_table(
     worth |= results.lessons
     rows = [_gradebook_row(person, lessons, results, verdicts) for person in results.people]
     known = {person.id for person in results.people}
-    rows += [
-        _judged_row(id, lessons, verdicts[id], bool(results.people))
-        for id in verdicts
-        if id not in known
-    ]
+    rows += [_judged_row(id, lessons, verdicts[id], results) for id in verdicts if id not in known]
     return MarksTable(
         tuple(lessons),
         tuple(rounded_points(worth[lesson.name]) for lesson in lessons),
         tuple(rows),
         tuple(_sections(rows)),
         any(row.late.text for row in rows),
+        results.rules.pass_mark is not None,
         bool(results.people),
     )
 
@@ -154,14 +158,26 @@ def _gradebook_row(
         _lesson_cell(result, judged.get(lesson.name))
         for result, lesson in zip(own, lessons, strict=True)
     )
-    existing = [result for result in own if result]
+    term = term_result([result for result in own if result], results.rules)
     stages = dict.fromkeys(lesson.stage for lesson in lessons)
     standings = [result for stage in stages if (result := results.stage(person.id, stage))]
-    counted = [result for result in existing if result.counts]
-    maximum = sum(result.max_score for result in counted)
-    earned = [result.points for result in counted if result.points is not None]
-    share = sum(earned) / maximum if earned and maximum else None
-    return StudentRow(person, True, cells, _late_cell(standings), _sum_cell(existing), share)
+    return StudentRow(
+        person,
+        True,
+        cells,
+        _late_cell(standings),
+        _sum_cell([result for result in own if result], term),
+        term.share,
+        _passed_cell(term, results.rules),
+    )
+
+
+def _passed_cell(term: TermResult, rules: TermRules) -> MarkCell:
+    if rules.pass_mark is None or not term.max_score:
+        return MarkCell("")
+    if term.passed is None:
+        return MarkCell("…", "work is waiting for a grader", 0.5)
+    return MarkCell("yes" if term.passed else "no", "", float(term.passed))
 
 
 def _sections(rows: Sequence[StudentRow]) -> Iterator[Section]:
@@ -194,7 +210,7 @@ def _lesson_cell(result: NotebookResult | None, verdict: Verdict | None) -> Mark
     return MarkCell(text, "; ".join(notes), result.points)
 
 
-def _sum_cell(results: Sequence[NotebookResult]) -> MarkCell:
+def _sum_cell(results: Sequence[NotebookResult], term: TermResult) -> MarkCell:
     """Build the cell with the total and the maximum of all lessons that count.
 
     The cell of a student without any mark contains no number, because missing work is not a 0.
@@ -202,17 +218,15 @@ def _sum_cell(results: Sequence[NotebookResult]) -> MarkCell:
     counted = [result for result in results if result.counts]
     if not counted:
         return MarkCell(NOT_COUNTED[results[0].standing][0] if results else "–")
-    total = sum(result.points or 0.0 for result in counted)
     waiting = sum(result.standing == WAITING for result in counted)
     missing = sum(result.standing == MISSING for result in counted)
     kinds = {"waiting for a grader": waiting, "missing": missing}
-    explanation = ", ".join(f"{number} {label}" for label, number in kinds.items() if number)
-    if all(result.points is None for result in counted):
-        return MarkCell("…" if waiting else "–", explanation)
-    maximum = rounded_points(sum(result.max_score for result in counted))
-    return MarkCell(
-        f"{rounded_points(total)} of {maximum}{' …' if waiting else ''}", explanation, total
-    )
+    parts = [f"{number} {label}" for label, number in kinds.items() if number]
+    if term.points is None:
+        return MarkCell("…" if waiting else "–", ", ".join(parts))
+    parts += [f"without {', '.join(name[:2] for name in term.dropped)}"] * bool(term.dropped)
+    total = f"{rounded_points(term.points)} of {rounded_points(term.max_score)}"
+    return MarkCell(f"{total}{' …' if waiting else ''}", ", ".join(parts), term.points)
 
 
 def _late_cell(stages: Sequence[StageResult]) -> MarkCell:
@@ -243,7 +257,7 @@ def _unjudged_cell(verdict: Verdict) -> MarkCell:
 
 
 def _judged_row(
-    id: str, lessons: Sequence[Lesson], judged: Mapping[str, Verdict], is_unknown: bool
+    id: str, lessons: Sequence[Lesson], judged: Mapping[str, Verdict], results: ClassResults
 ) -> StudentRow:
     cells = []
     for lesson in lessons:
@@ -253,7 +267,8 @@ def _judged_row(
         elif verdict.status != JUDGED:
             cells.append(_unjudged_cell(verdict))
         else:
-            cells.append(MarkCell(rounded_points(verdict.score), "", verdict.score))
-    scores = [verdict.score for verdict in judged.values() if verdict.status == JUDGED]
+            points = results.judged_points(verdict)
+            cells.append(MarkCell(rounded_points(points), "", points))
+    scores = [results.judged_points(one) for one in judged.values() if one.status == JUDGED]
     total = MarkCell(rounded_points(sum(scores)), "by the judge", sum(scores))
-    return StudentRow(Person(id), not is_unknown, tuple(cells), MarkCell(""), total)
+    return StudentRow(Person(id), not results.people, tuple(cells), MarkCell(""), total)

@@ -18,7 +18,8 @@ from traitlets import Enum, Integer
 from grader.classroom.grade import current_verdict
 from grader.classroom.submissions import Submission
 from grader.course import earlier_lessons
-from grader.course.deadlines import Deadlines, read_deadlines
+from grader.course.deadlines import Deadlines
+from grader.course.deadlines_file import read_deadlines
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.seed import course_seed
@@ -28,7 +29,7 @@ from grader.lms.answers import fingerprints, read_fingerprints, regrade, write_f
 from grader.lms.autograded import build_copy_in_process, build_judged_copy
 from grader.lms.dates import enter_due_dates, set_extension
 from grader.lms.penalties import penalty_of
-from grader.lms.submission_times import known_time
+from grader.lms.submission_times import known_time, lesson_times
 from grader.sandbox import AUTO, SANDBOXES, choose_sandbox
 
 
@@ -69,16 +70,14 @@ class Judge(NbGraderPreprocessor):
         """
         names = resources["nbgrader"]
         course = Course(Path(self.parent.parent.coursedir.root))
-        lesson = find_lesson(names["notebook"])
-        path = course.submitted / names["student"] / names["assignment"] / f"{lesson.name}.ipynb"
-        submission = Submission(names["student"], lesson, path)
+        submission = _submission(course, names)
         verdict = current_verdict(
             course, submission, course_seed(course, self.seed), choose_sandbox(self.sandbox)
         )
         if verdict.status != JUDGED:  # a missing mark is better than a wrong one
             raise RuntimeError(verdict.reason)
         submitted_files = submission.read_again(course, verdict.fingerprint)
-        copy, complaint = build_judged_copy(submitted_files, lesson, verdict)
+        copy, complaint = build_judged_copy(submitted_files, submission.lesson, verdict)
         if complaint:
             self.log.warning(complaint)
         return copy, resources
@@ -129,16 +128,27 @@ class LatePenalties(AssignLatePenalties):
     def preprocess(self, nb: NotebookNode, resources: dict) -> tuple[NotebookNode, dict]:
         """Assign the penalty of a notebook; see nbgrader."""
         names = resources["nbgrader"]
-        deadlines = _deadlines(Course(Path(self.parent.parent.coursedir.root)))
+        course = Course(Path(self.parent.parent.coursedir.root))
+        deadlines = _deadlines(course)
+        times = lesson_times([_submission(course, names)], deadlines)
         self.init_plugin()
         with Gradebook(names["db_url"]) as book:
             submission = book.find_submission(names["assignment"], names["student"])
             notebook = book.find_submission_notebook(
                 names["notebook"], names["assignment"], names["student"]
             )
-            notebook.late_submission_penalty = penalty_of(submission, notebook, self, deadlines)
+            notebook.late_submission_penalty = penalty_of(
+                submission, notebook, self, deadlines, times
+            )
             book.db.commit()
         return nb, resources
+
+
+def _submission(course: Course, names: dict) -> Submission:
+    """Return the submission that nbgrader names, under the only file name that it accepts."""
+    lesson = find_lesson(names["notebook"])
+    path = course.submitted / names["student"] / names["assignment"] / f"{lesson.name}.ipynb"
+    return Submission(names["student"], lesson, path)
 
 
 def _deadlines(course: Course) -> Deadlines:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import statistics
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -43,6 +44,10 @@ class Overview:
     ----------
     counted : tuple of str
         Sentences about the lessons that count, and about those that may not be assigned.
+    settings : str
+        The settings in deadlines.toml; empty without a file.
+    passed : str
+        How many students reach the pass mark; empty if there is none.
     mean, missing : str
         Sentences about the mean and about missing work.
     attention : tuple of AttentionItem
@@ -50,6 +55,8 @@ class Overview:
     """
 
     counted: tuple[str, ...]
+    settings: str
+    passed: str
     mean: str
     missing: str
     attention: tuple[AttentionItem, ...]
@@ -79,7 +86,9 @@ def overview_of(
     counts = {"waiting": waiting, **sections}
     return Overview(
         (*counted_lessons(results), *assignment_notes(results, deadlines)),
-        _mean([row.share for row in table.rows]),
+        "; ".join(deadlines.in_words()) if deadlines else "",
+        _passed(table, results),
+        _mean([row.share for row in table.rows]) + _auditors(results),
         _missing(results),
         tuple(
             AttentionItem(f"{counts[name]} {words[counts[name] > 1]}", f"report-{anchor}")
@@ -97,6 +106,22 @@ def _mean(shares: Sequence[float | None]) -> str:
     if len(marked) == 1:
         return f"{percent}, for the only student with a mark."
     return f"{percent}, for {len(marked)} students with a mark."
+
+
+def _auditors(results: ClassResults) -> str:
+    count = sum(person.is_auditor for person in results.people)
+    if not count:
+        return ""
+    return f" {count} auditor{'s do' if count > 1 else ' does'} not count."
+
+
+def _passed(table: MarksTable, results: ClassResults) -> str:
+    if not table.has_pass_mark:
+        return ""
+    counts = Counter(row.passed.text for row in table.rows)
+    parts = [f"{counts['yes']} of {counts['yes'] + counts['no'] + counts['…']} students reach it"]
+    parts += [f"{counts['…']} not decided yet"] * bool(counts["…"])
+    return f"{results.rules.pass_mark:g} % of the possible points; {', '.join(parts)}."
 
 
 def _missing(results: ClassResults) -> str:

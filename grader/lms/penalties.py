@@ -6,7 +6,8 @@ nbgrader tells a plugin only the seconds since the due date. Here every day on t
 
 from __future__ import annotations
 
-from datetime import UTC
+from collections.abc import Mapping
+from datetime import UTC, datetime
 
 from nbgrader.api import SubmittedAssignment, SubmittedNotebook
 from nbgrader.preprocessors import AssignLatePenalties
@@ -15,6 +16,7 @@ from grader.course.deadlines import Deadlines
 from grader.course.nbgrader_settings import course_settings
 from grader.course.paths import Course
 from grader.course.times import time_late
+from grader.lms.history import exercise_of
 
 
 def load_penalty_plugin(course: Course) -> AssignLatePenalties:
@@ -29,18 +31,30 @@ def penalty_of(
     notebook: SubmittedNotebook,
     late: AssignLatePenalties,
     deadlines: Deadlines,
+    times: Mapping[str, datetime],
 ) -> float | None:
-    """Return the points to subtract from a notebook, or None if it is on time."""
-    # Without a due date, nbgrader cannot add an extension to it.
-    if submission.assignment.duedate is None or submission.timestamp is None:
+    """Return the points to subtract from a notebook, or None if it is on time.
+
+    `times` contains the times of lessons that were submitted separately; see `lesson_times`.
+    """
+    if submission.timestamp is None:
         return None
-    submitted_at, due = (
-        time.replace(tzinfo=UTC) for time in (submission.timestamp, submission.duedate)
-    )
+    student, lesson = submission.student.id, notebook.name
+    # Without a due date, nbgrader cannot add an extension to it.
+    of_class = submission.assignment.duedate
+    of_stage = submission.duedate.replace(tzinfo=UTC) if of_class else None
+    of_class = of_class and of_class.replace(tzinfo=UTC)
+    due = deadlines.due_of_lesson(student, submission.assignment.name, lesson, of_stage, of_class)
+    if due is None:
+        return None
+    submitted_at = times.get(lesson, submission.timestamp.replace(tzinfo=UTC))
     seconds = time_late(submitted_at, due, deadlines.zone).total_seconds()
     if not seconds:
         return None
-    penalty = late.plugin_inst.late_submission_penalty(
-        submission.student.id, notebook.score, seconds
+    score = notebook.score - sum(
+        grade.score
+        for grade in notebook.grades
+        if exercise_of(grade.name) in deadlines.rules.without
     )
-    return None if penalty is None else late._check_late_penalty(notebook, penalty)
+    penalty = late.plugin_inst.late_submission_penalty(student, score, seconds)
+    return None if penalty is None else min(score, late._check_late_penalty(notebook, penalty))

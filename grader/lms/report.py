@@ -28,17 +28,18 @@ from grader.classroom.item_analysis import (
 from grader.classroom.pages import TEMPLATES, coded, printable, render
 from grader.classroom.submissions import Submission
 from grader.course.atomic_files import write_atomically
-from grader.course.deadlines import read_deadlines
+from grader.course.deadlines_file import read_deadlines
 from grader.course.extension import course_constant
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
-from grader.course.roster import Person, read_roster
+from grader.course.roster import Person, in_file_name, read_roster
 from grader.intake.submission import SubmittedFiles
 from grader.judging.verdict import JUDGED, Verdict
 from grader.lms.distribution import Distribution, distribution_of
 from grader.lms.marks_table import duration, marks_table
 from grader.lms.overview import overview_of
 from grader.lms.results import ClassResults, rounded_points
+from grader.lms.term import term_in_words, term_result
 
 NO_RESULTS = ClassResults((), (), ())
 # With fewer submissions, results could be traced to individual students even without names.
@@ -74,8 +75,12 @@ def write_report(
     run: GradingRun | None = None,
     warning: str = "",
     left: Sequence[tuple[Path, str]] = (),
+    section: str = "",
 ) -> Path:
     """Write the report, and ``anonymous.html`` without names next to it.
+
+    The report on a section does not link to files about the whole class, and has no page without
+    names.
 
     Parameters
     ----------
@@ -89,11 +94,13 @@ def write_report(
         Sentence at the top of the page.
     left : list of (Path, str), optional
         Files that were not judged, each with the reason.
+    section : str, optional
+        Name of the section to which `judged` and `results` are limited.
 
     Returns
     -------
     pathlib.Path
-        ``report/index.html`` in the course's folder.
+        ``report/index.html`` or ``report/section_NAME.html`` in the course's folder.
     """
     pairs = [(printable(submission.student), verdict) for submission, verdict in judged]
     counted = [verdict for _, verdict in pairs if verdict.status == JUDGED]
@@ -144,8 +151,13 @@ def write_report(
         mistakes=common_messages(counted),
         slowest=sorted(pairs, key=lambda pair: -pair[1].seconds)[:5],
         people=_people(by_student, results),
-        links=_links(course),
+        links=() if section else _links(course),
+        section=section,
     )
+    if section:
+        path = course.report / f"section_{in_file_name(section)}.html"
+        write_atomically(page, path)
+        return path
     path = course.report / "index.html"
     write_atomically(page, path)
     write_atomically(_anonymous(common, counted), course.report / "anonymous.html")
@@ -204,14 +216,20 @@ def _same_files(
 
 def _people(
     by_student: dict[str, dict[str, Verdict]], results: ClassResults
-) -> list[tuple[Person, list, dict[str, Verdict]]]:
-    """Return each student with the student's stage results and verdicts."""
+) -> list[tuple[Person, list, str, dict[str, Verdict]]]:
+    """Return each student with stage results, a sentence about the total, and verdicts."""
     known = {person.id: person for person in results.people}
     ids = dict.fromkeys([*known, *by_student])
     stages: dict[str, list] = {}
     for stage in results.stages:
         stages.setdefault(stage.student, []).append(stage)
-    return [(known.get(id) or Person(id), stages.get(id, []), by_student.get(id, {})) for id in ids]
+    people = []
+    for id in ids:
+        total = term_result(results.of_student(id), results.rules)
+        sentence = term_in_words(total, results.rules) if total.max_score else ""
+        verdicts = by_student.get(id, {})
+        people.append((known.get(id) or Person(id), stages.get(id, []), sentence, verdicts))
+    return people
 
 
 def _namesakes(results: ClassResults) -> set[str]:

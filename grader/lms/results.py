@@ -7,11 +7,13 @@ different states, which `standing` distinguishes.
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 
+from grader.course.deadlines import TermRules
 from grader.course.roster import Person
+from grader.judging.verdict import Verdict
 
 MISSING = "missing"  # the lesson was not submitted
 EXCUSED = "excused"  # the student is excused from the lesson
@@ -22,6 +24,23 @@ MARKED = "marked"  # there is a mark, which may be 0
 
 class GradebookUnavailable(Exception):
     """The gradebook cannot be opened; the message is shown to the user."""
+
+
+@dataclass(frozen=True)
+class ExerciseMark:
+    """A student's points for an exercise that counts, before the penalty for lateness.
+
+    Attributes
+    ----------
+    name : str
+    points : float or None
+        None if the lesson is missing, or if a person still has to grade the exercise.
+    max_score : float
+    """
+
+    name: str
+    points: float | None
+    max_score: float
 
 
 @dataclass(frozen=True)
@@ -41,6 +60,14 @@ class NotebookResult:
     max_score : float
     penalty : float
         Points that nbgrader subtracts for lateness.
+    submitted_at, due : datetime or None
+        Times with time zones; None if unknown.
+    late : timedelta
+        As in `StageResult`.
+    exercises : tuple of ExerciseMark
+    has_shared_time : bool
+        Whether lessons of the stage have their own due dates, but only the time of the whole stage
+        is known.
     """
 
     student: str
@@ -50,6 +77,11 @@ class NotebookResult:
     score: float | None
     max_score: float
     penalty: float = 0.0
+    submitted_at: datetime | None = None
+    due: datetime | None = None
+    late: timedelta = timedelta()
+    exercises: tuple[ExerciseMark, ...] = ()
+    has_shared_time: bool = False
 
     @property
     def counts(self) -> bool:
@@ -79,7 +111,8 @@ class StageResult:
         Submission time and due date, with time zones; None if unknown.
     late : timedelta
         Time between due date and submission, in which each day on the clock has 24 hours; zero if
-        the submission was on time.
+        the submission was on time. If lessons of the stage have their own dates, the longest of
+        their times.
     undecided : str
         Why the submission time is unknown, if the stage has a due date; otherwise empty. A person
         then has to decide whether the submission is late.
@@ -121,19 +154,21 @@ class ClassResults:
         One result for each student and stage.
     unlisted : tuple of str
         IDs with marks in the gradebook that are not on the roster. They have no results here.
-    excessive : tuple of str
-        Descriptions of marks by hand above the maximum of their exercise.
+    excessive : tuple of (str, str)
+        Student and description of marks by hand above the maximum of their exercise.
     unassigned : tuple of (str, str)
         Student and lesson of submissions that have no results here, because deadlines.toml does not
         list the lesson.
+    rules : grader.course.deadlines.TermRules
     """
 
     people: tuple[Person, ...]
     notebooks: tuple[NotebookResult, ...]
     stages: tuple[StageResult, ...]
     unlisted: tuple[str, ...] = ()
-    excessive: tuple[str, ...] = ()
+    excessive: tuple[tuple[str, str], ...] = ()
     unassigned: tuple[tuple[str, str], ...] = ()
+    rules: TermRules = TermRules()
 
     def notebook(self, student: str, lesson: str) -> NotebookResult | None:
         """Return a student's result in a lesson, or None if the lesson does not count."""
@@ -143,10 +178,38 @@ class ClassResults:
         """Return a student's result in a stage, or None if no student submitted to the stage."""
         return self._stages.get((student, stage))
 
+    def of_student(self, student: str) -> Sequence[NotebookResult]:
+        """Return a student's results in all lessons that count."""
+        return self._by_student.get(student, ())
+
+    def of_people(self, people: Collection[Person]) -> ClassResults:
+        """Return the results of some students, without anything about others."""
+        ids = {person.id for person in people}
+        return replace(
+            self,
+            people=tuple(person for person in self.people if person.id in ids),
+            notebooks=tuple(result for result in self.notebooks if result.student in ids),
+            stages=tuple(result for result in self.stages if result.student in ids),
+            unlisted=(),
+            excessive=tuple(pair for pair in self.excessive if pair[0] in ids),
+            unassigned=tuple(pair for pair in self.unassigned if pair[0] in ids),
+        )
+
+    def judged_points(self, verdict: Verdict) -> float:
+        """Return the judge's points in the exercises that count."""
+        return sum(one.score for one in verdict.exercises if one.name not in self.rules.without)
+
     @functools.cached_property
     def lessons(self) -> dict[str, float]:
         """Maximum score of each lesson that counts, in lesson order."""
         return {result.lesson: result.max_score for result in sorted(self.notebooks, key=_lesson)}
+
+    @functools.cached_property
+    def _by_student(self) -> dict[str, list[NotebookResult]]:
+        found: dict[str, list[NotebookResult]] = {}
+        for result in self.notebooks:
+            found.setdefault(result.student, []).append(result)
+        return found
 
     @functools.cached_property
     def _notebooks(self) -> dict[tuple[str, str], NotebookResult]:

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from datetime import UTC, timedelta
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime, timedelta
 
 from grader.classroom.submissions import Submission, find_submissions
-from grader.course.deadlines import Deadlines, read_deadlines
+from grader.course.deadlines import Deadlines, TermRules
+from grader.course.deadlines_file import read_deadlines
 from grader.course.lessons import Lesson, find_lesson, released_lessons
 from grader.course.paths import Course
 from grader.course.roster import Person, read_roster
 from grader.course.times import time_late
+from grader.lms.cells import CellMark, CellMarks, cell_marks
 from grader.lms.gradebook import open_gradebook
 from grader.lms.gradebook_rows import GradebookRow, read_excessive_marks, read_rows
+from grader.lms.history import exercise_of
 from grader.lms.people import students_in_gradebook
 from grader.lms.results import (
     AUDITOR,
@@ -21,12 +25,18 @@ from grader.lms.results import (
     MISSING,
     WAITING,
     ClassResults,
+    ExerciseMark,
     NotebookResult,
     StageResult,
     combined_status,
     format_points,
 )
-from grader.lms.submission_times import SubmissionTimeUnknown, lacks_zone, submission_time
+from grader.lms.submission_times import (
+    SubmissionTimeUnknown,
+    lacks_zone,
+    lesson_times,
+    submission_time,
+)
 
 
 def class_results(course: Course) -> ClassResults:
@@ -34,16 +44,25 @@ def class_results(course: Course) -> ClassResults:
 
     Raises
     ------
-    grader.course.roster.RosterError, grader.course.deadlines.DeadlinesError
+    grader.course.roster.RosterError, grader.course.deadlines_file.DeadlinesError
     """
-    with open_gradebook(course) as book:
-        rows, in_gradebook = read_rows(book), students_in_gradebook(book)
-        excessive = tuple(
-            f"{student}, {lesson}, {cell.removeprefix('test_')}: {format_points(points)} of "
-            f"{format_points(maximum)} points"
-            for student, lesson, cell, points, maximum in read_excessive_marks(book)
-        )
     roster, deadlines = read_roster(course), read_deadlines(course) or Deadlines({})
+    with open_gradebook(course) as book:
+        cells = _by_notebook(cell_marks(book))
+        rows = [
+            _without_exercises(row, cells.get((row.student, row.lesson), {}), deadlines.rules)
+            for row in read_rows(book)
+        ]
+        in_gradebook = students_in_gradebook(book)
+        excessive = tuple(
+            (
+                student,
+                f"{student}, {lesson}, {exercise_of(cell)}: {format_points(points)} of "
+                f"{format_points(maximum)} points",
+            )
+            for student, lesson, cell, points, maximum in read_excessive_marks(book)
+            if exercise_of(cell) not in deadlines.rules.without
+        )
     submitted = {
         (submission.student, submission.lesson.name): submission
         for submission in find_submissions(course)
@@ -51,34 +70,39 @@ def class_results(course: Course) -> ClassResults:
     entered = {(row.student, row.lesson): row for row in rows}
     existing = {pair for pair, row in entered.items() if _has_work(course, row)}
     lessons, unassigned = _lessons_that_count(course, deadlines, {*existing, *submitted})
-    max_scores = _max_scores(lessons, rows)
+    max_scores = _max_scores(lessons, rows, deadlines.rules)
     people = roster.people if roster else _without_roster(in_gradebook, {*entered, *submitted})
     notebooks, stages = [], []
     for person in people:
         for stage in dict.fromkeys(lesson.stage for lesson in lessons):
             excused = EXCUSED if deadlines.is_excused(person.id, stage) else None
             excused = AUDITOR if person.is_auditor else excused
+            in_stage = [lesson for lesson in lessons if lesson.stage == stage]
+            pairs = [(person.id, lesson.name) for lesson in in_stage]
+            files = [submitted[pair] for pair in pairs if pair in submitted]
+            row = next((entered[pair] for pair in pairs if pair in entered), None)
+            times = _stage_times(course, person.id, stage, row, files, deadlines)
             results = []
-            for lesson in (candidate for candidate in lessons if candidate.stage == stage):
-                pair = (person.id, lesson.name)
+            for lesson, pair in zip(in_stage, pairs, strict=True):
                 row = entered[pair] if pair in existing else None
-                standing = excused or _standing(row, pair in submitted)
-                results.append(_notebook(person, lesson, standing, row, max_scores[lesson.name]))
-            files = [
-                submitted[pair]
-                for result in results
-                if (pair := (result.student, result.lesson)) in submitted
-            ]
-            row = next(
-                (
-                    entered[pair]
-                    for result in results
-                    if (pair := (result.student, result.lesson)) in entered
-                ),
-                None,
-            )
+                result = NotebookResult(
+                    person.id,
+                    stage,
+                    lesson.name,
+                    excused or _standing(row, pair in submitted),
+                    row.score if row else None,
+                    max_scores[lesson.name],
+                    row.penalty if row else 0.0,
+                    due=deadlines.due_of_lesson(
+                        person.id, stage, lesson.name, times.due, times.due_in_gradebook
+                    ),
+                    exercises=_exercises(lesson, cells.get(pair, {}) if row else {}, deadlines),
+                )
+                if row or pair in submitted:
+                    result = _timed(result, times, deadlines)
+                results.append(result)
             notebooks += results
-            stages.append(_stage(course, results, row, files, deadlines))
+            stages.append(_stage(results, times, deadlines))
     unlisted = {row.student for row in rows} - {person.id for person in people}
     return ClassResults(
         tuple(people),
@@ -87,7 +111,46 @@ def class_results(course: Course) -> ClassResults:
         tuple(sorted(unlisted)),
         excessive,
         tuple(unassigned),
+        deadlines.rules,
     )
+
+
+def _by_notebook(marks: CellMarks) -> dict[tuple[str, str], dict[str, CellMark]]:
+    """Group marks by student and lesson, and name them by exercise."""
+    found: dict[tuple[str, str], dict[str, CellMark]] = {}
+    for (student, lesson, cell), mark in marks.marks.items():
+        found.setdefault((student, lesson), {})[exercise_of(cell)] = mark
+    return found
+
+
+def _without_exercises(
+    row: GradebookRow, marks: Mapping[str, CellMark], rules: TermRules
+) -> GradebookRow:
+    """Leave out the exercises that are switched off."""
+    if marks.keys().isdisjoint(rules.without):
+        return row
+    counted = [mark for exercise, mark in marks.items() if exercise not in rules.without]
+    return replace(
+        row,
+        score=sum(mark.score for mark in counted),
+        max_score=sum(mark.max_score for mark in counted),
+        needs_person=any(mark.waiting for mark in counted),
+        has_mark_by_hand=any(mark.by_hand for mark in counted),
+    )
+
+
+def _exercises(
+    lesson: Lesson, marks: Mapping[str, CellMark], deadlines: Deadlines
+) -> tuple[ExerciseMark, ...]:
+    """Return the marks for the exercises of a lesson that count."""
+    found = []
+    for exercise in lesson.exercises:
+        mark = marks.get(exercise.name)
+        points = mark.score if mark and not mark.waiting else None
+        found.append(
+            ExerciseMark(exercise.name, points, mark.max_score if mark else exercise.points)
+        )
+    return tuple(one for one in found if one.name not in deadlines.rules.without)
 
 
 def _lessons_that_count(
@@ -129,10 +192,15 @@ def _has_work(course: Course, row: GradebookRow) -> bool:
     return row.score > 0 or row.has_mark_by_hand or copy.is_file()
 
 
-def _max_scores(lessons: Sequence[Lesson], rows: Sequence[GradebookRow]) -> dict[str, float]:
+def _max_scores(
+    lessons: Sequence[Lesson], rows: Sequence[GradebookRow], rules: TermRules
+) -> dict[str, float]:
     """Return the maximum score of each lesson, from the gradebook or, if missing, the release."""
     released = {
-        lesson.name: sum(exercise.points for exercise in lesson.exercises) for lesson in lessons
+        lesson.name: sum(
+            exercise.points for exercise in lesson.exercises if exercise.name not in rules.without
+        )
+        for lesson in lessons
     }
     return released | {row.lesson: row.max_score for row in rows}
 
@@ -152,43 +220,62 @@ def _standing(row: GradebookRow | None, is_submitted: bool) -> str:
     return WAITING if row.needs_person else MARKED
 
 
-def _notebook(
-    person: Person, lesson: Lesson, standing: str, row: GradebookRow | None, max_score: float
-) -> NotebookResult:
-    return NotebookResult(
-        person.id,
-        lesson.stage,
-        lesson.name,
-        standing,
-        row.score if row else None,
-        max_score,
-        row.penalty if row else 0.0,
-    )
+@dataclass(frozen=True)
+class _StageTimes:
+    """When a student submitted a stage and its lessons; see `StageResult`."""
+
+    submitted_at: datetime | None
+    due: datetime | None
+    due_in_gradebook: datetime | None
+    undecided: str
+    lacks_zone: bool
+    of_lessons: Mapping[str, datetime]
 
 
-def _stage(
+def _stage_times(
     course: Course,
-    lessons: Sequence[NotebookResult],
+    student: str,
+    stage: str,
     row: GradebookRow | None,
     files: Sequence[Submission],
     deadlines: Deadlines,
-) -> StageResult:
-    """Combine the results in a stage's lessons, and determine when the stage was submitted.
+) -> _StageTimes:
+    """Determine when a stage was submitted.
 
     The gradebook's times take precedence, because nbgrader computes penalties from them.
     """
-    student, stage = lessons[0].student, lessons[0].stage
-    scores = [result.score for result in lessons if result.score is not None]
-    due = deadlines.due(student, stage)
+    due, in_gradebook = deadlines.due(student, stage), None
     if row and row.due:
-        due = (row.due + (row.extension or timedelta())).replace(tzinfo=UTC)
+        in_gradebook = row.due.replace(tzinfo=UTC)
+        due = in_gradebook + (row.extension or timedelta())
     submitted_at, undecided = row and row.submitted_at and row.submitted_at.replace(tzinfo=UTC), ""
     folders = {submission.stage_folder(course) for submission in files}
     if not submitted_at:
         try:
             submitted_at = submission_time(folders)
         except SubmissionTimeUnknown as error:
-            undecided = str(error) if due else ""
+            undecided = str(error) if due or deadlines.lessons_with_dates(stage) else ""
+    of_lessons = lesson_times(files, deadlines) if submitted_at else {}
+    return _StageTimes(submitted_at, due, in_gradebook, undecided, lacks_zone(folders), of_lessons)
+
+
+def _timed(result: NotebookResult, times: _StageTimes, deadlines: Deadlines) -> NotebookResult:
+    """Add the submission time and the lateness of a lesson."""
+    submitted_at = times.of_lessons.get(result.lesson, times.submitted_at)
+    late = _lateness(submitted_at, result.due, deadlines)
+    is_shared = result.lesson not in times.of_lessons and deadlines.lessons_with_dates(result.stage)
+    return replace(result, submitted_at=submitted_at, late=late, has_shared_time=bool(is_shared))
+
+
+def _stage(
+    lessons: Sequence[NotebookResult], times: _StageTimes, deadlines: Deadlines
+) -> StageResult:
+    """Combine the results in a stage's lessons."""
+    student, stage = lessons[0].student, lessons[0].stage
+    scores = [result.score for result in lessons if result.score is not None]
+    late = _lateness(times.submitted_at, times.due, deadlines)
+    if deadlines.lessons_with_dates(stage):
+        late = max(result.late for result in lessons)
     return StageResult(
         student,
         stage,
@@ -196,9 +283,17 @@ def _stage(
         sum(scores) if scores else None,
         sum(result.max_score for result in lessons),
         sum(result.penalty for result in lessons),
-        submitted_at,
-        due,
-        time_late(submitted_at, due, deadlines.zone) if submitted_at and due else timedelta(),
-        undecided,
-        lacks_zone(folders),
+        times.submitted_at,
+        times.due,
+        late,
+        times.undecided,
+        times.lacks_zone,
     )
+
+
+def _lateness(
+    submitted_at: datetime | None, due: datetime | None, deadlines: Deadlines
+) -> timedelta:
+    if not submitted_at or not due:
+        return timedelta()
+    return time_late(submitted_at, due, deadlines.zone)

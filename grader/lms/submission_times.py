@@ -7,8 +7,10 @@ from collections.abc import Iterable
 from datetime import datetime
 from pathlib import Path
 
-from grader.classroom.collect.record import reason_without_time
+from grader.classroom.collect.record import file_time, reason_without_time
+from grader.classroom.submissions import Submission
 from grader.classroom.timestamp_file import read_timestamp
+from grader.course.deadlines import Deadlines
 from grader.course.times import UnclearTime
 
 
@@ -46,6 +48,20 @@ def known_time(folders: Iterable[Path]) -> datetime | None:
     except SubmissionTimeUnknown:
         return None
     return time and time.replace(tzinfo=None)
+
+
+def lesson_times(submissions: Iterable[Submission], deadlines: Deadlines) -> dict[str, datetime]:
+    """Return when each lesson of a student's stage was submitted, by lesson.
+
+    Lessons are timed separately only if a lesson of their stage has its own due date. Otherwise, or
+    if only the time of the whole stage is known, a lesson is missing from the result.
+    """
+    times = {
+        submission.lesson.name: file_time(submission.path)
+        for submission in submissions
+        if deadlines.lessons_with_dates(submission.lesson.stage)
+    }
+    return {lesson: time for lesson, time in times.items() if time}
 
 
 def lacks_zone(folders: Iterable[Path]) -> bool:

@@ -202,7 +202,7 @@ def _with_assignment(block: str, function: ast.AST) -> Iterator[tuple[int, str]]
 
 
 def _with_new_defaults(block: str, function: ast.AST) -> Iterator[str]:
-    """Yield the block with a list, set or dict that each call makes for itself, not as a default."""
+    """Yield the block with a default list, set or dict that each call creates for itself."""
     if not isinstance(function, ast.FunctionDef):
         return
     lines = block.split("\n")

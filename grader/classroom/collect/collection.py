@@ -21,7 +21,8 @@ from grader.classroom.collect.owners import Owners, UnknownOwner
 from grader.classroom.collect.student import StudentCollector
 from grader.classroom.collect.worksheet import SubmissionRow, SubmissionTable, read_worksheet
 from grader.classroom.submissions import Submission, find_submissions
-from grader.course.deadlines import Deadlines, read_deadlines
+from grader.course.deadlines import Deadlines
+from grader.course.deadlines_file import read_deadlines
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
 from grader.course.roster import Roster, read_roster
@@ -60,7 +61,7 @@ def collect(
 
     Raises
     ------
-    CollectError, grader.course.roster.RosterError, grader.course.deadlines.DeadlinesError
+    CollectError, grader.course.roster.RosterError, grader.course.deadlines_file.DeadlinesError
     """
     roster = read_roster(course)
     deadlines = read_deadlines(course)

@@ -13,7 +13,9 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
 
+from grader.classroom.timestamp_file import read_timestamp
 from grader.course.atomic_files import write_atomically
+from grader.course.times import UnclearTime
 
 NAME = ".collected.json"
 
@@ -109,6 +111,20 @@ def read_record(folder: Path) -> Record:
         files = {name: FileOrigin(**origin) for name, origin in content["files"].items()}
         return Record(**(content | {"files": files}))
     return Record()
+
+
+def file_time(path: Path) -> datetime | None:
+    """Return when a file was submitted, or None if only the time of its whole folder is known.
+
+    A time that a person, or nbgrader's exchange, wrote into ``timestamp.txt`` applies to all files.
+    """
+    record = read_record(path.parent)
+    origin = record.files.get(path.name)
+    with contextlib.suppress(UnclearTime):
+        timestamp = read_timestamp(path.parent)
+        if origin and origin.when and timestamp and timestamp.when.isoformat() == record.written:
+            return datetime.fromisoformat(origin.when).replace(microsecond=0)
+    return None
 
 
 def write_record(record: Record, folder: Path) -> None:

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from grader.lms.exporters.canvas import canvas
+from grader.lms.exporters.exercises_csv import exercises_csv
 from grader.lms.exporters.gradescope import gradescope
 from grader.lms.exporters.moodle import moodle
 from grader.lms.exporters.protocol import ExportError, ExportOptions, ExportResult
@@ -40,6 +41,7 @@ class Exporter:
 
 EXPORTERS = {
     "csv": Exporter(scores_csv, ".csv"),
+    "exercises": Exporter(exercises_csv, ".exercises.csv"),
     "canvas": Exporter(
         canvas,
         ".canvas.csv",

@@ -56,6 +56,8 @@ class Marks:
         Students without a mark, by standing.
     lost, notes : tuple of str
         As in `ExportResult`.
+    others : tuple of grader.course.roster.Person
+        As in `ExportOptions`.
     """
 
     assignment: str
@@ -64,6 +66,7 @@ class Marks:
     without: dict[str, tuple[Person, ...]]
     lost: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    others: tuple[Person, ...] = ()
 
     @property
     def max_points(self) -> float:
@@ -73,8 +76,8 @@ class Marks:
     @property
     def people(self) -> tuple[Person, ...]:
         """All students; students with a mark come first."""
-        others = (person for people in self.without.values() for person in people)
-        return (*(mark.person for mark in self.marks), *others)
+        without = (person for people in self.without.values() for person in people)
+        return (*(mark.person for mark in self.marks), *without, *self.others)
 
 
 def collect_marks(options: ExportOptions) -> Marks:
@@ -119,6 +122,7 @@ def collect_marks(options: ExportOptions) -> Marks:
         {standing: tuple(people) for standing, people in without.items()},
         tuple(unlisted_notes(results)),
         tuple(filter(None, _notes(results, notebooks, marks, without))),
+        options.others,
     )
 
 

@@ -18,8 +18,8 @@ from grader.judging.verdict import ExerciseResult, Verdict, read_verdict
 from grader.lms.exporters import inside_gradescope
 from grader.lms.exporters.assignment_marks import Mark, collect_marks
 from grader.lms.exporters.inside_gradescope import digest, files_of
-from grader.lms.exporters.protocol import ExportOptions, ExportResult
-from grader.lms.results import MISSING, NotebookResult, format_points
+from grader.lms.exporters.protocol import ExportError, ExportOptions, ExportResult
+from grader.lms.results import MISSING, ClassResults, NotebookResult, format_points
 
 SETUP = "#!/bin/sh\napt-get update && apt-get install -y python3\n"
 EXECUTABLES = ("setup.sh", "run_autograder")
@@ -38,6 +38,10 @@ def gradescope(options: ExportOptions) -> ExportResult:
     ExportError
         If the marks cannot be exported; see `collect_marks`.
     """
+    if options.others:
+        raise ExportError(
+            "Gradescope uses one autograder for all students of an assignment. Leave out --section."
+        )
     marks = collect_marks(options)
     submitted: dict[str, list[Submission]] = {}
     for submission in find_submissions(options.course):
@@ -109,7 +113,10 @@ def _entry(options: ExportOptions, mark: Mark, submissions: Sequence[Submission]
             "score": round(mark.points, 2),
             "output": _summary(results),
             "visibility": "visible",
-            "tests": [_lesson_test(result, reports.get(result.lesson)) for result in results],
+            "tests": [
+                _lesson_test(options.results, result, reports.get(result.lesson))
+                for result in results
+            ],
         },
     }
 
@@ -125,7 +132,7 @@ def _summary(results: Sequence[NotebookResult]) -> str:
     return "\n".join(lines)
 
 
-def _lesson_test(result: NotebookResult, verdict: Verdict | None) -> dict:
+def _lesson_test(results: ClassResults, result: NotebookResult, verdict: Verdict | None) -> dict:
     """Build the entry for a lesson in Gradescope's list of tests."""
     return {
         "name": result.lesson,
@@ -133,18 +140,19 @@ def _lesson_test(result: NotebookResult, verdict: Verdict | None) -> dict:
         "max_score": result.max_score,
         "output": "Nothing was submitted."
         if result.standing == MISSING
-        else _lesson_output(result, verdict),
+        else _lesson_output(results, result, verdict),
         "visibility": "visible",
     }
 
 
-def _lesson_output(result: NotebookResult, verdict: Verdict | None) -> str:
+def _lesson_output(results: ClassResults, result: NotebookResult, verdict: Verdict | None) -> str:
     if verdict is None:
         return ""
     lines = [*verdict.problems]
     for exercise in verdict.exercises:
-        lines += _exercise(exercise)
-    by_hand = (result.score or 0.0) - verdict.score
+        if exercise.name not in results.rules.without:
+            lines += _exercise(exercise)
+    by_hand = (result.score or 0.0) - results.judged_points(verdict)
     if abs(by_hand) >= 0.005:
         lines.append(f"Points given by a grader: {by_hand:+.4g}")
     return "\n".join(lines)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grader.course.paths import Course
+from grader.course.roster import Person
 from grader.lms.results import ClassResults
 
 
@@ -31,6 +32,9 @@ class ExportOptions:
         Title of the column for the marks; None to find the column automatically.
     scale : bool
         Whether to convert points if the LMS has a different maximum.
+    others : tuple of grader.course.roster.Person
+        Students who are not in `results`, because only one section is exported. Their rows in the
+        file are recognised, but not changed.
     """
 
     course: Course
@@ -40,6 +44,7 @@ class ExportOptions:
     into: Path | None = None
     column: str | None = None
     scale: bool = False
+    others: tuple[Person, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ import io
 from collections.abc import Sequence
 from datetime import UTC, timedelta
 
+from grader.course.deadlines import TermRules
 from grader.course.roster import Person
 from grader.course.tables import harmless_cell
 from grader.lms.exporters.protocol import ExportError, ExportOptions, ExportResult
@@ -20,6 +21,7 @@ from grader.lms.results import (
     combined_status,
     format_points,
 )
+from grader.lms.term import TermResult, term_result
 
 ABOUT_PERSON = ("Student", "Last name", "First name", "E-mail", "Section")
 ABOUT_STAGE = ("submitted", "days late", "late penalty", "status")
@@ -31,9 +33,29 @@ def scores_csv(options: ExportOptions) -> ExportResult:
     The file has a heading, a row with the maximum score of each lesson, and one row per student. A
     student's row contains the score in each lesson; without a score, the cell is empty. For each
     stage it also contains the submission time, the days late, the penalty and the status. The
-    last two columns are the total and its maximum, without the stages from which a student is
-    excused. They are empty if a student has no mark.
+    next columns are the total and its maximum, without the stages from which a student is excused.
+    They are empty if a student has no mark. If there is a pass mark, the last column shows whether
+    the total reaches it. The rules of the term apply only if the options name no assignment.
     """
+    rules = options.results.rules if options.assignment is None else TermRules()
+    notebooks = notebooks_of(options)
+    stages: dict[str, dict[str, float]] = {}
+    for result in sorted(notebooks, key=lambda result: result.lesson):
+        stages.setdefault(result.stage, {})[result.lesson] = result.max_score
+    file = io.StringIO()
+    table = csv.writer(file, lineterminator="\n")
+    table.writerow(_head(options, stages, rules))
+    table.writerow(_out_of(options, stages, rules))
+    for person in options.results.people:
+        own = [result for result in notebooks if result.student == person.id]
+        table.writerow(_row(options, person, own, stages, rules))
+    content = file.getvalue().encode("utf-8", "replace")
+    marked = {result.student for result in notebooks if result.counts and result.score is not None}
+    return ExportResult(content, len(marked), tuple(unlisted_notes(options.results)))
+
+
+def notebooks_of(options: ExportOptions) -> list[NotebookResult]:
+    """Return the results in all lessons, or in the stage or lesson that the options name."""
     notebooks = [
         result
         for result in options.results.notebooks
@@ -41,34 +63,38 @@ def scores_csv(options: ExportOptions) -> ExportResult:
     ]
     if not notebooks:
         raise ExportError(f"No student has submitted anything for {options.assignment}.")
-    stages: dict[str, dict[str, float]] = {}
-    for result in sorted(notebooks, key=lambda result: result.lesson):
-        stages.setdefault(result.stage, {})[result.lesson] = result.max_score
-    file = io.StringIO()
-    table = csv.writer(file, lineterminator="\n")
-    table.writerow(_head(stages))
-    table.writerow(_out_of(stages))
-    for person in options.results.people:
-        own = [result for result in notebooks if result.student == person.id]
-        table.writerow(_row(options, person, own, stages))
-    content = file.getvalue().encode("utf-8", "replace")
-    marked = {result.student for result in notebooks if result.counts and result.score is not None}
-    return ExportResult(content, len(marked), tuple(unlisted_notes(options.results)))
+    return notebooks
 
 
-def _head(stages: dict[str, dict[str, float]]) -> list[str]:
-    columns = list(ABOUT_PERSON)
+def person_titles(options: ExportOptions) -> list[str]:
+    """Return the titles of the columns about a person, with the roster's additional columns."""
+    people = options.results.people
+    return [*ABOUT_PERSON, *(harmless_cell(title) for title, _ in people[0].more)]
+
+
+def person_cells(person: Person) -> list[str]:
+    """Return the cells about a person."""
+    texts = (person.id, person.last_name, person.first_name, person.email, person.section)
+    return [harmless_cell(text) for text in (*texts, *(text for _, text in person.more))]
+
+
+def _head(
+    options: ExportOptions, stages: dict[str, dict[str, float]], rules: TermRules
+) -> list[str]:
+    columns = person_titles(options)
     for stage, lessons in stages.items():
         columns += [*lessons, *(f"{stage}: {title}" for title in ABOUT_STAGE)]
-    return [*columns, "Total", "Out of"]
+    return [*columns, "Total", "Out of", *["Passed"] * (rules.pass_mark is not None)]
 
 
-def _out_of(stages: dict[str, dict[str, float]]) -> list[str]:
-    cells = ["out of", *[""] * (len(ABOUT_PERSON) - 1)]
+def _out_of(
+    options: ExportOptions, stages: dict[str, dict[str, float]], rules: TermRules
+) -> list[str]:
+    cells = ["out of", *[""] * (len(person_titles(options)) - 1)]
     for lessons in stages.values():
         cells += [*map(format_points, lessons.values()), *[""] * len(ABOUT_STAGE)]
-    most = sum(sum(lessons.values()) for lessons in stages.values())
-    return [*cells, format_points(most), format_points(most)]
+    most = format_points(sum(sum(lessons.values()) for lessons in stages.values()))
+    return [*cells, most, most, *[""] * (rules.pass_mark is not None)]
 
 
 def _row(
@@ -76,22 +102,23 @@ def _row(
     person: Person,
     own: Sequence[NotebookResult],
     stages: dict[str, dict[str, float]],
+    rules: TermRules,
 ) -> list[str]:
-    texts = (person.id, person.last_name, person.first_name, person.email, person.section)
-    cells = [harmless_cell(text) for text in texts]
+    cells = person_cells(person)
     for stage in stages:
         in_stage = [result for result in own if result.stage == stage]
         cells += [_score(result) for result in in_stage]
         cells += _about_stage(options.results.stage(person.id, stage), in_stage)
-    counted = [result for result in own if result.counts]
-    if all(result.points is None for result in counted):  # missing work is not a 0
-        return [*cells, "", ""]
-    total = sum(result.points or 0.0 for result in counted)
-    return [
-        *cells,
-        format_points(total),
-        format_points(sum(result.max_score for result in counted)),
-    ]
+    term = term_result(own, rules)
+    has_mark = term.points is not None  # missing work is not a 0
+    cells += [format_points(term.points), format_points(term.max_score)] if has_mark else ["", ""]
+    return cells + [_passed(term)] * (rules.pass_mark is not None)
+
+
+def _passed(term: TermResult) -> str:
+    if not term.max_score:
+        return ""
+    return WAITING if term.passed is None else "yes" if term.passed else "no"
 
 
 def _score(result: NotebookResult) -> str:

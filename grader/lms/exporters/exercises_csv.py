@@ -1,0 +1,43 @@
+"""Marks by exercise as a CSV file with one row per student and one column per exercise."""
+
+from __future__ import annotations
+
+import csv
+import io
+
+from grader.lms.exporters.protocol import ExportOptions, ExportResult
+from grader.lms.exporters.scores_csv import notebooks_of, person_cells, person_titles
+from grader.lms.instructor_notes import unlisted_notes
+from grader.lms.results import NotebookResult, format_points
+
+
+def exercises_csv(options: ExportOptions) -> ExportResult:
+    """Write the points in each exercise, limited to one stage or lesson if the options name one.
+
+    Points are those of the judge or of a grader, before late penalties. A cell is empty if the
+    lesson is missing or does not count for the student, or if the exercise waits for a grader.
+    Exercises that are switched off have no column.
+    """
+    results: dict[tuple[str, str], NotebookResult] = {
+        (result.student, result.lesson): result for result in notebooks_of(options)
+    }
+    lessons = {result.lesson: result.exercises for result in results.values()}
+    exercises = [(lesson, one) for lesson in sorted(lessons) for one in lessons[lesson]]
+    file = io.StringIO()
+    table = csv.writer(file, lineterminator="\n")
+    titles = person_titles(options)
+    table.writerow([*titles, *(f"{lesson[:2]} {one.name}" for lesson, one in exercises)])
+    maxima = [format_points(one.max_score) for _, one in exercises]
+    table.writerow(["out of", *[""] * (len(titles) - 1), *maxima])
+    placed = 0
+    for person in options.results.people:
+        points = [_points(results[person.id, lesson], one.name) for lesson, one in exercises]
+        table.writerow([*person_cells(person), *points])
+        placed += any(points)
+    content = file.getvalue().encode("utf-8", "replace")
+    return ExportResult(content, placed, tuple(unlisted_notes(options.results)))
+
+
+def _points(result: NotebookResult, exercise: str) -> str:
+    points = {one.name: one.points for one in result.exercises}[exercise]
+    return format_points(points) if result.counts and points is not None else ""
