@@ -111,7 +111,7 @@ class Submission:
                 "only the right one."
             )
         elif self.path.name != name:
-            yield (f"{self.path.name} was recognised as {name}. Submit it under that name.")
+            yield f"{self.path.name} was recognised as {name}. Submit it under that name."
 
 
 def find_submissions(course: Course, stages: Iterable[str] = ()) -> list[Submission]:
