@@ -381,7 +381,7 @@ def test_renamed_file_is_recognised(tmp_path, sandbox):
         assert judge(path, 1, sandbox).lesson == "06_filter_ground"
     path = tmp_path / "other.ipynb"
     path.write_text('{"cells": [], "metadata": {}}')
-    with pytest.raises(UnknownLesson, match="which lesson"):
+    with pytest.raises(UnknownLesson, match="matched with a lesson"):
         judge(path, 1, sandbox)
 
 
