@@ -122,6 +122,12 @@ def unchanged_recursion_limit():
 # Tests with many cases or a long run time, each with beginnings of case IDs. `make test` runs only
 # the cases that begin in this way, and `make proof` runs all. Tests that are not listed always run.
 A_FEW_OF_MANY = {
+    "test_a_name_of_another_platform_changes_neither_owner_nor_format": (
+        "Canvas-Sakai",
+        "Moodle-Sakai",
+        "PrairieLearn-Sakai",
+        "Sakai without folders-Blackboard",
+    ),
     "test_a_skeleton_is_complete": (),
     "test_an_answer_with_two_errors_keeps_only_the_points_of_its_checks": (),
     "test_a_recorded_notebook_shows_data_instead_of_widgets": (),
