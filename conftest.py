@@ -128,6 +128,7 @@ A_FEW_OF_MANY = {
         "PrairieLearn-Sakai",
         "Sakai without folders-Blackboard",
     ),
+    "test_no_boxes_make_the_grader_fail": ("around the camera", "corners", "infinite"),
     "test_a_skeleton_is_complete": (),
     "test_an_answer_with_two_errors_keeps_only_the_points_of_its_checks": (),
     "test_a_recorded_notebook_shows_data_instead_of_widgets": (),
