@@ -1,10 +1,13 @@
 """Attacks by the names of files, which a student chooses, while a class is collected."""
 
 import csv
+import os
+import subprocess
 
 import pytest
 
 from grader.classroom.collect import collection
+from grader.classroom.submissions import find_submissions, unaccounted_files
 from grader.course.paths import Course
 from tests.archives import (
     SIX,
@@ -145,3 +148,44 @@ def test_a_submodule_named_like_a_repository_belongs_to_the_student_who_added_it
     assert "ada" in outcome.states
     (placed,) = (course.submitted / "ada" / STAGE).glob("*.ipynb")
     assert placed.read_bytes() == notebook(text="by ada")
+
+
+@pytest.fixture
+def bottomless(tmp_path):
+    """Return a function that makes a bottomless folder, which pytest could not remove."""
+    made = []
+
+    def make(path):
+        made.append(path)
+        path.mkdir(parents=True)
+        deepest = os.open(path, os.O_RDONLY)
+        for _ in range(1_500):
+            os.mkdir("d", dir_fd=deepest)
+            inner = os.open("d", os.O_RDONLY, dir_fd=deepest)
+            os.close(deepest)
+            deepest = inner
+        os.close(deepest)
+
+    yield make
+    subprocess.run(["rm", "-rf", *made], check=True)
+
+
+def test_a_bottomless_folder_in_a_repository_stops_no_other_student(course, tmp_path, bottomless):
+    """Before Python 3.12, `os.walk` reaches the recursion limit."""
+    for login in ("ada", "cy"):
+        path = tmp_path / "hw" / f"hw-3-{login}"
+        (path / ".git").mkdir(parents=True)
+        (path / f"{SIX}.ipynb").write_bytes(notebook(text=f"by {login}"))
+    bottomless(tmp_path / "hw" / "hw-3-cy" / "x")
+    outcome = collect(course, tmp_path / "hw")
+    assert outcome.states.keys() == {"ada", "cy"}
+
+
+def test_a_bottomless_folder_in_a_submission_stops_no_other_student(course, bottomless):
+    for student in ("ada", "cy"):
+        path = course.submitted / student / STAGE / f"{SIX}.ipynb"
+        path.parent.mkdir(parents=True)
+        path.write_bytes(notebook(text=f"by {student}"))
+    bottomless(course.submitted / "cy" / STAGE / "x")
+    assert [submission.student for submission in find_submissions(course)] == ["ada", "cy"]
+    assert unaccounted_files(course) == []
