@@ -122,6 +122,13 @@ def unchanged_recursion_limit():
 # Tests with many cases or a long run time, each with beginnings of case IDs. `make test` runs only
 # the cases that begin in this way, and `make proof` runs all. Tests that are not listed always run.
 A_FEW_OF_MANY = {
+    "test_a_name_of_another_platform_changes_neither_owner_nor_format": (
+        "Canvas-Sakai",
+        "Moodle-Sakai",
+        "PrairieLearn-Sakai",
+        "Sakai without folders-Blackboard",
+    ),
+    "test_no_boxes_make_the_grader_fail": ("around the camera", "corners", "infinite"),
     "test_a_skeleton_is_complete": (),
     "test_commands_of_nbgrader_give_the_same_scores_without_hidden_tests": (),
     "test_a_course_on_another_subject_is_built_released_judged_and_graded": (),

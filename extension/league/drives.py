@@ -11,6 +11,7 @@ import base64
 import functools
 import hashlib
 import json
+import time
 import zlib
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
@@ -44,6 +45,8 @@ MOST_BOXES = 300
 """Maximum number of boxes in a scan; there are fewer square metres in front of the car."""
 MOST_FAILURES = 20
 """Number of scans without an answer after which a drive ends."""
+READING_SECONDS = 30.0
+"""Processor time in which this process may read the answers of a drive; usually it takes 1 s."""
 FARTHEST = 1000.0
 """Distance in metres beyond which a box is dropped; no scanner has such a range."""
 
@@ -193,9 +196,17 @@ class _SandboxedDetector:
         self._student = student
         self.answers: list[np.ndarray] = []
         self.failed, self.failure = 0, ""
+        self._seconds = 0.0
 
     def __call__(self, cloud: np.ndarray) -> np.ndarray:
+        before = time.process_time()
         boxes, failure = self._detect(cloud)
+        # A quarter of a million empty lists are no boxes, but take seconds to read.
+        self._seconds += time.process_time() - before
+        if self._seconds > READING_SECONDS:
+            raise StudentStopped(
+                f"Its answers were so large that reading them took {READING_SECONDS:g} seconds."
+            )
         if failure:
             self.failed, self.failure = self.failed + 1, self.failure or failure
         if self.failed >= MOST_FAILURES:

@@ -15,6 +15,7 @@ from extension.league.drives import (
     LIMITS,
     MOST_BOXES,
     MOST_FAILURES,
+    READING_SECONDS,
     SECONDS,
     DriveResult,
     repeat_drive,
@@ -115,6 +116,7 @@ def write_league(course: Course, season: Season, seed: int, warning: str = "") -
         limits=LIMITS,
         most_boxes=MOST_BOXES,
         most_failures=MOST_FAILURES,
+        reading_seconds=READING_SECONDS,
         close=CLOSE,
         fast=FAST,
     )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import os
 import shlex
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -18,7 +17,12 @@ from grader.classroom.contents import (
 from grader.course.lessons import Lesson, all_lessons, stages
 from grader.course.paths import Course
 from grader.course.roster import read_roster
-from grader.intake.submission import SubmittedFiles, is_skipped_folder, read_submitted_files
+from grader.intake.submission import (
+    SubmittedFiles,
+    is_skipped_folder,
+    read_submitted_files,
+    walk_submitted,
+)
 
 # Files that nbgrader's exchange adds: the submission time and the key for the feedback.
 EXCHANGE_FILES = {"timestamp.txt", "submission_secret.txt"}
@@ -186,14 +190,14 @@ def _folded(found: Iterable[tuple[Path, str]]) -> Iterator[tuple[Path, str]]:
 
 def _files_below(root: Path) -> Iterator[Path]:
     """Yield all files except hidden ones and packages, sorted; links are not followed."""
-    for folder, folders, files in os.walk(root):
+    for folder, folders, files in walk_submitted(root):
         folders[:] = sorted(name for name in folders if not is_skipped_folder(name))
-        links = [name for name in folders if (Path(folder) / name).is_symlink()]
+        links = [name for name in folders if (folder / name).is_symlink()]
         # A folder named like a notebook is a mistake, so it is reported.
         misnamed_folders = [name for name in folders if name.endswith(".ipynb")]
         for name in sorted({*files, *links, *misnamed_folders}):
             if not name.startswith("."):
-                yield Path(folder) / name
+                yield folder / name
 
 
 def _lesson_of_file(path: Path) -> Lesson | None:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import codecs
 import csv
 import io
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 SEPARATORS = ",;\t"
-# Spreadsheets execute a cell that begins with one of these characters as a formula.
-FORMULA = ("=", "+", "-", "@", "\t", "\r")
+# A spreadsheet executes a cell that begins with one of the last characters as a formula. Which of
+# the separators begins a cell depends on the language of its user.
+FORMULA = re.compile(rf"""(^|[{SEPARATORS}\r\n])(?=[\s"]*[=+\-@])""")
 csv.field_size_limit(2**24)  # LMSs export texts longer than the default limit
 
 
@@ -67,8 +69,8 @@ def decode_text(data: bytes, errors: str = "strict") -> str:
 
 
 def harmless_cell(text: str) -> str:
-    """Escape a text, so that a spreadsheet does not treat it as a formula."""
-    return f"'{text}" if text.startswith(FORMULA) else text
+    """Escape a text, so that no spreadsheet treats a part of it as a formula."""
+    return FORMULA.sub(r"\1'", text)
 
 
 def read_table(data: bytes, strict: bool = False) -> Table:

@@ -6,6 +6,8 @@ Its files are read only once, so that the fingerprint belongs to the bytes that 
 from __future__ import annotations
 
 import hashlib
+import os
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -14,6 +16,7 @@ from utils.notebooks.reading import Notebook, UnreadableNotebook, decode_noteboo
 
 MOST_MODULES = 20
 LARGEST_MODULE = 2**20
+DEEPEST_FOLDER = 50
 PACKAGE_FOLDERS = ("site-packages", "node_modules")
 """Folders of installed packages, such as those in a virtual environment."""
 
@@ -74,6 +77,18 @@ class SubmittedFiles:
 def is_skipped_folder(name: str) -> bool:
     """Return whether a folder is hidden or contains installed packages."""
     return name.startswith((".", "__")) or name in PACKAGE_FOLDERS
+
+
+def walk_submitted(root: Path) -> Iterator[tuple[Path, list[str], list[str]]]:
+    """Walk through submitted folders like `os.walk`, but at most `DEEPEST_FOLDER` levels deep.
+
+    Before Python 3.12, `os.walk` is recursive, so one very deep folder would end the whole walk.
+    """
+    for folder, folders, files in os.walk(root):
+        path = Path(folder)
+        if len(path.relative_to(root).parts) >= DEEPEST_FOLDER:
+            folders.clear()
+        yield path, folders, files
 
 
 def read_submitted_files(path: Path) -> SubmittedFiles:

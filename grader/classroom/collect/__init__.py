@@ -43,8 +43,8 @@ from grader.classroom.collect.sources import open_archive
 __all__ = ["ARCHIVE_READERS", "CollectError", "SubmittedFile", "open_archives"]
 
 ARCHIVE_READERS: dict[str, ArchiveReader] = {
-    "Moodle": read_moodle,
     "Gradescope": read_gradescope,
+    "Moodle": read_moodle,
     "Blackboard": read_blackboard,
     "Brightspace": read_brightspace,
     "Sakai": read_sakai,
@@ -54,7 +54,10 @@ ARCHIVE_READERS: dict[str, ArchiveReader] = {
     "GitHub Classroom": read_github,
     "a folder for each student": read_folder,
 }
-"""Readers by format, in the order in which they are tried; the last one reads any archive."""
+"""Readers by format, preferred in this order if several recognise equally many files.
+
+The last one reads any archive that no other reader recognises.
+"""
 
 
 def open_archives(paths: Iterable[Path]) -> Iterator[SubmittedArchive]:
@@ -68,8 +71,7 @@ def open_archives(paths: Iterable[Path]) -> Iterator[SubmittedArchive]:
     """
     for path in paths:
         archive = open_archive(path)
-        readings = ((name, read(archive)) for name, read in ARCHIVE_READERS.items())
-        kind, files = next(pair for pair in readings if pair[1] is not None)
+        kind, files = _read(archive)
         submitted = {file.entry for file in files}
         others = [entry for entry in archive.entries if entry not in submitted]
         unneeded = tuple(entry for entry in others if not may_be_notebook(entry))
@@ -82,3 +84,27 @@ def open_archives(paths: Iterable[Path]) -> Iterator[SubmittedArchive]:
         if notebooks:
             files = read_folder(Archive(path, notebooks))
             yield SubmittedArchive(path, f"not named as in {kind}", tuple(files))
+
+
+def _read(archive: Archive) -> tuple[str, list[SubmittedFile]]:
+    """Return the format of an archive and its submitted files.
+
+    A student may choose a file name in the format of another platform, which would name another
+    student as the owner. The reader that recognises the most files is therefore the right one,
+    because the platform wrote the beginning of every name.
+    """
+    *platforms, (fallback, read_any) = ARCHIVE_READERS.items()
+    readings, errors = [], []
+    for kind, read in platforms:
+        try:
+            files = read(archive)
+        except CollectError as error:
+            errors.append(error)
+            continue
+        if files:
+            readings.append((kind, files))
+    if readings:
+        return max(readings, key=lambda reading: len(reading[1]))
+    if errors:
+        raise errors[0]
+    return fallback, read_any(archive)

@@ -7,6 +7,8 @@ notebooks, so unchanged ones do not count as submitted.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from grader.classroom.collect.models import (
     Archive,
     CollectError,
@@ -22,7 +24,7 @@ ROSTER = "classroom_roster.csv"
 
 def read_github(archive: Archive) -> list[SubmittedFile] | None:
     """Return the files of a folder of checkouts, or None for any other archive."""
-    repositories = sorted(folder for folder in archive.checkouts if folder)
+    repositories = _outermost(folder for folder in archive.checkouts if folder)
     if not repositories:
         return None
     identifiers = _identifiers(archive)
@@ -31,14 +33,25 @@ def read_github(archive: Archive) -> list[SubmittedFile] | None:
     owners = {folder: _owner(folder[-1], beginning, identifiers) for folder in repositories}
     files = []
     for entry in archive.entries:
-        inside = [folder for folder in repositories if entry.path[: len(folder)] == folder]
-        if inside:
-            folder = max(inside, key=len)
+        folder = next((one for one in repositories if entry.path[: len(one)] == one), None)
+        if folder:
             path = entry.path[len(folder) :]
             files.append(
                 SubmittedFile(owners[folder], path, entry, saved=entry.moment, is_given=True)
             )
     return files
+
+
+def _outermost(folders: Iterable[tuple[str, ...]]) -> list[tuple[str, ...]]:
+    """Return the folders that are not inside another one.
+
+    A student chooses the names of submodules, so a submodule never has an owner of its own.
+    """
+    outermost: list[tuple[str, ...]] = []
+    for folder in sorted(folders):
+        if not outermost or folder[: len(outermost[-1])] != outermost[-1]:
+            outermost.append(folder)
+    return outermost
 
 
 def _owner(repository: str, beginning: str, identifiers: dict[str, str]) -> Owner:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import zipfile
 from collections.abc import Callable, Iterator
 from datetime import datetime
@@ -11,6 +10,7 @@ from pathlib import Path
 from grader.classroom.collect.models import Archive, ArchiveEntry, CollectError, UnreadableFile
 from grader.classroom.collect.zips import MOST_FILES, clean_path, is_hidden, open_zip
 from grader.intake.notebook import read_file
+from grader.intake.submission import walk_submitted
 from utils.notebooks.reading import UnreadableNotebook
 
 
@@ -43,15 +43,15 @@ def open_archive(path: Path) -> Archive:
 
 def _files_below(root: Path) -> Iterator[tuple[tuple[str, ...], ArchiveEntry]]:
     """Yield the files in a folder without following links, and one entry for each .git folder."""
-    for folder, folders, files in os.walk(root):
+    for folder, folders, files in walk_submitted(root):
         folders[:] = sorted(name for name in folders if name == ".git" or not is_hidden((name,)))
         for name in sorted(files):
-            path = Path(folder) / name
+            path = folder / name
             parts = clean_path(path.relative_to(root).as_posix())
             yield parts, _entry(path, parts)
         if ".git" in folders:
             folders.remove(".git")
-            parts = (*clean_path(Path(folder).relative_to(root).as_posix()), ".git")
+            parts = (*clean_path(folder.relative_to(root).as_posix()), ".git")
             yield parts, ArchiveEntry(parts, datetime.min, bytes)
 
 

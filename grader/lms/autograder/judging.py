@@ -18,9 +18,10 @@ from grader.course.paths import Course
 from grader.course.seed import course_seed
 from grader.intake.preflight import prepare_to_judge
 from grader.intake.reader_process import ReadingFailed
-from grader.intake.submission import SubmittedFiles, is_skipped_folder
+from grader.intake.submission import SubmittedFiles, is_skipped_folder, walk_submitted
 from grader.judging.verdict import JUDGED, Verdict
 from grader.sandbox import Sandbox
+from grader.untrusted import one_line
 from utils.notebooks.reading import UnreadableNotebook
 
 PLACEHOLDER_STUDENT = (
@@ -125,18 +126,20 @@ def _judge(
 
 def _notes(submitted_files: SubmittedFiles, lesson: Lesson) -> tuple[str, ...]:
     try:
-        return tuple(prepare_to_judge(submitted_files, lesson).notes)
+        notes = prepare_to_judge(submitted_files, lesson).notes
     except (UnreadableNotebook, ReadingFailed) as error:
-        return (str(error),)
+        notes = (str(error),)
+    return tuple(map(one_line, notes))
 
 
 def _explain_unjudged(folder: Path, lessons: tuple[Lesson, ...]) -> Iterator[str]:
     """Yield sentences for the student about files that were not judged."""
-    for root, folders, names in os.walk(folder):
+    for root, folders, names in walk_submitted(folder):
         folders[:] = sorted(name for name in folders if not is_skipped_folder(name))
         for name in sorted(name for name in names if not name.startswith(".")):
             is_notebook = is_notebook_name(name)
-            lesson = lesson_by_name(name) or (is_notebook and lesson_by_content(Path(root, name)))
+            lesson = lesson_by_name(name) or (is_notebook and lesson_by_content(root / name))
+            name = one_line(name)
             if lesson and not is_notebook:
                 yield f"{name} is not a notebook. Submit {lesson.name}.ipynb, as Jupyter saves it."
             elif lesson and lesson not in lessons:
