@@ -21,9 +21,9 @@ from nbgrader.exchange.default import ExchangeCollect
 from nbgrader.utils import parse_utc
 
 from grader.classroom.collect.zips import MOST_BYTES_OF_A_STUDENT
+from grader.intake.submission import is_skipped_folder
 from grader.untrusted import one_line
 
-IGNORED_FOLDERS = (".ipynb_checkpoints", "__pycache__")
 # Maximum number of files and folders to examine in one submission, from the top folder down.
 MOST_ENTRIES = 200
 # `nbgrader submit` takes only seconds from writing the time to copying the last file.
@@ -105,7 +105,9 @@ class CollectOrdinaryFiles(ExchangeCollect):
         try:
             latest = self._examine(os.fstat(top), student, "the folder")
             for place, folders, names, here in os.fwalk(".", dir_fd=top):
-                folders[:] = sorted(set(folders) - {*IGNORED_FOLDERS})
+                # Hidden files include the record of `collect`, which a student could forge.
+                folders[:] = sorted(name for name in folders if not is_skipped_folder(name))
+                names = [name for name in names if not name.startswith(".")]
                 entries += 1 + len(names)
                 if entries > MOST_ENTRIES:
                     self._leave_out(f"{folder.name}/{place}", "has too many files or folders")

@@ -7,6 +7,7 @@ import subprocess
 import pytest
 
 from grader.classroom.collect import collection
+from grader.classroom.collect.record import read_record
 from grader.classroom.submissions import find_submissions, unaccounted_files
 from grader.course.paths import Course
 from tests.archives import (
@@ -148,6 +149,23 @@ def test_a_submodule_named_like_a_repository_belongs_to_the_student_who_added_it
     assert "ada" in outcome.states
     (placed,) = (course.submitted / "ada" / STAGE).glob("*.ipynb")
     assert placed.read_bytes() == notebook(text="by ada")
+
+
+@pytest.mark.parametrize("within", ["", "work/", "a zip"])
+@pytest.mark.parametrize(
+    "name", [".collected.json", "timestamp.txt", f".older/{SIX}.ipynb", "submission_secret.txt"]
+)
+def test_no_submitted_file_replaces_one_of_the_grader(course, name, within):
+    """These files state the time, the owner and the earlier work of a student."""
+    files = [(name, b'{"files": {}, "others": "x"}'), (f"{SIX}.ipynb", notebook())]
+    if within == "a zip":
+        files = [("work.zip", zipped(files))]
+    else:
+        files = [(f"{within}{path}", data) for path, data in files]
+    collect(course, archive(course, [(f"cy/{path}", data) for path, data in files]))
+    folder = course.submitted / "cy" / STAGE
+    assert read_record(folder).files.keys() == {f"{SIX}.ipynb"}
+    assert {path.name for path in folder.iterdir()} == {".collected.json", f"{SIX}.ipynb"}
 
 
 @pytest.fixture

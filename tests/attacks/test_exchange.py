@@ -118,12 +118,28 @@ def test_one_bad_folder_does_not_stop_the_class(name, inbound, collect, tmp_path
     assert not (tmp_path / "course" / STAGE).exists()
 
 
+@pytest.mark.parametrize("student", ["..", ".", ".league"])
+def test_hidden_names_lead_to_no_other_folder(student, inbound, collect, tmp_path):
+    """nbgrader does not list hidden folders, even without checking their owners."""
+    submit(inbound, {NOTEBOOK: "{}"}, student=student)
+    assert collect(check_owner=False)[0] == {}
+    assert not (tmp_path / "course" / STAGE).exists()
+
+
 def test_another_students_name_is_refused(inbound, collect):
     submit(inbound, {NOTEBOOK: "{}"}, student="alice")
     collected, warnings = collect()
     assert collected == {} and f"but the folder belongs to {ME}" in warnings[0]
     collected, _ = collect(check_owner=False)
     assert f"alice/{STAGE}/{NOTEBOOK}" in collected
+
+
+@pytest.mark.parametrize("name", [".collected.json", ".older/old.ipynb", "parts/.collected.json"])
+def test_hidden_files_are_not_collected(name, inbound, collect):
+    """The record of `collect` states the owner and the time of each file."""
+    submit(inbound, {NOTEBOOK: "{}", name: '{"files": {}, "others": "no time"}'})
+    collected, _ = collect()
+    assert sorted(collected) == [f"{ME}/{STAGE}/{NOTEBOOK}", f"{ME}/{STAGE}/timestamp.txt"]
 
 
 def test_a_time_that_the_student_set_is_named(inbound, collect):
