@@ -152,7 +152,7 @@ def test_a_later_time_for_the_same_files_is_named_with_a_way_to_enter_it(course)
     text = remark(collect(course, path, times=table(course, LATE)))
     assert f"has {LATE!r}, but submitted/ada/{STAGE}/timestamp.txt has {EARLY} for" in text
     assert time_of(course) == utc(EARLY)
-    assert f"write {LATE} into timestamp.txt" in text
+    assert f"write {LATE} there" in text
     (folder(course) / "timestamp.txt").write_text(LATE)
     assert remark(collect(course, path, times=table(course, LATE))) == ""
     assert time_of(course) == utc(LATE)
@@ -194,12 +194,12 @@ def test_a_time_written_by_hand_is_stronger_than_a_table(course, written_after):
     (folder(course) / "timestamp.txt").write_text("2026-10-15 10:00:00 UTC")
     for time in (EARLY, LATE):
         text = remark(collect(course, lesson(course, SIX), times=table(course, time)))
-        assert f"write {time} into timestamp.txt" in text
+        assert f"write {time} there" in text
         assert time_of(course) == utc("2026-10-15 10:00:00 UTC")
     collect(course, lesson(course, SEVEN), times=table(course, EARLY))
     if written_after == "the first run":  # the time now belongs to the first file
         text = remark(collect(course, lesson(course, SIX), times=table(course, EARLY)))
-        assert f"write {EARLY} into timestamp.txt" in text
+        assert f"write {EARLY} there" in text
     assert time_of(course) == utc("2026-10-15 10:00:00 UTC")
 
 

@@ -236,7 +236,7 @@ def test_a_time_without_a_zone_is_named_if_its_zone_matters(course, time, zone, 
     assert ("ada" in grade_with(course, dates)) == ("late" in says[0])
     (sentence,) = note_texts(course)
     assert f"was read as UTC: {says[0]}. In the time zone of the course" in sentence
-    assert f"the work would be {says[1]}. Write" in sentence
+    assert f"the work would be {says[1]}. Add the zone" in sentence
     for suffix in lines:
         line = f"2026-05-01 {time}:00{' ' * (suffix == 'UTC')}{suffix}"
         assert line in sentence

@@ -162,7 +162,7 @@ def test_marks_that_are_already_there_are_not_replaced(course):
     with pytest.raises(GradebookError):
         enter(course)
     give(course, "ada", "write_up", 3.0)
-    with pytest.raises(GradebookError, match="1 comment in"):
+    with pytest.raises(GradebookError, match="1 comment from"):
         enter(course)
     enter(course, restore=True)
     assert given(course, "ada") == (3.0, False, "Good.")

@@ -268,7 +268,7 @@ WRONG = {
     "short labels": (lambda: plots.clusters(QUIZ, [1]), r"shape \(11,\)"),
     "limits": (lambda: plots.from_above(np.zeros((5, 3)), limits=(1, 2)), "limits must be"),
     "values": (lambda: plots.from_above(np.zeros((5, 3)), values=[1]), "one entry per point"),
-    "edges": (lambda: plots.graph(QUIZ, [(0, 11)]), "rows from 0 to 10"),
+    "edges": (lambda: plots.graph(QUIZ, [(0, 11)]), "row numbers from 0 to 10"),
     "edge shape": (lambda: plots.graph(QUIZ, [0, 1]), r"shape \(m, 2\)"),
     "line of 4": (lambda: plots.line_model(QUIZ, (1, 2, 3, 4)), r"3 numbers \(a, b, c\)"),
     "no direction": (lambda: plots.line_model(QUIZ, (0, 0, 3)), r"\(a, b\) must be finite"),
