@@ -66,6 +66,7 @@ TESTS = {
     "grader/intake/reader_process.py": ("test_reader_process.py",),
     "grader/intake/submission.py": ("test_submission.py",),
     "grader/intake/notebook.py": ("test_submission.py",),
+    "grader/intake/pictures.py": ("test_pictures.py",),
     "grader/intake/preflight.py": ("test_preflight.py", "test_rules.py"),
     "grader/lms/copies.py": ("test_gradebook.py", "test_enrolment.py"),
     "grader/lms/differences.py": ("test_gradebook.py", "test_dates.py"),

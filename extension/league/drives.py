@@ -201,7 +201,7 @@ class _SandboxedDetector:
     def __call__(self, cloud: np.ndarray) -> np.ndarray:
         before = time.process_time()
         boxes, failure = self._detect(cloud)
-        # A quarter of a million empty lists are no boxes, but take seconds to read.
+        # A quarter of a million empty lists contain not one box, but take seconds to read.
         self._seconds += time.process_time() - before
         if self._seconds > READING_SECONDS:
             raise StudentStopped(

@@ -21,7 +21,7 @@ from grader.classroom.collect.answers import count_answers_about, delete_answers
 from grader.classroom.collect.record import NAME as RECORD
 from grader.classroom.collect.record import read_record, without_archives, write_record
 from grader.classroom.folders import UnknownStudent, find_student
-from grader.course.deadlines import deadlines_path
+from grader.course.deadlines_file import deadlines_path
 from grader.course.nbgrader_settings import course_settings
 from grader.course.paths import Course
 from grader.course.roster import Roster, folded, read_roster, roster_path

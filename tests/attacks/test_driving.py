@@ -1,4 +1,4 @@
-"""League detectors that search for the street's data, or return boxes that nobody expects."""
+"""League detectors that search for the street's data, or return unexpected boxes."""
 
 import numpy as np
 import pytest
