@@ -230,7 +230,10 @@ def test_the_report_shows_totals_and_who_passes():
     reach = "60 % of the possible points; 1 of 3 students reach it, 1 not decided yet."
     assert head.passed == reach
     assert head.mean.endswith("for 2 students with a mark.")
-    assert "stage3_obstacles counts 06, without voxel_grid, with 30 points." in head.counted
+    assert (
+        "Lessons that count in stage3_obstacles: 06, without voxel_grid, with 30 points in total."
+        in head.counted
+    )
     assert head.settings == (
         "exercises that do not count: voxel_grid; totals leave out each student's lowest lesson; "
         "pass mark 60 %"

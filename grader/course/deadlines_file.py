@@ -14,7 +14,7 @@
     [stage1_ransac.students]                # also for students without a submission
     anna = 2026-10-19T23:59:00
     noshow = "excused"
-    [01_point_clouds]                       # a lesson with its own dates
+    [01_first_lesson]                       # a lesson with its own dates
     due = 2026-10-05T23:59:00
 
 Seconds may be left out, and a date may be in quotation marks if it has only one meaning.
