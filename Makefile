@@ -64,11 +64,11 @@ test: .venv/ready-dev
 	$(BIN)/python -m pytest -m "not proof and not colab"
 
 proof: .venv/ready-dev
-	$(BIN)/python -m pytest -m "not colab" -o faulthandler_timeout=1800
+	$(BIN)/python -m pytest -m "not colab" -o faulthandler_timeout=7200
 
 # The first run installs Colab's package versions, which take 0.5 GB.
 colab: .venv/ready-dev
-	$(BIN)/python -m pytest -m colab -o faulthandler_timeout=1800
+	$(BIN)/python -m pytest -m colab -o faulthandler_timeout=7200
 
 # cosmic-ray has a separate environment, because nothing else needs its dependencies.
 mutants: .venv/ready-dev

@@ -479,7 +479,7 @@ def test_a_stage_without_a_detector_has_no_league(capsys):
 
 
 def test_the_error_without_submissions_names_their_folder(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("grader.commands.Course", lambda: Course(tmp_path))
+    monkeypatch.setattr("extension.league.command.Course", lambda: Course(tmp_path))
     arguments = ["league", LESSON.stage, "--sandbox", "process", "--seed", str(SEED)]
     assert cli.main(arguments) == 2
     assert "python -m grader collect ARCHIVE" in capsys.readouterr().err
@@ -587,7 +587,7 @@ def test_a_class_drives_and_right_answers_drive_farther(tmp_path, sandbox, monke
         path = tmp_path / "submitted" / student / LESSON.stage / f"{LESSON.name}.ipynb"
         path.parent.mkdir(parents=True)
         path.write_text(fill_in(LESSON, {DETECTOR: source}), "utf-8")
-    monkeypatch.setattr("grader.commands.Course", lambda: Course(tmp_path))
+    monkeypatch.setattr("extension.league.command.Course", lambda: Course(tmp_path))
     two = {seed: draw_streets(seed)[:2] for seed in (SEED,)}
     monkeypatch.setattr(season, "draw_streets", two.__getitem__)
     options = ["league", LESSON.stage, "--sandbox", sandbox.name, "--seed", str(SEED)]
