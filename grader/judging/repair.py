@@ -41,8 +41,9 @@ LIKELIEST_EDITS = 320
 # Limits on the processor seconds for the edits of one exercise, in the judge and the sandbox
 # together. The lower limit is for edits beyond the likeliest ones, the upper limit for all edits.
 LEAST_CPU_SECONDS, MOST_CPU_SECONDS = 2.0, 16.0
-# Limit on elapsed seconds, because code that sleeps in each call uses little processor time.
-MOST_SECONDS = 60.0
+# Limit on elapsed seconds, because code that sleeps in each call uses little processor time. It is
+# far above the other limits, because the search may have to wait for a processor.
+MOST_SECONDS = 300.0
 # Limit per call, because an edit may create an endless loop. A right answer needs less time.
 SECONDS_OF_A_CALL = 0.25
 SECONDS_OF_A_FIRST_CALL = SECONDS_OF_A_CALL / 16  # after the first edit that did not finish
