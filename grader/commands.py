@@ -413,6 +413,7 @@ def run_autograder(options: argparse.Namespace) -> int:
     """Run the command ``autograder NAME``."""
     from grader.classroom.executors import EXECUTORS, processors
     from grader.classroom.rehearsals import RehearsalFailed, Rehearsals
+    from grader.course.deadlines import Deadlines
     from grader.course.deadlines_file import read_deadlines
     from grader.course.seed import course_seed
     from grader.lms.autograder.judging import lessons_of
@@ -446,8 +447,8 @@ def run_autograder(options: argparse.Namespace) -> int:
         return FAULT
     path = options.to or course.root / f"autograder.{options.assignment}.zip"
     write_secret(build_autograder_zip(options.assignment, seed), path)
-    deadlines = read_deadlines(course)
-    off = [name for one in lessons for name in deadlines.rules.without_in(one)] if deadlines else ()
+    rules = (read_deadlines(course) or Deadlines({})).rules
+    off = [name for lesson in lessons for name in rules.without_in(lesson)]
     console.print_autograder(path, lessons, off)
     return SUCCESS
 
@@ -768,7 +769,7 @@ def _print_class(
 
     roster = read_roster(course)
     console.print_class(judged, results)
-    for sentence in counted_lessons(results):
+    for sentence in counted_lessons(results).values():
         print(sentence)
     console.print_unaccounted(left)
     respelt = respelt_folders(course, roster) if roster else ()

@@ -59,7 +59,9 @@ class TermRules:
 
     def without_in(self, lesson: Lesson) -> tuple[str, ...]:
         """Return the exercises of a lesson that are switched off, in the lesson's order."""
-        return tuple(one.name for one in lesson.exercises if one.name in self.without)
+        return tuple(
+            exercise.name for exercise in lesson.exercises if exercise.name in self.without
+        )
 
 
 @dataclass(frozen=True)

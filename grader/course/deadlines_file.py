@@ -124,7 +124,9 @@ def read_deadlines(course: Course) -> Deadlines | None:
         name
         for stage in stages
         for name in _without(
-            f"{path.name}, [{stage}]", table[stage], [one for one in counted if one.stage == stage]
+            f"{path.name}, [{stage}]",
+            table[stage],
+            [lesson for lesson in counted if lesson.stage == stage],
         )
     }
     rules = TermRules(

@@ -17,17 +17,21 @@ from grader.lms.results import WAITING, ClassResults, NotebookResult, StageResul
 DEADLINES = "deadlines.toml"
 
 
-def counted_lessons(results: ClassResults) -> Iterator[str]:
-    """Yield a sentence for each stage about the lessons that count in it."""
+def counted_lessons(results: ClassResults) -> dict[str, str]:
+    """Return a sentence about the lessons that count in each stage, by stage."""
     stages: dict[str, dict[str, float]] = {}
     for result in results.notebooks:
         stages.setdefault(result.stage, {})[result.lesson] = result.max_score
+    sentences = {}
     for stage, points in stages.items():
         numbers = ", ".join(name[:2] for name in points)
         off = [name for lesson in points for name in results.rules.without_in(find_lesson(lesson))]
         without = f", without {', '.join(off)}" if off else ""
         total = format_points(sum(points.values()))
-        yield f"Lessons that count in {stage}: {numbers}{without}, with {total} points in total."
+        sentences[stage] = (
+            f"Lessons that count in {stage}: {numbers}{without}, with {total} points in total."
+        )
+    return sentences
 
 
 def assignment_notes(results: ClassResults, deadlines: Deadlines | None) -> Iterator[str]:
@@ -118,7 +122,9 @@ def _shared_time_notes(results: ClassResults) -> Iterator[str]:
             for result in results.of_student(stage.student)
             if result.stage == stage.stage and result.submitted_at
         ]
-        if len(submitted) > 1 and any(one.late and one.has_shared_time for one in submitted):
+        if len(submitted) > 1 and any(
+            result.late and result.has_shared_time for result in submitted
+        ):
             students.setdefault(stage.stage, []).append(stage.student)
     for stage, names in students.items():
         yield (
@@ -132,8 +138,8 @@ def _zone_notes(
     stage: StageResult, notebooks: Iterable[NotebookResult], zone: tzinfo | None
 ) -> Iterator[str]:
     """Yield a sentence if it matters whether a time without a zone is in UTC or in the course's."""
-    own = [one for one in notebooks if one.stage == stage.stage and one.submitted_at]
-    dues = {one.due for one in own if one.due} or {stage.due} - {None}
+    own = [result for result in notebooks if result.stage == stage.stage and result.submitted_at]
+    dues = {result.due for result in own if result.due} or {stage.due} - {None}
     if not (stage.lacks_zone and stage.submitted_at and dues):
         return
     local = to_utc(stage.submitted_at.replace(tzinfo=None), zone).astimezone(zone)

@@ -85,7 +85,7 @@ def overview_of(
     )
     counts = {"waiting": waiting, **sections}
     return Overview(
-        (*counted_lessons(results), *assignment_notes(results, deadlines)),
+        (*counted_lessons(results).values(), *assignment_notes(results, deadlines)),
         "; ".join(deadlines.in_words()) if deadlines else "",
         _passed(table, results),
         _mean([row.share for row in table.rows]) + _auditors(results),

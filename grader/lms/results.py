@@ -197,7 +197,11 @@ class ClassResults:
 
     def judged_points(self, verdict: Verdict) -> float:
         """Return the judge's points in the exercises that count."""
-        return sum(one.score for one in verdict.exercises if one.name not in self.rules.without)
+        return sum(
+            exercise.score
+            for exercise in verdict.exercises
+            if exercise.name not in self.rules.without
+        )
 
     @functools.cached_property
     def lessons(self) -> dict[str, float]:

@@ -150,7 +150,7 @@ def _exercises(
         found.append(
             ExerciseMark(exercise.name, points, mark.max_score if mark else exercise.points)
         )
-    return tuple(one for one in found if one.name not in deadlines.rules.without)
+    return tuple(mark for mark in found if mark.name not in deadlines.rules.without)
 
 
 def _lessons_that_count(

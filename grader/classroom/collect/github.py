@@ -33,7 +33,7 @@ def read_github(archive: Archive) -> list[SubmittedFile] | None:
     owners = {folder: _owner(folder[-1], beginning, identifiers) for folder in repositories}
     files = []
     for entry in archive.entries:
-        folder = next((one for one in repositories if entry.path[: len(one)] == one), None)
+        folder = next((path for path in repositories if entry.path[: len(path)] == path), None)
         if folder:
             path = entry.path[len(folder) :]
             files.append(

@@ -105,9 +105,14 @@ def _sentences(pair: Pair, one: ComparedAnswer, other: ComparedAnswer) -> Iterat
     yield f"{counts[0]} and {counts[1]} are alike. {_equality_sentence(one, other)}"
     in_class, kept = pair.others
     kept_text = f", and in none of {kept} right answers of the course" if kept else ""
-    yield (
+    exclusive = (
         f"{pair.exclusive} of these steps occur in none of the {in_class} answers of other "
-        f"students{kept_text}. The two answers have "
+        f"students{kept_text}."
+        if pair.exclusive
+        else "Each of these steps also occurs in an answer of another student or of the course."
+    )
+    yield (
+        f"{exclusive} The two answers have "
         f"{percent(pair.share)} of their unusual code in common. Neither has more than "
         f"{percent(pair.nearest[0])} in common with the answer of another student"
         f"{f', or {percent(pair.nearest[1])} with an answer of the course' if kept else ''}."

@@ -139,8 +139,7 @@ def _notes(
     zeros = [result for result in own if result.standing == MISSING]
     stage = notebooks[0].stage
     if len({result.lesson for result in notebooks}) > 1:
-        beginning = f"Lessons that count in {stage}: "
-        yield next(text for text in counted_lessons(results) if text.startswith(beginning))
+        yield counted_lessons(results)[stage]
     yield from excessive_notes(results)
     undecided = [
         result.student

@@ -22,16 +22,16 @@ def exercises_csv(options: ExportOptions) -> ExportResult:
         (result.student, result.lesson): result for result in notebooks_of(options)
     }
     lessons = {result.lesson: result.exercises for result in results.values()}
-    exercises = [(lesson, one) for lesson in sorted(lessons) for one in lessons[lesson]]
+    exercises = [(lesson, mark) for lesson in sorted(lessons) for mark in lessons[lesson]]
     file = io.StringIO()
     table = csv.writer(file, lineterminator="\n")
     titles = person_titles(options)
-    table.writerow([*titles, *(f"{lesson[:2]} {one.name}" for lesson, one in exercises)])
-    maxima = [format_points(one.max_score) for _, one in exercises]
+    table.writerow([*titles, *(f"{lesson[:2]} {mark.name}" for lesson, mark in exercises)])
+    maxima = [format_points(mark.max_score) for _, mark in exercises]
     table.writerow(["out of", *[""] * (len(titles) - 1), *maxima])
     placed = 0
     for person in options.results.people:
-        points = [_points(results[person.id, lesson], one.name) for lesson, one in exercises]
+        points = [_points(results[person.id, lesson], mark.name) for lesson, mark in exercises]
         table.writerow([*person_cells(person), *points])
         placed += any(points)
     content = file.getvalue().encode("utf-8", "replace")
@@ -39,5 +39,5 @@ def exercises_csv(options: ExportOptions) -> ExportResult:
 
 
 def _points(result: NotebookResult, exercise: str) -> str:
-    points = {one.name: one.points for one in result.exercises}[exercise]
+    points = {mark.name: mark.points for mark in result.exercises}[exercise]
     return format_points(points) if result.counts and points is not None else ""
