@@ -175,7 +175,7 @@ def run_site(options: argparse.Namespace) -> int:
     for lesson, packages in missing.items():
         if packages:
             print(
-                f"The page of {lesson.name} shows no outputs. To add outputs, install "
+                f"The page for {lesson.name} shows no outputs. To add outputs, install "
                 f"{', '.join(packages)} and run the command again."
             )
     print(f"wrote {folder / 'index.html'}")
@@ -213,7 +213,7 @@ def run_collect(options: argparse.Namespace) -> int:
     console.print_collected(collected)
     if not any(collected.states.values()) and not collected.questions:
         print(
-            f"The archive contains no notebook of {', '.join(options.stages)}. Name another "
+            f"The archive contains no notebooks for {', '.join(options.stages)}. Name another "
             "archive, or correct --stage.",
             file=sys.stderr,
         )

@@ -390,7 +390,7 @@ def print_collected(report: CollectionReport) -> None:
         console.print(f"{plain(path)}: {kind}, {count} file{'s' * (count != 1)}", markup=False)
     if report.states:
         console.print(_collected_table(report))
-    for sentence in _collected_sentences(report):
+    for sentence in _collection_sentences(report):
         console.print(plain(sentence), markup=False, soft_wrap=True)
     _print_questions(console, "For your information", report.remarks)
     _print_questions(console, "Not collected until you decide", report.questions)
@@ -417,7 +417,7 @@ def _collected_table(report: CollectionReport) -> Table:
     return table
 
 
-def _collected_sentences(report: CollectionReport) -> Iterator[str]:
+def _collection_sentences(report: CollectionReport) -> Iterator[str]:
     counts = Counter(state for states in report.states.values() for state in states.values())
     state_texts = (
         ("new", "new"),

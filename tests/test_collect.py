@@ -319,7 +319,7 @@ def test_a_student_cannot_submit_in_another_name(course, tmp_path, forged):
     assert "cy" not in states(collect(course, archive(course, files)))
     for login in ("ada-l", "bmu"):
         mine = {name.split("/", 1)[1]: data for name, data in files if name.startswith(login[0])}
-        checkout(tmp_path / "hw", f"hw-3-{login}", mine)
+        write_checkout(tmp_path / "hw", f"hw-3-{login}", mine)
     outcome = collect(course, tmp_path / "hw")
     assert outcome.archives[0][1] == "GitHub Classroom" and "cy" not in states(outcome)
 
@@ -628,7 +628,7 @@ def test_files_of_several_students_are_never_proposed_for_one(course, layout):
 # ---- GitHub Classroom, folders ------------------------------------------------------------------
 
 
-def checkout(root, name, files):
+def write_checkout(root, name, files):
     for path, data in {".git/HEAD": b"ref", **files}.items():
         (root / name / path).parent.mkdir(parents=True, exist_ok=True)
         (root / name / path).write_bytes(data)
@@ -638,8 +638,10 @@ def test_github_checkouts_are_found_by_login(course, tmp_path):
     root = tmp_path / "stage-3-submissions"
     mine = {f"notebooks/{STAGE}/{SIX}.ipynb": notebook(), "README.md": b"hello"}
     given = {f"notebooks/{STAGE}/{SEVEN}.ipynb": released(SEVEN)}
-    checkout(root, "stage-3-ada-l", mine | given | {".git/objects/06_filter_ground.ipynb": b"x"})
-    checkout(root, "stage-3-someone", mine)
+    write_checkout(
+        root, "stage-3-ada-l", mine | given | {".git/objects/06_filter_ground.ipynb": b"x"}
+    )
+    write_checkout(root, "stage-3-someone", mine)
     outcome = collect(course, root)
     assert outcome.archives[0][1] == "GitHub Classroom"
     assert states(outcome) == {"ada": {"06": "new"}}, "an untouched notebook is not a submission"
@@ -669,7 +671,7 @@ CLASSROOM_ROSTER = (
 @pytest.mark.parametrize("place", ["hw", "."], ids=["among the checkouts", "next to them"])
 def test_the_roster_of_github_classroom_is_read_in_any_form(course, tmp_path, written, place):
     for login in ("ada-l", "someone"):
-        checkout(tmp_path / "hw", f"hw-3-{login}", {f"{SIX}.ipynb": notebook(text=login)})
+        write_checkout(tmp_path / "hw", f"hw-3-{login}", {f"{SIX}.ipynb": notebook(text=login)})
     (tmp_path / place / "classroom_roster.csv").write_bytes(written)
     outcome = collect(course, tmp_path / "hw")
     assert states(outcome) == {"ada": {"06": "new"}, "cy": {"06": "new"}}
@@ -684,7 +686,7 @@ def test_the_roster_of_github_classroom_is_read_in_any_form(course, tmp_path, wr
     ],
 )
 def test_an_unreadable_roster_of_github_classroom_is_refused(course, tmp_path, written, says):
-    checkout(tmp_path / "hw", "hw-3-someone", {f"{SIX}.ipynb": notebook()})
+    write_checkout(tmp_path / "hw", "hw-3-someone", {f"{SIX}.ipynb": notebook()})
     (tmp_path / "hw" / "classroom_roster.csv").write_bytes(written)
     with pytest.raises(CollectError, match=says):
         collect(course, tmp_path / "hw")
@@ -708,8 +710,8 @@ def test_a_given_notebook_is_a_submission_if_a_part_of_it_cannot_be_read(course,
     lines[place : place + 1] = conflict
     files = {SIX: "\n".join(lines).encode(), SEVEN: released(SEVEN)[:-20], EIGHT: released(EIGHT)}
     given = {f"{name}.ipynb": data for name, data in files.items()}
-    checkout(tmp_path / "hw", "hw-3-ada-l", given)
-    checkout(tmp_path / "hw", "hw-3-bmu", {f"{SIX}.ipynb": notebook()})
+    write_checkout(tmp_path / "hw", "hw-3-ada-l", given)
+    write_checkout(tmp_path / "hw", "hw-3-bmu", {f"{SIX}.ipynb": notebook()})
     outcome = collect(course, tmp_path / "hw")
     assert states(outcome) == {"ada": {"06": "new", "07": "new"}, "bjorn": {"06": "new"}}
 
@@ -929,8 +931,10 @@ def test_a_damaged_file_is_placed_if_there_is_no_other(course):
 
 def test_a_file_that_git_has_not_downloaded_is_not_placed(course, tmp_path):
     pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a21\nsize 9\n"
-    checkout(tmp_path / "hw", "hw-3-ada-l", {f"{SIX}.ipynb": pointer, f"{SEVEN}.ipynb": pointer})
-    checkout(tmp_path / "hw", "hw-3-bmu", {f"{SIX}.ipynb": notebook()})
+    write_checkout(
+        tmp_path / "hw", "hw-3-ada-l", {f"{SIX}.ipynb": pointer, f"{SEVEN}.ipynb": pointer}
+    )
+    write_checkout(tmp_path / "hw", "hw-3-bmu", {f"{SIX}.ipynb": notebook()})
     outcome = collect(course, tmp_path / "hw")
     assert placed(course, "ada") == {}
     assert {name.rpartition("/")[2] for name in questions(outcome)} == {
@@ -1209,7 +1213,7 @@ def test_later_work_with_the_name_of_an_ignored_file_is_collected(course):
 def test_an_untouched_repository_does_not_wait_for_an_answer(course, tmp_path):
     given = {f"notebooks/{STAGE}/{SIX}.ipynb": released(), "README.md": b"hello"}
     for login in ("ada-l", "bmu"):
-        checkout(tmp_path / "hw", f"hw-3-{login}", given)
+        write_checkout(tmp_path / "hw", f"hw-3-{login}", given)
     outcome = collect(course, tmp_path / "hw")
     assert outcome.questions == []
     assert remark_texts(outcome)["hw-3-bmu"] == "contains no notebook that the student changed"
@@ -1602,7 +1606,7 @@ def test_a_login_is_not_matched_with_the_end_of_another(course, tmp_path):
     with_roster(course, "sam,Sam,Smith,,,smith", "zed,Zed,Zoe,,,zed")
     root = tmp_path / "hw"
     for name in ("hw-3-mary-smith", "hw-3-zed"):
-        checkout(root, name, {f"{SIX}.ipynb": notebook(text=name)})
+        write_checkout(root, name, {f"{SIX}.ipynb": notebook(text=name)})
     outcome = collect(course, root)
     assert states(outcome) == {"zed": {"06": "new"}}
     assert "in the github column" in questions(outcome)["hw-3-mary-smith"]
@@ -1611,13 +1615,13 @@ def test_a_login_is_not_matched_with_the_end_of_another(course, tmp_path):
 def test_logins_with_the_same_beginning_are_found(course, tmp_path):
     with_roster(course, "a,,,,,ann-a", "b,,,,,ann-b")
     for name in ("hw-3-ann-a", "hw-3-ann-b"):
-        checkout(tmp_path / "hw", name, {f"{SIX}.ipynb": notebook(text=name)})
+        write_checkout(tmp_path / "hw", name, {f"{SIX}.ipynb": notebook(text=name)})
     assert states(collect(course, tmp_path / "hw")) == {"a": {"06": "new"}, "b": {"06": "new"}}
 
 
 def test_the_login_in_a_single_repository_is_asked_for(course, tmp_path):
     with_roster(course, "sam,Sam,Smith,,,smith")
-    checkout(tmp_path / "hw", "hw-3-mary-smith", {f"{SIX}.ipynb": notebook()})
+    write_checkout(tmp_path / "hw", "hw-3-mary-smith", {f"{SIX}.ipynb": notebook()})
     question = questions(collect(course, tmp_path / "hw"))["hw-3-mary-smith"]
     assert question.count("The student may be sam. Add --who hw-3-mary-smith=sam") == 1
 

@@ -12,12 +12,22 @@ from grader.lms import dates as dates_module
 from grader.lms import gradebook
 from grader.lms.differences import differences
 from grader.lms.entries import StageEntry
+from grader.lms.exporters import EXPORTERS, ExportOptions
 from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.instructor_notes import notes
 from grader.lms.penalties import load_penalty_plugin
 from grader.lms.standings import class_results
 from tests.postgresql import NotInstalled, server
-from tests.test_gradebook import EARNED, LATE, STAGE, make_course, penalties, quiet, verdicts
+from tests.test_gradebook import (
+    EARNED,
+    GROUND,
+    LATE,
+    STAGE,
+    make_course,
+    penalties,
+    quiet,
+    verdicts,
+)
 
 ROSTER = "id,section\nada,A\nbob,B\n"
 HEAD = f'timezone = "Europe/Berlin"\n[{STAGE}]\ndue = 2026-03-01T12:00:00\n'
@@ -122,6 +132,35 @@ def test_an_extension_across_a_change_of_clocks_ends_at_the_right_second(course,
         submit_at(course, student, f"{last}:01")
     assert set(grade_with(course, dates)) == set(EARNED)
     assert lateness(course) == dict.fromkeys(EARNED, timedelta(seconds=1))
+
+
+@pytest.mark.parametrize(
+    ("edit", "changes_penalties"),
+    [
+        (lambda text: text.replace("-01T", "-02T"), True),
+        (lambda text: text + f"[{STAGE}.students]\nada = 2026-03-03T13:00:00\n", True),
+        (lambda text: text + f"[{GROUND.name}]\ndue = 2026-03-03T13:00:00\n", True),
+        (lambda text: text + 'without = ["filter_ground"]\n', True),
+        (lambda text: "", True),
+        (lambda text: "pass_mark = 60\n" + text, False),
+        (lambda text: text + f'[{STAGE}.students]\nbob = "excused"\n', False),
+        (lambda text: "# due next week\n" + text, False),
+    ],
+    ids=["date", "extension", "lesson", "exercise", "empty", "pass mark", "excused", "comment"],
+)
+def test_a_settings_file_changed_after_grading_is_announced(course, edit, changes_penalties):
+    grade_with(course, HEAD)
+    assert class_results(course).outdated == ()
+    (course.root / "deadlines.toml").write_text(edit(HEAD))
+    results = class_results(course)
+    assert results.outdated == (STAGE,) * changes_penalties
+    scores = EXPORTERS["csv"].write(ExportOptions(course, results))
+    about_penalties = [note for note in scores.notes if "has changed since" in note]
+    assert len(about_penalties) == changes_penalties
+    enter_verdicts(course, verdicts(course), [STAGE], quiet, student="ada")
+    assert class_results(course).outdated == results.outdated  # the others were not entered
+    enter_verdicts(course, verdicts(course), [STAGE], quiet)
+    assert class_results(course).outdated == ()
 
 
 @pytest.mark.end_to_end

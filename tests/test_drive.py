@@ -118,7 +118,7 @@ def test_only_the_part_of_a_turned_box_in_the_corridor_counts(y, metres):
     assert room(Thing(corners), 7.0) == pytest.approx(metres)
 
 
-def test_obstacles_that_will_be_in_the_corridor_count():
+def test_obstacles_moving_into_the_corridor_are_counted():
     # At 7 m/s the ego car stops after 1.5 s. The obstacle has to move by 2.2 m, from 4 m to 1.8 m.
     assert room(thing(10.0, 4.0, left=-1.5), 7.0) == pytest.approx(7.4)
     assert room(thing(10.0, 4.0, left=-1.4), 7.0) == np.inf
@@ -574,7 +574,7 @@ def test_a_slow_detector_sees_fewer_scans():
     assert sum(moment.busy for moment in trip.moments) == 15
 
 
-def test_a_slow_detector_stops_later():
+def test_with_a_slow_detector_the_car_stops_later():
     street = straight(actors=(Actor(placed(pedestrian(), 30.0, -1.2), np.inf, ((0, 0.0),)),))
 
     def detect(cloud):

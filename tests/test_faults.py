@@ -613,7 +613,7 @@ def children():
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["threads", "children"])
 def test_waiting_for_threads_or_children_that_lack_a_processor_is_not_sleep(sandbox, name):
-    """The call is not starved, although the kernel forgets the waits of finished threads."""
+    """The kernel discards the waiting times of finished threads; the call is not starved."""
     program, limits = Program((SHORT_WORK,), (name,)), Limits(call_seconds=2.5)
     with StudentProxy(program, sandbox, limits) as student, crowded(student, 5):
         assert getattr(student, name)() is None

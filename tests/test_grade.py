@@ -71,7 +71,7 @@ def answer(*wrong):
 
 
 def quiet(done, total, what):
-    """Ignore reports of progress."""
+    """Ignore progress reports."""
 
 
 def rehearsed(course, lesson, seed=SEED):

@@ -88,7 +88,7 @@ def verdicts(course, earned=EARNED, **more):
 
 
 def quiet(done, total, student):
-    """Ignore reports of progress."""
+    """Ignore progress reports."""
 
 
 def make_course(root):

@@ -1,4 +1,4 @@
-"""The table, `grader doctor` and the marks of a single student follow the roster."""
+"""The class table, `grader doctor` and `grade --student` use the roster."""
 
 from datetime import timedelta
 from pathlib import Path

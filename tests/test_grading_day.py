@@ -64,7 +64,7 @@ def course(tmp_path, sandbox, monkeypatch):
 
 
 def half_right():
-    """Return a notebook of lesson 06 with a right filter_ground and an untouched voxel_grid."""
+    """Return a lesson 06 notebook with a correct filter_ground and an untouched voxel_grid."""
     (right, *_) = (answer.source for answer in answers_to("filter_ground") if answer.right)
     return fill_in(SIX, {"filter_ground": right}).encode()
 

@@ -91,7 +91,7 @@ def file_for(path):
     return NEEDED_BY[max((start for start in NEEDED_BY if path.startswith(start)), key=len)]
 
 
-def not_listed(packages, file):
+def unlisted_packages(packages, file):
     """Return the packages whose distributions are missing from a requirements file."""
     listed, homes = pins(file), distributions()
     return {
@@ -107,14 +107,16 @@ def test_all_imports_are_in_the_requirements():
     assert {"numpy", "yaml", "nbgrader", "pyvista", "distributed", "hypothesis"} <= set().union(
         *packages_by_file.values()
     )
-    missing = {path: not_listed(found, file_for(path)) for path, found in packages_by_file.items()}
+    missing = {
+        path: unlisted_packages(found, file_for(path)) for path, found in packages_by_file.items()
+    }
     assert not {path: names for path, names in missing.items() if names}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("path", [path for path in NEEDED_BY if path.endswith(".py")])
 def test_files_with_their_own_requirements_need_them(path):
-    assert not_listed(third_party_imports()[path], "requirements.txt")
+    assert unlisted_packages(third_party_imports()[path], "requirements.txt")
 
 
 @pytest.mark.parametrize("file", FILES)

@@ -301,7 +301,7 @@ def test_an_optional_lesson_runs_if_its_packages_are_installed(
     monkeypatch.setattr(builder, "write_site", lambda *_: None)
     assert cli.main(["site", "--to", str(tmp_path)]) == 0
     assert tuple(run_lessons) == (all_lessons() if missing else every_lesson())
-    said = "The page of 13_compiled_loops shows no outputs. To add outputs, install numba"
+    said = "The page for 13_compiled_loops shows no outputs. To add outputs, install numba"
     assert (said in capsys.readouterr().out) == bool(missing)
 
 

@@ -350,7 +350,7 @@ def test_the_time_limit_never_interrupts_later_code():
     assert not [one for one in threading.enumerate() if one.name.endswith("(ring)")]
 
 
-def no_thread(self):
+def fail_to_start(self):
     raise RuntimeError("can't start new thread")
 
 
@@ -361,7 +361,7 @@ def busy_for(seconds):
 
 
 def test_without_threads_an_endless_loop_is_still_stopped(monkeypatch):
-    monkeypatch.setattr(threading.Thread, "start", no_thread)
+    monkeypatch.setattr(threading.Thread, "start", fail_to_start)
     start = time.monotonic()
     with pytest.raises(TimeUp), limit_resources(0.1):
         busy_for(600)
@@ -373,7 +373,7 @@ def test_without_threads_an_endless_loop_is_still_stopped(monkeypatch):
 
 def test_without_threads_a_check_prints_the_same(exercise, capsys, monkeypatch):
     monkeypatch.setattr(core, "SECONDS", 0.5)
-    monkeypatch.setattr(threading.Thread, "start", no_thread)
+    monkeypatch.setattr(threading.Thread, "start", fail_to_start)
     declared("one")(lambda double: double(0))
     assert "was in the loop in line" in shown_by(endless, capsys)
     check(lambda x: x, "double")

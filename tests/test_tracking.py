@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from utils.tracking import Tracker, tracker_of
+from utils.tracking import Tracker, tracker_from
 
 
 def boxes_at(*centres):
@@ -112,9 +112,9 @@ def test_functions_that_are_still_stubs_are_not_called():
 
     coast.is_stub = True
     functions = SimpleNamespace(match_boxes=nearest, predict_boxes=moved, coast=coast)
-    tracker = tracker_of(functions, newcomer=(-10, 0, 0))
+    tracker = tracker_from(functions, newcomer=(-10, 0, 0))
     tracker.update(boxes_at((20, 0)))
     assert tracker.update(boxes_at((18, 0)), 0.2).tolist() == [1]
     tracker.update(boxes_at())
     assert len(tracker.tracks.names) == 0
-    assert tracker_of(SimpleNamespace(detect_obstacles=len)) is None
+    assert tracker_from(SimpleNamespace(detect_obstacles=len)) is None

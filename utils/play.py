@@ -54,7 +54,7 @@ class Programme:
     frames : sequence
         Simulated or recorded frames, or bare clouds.
     on_highway : bool
-        Whether to draw the highway's road, its ego car and a solid car for each true car.
+        Whether to draw the highway's road, the ego car, and a solid model of each true car.
     switches : tuple of (str, bool)
         Layers to turn on or off.
     """

@@ -176,7 +176,7 @@ class Tracker:
         return there[alone]
 
 
-def tracker_of(functions: SimpleNamespace, **settings: object) -> Tracker | None:
+def tracker_from(functions: SimpleNamespace, **settings: object) -> Tracker | None:
     """Build a tracker from the functions of a lesson 12 notebook.
 
     Parameters

@@ -87,7 +87,7 @@ def configure(c: Config, root: Path) -> Config:
 
 
 def make_alembic_reachable() -> None:
-    """Add the folder of Python to the PATH, because nbgrader starts ``alembic`` by name."""
+    """Add the directory of the Python executable to PATH; nbgrader starts ``alembic`` by name."""
     programs = str(Path(sys.executable).parent)
     if programs not in os.environ.get("PATH", "").split(os.pathsep):
         os.environ["PATH"] = programs + os.pathsep + os.environ.get("PATH", "")

@@ -35,7 +35,7 @@ def counted_lessons(results: ClassResults) -> dict[str, str]:
 
 
 def assignment_notes(results: ClassResults, deadlines: Deadlines | None) -> Iterator[str]:
-    """Yield notes about lessons that may not be assigned, and about work that does not count."""
+    """Yield notes about lessons and work that may not count, and about outdated penalties."""
     students: dict[str, list[str]] = {}
     for student, lesson in results.unassigned:
         students.setdefault(lesson, []).append(student)
@@ -47,6 +47,16 @@ def assignment_notes(results: ClassResults, deadlines: Deadlines | None) -> Iter
     for stage in dict.fromkeys(result.stage for result in results.notebooks):
         if deadlines is None or deadlines.assigned(stage) is None:
             yield from _rarely_submitted(results, stage)
+        yield from outdated_notes(results, stage)
+
+
+def outdated_notes(results: ClassResults, stage: str) -> Iterator[str]:
+    """Yield a note if the late penalties of a stage were computed with other settings."""
+    if stage in results.outdated:
+        yield (
+            f"{DEADLINES} has changed since {stage} was graded, so late penalties in this stage "
+            f"may be out of date. Run: python -m grader grade {stage}"
+        )
 
 
 def _rarely_submitted(results: ClassResults, stage: str) -> Iterator[str]:

@@ -160,6 +160,8 @@ class ClassResults:
         Student and lesson of submissions that have no results here, because deadlines.toml does not
         list the lesson.
     rules : grader.course.deadlines.TermRules
+    outdated : tuple of str
+        Stages whose late penalties may be out of date, because deadlines.toml has changed.
     """
 
     people: tuple[Person, ...]
@@ -169,6 +171,7 @@ class ClassResults:
     excessive: tuple[tuple[str, str], ...] = ()
     unassigned: tuple[tuple[str, str], ...] = ()
     rules: TermRules = TermRules()
+    outdated: tuple[str, ...] = ()
 
     def notebook(self, student: str, lesson: str) -> NotebookResult | None:
         """Return a student's result in a lesson, or None if the lesson does not count."""

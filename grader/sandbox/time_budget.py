@@ -66,7 +66,7 @@ class Budget:
 
 
 class Meter:
-    """A meter of the time that a worker uses from now on.
+    """A meter of the time that a worker uses, counted from its creation.
 
     This time is the worker's processor time plus the time for which it sleeps. A worker counts as
     asleep if none of its threads is ready to run at the time of a measurement. The sum is at most
@@ -140,7 +140,7 @@ def _is_any_ready(threads: dict[int, Thread]) -> bool:
 
 
 class TimeLimit:
-    """The time limit for one exchange of messages with a worker, from now on.
+    """The time limit for an exchange of messages with a worker, counted from its creation.
 
     Parameters
     ----------

@@ -133,10 +133,10 @@ def counts_from_one(euclidean_clustering: Callable) -> None:
 @visible(
     "euclidean_clustering",
     weight=5,
-    title="Uses the parameter threshold to decide which points are close",
+    title="Uses the threshold parameter to decide which points are close",
     why="The threshold decides what counts as one object. At 0.5 m, parked cars stay separate; at "
     "2 m, a cyclist and the car next to them become one cluster.",
-    hint="Two points are close if their distance in metres is below the parameter threshold.",
+    hint="Two points are close if their distance in metres is below threshold.",
 )
 def uses_the_threshold(euclidean_clustering: Callable) -> None:
     # Rows with gaps of 0.2, 0.45, 0.6 and 0.9 m; each threshold joins the points of more rows.

@@ -94,7 +94,8 @@ def _assert_any_corner_type(function: Callable, kind: Callable) -> None:
     )
     if not np.array_equal(with_tuples, with_kind):
         raise CheckFailed(
-            "The function returns different rows if the same corners are not tuples.",
+            "The function returns different rows when the same corners are passed as "
+            f"{'lists' if kind is list else 'arrays'} instead of tuples.",
             given=f"six points on a line, and corners {brief_text(kind(_CUBE[0]))} and "
             f"{brief_text(kind(_CUBE[1]))}",
             yours=f"{len(with_kind)} rows",

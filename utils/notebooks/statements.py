@@ -22,8 +22,8 @@ class Statement:
     changes : frozenset of str
         Names whose objects it changes.
     calls : frozenset of str
-        Names of objects with a method that it calls only for the effect. Such a call counts as
-        changing the object, unless the object is a module.
+        Names of objects on which it calls a method only for its side effects. Such a call counts
+        as changing the object, unless the object is a module.
     future : int
         Compiler flags of the ``from __future__ import`` statements so far.
     """

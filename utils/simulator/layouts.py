@@ -1,4 +1,4 @@
-"""Hand-made layouts: the street of the lessons, and the square of the cyclist scene."""
+"""Hand-made layouts: the street in the lessons, and the town square in the cyclist scene."""
 
 from __future__ import annotations
 

@@ -1,7 +1,8 @@
 """Read the zip that *Download all submissions* creates for a Moodle assignment.
 
 Each student has a folder ``{name}_{number}_assignsubmission_{plugin}`` with the submitted files and
-subfolders. If the teacher chose a download without folders, ``_{file}`` follows each name. The
+subfolders. If the teacher chose a download without folders, each file is
+named ``{name}_{number}_assignsubmission_{plugin}_{file}`` instead. The
 number is the participant's number in the grading worksheet. A team has the name
 ``{team}_{team number}``; students without a team have the name ``{default team}`` without a number.
 Names do not contain ``_``.

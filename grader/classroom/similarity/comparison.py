@@ -116,7 +116,7 @@ def compare(
                     weights.exclusive_steps(first, second),
                     (len(documents) - 2, len(kept_documents)),
                     (
-                        _nearest((one, other), nearest),
+                        _largest_share_with_third((one, other), nearest),
                         _nearest_of(first, second, kept_documents, weights),
                     ),
                 )
@@ -140,8 +140,10 @@ def _two_nearest(shares: Mapping[tuple[str, str], float]) -> dict[str, list[tupl
     return found
 
 
-def _nearest(pair: tuple[str, str], nearest: Mapping[str, list[tuple[float, str]]]) -> float:
-    """Return the largest share between one of two students and a third student."""
+def _largest_share_with_third(
+    pair: tuple[str, str], nearest: Mapping[str, list[tuple[float, str]]]
+) -> float:
+    """Return the largest share of code that one of two students has in common with a third."""
     return max(
         (
             share

@@ -7,7 +7,12 @@ from dataclasses import dataclass
 
 from grader.course.roster import Person
 from grader.lms.exporters.protocol import ExportError, ExportOptions
-from grader.lms.instructor_notes import counted_lessons, excessive_notes, unlisted_notes
+from grader.lms.instructor_notes import (
+    counted_lessons,
+    excessive_notes,
+    outdated_notes,
+    unlisted_notes,
+)
 from grader.lms.results import (
     AUDITOR,
     EXCUSED,
@@ -140,6 +145,7 @@ def _notes(
     stage = notebooks[0].stage
     if len({result.lesson for result in notebooks}) > 1:
         yield counted_lessons(results)[stage]
+    yield from outdated_notes(results, stage)
     yield from excessive_notes(results)
     undecided = [
         result.student

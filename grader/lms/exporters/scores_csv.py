@@ -11,7 +11,7 @@ from grader.course.deadlines import TermRules
 from grader.course.roster import Person
 from grader.course.tables import harmless_cell
 from grader.lms.exporters.protocol import ExportError, ExportOptions, ExportResult
-from grader.lms.instructor_notes import unlisted_notes
+from grader.lms.instructor_notes import outdated_notes, unlisted_notes
 from grader.lms.results import (
     MARKED,
     MISSING,
@@ -51,7 +51,8 @@ def scores_csv(options: ExportOptions) -> ExportResult:
         table.writerow(_row(options, person, own, stages, rules))
     content = file.getvalue().encode("utf-8", "replace")
     marked = {result.student for result in notebooks if result.counts and result.score is not None}
-    return ExportResult(content, len(marked), tuple(unlisted_notes(options.results)))
+    notes = [note for stage in stages for note in outdated_notes(options.results, stage)]
+    return ExportResult(content, len(marked), tuple(unlisted_notes(options.results)), tuple(notes))
 
 
 def notebooks_of(options: ExportOptions) -> list[NotebookResult]:

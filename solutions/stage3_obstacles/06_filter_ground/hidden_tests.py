@@ -143,7 +143,7 @@ def test_leaves_its_input_unchanged(student, seed):
 
 
 def clear_of_borders(cloud, size, highest=1 - 1e-3):
-    """Return the rows whose place in their cell is between 0.001 and `highest` on all axes."""
+    """Return the rows whose offset in their cell is between 0.001 and `highest` on all axes."""
     offset = cloud[:, :3] / size % 1.0
     return cloud[((offset > 1e-3) & (offset < highest)).all(axis=1)]
 

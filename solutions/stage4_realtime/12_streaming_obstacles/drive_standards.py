@@ -11,7 +11,7 @@ from grader.course.lessons import all_lessons
 from utils.drive import STREETS, drive_street, occupied_squares, on_time
 from utils.drive.standards import DRIVERS, Result, result_of, store
 from utils.notebooks.my_functions import load_my_functions
-from utils.tracking import tracker_of
+from utils.tracking import tracker_from
 
 
 def drive_all(name: str) -> dict[int, Result]:
@@ -24,7 +24,7 @@ def drive_all(name: str) -> dict[int, Result]:
     if name == DRIVERS[1]:
         lesson = next(lesson for lesson in all_lessons() if lesson.number == "12")
         course = load_my_functions(lesson.solved)
-        detect, tracker = course.detect_obstacles, tracker_of(course)
+        detect, tracker = course.detect_obstacles, tracker_from(course)
     elif name == DRIVERS[2]:
         detect = occupied_squares
     results = {}

@@ -82,7 +82,7 @@ def counts_points_at_the_tolerance(count_near: Callable) -> None:
 
 @visible(
     "count_near",
-    title="Returns 0 for an empty cloud and if no point is near",
+    title="Returns 0 when the cloud is empty or no point is near",
     why="An empty cloud is not an error: the sensor may see only sky.",
     hint="Set the count to 0 before the loop, and return it after the loop.",
 )

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable
 
 from utils.replays.clustering.faults import first_wrong
-from utils.replays.clustering.frames import ReplayFrame, frames_of, written
+from utils.replays.clustering.frames import ReplayFrame, format_label, frames_of
 from utils.replays.clustering.observer import (
     LabelObserver,
     as_labels,
@@ -68,5 +68,5 @@ def _replay_of_answer(function: Callable, ending: Ending, answer: list | None) -
         "be shown. The picture shows its answer."
     )
     wrong = first_wrong(function, [frame], answer, ending)
-    says = f"Labels of points 0 to {len(POINTS) - 1}: {', '.join(map(written, answer))}."
+    says = f"Labels of points 0 to {len(POINTS) - 1}: {', '.join(map(format_label, answer))}."
     return Replay([ReplayStep(says, frame.draw)], wrong, remark)

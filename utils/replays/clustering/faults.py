@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from utils.replays.clustering.frames import ReplayFrame, named, written
+from utils.replays.clustering.frames import ReplayFrame, format_label, named
 from utils.replays.clustering.points import GAPS, GROUP_OF, NEAR, ROWS, THRESHOLD
 from utils.replays.endings import how_it_ended
 from utils.replays.player import Fault, first_of
@@ -68,8 +68,8 @@ def _split(frames: list[ReplayFrame], answer: list) -> Fault | None:
                 return Fault(position, f"{near}, but {does}. {apart}")
             both = frame.has_label(row) and frame.has_label(other) and row in frame.joined
             if both and parted:
-                gets = f"Point {row} gets label {written(frame.labels[row])}"
-                has = f"point {other} has {written(frame.labels[other])}"
+                gets = f"Point {row} gets label {format_label(frame.labels[row])}"
+                has = f"point {other} has {format_label(frame.labels[other])}"
                 return Fault(position, f"{gets}, but {has}. {near}. {apart}")
     without = [row for row in ROWS if not frames[-1].has_label(row)]
     if without and answer == list(frames[-1].labels):
@@ -85,8 +85,8 @@ def _misnumbered(frames: list[ReplayFrame], answer: list) -> Fault | None:
             if frame.has_label(row) and answer[row] not in range(1, count + 1):
                 return Fault(
                     position,
-                    f"In your answer, point {row} has label {written(answer[row])}. The answer has "
-                    f"{count} different labels, so they should be 1 to {count}.",
+                    f"In your answer, point {row} has label {format_label(answer[row])}. The "
+                    f"answer has {count} different labels, so they should be 1 to {count}.",
                 )
     return None
 

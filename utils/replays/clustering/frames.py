@@ -54,7 +54,7 @@ class ReplayFrame:
         for label in dict.fromkeys(self.labels[row] for row in self.joined):
             rows = [row for row in self.joined if self.labels[row] == label]
             gets = "gets" if len(rows) == 1 else "get"
-            parts.append(f"{named(rows)} {gets} label {written(label)}.")
+            parts.append(f"{named(rows)} {gets} label {format_label(label)}.")
         if self.visited is not None and not self.joined:
             parts.append("No point gets a label.")
         if self.waiting is not None:
@@ -128,6 +128,6 @@ def named(rows: list[int]) -> str:
     return f"Points {', '.join(map(str, rows[:-1]))} and {rows[-1]}"
 
 
-def written(label: object) -> str:
+def format_label(label: object) -> str:
     """Format a label; a whole number has no decimals."""
     return f"{label:g}" if isinstance(label, float) else str(label)
