@@ -46,6 +46,12 @@ const done = arguments[arguments.length - 1];
 axe.run(document, {iframes: false}).then(({violations}) => done(violations.map(
   ({id, nodes}) => `${id} (${nodes.length}): ${nodes[0].target} ${nodes[0].failureSummary}`)));
 """
+ICON_AND_TEXT = """
+const field = document.querySelector('.bd-search-container form.bd-search');
+const input = field.querySelector('input'), icon = field.querySelector('.fa-magnifying-glass');
+const start = input.getBoundingClientRect().left + parseFloat(getComputedStyle(input).paddingLeft);
+return [start, icon.getBoundingClientRect().right];
+"""
 SHOW_ALL = "for (const one of document.querySelectorAll('details')) one.open = true"
 
 
@@ -149,6 +155,18 @@ def faults_of_reading(driver, root):
         yield f"a search for a smaller threshold finds only {hits}"
     if not any("lorry" in line for _, line in found_by(driver, root, "lorry sofa")):
         yield "a search does not show the text that it finds"
+    first = found_by(driver, root, "corner order")[0][1]
+    if not first.startswith("Eight corners in an agreed order"):
+        yield f"a search for the order of corners begins with {first}"
+    start, end = driver.execute_script(ICON_AND_TEXT)
+    if end > start:
+        yield f"the icon in the search field ends at {end} pixels, and the text starts at {start}"
+    driver.get(f"{root}search.html?q=thresold")
+    suggested = WebDriverWait(driver, PATIENCE).until(
+        lambda page: page.find_elements(By.CSS_SELECTOR, ".did-you-mean a")
+    )
+    if suggested[0].text != "threshold":
+        yield f"a search for thresold suggests {suggested[0].text}"
 
     driver.get(f"{root}stage2_clustering/05_euclidean_clustering.html")
     driver.execute_async_script(SETTLED)

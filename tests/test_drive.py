@@ -644,7 +644,7 @@ def test_each_braking_in_a_notebook_links_to_its_frame():
     assert page.count("data:image/png;base64,") == len(trip.report.brakings)
     assert "<script" not in page and "needless" in page and "aria-label" in page
     # With role='img', screen readers would skip the links inside the SVG.
-    assert "<svg" in page and "<a href='#braking-" in page and "role='img'" not in page
+    assert "<svg" in page and "<a xlink:href='#braking-" in page and "role='img'" not in page
 
 
 @pytest.mark.slow

@@ -20,6 +20,7 @@ from grader.course import standalone
 from grader.course.build import Origin, read_origin
 from grader.course.lessons import all_lessons, every_lesson, find_lesson, optional_lessons
 from grader.course.paths import PROJECT
+from grader.course.solutions import remove_volatile_data
 from grader.site import (
     builder,
     front_page,
@@ -27,6 +28,7 @@ from grader.site import (
     guides,
     live,
     runs,
+    sections,
     site_checks,
     widget_states,
 )
@@ -306,6 +308,39 @@ def test_an_optional_lesson_runs_if_its_packages_are_installed(
 
 
 # ---- secrets and links ---------------------------------------------------------------------------
+
+
+def test_the_search_index_separates_titles_text_and_code(tmp_path):
+    (tmp_path / "_static").mkdir()
+    (tmp_path / "page.html").write_text(
+        """<section id="top"><h1>Title<a class="headerlink" href="#top">#</a></h1>
+        <details><table><tr><td>Other section</td></tr></table></details>
+        <p>Points in <span class="math">\\(\\mathbf{R}^3\\)</span>.</p><pre>np.unique(a)</pre>
+        <dl><dt>inlier</dt><dd>close to the model</dd></dl></section>"""
+    )
+    sections.write(tmp_path)
+    text = (tmp_path / sections.PLACE).read_text().removeprefix("const SECTIONS = ")
+    assert json.loads(text.rstrip(";\n")) == [
+        [
+            "page.html",
+            "top",
+            "Title",
+            "Points in R ^3. inlier: close to the model",
+            "np.unique(a)",
+        ]
+    ]
+
+
+def test_a_progress_bar_in_pieces_is_one_line():
+    """The kernel sends a progress bar in as many pieces as its flush interval allows."""
+    first, second, third = (
+        new_output("stream", name="stdout", text=text) for text in ("\r1/2", "\r2/2\n", "done\n")
+    )
+    warning = new_output("stream", name="stderr", text="warning\n")
+    cell = new_code_cell(outputs=[first, second, warning, third])
+    remove_volatile_data(nbformat.v4.new_notebook(cells=[cell]))
+    printed = [(output.name, output.text) for output in cell.outputs]
+    assert printed == [("stdout", "2/2\n"), ("stderr", "warning\n"), ("stdout", "done\n")]
 
 
 def secrets():

@@ -29,7 +29,7 @@ from utils.films.writers import suffix_of_films
 from utils.plots.style import BLUE, PALE
 from utils.scene3d import CAMERAS, LAYERS, Scene
 from utils.scene3d.opengl import has_screen
-from utils.tracking import Tracker, tracker_of
+from utils.tracking import Tracker, tracker_from
 
 DETECTOR = "detect_obstacles"
 SIMULATED = {"highway": "Simple highway", "city": "City block", "cyclist": "Behind a cyclist"}
@@ -184,7 +184,7 @@ def load_detector(
                 else "Its only parameter is the cloud."
             )
         )
-    return functools.partial(detect, **(settings or {})), tracker_of(functions)
+    return functools.partial(detect, **(settings or {})), tracker_from(functions)
 
 
 def play(

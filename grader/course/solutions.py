@@ -10,6 +10,7 @@ from datetime import datetime
 from pathlib import Path
 
 import nbformat
+from nbconvert.preprocessors import CoalesceStreamsPreprocessor
 from nbformat import NotebookNode
 
 from grader.course.archives import make_zip
@@ -186,15 +187,20 @@ def _run_solved_notebook(lesson: Lesson, extra_code: str) -> bytes:
             f"{lesson.name}: the solution does not run to the end, so nothing was written: {reason}"
         ) from None
     notebook.cells.remove(extra)
-    _remove_volatile_data(notebook)
+    remove_volatile_data(notebook)
     return (nbformat.writes(notebook) + "\n").encode()
 
 
-def _remove_volatile_data(notebook: NotebookNode) -> None:
-    """Remove timestamps and widgets, which differ from run to run."""
+def remove_volatile_data(notebook: NotebookNode) -> None:
+    """Remove everything from a notebook's outputs that differs from run to run.
+
+    Timestamps and widgets are removed. Printed text is joined, because the kernel sends a progress
+    bar in as many pieces as its flush interval allows, and only the last state of the bar is kept.
+    """
     for cell in notebook.cells:
         cell.metadata.pop("execution", None)  # timestamps
         if cell.cell_type == "code":
             cell.outputs = [
                 output for output in cell.outputs if WIDGET not in output.get("data", {})
             ]
+    CoalesceStreamsPreprocessor().preprocess(notebook, {})

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json
+import re
 from html.parser import HTMLParser
 from pathlib import Path
 
 PLACE = "_static/sections.js"
 HEADINGS = {"h1", "h2", "h3", "h4"}
 SILENT = {"script", "style", "svg", "form", "nav", "label", "legend"}
+SILENT_CLASSES = {"headerlink", "admonition-title"}
 EMPTY = {"img", "br", "hr", "input", "source", "meta", "link", "wbr"}
+COMMAND = re.compile(r"\\[A-Za-z]+|\\.|[{}]")  # LaTeX
 
 
 def write(pages: Path) -> None:
@@ -29,44 +32,55 @@ class _Reader(HTMLParser):
 
     def __init__(self) -> None:
         super().__init__()
-        self._open: list[str] = []
+        self._open: list[tuple[str, set[str]]] = []
         self._open_sections: list[dict] = []
         self._sections: list[dict] = []
 
-    def sections(self) -> list[tuple[str, str, str]]:
-        """Return (anchor, title, text) of each section that contains text."""
+    def sections(self) -> list[tuple[str, str, str, str]]:
+        """Return (anchor, title, text, code) of each section that contains text."""
         parts = [
             (
                 section["anchor"],
-                *(" ".join("".join(section[part]).split()) for part in ("title", "text")),
+                *(" ".join("".join(section[part]).split()) for part in ("title", "text", "code")),
             )
             for section in self._sections
         ]
-        return [(anchor, title.rstrip("#¶ "), text) for anchor, title, text in parts if text]
+        return [section for section in parts if section[2]]
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         """Remember an open element. If it is a section, begin to collect its text."""
         if tag in EMPTY:
             return
-        self._open.append(tag)
+        classes = set((dict(attrs).get("class") or "").split())
+        self._open.append((tag, classes))
         if tag == "section":
-            section = {"anchor": dict(attrs).get("id", ""), "title": [], "text": []}
+            section = {"anchor": dict(attrs).get("id", ""), "title": [], "text": [], "code": []}
             self._open_sections.append(section)
             self._sections.append(section)
 
     def handle_endtag(self, tag: str) -> None:
         """Forget a closed element. If it is a section, return to the section around it."""
-        while tag in self._open:
-            closed = self._open.pop()
+        while tag in (name for name, _ in self._open):
+            closed, _ = self._open.pop()
             if closed == "section":
                 self._open_sections.pop()
             if closed == tag:
                 break
+        if self._open_sections and tag == "dt":
+            self._open_sections[-1]["text"].append(": ")
         if self._open_sections and tag in {"p", "div", "td", "li", "pre", "summary"}:
             self._open_sections[-1]["text"].append(" ")
+            self._open_sections[-1]["code"].append(" ")
 
     def handle_data(self, data: str) -> None:
-        """Add text to the title or the text of the innermost section."""
-        if self._open_sections and not SILENT.intersection(self._open):
-            heading = HEADINGS.intersection(self._open)
-            self._open_sections[-1]["title" if heading else "text"].append(data)
+        """Add text to the title, the text or the code of the innermost section."""
+        tags = {tag for tag, _ in self._open}
+        classes = set().union(*(names for _, names in self._open))
+        repeats_titles = {"details", "table"} <= tags  # the minutes of each section
+        is_silent = tags & SILENT or classes & SILENT_CLASSES or repeats_titles
+        if is_silent or not self._open_sections:
+            return
+        if "math" in classes:
+            data = " ".join(COMMAND.sub(" ", data).split())
+        part = "title" if tags & HEADINGS else "code" if "pre" in tags else "text"
+        self._open_sections[-1][part].append(data)

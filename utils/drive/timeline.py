@@ -101,7 +101,8 @@ def _svg(drive: Drive, report: Report) -> str:
             f"x='{left:.1f}' y='{TOP}' width='{right - left:.1f}' height='{HEIGHT - TOP - BOTTOM}'"
         )
         parts.append(
-            f"<a href='#braking-{token}-{number}'><rect {box} fill='{fill}' "
+            # JupyterLab cannot draw an SVG link that has a plain `href`.
+            f"<a xlink:href='#braking-{token}-{number}'><rect {box} fill='{fill}' "
             f"fill-opacity='0.55'><title>{html.escape(str(braking))}</title></rect>"
             f"<text x='{(left + right) / 2:.1f}' y='{TOP - 8}' text-anchor='middle' "
             f"font-weight='bold'>{'✗' if braking.needless else ''}{number}</text></a>"
@@ -123,7 +124,7 @@ def _svg(drive: Drive, report: Report) -> str:
     points = " ".join(f"{across(m.number):.1f},{down(m.speed):.1f}" for m in drive.moments)
     parts += [
         f"<polyline points='{points}' fill='none' stroke='{BLUE}' stroke-width='3'/>",
-        f"<text x='{LEFT}' y='20'>km/h</text>",
+        f"<text x='{LEFT - 14}' y='20' text-anchor='end'>km/h</text>",
         f"<text x='{WIDTH - RIGHT}' y='{HEIGHT - 5}' text-anchor='end'>seconds</text>",
     ]
     if report.collision:
