@@ -1,5 +1,6 @@
 """Settings of Sphinx, MyST-NB and the theme."""
 
+from grader.course.lessons import every_lesson
 from grader.course.settings import course_title, version
 
 
@@ -39,6 +40,8 @@ def settings() -> dict[str, object]:
         "templates_path": ["_templates"],
         # Sphinx's summaries need a server, so search.js shows summaries instead.
         "html_show_search_summary": False,
+        "html_context": {"descriptions": descriptions()},
+        "html_favicon": "_static/icon.svg",
         "html_theme": "sphinx_book_theme",
         "html_theme_options": theme,
         "html_sidebars": {"**": ["navbar-logo.html", "sbt-sidebar-nav.html"]},
@@ -55,3 +58,15 @@ def settings() -> dict[str, object]:
         # With the menu, the Tab key would stop at each formula.
         "mathjax3_config": {"options": {"enableMenu": False}},
     }
+
+
+def descriptions() -> dict[str, str]:
+    """Return a sentence about each lesson, by the name of its page, for search engines."""
+    sentences = {}
+    for lesson in every_lesson():
+        names = [exercise.name for exercise in lesson.machine_graded] or list(lesson.steps)
+        sentences[f"{lesson.stage}/{lesson.name}"] = (
+            f"Lesson {lesson.number} of {course_title()}. You write {', '.join(names)} in Python, "
+            "from scratch."
+        )
+    return sentences

@@ -47,6 +47,20 @@
     film.closest("figure").append(button);
   }
 
+  for (const code of document.querySelectorAll("div.cell_input div.highlight, div.highlight-sh div.highlight")) {
+    if (!navigator.clipboard) break; // browsers offer it only on https and on this machine
+    const button = document.createElement("button");
+    button.type = "button";
+    button.className = "copy";
+    button.textContent = "Copy";
+    button.addEventListener("click", async () => {
+      await navigator.clipboard.writeText(code.querySelector("pre").textContent);
+      button.textContent = "Copied";
+      setTimeout(() => (button.textContent = "Copy"), 2000);
+    });
+    code.append(button);
+  }
+
   const reach = () => {
     for (const wide of document.querySelectorAll('mjx-container[display="true"], .cell_output .output')) {
       if (wide.scrollWidth > wide.clientWidth) wide.tabIndex = 0;
