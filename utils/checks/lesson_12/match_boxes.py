@@ -469,6 +469,16 @@ def _prediction_with_answers(**answers: tuple) -> Callable:
     return lambda right, previous, current, max_distance: by_limit.get(max_distance, right)
 
 
+def _invert(
+    right: np.ndarray, previous: np.ndarray, current: np.ndarray, max_distance: float
+) -> np.ndarray:
+    """Return the partner of each previous box instead of the partner of each current box."""
+    partners = np.full(len(previous), -1)
+    has_partner = right >= 0
+    partners[right[has_partner]] = np.flatnonzero(has_partner)
+    return partners
+
+
 def _match_corner_means(
     right: np.ndarray, previous: np.ndarray, current: np.ndarray, max_distance: float
 ) -> np.ndarray:
@@ -574,17 +584,7 @@ declare_mistakes(
     Mistake(
         "The answer is the wrong way round: it says for each previous box which current box it "
         "became.",
-        _prediction_with_answers(
-            moved=(1, 3, 0, 2),
-            rivals=(-1, 1, 2),
-            crowd=(1,),
-            merge=(-1, 0, -1),
-            between=(0, -1, 1),
-            far=(1, -1, 0),
-            small=(-1, 2, 1),
-            chain=(-1, 0),
-            gap=(-1, 1, -1),
-        ),
+        _invert,
         "Return one entry for each current box. The entries are rows of previous.",
     ),
     Mistake(
