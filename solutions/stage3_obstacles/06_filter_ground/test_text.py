@@ -5,6 +5,7 @@ import pytest
 from sklearn.cluster import DBSCAN
 
 from tests.lesson_texts import names_of, taught
+from utils.drive import STREETS
 
 LESSON = "06_filter_ground"
 
@@ -52,13 +53,13 @@ def test_a_car_without_its_wheels_is_nearly_one_cluster(street, filter_ground):
     whole = []
     for number in np.unique(objects[street["kinds"] == "car"]):
         car = cloud[objects == number]
-        if len(car) >= 100 and np.hypot(*car[:, :2].mean(axis=0)) < 25:
+        if np.hypot(*car[:, :2].mean(axis=0)) < 25:
             left = filter_ground(car)
             assert 0.5 < len(left) / len(car) < 1
             found = DBSCAN(eps=0.5, min_samples=1).fit_predict(left[:, :3])
-            assert np.bincount(found).max() > 0.95 * len(left)
+            assert np.bincount(found).max() >= 0.96 * len(left)
             whole.append(found.max() == 0)
-    assert (sum(whole), len(whole)) == (6, 9)
+    assert (sum(whole), len(whole)) == (7, 10)
 
 
 def test_a_car_vanishes_before_a_wall_and_a_pedestrian(street):
@@ -66,8 +67,8 @@ def test_a_car_vanishes_before_a_wall_and_a_pedestrian(street):
         street["vanishes_at"](kind, street["rising"]) for kind in ("car", "pedestrian", "wall")
     )
     assert car < wall < pedestrian < np.inf
-    # The wall that vanishes is a garden wall. House fronts are visible up to half a metre above the
-    # sensor.
+    # The wall that vanishes is a garden wall. House fronts within 15 m are visible up to half a
+    # metre above the sensor.
     truth, cloud = street["truth"], street["cloud"]
     tops = {}
     for number in np.unique(truth["objects"][street["kinds"] == "wall"]):
@@ -143,7 +144,10 @@ def test_cells_twice_as_wide_leave_two_to_four_times_fewer(street):
     left = street["points_left"](np.array([0.05, 0.1, 0.2, 0.4, 0.8, 1.6]))
     factors = left[:-1] / left[1:]
     assert (factors[1:] > 2).all() and (factors[1:] < 4).all()
-    assert factors[0] < 2  # cells of 5 cm have hardly any points to merge
+    assert factors[0] < 2
+    cells = np.floor(street["upright"][:, :3] / 0.05)
+    _, counts = np.unique(cells, axis=0, return_counts=True)
+    assert np.mean(counts == 1) > 0.5  # most cells of 5 cm contain a single point
 
 
 def test_common_mistakes_match_the_table(street, voxel_grid):
@@ -160,3 +164,14 @@ def test_common_mistakes_match_the_table(street, voxel_grid):
     shared = counts > 1
     lengths = [np.linalg.norm(rows[shared, :3], axis=1) for rows in (wrong, right)]
     assert (lengths[0] < 0.7 * lengths[1]).all()
+
+
+def test_no_cloud_contains_nan(street):
+    assert np.isfinite(street["cloud"]).all()
+
+
+def test_a_climb_of_six_per_cent_reaches_the_level_nine_metres_ahead():
+    (street,) = (candidate for candidate in STREETS if candidate.number == 6)
+    assert street.slope == 0.06
+    margin = 1.73 - 1.2
+    assert margin == pytest.approx(0.53) and margin / street.slope == pytest.approx(9, abs=0.5)

@@ -9,16 +9,16 @@
 # %% [markdown]
 # # 07 · Filter by distance
 #
-# ![A street from above. A dashed circle of 10 m around the sensor holds strong dots of cars and people; outside it, pale crosses. A long solid box reaches 30 m ahead, and a small box covers our own car.](07_preview.png)
+# ![A street from above. A dashed circle of 10 m around the sensor holds strong dots of cars and people; outside it, pale crosses. A long solid box reaches 30 m ahead, and a small box covers the ego car.](07_preview.png)
 #
-# A scan reaches 80 m in every direction, behind the houses and into the next street. Before a computer compares points with points, it should ask of each one: can you matter to me before I can stop?
+# A scan reaches 80 m in every direction, behind houses and into the next street. Most of these points cannot matter before the car has stopped, so a filter drops them first.
 #
 # **After this lesson you can**
-# - keep the points that are near, with the right kind of distance, and say what one more metre costs,
-# - cut a region of interest out of a street,
+# - keep the near points, with the right kind of distance, and say what a larger radius costs,
+# - cut a region of interest out of a street, straight or bent,
 # - find and remove [returns](#Words-of-the-course) that do not come from obstacles.
 #
-# **You write** `filter_by_distance` (points), `crop_region` (points) and `remove_ego_returns` (points). **Time:** (time). **You need** boolean masks (lesson 01 or 06).
+# **You write** `filter_by_distance` (points), `crop_region` (points) and `remove_ego_returns` (points). **You need** boolean masks (lesson 01 or 06). This lesson forbids none of the packages listed at its end. **Time:** about 45 minutes.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -27,11 +27,9 @@
 # (setup)
 
 # %% [markdown]
-# ## The whole scan, for once
+# ## The whole scan
 #
-# *A scanner does not know what is near: it reports everything it can reach.*
-#
-# So far our pictures showed a few dozen metres of street. Here is all of the scan: x forward, y left, z up in metres, the sensor at the origin; then intensity.
+# The columns are x (forward), y (left) and z (up), in metres from the sensor, and the intensity.
 
 # %%
 import matplotlib.pyplot as plt
@@ -44,21 +42,21 @@ cloud = load_cloud("cloud.txt")
 low, high = cloud[:, :3].min(axis=0), cloud[:, :3].max(axis=0)
 print(f"{len(cloud):,} returns; x from {low[0]:.0f} to {high[0]:.0f} m, "
       f"y from {low[1]:.0f} to {high[1]:.0f} m, z from {low[2]:.1f} to {high[2]:.1f} m")
-plots.from_above(cloud, limits=((-80, 80), (-80, 30)), title="One scan, everything it reached");
+plots.from_above(cloud, limits=((-80, 80), (-80, 30)), title="One scan, out to 80 m");
 
 # %% [markdown]
-# Draw a circle of 10 m around the sensor, in your mind. The sensor reaches 80 m, so this circle covers one part in sixty-four of the area, 1.6 %. Move the slider to your guess; your own function will answer.
+# Imagine a circle of 10 m around the sensor. It covers only 1/64 of the area that the sensor reaches, or 1.6 %. Your own function will answer the next question.
 
 # %%
-within_10 = predict("What share of all returns lies within 10 m of the sensor?",
+within_10 = predict("What share of all returns is within 10 m of the sensor?",
                     between=(0, 100), unit="%")
 
 # %% [markdown]
 # ## The naive idea: a ball around the sensor
 #
-# *A straight line to the sensor is not the way that is left to drive.*
+# *The straight-line distance to the sensor is not the distance left to drive.*
 #
-# Lesson 01 threw the intensity out of the distance. So three columns, `np.linalg.norm(cloud[:, :3], axis=1)`: the straight line from the sensor to the point? Think of a lorry that carries its sensor 3.4 m up and brakes for everything within 6 m. A child stands 5.7 m in front of it. Here is the yard from the side, to scale:
+# Why not use the length of x, y and z, `np.linalg.norm(cloud[:, :3], axis=1)`? Think of a lorry that carries its sensor 3.4 m above the road and brakes for everything within 6 m. A child stands 5.7 m in front of the sensor. Here is the yard from the side, to scale.
 
 # %% tags=["folded"]
 # @title Scan a lorry's yard (you need not read this)
@@ -92,17 +90,19 @@ draw_yard(seen, slanted <= 6, "3-D distance up to 6 m: the child is not seen")
 print(f"of {is_child.sum()} returns of the child, {(slanted[is_child] <= 6).sum()} are kept")
 
 # %% [markdown]
-# The straight line to the child starts 3.4 m above the road: even to the top of its head it is longer than 6 m, though along the road only 5.7 m are left. A ball around the sensor is the wrong shape: it gets narrower towards the road, where people stand.
+# The straight line starts 3.4 m above the road. Even to the top of the child's head it is longer than 6 m, although only 5.7 m are left along the road. A ball is the wrong shape, because it gets narrower towards the road, where people stand.
 #
 # ## Exercise 1 · `filter_by_distance` (points)
 #
-# *What counts is how far we can still drive, and cars do not drive upwards.*
+# *Cars do not drive upwards, so only the horizontal distance counts.*
 #
-# The horizontal distance of lesson 01 forgets the height:
+# The horizontal distance of lesson 01 ignores the height:
 #
 # $$d(p) = \sqrt{x_p^2 + y_p^2}, \qquad \text{keep } \{\, p : d(p) \le r \,\}.$$
 #
-# All points with $d \le r$ form an upright cylinder around the sensor. Keep the rows whose horizontal distance is at most `distance`. The cloud may have three columns or four, and it may be empty.
+# Keep the rows whose horizontal distance is at most `distance`.
+#
+# In all three exercises, the cloud may have three or four columns, it may be empty, and it contains no NaN. If no row is left, return an empty array with the same columns.
 
 # %% nbgrader={"grade": false, "grade_id": "filter_by_distance", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def filter_by_distance(cloud, distance=10.0):
@@ -132,7 +132,7 @@ def filter_by_distance(cloud, distance=10.0):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# Pythagoras in the plane: square `cloud[:, 0]` and `cloud[:, 1]`, add, take the root. Column 2 is the height and stays out.
+# Use Pythagoras in the plane: square `cloud[:, 0]` and `cloud[:, 1]`, add them, and take the square root.
 # </details>
 # <details><summary>Hint 2</summary>
 #
@@ -140,10 +140,10 @@ def filter_by_distance(cloud, distance=10.0):
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# Two lines: `d = np.hypot(...)` of the first two columns; `return cloud[d ...]` with the comparison for the dots. Compare with the parameter, not with 10.
+# Write `d = np.hypot(...)` with the first two columns, and `return cloud[d ...]` with the comparison in place of the dots. Compare with the parameter, not with 10.
 # </details>
 #
-# **Four points first.** The first and the last are farther than 10 m. The second hangs high in a tree and the third lies deep under a bridge, but along the road they are 6.3 m and 5 m away. Two rows should be left: `[6, 2, 9, 0.1]` and `[4, 3, -12, 0.1]`.
+# **Four points first.** The first and the last are farther away than 10 m. The second is in a tree and the third is under a bridge, but along the road they are 6.3 m and 5 m away. These two rows should be left.
 
 # %%
 four = np.array([[11.0, 1.0, 0.0, 0.1],
@@ -153,7 +153,7 @@ four = np.array([[11.0, 1.0, 0.0, 0.1],
 filter_by_distance(four)
 
 # %% [markdown]
-# **Look before you check.** The first picture should be a disc of radius 10 m, with a hole around us, into which no beam looks down, and gaps where obstacles cast shadows. In the second, the child should be there from head to feet.
+# **Look before you check.** The first picture should be a disc of radius 10 m. It has a hole around the car, where no beam reaches the road, and shadows behind obstacles. In the second picture, the child should be blue from head to feet.
 
 # %%
 near = filter_by_distance(cloud)
@@ -163,8 +163,8 @@ rows = np.column_stack([seen[:, :3], np.arange(len(seen))])  # a number in place
 kept = filter_by_distance(rows, 6.0)[:, 3].astype(int)
 draw_yard(seen, np.isin(np.arange(len(seen)), kept), "Your function: 6 m around the lorry")
 within_10.compare(100 * len(near) / len(cloud),
-                  "Equal angles are unequal distances on the road, so the rings of the beams "
-                  "crowd together near the car. And what stands near hides what lies far.")
+                  "The angles between the beams are equal, so their rings on the road are close "
+                  "together near the car. Besides, near objects hide far ones.")
 
 # %% nbgrader={"grade": true, "grade_id": "test_filter_by_distance", "locked": true, "points": 20, "schema_version": 3, "solution": false, "task": false}
 check(filter_by_distance)
@@ -172,9 +172,9 @@ check(filter_by_distance)
 # %% [markdown]
 # ## Play: how far should the car look?
 #
-# *Near the sensor a metre more brings thousands of points; far away it brings dozens.*
+# *Near the sensor, one more metre brings thousands of points. Far away, it brings dozens.*
 #
-# The truth of this scan says what each return hit, so we can draw the obstacles alone, without the road. A car drives ahead of us in our own lane, right on the line y = 0. At which radius does it appear? And where does the picture stop growing? The next cell answers both.
+# The scan is simulated, so we know what each return hit, and can draw only the obstacles. A car drives ahead of us in our lane, on the line y = 0. At which radius does it appear? From which radius on does the picture hardly change?
 
 # %%
 from utils.datasets import DATA
@@ -202,7 +202,7 @@ def first_radius(number):
 
 
 def share_within(radii):
-    """For each radius the share of the obstacles' returns that your filter leaves."""
+    """For each radius, the share of the obstacles' returns that your filter leaves."""
     return [len(filter_by_distance(obstacles, radius)) / len(obstacles) for radius in radii]
 
 
@@ -219,13 +219,13 @@ print("share of the obstacles' returns:",
       ", ".join(f"{share:.0%} within {radius} m" for radius, share in zip(radii, shares)))
 
 # %% [markdown]
-# ## Cost saved against what is lost
+# ## What a radius saves, and what it loses
 #
-# *Comparing every point with every other costs n²: halve the points, and three quarters of the work are gone.*
+# *Comparing every point with every other takes n² steps. Half the points take a quarter of the work.*
 #
-# The next step of the pipeline looks for neighbours, and the plainest way compares each point with all others: twice the points, four times the work. So we count what a radius leaves of the points above the ground, and square it.
+# The next cell counts what a radius leaves: points above the ground, the work (points squared), and road users. A road user counts if at least 20 of its returns are left.
 #
-# And what is lost? We count the cars, lorries, cyclists and pedestrians of which your filter leaves at least 20 returns. The dotted lines say how far a car must see what stands: it drives on for half a second while it thinks, then brakes with 7 m/s². At the speed $v$ that is $0.5\,\mathrm{s} \cdot v + v^2 / 14\,\mathrm{m/s^2}$ from its bumper, and 2.5 s from 50 km/h. (What drives towards us takes part of the way itself: in these 2.5 s the car 55 m ahead comes 13 m nearer.) The line is the theory for points that are spread evenly over the area; the markers are what your function finds.
+# The dotted lines show how far ahead a car must see a stationary obstacle. It drives on for half a second while it thinks, then brakes with 7 m/s². At the speed $v$ it stops after $0.5\,\mathrm{s} \cdot v + v^2 / 14\,\mathrm{m/s^2}$, counted from its bumper, 2.6 m ahead of the sensor.
 
 # %% tags=["folded"]
 # @title What a radius saves and what it loses (you need not read this)
@@ -236,17 +236,17 @@ users = np.column_stack([cloud[:, :3], truth["objects"]])[is_user]  # x, y, z, n
 
 
 def points_within(radii):
-    """For each radius the number of points above the ground that your filter leaves."""
+    """For each radius, the number of points above the ground that your filter leaves."""
     return [len(filter_by_distance(cloud[upright], radius)) for radius in radii]
 
 
 def users_within(radii):
-    """For each radius the number of road users of which it leaves at least 20 returns."""
+    """For each radius, the number of road users of which it leaves at least 20 returns."""
     numbers = [filter_by_distance(users, radius)[:, 3] for radius in radii]
-    return [int((np.unique(one, return_counts=True)[1] >= 20).sum()) for one in numbers]
+    return [int((np.unique(left, return_counts=True)[1] >= 20).sum()) for left in numbers]
 
 
-bumper = 2.6  # metres ahead of the sensor: a radius begins at the sensor, braking at the bumper
+bumper = 2.6  # metres ahead of the sensor; a radius begins at the sensor, braking at the bumper
 metres_per_second = np.array([30, 50]) / 3.6
 stops = bumper + 0.5 * metres_per_second + metres_per_second**2 / 14
 radii = np.array([4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 40, 60, 80])
@@ -257,40 +257,39 @@ evenly = np.arange(4, 81)
 figure, (cost, loss) = plt.subplots(1, 2, figsize=(8.5, 4.4), layout="compressed", sharey=True)
 plots.curves({"points, if spread evenly": (evenly, (evenly / 80) ** 2)},
              {"points": (radii, points[:13]), "work, n²": (radii, points[:13] ** 2)},
-             across="radius (m)", up="share that is left", title="What is to be done", axes=cost)
+             across="radius (m)", up="share that is left", title="What is left to do", axes=cost)
 plots.curves({}, {"road users": (radii, road_users[:13])},
-             across="radius (m)", title="Who is seen", axes=loss)
+             across="radius (m)", title="Road users seen", axes=loss)
 for speed, stop, near, some in zip((30, 50), stops, points[13:], road_users[13:]):
     for axes in (cost, loss):
         axes.axvline(stop, color="black", linestyle=":", linewidth=1)
     loss.text(stop + 0.8, 0.1 if speed == 30 else 0.25, f"stops from {speed} km/h")
-    print(f"{speed} km/h: stands {stop:.1f} m from where the sensor was; beyond lie\n"
-          f"         {1 - near:.0%} of the points, {1 - near**2:.0%} of the work "
-          f"and {1 - some:.0%} of the road users")
+    print(f"From {speed} km/h, the car needs a radius of {stop:.1f} m. It saves {1 - near:.0%} of "
+          f"the points\nand {1 - near**2:.0%} of the work, and loses {1 - some:.0%} of the road users.")
 
 # %% [markdown]
-# Points and road users do not come at the same rate. Beyond the second dotted line few points are left to save, but many road users are left to lose: the far ones cost little, and a fast car needs them most. The shorter radius is enough for 30 km/h and no more. And a circle treats walls and cars alike. It cannot tell a house front from a lane. A box can.
+# Beyond the second dotted line there are few points left to save, but many road users left to lose. A circle also keeps house fronts. A box can leave them out.
 #
 # ## The idea: a region of interest
 #
-# *A street is long and narrow, and so is what can get in our way.*
+# *A street is long and narrow, and so is the region that matters to the car.*
 #
-# A box is given by two corners: the smallest and the largest x, y and z. A point is inside when *all* of its coordinates lie between them:
+# A box is given by two corners: the smallest and the largest x, y and z. A point is inside if *all* of its coordinates are between them:
 #
 # $$\begin{aligned} x_{\min} \le x_p &\le x_{\max} \\ \text{and}\quad y_{\min} \le y_p &\le y_{\max} \\ \text{and}\quad z_{\min} \le z_p &\le z_{\max}. \end{aligned}$$
 #
-# NumPy compares a table of points with one corner column by column, and `.all(axis=1)` asks of each row whether it is `True` throughout:
+# NumPy compares a table of points with a corner column by column. Then `.all(axis=1)` says for each row whether all of its entries are `True`:
 
 # %%
 sample = np.array([[3.0, 1.0, 2.5], [5.0, 2.0, -0.3], [-1.0, 4.0, 9.9]])
 table = sample <= (4.0, 2.0, 3.0)
 print(table)
-print("all of the row:", table.all(axis=1), "  any of the row:", table.any(axis=1))
+print("all in the row:", table.all(axis=1), "  any in the row:", table.any(axis=1))
 
 # %% [markdown]
 # ## Exercise 2 · `crop_region` (points)
 #
-# Keep the rows inside the box, its faces included.
+# Keep the rows inside the box, including points on its faces.
 
 # %% nbgrader={"grade": false, "grade_id": "crop_region", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def crop_region(cloud, minimum, maximum):
@@ -310,7 +309,7 @@ def crop_region(cloud, minimum, maximum):
     """
     # 1. The coordinates without the intensity.
     # 2. Compare them with both corners: two tables of True and False.
-    # 3. A row is inside when both tables are True in all three columns.
+    # 3. A row is inside if both tables are True in all three columns.
     # roughly 3 lines
     ### BEGIN SOLUTION
     xyz = cloud[:, :3]
@@ -321,7 +320,7 @@ def crop_region(cloud, minimum, maximum):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# `cloud[:, :3] >= minimum` compares every x with the first number, every y with the second and every z with the third, even when `minimum` is a tuple.
+# `cloud[:, :3] >= minimum` compares every x with the first number, every y with the second and every z with the third, even if `minimum` is a tuple.
 # </details>
 # <details><summary>Hint 2</summary>
 #
@@ -329,10 +328,10 @@ def crop_region(cloud, minimum, maximum):
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# `inside = (... & ...).all(axis=1)`; then index the cloud, not `cloud[:, :3]`, so that the intensity stays.
+# Write `inside = (... & ...).all(axis=1)`. Then index the cloud, not `cloud[:, :3]`, so that the intensity stays.
 # </details>
 #
-# **Six points first.** The region reaches 30 m ahead and 10 m back, from the first metre of the right pavement to the left kerb. The third point is inside. Each of the others leaves it on one side only: behind, ahead, on the right, on the left, above. One row should be left, `[1, 2, -1, 0.4]`.
+# **Six points first.** The region is 40 m of the street. The third point is inside. Each of the others is outside on one side only: behind, ahead, right, left, above. One row should be left, `[1, 2, -1, 0.4]`.
 
 # %%
 region = (-10, -5, -2), (30, 6, 1)
@@ -345,7 +344,7 @@ six = np.array([[-11.0, 2.0, -1.0, 0.4],
 crop_region(six, *region)
 
 # %% [markdown]
-# **Look before you check.** Nothing may stick out of the rectangle. Then three ways to keep less of the street compete, on everything that stands above the ground.
+# **Look before you check.** No point may be outside the dashed box. The dotted circles, of 10 and 30 m, are for the comparison below.
 
 # %%
 def outline(axes, minimum, maximum):
@@ -354,16 +353,18 @@ def outline(axes, minimum, maximum):
     axes.add_patch(plt.Rectangle(minimum[:2], length, width, fill=False, linestyle="--"))
 
 
-street = ((-15, 35), (-14, 14))  # x from, to; y from, to
 lane = crop_region(cloud, *region)
-axes = plots.from_above(lane, limits=street, title=f"{len(lane):,} points in the region")
+axes = plots.from_above(lane, limits=((-15, 35), (-14, 14)),
+                        title=f"{len(lane):,} points in the region")
 outline(axes, *region)
+for radius in (10, 30):
+    axes.add_patch(plt.Circle((0, 0), radius, fill=False, linestyle=":"))
 
 # %% nbgrader={"grade": true, "grade_id": "test_crop_region", "locked": true, "points": 5, "schema_version": 3, "solution": false, "task": false}
 check(crop_region)
 
 # %%
-fewest = predict("Which of the three keeps the fewest points above the ground?",
+fewest = predict("Which of these keeps the fewest points above the ground?",
                  choices=["circle of 10 m", "circle of 30 m", "region of interest"])
 
 # %% tags=["folded"]
@@ -384,22 +385,62 @@ def left_by(name):
 
 
 left = {name: left_by(name) for name in ("circle of 10 m", "circle of 30 m", "region of interest")}
-show_table(["", "points", "on walls", "road users ahead, in the street", "and on the pavements, too"],
+show_table(["", "points", "on walls", "road users ahead in the street", "those on pavements included"],
            [(name, f"{some:,}", f"{walls:,}", in_street, ahead)
             for name, (some, walls, in_street, ahead) in left.items()])
 fewest.compare(min(left, key=lambda name: left[name][0]),
-               "Half of the points above the ground lie on house fronts. The box leaves them all "
+               "Half of the points above the ground are on house fronts. The box leaves them all "
                "out, and far ahead there are few points to keep.")
 
 # %% [markdown]
-# The box sees as far ahead as the big circle, with fewer points than the small one, and without a single wall. What it gives up are the pavements, and who walks there: compare the last column. Somebody who steps off the pavement will be in the box only when they are on the road. That choice is yours: make it on purpose.
+# The box sees as far ahead as the large circle, with fewer points than the small one, and without a single wall. It gives up the people on the pavements, as the last column shows. They enter the box only when they reach the kerb.
 #
-# ## Who is standing so close?
+# ## A region that bends
 #
-# Now take what stands above the ground and within 10 m of the sensor, sort it by distance, and look at the nearest returns.
+# *While the driver holds the steering wheel still, the car follows a circle.*
+#
+# In the straight lane ahead, the first obstacle is a pedestrian. What is in the way if the driver steers left? A circle of radius $R$ has the *curvature* $\kappa = 1/R$. At the distance $x$ ahead, the middle of the lane has moved to the left by about $\tfrac{1}{2} \kappa x^2$. A lane of width $w$ therefore consists of the points with
+#
+# $$|y_p - \tfrac{1}{2} \kappa x_p^2| \le w / 2.$$
+#
+# The function below keeps a straight lane. Change one line, so that the lane bends. This task has no check. Of the three points in the last line, the first and the third should be left. All blue points should be between the dashed lines.
 
 # %%
-nearest = predict("How far away is the nearest return of all that are left?",
+def crop_lane(cloud, width, curvature):
+    """Keep the points in a lane that bends: a curvature of 0.04 (1/m) is a circle of 25 m."""
+    middle = 0  # change this: y in the middle of the lane, at the x of each point
+    return cloud[np.abs(cloud[:, 1] - middle) <= width / 2]
+
+
+print(crop_lane(np.array([[10.0, 2.0, -1.0], [10.0, 0.0, -1.0], [20.0, 8.5, -1.0]]), 2.6, 0.04))
+
+# %% tags=["folded"]
+# @title Draw the lane (you need not read this)
+ahead = upright & (truth["objects"] > 0) & (cloud[:, 0] > 0) & (cloud[:, 0] < 25)
+rows = np.column_stack([cloud[ahead, :3], np.flatnonzero(ahead)])  # a number in place of intensity
+in_lane = crop_lane(rows, 2.6, 0.04)[:, 3].astype(int)
+axes = plots.kept_and_removed(cloud[ahead], np.isin(np.flatnonzero(ahead), in_lane),
+                              limits=((0, 25), (-6, 14)), title="A lane that bends to the left")
+for side in (-1.3, 1.3):
+    x = np.linspace(0, 25)
+    axes.plot(x, 0.02 * x**2 + side, color="black", linestyle="--", linewidth=1)
+numbers, sizes = np.unique(truth["objects"][in_lane], return_counts=True)
+hits = [in_lane[truth["objects"][in_lane] == number] for number in numbers[sizes >= 20]]
+for metres, first in sorted((cloud[rows, 0].min(), rows[0]) for rows in hits):
+    print(f"{metres:4.0f} m ahead: {names[truth['classes'][first]]}")
+
+# %% [markdown]
+# <details><summary>An answer</summary>
+#
+# `middle = curvature * cloud[:, 0]**2 / 2`. The pedestrian is no longer in the lane. Instead an oncoming car is in it, 6 m ahead, and behind that a parked lorry.
+# </details>
+#
+# ## Returns that do not come from obstacles
+#
+# Sort the points above the ground within 10 m by their distance.
+
+# %%
+nearest = predict("How far away is the nearest of these returns?",
                   between=(0, 10), step=0.1, unit="m", digits=1)
 
 # %%
@@ -408,45 +449,45 @@ distances = np.sort(np.hypot(close[:, 0], close[:, 1]))
 print("the nearest returns, in metres:", distances[:6].round(2))
 print(f"within 3 m: {(distances < 3).sum()} returns")
 close_up = ((-4, 6), (-3.5, 3.5))
-axes = plots.from_above(close, limits=close_up, title="Something stands within arm's reach")
-ego_box = (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)  # around our own car, as the sensor sees it
+axes = plots.from_above(close, limits=close_up, title="What is so close?")
+ego_box = (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)  # around the ego car, as the sensor sees it
 outline(axes, *ego_box)
-axes.text(-1.4, -1.6, "our own car")
+axes.text(-1.4, -1.6, "ego car")
 nearest.compare(distances[0],
-                "Some rays that found no echo are stored as a return at (0, 0, 0), the sensor "
-                "itself. The next ones are parts of our own car.")
+                "Some rays without an echo are stored as a return at (0, 0, 0), which is the "
+                "sensor itself. The next returns come from the ego car.")
 
 # %% [markdown]
-# *A scanner also sees the car that carries it, and it reports some rays that never came back.* So two kinds of returns are no obstacles:
+# There are two kinds:
 #
-# - **Returns of [our own car](#Words-of-the-course)**: the lowest [beams](#Words-of-the-course) graze our mirrors, tailgate and aerial. They move with us and never go away: a cluster that is always 1.3 m off, and a car that never starts.
-# - **Invalid returns**: a ray without an echo is sometimes stored as (0, 0, 0). Its height, 0, is above any ground level; its distance, 0, is below any radius. It survives both filters.
+# - **Returns of the [ego car](#Words-of-the-course)**: the lowest [beams](#Words-of-the-course) hit its mirrors, tailgate and aerial. They form a cluster that is always 1.3 m away, so the car never starts.
+# - **Invalid returns**: a ray without an echo is sometimes stored as (0, 0, 0). Its height is above the ground level and its distance is within every radius, so it survives both filters.
 #
-# The naive cure is a minimum distance: forget everything within 3 m.
+# The naive cure is a minimum distance: drop everything within 3 m.
 
 # %%
 too_near = np.hypot(close[:, 0], close[:, 1]) < 3
 axes = plots.kept_and_removed(close, ~too_near, limits=close_up,
-                              title="A circle that covers our car covers the places beside it, too")
+                              title="The circle also covers the places next to the car")
 outline(axes, *ego_box)
 axes.add_patch(plt.Circle((0, 0), 3, fill=False, linestyle=":"))
 plots.ring(axes, 0.5, -2.3, radius=0.4)
 axes.text(1.05, -2.3, "a child here?", va="center");
 
 # %% [markdown]
-# Between the dashed box and the dotted circle there is room for a child beside the door, and we would be blind to it. A car is a box, so cut out a box: this time, keep what is *not* inside. The dashed one is generous, 0.6 m wider on each side than the mirrors; whoever builds a car measures it to the centimetre.
+# Between the dashed box and the dotted circle there is room for a child next to the door, and the car would not see them. A car is a box, so cut out a box. (Ours is 0.6 m wider on each side than the mirrors.)
 #
 # ## Exercise 3 · `remove_ego_returns` (points)
 #
-# Keep the rows that `crop_region` would throw away. A point on a face is inside. You have the mask already: this exercise is one thought, and no new mask. What is the opposite of "inside in x and y and z"?
+# Keep the rows that `crop_region` removes. A point on a face is inside. You have written the mask already, so one or two lines are enough. What is the opposite of "inside in x and y and z"?
 
 # %%
-kept_ahead = predict("Somebody keeps what is outside in x AND in y AND in z. And the car ahead of us?",
-                     choices=["it stays", "it goes, too"])
+kept_ahead = predict("A function keeps points that are outside in x AND in y AND in z. "
+                     "What happens to the car ahead of us?", choices=["it stays", "it is removed"])
 
 # %% nbgrader={"grade": false, "grade_id": "remove_ego_returns", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def remove_ego_returns(cloud, minimum, maximum):
-    """Remove the points inside a box, such as the one around our own car.
+    """Remove the points inside a box, such as the box around the ego car.
 
     Parameters
     ----------
@@ -460,9 +501,9 @@ def remove_ego_returns(cloud, minimum, maximum):
     ndarray, shape (m, 3) or (m, 4)
         The rows that are not inside the box, faces included; all columns, in the same order.
     """
-    # 1. Which rows are inside? As in crop_region.
-    # 2. Keep the others: ~ turns every True of a mask into False and the other way round.
-    # roughly 3 lines
+    # 1. Which rows are inside? Use the mask of crop_region.
+    # 2. Keep the others: ~ turns every True in a mask into False, and every False into True.
+    # roughly 2 lines
     ### BEGIN SOLUTION
     xyz = cloud[:, :3]
     is_ours = ((xyz >= minimum) & (xyz <= maximum)).all(axis=1)
@@ -472,18 +513,18 @@ def remove_ego_returns(cloud, minimum, maximum):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# You have the mask of the rows inside already, in `crop_region`. Which of its entries do you want now?
+# `crop_region` already contains the mask of the rows inside. Which rows do you want now?
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# Invert at the very end, one value per row: `~inside`. Turning each comparison round instead calls for `.any(axis=1)` in place of `.all(axis=1)`.
+# Invert at the very end, when there is one value per row: `~inside`. If you reverse each comparison instead, you need `.any(axis=1)` in place of `.all(axis=1)`.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# Copy the line with `inside = ...` and return `cloud[~inside]`.
+# Copy the line with `inside = ...`, and return `cloud[~inside]`.
 # </details>
 #
-# **Five points first.** The first is our left mirror. The others share two coordinates with our car: a car ahead, one behind, a wall on the left, a child on the right. Only the first row may go.
+# **Five points first.** The first is the left mirror. Each of the others is inside on two axes, but not on all three: a car ahead, a car behind, a wall on the left, a child on the right. Only the first row should be removed.
 
 # %%
 five = np.array([[0.9, 1.0, -0.6, 0.4],
@@ -494,33 +535,31 @@ five = np.array([[0.9, 1.0, -0.6, 0.4],
 remove_ego_returns(five, *ego_box)
 
 # %% [markdown]
-# **Look before you check.** The box should be empty, and only the box.
+# **Look before you check.** The box should be empty, and nothing else should be missing.
 
 # %%
 free = remove_ego_returns(close, *ego_box)
 axes = plots.from_above(free, limits=close_up,
-                        title=f"{len(close) - len(free)} returns of our own car removed")
+                        title=f"{len(close) - len(free)} returns of the ego car removed")
 outline(axes, *ego_box)
 
 outside = (cloud[:, :3] < ego_box[0]) | (cloud[:, :3] > ego_box[1])  # column by column
 is_ahead = truth["objects"] == 11
-kept_ahead.compare("it stays" if outside.all(axis=1)[is_ahead].any() else "it goes, too",
-                   "It is outside in x, but inside in y: it drives in our lane. What is not inside "
-                   "is outside in x OR in y OR in z.")
+kept_ahead.compare("it stays" if outside.all(axis=1)[is_ahead].any() else "it is removed",
+                   "It is outside in x but inside in y, because it drives in our lane. A point that "
+                   "is not inside is outside in x OR in y OR in z.")
 
 # %% nbgrader={"grade": true, "grade_id": "test_remove_ego_returns", "locked": true, "points": 5, "schema_version": 3, "solution": false, "task": false}
 check(remove_ego_returns)
 
 # %% [markdown]
-# ## The returns that never were
+# ## The invalid returns
 #
-# *(0, 0, 0) is inside the sensor: nothing can be there.*
-#
-# The box of our car ends 0.4 m below the sensor, so the invalid returns lie outside it and survive once more. This sensor measures nothing nearer than 1 m. A second, small box around the sensor itself is therefore safe, and your function takes any box. (`drop_invalid` of lesson 01 does the same, and removes points that are not numbers, too.)
+# The box of the ego car ends 0.4 m below the sensor, so the invalid returns are outside it and survive. Your function takes any box, and the sensor measures nothing nearer than 1 m. So a second, small box around the sensor is safe. (`drop_invalid` of lesson 01 also removes them.)
 
 # %%
 steps = {"raw scan": cloud, "above the ground": cloud[upright], "within 10 m": close,
-         "without our own car": free,
+         "without the ego car": free,
          "without the sensor itself": remove_ego_returns(free, (-0.1,) * 3, (0.1,) * 3)}
 show_table(["", "returns", "invalid", "the nearest"],
            [(step, f"{len(rows):,}", (rows[:, :3] == 0).all(axis=1).sum(),
@@ -529,21 +568,18 @@ show_table(["", "returns", "invalid", "the nearest"],
 # %% [markdown]
 # ## Common mistakes
 #
-# *None of them raises an error; each leaves its mark in the picture.*
-#
-# | what was written | what you see |
+# | mistake | what you see |
 # |---|---|
 # | `np.linalg.norm(cloud, axis=1)` | bright points vanish, or all of them |
-# | `np.linalg.norm(cloud[:, :3], axis=1)` | a ball: what is near but far below the sensor goes, such as the child before the lorry |
+# | `np.linalg.norm(cloud[:, :3], axis=1)` | a ball: near points far below the sensor vanish, such as the child in front of the lorry |
 # | `(np.abs(x) <= r) & (np.abs(y) <= r)` | a square, with corners 41 % too far away |
-# | `x**2 + y**2 <= r` | a disc that is much too small: 3.2 m for 10 |
-# | `cloud[:, 0] <= r` | half a street: everything behind us stays |
-# | `any` where `all` belongs | nearly everything stays, since most heights are inside |
+# | `x**2 + y**2 <= r` | hardly anything: the radius is 3.2 m instead of 10 m, and most returns so near come from the ego car |
+# | `any` instead of `all` | nearly everything stays, because most heights are inside |
 
 # %% tags=["folded"]
 # @title Two of them as pictures (you need not read this)
 x, y = cloud[:, 0], cloud[:, 1]
-wrong = {"a square": (np.abs(x) <= 10) & (np.abs(y) <= 10), "squared ≤ plain": x**2 + y**2 <= 10}
+wrong = {"a square": (np.abs(x) <= 10) & (np.abs(y) <= 10), "squared ≤ plain: hardly anything": x**2 + y**2 <= 10}
 figure, panels = plt.subplots(1, 2, figsize=(8.5, 4.4), layout="compressed")
 for (name, keep), axes in zip(wrong.items(), panels):
     plots.kept_and_removed(cloud[::6], keep[::6], limits=((-16, 16), (-16, 16)), title=name,
@@ -553,9 +589,7 @@ for (name, keep), axes in zip(wrong.items(), panels):
 # %% [markdown]
 # ## Let it drive
 #
-# *A region is judged by who steps into it.*
-#
-# Without points; skip it if you like. A car drives ten seconds at 30 km/h, and sees what your `crop_region` leaves. The rest is given, up to a driver who brakes for what is in the lane, or will be, within the stopping distance from above. Five seconds on, a child runs out from the kerb. Our lane reaches 1.3 m to either side.
+# Without points; skip it if you like. A car drives for ten seconds at 30 km/h, and sees what your `crop_region` leaves. The driver brakes for obstacles that are in the lane, or will be, within the stopping distance. After five seconds, a child runs out from the kerb. The lane reaches 1.3 m to either side. The cell takes 10 to 30 seconds.
 
 # %%
 from utils.drive import chain, drive_street, on_time
@@ -569,26 +603,24 @@ def drive_with(half_width):
                         clock=on_time)
 
 
-drive_with(1.6) if is_written(crop_region) else print(
+drive_with(6) if is_written(crop_region) else print(
     "crop_region is not written, or has not passed its check.")
 
 # %% [markdown]
-# The region holds all of our lane, and it is too narrow: what will be in the lane in a second is not in it yet. Try `drive_with(6)`. How narrow may it be before the drive ends at the child again?
+# With 6 m to either side, the car brakes with 9 m to go. Now try `drive_with(1.6)`. The region still holds the whole lane, so why does the drive end at the child? Then find the narrowest region that is wide enough. The bar to beat is 2.5 m.
 #
 # <details><summary>An answer</summary>
 #
-# 2.5 m will do: the car brakes after 7.1 s, with 8 m to go, much as with 6 m. With 2.2 m it brakes 0.3 s later, with 5 m to go, and that is too late.
+# With 1.6 m, the car sees the child only when the child is almost in the lane. 2.5 m is wide enough: the car brakes after 7.1 s, with 8 m to go. With 2.2 m it brakes 0.3 s later, with 5 m to go, and that is too late.
 # </details>
 
 # %% [markdown]
 # ## In practice
 #
-# - The region is not a fixed box. It follows the planned path and the lanes of a map, and it grows with the speed, because the stopping distance does.
-# - Filters that look at each point alone may come in any order: it matters for speed, not for the result. (For a voxel grid or a plane fit it matters for both.) The cheapest that removes most comes first: a distance needs a handful of operations per point, a plane fit hundreds.
-# - The box around a car comes from its drawings and must be checked after every change: a bicycle on the rack is a new obstacle that never goes away.
-# - What a filter removes is gone for all who come after it. Safety systems keep the raw scan and watch for things that appear at the edge of the region.
+# - The region follows the planned path, and grows with the stopping distance.
+# - The box around a car must be checked after every change. A bicycle on the rack is a new obstacle that never goes away.
 #
-# The same with Open3D (from 0.18 on), faces included as in yours. PCL's `CropBox` has `setMin`, `setMax` and, for our own car, `setNegative(true)`.
+# The same with Open3D (from 0.18 on), which also keeps points on the faces; PCL has `CropBox`:
 #
 # ```python
 # box = open3d.geometry.AxisAlignedBoundingBox(min_bound=(-10, -5, -2), max_bound=(30, 6, 1))
@@ -598,20 +630,19 @@ drive_with(1.6) if is_written(crop_region) else print(
 #
 # ## Summary
 #
-# - Distance on a road is horizontal: x and y count, height and intensity do not.
-# - Points crowd near the sensor. A radius removes much of the area and little of the data; a box around the road removes walls and keeps the view ahead.
-# - Our own car and invalid returns are the nearest "obstacles" of every scan. They survive ground and distance filters and need boxes of their own.
+# - Distance on a road is horizontal. It uses x and y only.
+# - A radius removes much of the area but little of the data. A box around the road removes walls and keeps the view ahead.
+# - The ego car and invalid returns survive the ground and distance filters, and need boxes of their own.
 #
-# **Sources.** Sensor, mounting and coordinates: KITTI, [Geiger et al. 2013](https://www.cvlibs.net/publications/Geiger2013IJRR.pdf). Boxes and intervals as filters: PCL's [CropBox](https://pointclouds.org/documentation/classpcl_1_1_crop_box.html) and [PassThrough](https://pointclouds.org/documentation/classpcl_1_1_pass_through.html). Broadcasting a corner over a table: [NumPy user guide](https://numpy.org/doc/stable/user/basics.broadcasting.html).
+# **Sources.** Sensor, mounting and coordinates: KITTI, [Geiger et al. 2013](https://www.cvlibs.net/publications/Geiger2013IJRR.pdf). A box as a filter: PCL's [CropBox](https://pointclouds.org/documentation/classpcl_1_1_crop_box.html). Broadcasting a corner over a table: [NumPy user guide](https://numpy.org/doc/stable/user/basics.broadcasting.html).
 #
 # **Next:** 08 · Bounding boxes
 
 # %% [markdown]
 # ## If you want more
 #
-# 1. Write `crop_lane(cloud, width, curvature)`, a region that bends with the road: $|y - \tfrac{1}{2} \kappa x^2| \le w / 2$.
-# 2. A beam that looks down by the angle $\alpha$ from the height $h$ draws a ring of radius $h / \tan\alpha$ on a flat road, and each ring holds equally many returns. Which share of the road's returns should lie within 10 m? Compare with `filter_by_distance` on the returns of the class `ground`. (`utils.simulator.hdl64().elevations` holds the angles, `origin[2]` the height.)
-# 3. Load a recording of your own with `load_cloud("path/to/file.pcd")` and find the box of its car: which points stay in the same place over ten frames of a drive?
+# 1. From the height $h$, a beam that points down by the angle $\alpha$ draws a ring of radius $h / \tan\alpha$ on a flat road. Each ring has equally many returns. Which share of the road's returns should be within 10 m? Compare with your function on the class `ground`. (`utils.simulator.hdl64().elevations` are the angles, and `origin[2]` is the height.) (20 minutes)
+# 2. Load your own recording with `load_cloud("path/to/file.pcd")`, and find the box of its car. Which points stay in place over ten frames? (20 minutes)
 
 # %% [markdown] tags=["footer"]
 # (footer)

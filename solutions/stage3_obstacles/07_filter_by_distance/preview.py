@@ -21,5 +21,5 @@ def draw() -> Figure:
     axes.add_patch(plt.Rectangle((-1.5, -1.7), 4.1, 3.4, **look))
     axes.annotate("10 m around the sensor", (6.6, 8.4), fontsize=10)
     axes.annotate("region of interest", (30, 6.3), ha="right", fontsize=10)
-    axes.annotate("our own car", (2.8, -1.6), fontsize=10)
+    axes.annotate("ego car", (2.8, -1.6), fontsize=10)
     return figure

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.lesson_texts import taught
+from tests.lesson_texts import names_of, taught
 from utils import load_cloud
 from utils.datasets import DATA
 from utils.drive import STREETS
@@ -117,15 +117,6 @@ def test_far_points_are_few_but_far_road_users_are_many():
     assert 10 < stops[30] < 12 < stops[50], "10 m is not enough for 30 km/h"
 
 
-def test_an_oncoming_car_comes_nearer_while_the_ego_car_brakes():
-    seconds = 0.5 + 50 / 3.6 / 7
-    assert seconds == pytest.approx(2.5, abs=0.05)
-    car = np.flatnonzero(TRUTH["box_identities"] == 119)[0]
-    place, velocity = TRUTH["box_centres"][car, :2], TRUTH["box_velocities"][car]
-    assert np.hypot(*place) == pytest.approx(55, abs=0.5)
-    assert -(velocity @ place) / np.hypot(*place) * seconds == pytest.approx(13, abs=0.5)
-
-
 def test_the_box_reaches_far_with_fewer_points_than_the_circle():
     box = crop_region(CLOUD[UPRIGHT], *REGION)
     assert len(box) < len(filter_by_distance(CLOUD[UPRIGHT], 10))
@@ -141,6 +132,49 @@ def test_the_box_reaches_far_with_fewer_points_than_the_circle():
     assert lost and {kinds[number] for number in lost} == {"pedestrian"}, (
         "only pedestrians on the pavement are lost"
     )
+
+
+def in_the_lane(function, curvature):
+    """Return the kind and the nearest x of each object up to 25 m ahead in a lane, by number."""
+    ahead = UPRIGHT & (TRUTH["objects"] > 0) & (CLOUD[:, 0] > 0) & (CLOUD[:, 0] < 25)
+    rows = np.column_stack([CLOUD[ahead, :3], TRUTH["objects"][ahead]])
+    rows = function(rows, 2.6, curvature)
+    kinds = dict(zip(TRUTH["box_identities"].tolist(), TRUTH["box_kinds"].tolist(), strict=True))
+    return {
+        number: (kinds[number], rows[rows[:, 3] == number, 0].min())
+        for number in sorted(seen(rows), key=lambda number: rows[rows[:, 3] == number, 0].min())
+    }
+
+
+def test_a_bent_lane_holds_other_obstacles_than_a_straight_one():
+    given = names_of("07_filter_by_distance", "crop_lane")["crop_lane"]
+
+    def bent(cloud, width, curvature):
+        """Follow the lesson's answer."""
+        middle = curvature * cloud[:, 0] ** 2 / 2
+        return cloud[np.abs(cloud[:, 1] - middle) <= width / 2]
+
+    three = np.array([[10.0, 2.0, -1.0], [10.0, 0.0, -1.0], [20.0, 8.5, -1.0]])
+    assert bent(three, 2.6, 0.04).tolist() == three[[0, 2]].tolist()
+    assert given(three, 2.6, 0.04).tolist() == three[[1]].tolist(), "the given lane is straight"
+    straight = in_the_lane(given, 0.04)
+    assert [kind for kind, _ in straight.values()][0] == "pedestrian"
+    found = in_the_lane(bent, 0.04)
+    assert [kind for kind, _ in found.values()] == ["car", "truck"]
+    (car, (_, nearest)), (truck, _) = found.items()
+    assert nearest == pytest.approx(6, abs=0.1)
+    velocity = {
+        number: TRUTH["box_velocities"][TRUTH["box_identities"] == number][0]
+        for number in (car, truck)
+    }
+    assert velocity[car][0] < -1, "the car is oncoming"
+    assert not velocity[truck].any(), "the lorry is parked"
+
+
+def test_a_circle_is_close_to_the_parabola():
+    radius, ahead = 25.0, np.linspace(0, 12)
+    on_the_circle = radius - np.sqrt(radius**2 - ahead**2)
+    assert np.abs(on_the_circle - ahead**2 / radius / 2).max() < 0.3
 
 
 def test_the_ego_car_and_invalid_returns_are_nearest():
@@ -177,6 +211,9 @@ def test_common_mistakes_look_as_described():
     assert np.sqrt(10) == pytest.approx(3.2, abs=0.05)
     square = (np.abs(x) <= 10) & (np.abs(y) <= 10)
     assert np.hypot(x, y)[square].max() > 13
+    in_small_disc = x**2 + y**2 <= 10
+    assert in_small_disc.mean() < 0.01, "hardly anything is left"
+    assert of_kind("ego")[in_small_disc].mean() > 0.8, "most of it comes from the ego car"
     inside = (CLOUD[:, :3] >= REGION[0]) & (CLOUD[:, :3] <= REGION[1])
     assert inside.any(axis=1).mean() > 0.99, "nearly everything stays"
     assert inside[:, 2].mean() > 0.95, "since most heights are inside"
@@ -186,3 +223,7 @@ def test_the_child_runs_out_at_the_stated_time():
     (street,) = (candidate for candidate in STREETS if candidate.number == 2)
     (running,) = street.actors
     assert int(running.begins / street.limit) == 5
+
+
+def test_no_cloud_contains_nan():
+    assert np.isfinite(CLOUD).all()
