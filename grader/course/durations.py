@@ -91,9 +91,9 @@ def stated_minutes(notebook: NotebookNode) -> int:
 def _minutes_table(notebook: NotebookNode) -> str:
     minutes = section_minutes(notebook)
     rows = "".join(
-        f"<tr><td>{title}</td><td>{round(part)}{' on top' * (title == OPTIONAL)}</td></tr>"
+        f"<tr><td>{title}</td><td>{round(part)}</td></tr>"
         for title, part in minutes.items()
-        if round(part) > 0
+        if round(part) > 0 and title != OPTIONAL
     )
     return f"<details><summary>Minutes of each section</summary><table>{rows}</table></details>"
 

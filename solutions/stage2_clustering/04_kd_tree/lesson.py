@@ -13,16 +13,16 @@
 # %% [markdown]
 # # 04 · The kd-tree
 #
-# ![A street from above, cut by straight lines into ever smaller rectangles. Around a pedestrian lies a small circle. Nearly all rectangles are hatched: the search never entered them.](04_preview.png)
+# ![A street from above, cut by straight lines into smaller and smaller rectangles. There is a small circle around a pedestrian. Nearly all rectangles are hatched: the search never entered them.](04_preview.png)
 #
-# "What is near this point?" Clustering asks this question once for every point of a scan. A scan has a hundred thousand points, ten times a second. This lesson builds a structure that answers the question without comparing all points, and still misses none.
+# Which points are near a given point? Clustering asks this for every point of a scan, about a hundred thousand times, and ten scans arrive every second. Your kd-tree will answer without comparing all points, and still miss none.
 #
 # **After this lesson you can**
 # - build a kd-tree, by hand on paper and in code,
 # - search it within a radius, and explain why each branch was visited or skipped,
 # - balance it, and show by counting how much work a balanced tree saves.
 #
-# **You write** `insert` (points), `search` (points) and `median_order` (points). **You need** lesson 01 and a little of Python's classes. There are two places to stop. **Time:** (time).
+# **You write** `insert` (points), `search` (points) and `median_order` (points). **You need** lesson 01 and the basics of Python classes. **Time:** (time), in three sittings of about 50, 40 and 45 minutes.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -33,9 +33,7 @@
 # %% [markdown]
 # ## What is near the lamp post?
 #
-# *Few points are near. To find that out, every other point was compared, too.*
-#
-# Here is one scan without the road and without [our own car](#Words-of-the-course). A lamp post stands four metres ahead and four to the right. Which [returns](#Words-of-the-course) lie within half a metre of a point in the middle of it?
+# Here is one scan without the road and without the [ego car](#Words-of-the-course), the car that carries the scanner. A lamp post is four metres ahead and four to the right. Which [returns](#Words-of-the-course) are within half a metre of a point in the middle of the post?
 
 # %%
 from dataclasses import dataclass
@@ -52,39 +50,37 @@ from utils.visits import depth_of, place_of, watched
 
 # One row per return: x forward, y left, z up in metres from the sensor, and intensity.
 cloud = load_cloud("cloud.txt")
-own_car = np.hypot(cloud[:, 0], cloud[:, 1]) < 2
-obstacles = cloud[(cloud[:, 2] > -1.2) & ~own_car, :3]
+ego_car = np.hypot(cloud[:, 0], cloud[:, 1]) < 2
+obstacles = cloud[(cloud[:, 2] > -1.2) & ~ego_car, :3]
 post, half_a_metre = np.array([4.3, -4.3, -0.4]), 0.5
 
 begin = process_time()
-for _ in range(100):  # once is too short for the processor's clock
+for _ in range(100):  # one run is too short to measure
     is_near = np.linalg.norm(obstacles - post, axis=1) <= half_a_metre
 seconds = (process_time() - begin) / 100
 print(f"{is_near.sum()} of {len(obstacles):,} points are near. "
-      f"To find them we computed {len(obstacles):,} distances in {1000 * seconds:.1f} ms.")
+      f"To find them, we computed {len(obstacles):,} distances in {1000 * seconds:.1f} ms.")
 print(f"The same question for every point: {len(obstacles) ** 2:,} distances, "
       f"about {seconds * len(obstacles) / 60:.1f} minutes.")
 
 # %% [markdown]
-# To be certain, a search must look at every point that is near. How many others will it look at? Guess now. The tree that you build in this lesson gives the answer at its end.
+# Every search has to look at the points that are near. How many others will your tree look at? The answer comes at the end of the lesson.
 
 # %%
 few = predict(f"Your finished tree holds all {len(obstacles):,} points. How many of them will it "
-              f"look at, to find the {is_near.sum()} that are near?")
+              f"look at to find the {is_near.sum()} that are near?")
 
 # %% [markdown]
 # ## The naive idea: sort by x
 #
-# *A sorted list finds a place quickly. But a street has more than one direction.*
-#
-# If the points are sorted by x, all neighbours of the lamp post stand in one short piece of the list, from $x - 0.5$ to $x + 0.5$. Halving the list again and again finds both ends of that piece in a few steps. No other point can be near.
+# If the points are sorted by x, all neighbours of the lamp post are in one short piece of the list, from $x - 0.5$ to $x + 0.5$. A binary search finds both ends of that piece in a few steps. No other point can be near.
 
 # %%
 in_strip = np.abs(obstacles[:, 0] - post[0]) <= half_a_metre
 street = ((-10, 25), (-12, 12))  # x from, to; y from, to
 axes = plots.kept_and_removed(obstacles, in_strip, limits=street,
-                              title=f"To compare: {in_strip.sum():,} points for {is_near.sum()} "
-                                    "neighbours")
+                              title=f"{in_strip.sum():,} points to compare, to find "
+                                    f"{is_near.sum()} neighbours")
 axes.add_patch(plt.Circle(post[:2], half_a_metre, fill=False, linewidth=1.5, zorder=9))
 axes.axvspan(post[0] - half_a_metre, post[0] + half_a_metre, alpha=0.25)
 axes.annotate("the lamp post", post[:2], xytext=(8, -6.5), zorder=9,
@@ -95,26 +91,26 @@ for axis, name in enumerate("xyz"):
           f"{strip.sum() / is_near.sum():5.1f} for each neighbour")
 
 # %% [markdown]
-# That is better than all points. But the strip crosses the whole street: a cyclist, a house front and, beyond the picture, a hedge are in it, because they are as far *ahead* as the post. Sorting by y gives a strip along the kerb, full of other posts and trees. Sorting by z hardly helps, since most points are about as high as the middle of the post. We want the *square* in which two strips cross. But one list cannot be sorted by x and by y at once.
+# The strip crosses the whole street. A cyclist, a house front and, beyond the picture, a hedge are in it, because they are as far *ahead* as the post. Sorting by y or z has the same problem. We want the *square* where two strips cross, but one list cannot be sorted by x and by y at once.
 #
 # ## The idea: x and y take turns
 #
-# *Cut the plane by x, each half by y, each quarter by x again.*
+# *Cut the plane by x, each half by y, and each quarter by x again.*
 #
-# A **kd-tree** is a tree of points with $k$ dimensions. Each point becomes a *node*, and cuts, or *splits*, the region that it falls into in two:
+# A **kd-tree** is a tree of points with $k$ dimensions. Each point becomes a *node*, which cuts (or *splits*) its region in two:
 #
-# - the first node, the *root*, cuts by x: points with a smaller x go to the left, all others to the right;
-# - the nodes of the second level cut by y: again smaller to the left, all others to the right;
-# - the third level cuts by x again, and so on. In space the turns are x, y, z, x, y, z, ...
+# - The first node, the *root*, cuts by x. Points with a smaller x go to the left, all others to the right.
+# - Its children cut by y: again smaller to the left, all others to the right.
+# - The third level cuts by x again, and so on. In space the axes are x, y, z, x, y, z, ...
 #
-# The root has depth 0, its children have depth 1. At depth $d$ the axis is $d \bmod k$: in Python, `depth % len(point)`.
+# The root has depth 0, its children have depth 1. At depth $d$ the axis is $d \bmod k$, in Python `depth % len(point)`. A node without children is a *leaf*.
 #
-# These are the two classes. `@dataclass` writes the `__init__` for us: `Node(point, index)` is a node without children, and `KdTree()` is an empty tree.
+# `@dataclass` writes the `__init__` of both classes: `Node(point, index)` is a leaf, and `KdTree()` is an empty tree.
 
 # %%
 @dataclass(eq=False, repr=False)
 class Node:
-    """A point in the tree: where it is, its row in the cloud, and what hangs below it."""
+    """A point in the tree: its position, its row in the cloud, and its two children."""
 
     point: list
     index: int
@@ -124,7 +120,7 @@ class Node:
 
 @dataclass(eq=False, repr=False)
 class KdTree:
-    """A kd-tree. It passes its work on to the functions that you write in this lesson."""
+    """A kd-tree. Its methods call the functions that you write in this lesson."""
 
     root: object = None  # or the first node
 
@@ -136,7 +132,7 @@ class KdTree:
 
 
 # %% tags=["folded"]
-# @title Trees ready-made from a table, for the pictures (you need not read this)
+# @title Makes finished trees for the pictures (you need not read this)
 def plant(self, points, left, right, indices=None):
     """Build a finished tree from a table: left[i] and right[i] are rows, -1 for none."""
     nodes = [Node(p, i) for p, i in zip(points, indices or range(len(points)))]
@@ -146,11 +142,11 @@ def plant(self, points, left, right, indices=None):
     self.root = nodes[0] if nodes else None
 
 
-KdTree.plant = plant  # the checks use it, too
+KdTree.plant = plant  # the checks also use it
 
 
 def first_of(count):
-    """The tree of the first so many of the eight points, in their order."""
+    """The tree of the first `count` of the eight points, in their order."""
     sides = (1, -1, 3, -1, -1, 7, -1, -1), (2, 4, 5, 6, -1, -1, -1, -1)
     left, right = [[row if row < count else -1 for row in side[:count]] for side in sides]
     tree = KdTree()
@@ -166,7 +162,7 @@ def better_of_seven():
 
 
 # %% [markdown]
-# We practise on seven points. First, how the cuts come about as one point after another arrives. The numbers are the rows of the array.
+# Here seven points arrive one after another. The numbers are the rows of the array.
 
 # %%
 seven = np.array([[-1.0, 2], [-6, -3], [6, 5], [3, -4], [-4, 7], [4, 8], [8, -7]])
@@ -180,13 +176,13 @@ for count, axes in zip((1, 2, 4, 7), grid.flat):
 # %% [markdown]
 # Follow point 6 at (8, -7). It starts at the root and answers one question at each node:
 #
-# | at node | question | answer | so it goes |
+# | at node | question | answer | next |
 # |---|---|---|---|
 # | 0, cuts x at -1 | is 8 smaller? | no | right, to node 2 |
 # | 2, cuts y at 5 | is -7 smaller? | yes | left, to node 3 |
-# | 3, cuts x at 3 | is 8 smaller? | no | right, where no node is: here it stays |
+# | 3, cuts x at 3 | is 8 smaller? | no | right, a free place |
 #
-# The other points do not move. A new point takes the first free place on its way down. Now an eighth point arrives, at (2, 5). Find its place with a pencil.
+# The other points do not move. Now an eighth point arrives, at (2, 5). Find its place with a pencil.
 
 # %%
 where = predict("Where does (2, 5) go?",
@@ -194,36 +190,36 @@ where = predict("Where does (2, 5) go?",
 
 # %%
 where.compare(place_of(first_of(8).root, 7),
-              "At node 0 it goes right: 2 is not smaller than -1. Node 2 cuts y at 5, and 5 is not "
-              "smaller than 5: equal goes right, to node 5. That one cuts x at 4: 2 is smaller, so "
-              "the point goes left, where no node is yet.")
-plots.kd_tree(first_of(8).root, title="The same tree drawn as a tree, with row 7 at (2, 5)");
+              "At node 0 it goes right, because 2 is not smaller than -1. Node 2 cuts y at 5, and "
+              "5 is not smaller than 5. Equal goes right, to node 5, which cuts x at 4. There, 2 "
+              "is smaller, so the point goes left, where the place is free.")
+plots.kd_tree(first_of(8).root, title="The same tree as a diagram, with row 7 at (2, 5)");
 
 # %% [markdown]
 # ## Exercise 1 · `insert` (points)
 #
-# *Walk down, one question per level, and take the first free place.*
+# `tree.insert(point, index)` calls your function with the tree as its first argument. Use a loop. A function that calls itself once per level stops with a `RecursionError` in a tree of a thousand levels, and a later cell grows such a tree.
 #
-# `tree.insert(point, index)` calls your function with the tree as first argument. Use a loop: a function that calls itself once per level ends in a `RecursionError` as soon as a tree is a thousand levels deep, and we shall meet such a tree.
+# This lesson forbids `scipy.spatial` and scikit-learn, which contain ready-made kd-trees. The end of the notebook lists the packages that you may use.
 
 # %% nbgrader={"grade": false, "grade_id": "insert", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def insert(tree, point, index):
-    """Hang a point into a kd-tree.
+    """Insert a point into a kd-tree.
 
     Parameters
     ----------
     tree : KdTree
-        Its `root` is a Node, or None while the tree is empty. It is changed.
+        The tree to change. Its `root` is a Node, or None while the tree is empty.
     point : sequence of k floats
         x, y or x, y, z in metres.
     index : int
         The row of the point in its cloud.
     """
-    # 1. Make the new node. In an empty tree it is the root, and that is all.
+    # 1. Make the new node. In an empty tree it becomes the root, and you are done.
     # 2. Otherwise start at the root, at depth 0.
     # 3. The axis is depth % len(point). Strictly smaller goes left, everything else right.
-    # 4. Is there a child on that side? Then go on from there, one level deeper.
-    # 5. If not, the new node becomes that child, and the walk ends.
+    # 4. If there is a child on that side, go on from there, one level deeper.
+    # 5. If there is none, the new node becomes that child, and you are done.
     # roughly 14 lines
     ### BEGIN SOLUTION
     newcomer = Node(point, index)
@@ -244,24 +240,24 @@ def insert(tree, point, index):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# You need two variables that change on the way down: the node where you are, and the depth. A `while True:` loop with a `return` where the new node is hung on is a good shape.
+# Two variables change on the way down: the current node and its depth. Use a `while True:` loop, and `return` after you attach the new node.
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# There are two cases, and they look alike. If the point is smaller along the axis, look at `node.left`: when it is `None`, put the new node there and return; when not, go there. Otherwise the same with `node.right`.
+# If the point is smaller along the axis, look at `node.left`. If that is `None`, put the new node there and return. Otherwise, go there. For all other points, do the same with `node.right`.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# In the loop: `axis = depth % len(point)`; then `if point[axis] < node.point[axis]:` and, inside, `if node.left is None:` set it and return, else `node = node.left`. The `else:` branch is its mirror image. The last line of the loop adds 1 to the depth.
+# In the loop, compute `axis = depth % len(point)`. In the branch `if point[axis] < node.point[axis]:`, set `node.left` and return if it is `None`, otherwise write `node = node.left`. The `else:` branch does the same with `node.right`. Last, add 1 to the depth.
 # </details>
 
 # %% [markdown]
-# **A tiny tree first.** Three points on paper: (5, 5) is the root. (2, 8) is smaller in x and goes left, (7, 3) goes right. `grow` makes a tree with your function. Should a cell never end, stop it with ■: a loop that nothing leaves goes on for ever.
+# **A tiny tree first.** On paper, (5, 5) is the root. (2, 8) has a smaller x and goes left, (7, 3) goes right. `grow` makes a tree with your function. If a cell never finishes, stop it with ■: your loop has no way out.
 
 # %%
 def grow(points, order=None):
     """A kd-tree of points, inserted in this order of rows; by default from first to last."""
-    points, tree = np.asarray(points).tolist(), KdTree()  # Python's own numbers are quicker
+    points, tree = np.asarray(points).tolist(), KdTree()  # Python's own numbers are faster
     for row in range(len(points)) if order is None else order:
         tree.insert(points[row], row)
     return tree
@@ -284,24 +280,24 @@ plots.kd_tree(by_arrival.root, title="Your tree");
 check(KdTree, exercise="insert")
 
 # %% [markdown]
-# **A good place to stop.** You can grow a tree. The next exercise searches it.
+# **A good place to stop.** You can grow a tree. Save the notebook. In the next sitting (40 minutes) you search the tree.
 
 # %% [markdown]
-# ## Searching: what may be left out?
+# ## Searching: which branches can be left out?
 #
-# *A circle that lies on one side of a cut cannot hold a point from the other side.*
+# *If you have just opened the notebook, run all cells above. `insert` sends smaller points to the left and all others to the right.*
 #
-# Given a target $t$ and a radius $r$ (the parameter `tolerance`), we want all points with a distance of at most $r$. Look at a node that cuts along some axis at the coordinate $s$. On that axis the circle reaches from $t - r$ to $t + r$. These are the ends of a **box** around it, drawn dotted below. Now ask two separate questions:
+# We want all points whose distance from a target is at most a radius $r$ (the parameter `tolerance`). Look at a node that cuts at the coordinate $s$. If $t$ is the target's coordinate along the same axis, the circle around the target reaches from $t - r$ to $t + r$. These are the ends of a **box** around it, drawn dotted below. Now ask two separate questions:
 #
 # $$\text{search the left branch, if } t - r < s$$
 #
 # $$\text{search the right branch, if } t + r \ge s$$
 #
-# If the box does not reach a side, no point there can be near. The whole branch with all its nodes is left out: it is *pruned*. If the box lies across the cut, both sides must be searched.
+# If the box does not reach a side, no point there can be near. The whole branch is left out, or *pruned*. If the box reaches across the cut, both sides must be searched.
 #
-# **Why is there an equals sign on the right only?** A point with exactly the coordinate $s$ stands on the right: that is how `insert` decided. With $t + r = s$ it may be at distance $r$, and "at most $r$" includes it. With `>` you lose this neighbour, though only when the box ends exactly at the cut. Such a bug can stay unseen for years.
+# **Why is there an equals sign on the right only?** `insert` puts a point with exactly the coordinate $s$ on the right. If $t + r = s$, this point may be at distance $r$, and "at most $r$" includes it. With `>` you lose this neighbour, but only if the box ends exactly at the cut.
 #
-# Try it on the seven points, in a better tree of them: row 3 is the root. Where that order comes from is the last part of this lesson. We search within 4 m of (-3, 4).
+# Try it on the seven points, within 4 m of (-3, 4). We use a better tree, with row 3 as its root. The last sitting explains its order.
 
 # %%
 better, target, radius = better_of_seven(), [-3, 4], 4
@@ -315,7 +311,7 @@ pruned = predict("Which branch is pruned?",
                           "right of node 3 and left of node 0"])
 
 # %% [markdown]
-# Now the whole search. Squares: looked at. Green: found. Hatched, and crossed out in the tree: pruned.
+# Squares mark the nodes that the search looks at, and green points are found. Pruned branches are hatched, and crossed out in the tree.
 
 # %%
 looked_at, near_ones = [3, 0, 1, 4], [i for i in range(7) if dist(seven[i], target) <= radius]
@@ -323,10 +319,10 @@ reached = {"right of node 3": target[0] + radius >= seven[3, 0],
            "left of node 0": target[1] - radius < seven[0, 1]}
 never = [branch for branch in reached if not reached[branch]]
 pruned.compare(" and ".join(never) or "none",
-               "At node 3 the box ends at x = 1, and the cut is at 3: no point to the right can be "
-               "near. At node 0 the box reaches from y = 0 to 8, across the cut at 2: both sides "
-               "are searched. Node 1 is far away, and yet the search has to look at it: the box "
-               "reaches into its region.")
+               "At node 3 the box ends at x = 1, and the cut is at 3, so no point to the right can "
+               "be near. At node 0 the box reaches from y = 0 to 8, across the cut at 2, so both "
+               "sides are searched. Node 1 is far away, but the search has to look at it, because "
+               "the box reaches into its region.")
 figure, (plane, diagram) = plt.subplots(1, 2, figsize=(8.5, 4.9), layout="compressed")
 plots.kd_search(seven, better.root, target, radius, looked_at, found=near_ones, limits=window,
                 axes=plane, title="After the search")
@@ -341,15 +337,13 @@ plots.kd_tree(better.root, visited=looked_at, found=near_ones, axes=diagram,
 # | 1, cuts x at -6 | -7 to 1 | no node there | no node there | far |
 # | 4, cuts x at -4 | -7 to 1 | no node there | no node there | near |
 #
-# One comparison, at the root, left out three of the seven points.
-#
-# The *box* decides where to go on, but the *circle* decides what is found: a corner of the box is 1.41 radii away (1.73 in space).
+# The *box* decides where to go on, but the *circle* decides which points are found. A corner of the box is 1.41 radii away (1.73 in space).
 #
 # ## Exercise 2 · `search` (points)
 #
-# *At each node: is it near? And for each side: can a point be near there?*
+# *At each node: is its point near? And for each side: can a point there be near?*
 #
-# Return the indices of all points within `tolerance`, in any order. Two branches may wait at the same time, so keep a list of places that you still have to visit, each with its depth. `math.dist(p, q)` is the distance of two points (imported above as `dist`).
+# Return the indices of all points within `tolerance`, in any order. Two branches may wait at the same time, so keep a list of places that you still have to visit, each with its depth. `math.dist(p, q)` is the distance between two points (imported above as `dist`). A `search` that calls itself is also right, but it may stop with a `RecursionError` later, in a tree of a thousand levels.
 
 # %% nbgrader={"grade": false, "grade_id": "search", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def search(tree, target, tolerance):
@@ -358,7 +352,7 @@ def search(tree, target, tolerance):
     Parameters
     ----------
     tree : KdTree
-        As `insert` builds it. It stays as it is.
+        A tree that `insert` has built. It is not changed.
     target : sequence of k floats
         x, y or x, y, z in metres.
     tolerance : float
@@ -370,10 +364,10 @@ def search(tree, target, tolerance):
         The indices of the points found, in any order.
     """
     # 1. One place waits: the root, at depth 0. Nothing is found yet.
-    # 2. As long as places wait, take one. If no node is there (None), take the next.
+    # 2. While places wait, take one. If there is no node (None), take the next.
     # 3. If its point is within the tolerance of the target, note its index.
-    # 4. If the box reaches below the split along this node's axis, the left child waits too.
-    # 5. If it reaches the split or beyond, the right child waits too.
+    # 4. If the box reaches below the split along this node's axis, the left child waits.
+    # 5. If the box reaches the split or beyond, the right child also waits.
     # roughly 12 lines
     ### BEGIN SOLUTION
     found, waiting = [], [(tree.root, 0)]
@@ -395,23 +389,23 @@ def search(tree, target, tolerance):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# Start with a search that leaves nothing out: put both children of every node onto the list. It finds the right points. Then add the two conditions, one for each child.
+# Start with a search that leaves nothing out: put both children of every node into the list. Then add the two conditions, one for each child.
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# `waiting = [(tree.root, 0)]`, then `while waiting:` and `node, depth = waiting.pop()`. The conditions compare one coordinate, `target[axis]` less or plus the tolerance, with `node.point[axis]`. Two times `if`, never `else`: both can be true.
+# Start with `waiting = [(tree.root, 0)]`, then `while waiting:` and `node, depth = waiting.pop()`. Compare `target[axis]`, minus or plus the tolerance, with `node.point[axis]`. Use `if` twice, never `else`, because both can be true.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# The left child waits when `target[axis] - tolerance` is smaller than the split, the right child when `target[axis] + tolerance` is greater than or equal to it. Children wait with `depth + 1`. A node is found when `dist(node.point, target)` is at most the tolerance, whatever the box says.
+# The left child waits if `target[axis] - tolerance` is smaller than the split. The right child waits if `target[axis] + tolerance` is greater than or equal to it. Children wait with `depth + 1`. A node is found if `dist(node.point, target)` is at most the tolerance, whatever the box says.
 # </details>
 
 # %% [markdown]
-# **A tiny search first**, in the better tree above. `trace` runs your search, and notes which nodes it looks at.
+# **A tiny search first.** `trace` runs your search in the better tree above and notes which nodes it looks at.
 
 # %%
 def trace(tree, target, tolerance):
-    """The nodes that a search looks at, in order; and what it finds."""
+    """The nodes that a search looks at, in order, and the indices that it finds."""
     with watched(tree) as visited:
         found = tree.search(target, tolerance)
     return visited, [] if found is None else sorted(found)
@@ -423,7 +417,7 @@ print(f"found {found}, expected {near_ones}")
 print(f"looked at {sorted(visited)}, expected {sorted(looked_at)}")
 
 # %% [markdown]
-# **Look before you check.** Fifteen points, the tree that your `insert` makes of them, and *your* search within 4 m of (2, -1), node by node. Hatched regions are pruned for good, dotted ones not reached yet, and a ring marks the node of this step. At the end three points must be green and four branches pruned. Where a step is wrong, the player begins there and says why.
+# **Look before you check.** The player shows *your* search within 4 m of (2, -1), in the tree that your `insert` makes of fifteen points. Dotted regions are not reached yet, and a ring marks the current node. At the end, three points must be green and four branches pruned (hatched). If a step is wrong, the player begins there and says why.
 
 # %%
 fifteen = np.array([[-6, 0], [1, -2], [4, -1], [-2, 5], [-1, 1], [-7, 3], [-3, -9], [3, -7],
@@ -437,9 +431,7 @@ check(KdTree, exercise="search")
 # %% [markdown]
 # ## Play: how much is left out?
 #
-# *The smaller the circle, the more is left out. A circle as large as the street saves nothing.*
-#
-# Here are a hundred and twenty points of the street, seen from above, in a tree that they entered in random order. Move the circle and change its radius. Even where nothing is found the search looks at some nodes: it has to walk down to where a point would be.
+# Here are 120 points of the street from above, inserted in random order. Move the circle and change its radius. Even a search that finds nothing looks at some nodes, because it has to walk down to where a point would be.
 
 # %%
 rng = np.random.default_rng(4)
@@ -465,20 +457,20 @@ def show_search(x, radius):
     plt.show()
 
 # %%
-# The same without sliders: two radii.
+# The same without sliders, for two radii.
 figure, panels = plt.subplots(2, 1, figsize=(8.5, 11), layout="compressed")
 for metres, axes in zip((2.0, 8.0), panels):
     draw_search(8.8, metres, axes)
 
 # %% [markdown]
-# **A good place to stop.** You can insert and search: two exercises of three are behind you. The second half asks in which *order* the points should arrive, and counts what you gain.
+# **A good place to stop.** You can insert and search. Save the notebook. In the last sitting (45 minutes) you choose the *order* in which the points arrive, and count what you gain.
 
 # %% [markdown]
 # ## Balance: the order of arrival shapes the tree
 #
-# *The first point decides for all that come after it. So let the middle one come first.*
+# *If you have just opened the notebook, run all cells above. `insert` grows a tree, and `search` prunes the branches that the box does not reach.*
 #
-# A thousand points need at least ten levels: nine full levels hold only $2^9 - 1 = 511$ points. How many there really are depends on the order of arrival. Here are three orders: random; sorted by x and y, as the points of a wall arrive along a [beam](#Words-of-the-course); and the same wall, shuffled.
+# A thousand points need at least ten levels, because nine full levels hold only $2^9 - 1 = 511$ points. The actual number depends on the order of arrival. We try a random order, a wall whose points arrive along a [beam](#Words-of-the-course), sorted by x and y, and the same wall shuffled.
 
 # %%
 def levels(points, order=None):
@@ -494,22 +486,22 @@ for name, rows in {"random order": thousand, "along a wall, end to end": wall,
     print(f"{name:>25}: {levels(rows):4d} levels")
 
 # %% [markdown]
-# The sorted wall makes a tree that is a list: every point goes to the right of the one before. Searching it is hardly better than comparing all points, and an `insert` that calls itself would have stopped at Python's limit. Shuffling mends most of it. But can we have the best tree for certain?
+# The sorted wall makes a list: every point goes to the right of the one before. Searching it is hardly better than comparing all points. Shuffling helps. But how do we get the best tree every time?
 #
-# A tree has the fewest levels if every node has as many nodes to its left as to its right. So the root must be the **median** along x: half of the other points are smaller. In each half, the next point to insert is the median along y. And so on, each part along its own axis.
+# A tree has the fewest levels if every node has as many nodes to its left as to its right. So the root must be the **median** along x: half of the other points are smaller. In each half, the median along y comes next, and so on, each part along the axis of its level.
 
 # %%
-root_row = predict("The better tree has row 3 as its root, the median along x. Which row would it "
-                   "be if y were cut first? The rows are "
+root_row = predict("The better tree has row 3 as its root, the median along x. Which row "
+                   "would be the root if y were cut first? The rows are "
                    + ", ".join(f"{row} ({x:g}, {y:g})" for row, (x, y) in enumerate(seven)),
                    choices=["row 0", "row 2", "row 5", "row 6", "row 3"])
 
 # %%
 middle_y = np.median(seven[:, 1])
 root_row.compare(f"row {np.flatnonzero(seven[:, 1] == middle_y)[0]}",
-                 f"The median of y is {middle_y:g}: three points have a smaller y, three a greater "
-                 "one. By x it is row 3: three are smaller than 3, three greater. Row 6 has the "
-                 "greatest x: no point could go to its right.")
+                 f"The median of y is {middle_y:g}: three points have a smaller y, and three a "
+                 "greater one. Row 3 is the median along x. Row 6 has the greatest x, so no point "
+                 "could go to its right.")
 figure, panels = plt.subplots(2, 1, figsize=(8.5, 8), layout="compressed")
 for title, order, axes in (("medians first", [3, 0, 2, 1, 4, 6, 5], panels[0]),
                            ("greatest x first, then medians", [6, 0, 1, 3, 5, 4, 2], panels[1])):
@@ -517,19 +509,17 @@ for title, order, axes in (("medians first", [3, 0, 2, 1, 4, 6, 5], panels[0]),
     plots.kd_tree(one.root, title=f"{title}: {depth_of(one.root)} levels", axes=axes)
 
 # %% [markdown]
-# Who takes the last of the sorted points for the middle one starts with the greatest x. The root has an empty right side, and a level more than it needs.
+# If you take the last sorted point instead of the middle one, the right side of the root stays empty, and the tree has one level more.
 #
-# Of an even number of points there are two in the middle. We take the *lower* one: of $m$ sorted points, the one at place $\lfloor (m - 1) / 2 \rfloor$, counted from 0. Then the tree has $\lfloor \log_2 n \rfloor + 1$ levels, as long as no coordinate occurs twice.
+# Among an even number of points, two are in the middle. We take the *lower* one: of $m$ sorted points, the one at place $\lfloor (m - 1) / 2 \rfloor$, counted from 0. Then the tree has $\lfloor \log_2 n \rfloor + 1$ levels, as long as no coordinate occurs twice.
 #
 # ## Exercise 3 · `median_order` (points)
 #
-# *The median first; then the same for the points that are smaller, and for the rest.*
-#
-# Return the order in which to insert: a list of row numbers. You need not build a tree here: the parts of a sorted list *are* what will go left and right.
+# Return the order in which to insert: a list of row numbers. You need no tree here, because the sorted points before and after the median are the ones that will go left and right.
 
 # %% nbgrader={"grade": false, "grade_id": "median_order", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def median_order(points):
-    """The order in which points make a balanced kd-tree.
+    """Return an order in which points make a balanced kd-tree.
 
     Parameters
     ----------
@@ -539,13 +529,13 @@ def median_order(points):
     Returns
     -------
     list of int
-        Each row number from 0 to n - 1 once. In every part of the tree the lower median along
+        Each row number from 0 to n - 1 once. In every part of the tree, the lower median along
         the current axis comes before all others of that part.
     """
     # 1. One part waits: all rows, at depth 0. The order is empty.
-    # 2. As long as parts wait, take one. A part without rows is done.
+    # 2. While parts wait, take one. A part without rows is done.
     # 3. Sort its rows by their coordinate along the axis of this depth.
-    # 4. The row at place (number of rows - 1) // 2 is next in the order.
+    # 4. The row at place (number of rows - 1) // 2 comes next in the order.
     # 5. The rows before it and the rows after it wait as parts of the next depth.
     # roughly 11 lines
     ### BEGIN SOLUTION
@@ -565,24 +555,24 @@ def median_order(points):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# Carry row numbers, not points: start with `np.arange(len(points))`. `points[rows, axis]` is one coordinate of those rows.
+# Work with row numbers, not points: start with `np.arange(len(points))`. `points[rows, axis]` is one coordinate of those rows.
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# `np.argsort(values)` says at which places the sorted values stand *within the part*. To get sorted row numbers, use it as an index: `rows[np.argsort(values)]`.
+# `np.argsort(values)` returns the places of the sorted values *within the part*. To get sorted row numbers, use it as an index: `rows[np.argsort(values)]`.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# After sorting, `m = (len(rows) - 1) // 2`. `rows[m]` joins the order; `rows[:m]` and `rows[m + 1:]` join the list of parts, both with `depth + 1`. As in `search`, a list of pairs and a `while` loop do it. A function that calls itself is fine here, too: a balanced tree is never deep.
+# After sorting, `m = (len(rows) - 1) // 2`. Append `rows[m]` to the order. Add `rows[:m]` and `rows[m + 1:]` to the list of parts, both with `depth + 1`. Use a list of pairs and a `while` loop as in `search`. A function that calls itself is also fine, because a balanced tree is never deep.
 # </details>
 
 # %% [markdown]
-# **Four points first.** They stand sorted by x. The lower median, at place 1, is row 1. To its left remains row 0, to its right rows 2 and 3. Along y these have 3 and 6, so their lower median is row 2.
+# **Four points first.** They are sorted by x. The lower median, at place 1, is row 1. Row 0 is to its left, and rows 2 and 3 are to its right. Their y are 3 and 6, so their lower median is row 2.
 
 # %%
 four = np.array([[1, 8], [2, 5], [6, 3], [9, 6]])
 print(f"your order: {np.asarray(median_order(four)).tolist()}")
-print("expected:   [1, 0, 2, 3]; as good are [1, 2, 0, 3] and [1, 2, 3, 0]")
+print("expected:   [1, 0, 2, 3]; also right: [1, 2, 0, 3] and [1, 2, 3, 0]")
 
 # %% [markdown]
 # **Look before you check.** The fifteen points should now make four full levels, with row 4 on top.
@@ -601,9 +591,9 @@ check(median_order)
 # %% [markdown]
 # ## Theory against practice: count the visits
 #
-# *Each level of a balanced tree halves what is left: twice the points, one more level.*
+# *In a balanced tree, twice as many points need only one more level.*
 #
-# A clock depends on the machine; the number of nodes looked at does not. We take 125 to 8,000 points of the scan, in space, and search around about fifty of them, each time with the radius that just holds the five nearest; all that for three draws. There are four orders of arrival. The last one is a made-up wall along which x, y and z all rise.
+# Time depends on the machine, but the number of nodes looked at does not. We draw 125 to 8,000 points of the scan and search around about fifty of them, each time for the five nearest. We do this three times, for four orders of arrival. The last one is an artificial wall along which x, y and z all rise.
 
 # %% tags=["folded"]
 # @title One search for five neighbours, counted (you need not read this)
@@ -616,12 +606,12 @@ ORDERS = {
 
 
 def five_nearest(points, targets):
-    """For each target the radius that just holds its five nearest."""
+    """For each target, the radius that just holds its five nearest points."""
     return np.sort(np.linalg.norm(points - targets[:, None], axis=2), axis=1)[:, 4] + 1e-9
 
 
 def cost_of(name, n):
-    """How many nodes of a tree of n points one search looks at, on average over three draws."""
+    """Nodes that a search in a tree of n points looks at, on average over three draws."""
     looks = []
     for draw in range(3):
         points = np.random.default_rng((n, draw)).choice(obstacles, n, replace=False)
@@ -637,35 +627,35 @@ def cost_of(name, n):
 
 # %%
 counts = np.array([125, 250, 500, 1000, 2000, 4000, 8000])
-# A tree that is a list takes long to grow: the wall stops at 1,000.
+# A tree that is a list takes long to grow, so the wall stops at 1,000.
 costs = {name: np.array([cost_of(name, n) for n in counts if n <= 1000 or "wall" not in name])
          for name in ORDERS}
 axes = plots.curves({"all points": (counts, counts),
                      "levels of the best tree": (counts, [int(n).bit_length() for n in counts])},
                     {name: (counts[:len(cost)], cost) for name, cost in costs.items()},
                     across="points in the tree", up="nodes looked at in one search",
-                    title="What a search looks at to find five")
+                    title="Nodes that a search looks at to find five points")
 axes.set_xscale("log")
 axes.set_yscale("log")
 axes.set_xticks(counts, [f"{n:,}" for n in counts])
 axes.minorticks_off()
 slopes = {name: np.polyfit(np.log(counts[:len(cost)]), np.log(cost), 1)[0]
           for name, cost in costs.items()}
-show_table(["order", "nodes looked at", "slope", "more with each doubling"],
+show_table(["order", "nodes looked at", "slope", "added by each doubling"],
            [(name, f"{cost[-1]:.0f} of {counts[len(cost) - 1]:,}", f"{slopes[name]:.1f}",
              f"{np.diff(cost).mean():.1f}") for name, cost in costs.items()])
 
 # %% [markdown]
-# The sorted wall visits half of all nodes: slope 1, as if there were no tree. With medians first, each doubling adds a few nodes: one level more to walk down, and some where the box reaches across cuts. Random order looks at a fifth more or so, which is why in practice people often just shuffle. Sorting by x lies in between: the cuts by x are wasted, those by y and z are not.
+# In the sorted wall, a search looks at half of all nodes: slope 1, as if there were no tree. With medians first, each doubling adds only a few nodes. On average, random order looks at a fifth more, so in practice people often just shuffle. Sorting by x wastes the cuts by x, but not those by y and z.
 #
 # ### And on the clock?
 #
-# Your tree runs in Python, one comparison at a time. NumPy compares all points, but in compiled code. And a tree has to be built first.
+# Your tree runs in Python, one comparison at a time. NumPy compares all points, but in compiled code.
 
 # %% tags=["folded"]
-# @title The clock (you need not read this)
+# @title Measures times (you need not read this)
 def seconds_of(work):
-    """Time that the processor spends on some work; what is short is repeated."""
+    """Time that the processor spends on some work. Short work is repeated."""
     begin, runs = process_time(), 0
     while process_time() - begin < 0.05:
         work()
@@ -674,7 +664,7 @@ def seconds_of(work):
 
 
 def measure(n):
-    """Put into `clock`: seconds for building a tree of n points, for its search, and NumPy's."""
+    """Put into `clock` the seconds to build a tree of n points, to search it, and NumPy's."""
     points = np.random.default_rng(n).choice(obstacles, n, replace=False)
     building = seconds_of(lambda: grow(points, median_order(points)))
     tree, targets = grow(points, median_order(points)), points[::n // 50]
@@ -695,21 +685,21 @@ if all(map(is_written, (insert, search, median_order))):
                         fit=False, title="One search, the tree already built")
     gain = numpys[-1] - yours[-1]
     print(f"Building the tree of {n:,} points took {1000 * building[-1]:.0f} ms. "
-          + (f"It pays from {building[-1] / gain:,.0f} searches on." if gain > 0 else
-             "At this size NumPy is still quicker, so it does not pay."))
+          + (f"It pays after {building[-1] / gain:,.0f} searches." if gain > 0 else
+             "At this size NumPy is still faster, so the tree does not pay."))
 else:
     print("Nothing to measure yet: this cell needs your own insert, search and median_order.")
 
 # %% [markdown]
-# NumPy's time grows with the number of points, and that of your search far more slowly. Where the lines cross, the better algorithm overtakes the faster language. Building counts, too: for a single question a tree does not pay. Clustering asks once for every point, here 8,000 times: compare that with the number of searches printed above the picture. A kd-tree in compiled code, as in SciPy, wins much earlier: lesson 10 uses one.
+# NumPy's time grows with the number of points, and the time of your search far more slowly. Where the lines cross, the better algorithm overtakes the faster language. For a single question a tree does not pay, because it has to be built first. Clustering asks once for every point, here 8,000 times: compare that with the number of searches printed above. A compiled kd-tree, such as SciPy's in lesson 10, pays much earlier.
 #
 # ### The lamp post again
 #
-# Now the first question of this lesson, asked to a tree of all obstacle points.
+# Let us put the lesson's first question to a tree of all obstacle points.
 
 # %%
 def search_the_scan(target, tolerance):
-    """Levels of a tree of all obstacle points, nodes that a search looks at, and points found."""
+    """Levels of a tree of all obstacle points, nodes that a search visits, and points found."""
     tree = grow(obstacles, median_order(obstacles))
     with watched(tree) as visited:
         found = tree.search(target, tolerance)
@@ -720,29 +710,27 @@ def search_the_scan(target, tolerance):
 height, visits, matches = search_the_scan(post, half_a_metre)
 print(f"{height} levels for {len(obstacles):,} points; found {matches} of {is_near.sum()}")
 few.compare(visits,
-            f"The {matches} that are near have to be looked at. The others are nodes on the way "
-            "down, and points in regions that the box reaches. All the rest was never touched.")
+            f"The search has to look at the {matches} that are near. The others are nodes on the "
+            "way down, and points in regions that the box reaches. It never touches the rest.")
 
 # %% [markdown]
-# The tree has more than the 16 levels that $\lfloor \log_2 n \rfloor + 1$ promises: equal coordinates always go right, and many are equal. The file has whole millimetres, so many coordinates occur more than once, and all 1,653 points of the level beam have z = 0. If you move every point by a random fraction of a millimetre, the tree has 16 levels.
+# The tree has more than the 16 levels that $\lfloor \log_2 n \rfloor + 1$ promises, because many coordinates are equal and equal always goes right. All 1,653 points of the horizontal beam have z = 0. If you move every point by a random fraction of a millimetre, the tree has 16 levels.
 #
 # ## Common mistakes
 #
-# *A search that finds too little is quiet: nothing crashes.*
-#
-# | what was written | what you see |
+# | mistake | what you see |
 # |---|---|
 # | the box decides, not the circle | points in the corners that are not neighbours |
 # | `if ... else` instead of two `if` | points beyond a cut are missing |
 # | `>` instead of `>=` for the right side | a point at exactly the radius is missing, in some directions only |
-# | `<=` instead of `<` in `insert` | equal goes left: `search` then misses it |
-# | the axis is always 0 | the cuts are all parallel: strips again |
-# | squared distance against plain radius | 0.5 acts as 0.71, and 3 as 1.73 |
-# | no condition before going on | right results, no hatching: every node was visited |
-# | `insert` calls itself | a `RecursionError`, at the first wall |
+# | `<=` instead of `<` in `insert` | equal goes left, and `search` misses it |
+# | the axis is always 0 | parallel cuts: strips again |
+# | squared distance compared with the radius | 0.5 acts as 0.71, and 3 as 1.73 |
+# | no condition before going on | right results, no hatching: every node is visited |
+# | `insert` calls itself | a `RecursionError` at the sorted wall |
 
 # %% tags=["folded"]
-# @title Four of these mistakes (you need not read this)
+# @title Draws four of these mistakes (you need not read this)
 cases = [("the box decides", seven, better, [-1.5, 4.5], 3.0, [0, 4], None),
          ("if ... else", seven, better, [1, 4], 5.2, [0], [3, 0, 1]),
          ("> instead of >=", eight, first_of(8), [2, 1], 4.0, [0], None),
@@ -761,12 +749,11 @@ for (title, points, one, centre, metres, finds, visited), axes in zip(cases, pan
 # %% [markdown]
 # ## In practice
 #
-# - Real trees keep 10 to 40 points in each leaf and compare with all of them: fewer jumps through memory. They store nodes in one long array, and they cut the longest side of a region rather than by turns: at the median, as SciPy does unless told otherwise, or in the middle.
-# - The tree is built once per scan. Balanced building by sorting at every level costs $n \log^2 n$; selecting medians without sorting saves one logarithm.
-# - With more dimensions the box touches ever more regions. From about ten on, a kd-tree visits nearly every node; image search uses approximate structures instead.
-# - A map that grows while the car drives needs insertion *and* balance: incremental trees rebuild crooked branches in the background.
+# - Real trees keep 10 to 40 points in each leaf and compare with all of them. They cut the longest side of a region instead of taking turns.
+# - With more dimensions, the box touches more regions. From about ten on, a kd-tree visits nearly every node.
+# - A map that grows while the car drives needs insertion *and* balance. Incremental trees rebuild unbalanced branches in the background.
 #
-# The search of this lesson in three libraries. Open3D returns *squared* distances, too:
+# The same search in three libraries:
 #
 # ```python
 # near = scipy.spatial.KDTree(xyz, leafsize=10).query_ball_point(post, r=0.5)
@@ -776,22 +763,22 @@ for (title, points, one, centre, metres, finds, visited), axes in zip(cases, pan
 #
 # ## Summary
 #
-# - A kd-tree cuts space by each axis in turn; inserting is one question per level.
-# - A search looks left if the box reaches below the cut, right if it reaches the cut or beyond. It leaves out everything else and misses no point.
-# - The order of arrival shapes the tree: sorted points make a list, shuffled ones a good tree, medians first the one with the fewest levels.
-# - Counting visits shows the algorithm; the clock shows the language as well.
+# - A kd-tree cuts space by each axis in turn.
+# - A search goes left if the box reaches below the cut, and right if it reaches the cut or beyond. It misses no point.
+# - The order of arrival shapes the tree. Medians first give the fewest levels, and a random order is nearly as good.
 #
-# **Sources.** The kd-tree: [Bentley 1975](https://doi.org/10.1145/361002.361007). Splitting by medians and expected logarithmic search: [Friedman, Bentley and Finkel 1977](https://doi.org/10.1145/355744.355745). The cut of SciPy's tree: [Maneewongvatana and Mount 1999](https://arxiv.org/abs/cs/9901013) and [its documentation](https://docs.scipy.org/doc/scipy/reference/generated/scipy.spatial.KDTree.html). Growing maps: [Cai, Xu and Zhang 2021](https://arxiv.org/abs/2102.10808).
+# **Sources.** The kd-tree: [Bentley 1975](https://doi.org/10.1145/361002.361007). Medians and expected logarithmic search: [Friedman, Bentley and Finkel 1977](https://doi.org/10.1145/355744.355745). The cut of SciPy's tree: [Maneewongvatana and Mount 1999](https://arxiv.org/abs/cs/9901013) and [its documentation](https://docs.scipy.org/doc/scipy/reference/generated/scipy.spatial.KDTree.html). Growing maps: [Cai, Xu and Zhang 2021](https://arxiv.org/abs/2102.10808).
 #
 # **Next:** 05 · Euclidean clustering
 
 # %% [markdown]
 # ## If you want more
 #
-# 1. Write `nearest(tree, target)`: the radius shrinks to the best distance so far. Which side should you visit first? (The side of the target: a small radius prunes more of the other.)
-# 2. Cut along the side on which the region is longest instead of by turns. Count visits on a street, which is longer than it is high.
-# 3. Write `remove(tree, index)`. It is harder than `insert`: whatever replaces the node must still part the two branches below it.
-# 4. Let clustering of lesson 05 ask your tree, and find the size at which it overtakes the version that compares with all.
+# Number 3 takes about an hour, the others about half an hour each.
+#
+# 1. Write `nearest(tree, target)`. Its radius shrinks to the best distance so far. Which side should you visit first? (The side of the target, because a small radius prunes more of the other side.)
+# 2. Cut the longest side of the region instead of taking turns. Count visits on a street, which is longer than it is high.
+# 3. Write `remove(tree, index)`. The node that replaces the removed one must still separate the two branches below.
 
 # %% [markdown] tags=["footer"]
 # (footer)

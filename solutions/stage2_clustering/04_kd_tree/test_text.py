@@ -2,10 +2,13 @@
 
 import functools
 import math
+import re
 
+import nbformat
 import numpy as np
 import pytest
 
+from grader.course.durations import sitting_minutes
 from grader.course.lessons import find_lesson
 from tests.lesson_texts import names_of
 from utils.datasets import DATA
@@ -38,10 +41,19 @@ def prose():
     return LESSON.source.read_text("utf-8")
 
 
+def test_the_stated_minutes_of_the_sittings_agree_with_the_estimate():
+    notebook = nbformat.read(LESSON.solved, as_version=4)
+    first, second, third = (int(n) for n in re.search(
+        r"three sittings of about (\d+), (\d+) and (\d+) minutes", prose()).groups())  # fmt: skip
+    assert sitting_minutes(notebook) == pytest.approx([first, second, third], rel=0.1)
+    assert f"In the next sitting ({second} minutes)" in prose()
+    assert f"In the last sitting ({third} minutes)" in prose()
+
+
 def test_a_strip_along_one_axis_contains_far_too_many_points():
     space = taught()
     near = space["is_near"].sum()
-    assert "a cyclist, a house front and, beyond the picture, a hedge are in it" in prose()
+    assert "A cyclist, a house front and, beyond the picture, a hedge are in it" in prose()
     truth = np.load(DATA / "cloud_truth.npz")
     ego_car = np.hypot(*space["cloud"][:, :2].T) < 2
     kinds = truth["classes"][(space["cloud"][:, 2] > -1.2) & ~ego_car]

@@ -4,6 +4,8 @@ from collections import deque
 
 import numpy as np
 import pytest
+from scipy.cluster.hierarchy import cophenet, linkage
+from scipy.spatial.distance import squareform
 from sklearn.cluster import DBSCAN
 
 from tests.lesson_texts import names_of, taught
@@ -21,7 +23,7 @@ def street():
     """Variables and functions that the lesson's cells define, by name."""
     return names_of(
         LESSON, "objects", "kinds", "yard", "in_yard", "true_number", "seven", "close_pairs",
-        "balls", "car", "member", "near", "which_thresholds", "two_errors",
+        "balls", "car", "member", "near", "which_thresholds", "pieces_at", "rising", "two_errors",
     )  # fmt: skip
 
 
@@ -127,10 +129,8 @@ def test_two_errors_cancel_at_half_a_metre(street, cluster):
     yard, things = street["yard"], street["objects"][street["in_yard"]]
     found = cluster(yard, 0.5)
     assert found.max() == len(np.unique(things))
-    for threshold in (0.25, 0.5):  # the rings are in both panels
-        found = cluster(yard, threshold)
-        assert set(found[things == 15]) & set(found[things == 16])
-        assert len(np.unique(found[things == 10])) > 1
+    assert set(found[things == 15]) & set(found[things == 16])
+    assert len(np.unique(found[things == 10])) > 1
 
 
 def test_cyclist_and_car_are_one_cluster_at_a_metre_and_a_half(street, cluster):
@@ -144,6 +144,20 @@ def test_no_threshold_is_right_for_both(street):
     assert apart.any() and whole.any() and not (apart & whole).any()
 
 
+def test_the_dendrogram_agrees_with_single_linkage(street):
+    rows, found = street["pieces_at"](street["rising"])
+    yard, things = street["yard"], street["objects"][street["in_yard"]]
+    joins = squareform(cophenet(linkage(yard[:, :3], "single")))[np.ix_(rows, rows)]
+    for threshold, labels in zip(street["rising"], found, strict=True):
+        assert ((labels[:, None] == labels) == (joins < threshold)).all()
+    names = things[rows]
+    people, car = np.isin(names, (15, 16)), names == 10
+    assert joins[np.ix_(people, people)].max() < 0.25 and people.sum() == 2
+    assert 0.65 < joins[np.ix_(car, car)].max() < 0.7 and car.sum() > 2
+    # At the default threshold, the larger pieces belong to all of the clusters in the picture.
+    assert len(np.unique(found[street["rising"] < 0.5][-1])) == 7
+
+
 @pytest.mark.slow
 def test_one_of_the_two_errors_always_remains(street):
     torn, joined = street["two_errors"](np.array([0.2, 0.25, 0.5, 0.7, 2.0]))
@@ -153,20 +167,34 @@ def test_one_of_the_two_errors_always_remains(street):
 
 
 @pytest.mark.slow
-def test_a_threshold_of_six_tenths_gains_one_stray_point(street, cluster):
-    torn, joined = street["two_errors"](np.array([0.5, 0.6, 0.65]))
-    assert np.round(18 * torn).tolist() == [5, 4, 2]
-    assert np.round(18 * joined).tolist() == [2, 2, 4]  # one more pair is joined
-    repaired = []
+def test_at_seven_tenths_no_road_user_is_torn_and_a_moving_car_is_joined(street, cluster):
+    torn, joined = street["two_errors"](np.array([0.5, 0.6, 0.65, 0.7]))
+    assert np.round(18 * torn).tolist() == [5, 4, 2, 0]
+    assert np.round(18 * joined).tolist() == [2, 2, 4, 4]
+    objects, truth = street["objects"], street["truth"]
+    users = np.unique(objects[np.isin(street["kinds"], ["car", "truck", "pedestrian", "cyclist"])])
+    new = []
+    narrow, wide = (cluster(street["obstacles"], threshold) for threshold in (0.6, 0.65))
+    for user in users:
+        before, after = (
+            set(objects[np.isin(found, found[objects == user])].tolist())
+            for found in (narrow, wide)
+        )
+        if before == {user} != after:
+            new.append((int(user), sorted(after)))
+    assert new == [(6, [6, 9]), (9, [6, 9])]
+    speeds = np.hypot(*truth["box_velocities"].T)
+    parked, moving = (speeds[truth["box_identities"] == car].item() for car in (6, 9))
+    assert parked == 0 and moving == pytest.approx(8, abs=0.1)
+
+
+@pytest.mark.slow
+def test_a_car_counts_as_torn_when_it_lost_a_single_point(street, cluster):
+    lost = []
     for car in np.unique(street["objects"][street["kinds"] == "car"]):
-        mine = street["objects"] == car
-        sizes = [
-            np.unique(cluster(street["obstacles"], threshold)[mine], return_counts=True)[1]
-            for threshold in (0.5, 0.6)
-        ]
-        if len(sizes[0]) > len(sizes[1]) == 1:
-            repaired.append(sorted(sizes[0].tolist()))
-    assert repaired == [[1, 228]]
+        found = cluster(street["obstacles"])[street["objects"] == car]
+        lost.append(sorted(np.unique(found, return_counts=True)[1].tolist()))
+    assert [1, 228] in lost
 
 
 def test_common_mistakes_match_the_table(street, cluster, labels):
