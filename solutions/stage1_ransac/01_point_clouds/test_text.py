@@ -1,7 +1,6 @@
 """Tests of the statements in lesson 01, with answers that follow its hints."""
 
 import timeit
-from dataclasses import replace
 
 import nbformat
 import numpy as np
@@ -11,8 +10,6 @@ from grader.course import durations
 from grader.course.lessons import find_lesson
 from tests.lesson_texts import run_lesson
 from utils.scenes import simple_highway
-from utils.simulator import scenes
-from utils.simulator.scanner import CLASSES
 
 pytestmark = pytest.mark.slow
 
@@ -35,24 +32,7 @@ def test_tiny_examples_give_the_expected_results(solved):
     np.testing.assert_array_equal(kept, solved.names["six"][[0, 4, 5]])
 
 
-def test_missing_rays_belong_to_the_two_steepest_beams(solved):
-    returns = np.bincount(simple_highway().scan.beams)
-    assert (returns[2:] == 128).all()
-    assert 2 * 128 - returns[:2].sum() == 8 * 128 - len(solved.names["highway"]) == 32
-
-
-def test_missing_rays_hit_the_roof_of_the_ego_car(monkeypatch):
-    nearer = replace(scenes.highway_sensor(), minimum_range=1.0)
-    monkeypatch.setattr(scenes, "highway_sensor", lambda: nearer)
-    scan = simple_highway().scan
-    missing = np.linalg.norm(scan.cloud[:, :3], axis=1) < 5.0
-    assert len(scan.cloud) == 8 * 128 and missing.sum() == 32
-    assert {CLASSES[class_index] for class_index in scan.classes[missing]} == {"ego"}
-
-
 def test_a_height_threshold_keeps_only_cars():
-    from utils.scenes import simple_highway
-
     frame = simple_highway()
     on_car = frame.scan.objects > 0
     kept = frame.cloud[:, 2] > -2.5
@@ -73,7 +53,8 @@ def test_four_beams_see_the_cars_and_no_pedestrian(solved):
     counted = solved.names["counted"]
     assert min(counted["32 beams"]) >= 8
     last = counted["4 beams"]
-    assert min(last[:4]) >= 5 > max(last[4:])
+    assert min(last[:4]) > 10
+    assert sorted(last[4:]) == [0, 1, 2]
 
 
 def test_marked_objects_vanish_as_described(solved):

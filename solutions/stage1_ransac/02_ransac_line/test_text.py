@@ -2,9 +2,12 @@
 
 import re
 
+import nbformat
 import numpy as np
 import pytest
 
+from grader.course import durations
+from grader.course.lessons import find_lesson
 from tests.lesson_texts import run_lesson
 from utils import load_cloud
 from utils.datasets import DATA
@@ -31,6 +34,25 @@ def test_tiny_examples_give_the_expected_results(solved):
     assert np.allclose(np.abs(line), [0, 1, 1]) and inliers.tolist() == [True] * 4 + [False]
 
 
+def test_the_sittings_take_as_long_as_stated():
+    notebook = nbformat.read(find_lesson("02_ransac_line").solved, as_version=4)
+    stated = re.search(r"two sittings of (\d+) and (\d+)", notebook.cells[0].source)
+    minutes = durations.sitting_minutes(notebook)
+    assert minutes == pytest.approx([int(stated[1]), int(stated[2])], rel=0.1)
+    assert f"The second sitting takes {stated[2]} minutes." in str(notebook.cells)
+
+
+def test_the_picture_of_the_quarter_turn_is_right(solved):
+    p, q = (1, 2), (4, 6)
+    direction, (a, b, c) = np.subtract(q, p), (-0.8, 0.6, -0.4)
+    assert (a, b) == pytest.approx(np.array([-direction[1], direction[0]]) / 5)
+    assert [a * x + b * y + c for x, y in (p, q)] == pytest.approx([0, 0])
+    assert np.hypot(a, b) == pytest.approx(1)
+    # The student's function gives the same line, up to its sign.
+    line = solved.names["line_through"](np.array(p, dtype=float), np.array(q, dtype=float))
+    assert np.abs(line) == pytest.approx(np.abs((a, b, c)))
+
+
 def test_outliers_flatten_the_least_squares_line(solved):
     points = solved.names["points"]
     assert abs(np.polyfit(*points.T, 1)[0]) < 0.2
@@ -51,11 +73,13 @@ def test_the_table_of_rounds_is_as_described(solved):
     counts = solved.names["counts"]
     assert counts[3] == max(counts) >= 10
     assert max(counts[:3] + counts[4:]) <= 7
-    rng, wall_rounds = np.random.default_rng(3), []
+    rng, points, lengths = np.random.default_rng(3), solved.names["points"], {}
     for number in range(1, 11):
-        if (rng.choice(20, size=2, replace=False) < 10).all():
-            wall_rounds.append(number)
-    assert wall_rounds == [2, 4, 7, 9]
+        i, j = rng.choice(20, size=2, replace=False)
+        if i < 10 and j < 10:
+            lengths[number] = np.hypot(*(points[i] - points[j]))
+    assert list(lengths) == [2, 4, 7, 9]
+    assert max(lengths[number] for number in (2, 7, 9)) < 0.5 * lengths[4]
 
 
 def test_one_run_in_ten_fails(solved):
