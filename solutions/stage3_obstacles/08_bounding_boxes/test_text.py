@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from grader.course.lessons import find_lesson
-from tests.lesson_texts import FOLLOWED, source_of, taught
+from tests.lesson_texts import FOLLOWED, names_of, source_of, taught
 from utils import load_cloud
 from utils.datasets import DATA
+from utils.drive import askew, chain, drive_street, on_time
 from utils.plots import corners
 
 LOOPS = "corners from three nested loops, as the text suggests"
@@ -176,6 +177,33 @@ def test_only_one_vehicle_is_diagonal():
     off = np.degrees(TRUTH["box_yaws"][vehicles]) % 90
     off = np.minimum(off, 90 - off)
     assert np.count_nonzero(off >= 10) == 1
+
+
+def test_boxes_of_parallel_vehicles_hold_little_air():
+    vehicles = [label for label in PRESENT if KINDS[label] in ("car", "truck", "cyclist")]
+    air = {}
+    for label in vehicles:
+        _, (length, width, _), yaw = shape_of(label)
+        cosine, sine = abs(np.cos(yaw)), abs(np.sin(yaw))
+        whole = (length * cosine + width * sine) * (length * sine + width * cosine)
+        air[label] = 1 - length * width / whole
+    diagonal = air.pop(10)
+    assert max(air.values()) < 0.25 and np.median(list(air.values())) < 0.1 < 0.5 < diagonal
+
+
+def test_the_corridor_has_the_stated_size():
+    names = names_of("08_bounding_boxes", "corridor_low", "corridor_high")
+    size = (names["corridor_high"] - names["corridor_low"]).tolist()
+    text = find_lesson("08_bounding_boxes").source.read_text()
+    assert f"a corridor {size[1]:g} m wide and {size[0]:g} m long" in text
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize("degrees", [0, 4])
+def test_the_car_drives_82_m_up_to_four_degrees(degrees):
+    detect = askew(chain(boxes=get_bounding_boxes), degrees)
+    trip = drive_street(1, detect, seconds=10, clock=on_time)
+    assert round(trip.report.metres) == 82 and not trip.report.brakings
 
 
 def test_boxes_pay_off_after_a_hundred_queries(boxes):

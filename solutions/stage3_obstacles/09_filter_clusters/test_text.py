@@ -7,7 +7,7 @@ from grader.course.lessons import find_lesson, load_reference
 from utils import check, load_cloud
 from utils.checks.core import notes_of, run_check
 from utils.datasets import DATA
-from utils.drive import STREETS
+from utils.drive import STREETS, chain, drive_street, on_time
 from utils.simulator.streets import EGO_LANE
 
 NAME = "09_filter_clusters"
@@ -137,3 +137,15 @@ def test_the_cyclist_meets_the_car_at_the_stated_time():
     ((_, pace),) = cyclist.speeds
     meeting = cyclist.begins / street.limit + abs(cyclist.obstacle.pose.y - EGO_LANE) / pace
     assert round(meeting) == 9
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize(("minimum", "hits"), [(10, False), (40, False), (50, True)])
+def test_the_largest_minimum_that_spares_the_cyclist_is_40(taught, minimum, hits):
+    detect = chain(keep=lambda labels: taught.filter_clusters(labels, minimum))
+    trip = drive_street(3, detect, seconds=10, clock=on_time)
+    assert bool(trip.report.collision) == hits
+    if hits:
+        assert "a cyclist in our lane, 3 m ahead" in str(trip)
+    else:
+        assert trip.report.closest == pytest.approx(2, abs=0.2)
