@@ -1,4 +1,4 @@
-"""Preview of lesson 11: a diagonal car in a box along the street, and in the smallest box."""
+"""Preview of lesson 11: a diagonal car in a box along the street, and in the closest one."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -27,7 +27,7 @@ def draw() -> Figure:
     lines = axes.get_legend_handles_labels()[0]
     axes.legend(
         lines,
-        ["along the street", "the smallest rectangle"],
+        ["along the street", "the closest rectangle"],
         loc="lower left",
         bbox_to_anchor=(0, 1),
         ncols=2,

@@ -1,21 +1,26 @@
 """Tests of the statements in lesson 11 about headings, areas and mistakes, with its own scan."""
 
+import re
 import time
 from types import SimpleNamespace
 
+import nbformat
 import numpy as np
 import pytest
 import shapely
 from scipy.spatial.transform import Rotation
 
+from grader.course import durations
 from grader.course.kept_answers import answers_to
-from grader.course.lessons import load_reference
+from grader.course.lessons import find_lesson, load_reference
 from utils import load_cloud
 from utils.boxes import Box
 from utils.datasets import DATA
-from utils.scenes import cyclist
+from utils.drive import askew, chain, drive_street, on_time
+from utils.scenes import cyclist, random_street
 
-LESSON = load_reference("11_pca_boxes")
+NAME = "11_pca_boxes"
+LESSON = load_reference(NAME)
 ANGLES = np.radians(np.arange(90))
 VEHICLES = (1, 2, 3, 4, 5, 6, 7, 9, 10)
 
@@ -219,6 +224,25 @@ def test_each_kind_of_object_has_the_stated_best_method(street):
     assert np.degrees(np.arccos(abs(normal[2]))) < 2
 
 
+@pytest.mark.slow
+def test_no_method_is_reliable_for_cyclists():
+    """The text states the number of cyclists, their median errors, and the largest error."""
+    off = []
+    for seed in range(40):
+        frame = random_street(seed)
+        x, y, z = frame.cloud[:, :3].T
+        near = (z >= -1.2) & (np.hypot(x, y) < 20)
+        for box in frame.boxes:
+            points = frame.cloud[near & (frame.scan.objects == box.identity), :3]
+            if box.kind == "cyclist" and len(points) >= 20:
+                ways = (axis_yaw, rectangle_yaw, closest_yaw)
+                off.append([angle_to_side(find(points), box) for find in ways])
+    assert len(off) == 17
+    middle, worst = np.median(off, axis=0), np.max(off, axis=0)
+    assert (middle > 7.5).all() and (middle < 10.5).all()
+    assert 31.5 < worst[0] < 32.5 and worst.argmax() == 0
+
+
 def test_flattened_boxes_lose_points(street):
     def outside(label):
         points = points_of(street, label)
@@ -273,6 +297,13 @@ def test_forty_clusters_are_boxed_quickly():
     assert min(times) < 0.2  # generous, although a whole frame may take only 0.1 s
 
 
+def test_the_two_sittings_take_as_long_as_stated():
+    text = find_lesson(NAME).source.read_text("utf-8")
+    stated = re.search(r"two sittings of (\d+) and (\d+) minutes", text).groups()
+    notebook = nbformat.read(find_lesson(NAME).solved, as_version=4)
+    assert durations.sitting_minutes(notebook) == pytest.approx([*map(int, stated)], rel=0.1)
+
+
 def test_points_and_lines_have_boxes():
     line = np.outer(np.linspace(0, 3, 7), [0.6, 0.8, 0.0])
     for points in (line, line[:1], line[[0, 0, 0]]):
@@ -308,6 +339,42 @@ def test_headings_of_a_stream_jump_and_can_be_unwrapped():
     assert np.median(abs(wrong["axis"])) > 8 and abs(wrong["axis"]).max() > 20
     assert wrong["axis"].min() < -8 and wrong["axis"].max() > 8, "the error has both signs"
     assert np.median(abs(wrong["rectangle"])) < 1 and abs(wrong["rectangle"]).max() < 3
+
+
+def boxes_by(find):
+    def get_boxes(cloud, labels):
+        boxes = []
+        for label in np.unique(labels[labels > 0]):
+            points, yaw = cloud[labels == label, :3], find(cloud[labels == label, :3])
+            straight = LESSON.turned(points, -yaw)
+            (back, right, low), (front, left, high) = straight.min(axis=0), straight.max(axis=0)
+            floor = [(front, left), (back, left), (back, right), (front, right)]
+            corners = np.array([(x, y, z) for z in (low, high) for x, y in floor])
+            boxes.append(LESSON.turned(corners, yaw))
+        return np.reshape(boxes, (-1, 8, 3))
+
+    return get_boxes
+
+
+# Street, degrees, yaw, and the metres and the needless brakings that the text states.
+DRIVES = [
+    (12, 0, closest_yaw, "59 m", 0),
+    (12, 0, rectangle_yaw, "", 2),
+    (12, 0, axis_yaw, "8 m", 1),
+    (1, 12, closest_yaw, "82 m", 0),
+    (1, 12, rectangle_yaw, "", 1),
+    (1, 12, axis_yaw, "11 m", 1),
+]
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize(("street", "degrees", "find", "metres", "needless"), DRIVES)
+def test_the_car_drives_as_far_as_stated(street, degrees, find, metres, needless):
+    detect = askew(chain(boxes=boxes_by(find)), degrees)
+    report = str(drive_street(street, detect, seconds=10, clock=on_time))
+    assert f": {metres}" in report and report.count("needless") == needless, report
+    if needless == 0:
+        assert report.count(" s  ") == (street == 12)  # for the car ahead
 
 
 def test_common_mistakes_match_the_table(street):
