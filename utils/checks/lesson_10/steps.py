@@ -293,8 +293,8 @@ def keeps_the_labels_unchanged(join_exactly: Callable) -> None:
     title="Joins neighbouring pieces in a row, and stops at the first gap",
     why="After step 2, a wall may consist of dozens of pieces, each of them close only to the "
     "next.",
-    hint="Several points of q may belong to one open pair: pair_of_q[near] are the rows of the "
-    "open pairs to join, and components joins them from piece to piece.",
+    hint="Join from piece to piece: compare the two labels again in each round, on the copy that "
+    "the loop changes, and relabel the whole piece with label[label == label[b]] = label[a].",
 )
 def joins_a_row_of_pieces(join_exactly: Callable) -> None:
     label = np.array([3, 0, 4, 1, 2])
