@@ -9,16 +9,16 @@
 # %% [markdown]
 # # 13 · Compiled loops
 #
-# The grid of lesson 10, union-find and the boxes of lesson 11 once more, as plain loops that a compiler turns into machine code: a full scan is clustered, exactly, in a few thousandths of a second.
+# This lesson writes the grid of lesson 10 and the boxes of lesson 11 as plain loops, which a compiler turns into machine code. The result is exact and clusters a full scan in about a hundredth of a second.
 #
-# This lesson is for who wants it. Nothing in it is handed in or graded, and nothing needs it. What you write is checked all the same.
+# The lesson is optional. You do not submit it, but your functions are checked.
 #
 # **After this lesson you can**
-# - say why a loop is slow in Python and fast when compiled, and what NumPy has to do with it,
-# - write what the compiler wants, and know what the first call costs,
+# - say why a loop is slow in Python and fast when compiled, and how it differs from NumPy,
+# - write code that the compiler accepts, and know what the first call costs,
 # - join groups by union-find, and stop as soon as the answer is known.
 #
-# **You write** five small functions. **You need** lessons 10 to 12. **Time:** (time)
+# **You write** five small functions. No package is forbidden, but Numba compiles only numbers, arrays, tuples, loops and NumPy. **You need** lessons 10 to 12. **Time:** (time), in two sittings of about 70 and 60 minutes.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -27,15 +27,16 @@
 # (setup)
 
 # %% [markdown]
-# ## A compiler for the asking
+# ## A compiler for Python loops
 #
-# *The same text, read by another machine.*
+# *Numba translates a Python loop into machine code.*
 #
-# [Numba](https://numba.pydata.org) takes a Python function made of numbers, arrays and loops and compiles it when it is first called. Colab has it. Elsewhere `pip install numba` brings it; the course tests with the version in `requirements-compiled.txt`. Without it this notebook runs the very same lines as plain Python, on one point in forty.
+# [Numba](https://numba.pydata.org) compiles a Python function at its first call. Colab has Numba. Elsewhere, run `pip install numba`; the course tests the version in `requirements-compiled.txt`. Without Numba, this notebook runs the same lines as plain Python, on one point in forty.
 
 # %%
 from time import process_time
 
+import matplotlib.pyplot as plt
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
@@ -47,18 +48,18 @@ try:
     from numba import njit
 except ImportError:
     def njit(function):
-        """In place of the compiler: the function as it is."""
+        """Replace the compiler: return the function as it is."""
         return function
 
 is_compiled = njit.__module__.startswith("numba")
 cloud = load_cloud("cloud.txt")[::1 if is_compiled else 40]
 points = np.ascontiguousarray(cloud[:, :3])
 print(f"{len(points):,} points;", "Numba is here" if is_compiled else
-      "Numba is NOT installed: what follows runs as plain Python, hundreds of times as slow")
+      "Numba is NOT installed, so everything runs as plain Python, hundreds of times slower")
 
 
 def milliseconds(function, *arguments, repeats=5):
-    """Processor time of a call, the middle one of some."""
+    """Median processor time of several calls, in milliseconds."""
     times = []
     for _ in range(repeats):
         begin = process_time()
@@ -69,22 +70,22 @@ def milliseconds(function, *arguments, repeats=5):
 # %% [markdown]
 # ## The naive idea: just write the loop
 #
-# *Python asks at every step what kind of thing a number is.*
+# *At every step, Python asks what kind of object a number is.*
 #
-# How many points lie within 0.2 m of a plane? RANSAC asks that in each round. As a loop it is seven lines. For each point, Python unpacks objects, looks up what `*` means for them, and packs the result into a new object.
+# RANSAC asks in each round how many points are within 0.2 m of a plane. For each point, Python unpacks objects, looks up what `*` means for them, and packs the result into a new object.
 #
-# `@njit` above a function has it compiled. **Here the check comes before you try it.** Compiled, a loop without an end hears no stop button, and a row that is not there is read all the same: whatever lies in memory behind the array. So `check` runs your function as plain Python first, and has Numba compile it only when that is right. The cells below wait until it has passed.
+# `@njit` above a function makes Numba compile it. **In this lesson, the check comes before you try your function.** The stop button does not end compiled code. And if you read a row that does not exist, you get whatever is in memory behind the array. So `check` first runs your function as plain Python, and compiles it only if it is right.
 
 # %%
-level = np.array([0.0, 0.0, 1.0, 1.73])  # a, b, c, d: the road, if it were level
-faster = predict("How many times as fast as the same loop in Python is the compiled one?",
+level = np.array([0.0, 0.0, 1.0, 1.73])  # a, b, c, d: a level road
+faster = predict("How many times faster is the compiled loop than the same loop in Python?",
                  choices=["about twice", "about 20 times", "more than 100 times"])
 
 # %% nbgrader={"grade": false, "grade_id": "count_near", "locked": false, "schema_version": 3, "solution": true, "task": false}
 @njit
 def count_near(points, plane, tolerance):
-    """How many points (n, 3) lie within a tolerance of a plane (4,); a loop, point by point."""
-    # 1. Start at zero, and go through the numbers of the rows.
+    """Count the points (n, 3) within a tolerance of a plane (4,), point by point."""
+    # 1. Start at zero, and go through the row numbers.
     # 2. The distance is |a x + b y + c z + d|, where points[i, 0] is x.
     # 3. Count it if it is at most the tolerance.
     # roughly 7 lines
@@ -101,15 +102,15 @@ def count_near(points, plane, tolerance):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# `for i in range(len(points)):` goes through the numbers of the rows. Inside, `points[i, 0]`, `points[i, 1]` and `points[i, 2]` are the x, y and z of one point: single numbers, no arrays.
+# `for i in range(len(points)):` goes through the row numbers. `points[i, 0]`, `points[i, 1]` and `points[i, 2]` are the x, y and z of one point: single numbers, not arrays.
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# `abs(...)` belongs around the whole sum, three products and `plane[3]`. Below the plane the sum is negative.
+# `abs(...)` goes around the whole sum of three products and `plane[3]`, which is negative below the plane.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# Set the count to 0 before the loop, add 1 in it `if` the distance is `<=` the tolerance, and put `return` after it, as far to the left as `for`.
+# Set the count to 0 before the loop. In the loop, add 1 `if` the distance is `<=` the tolerance. Put `return` after it, as far to the left as `for`.
 # </details>
 
 # %%
@@ -122,7 +123,7 @@ def count_by_numpy(points, plane, tolerance):
 
 if ready(count_near):
     as_python = getattr(count_near, "py_func", count_near)
-    # Compiled once more: `check` has done it before.
+    # `check` has compiled the function already, so compile it again to measure the time.
     first = milliseconds(njit(as_python), points, level, 0.2, repeats=1)
     same = count_near(points, level, 0.2) == count_by_numpy(points, level, 0.2)
     print(f"first call{', with compiling' * is_compiled}: {first:8.1f} ms; "
@@ -137,27 +138,26 @@ if ready(count_near):
         ratio = times["a loop in Python"] / times["the loop, compiled"]
         faster.compare("about twice" if ratio < 6 else "about 20 times" if ratio < 100
                        else "more than 100 times",
-                       f"{ratio:,.0f} times. Machine code adds and multiplies numbers; Python "
-                       "handles objects that hold them.")
+                       f"{ratio:,.0f} times. Machine code adds and multiplies numbers, but Python "
+                       "handles objects that contain them.")
 
 # %% [markdown]
-# NumPy is compiled, too. But it does one step for *all* points before the next: products, then sums, then absolute values, then comparisons, and each writes an array to memory that the next reads again. The compiled loop does all steps for a point while it is at hand, and writes nothing.
+# NumPy is compiled, too. But it does one step for *all* points before the next: products, sums, absolute values, comparisons. Each step writes an array to memory, and the next reads it again. The compiled loop does all steps for one point at once, and writes nothing.
 #
-# ## What the compiler wants
+# ## What the compiler needs
 #
-# *Types that stay what they are.*
+# *A variable must keep its type.*
 #
-# Numba looks at the types of the arguments, follows them through the function, and compiles for these. So
+# Numba compiles a function for the types of its arguments. Therefore:
 #
-# - a variable keeps its type: not a number here and `None` there,
-# - arrays, numbers, tuples; no dictionaries of this and that, no objects of your own, no `cKDTree`,
-# - functions that are called are compiled, too: `@njit` above each,
-# - names from outside are read once, when it compiles, and are constants from then on: who changes a function runs the cells of those that call it again, too,
-# - other types mean compiling once more: `float32` in place of `float64` costs another first call.
+# - A variable keeps its type: it cannot be a number here and `None` there.
+# - Use arrays, numbers and tuples, but no objects of your own and no `cKDTree`.
+# - Functions that you call need `@njit`, too.
+# - Variables from outside are constants after compiling. After you change a function, run the cells of all functions that call it again.
 #
-# **The first call pays.** It takes about a thousand times as long as the second. `@njit(cache=True)` keeps the machine code on disk for the next start. A car that compiles when the first pedestrian comes is built wrong: call everything once, with a small cloud of the right types, before the engine starts.
+# **The first call pays.** It takes about a thousand times as long as the second. `@njit(cache=True)` keeps the machine code on disk. A car must not compile when the first pedestrian appears, so it first calls everything once.
 #
-# What does it say if it cannot?
+# What does Numba say if it cannot compile a function?
 
 # %%
 @njit
@@ -174,20 +174,44 @@ if is_compiled:
         print(type(error).__name__, "\n" + "\n".join(str(error).splitlines()[:2]))
 
 # %% [markdown]
-# Now take the clustering of lesson 10 apart into loops. Three things that NumPy could not do make it shorter and faster: groups are joined *one pair at a time*, a comparison *stops* at the first close pair, and no list of pairs is ever written down.
-#
 # ## Union-find
 #
-# *Everybody points at somebody of their own group; who points at themselves is the root.*
+# *Every cell points at a cell of its own piece, and the root of the piece points at itself.*
 #
-# Each cell has a parent, itself at first. Following parents leads to a **root**, and two cells are in the same piece if they have the same one. To join two pieces, let the root of one point at the other. On the way to the root, each cell may as well point at its grandparent: so paths stay short.
+# Now we rewrite the clustering of lesson 10. Loops can join groups *one pair at a time*, *stop* at the first close pair, and need no list of pairs.
+#
+# Each cell has a parent, at first itself. If you follow the parents, you reach a **root**. Two cells with the same root are in the same piece. To join two pieces, let one root point at the other.
+#
+# On the way to the root, each visited cell is made to point at its grandparent. This *path halving* shortens the next search:
+
+# %% tags=["folded"]
+# @title Draws path halving (you need not read this)
+figure, panels = plt.subplots(2, 1, figsize=(8.5, 3.6), layout="compressed", facecolor="white")
+states = {"Before: root 0 is six steps from cell 6": [0, 0, 1, 2, 3, 4, 5],
+          "After root_of(parent, 6): three steps": [0, 0, 0, 2, 2, 4, 4]}
+for axes, (title, parents) in zip(panels, states.items()):
+    path = [6]
+    while parents[path[-1]] != path[-1]:
+        path.append(parents[path[-1]])
+    for cell, its_parent in enumerate(parents):
+        colour, width = ("#D55E00", 2.2) if cell in path else ("#57606A", 1.2)
+        axes.text(cell, 0, str(cell), ha="center", va="center", fontsize=11, color="#1B1F24",
+                  zorder=3, bbox={"boxstyle": "circle", "facecolor": "white", "edgecolor": colour})
+        if cell != its_parent:
+            bend = 0.45 if cell - its_parent > 1 else 0
+            axes.annotate("", (its_parent, 0), (cell, 0), zorder=1, arrowprops={
+                "arrowstyle": "-|>", "color": colour, "lw": width, "shrinkA": 11, "shrinkB": 11,
+                "connectionstyle": f"arc3,rad={bend if cell % 2 == 0 else -bend}"})
+    axes.set(xlim=(-0.6, 6.6), ylim=(-0.6, 0.9))
+    axes.set_title(title, loc="left", fontsize=12, fontweight="bold", pad=6)
+    axes.set_axis_off()
 
 # %% nbgrader={"grade": false, "grade_id": "root_of", "locked": false, "schema_version": 3, "solution": true, "task": false}
 @njit
 def root_of(parent, cell):
-    """Follow the parents (m,) of a cell up to its root, and shorten the way for the next time."""
+    """Follow the parents (m,) of a cell to its root, and shorten the path for the next time."""
     # 1. While the cell is not its own parent:
-    # 2.     let it point at its grandparent, and go there.
+    # 2.     make it point at its grandparent, and go there.
     # roughly 4 lines
     ### BEGIN SOLUTION
     while parent[cell] != cell:
@@ -199,11 +223,11 @@ def root_of(parent, cell):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# A root is its own parent. So the loop goes on `while parent[cell] != cell`, and the cell at which it ends is the answer.
+# A root is its own parent. So the loop runs `while parent[cell] != cell`, and the cell at which it ends is the answer.
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# The grandparent is `parent[parent[cell]]`. In each round do both: write it into `parent[cell]`, and then go there. Without the second half the loop never ends.
+# The grandparent is `parent[parent[cell]]`. In each round, write it into `parent[cell]`, and then go there. Otherwise the loop never ends.
 # </details>
 
 # %%
@@ -222,18 +246,18 @@ def unite(parent, a, b):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# What is written is the parent of a *root*. Who changes the parent of another cell takes it away from its piece, with all that hangs on it.
+# Change the parent of a *root*. If you change another cell's parent, you cut this cell out of its piece, with all cells that point at it.
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# Ask `root_of` for both roots first. `min` of the two stays a root, and `max` of the two gets it for its parent. Nothing is returned: the array is changed.
+# First get both roots from `root_of`. The `max` of the two gets the `min` as its parent. Return nothing, because the array itself is changed.
 # </details>
 
 # %%
 check(unite)
 
 # %% [markdown]
-# **Try it on seven nodes.** The four pairs of lesson 10 join 0, 2, 4 and 5, and 1 and 3; 6 stays alone.
+# **Try it on seven nodes.** The four pairs of lesson 10 join 0, 2, 4 and 5, and also 1 and 3. Node 6 stays alone.
 
 # %%
 if ready(root_of, unite):
@@ -244,19 +268,19 @@ if ready(root_of, unite):
           "  expected: [0, 1, 0, 1, 0, 0, 6]")
 
 # %% [markdown]
-# ## Stop at the first
+# ## Stop at the first close pair
 #
-# *The quickest comparison is the one that need not be made.*
+# *The quickest comparison is the one that you do not make.*
 #
-# Sorted by cell, the points of a cell stand side by side: those of cell a in the rows from `a` up to, but without, `a_end`. Are any two points of two cells closer than the threshold? `limit` is its square, which saves a root for each pair.
+# When points are sorted by cell, those of cell a are in the rows from `a` up to, but not including, `a_end`. Is any of them closer than the threshold to a point of cell b? `limit` is the square of the threshold, which saves square roots.
 
 # %% nbgrader={"grade": false, "grade_id": "any_close", "locked": false, "schema_version": 3, "solution": true, "task": false}
 @njit
 def any_close(points, a, a_end, b, b_end, limit):
-    """Whether a point in rows a to a_end and one in rows b to b_end are closer than sqrt(limit)."""
-    # 1. For each row of the one and each row of the other:
+    """Whether any point in rows a to a_end is closer than sqrt(limit) to one in rows b to b_end."""
+    # 1. For each row of one cell and each row of the other:
     # 2.     the square of their distance, from three differences.
-    # 3.     Below the limit? That is the answer: return it at once.
+    # 3.     If it is below the limit, return True at once.
     # roughly 8 lines
     ### BEGIN SOLUTION
     for i in range(a, a_end):
@@ -272,15 +296,15 @@ def any_close(points, a, a_end, b, b_end, limit):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# A loop in a loop: `i` in `range(a, a_end)`, and for each of them `j` in `range(b, b_end)`. `range` leaves out its end by itself.
+# Write a loop in a loop: `i` in `range(a, a_end)`, and for each `i`, `j` in `range(b, b_end)`.
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# Three differences, `x = points[i, 0] - ...` and so on; then `x * x + y * y + z * z` against `limit`, without a root.
+# Compute three differences, `x = points[i, 0] - ...` and so on. Compare `x * x + y * y + z * z` with `limit`.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# `return True` stands inside the `if`, and ends both loops at once. `return False` stands as far to the left as the outer `for`: only after all pairs the answer is no.
+# `return True` is inside the `if`, and ends both loops. `return False` comes after both loops, as far to the left as the outer `for`.
 # </details>
 
 # %%
@@ -293,18 +317,46 @@ if ready(any_close):
           "  expected: True False")
 
 # %% [markdown]
-# **A good place to stop.** All that the compiled clustering needs of you is written. What follows puts it together, and turns to boxes. If you come back later, run all cells above this one first.
-#
+# **A good place to stop.** Save the notebook. You have written all functions that the compiled clustering needs. The second sitting puts them together and turns to boxes.
+
+# %% [markdown]
 # ## The grid, sorted
+#
+# **The second sitting begins here.** Remember: `unite` joins two cells, `root_of` names their piece, and `any_close` compares their points. If you have closed the notebook, first run all cells above.
 #
 # *Numbers can be sorted without comparing any two of them.*
 #
-# Cells are numbered as in lesson 10, with two empty ones at the end of each column, so that neighbours of one column are never taken for those of the next. To bring the points in their order takes no comparisons: *counting sort* counts how many have each last digit, which tells where each goes; then the same for the digit before. A digit here has 11 bits. These functions are yours to read and use.
+# The cells are numbered as in lesson 10. *Counting sort* orders them. It counts how often each number occurs. The counts say where each number begins:
+
+# %% tags=["folded"]
+# @title Draws a counting sort (you need not read this)
+numbers = np.array([3, 1, 0, 3, 1, 2, 1])
+counts = np.bincount(numbers)
+starts = np.cumsum(counts) - counts
+figure, axes = plt.subplots(figsize=(8.5, 3.6), layout="compressed", facecolor="white")
+place = starts.copy()
+for row, value in enumerate(numbers):
+    colour = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")[value]
+    axes.plot([row, place[value]], [1, 0], color=colour, lw=1.8, zorder=1)
+    for x, y in ((row, 1), (place[value], 0)):
+        axes.text(x, y, str(value), ha="center", va="center", fontsize=12, color="#1B1F24",
+                  bbox={"boxstyle": "square", "facecolor": "white", "edgecolor": colour})
+    place[value] += 1
+for value, (count, start) in enumerate(zip(counts, starts)):
+    axes.text(start + (count - 1) / 2, -0.25, f"count of {value}: {count}\nbegins at place {start}",
+              ha="center", va="top", fontsize=10, color="#1B1F24")
+axes.set(xlim=(-0.7, 6.7), ylim=(-0.7, 1.2))
+axes.set_title("Counts say where each number begins; equal numbers keep their order", loc="left",
+               fontsize=12, fontweight="bold", pad=6)
+axes.set_axis_off()
+
+# %% [markdown]
+# Large numbers are sorted digit by digit, beginning with the last one. In the next cell, a digit has 11 bits.
 
 # %%
 @njit
 def ascending(numbers):
-    """The rows in which whole numbers from 0 on ascend; equal ones keep their order."""
+    """The order that sorts whole numbers from 0 on; equal numbers keep their order."""
     n, largest, shift = len(numbers), numbers.max(), 0
     order, other = np.arange(n), np.empty(n, np.int64)
     while largest >> shift:
@@ -330,21 +382,21 @@ def sort_by_cell(points, side):
     -------
     order : the rows of the points, cell by cell
     points : the points in that order
-    starts : (m + 1,), where each cell begins in that order, and at last where all end
-    numbers : (m,), the cells' numbers, ascending
-    next_x, next_y : by how much the number grows one cell farther along x and along y
+    starts : (m + 1,), where each cell begins in that order; the last number is n
+    numbers : (m,), the cells' numbers in ascending order
+    next_x, next_y : how much the number grows from one cell to the next along x and along y
     """
     n = len(points)
     low, high = points[0].copy(), points[0].copy()
     for i in range(n):
         for axis in range(3):
             if not abs(points[i, axis]) < np.inf:  # a wrong row number would crash Python itself
-                raise ValueError("Some coordinates are no numbers: drop these rows (lesson 01)")
+                raise ValueError("Some coordinates are not finite: drop these rows (lesson 01)")
             low[axis] = min(low[axis], points[i, axis])
             high[axis] = max(high[axis], points[i, axis])
     low, high = np.floor(low / side), np.floor(high / side)
     if (high - low + 6).prod() > 2.0**62:
-        raise ValueError("There are more cells than numbers: drop what is far away (lesson 07)")
+        raise ValueError("There are too many cells for 64-bit numbers: drop far points (lesson 07)")
     next_y = np.int64(high[2] - low[2]) + 5
     next_x = (np.int64(high[1] - low[1]) + 5) * next_y
     number = np.empty(n, np.int64)
@@ -366,7 +418,9 @@ def sort_by_cell(points, side):
     return order, in_order, starts[:count + 1], numbers[:count], next_x, next_y
 
 # %% [markdown]
-# The cells at most two steps away lie in 25 columns, of which 13 are enough: each pair need be met only once. As the numbers ascend, so do those of the neighbours, and one finger for each column moves up along with the cell. First the cheap question: a pair for which the answer is no is noted. Then, for those noted that are still apart, the exact one, if the boxes around their points are near enough at all. Where two cells hold thousands of points, a kd-tree is better: such pairs are handed back.
+# The neighbours of a cell are in 25 columns. Each pair has to be met only once, so 13 columns are enough. One pointer per column moves along with the cell.
+#
+# `join_cells` first compares one point of each cell. For pairs that are still apart, `any_close` then compares all points, if the boxes around them are close enough. In crowded cells a kd-tree is faster, so these pairs are returned.
 
 # %%
 @njit
@@ -393,7 +447,7 @@ def are_near(low, high, a, b, limit):
 
 @njit
 def join_cells(points, starts, numbers, next_x, next_y, limit, crowd):
-    """Join cells; returns the parents (m,), and pairs of cells too crowded to compare."""
+    """Join cells; return the parents (m,), and the pairs of cells with too many points."""
     count, still_open, too_many = len(numbers), [(0, 0)], [(0, 0)]
     parent = np.arange(count)
     for column in range(13):  # (0, 0), (0, 1), (0, 2), (1, -2), ..., (2, 2)
@@ -413,7 +467,7 @@ def join_cells(points, starts, numbers, next_x, next_y, limit, crowd):
                         still_open.append((a, b))
                 b += 1
     low, high = boxes_of(points, starts)
-    for cell in range(count):  # now each points at its root, for a while
+    for cell in range(count):  # each cell points at its root, until roots are joined
         parent[cell] = root_of(parent, cell)
     for a, b in still_open[1:]:
         if (parent[a] != parent[b] and root_of(parent, a) != root_of(parent, b)
@@ -427,7 +481,7 @@ def join_cells(points, starts, numbers, next_x, next_y, limit, crowd):
 
 @njit
 def numbered(parent, order, starts):
-    """Labels 1, 2, ... of the points, by first appearance."""
+    """Labels 1, 2, ... of the points, in order of first appearance."""
     root, number = np.empty(len(order), np.int64), np.zeros(len(parent), np.int64)
     for cell in range(len(parent)):
         mine = root_of(parent, cell)
@@ -443,41 +497,42 @@ def numbered(parent, order, starts):
 
 
 def cluster_compiled(cloud, threshold=0.5):
-    """The clusters of lessons 05 and 10, with the same numbers."""
+    """The clusters of lessons 05 and 10, with the same labels."""
     points = np.ascontiguousarray(cloud[:, :3], dtype=float)
     if not len(points):
         return np.zeros(0, int)
-    side = threshold / np.sqrt(3) * (1 - 1e-6)  # a little less, against rounding
+    side = threshold / np.sqrt(3) * (1 - 1e-6)  # a little less, because of rounding
     order, points, starts, numbers, next_x, next_y = sort_by_cell(points, side)
     parent, too_many = join_cells(points, starts, numbers, next_x, next_y, threshold**2, 50_000)
-    for a, b in too_many:  # heaps of points: lesson 10's way
+    for a, b in too_many:  # compare crowded cells as in lesson 10
         if root_of(parent, a) != root_of(parent, b):
             p, q = points[starts[a]:starts[a + 1]], points[starts[b]:starts[b + 1]]
             if np.ptp(p, axis=0).max() > np.ptp(q, axis=0).max():
-                p, q = q, p  # the tree around the smaller: sooner asked
+                p, q = q, p  # a tree of the smaller cell is faster
             if cKDTree(p).query(q, distance_upper_bound=threshold)[0].min() < threshold:
                 unite(parent, a, b)
     return numbered(parent, order, starts)
 
 # %% [markdown]
-# **Look before you time.** Are these the clusters, to the last point? `join_all_pairs` of lesson 10 is slow, and sure.
+# **Look before you time.** Are the clusters the same, to the last point? `join_all_pairs` of lesson 10 is slow but reliable.
 
 # %%
 def join_all_pairs(points, threshold=0.5):
-    """The number of each point's cluster, from a list of all pairs of neighbours."""
+    """The label of each point, from a list of all pairs of neighbours."""
     pairs = cKDTree(points).query_pairs(threshold, output_type="ndarray")
     graph = coo_array((np.ones(len(pairs), dtype=bool), pairs.T), shape=2 * (len(points),))
     return connected_components(graph, directed=False)[1]
 
 
 def same_clusters(labels, others):
-    """Whether two labellings group the points alike, whatever the numbers."""
+    """Whether two arrays of labels group the points alike; the labels may differ."""
     combinations = np.unique(np.stack([labels, others]), axis=1).shape[1]
     return combinations == len(np.unique(labels)) == len(np.unique(others))
 
 
 if ready(root_of, unite, any_close):
     obstacles = points[(points[:, 2] > -1.2) & (np.hypot(points[:, 0], points[:, 1]) > 2)]
+    print("This compiles all functions above, which takes about 10 seconds." * is_compiled)
     labels = cluster_compiled(obstacles)
     same = same_clusters(labels, join_all_pairs(obstacles))
     print(f"{labels.max()} clusters of {len(obstacles):,} points, "
@@ -498,9 +553,9 @@ if ready(root_of, unite, any_close):
 # %% [markdown]
 # ## Boxes
 #
-# *Keep ninety rulers at the points, and read all of them at the end.*
+# *Update ninety extremes point by point, and compare the areas at the end.*
 #
-# The smallest rectangle of lesson 11 projects all points onto 90 directions and keeps the smallest and the largest along each. NumPy writes the table of all projections; a loop needs the 90 extremes only. (The closest rectangle asks each point for its nearest side, and so goes twice over all of them.) `cosines` and `sines` stand outside: for the compiler they are constants.
+# The smallest rectangle of lesson 11 projects all points onto 90 directions, and keeps the smallest and the largest value of each. NumPy writes a table of all projections, but a loop needs only the extremes.
 
 # %%
 turns = np.radians(np.arange(90))
@@ -509,10 +564,10 @@ cosines, sines = np.cos(turns), np.sin(turns)
 # %% nbgrader={"grade": false, "grade_id": "snuggest_turn", "locked": false, "schema_version": 3, "solution": true, "task": false}
 @njit
 def snuggest_turn(points):
-    """The number of the turn (0 to 89) at which the rectangle around points has least area."""
+    """Index of the turn, 0 to 89, whose rectangle around the points has the smallest area."""
     # 1. Four arrays of 90: smallest and largest along each direction, and across it.
     # 2. For each point and each turn: along is x cos + y sin, across is y cos - x sin.
-    # 3. The area of each turn is a product of two differences; argmin() finds the least.
+    # 3. The area of each turn is a product of two differences; argmin() finds the smallest.
     # roughly 12 lines
     ### BEGIN SOLUTION
     back, front = np.full(90, np.inf), np.full(90, -np.inf)
@@ -530,15 +585,15 @@ def snuggest_turn(points):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# Before the first point, the smallest along each direction is `np.inf` and the largest `-np.inf`: `np.full(90, np.inf)` is 90 of them. With zeros our own sensor, at (0, 0), would count as a point of every car.
+# Before the first point, the smallest value along each direction is `np.inf` and the largest is `-np.inf`: `np.full(90, np.inf)` makes 90 of them. If you start with zeros, the sensor at (0, 0) counts as a point of every car.
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# Two loops: over the points, and inside over the 90 turns. Inside, `along` and `across` are two numbers, and each of the four arrays keeps, at `[turn]`, what `min` or `max` says of its old value and the new one.
+# Write two loops: over the points, and in it over the 90 turns. There, `along` and `across` are two numbers. At `[turn]`, each of the four arrays keeps the `min` or `max` of its old value and the new one.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# After both loops, subtract whole arrays: largest minus smallest along, times largest minus smallest across, are 90 areas. `.argmin()` of them is the number of the turn.
+# After both loops, (largest minus smallest along) times (largest minus smallest across) is an array of 90 areas. Its `.argmin()` is the number of the turn.
 # </details>
 
 # %%
@@ -550,19 +605,20 @@ if ready(snuggest_turn):
     leaning = np.column_stack([corners[:, 0] * cosines[30] - corners[:, 1] * sines[30],
                                corners[:, 0] * sines[30] + corners[:, 1] * cosines[30],
                                corners[:, 2]])
-    print("turn of a rectangle that leans by 30°:", snuggest_turn(leaning), "  expected: 30")
+    print("turn of a rectangle turned by 30°:", snuggest_turn(leaning), "  expected: 30")
 
 # %% [markdown]
 # ## The whole detector
 #
-# *One pass where NumPy makes ten.*
+# *One pass over the points replaces several steps of NumPy.*
 #
-# The steps of lesson 12 in loops. Drop, crop and remove become one pass. The rounds of RANSAC count, and keep nothing. The samples are drawn by the same generator as in lesson 03, so that the road is the same.
+# The next cell contains the steps of lesson 12. One pass drops invalid returns, crops the region and removes the ego car. The rounds of RANSAC only count inliers, with your `count_near` and the random samples of lesson 12.
 
-# %%
+# %% tags=["folded"]
+# @title Defines the steps of the detector as loops (you need not read this)
 @njit
 def useful_points(cloud, minimum, maximum, car_low, car_high):
-    """x, y, z of the valid returns in the region of interest that do not come from our own car."""
+    """x, y, z of the valid returns in the region of interest, without those of the ego car."""
     kept, count = np.empty((len(cloud), 3)), 0
     for i in range(len(cloud)):
         x, y, z = cloud[i, 0], cloud[i, 1], cloud[i, 2]
@@ -578,7 +634,7 @@ def useful_points(cloud, minimum, maximum, car_low, car_high):
 
 @njit
 def best_plane(points, samples, tolerance):
-    """Of the planes through samples of three rows (k, 3), that with most points near it."""
+    """The plane with the most points near it, of planes through samples of three rows (k, 3)."""
     best, most = np.zeros(4), 0
     for p, q, r in samples:
         normal = np.cross(points[q] - points[p], points[r] - points[p])
@@ -645,7 +701,7 @@ def voxel_means(points, side):
 
 @njit
 def oriented_boxes(points, labels, least):
-    """Boxes (N, 8, 3) around the clusters with at least so many points, in the order of labels."""
+    """Boxes (N, 8, 3) of clusters with at least `least` points, in the order of labels."""
     order = ascending(labels)
     boxes, count, first = np.empty((labels.max(), 8, 3)), 0, 0
     for i in range(1, len(order) + 1):
@@ -669,7 +725,7 @@ def oriented_boxes(points, labels, least):
 
 def detect_compiled(cloud, threshold=0.5, least=10, ground_level=-1.2,
                     minimum=(-15.0, -7.0, -3.0), maximum=(35.0, 9.0, 1.0)):
-    """The boxes of lesson 12, with its parameters."""
+    """Detect boxes as in lesson 12, with its parameters."""
     points = useful_points(cloud, minimum, maximum, (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4))
     low, rng = points[points[:, 2] < ground_level], np.random.default_rng(0)
     if len(low) >= 3:
@@ -685,7 +741,7 @@ def detect_compiled(cloud, threshold=0.5, least=10, ground_level=-1.2,
     return oriented_boxes(points, cluster_compiled(points, threshold), least)
 
 # %% [markdown]
-# Paste your `detect_obstacles` here, with all that it calls, to race against it. Without it the compiled one runs alone. Its boxes hold the same points, and so have the same floors and roofs; they stand otherwise if yours are not the smallest rectangles.
+# To race against it, paste your `detect_obstacles` here, with all functions that it calls. The floors and roofs of the boxes should be the same. Their yaw differs if yours are not the smallest rectangles.
 
 # %% tags=["earlier"]
 # Paste your detector of lesson 12 here, and the functions that it calls.
@@ -702,10 +758,11 @@ def detect_compiled(cloud, threshold=0.5, least=10, ground_level=-1.2,
 
 # %%
 if ready(count_near, root_of, unite, any_close, snuggest_turn):
+    print("This compiles the detector, which takes about 15 seconds." * is_compiled)
     first = milliseconds(detect_compiled, cloud, repeats=1)
     boxes, second = detect_compiled(cloud), milliseconds(detect_compiled, cloud)
-    print(f"{len(boxes)} boxes; the first frame took {first:,.0f} ms"
-          f"{', with compiling' * is_compiled}; another takes {second:.1f} ms")
+    print(f"{len(boxes)} boxes; the first frame took {first:,.0f} ms of processor time"
+          f"{', with compiling' * is_compiled}; the next one takes {second:.1f} ms")
     plots.boxes(boxes, cloud=points[points[:, 2] > -1.2], limits=((-15, 35), (-9, 11)),
                 title="Boxes by loops")
     pasted = globals().get("detect_obstacles")
@@ -714,33 +771,34 @@ if ready(count_near, root_of, unite, any_close, snuggest_turn):
         print(f"lesson 12 takes {milliseconds(pasted, cloud):.1f} ms")
         if len(others) == len(boxes):
             apart = np.abs(others[:, [0, 4], 2] - boxes[:, [0, 4], 2]).max()
-            print(f"floors and roofs of its boxes differ by {apart:.1g} m at most")
+            print(f"the floors and roofs of its boxes differ by at most {apart:.1g} m")
         else:
             print(f"it finds {len(others)} boxes")
 
 # %% [markdown]
-# Does more speed mean better driving? A frame comes every 100 ms. What the detector leaves can go into what lesson 12 wished for: more points kept, finer voxels, two frames compared.
+# A frame comes only every 100 ms. You can spend the time that is left on finer voxels, or on comparing two frames.
 #
 # ## In practice
 #
-# - Real detectors are compiled ahead of time, in C++ or CUDA, for the reason you measured: not because Python's idea is worse, but because each step stands alone.
-# - Compiled or not, the method decides first: comparing all with all, compiled, still takes the square of the points. Lesson 10 beats that in plain NumPy.
-# - Numba can spread a loop over all processors (`prange`) and skip the strict order of sums (`fastmath`). Both change which of two nearly equal answers you get.
+# - Real detectors are compiled ahead of time, in C++ or CUDA.
+# - The method matters more than the compiler. A compiled loop over all pairs of points is slower than lesson 10 in plain NumPy.
+# - Numba can spread a loop over all processors (`prange`) and change the order of sums (`fastmath`). Both may choose another of two nearly equal answers.
 #
 # ## Summary
 #
-# - Python handles objects; compiled code handles numbers, one point at a time, and stops when it knows enough.
-# - The compiler wants types that stay, and is paid at the first call.
-# - Union-find joins pairs as they come; counting sort orders cells without comparing.
-# - Same clusters, to the last point: speed that changes the answer is no speed.
+# - Python handles objects, compiled code handles numbers. It can stop as soon as it knows the answer.
+# - The compiler needs types that do not change, and it takes its time at the first call.
+# - Union-find joins pairs as they come. Counting sort orders cells without comparing them.
 #
 # ## If you want more
 #
-# 1. Put `@njit(parallel=True)` and `prange` into `count_near`. How much is won on your machine, and from how many points on?
-# 2. Convert the cloud to `float32`. Which answers change?
-# 3. `@njit(cache=True)`: how long does the first call take after a restart?
+# Each task takes about 20 minutes.
 #
-# **Sources.** [Numba: a LLVM-based Python JIT compiler](https://doi.org/10.1145/2833157.2833162) (Lam, Pitrou and Seibert 2015). Union-find with short ways: [Tarjan and van Leeuwen 1984](https://doi.org/10.1145/62.2160).
+# 1. Put `@njit(parallel=True)` and `prange` into `count_near`. From how many points on is it faster?
+# 2. Convert the cloud to `float32`. Which answers change?
+# 3. With `@njit(cache=True)`, how long does the first call take after a restart?
+#
+# **Sources.** [Numba: a LLVM-based Python JIT compiler](https://doi.org/10.1145/2833157.2833162) (Lam, Pitrou and Seibert 2015). Union-find with path halving: [Tarjan and van Leeuwen 1984](https://doi.org/10.1145/62.2160).
 
 # %% [markdown] tags=["footer"]
 # (footer)

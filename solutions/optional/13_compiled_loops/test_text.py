@@ -1,5 +1,7 @@
 """Tests that the optional lesson's loops agree with earlier lessons, compiled or not."""
 
+import ast
+import re
 from types import FunctionType, SimpleNamespace
 
 import nbformat
@@ -52,6 +54,20 @@ def in_order(labels):
     return np.array([number.setdefault(label, len(number) + 1) for label in labels.tolist()], int)
 
 
+def cell_with(words):
+    """Return the source of the only cell of the lesson that contains these words."""
+    (cell,) = (cell for cell in TEXT.split("\n# %%") if words in cell)
+    return cell
+
+
+def steps_to_root(parents, cell):
+    """Count the steps from a cell to its root."""
+    steps = 0
+    while parents[cell] != cell:
+        cell, steps = parents[cell], steps + 1
+    return steps
+
+
 def test_it_belongs_to_no_stage_and_gives_no_points():
     assert LESSON not in all_lessons() and LESSON.stage not in stages()
     assert find_lesson(f"{NAME}.ipynb") is None and LESSON.exercises == ()
@@ -60,7 +76,34 @@ def test_it_belongs_to_no_stage_and_gives_no_points():
 
 def test_it_takes_two_sittings():
     sittings = durations.sitting_minutes(nbformat.read(LESSON.solved, as_version=4))
-    assert len(sittings) == 2 and max(sittings) <= durations.MOST_MINUTES_WITHOUT_STOP
+    stated = re.search(r"in two sittings of about (\d+) and (\d+) minutes", TEXT).groups()
+    assert sittings == pytest.approx([int(minutes) for minutes in stated], rel=0.1)
+    assert max(sittings) <= durations.MOST_MINUTES_WITHOUT_STOP
+
+
+def test_path_halving_is_drawn_as_it_happens(plain):
+    cell = cell_with("Draws path halving")
+    before, after = (ast.literal_eval(found) for found in re.findall(r"(\[0[^]]*\])[,}]", cell))
+    parent = np.array(before)
+    assert plain.root_of(parent, 6) == 0 and parent.tolist() == after
+    assert steps_to_root(before, 6) == 6 and steps_to_root(after, 6) == 3
+
+
+def test_the_counting_sort_is_drawn_as_it_happens(plain):
+    cell = cell_with("Draws a counting sort")
+    numbers = np.array(ast.literal_eval(re.search(r"numbers = np\.array\((.*?)\)", cell)[1]))
+    begins = [(np.sort(numbers) == value).argmax() for value in range(4)]
+    starts = np.cumsum(np.bincount(numbers)) - np.bincount(numbers)
+    assert starts.tolist() == begins
+    assert plain.ascending(numbers).tolist() == np.argsort(numbers, kind="stable").tolist()
+
+
+def test_each_column_of_cells_is_apart_from_the_next(plain):
+    heights = np.arange(5) + 0.5
+    points = np.array([[0.5, y, z] for y in (0.5, 1.5) for z in heights])
+    numbers = plain.sort_by_cell(points, 1.0)[3]
+    lower, upper = numbers[:5], numbers[5:]
+    assert upper[0] - lower[-1] > 2  # no cell of the next column is within two steps along z
 
 
 def test_expected_outputs_are_right(plain):
