@@ -6,7 +6,7 @@ import textwrap
 import pytest
 
 from utils.notebooks import slicing
-from utils.notebooks.edits import MOST_EDITS, edits_of
+from utils.notebooks.edits import MOST_EDITS, edits_of, edits_of_statement
 
 # Wrong and right lines of a function body; the parameters are x, y, z, n and node.
 SLIPS = {
@@ -332,3 +332,96 @@ def test_the_number_of_edits_is_limited():
 def test_unusual_code_does_not_raise(text):
     for edit in edits_in(text):
         assert edit.first >= 1
+
+
+# Types that only some versions of Python have, and old names.
+TYPES_OF_OTHER_VERSIONS = {
+    *("TypeAlias", "TemplateStr", "Interpolation", "Index", "ExtSlice", "Suite"),
+    *("Num", "Str", "Bytes", "NameConstant", "Ellipsis", "AugLoad", "AugStore", "Param"),
+}
+EVERY_KIND_OF_CODE = """\
+def outer(x, y, z, n, *rest, key=None, **others):
+    global g
+    import math
+    from os import path
+    total: int = 0
+    x += y; x -= y; x *= y; x /= z; x //= z; x %= n; x **= n
+    x @= y; x &= y; x |= y; x ^= y; x <<= n; x >>= n
+    z = -x + (+y) * ~z @ x if not key and y or n else (a := 3)
+    z = x - y / z // n % 2 ** n << 1 >> 1 | x & y ^ z
+    same = x is y, x is not y, x in z, x not in z, x == y != z < n <= 3 > x >= y
+    d, s, l = {"k": 1, **others}, {1, *rest}, [x, y]
+    parts = [k for k in x if k], {k for k in x}, {k: k for k in x}, (k for k in x)
+    text = f"{x!r:>{n}} {y}"
+    del parts[0], d["k"]
+    for k in range(1, n):
+        if k > 2:
+            continue
+        elif k:
+            break
+        return x[k, ::2]
+    else:
+        pass
+    while x.size:
+        with open(path) as f, open(text):
+            return (lambda q: q.min())(x)
+    try:
+        assert x, "no x"
+        raise ValueError(x) from None
+    except (ValueError, TypeError) as error:
+        return y
+    else:
+        return z
+    finally:
+        math.sqrt(x)
+    try:
+        pass
+    except* OSError:
+        pass
+    match x:
+        case [1, *others] | (2, others):
+            return 1
+        case {"k": 1, **others}:
+            return None
+        case complex(real=0) as w if w:
+            return ...
+        case None:
+            return True
+    class Inner(dict, metaclass=type):
+        value = 1
+    def inner():
+        nonlocal total
+        yield x
+        yield from y
+        return total
+    async def waits():
+        async for k in x:
+            await k
+        async with y as k:
+            return [k async for k in z]
+    return inner, waits
+"""
+
+
+def test_every_kind_of_code_has_edits():
+    """A kind of statement or expression that the edits do not expect must not raise."""
+    tree = ast.parse(EVERY_KIND_OF_CODE)
+    used = {type(node) for node in ast.walk(tree)}
+    bases = (ast.stmt, ast.expr, ast.operator, ast.unaryop, ast.cmpop, ast.boolop, ast.pattern)
+    missing = {
+        kind.__name__
+        for base in bases
+        for kind in base.__subclasses__()
+        if kind not in used and kind.__name__ not in TYPES_OF_OTHER_VERSIONS
+    }
+    assert not missing
+    parts = [EVERY_KIND_OF_CODE]
+    # One statement at a time as well, because the number of edits of one function is limited.
+    head = EVERY_KIND_OF_CODE.partition("\n")[0]
+    for statement in tree.body[0].body:
+        if not isinstance(statement, ast.FunctionDef):
+            lines = textwrap.indent(ast.unparse(statement), "    ")
+            parts.append(f"{head}\n{lines}\n    return x\n")
+    for text in parts:
+        [statement] = slicing.parse_notebook([text])[0]
+        assert list(edits_of_statement([text], statement)), text

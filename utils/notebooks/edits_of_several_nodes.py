@@ -55,7 +55,8 @@ def edits_of_several_nodes(
     yield from _several_calls(source, nodes)
     yield from _single_operands_of_copies(source, nodes)
     differences = [node for node in nodes if isinstance(getattr(node, "op", None), ast.Sub)]
-    subtracted = {node.right.id: 1 for node in differences if isinstance(node.right, ast.Name)}
+    operands = [node.right if isinstance(node, ast.BinOp) else node.value for node in differences]
+    subtracted = {operand.id: 1 for operand in operands if isinstance(operand, ast.Name)}
     for node in nodes:
         for name in subtracted if isinstance(node, ast.Assign) else ():  # it must be added again
             yield 0, [(*source.span(node.value), f"({source.of(node.value)}) + {name}")]
