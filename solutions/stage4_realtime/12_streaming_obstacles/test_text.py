@@ -1,11 +1,14 @@
 """Tests of the statements in lesson 12, with answers that follow its hints."""
 
+import functools
 import json
+import re
 from types import SimpleNamespace
 
 import nbformat
 import numpy as np
 import pytest
+from matplotlib.path import Path
 
 from grader.course import durations
 from grader.course.kept_answers import answers_to
@@ -15,12 +18,17 @@ from utils.checks.core import checks_of, notes_of, run_check
 from utils.checks.detections import _contains_obstacle
 from utils.checks.failures import NotYet
 from utils.checks.run_cache import cached_run
+from utils.checks.scans import walk
+from utils.drive import drive_street, on_time
+from utils.drive.standards import DRIVERS, standards
 from utils.notebooks import slicing
 from utils.scoring import counted, holders, name_mistakes
+from utils.scoring.card import hidden_shares
 
 pytestmark = pytest.mark.slow  # simulating three seconds of a city is slow
 
 LESSON = find_lesson("12_streaming_obstacles")
+TEXT = LESSON.source.read_text("utf-8")
 OWN_CAR = ((-1.5, -1.7, -1.0), (2.6, 1.7, -0.4))
 CAR_STANDS = slice(None), slice(None, 2)
 DETECTORS = """
@@ -299,16 +307,32 @@ def test_statements_about_the_two_sweeps_are_true(solved):
     assert f1[0].argmax() == 2  # although a pedestrian has fewer points
 
 
-def test_a_person_ten_metres_away_has_about_thirty_points(solved):
+def thinned_people(frame, nearest, farthest):
+    """Count the occupied voxels of people in full view, without the functions of the lessons."""
+    people = [box for box in frame.boxes if box.kind == "pedestrian" and box.returns >= 5]
     counts = []
-    for frame in solved["city"][:10]:
-        for person in frame.boxes:
-            away = np.hypot(*person.centre[:2])
-            if person.kind == "pedestrian" and 9 < away < 11 and person.returns >= 60:
-                own = frame.cloud[frame.scan.objects == person.identity, :3]
-                floor = person.centre[2] - person.size[2] / 2
-                counts.append(len(solved["voxel_grid"](own[own[:, 2] > floor + 0.3])))
-    assert 20 <= np.median(counts) <= 40 and max(counts) < 80
+    for person, hidden in zip(people, hidden_shares(frame, people), strict=True):
+        if hidden < 0.1 and nearest < np.hypot(*person.centre[:2]) < farthest:
+            own = frame.cloud[frame.scan.objects == person.identity, :3]
+            own = own[own[:, 2] > person.centre[2] - person.size[2] / 2 + 0.3]
+            counts.append(len(np.unique(np.floor(own / 0.2), axis=0)))
+    return counts
+
+
+def test_statements_about_people_in_full_view_are_true():
+    frames = [frame for seed in range(8) for frame in scenes.city_block(seed, frames=30)[::10]]
+    near = [thinned_people(frame, 0, 7) for frame in [*frames, *map(walk, range(12))]]
+    near, ten_metres = sum(near, []), sum((thinned_people(frame, 9, 11) for frame in frames), [])
+    assert len(near) > 30 and len(ten_metres) >= 10
+    assert min(near) >= 25 and np.quantile(near, 0.95) <= 50
+    assert np.median(ten_metres) == pytest.approx(35, abs=1)
+    assert np.mean(np.array(ten_metres) < 40) > 0.6  # "removes most pedestrians 10 m away"
+    assert max(ten_metres) < 80  # the best minimum of the sweep would remove them all
+
+
+def test_the_road_reaches_the_ground_level_24_m_ahead():
+    assert scenes.ROAD.slope == 0.022
+    assert (1.73 - 1.2) / scenes.ROAD.slope == pytest.approx(24, abs=0.2)
 
 
 def test_each_step_of_the_tracker_has_the_stated_effect(solved, things):
@@ -381,13 +405,25 @@ def test_statements_about_gains_on_eight_streets_are_true(solved, drives):
         assert round(curves[:, 0, place].mean()) == switches
         assert round(curves[:, 0, place].std(ddof=1)) == spread
         assert curves[:, 1, place].mean() == pytest.approx(error, abs=0.0051)
-        assert curves[:, 1, place].std(ddof=1) < 0.025
+        assert 0.005 < curves[:, 1, place].std(ddof=1) < 0.025
     wobbles = on_eight_streets(drives, solved, "wobble_of", 1.0)
     assert all(0.44 < solved["gain_for"](wobble, 2.0) < 0.56 for wobble in wobbles)
 
 
 def test_statements_about_wobble_and_gain_are_true(solved, things):
     assert 0.05 < solved["wobble_of"](1.0) < 0.1
+    bends, (track_ids, _) = [], solved["follow"](solved["detected"], 1.0)
+    for number in range(2, len(track_ids)):
+        first, second, third = (
+            dict(zip(track_ids[frame], solved["detected"][frame].mean(axis=1), strict=True))
+            for frame in (number - 2, number - 1, number)
+        )
+        bends += [
+            np.hypot(*(first[track] - 2 * second[track] + third[track])[:2])
+            for track in first.keys() & second.keys() & third.keys()
+        ]
+    assert 0.01 < np.median(bends) / np.sqrt(6) < 0.03  # "half of the boxes"
+    assert max(bends) > 1  # "now and then one grows by a metre"
     switches, error = solved["gain_curve"]([0.1, 0.5, 0.9])
     assert switches[0] > 2 * switches[1]
     assert error[1] <= 0.1 and error[2] == pytest.approx(0.3, abs=0.05)
@@ -400,6 +436,48 @@ def test_most_boxes_move_half_a_metre_per_frame(solved):
         for before, after in zip(solved["detected"], solved["detected"][1:], strict=False)
     ]
     assert 0.4 < np.median(np.concatenate(way)) < 0.7
+    assert np.mean([len(boxes) for boxes in solved["detected"]]) == pytest.approx(30, abs=2)
+
+
+def test_oncoming_cars_come_twice_as_far_as_parked_ones(solved):
+    speeds = {box.velocity[0] for box in solved["city"][0].boxes if box.kind in ("car", "truck")}
+    assert (5.0 - min(speeds)) / 5.0 == pytest.approx(2, abs=0.1)
+
+
+def test_the_ringed_box_holds_two_objects_that_had_boxes_before(solved):
+    boxes_of = {}
+    for number in (26, 29):
+        frame, boxes = solved["city"][number], solved["detected"][number]
+        holding = {}
+        for identity in {box.identity for box in frame.boxes if box.kind in ("car", "truck")}:
+            points = frame.cloud[frame.scan.objects == identity, :2]
+            if len(points) >= 1000:
+                inside = [Path(box[:4, :2]).contains_points(points).mean() for box in boxes]
+                holding[identity] = int(np.argmax(inside)) if max(inside) > 0.5 else -1
+        boxes_of[number] = holding
+    last = solved["detected"][29].mean(axis=1)[:, :2]
+    ringed = int(np.argmin(np.hypot(*(last - (-2.8, 4.1)).T)))
+    held = [identity for identity, box in boxes_of[29].items() if box == ringed]
+    kinds = {box.identity: box.kind for box in solved["city"][29].boxes}
+    assert sorted(kinds[identity] for identity in held) == ["car", "truck"]
+    assert len({boxes_of[26][identity] for identity in held} - {-1}) == 2
+
+
+def test_at_no_distance_are_both_mistakes_zero(solved, things):
+    for use in ((), ("predict",), ("predict", "correct"), solved["ALL"]):
+        made = [solved["mistakes_of"](limit, use) for limit in (0.2, 0.5, 1.0, 2.0, 10.0)]
+        assert all(mistakes.switches + mistakes.shared > 10 for mistakes in made)
+
+
+@pytest.mark.proof
+def test_a_minimum_of_100_points_makes_the_car_hit_the_cyclist(solved):
+    """Drive as the cell of the lesson does; the detector's computing time does not count."""
+    collisions = []
+    for least in (10, 100):
+        detect = functools.partial(solved["detect_obstacles"], min_num_points=least)
+        trip = drive_street(3, detect, seconds=10, clock=on_time)
+        collisions.append(str(trip.report.collision or ""))
+    assert not collisions[0] and "cyclist" in collisions[1] and "never had a box" in collisions[1]
 
 
 def test_match_boxes_solves_the_tiny_case(solved):
@@ -407,6 +485,27 @@ def test_match_boxes_solves_the_tiny_case(solved):
     before = box + np.array([[0.0, 0, 0], [10, 0, 0]])[:, None]
     after = box + np.array([[0.8, 0, 0], [0.3, 0, 0], [9.6, 0, 0]])[:, None]
     assert solved["match_boxes"](before, after, 1.0).tolist() == [-1, 0, 1]
+
+
+def test_three_rules_for_matching_are_right_and_differ():
+    """Here the nearest box of the second box prefers another, so it may stay without a partner."""
+    before, after = (np.zeros((2, 8, 3)) for _ in range(2))
+    before[:, :, 0], after[:, :, 0] = [[0.0], [1.2]], [[0.1], [0.5]]
+    answers = {}
+    for answer in answers_to("match_boxes"):
+        if answer.right and not answer.name.startswith("each previous box"):
+            exec(answer.source, space := {"np": np})
+            answers[answer.name] = np.asarray(space["match_boxes"](before, after, 1.0)).tolist()
+    assert answers["the closest pair first"] == answers["optimal assignment"] == [0, 1]
+    assert answers["mutual nearest boxes"] == [0, -1]
+    # In a row of three, the smallest sum differs from the closest pair first.
+    after[:, :, 0] = [[0.7], [1.8]]
+    for answer in answers_to("match_boxes"):
+        if answer.name in ("the closest pair first", "optimal assignment"):
+            exec(answer.source, space := {"np": np})
+            answers[answer.name] = np.asarray(space["match_boxes"](before, after, 1.0)).tolist()
+    assert answers["the closest pair first"] == [1, -1]
+    assert answers["optimal assignment"] == [0, 1]
 
 
 def test_the_highway_needs_other_settings(solved):
@@ -433,6 +532,8 @@ def test_the_model_answer_has_the_stated_scores_on_the_second_data_set(solved):
         card = solved["card_of"]("cyclist", around, **settings)
         said = [card[row].values[0] for row in ("precision", "recall", "F1")]
         assert np.allclose(said, expected, atol=0.006) and card["recall"].count == 16
+        if settings == wide | {"min_num_points": 40}:
+            assert card["recall"].values[2] == 9 / 16  # "seven of the sixteen are missed"
 
 
 def test_the_cyclist_keeps_one_track_id(solved):
@@ -482,18 +583,25 @@ def test_boxes_belong_to_the_object_with_most_points():
 
 def test_stored_answers_are_listed_and_sittings_are_marked():
     header = LESSON.header
-    text = LESSON.source.read_text("utf-8")
-    assert all(f"def {name}(" in text for name in header.lent)
+    assert all(f"def {name}(" in TEXT for name in header.lent)
     cells = json.loads(LESSON.released.read_text("utf-8"))["cells"]
     stops = sum("**A good place to stop.**" in "".join(cell["source"]) for cell in cells)
-    assert stops == 3
+    assert stops == 1
 
 
-def test_the_lesson_takes_four_sittings():
-    """Compare with the times at the head of the lesson. Written answers fill the last sitting."""
+def test_the_lesson_takes_two_sittings_of_the_stated_minutes():
     sittings = durations.sitting_minutes(nbformat.read(LESSON.solved, as_version=4))
-    assert len(sittings) == 4 and max(sittings) < 60
-    assert sum(sittings[:3]) < 140 and sittings[3] > 2 * durations.MINUTES_A_REPORT
+    said = re.search(r"takes about (\d+) minutes, and \*Part 2 · The tracker\* about (\d+)", TEXT)
+    stated = [int(minutes) for minutes in said.groups()]
+    assert max(stated) <= 90 and np.abs(np.subtract(sittings, stated)).max() <= 5
+
+
+def test_the_bar_to_beat_is_the_result_of_the_stored_drives():
+    results = standards(range(1, 21))
+    course, squares = (results[name] for name in DRIVERS[1:])
+    assert f"with squares of a metre the car drives {squares.metres:.0f} m in all" in TEXT
+    assert f"it drives {course.metres:,.0f} m without a collision, and brakes once" in TEXT
+    assert (course.collisions, course.needless) == (0, 1)
 
 
 def test_no_check_waits_for_a_passed_check():
