@@ -513,7 +513,7 @@ def test_braking_for_an_empty_box_is_needless():
     ("settings", "corners", "reason"),
     [
         ({}, box(9.0, 0.0, 4.0, 3.0) - (0, 0, 0.3), "road mistaken for an obstacle"),
-        ({"dirt": True}, box(0.9, 0.0, 1.4, 1.8) + (0, 0, 0.1), "our own car"),
+        ({"dirt": True}, box(0.9, 0.0, 1.4, 1.8) + (0, 0, 0.1), "the ego car"),
         ({"rain": 4000}, box(6.0, 0.0, 3.0, 3.0) + (0, 0, 0.9), "rain mistaken for an obstacle"),
     ],
 )
@@ -807,7 +807,7 @@ WRONG = [
     ("one box around everything", 1, "needless: "),
     ("boxes around parts of the road", 1, "road mistaken for an obstacle"),
     ("the road stays in", 1, "needless: "),
-    ("the ego car stays in", 10, "our own car mistaken"),
+    ("the ego car stays in", 10, "the ego car mistaken"),
     ("the minimum of lesson 09 on a thinned cloud", 14, "never had a box"),
     ("cars and walls are one cluster", 15, "needless: "),
     ("small clusters stay", 8, "rain mistaken for an obstacle"),

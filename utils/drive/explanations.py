@@ -30,7 +30,7 @@ WORDS = {
 }
 MISTAKEN = {
     "ground": "road mistaken for an obstacle",
-    "ego": "our own car mistaken for an obstacle",
+    "ego": "the ego car mistaken for an obstacle",
     "invalid": "lost returns mistaken for an obstacle",
     "raindrop": "rain mistaken for an obstacle",
 }
