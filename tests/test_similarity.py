@@ -293,6 +293,7 @@ def renamed(source):
 # Copies of these answers are not found, because the lesson suggests such code to every student.
 AS_TAUGHT = {
     "euclidean_clustering": ["a queue and NumPy"],
+    "euclidean_clustering_accelerated": ["three steps, with one tree for all open pairs"],
     "get_oriented_boxes": ["roof corners first, in zigzag order, and a heading by bisection"],
     "insert": ["prints, uses single precision and returns the node"],
     "principal_axes": ["eigenvectors of the covariance"],
