@@ -131,7 +131,7 @@ def test_city(student, seed):
     "detect_obstacles",
     weight=9,
     title="Finds people in new places",
-    hint="A nearby person has 20 to 40 points after thinning. Does one of your steps need more?",
+    hint="A nearby person has 25 to 50 points after thinning. Does one of your steps need more?",
 )
 def test_people(student, seed):
     frame = walk(seed)
