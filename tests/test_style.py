@@ -9,13 +9,12 @@ import pytest
 
 from grader.course.paths import PROJECT
 
-# All folders except the lessons' texts.
 PLAIN = (
     "conftest.py",
     "extension",
     "grader",
     "solutions/*.py",
-    "solutions/*/*/[!l]*.py",
+    "solutions/*/*/*.py",
     "tests",
     "utils",
 )
@@ -25,7 +24,7 @@ FORBIDDEN = {
     "an old word": r"\b(anew|befall\w*|reckon\w*|mend(s|ed|ing)?|beside|besides|shall|for ever)\b",
     "an old phrase": r"\b(but for|for want of|without more ado|be it|as ever)\b",
     "too at the end": r", too[.;:,)]",
-    "no and a noun": r"(?<!there )\b(is|are|was|were) no (?!longer|more|less|further)[a-z]",
+    "no and a noun": r"(?<!there )\b(is|are|was|were) no (?!longer|more|less|further|farther)[a-z]",
 }
 
 

@@ -142,7 +142,7 @@ if ready(count_near):
                        "handles objects that contain them.")
 
 # %% [markdown]
-# NumPy is compiled, too. But it does one step for *all* points before the next: products, sums, absolute values, comparisons. Each step writes an array to memory, and the next reads it again. The compiled loop does all steps for one point at once, and writes nothing.
+# NumPy is also compiled. But it does one step for *all* points before the next: products, sums, absolute values, comparisons. Each step writes an array to memory, and the next reads it again. The compiled loop does all steps for one point at once, and writes nothing.
 #
 # ## What the compiler needs
 #
@@ -152,7 +152,7 @@ if ready(count_near):
 #
 # - A variable keeps its type: it cannot be a number here and `None` there.
 # - Use arrays, numbers and tuples, but no objects of your own and no `cKDTree`.
-# - Functions that you call need `@njit`, too.
+# - Functions that you call also need `@njit`.
 # - Variables from outside are constants after compiling. After you change a function, run the cells of all functions that call it again.
 #
 # **The first call pays.** It takes about a thousand times as long as the second. `@njit(cache=True)` keeps the machine code on disk. A car must not compile when the first pedestrian appears, so it first calls everything once.

@@ -401,7 +401,7 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
     # 2. With fewer than two points there is nothing to draw: return that.
     # 3. Repeat max_iterations times:
     #    a. Draw two different indices and take the line through these points.
-    #    b. If there is no line, go on with the next round.
+    #    b. If `line_through` returned None, go on with the next round.
     #    c. The mask of the points within distance_tolerance of the line.
     #    d. If it has more inliers than the best so far, keep this line and its mask.
     # 4. Return the best line and its mask.

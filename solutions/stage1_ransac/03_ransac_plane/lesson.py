@@ -163,7 +163,7 @@ def plane_through(p, q, r):
         None if the points are on one line.
     """
     # 1. The cross product of the sides from p to q and from p to r.
-    # 2. Its length. If it is nearly zero, say below 1e-9, there is no plane.
+    # 2. Its length. If it is nearly zero, say below 1e-9, return None.
     # 3. Divide by the length, and choose d so that p is on the plane.
     # roughly 6 lines
     ### BEGIN SOLUTION
@@ -321,7 +321,7 @@ all_three.compare(100 * is_ground[picks].all(axis=1).mean(),
 #
 # ## Exercise 3 · `ransac_plane` (points)
 #
-# Return the best plane and the mask of its inliers. If `plane_through` returns `None`, skip this sample, but count the round. With fewer than three points, there is no sample.
+# Return the best plane and the mask of its inliers. If `plane_through` returns `None`, skip this sample, but count the round. With fewer than three points, you cannot draw a sample.
 
 # %% nbgrader={"grade": false, "grade_id": "ransac_plane", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def ransac_plane(points, max_iterations, distance_tolerance, rng):
@@ -458,7 +458,7 @@ for threshold, axes in zip((0.03, 0.2, 0.8), panels):
 #
 # - **0.03 m:** more than a third of the ground is left. The reason is the crown, not noise: the road leaves the best plane by several centimetres, upwards and downwards.
 # - **0.2 m:** the ground is gone, and the obstacles have lost only their lowest part.
-# - **0.8 m:** most of the obstacles are gone, too. A plane that cuts through the cars has more inliers than the road, so the plane tilts: look at its slope.
+# - **0.8 m:** most of the obstacles are also gone. A plane that cuts through the cars has more inliers than the road, so the plane tilts: look at its slope.
 
 # %% [markdown]
 # ## When the wall wins
@@ -966,7 +966,7 @@ show_table(["frame", "|c| of the largest plane", "points near the ground plane",
             for number, upright, part, slope, height in lines])
 won_by_ground.compare(sum(upright > 0.9 for _, upright, *_ in lines),
                       "If |c| is near 0, the largest plane is upright. The next picture shows "
-                      "what it is. In those frames, too, the search for the largest plane whose "
+                      "what it is. Also in those frames, the search for the largest plane whose "
                       "normal points up finds the ground.")
 
 # %% [markdown]

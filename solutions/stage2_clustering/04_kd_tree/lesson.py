@@ -219,7 +219,7 @@ def insert(tree, point, index):
     # 2. Otherwise start at the root, at depth 0.
     # 3. The axis is depth % len(point). Strictly smaller goes left, everything else right.
     # 4. If there is a child on that side, go on from there, one level deeper.
-    # 5. If there is none, the new node becomes that child, and you are done.
+    # 5. If that side is free, the new node becomes that child, and you are done.
     # roughly 14 lines
     ### BEGIN SOLUTION
     newcomer = Node(point, index)
@@ -364,7 +364,7 @@ def search(tree, target, tolerance):
         The indices of the points found, in any order.
     """
     # 1. One place waits: the root, at depth 0. Nothing is found yet.
-    # 2. While places wait, take one. If there is no node (None), take the next.
+    # 2. While places wait, take one. If it is None, take the next.
     # 3. If its point is within the tolerance of the target, note its index.
     # 4. If the box reaches below the split along this node's axis, the left child waits.
     # 5. If the box reaches the split or beyond, the right child also waits.

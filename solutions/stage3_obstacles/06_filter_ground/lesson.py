@@ -250,7 +250,7 @@ plots.from_side(ground[np.abs(ground[:, 1]) < 6], level=-1.2, limits=((-40, 75),
 #
 # *On upright surfaces, the density of points falls with the square of the distance. On the road it falls even faster.*
 #
-# The next lessons compare each point with its neighbours, so fewer points mean less work. The naive way is to keep every fifth row. We try it on `upright`, the returns of all objects that stand on the ground. (This part does not need exercise 1.)
+# The next lessons compare each point with its neighbours, so fewer points mean less work. The naive way is to keep every fifth row. We try it on `upright`, the returns of all objects on the ground. (This part does not need exercise 1.)
 
 # %% tags=["folded"]
 # @title What is left of a wall, of a pedestrian and of three cars (you need not read this)
@@ -451,7 +451,7 @@ def show_cells(size):
 
 # %%
 def points_left(sizes):
-    """For each cell size, how many centroids are left of all objects that stand on the ground."""
+    """For each cell size, how many centroids are left of all objects on the ground."""
     return np.array([len(voxel_grid(upright, size)) for size in sizes])
 
 # %%

@@ -56,7 +56,7 @@ within_10 = predict("What share of all returns is within 10 m of the sensor?",
 #
 # *The straight-line distance to the sensor is not the distance left to drive.*
 #
-# Why not use the length of x, y and z, `np.linalg.norm(cloud[:, :3], axis=1)`? Think of a lorry that carries its sensor 3.4 m above the road and brakes for everything within 6 m. A child stands 5.7 m in front of the sensor. Here is the yard from the side, to scale.
+# Why not use the length of x, y and z, `np.linalg.norm(cloud[:, :3], axis=1)`? Think of a lorry that carries its sensor 3.4 m above the road and brakes for everything within 6 m. A child is 5.7 m in front of the sensor. Here is the yard from the side, to scale.
 
 # %% tags=["folded"]
 # @title Scan a lorry's yard (you need not read this)

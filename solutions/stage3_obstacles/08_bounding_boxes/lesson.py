@@ -11,13 +11,13 @@
 # %% [markdown]
 # # 08 · Bounding boxes
 #
-# ![A street from above. An orange box surrounds each car, person, pole and wall. One car stands diagonally; its true outline is dashed, and much of its box is empty.](08_preview.png)
+# ![A street from above. An orange box surrounds each car, person, pole and wall. One car is at an angle to the street; its true outline is dashed, and much of its box is empty.](08_preview.png)
 #
 # A [cluster](#Words-of-the-course) has hundreds or thousands of points. A braking car has no time to compare all of them with its path, so it compares a box.
 #
 # **After this lesson you can**
 # - put a box around every obstacle, and compute its eight corners from six numbers,
-# - say what such a box guarantees, and what it costs when a car stands diagonally.
+# - say what such a box guarantees, and what it costs when a car is at an angle.
 #
 # **You write** `get_bounding_boxes` (points). **Time:** (time). **You need** boolean masks (lesson 01) and the idea of cluster labels (lesson 05).
 
@@ -105,7 +105,7 @@ print(f"The grey strip is our lane. {len(circles_in_lane)} circles reach into it
 #
 # $$\begin{aligned} &[\min_{p \in C} x_p,\ \max_{p \in C} x_p] \\ \times\ &[\min_{p \in C} y_p,\ \max_{p \in C} y_p] \\ \times\ &[\min_{p \in C} z_p,\ \max_{p \in C} z_p]. \end{aligned}$$
 #
-# Such a box is called *axis-aligned*: its sides run along x, y and z, even if the obstacle stands at an angle. It is a **keep-out volume**, which the car may not enter. That is safe only if every point of the cluster is inside.
+# Such a box is called *axis-aligned*: its sides run along x, y and z, even if the obstacle is at an angle to them. It is a **keep-out volume**, which the car may not enter. That is safe only if every point of the cluster is inside.
 #
 # In NumPy, `min(axis=0)` takes the minimum of each column, and `min(axis=1)` that of each row. Here are the temperatures of three cities (columns) on four days (rows).
 
@@ -146,7 +146,7 @@ plots.corner_numbers(block, title="A block of 4 x 2 x 1.5 m");
 # %% [markdown]
 # ## Exercise · `get_bounding_boxes` (points)
 #
-# Return one box for each label above 0, in ascending order of the labels. Labels may have gaps. If there is no label above 0, return an array of shape (0, 8, 3). Rows with NaN have label 0, so they need no special case. This lesson forbids none of the packages named at the end of the notebook. The order of the corners costs no points; if yours is different, `check` shows a note, and the edges in the pictures cross.
+# Return one box for each label above 0, in ascending order of the labels. Labels may have gaps. If no label is above 0, return an array of shape (0, 8, 3). Rows with NaN have label 0, so they need no special case. This lesson forbids none of the packages named at the end of the notebook. The order of the corners costs no points; if yours is different, `check` shows a note, and the edges in the pictures cross.
 
 # %% nbgrader={"grade": false, "grade_id": "get_bounding_boxes", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def get_bounding_boxes(cloud, cluster_labels):
@@ -219,7 +219,7 @@ for label in beside:
     axes.text(x.max() + 0.3, y.mean(), label, fontweight="bold", va="center")
 turning = boxes[present.index(10)]
 area.compare(np.prod(np.ptp(turning[:, :2], axis=0)),
-             "A box that cannot turn must be larger when the car stands diagonally. This one would "
+             "A box that cannot turn must be larger when the car is at an angle. This one would "
              "be larger still, but the scanner saw only the sides of the car that face it.")
 
 # %% nbgrader={"grade": true, "grade_id": "test_get_bounding_boxes", "locked": true, "points": 20, "schema_version": 3, "solution": false, "task": false}
@@ -378,7 +378,7 @@ for name in (10, 4, 13):
     print(f"{kinds[name]} {name}: {outside.mean():.0%} of its footprint is outside its box")
 
 # %% [markdown]
-# On a straight street nearly every vehicle is parallel to us, and axis-aligned boxes hold little air. At a junction, many vehicles would stand diagonally. Lesson 11 turns the box with the car.
+# On a straight street nearly every vehicle is parallel to us, and axis-aligned boxes hold little air. At a junction, many vehicles would be at an angle to us. Lesson 11 turns the box with the car.
 
 # %% [markdown]
 # ## Common mistakes
@@ -451,7 +451,7 @@ drive_with(0) if is_written(get_bounding_boxes) else print(
     "get_bounding_boxes is not written, or has not passed its check.")
 
 # %% [markdown]
-# All goes well. Now a mechanic mounts the scanner turned by 12°: try `drive_with(12)`. Boxes along its axes stand at an angle to the street, and their corners reach into our lane. **A bar to beat:** find the largest whole angle at which the car still drives 82 m without braking.
+# All goes well. Now a mechanic mounts the scanner turned by 12°: try `drive_with(12)`. Boxes along its axes are now at an angle to the street, and their corners reach into our lane. **A bar to beat:** find the largest whole angle at which the car still drives 82 m without braking.
 #
 # <details><summary>An answer</summary>
 #
@@ -476,7 +476,7 @@ drive_with(0) if is_written(get_bounding_boxes) else print(
 # ## Summary
 #
 # - A box is a minimum and a maximum on each axis. Its corners are the eight combinations.
-# - It is a keep-out volume: every point of the cluster is inside, and so is air, more than half of the box if a car stands diagonally. Unseen parts may stick out.
+# - It is a keep-out volume: every point of the cluster is inside. It also contains air, which fills more than half of the box if a car is at 45° to the axes. Unseen parts may stick out.
 # - Label 0 is not an obstacle, labels have gaps, and without obstacles the result is still an array.
 #
 # **Sources.** Boxes as collision volumes: [Ericson, Real-Time Collision Detection, chapter 4](https://realtimecollisiondetection.net/). Boxes in a benchmark: [Geiger et al. 2013](https://www.cvlibs.net/publications/Geiger2013IJRR.pdf). NumPy reductions: [numpy.min](https://numpy.org/doc/stable/reference/generated/numpy.min.html).

@@ -195,7 +195,7 @@ right.grid(False)
 right.grid(which="minor", color="black", alpha=0.4, linewidth=0.8)  # behind the squares
 
 # %% [markdown]
-# From now on you cluster *cells* instead of points, and there are far fewer. One point of each cell, its **representative** (squares), stands for the cell.
+# From now on you cluster *cells* instead of points, and there are far fewer. One point of each cell is its **representative** (squares).
 #
 # ## Step 1 · Which points share a cell?
 #
@@ -721,7 +721,7 @@ for name, (n, seconds) in series.items():
 show_table(["all obstacles", "time", "turns of the scanner"], table)
 if "yours" in series and series["yours"][0][-1] == len(everything):
     spent = series["yours"][1][-1]
-    print(f"yours with the road, too: {spent:.2f} s,", "less than one turn"
+    print(f"yours, with the road: {spent:.2f} s,", "less than one turn"
           if spent < 0.1 else "more than one turn")
 
 # %% [markdown]

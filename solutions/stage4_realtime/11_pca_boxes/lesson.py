@@ -12,9 +12,9 @@
 # %% [markdown]
 # # 11 · Boxes that turn
 #
-# ![A car that stands diagonally, seen from above, in two rectangles: a dashed one along the street, much of it empty, and the closest one around its points.](11_preview.png)
+# ![A car at an angle to the street, seen from above, in two rectangles: a dashed one along the street, much of it empty, and the closest one around its points.](11_preview.png)
 #
-# Much of an axis-aligned box is empty if the car in it stands diagonally. In this lesson you turn the box. There are three ways to find the angle, and you measure how far to trust each.
+# Much of an axis-aligned box is empty if the car in it is at an angle to the axes. In this lesson you turn the box. There are three ways to find the angle, and you measure how far to trust each.
 #
 # **After this lesson you can**
 # - find the directions in which a cloud is longest and shortest, and explain why their signs and their order are only conventions,
@@ -34,7 +34,7 @@
 #
 # *The scanner sees only the two sides of a car that face it.*
 #
-# Label 10 is a car that turns out of a driveway. As in lesson 08, the labels come from the truth of the scan, and label 0 is no obstacle.
+# Label 10 is a car that turns out of a driveway. As in lesson 08, the labels come from the truth of the scan, and label 0 is not an obstacle.
 
 # %%
 import matplotlib.pyplot as plt
@@ -281,7 +281,7 @@ print(f"first axis, seen from above: {np.degrees(np.arctan2(first[1], first[0]))
 #
 # *A car leans by a degree or two. If its box leans more, the box is wrong, not the car.*
 #
-# Look at pitch and roll above: no car stands like that. The points are on two sides, bonnet and windscreen, but none is on the underside. A pedestrian's first axis is even vertical, so its yaw is arbitrary.
+# Look at pitch and roll above: no car is tilted like that. The points are on two sides, bonnet and windscreen, but none is on the underside. A pedestrian's first axis is even vertical, so its yaw is arbitrary.
 #
 # A tempting repair makes the box in 3-D first. Its *size* is its length, width and height, measured along its own axes. Then it sets pitch and roll to zero. Are all points still inside?
 
@@ -757,7 +757,7 @@ print(f"third axis of {len(ground):,} returns of the ground: "
 
 # %% [markdown]
 # - **Cars and lorries**: the closest rectangle. The smallest is nearly as good for cars, and off for a thin L.
-# - **Cyclists**: none is reliable. The first axis is best for the two cyclists of this scan. But for seventeen cyclists in forty other streets, each way has a median error of 8° to 10°, and the first axis is off by up to 32°.
+# - **Cyclists**: none is reliable. The first axis is best for the two cyclists of this scan. On seventeen cyclists in forty other streets, however, each way has a median error of 8° to 10°, and the first axis is off by up to 32°.
 # - **Pedestrians, poles and tree trunks**: none. From above they are nearly round.
 # - **Walls**: any, if straight. The corner of a house is a thin L, like the lorry. There, the first axis leans, the smallest rectangle may, and the closest does not.
 # - **Planes**: principal axes, in space. The third axis of the ground is its normal, as in lesson 03.

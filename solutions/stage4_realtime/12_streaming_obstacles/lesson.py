@@ -182,7 +182,7 @@ for notebook, functions in useful.items():
 #
 # - each isolated car has a box of its own, turned with the car, if the whole car is within 10 m and at most 7 m to the side. This includes a car that crosses 9 m ahead;
 # - two cars parked 0.85 m apart have two boxes, and a lorry has a box, however many points it has;
-# - pedestrians who stand alone within 7 m have a box. In full view, 25 to 50 of their points are left after thinning;
+# - pedestrians who are alone within 7 m have a box. In full view, 25 to 50 of their points are left after thinning;
 # - at least six of ten boxes contain obstacles and not road, and a single raindrop in the air gets no box;
 # - no box is on the ego car, from (-1.5, -1.7, -1.0) to (2.6, 1.7, -0.4) as in lesson 07, even if its whole bonnet and roof are seen;
 # - no frame causes an error: an empty frame, an empty road, three columns, or rows with NaN, infinity or (0, 0, 0).
@@ -549,7 +549,7 @@ check(match_boxes)
 #
 # In part 1 you wrote `detect_obstacles`, which turns a scan into boxes, and `match_boxes`, which finds each box in the frame before. Now each obstacle gets a track ID.
 #
-# A [track](#Words-of-the-course) is one obstacle through many frames: an ID, a box and a velocity. If IDs are only passed from box to box, they are lost in two ways. **The ego car moves:** at 5 m/s everything that stands still comes 0.5 m nearer in each frame, and oncoming cars twice as far. **Boxes flicker:** for a frame or two an object has too few points, or is hidden behind another. Four moves help, and you have written one of them:
+# A [track](#Words-of-the-course) is one obstacle through many frames: an ID, a box and a velocity. If IDs are only passed from box to box, they are lost in two ways. **The ego car moves:** at 5 m/s every stationary object comes 0.5 m nearer in each frame, and oncoming cars twice as far. **Boxes flicker:** for a frame or two an object has too few points, or is hidden behind another. Four moves help, and you have written one of them:
 #
 # | move | your function | finds out |
 # |---|---|---|
