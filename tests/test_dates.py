@@ -134,31 +134,65 @@ def test_an_extension_across_a_change_of_clocks_ends_at_the_right_second(course,
     assert lateness(course) == dict.fromkeys(EARNED, timedelta(seconds=1))
 
 
-@pytest.mark.parametrize(
-    ("edit", "changes_penalties"),
-    [
-        (lambda text: text.replace("-01T", "-02T"), True),
-        (lambda text: text + f"[{STAGE}.students]\nada = 2026-03-03T13:00:00\n", True),
-        (lambda text: text + f"[{GROUND.name}]\ndue = 2026-03-03T13:00:00\n", True),
-        (lambda text: text + 'without = ["filter_ground"]\n', True),
-        (lambda text: "", True),
-        (lambda text: "pass_mark = 60\n" + text, False),
-        (lambda text: text + f'[{STAGE}.students]\nbob = "excused"\n', False),
-        (lambda text: "# due next week\n" + text, False),
-    ],
-    ids=["date", "extension", "lesson", "exercise", "empty", "pass mark", "excused", "comment"],
-)
-def test_a_settings_file_changed_after_grading_is_announced(course, edit, changes_penalties):
-    grade_with(course, HEAD)
+def rewrite(name, edit):
+    """Return a function that edits a file in the course's folder."""
+
+    def change(course):
+        path = course.root / name
+        path.write_text(edit(path.read_text()))
+
+    return change
+
+
+def change_file(course):
+    path = next((course.submitted / "bob" / STAGE).rglob("*.ipynb"))
+    path.write_bytes(path.read_bytes() + b"\n")
+
+
+DEADLINES = "deadlines.toml"
+OFF = 'without = ["filter_ground"]\ndue ='
+# Changes, and the students whose marks depend on them. Section B, with Bob, has its own date.
+CHANGES = {
+    "zone": (rewrite(DEADLINES, lambda text: text.replace("Berlin", "London")), ["ada", "bob"]),
+    "date": (rewrite(DEADLINES, lambda text: text.replace("-01T", "-02T")), ["ada"]),
+    "extension": (
+        rewrite(DEADLINES, lambda text: f"{text}[{STAGE}.students]\nbob = 2026-03-10T12:00:00\n"),
+        ["bob"],
+    ),
+    "date of a lesson": (
+        rewrite(DEADLINES, lambda text: f"{text}[{GROUND.name}]\ndue = 2026-03-03T13:00:00\n"),
+        ["ada"],
+    ),
+    "exercise": (rewrite(DEADLINES, lambda text: text.replace("due =", OFF, 1)), ["ada"]),
+    "pass mark": (rewrite(DEADLINES, lambda text: "pass_mark = 60\n" + text), []),
+    "comment": (rewrite(DEADLINES, lambda text: "# due next week\n" + text), []),
+    "section": (rewrite("roster.csv", lambda text: text.replace("ada,A", "ada,B")), ["ada"]),
+    "enrolment": (rewrite("roster.csv", lambda text: text + "cleo,A\n"), []),
+    "time": (lambda course: submit_at(course, "ada", "2026-03-01 10:00:00"), ["ada"]),
+    "file": (change_file, ["bob"]),
+}
+
+
+@pytest.mark.parametrize(("change", "students"), CHANGES.values(), ids=CHANGES)
+def test_marks_are_announced_if_their_inputs_have_changed(course, change, students):
+    grade_with(course, HEAD + f"[{STAGE}.sections]\nB = 2026-03-09T12:00:00\n")
     assert class_results(course).outdated == ()
-    (course.root / "deadlines.toml").write_text(edit(HEAD))
+    change(course)
     results = class_results(course)
-    assert results.outdated == (STAGE,) * changes_penalties
-    scores = EXPORTERS["csv"].write(ExportOptions(course, results))
-    about_penalties = [note for note in scores.notes if "has changed since" in note]
-    assert len(about_penalties) == changes_penalties
-    enter_verdicts(course, verdicts(course), [STAGE], quiet, student="ada")
-    assert class_results(course).outdated == results.outdated  # the others were not entered
+    assert [student for student, stage in results.outdated if stage == STAGE] == students
+    for name in ("csv", "exercises"):
+        exported = EXPORTERS[name].write(ExportOptions(course, results))
+        [*announced] = [note for note in exported.notes if "may be out of date" in note]
+        assert len(announced) == bool(students)
+        assert all(", ".join(students) in note for note in announced)
+
+
+def test_grading_one_student_again_leaves_the_others_outdated(course):
+    grade_with(course, HEAD)
+    (course.root / DEADLINES).write_text(HEAD.replace("-01T", "-02T"))
+    of_ada = [pair for pair in verdicts(course) if pair[0].student == "ada"]
+    enter_verdicts(course, of_ada, [STAGE], quiet, student="ada")
+    assert [student for student, _ in class_results(course).outdated] == ["bob"]
     enter_verdicts(course, verdicts(course), [STAGE], quiet)
     assert class_results(course).outdated == ()
 

@@ -9,10 +9,8 @@ removed from the gradebook, and a date that a person entered there is kept.
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import json
-from collections.abc import Iterable, Iterator
-from dataclasses import asdict
+from collections.abc import Iterable
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -20,7 +18,7 @@ from nbgrader.api import Assignment, Gradebook, MissingEntry, SubmittedAssignmen
 
 from grader.course.atomic_files import write_atomically
 from grader.course.deadlines import Deadlines, DueDates
-from grader.course.lessons import all_lessons, stages
+from grader.course.lessons import stages
 from grader.course.paths import Course
 from grader.lms.gradebook import gradebook_exists, open_gradebook
 
@@ -147,41 +145,6 @@ def _entered_extension(course: Course, student: str, stage: str) -> timedelta | 
 
 def _extension_path(course: Course, student: str, stage: str) -> Path:
     return course.verdicts / student / stage / ".extension"
-
-
-def record_settings(course: Course, deadlines: Deadlines, stages: Iterable[str]) -> None:
-    """Record the settings with which the penalties of these stages were computed."""
-    for stage in stages:
-        write_atomically(_settings(deadlines, stage), _settings_path(course, stage))
-
-
-def stages_with_new_settings(course: Course, deadlines: Deadlines) -> Iterator[str]:
-    """Yield the stages whose penalties were computed with other settings than today's."""
-    for stage in stages():
-        with contextlib.suppress(FileNotFoundError):
-            if _settings_path(course, stage).read_text("utf-8") != _settings(deadlines, stage):
-                yield stage
-
-
-def _settings(deadlines: Deadlines, stage: str) -> str:
-    """Return a digest of all settings on which late penalties of a stage depend."""
-    of_stage = asdict(deadlines.stages.get(stage, DueDates()))
-    del of_stage["lessons"], of_stage["excused"]  # these do not change penalties
-    of_lessons = {
-        name: asdict(dates) for name, dates in deadlines.lessons_with_dates(stage).items()
-    }
-    without = [
-        name
-        for lesson in all_lessons()
-        if lesson.stage == stage
-        for name in deadlines.rules.without_in(lesson)
-    ]
-    text = json.dumps([of_stage, of_lessons, without], sort_keys=True, default=str)
-    return hashlib.sha256(text.encode()).hexdigest()
-
-
-def _settings_path(course: Course, stage: str) -> Path:
-    return course.verdicts / f".settings.{stage}"
 
 
 def _naive(time: datetime) -> datetime:

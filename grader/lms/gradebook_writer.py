@@ -26,11 +26,12 @@ from grader.judging.verdict import Verdict
 from grader.lms.answers import fingerprints, read_fingerprints, regrade, write_fingerprints
 from grader.lms.autograded import build_judged_copy, graded_cells
 from grader.lms.copies import replace_folder, write_draft
-from grader.lms.dates import enter_due_dates, record_settings, set_extension
+from grader.lms.dates import enter_due_dates, set_extension
 from grader.lms.differences import differences
 from grader.lms.entries import StageEntry, group_entries
 from grader.lms.gradebook import database_problem, open_gradebook
 from grader.lms.history import log_changes
+from grader.lms.inputs import record_inputs
 from grader.lms.marks_by_hand import lost_marks, lost_sentence, restore_marks, share_in_teams
 from grader.lms.penalties import load_penalty_plugin, penalty_of
 from grader.lms.people import enrol
@@ -75,22 +76,25 @@ def enter_verdicts(
         If some submissions could not be entered; all others are entered first.
     grader.course.roster.RosterError, grader.course.deadlines_file.DeadlinesError
     """
-    stages = list(dict.fromkeys(stages))
     roster, deadlines = read_roster(course), read_deadlines(course) or Deadlines({})
     unknown = unmatched_folders(course, roster) if roster else {}
     entries, trouble = group_entries(course, judged, unknown)
     with open_gradebook(course) as book:
         log_changes(course, book)  # log marks given by hand since the last run
         late = load_penalty_plugin(course)
-        register_stages(course, book, stages, tell)
+        register_stages(course, book, dict.fromkeys(stages), tell)
         if roster:
             enrol(book, roster)
         enter_due_dates(course, book, deadlines)
         submitted = {(submission.student, submission.lesson.stage) for submission, _ in judged}
         trouble += withdraw(course, book, stages, submitted, student)
         for done, entry in enumerate(entries, start=1):
-            if differences(course, book, entry, late, deadlines):
-                trouble += _try_to_enter(course, book, entry, late, deadlines)
+            problems = differences(course, book, entry, late, deadlines)
+            if problems:
+                problems = _try_to_enter(course, book, entry, late, deadlines)
+                trouble += problems
+            if not problems:
+                record_inputs(course, entry, deadlines)
             progress(done, len(entries), entry.student)
         students = {student for student, _ in submitted}
         lost = lost_marks(course, book, students)
@@ -110,8 +114,6 @@ def enter_verdicts(
             for submission, verdict in judged
         }
         log_changes(course, book, keys)
-    if student is None:
-        record_settings(course, deadlines, stages)
     if trouble:
         raise GradebookError("The gradebook is not complete:\n" + "\n".join(dict.fromkeys(trouble)))
 

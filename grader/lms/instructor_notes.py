@@ -35,7 +35,7 @@ def counted_lessons(results: ClassResults) -> dict[str, str]:
 
 
 def assignment_notes(results: ClassResults, deadlines: Deadlines | None) -> Iterator[str]:
-    """Yield notes about lessons and work that may not count, and about outdated penalties."""
+    """Yield notes about lessons and work that may not count, and about outdated marks."""
     students: dict[str, list[str]] = {}
     for student, lesson in results.unassigned:
         students.setdefault(lesson, []).append(student)
@@ -51,11 +51,13 @@ def assignment_notes(results: ClassResults, deadlines: Deadlines | None) -> Iter
 
 
 def outdated_notes(results: ClassResults, stage: str) -> Iterator[str]:
-    """Yield a note if the late penalties of a stage were computed with other settings."""
-    if stage in results.outdated:
+    """Yield a note about marks in a stage that were entered before something changed."""
+    students = [student for student, other in results.outdated if other == stage]
+    if students:
         yield (
-            f"{DEADLINES} has changed since {stage} was graded, so late penalties in this stage "
-            f"may be out of date. Run: python -m grader grade {stage}"
+            f"Files, submission times, due dates or points have changed since {stage} was graded, "
+            f"so these marks may be out of date: {', '.join(students)}. Run: python -m grader "
+            f"grade {stage}"
         )
 
 

@@ -160,8 +160,8 @@ class ClassResults:
         Student and lesson of submissions that have no results here, because deadlines.toml does not
         list the lesson.
     rules : grader.course.deadlines.TermRules
-    outdated : tuple of str
-        Stages whose late penalties may be out of date, because deadlines.toml has changed.
+    outdated : tuple of (str, str)
+        Student and stage of marks whose inputs have changed; see `grader.lms.inputs`.
     """
 
     people: tuple[Person, ...]
@@ -171,7 +171,7 @@ class ClassResults:
     excessive: tuple[tuple[str, str], ...] = ()
     unassigned: tuple[tuple[str, str], ...] = ()
     rules: TermRules = TermRules()
-    outdated: tuple[str, ...] = ()
+    outdated: tuple[tuple[str, str], ...] = ()
 
     def notebook(self, student: str, lesson: str) -> NotebookResult | None:
         """Return a student's result in a lesson, or None if the lesson does not count."""
@@ -196,6 +196,7 @@ class ClassResults:
             unlisted=(),
             excessive=tuple(pair for pair in self.excessive if pair[0] in ids),
             unassigned=tuple(pair for pair in self.unassigned if pair[0] in ids),
+            outdated=tuple(pair for pair in self.outdated if pair[0] in ids),
         )
 
     def judged_points(self, verdict: Verdict) -> float:

@@ -14,10 +14,10 @@ from grader.course.paths import Course
 from grader.course.roster import Person, read_roster
 from grader.course.times import time_late
 from grader.lms.cells import CellMark, CellMarks, cell_marks
-from grader.lms.dates import stages_with_new_settings
 from grader.lms.gradebook import open_gradebook
 from grader.lms.gradebook_rows import GradebookRow, read_excessive_marks, read_rows
 from grader.lms.history import exercise_of
+from grader.lms.inputs import outdated_marks
 from grader.lms.people import students_in_gradebook
 from grader.lms.results import (
     AUDITOR,
@@ -113,7 +113,7 @@ def class_results(course: Course) -> ClassResults:
         excessive,
         tuple(unassigned),
         deadlines.rules,
-        tuple(stages_with_new_settings(course, deadlines)),
+        tuple(outdated_marks(course, submitted.values(), deadlines)),
     )
 
 

@@ -7,7 +7,7 @@ import io
 
 from grader.lms.exporters.protocol import ExportOptions, ExportResult
 from grader.lms.exporters.scores_csv import notebooks_of, person_cells, person_titles
-from grader.lms.instructor_notes import unlisted_notes
+from grader.lms.instructor_notes import outdated_notes, unlisted_notes
 from grader.lms.results import NotebookResult, format_points
 
 
@@ -35,7 +35,9 @@ def exercises_csv(options: ExportOptions) -> ExportResult:
         table.writerow([*person_cells(person), *points])
         placed += any(points)
     content = file.getvalue().encode("utf-8", "replace")
-    return ExportResult(content, placed, tuple(unlisted_notes(options.results)))
+    stages = dict.fromkeys(result.stage for result in results.values())
+    notes = [note for stage in stages for note in outdated_notes(options.results, stage)]
+    return ExportResult(content, placed, tuple(unlisted_notes(options.results)), tuple(notes))
 
 
 def _points(result: NotebookResult, exercise: str) -> str:
