@@ -20,7 +20,7 @@
 # - say how often RANSAC fails, and how many rounds it needs,
 # - name what real systems add to RANSAC.
 #
-# **You write** `line_through` (points), `point_line_distance` (points) and `ransac_line` (points). **Time:** (time), in two sittings of 80 and 25. **You need** Python and arrays, but not lesson 01.
+# **You write** `line_through` (points), `point_line_distance` (points) and `ransac_line` (points). **Time:** (time), in two sittings of 80 and 25 minutes. **You need** Python and arrays, but not lesson 01.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)

@@ -21,7 +21,7 @@
 # - cluster fifty thousand points exactly, in three steps that leave few pairs to compare,
 # - explain why the result is exact, and find an input that breaks a careless shortcut.
 #
-# **You write** three small functions (checked, not graded) and `euclidean_clustering_accelerated` (points), which calls them. **You need** lesson 05, and the idea of lesson 04 but not its code. **Time:** (time), in two sittings of 45 and 55 minutes
+# **You write** three small functions (checked, not graded) and `euclidean_clustering_accelerated` (points), which calls them. **You need** lesson 05, and the idea of lesson 04 but not its code. **Time:** (time), in two sittings of 45 and 55 minutes.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -255,7 +255,7 @@ def points_in_cells(points, threshold):
 # %% [markdown]
 # <details><summary>A hint for step 1</summary>
 #
-# `np.floor(points / side)` does 2 for all points at once. Use it in place of `rows` above; `rows[first]` are then the different cells. Do not use `.astype(int)` instead, because it rounds −0.4 to 0.
+# `np.floor(points / side)` does step 2 for all points at once. Use it in place of `rows` above; `rows[first]` are then the different cells. Do not use `.astype(int)` instead, because it rounds −0.4 to 0.
 # </details>
 #
 # **Try it on seven points**, all at z = 0. With a threshold of √3 m, a cell is 1 m wide, so you can read it off the coordinates.
