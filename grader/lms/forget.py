@@ -48,7 +48,7 @@ class Trace:
 
 
 def student_to_forget(course: Course, text: str) -> str:
-    """Return the id of a student; also find one who is only in the gradebook or in the log.
+    """Return the id of a student, who may be only in the gradebook, a log or the due dates.
 
     Raises
     ------
@@ -57,9 +57,15 @@ def student_to_forget(course: Course, text: str) -> str:
     try:
         return find_student(course, text)
     except UnknownStudent:
-        if any(_own_traces(course, text)):
+        if any(_own_traces(course, text)) or any(remaining_lines(course, text)):
             return text
-        raise
+        roster = read_roster(course)
+        if roster and roster.find_people(text):
+            raise  # several students have this name
+        raise UnknownStudent(
+            f"There is no data about {text!r} in this course. If you expected some, correct the "
+            "name."
+        ) from None
 
 
 def find_traces(course: Course, student: str) -> list[Trace]:
