@@ -440,7 +440,8 @@ def _floor_rectangle(box: np.ndarray) -> np.ndarray:
     angle = np.arctan2(apart[:, 1], apart[:, 0])
     along = np.stack([np.cos(angle), np.sin(angle)])
     across = np.stack([-along[1], along[0]])
-    best = np.argmin(np.ptp(xy @ along, axis=0) * np.ptp(xy @ across, axis=0))
+    with np.errstate(over="ignore"):  # a wrong answer may contain any number
+        best = np.argmin(np.ptp(xy @ along, axis=0) * np.ptp(xy @ across, axis=0))
     axes = np.stack([along[:, best], across[:, best]])
     (a, b), (c, d) = ((side.min(), side.max()) for side in (xy @ axes.T).T)
     return np.array([[a, c], [b, c], [b, d], [a, d]]) @ axes
