@@ -390,6 +390,10 @@ def test_points_for_a_single_slip_are_explained():
     lesson = dataclasses.replace(feedback.lessons[0], exercises=(by_hand,))
     page = words(feedback_page(dataclasses.replace(feedback, lessons=(lesson,))))
     assert "You still get" not in page and "A grader set these points." in page
+    off = dataclasses.replace(exercise, counts=False)
+    lesson = dataclasses.replace(feedback.lessons[0], exercises=(off,))
+    page = words(feedback_page(dataclasses.replace(feedback, lessons=(lesson,))))
+    assert "1 of 18 checks pass." in page and "You still get" not in page
 
 
 def test_each_score_names_its_function(pages):
