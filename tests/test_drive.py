@@ -721,7 +721,7 @@ def test_lesson_12_states_the_result_of_the_courses_detector():
     (lesson,) = [lesson for lesson in all_lessons() if lesson.number == "12"]
     assert result.collisions == result.near_misses == 0
     times = "once" if result.needless == 1 else f"{result.needless} times"
-    claim = f"brakes for nothing {times} in {result.metres / 1000:.1f} km"
+    claim = f"{result.metres:,.0f} m without a collision, and brakes {times} for nothing"
     assert claim in lesson.source.read_text("utf-8")
 
 
