@@ -104,6 +104,9 @@ def run_build(options: argparse.Namespace) -> int:
 
 def run_release(options: argparse.Namespace) -> int:
     """Run the command ``release [--standalone | --solutions] [STAGE ...]``."""
+    from grader.course.deadlines import Deadlines
+    from grader.course.deadlines_file import read_deadlines
+    from grader.course.lessons import all_lessons
     from grader.course.release import write_zips
     from grader.course.standalone import ReleaseError, write_standalone
 
@@ -112,12 +115,18 @@ def run_release(options: argparse.Namespace) -> int:
     try:
         if options.solutions:
             return _release_solutions(options)
+        deadlines = read_deadlines(Course()) or Deadlines({})
         write = write_standalone if options.standalone else write_zips
         for path in write(options.to or PROJECT / "released", options.stages):
             print(f"wrote {path} ({path.stat().st_size / 1000:.0f} KB)")
     except ReleaseError as error:
         print(error, file=sys.stderr)
         return FAULT
+    wanted = options.stages or stages()
+    left_out = deadlines.unassigned(lesson for lesson in all_lessons() if lesson.stage in wanted)
+    if left_out:
+        names = ", ".join(lesson.name for lesson in left_out)
+        print(f"Released, although they do not count according to deadlines.toml: {names}.")
     return SUCCESS
 
 
@@ -447,8 +456,9 @@ def run_autograder(options: argparse.Namespace) -> int:
         return FAULT
     path = options.to or course.root / f"autograder.{options.assignment}.zip"
     write_secret(build_autograder_zip(options.assignment, seed), path)
-    rules = (read_deadlines(course) or Deadlines({})).rules
-    off = [name for lesson in lessons for name in rules.without_in(lesson)]
+    deadlines = read_deadlines(course) or Deadlines({})
+    off = [lesson.name for lesson in deadlines.unassigned(lessons)]
+    off += [name for lesson in lessons for name in deadlines.rules.without_in(lesson)]
     console.print_autograder(path, lessons, off)
     return SUCCESS
 
@@ -784,7 +794,7 @@ def _print_student(
     from grader.lms.term import term_in_words, term_result
 
     for _, verdict in judged:
-        console.print_verdict(verdict)
+        console.print_verdict(verdict, results.rules.without)
     if notebooks := results.of_student(student):
         total = term_result(notebooks, results.rules)
         console.print_term(notebooks, term_in_words(total, results.rules))

@@ -138,8 +138,8 @@ def warn_if_unprotected(sandbox: Sandbox) -> None:
         Console(stderr=True).print(sandbox.warning, style="bold red", highlight=False)
 
 
-def print_verdict(verdict: Verdict) -> None:
-    """Print one verdict in readable form."""
+def print_verdict(verdict: Verdict, without: Collection[str] = ()) -> None:
+    """Print one verdict in readable form; exercises in `without` do not count."""
     console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
     for sentence in verdict.problems:
         console.print(f"! {plain(sentence)}", markup=False)
@@ -147,8 +147,9 @@ def print_verdict(verdict: Verdict) -> None:
         console.print(f"\n{verdict.lesson}: not judged", style="bold", markup=False)
         return
     for exercise in verdict.exercises:
+        remark = " (switched off: does not count)" if exercise.name in without else ""
         console.print(
-            f"\n{exercise.name}: {exercise.score:g} of {exercise.max_score:g} points",
+            f"\n{exercise.name}: {exercise.score:g} of {exercise.max_score:g} points{remark}",
             style="bold",
             markup=False,
         )
@@ -159,9 +160,9 @@ def print_verdict(verdict: Verdict) -> None:
         if exercise.slip:
             points_kept = f"+{exercise.slip.score:g}" if exercise.slip.score else ""
             _print_with_mark(console, points_kept, exercise.slip.sentence)
+    points, maximum = verdict.points_without(without)
     console.print(
-        f"\n{verdict.lesson}: {verdict.score:g} of {verdict.max_score:g} points "
-        f"({verdict.seconds:.1f} s)",
+        f"\n{verdict.lesson}: {points:g} of {maximum:g} points ({verdict.seconds:.1f} s)",
         style="bold",
         markup=False,
     )
@@ -352,8 +353,10 @@ def print_autograder(path: Path, lessons: Sequence[Lesson], off: Sequence[str] =
         lines.insert(2, f"Grade by hand in Gradescope: {names}.")
     if off:
         lines.append(
-            f"deadlines.toml switches off {', '.join(off)}, but this autograder counts them. To "
-            "leave them out, judge here, and run: python -m grader export --format gradescope"
+            f"According to deadlines.toml, {', '.join(off)} "
+            f"{'does' if len(off) == 1 else 'do'} not count, but this autograder gives points for "
+            f"{'it' if len(off) == 1 else 'them'}. To leave {'it' if len(off) == 1 else 'them'} "
+            "out, judge here, and run: python -m grader export --format gradescope"
         )
     Console(highlight=False, soft_wrap=True).print("\n".join(lines), markup=False)
 
@@ -433,19 +436,28 @@ def _collection_sentences(report: CollectionReport) -> Iterator[str]:
             "match students by name or number."
         )
     else:
-        missing = [person.id for person in report.roster.people if person.id not in report.states]
-        excused = [student for student in missing if student in report.excused]
-        not_excused = [student for student in missing if student not in report.excused]
-        if not_excused:
+        absent = [person for person in report.roster.people if person.id not in report.states]
+        auditors = [person.id for person in absent if person.is_auditor]
+        students = [person.id for person in absent if not person.is_auditor]
+        excused = [student for student in students if student in report.excused]
+        missing = [student for student in students if student not in report.excused]
+        if missing:
             yield (
-                f"Students on the roster without a submission: {len(not_excused)} "
-                f"({', '.join(not_excused)})."
+                f"Students on the roster without a submission: {len(missing)} "
+                f"({', '.join(missing)})."
             )
         if excused:
             yield f"Excused students without a submission: {', '.join(excused)}."
+        if auditors:
+            yield f"Auditors without a submission: {', '.join(auditors)}."
     if report.ignored:
         some = ", ".join(list(report.ignored)[:5]) + (", …" if len(report.ignored) > 5 else "")
         yield f"Files that no lesson needs were not collected: {some}."
+    if report.timed is not None:
+        yield (
+            f"The table has submission times for {len(report.timed)} of {len(report.states)} "
+            "students."
+        )
     students_by_reason: dict[str, list[str]] = {}
     for student, reason in report.undecided.items():
         students_by_reason.setdefault(reason, []).append(student)

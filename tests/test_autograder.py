@@ -12,6 +12,7 @@ import pytest
 from grader import cli, commands
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
+from grader.course.paths import Course
 from grader.judging.judge import judge
 from grader.judging.verdict import FAILED, JUDGED, CheckResult, ExerciseResult, Slip, Verdict
 from grader.lms.autograder import __main__ as program
@@ -354,6 +355,18 @@ def test_the_command_writes_a_zip_that_only_its_owner_can_read(tmp_path, rehears
     assert zipfile.is_zipfile(path) and stat.S_IMODE(path.stat().st_mode) == 0o600
     said = capsys.readouterr().out
     assert "Autograder Points: 85" in said and "write_up (10 points)" in said
+
+
+def test_what_does_not_count_but_is_in_an_autograder_is_named(
+    tmp_path, rehearsed, monkeypatch, capsys
+):
+    text = '[stage3_obstacles]\nlessons = ["06", "07", "08"]\nwithout = ["voxel_grid"]\n'
+    (tmp_path / "deadlines.toml").write_text(text, "utf-8")
+    monkeypatch.setattr(commands, "Course", lambda: Course(tmp_path))
+    call = ["autograder", "stage3_obstacles", "--to", str(tmp_path / "auto.zip")]
+    assert cli.main(call) == commands.SUCCESS
+    sentence = "According to deadlines.toml, 09_filter_clusters, voxel_grid do not count"
+    assert sentence in capsys.readouterr().out
 
 
 def test_an_unknown_assignment_gets_a_list_of_the_known_ones(capsys, tmp_path):

@@ -439,6 +439,25 @@ def test_members_of_moodle_teams_are_named_by_options_or_the_worksheet(course):
     assert states(outcome) == {"ada": {"06": "same"}, "cy": {"06": "same"}, "bjorn": {"07": "same"}}
 
 
+@pytest.mark.parametrize(
+    ("rows", "times"),
+    [
+        ("ada,2026-10-14 14:14 UTC", ["14:14"] * 2),
+        ("cy,2026-10-14 15:15 UTC", ["15:15"] * 2),
+        ("ada,2026-10-14 14:14 UTC\ncy,2026-10-14 15:15 UTC", ["14:14"] * 2),
+        ("ada,2026-10-14 14:14 UTC\ncy,-", ["14:14"] * 2),
+    ],
+)
+def test_a_file_of_a_team_has_one_submission_time(course, rows, times):
+    """It is the time of the member whom the archive names, or else of any other member."""
+    table = course.root / "times.csv"
+    table.write_text(f"id,Last modified (submission)\n{rows}\n")
+    path = archive(course, [(f"ada/{SIX}.ipynb", notebook())])
+    outcome = collect(course, path, who={"ada": "cy,ada"}, times=table)
+    written = [placed(course, id)["timestamp.txt"].decode()[11:16] for id in ("ada", "cy")]
+    assert (written, outcome.undecided, outcome.timed) == (times, {}, ["ada", "cy"])
+
+
 # ---- other platforms ----------------------------------------------------------------------------
 
 OLD, NEW = notebook(text="old"), notebook(text="new")
@@ -1409,10 +1428,25 @@ def test_excused_students_are_not_reported_as_missing(course, command, capsys):
         f'[{STAGE}]\ndue = 2026-11-20 18:00:00\n[{STAGE}.students]\ncy = "excused"\n'
         '[stage1_ransac.students]\nbjorn = "excused"\n'
     )
+    roster = "id,role\nada,\nbjorn,\ncy,\nguest,auditor\n"
+    (course.root / "roster.csv").write_text(roster)
     assert command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 0
     output = " ".join(capsys.readouterr().out.split())
     assert "Students on the roster without a submission: 1 (bjorn)." in output
     assert "Excused students without a submission: cy." in output
+    assert "Auditors without a submission: guest." in output
+
+
+def test_the_table_of_times_is_said_to_have_been_used(course, command, capsys):
+    files = [(f"ada/{SIX}.ipynb", notebook()), (f"cy/{SIX}.ipynb", notebook())]
+    path = archive(course, files)
+    table = course.root / "times.csv"
+    table.write_text("id,Last modified (submission)\nada,2026-10-14 14:14 UTC\n")
+    command(path)
+    assert "submission times" not in capsys.readouterr().out
+    command(path, "--timestamps", table)
+    output = " ".join(capsys.readouterr().out.split())
+    assert "The table has submission times for 1 of 2 students." in output
 
 
 @pytest.mark.parametrize(

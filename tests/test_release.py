@@ -266,6 +266,21 @@ def write_extension(folder, until):
     )
 
 
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", ""),
+        ('lessons = ["06"]\n', "according to deadlines.toml: 07_filter_by_distance, 08_bound"),
+        ('lessons = ["06", "07", "08", "09"]\n', ""),
+    ],
+)
+def test_released_lessons_that_do_not_count_are_named(course, capsys, text, said):
+    (course / "deadlines.toml").write_text(f"[{STAGE}]\n{text}", "utf-8")
+    assert cli.main(["release", STAGE, "--to", str(course / "out")]) == 0
+    output = capsys.readouterr().out
+    assert said in output and ("deadlines" in output) == bool(said)
+
+
 def test_solutions_wait_for_an_extension_unless_forced(course, capsys):
     write_extension(course, "2999-01-31T12:00:00")
     call = ["release", "--solutions", STAGE, "--to", str(course / "out")]

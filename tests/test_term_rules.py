@@ -3,6 +3,7 @@
 import csv
 import io
 import shutil
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 
 import pytest
@@ -10,12 +11,13 @@ from nbconvert.exporters import NotebookExporter
 from nbgrader.converters import Autograde
 
 from grader.classroom.collect.record import FileOrigin, Record, file_time, write_record
+from grader.commands import _print_student
 from grader.course import paths
 from grader.course.deadlines_file import read_deadlines
 from grader.course.lessons import find_lesson
 from grader.course.nbgrader_settings import make_converter
 from grader.course.paths import Course
-from grader.judging.verdict import write_verdict
+from grader.judging.verdict import CheckResult, write_verdict
 from grader.lms import gradebook
 from grader.lms.distribution import distribution_of
 from grader.lms.exporters import EXPORTERS, ExportOptions
@@ -209,6 +211,29 @@ def test_the_report_shows_the_settings_in_its_head(course):
     ):
         assert phrase in head, phrase
     assert "Total: 18.25 of 30 points" not in page and "18.3 of 30 points (60.8 %)" in page
+
+
+def test_the_judges_points_leave_out_an_exercise_that_is_switched_off(course, capsys):
+    """Ada earns 8.5 of 20 points in `voxel_grid`, and 3.25 of the other 10 points."""
+    settings(course, f"[{STAGE}]\n{OFF}")
+    judged, results = verdicts(course), class_results(course)
+    check = CheckResult("a", "Keeps all points", True, 8.5, 20.0, "", False)
+    judged = [
+        (
+            one,
+            replace(
+                verdict, exercises=tuple(replace(e, tests=(check,)) for e in verdict.exercises)
+            ),
+        )
+        for one, verdict in judged
+    ]
+    page = write_report(course, judged, results).read_text("utf-8")
+    assert f"{GROUND.name}: 3.3 of 10 points from the judge" in page
+    assert "(voxel_grid, hidden, does not count)" in page and "(voxel_grid, hidden)" not in page
+    _print_student(course, "ada", [pair for pair in judged if pair[0].student == "ada"], results)
+    output = " ".join(capsys.readouterr().out.split())
+    assert "voxel_grid: 8.5 of 20 points (switched off: does not count)" in output
+    assert f"{GROUND.name}: 3.25 of 10 points" in output
 
 
 # ---- marks by exercise --------------------------------------------------------------------------

@@ -152,7 +152,7 @@ def test_lines_of_a_text_are_indented_next_to_its_mark(capsys):
     exercise = ExerciseResult("f", 0.0, 1.0, (test,), "", "a")
     print_verdict(dataclasses.replace(full_verdict(), exercises=(exercise,), problems=()))
     _, head, *lines, _, end = capsys.readouterr().out.rstrip().split("\n")
-    assert head == "f: 0 of 1 points" and end.startswith("06: 6 of 10")
+    assert head == "f: 0 of 1 points" and end.startswith("06: 0 of 1 points")
     assert len(lines) == 8 and lines[0].startswith("  FAILED  A title of [bold]word")
     assert lines[4].startswith(" " * 10 + "Because [bold]")
     assert all(line.startswith(" " * 10 + "[bold]") for line in (*lines[1:4], *lines[5:]))

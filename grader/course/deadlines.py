@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from datetime import datetime, tzinfo
 
@@ -136,6 +136,14 @@ class Deadlines:
     def assigned(self, stage: str) -> tuple[str, ...] | None:
         """Return the names of a stage's lessons that count, or None if the file does not say."""
         return self.stages.get(stage, DueDates()).lessons
+
+    def unassigned(self, lessons: Iterable[Lesson]) -> list[Lesson]:
+        """Return those of the lessons that do not count, because the file lists others."""
+        return [
+            lesson
+            for lesson in lessons
+            if lesson.name not in (self.assigned(lesson.stage) or (lesson.name,))
+        ]
 
     def extensions(self, name: str) -> dict[str, datetime]:
         """Return the students with an extension for a stage or lesson, and their due dates."""

@@ -7,6 +7,7 @@ import enum
 import functools
 import json
 import os
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -165,6 +166,14 @@ class Verdict:
     def reason(self) -> str:
         """Why there is no score; meaningful only if judging failed."""
         return self.problems[0] if self.problems else ""
+
+    def points_without(self, off: Collection[str]) -> tuple[float, float]:
+        """Return the score and the maximum score without the exercises that are switched off."""
+        counted = [exercise for exercise in self.exercises if exercise.name not in off]
+        return (
+            sum(exercise.score for exercise in counted),
+            sum(exercise.max_score for exercise in counted),
+        )
 
     def as_dict(self) -> dict:
         """Return the published form of the verdict, as a JSON object."""

@@ -151,6 +151,7 @@ def write_report(
         mistakes=common_messages(counted),
         slowest=sorted(pairs, key=lambda pair: -pair[1].seconds)[:5],
         people=_people(by_student, results),
+        without=results.rules.without,
         links=() if section else _links(course),
         section=section,
     )

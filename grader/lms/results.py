@@ -201,11 +201,7 @@ class ClassResults:
 
     def judged_points(self, verdict: Verdict) -> float:
         """Return the judge's points in the exercises that count."""
-        return sum(
-            exercise.score
-            for exercise in verdict.exercises
-            if exercise.name not in self.rules.without
-        )
+        return verdict.points_without(self.rules.without)[0]
 
     @functools.cached_property
     def lessons(self) -> dict[str, float]:

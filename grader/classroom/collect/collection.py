@@ -77,6 +77,7 @@ def collect(
         [lesson for lesson in all_lessons() if lesson.stage in stages],
         [(archive.path, archive.kind, len(archive.files)) for archive in archives],
         roster,
+        timed=[] if timestamps else None,
         excused=_excused(roster, deadlines, stages),
     )
     report.ignored.update(entry.path[-1] for archive in archives for entry in archive.others)
@@ -105,7 +106,7 @@ def _excused(
     return [
         person.id
         for person in roster.people
-        if person.is_auditor or all(deadlines.is_excused(person.id, stage) for stage in stages)
+        if all(deadlines.is_excused(person.id, stage) for stage in stages)
     ]
 
 

@@ -48,6 +48,8 @@ class CollectionReport:
         The names of files that no lesson needs, each with its count.
     late : list of str
         Students whose work the learning platform marked late without a submission time.
+    timed : list of str, or None
+        Students whose submission times are in the table; None without a table.
     undecided : dict of str to str
         For each student, why the submission time is unknown.
     dismissed : set of (str, str)
@@ -64,6 +66,7 @@ class CollectionReport:
     remarks: list[Question] = field(default_factory=list)
     ignored: Counter = field(default_factory=Counter)
     late: list[str] = field(default_factory=list)
+    timed: list[str] | None = None
     undecided: dict[str, str] = field(default_factory=dict)
     dismissed: set[tuple[str, str]] = field(default_factory=set)
     excused: list[str] = field(default_factory=list)

@@ -6,7 +6,7 @@ import functools
 import re
 import shlex
 import unicodedata
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Sequence
 
 from grader.classroom.collect.answers import NOBODY, Answers, ids_in, normalized
 from grader.classroom.collect.models import CollectError, Owner
@@ -128,8 +128,23 @@ class Owners:
             f"{_owner_option(owner, person.id)}"
         )
 
-    def rows(self, owner: Owner, id: str) -> Iterable[SubmissionRow]:
-        """Return a student's rows in the worksheet; empty if Moodle's worksheet has several."""
+    def rows(self, owner: Owner, id: str) -> Sequence[SubmissionRow]:
+        """Return the rows in the worksheet that state when a student submitted an owner's files.
+
+        For a team, these are the rows of the member whom the archive names, or else the student's
+        own rows, or else another member's.
+        """
+        members = self.ids_of(owner)
+        named = [person.id for person in self._people(owner)] if self._roster else []
+        submitter = named if len(named) == 1 and named[0] in members else []
+        for member in (*submitter, id, *members):
+            rows = self._rows_of(owner, member)
+            if any(row.when or row.unclear for row in rows):
+                return rows
+        return self._rows_of(owner, id)
+
+    def _rows_of(self, owner: Owner, id: str) -> Sequence[SubmissionRow]:
+        """Return a student's rows; empty if Moodle's worksheet has several."""
         person = self._roster.person(id) if self._roster else None
         row = self._worksheet.participant(owner.participant)
         if row and (person is None or person in self._people_of(row)):

@@ -85,6 +85,8 @@ class StudentCollector:
                 self._states[lesson] = self._place(folder, lesson, candidates, files)
             else:
                 self._ask_about_other_stage(lesson, candidates)
+        if stated.when and folders:
+            self._report.timed.append(self._id)
         self._write_times(folders.values())
         if not notebooks and not self._problems:
             self._report_missing_work([file for _, file in submitted])
