@@ -397,8 +397,8 @@ def run_export(options: argparse.Namespace) -> int:
         )
         return USAGE_ERROR
     results = class_results(course)
-    if not results.notebooks:
-        print("The gradebook is empty. Run: python -m grader grade", file=sys.stderr)
+    if not any(result.score is not None for result in results.notebooks):
+        print("The gradebook contains no marks. Run: python -m grader grade", file=sys.stderr)
         return USAGE_ERROR
     wanted = (options.assignment, options.provisional, options.into, options.column, options.scale)
     section, others = "", ()

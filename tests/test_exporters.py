@@ -112,6 +112,15 @@ def test_the_table_contains_names_scores_times_penalties_statuses_and_totals():
         + [f"marked; missing: {SIX}", "", "", "", "0", "excused", "8", "50"],
     ]
     assert (exported.placed, exported.lost) == (3, ())
+    by_hand = "Provisional, because some work still has to be graded by hand"
+    assert exported.notes == (f"{by_hand}: {TWELVE} of ada.",)
+
+
+@pytest.mark.parametrize("format", ["csv", "exercises"])
+def test_tables_name_work_that_is_not_in_the_gradebook(tmp_path, format):
+    results = class_of(results_of(ADA, {SIX: (WAITING, None), SEVEN: 20.0}), people=(ADA,))
+    exported = EXPORTERS[format].write(ExportOptions(Course(tmp_path), results))
+    assert exported.notes == (f"Submitted, but not in the gradebook yet: {SIX} of ada.",)
 
 
 def test_the_table_of_a_lesson_contains_only_that_lesson():
@@ -324,8 +333,10 @@ def test_errors_of_the_command_suggest_a_fix(export, tmp_path, capsys):
     assert "none.csv cannot be read: No such file" in capsys.readouterr().err
     assert export(*call[:4]) == commands.USAGE_ERROR
     assert "--assignment" in capsys.readouterr().err
-    assert export(results=ClassResults((), (), ())) == commands.USAGE_ERROR
-    assert "grader grade" in capsys.readouterr().err
+    lost_gradebook = class_of(results_of(ADA, {SIX: (WAITING, None)}), people=(ADA,))
+    for results in (ClassResults((), (), ()), lost_gradebook):
+        assert export(results=results) == commands.USAGE_ERROR
+        assert "gradebook contains no marks. Run: python -m grader grade" in capsys.readouterr().err
 
 
 def test_without_options_the_table_is_exported(export, tmp_path, capsys):

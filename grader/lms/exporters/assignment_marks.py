@@ -140,7 +140,6 @@ def _notes(
     """Yield sentences about the marks and about students without a mark; some may be empty."""
     ids = {mark.person.id for mark in marks}
     own = [result for result in notebooks if result.student in ids]
-    waiting = [result for result in own if result.standing == WAITING]
     zeros = [result for result in own if result.standing == MISSING]
     stage = notebooks[0].stage
     if len({result.lesson for result in notebooks}) > 1:
@@ -152,13 +151,22 @@ def _notes(
         for result in results.stages
         if result.undecided and result.stage == stage and result.student in ids
     ]
-    yield list_sentence(
-        "Provisional, because some work still has to be graded by hand", _by_lesson(waiting)
-    )
+    yield from provisional_notes(own)
     yield list_sentence("Counted as 0, because nothing was submitted", _by_lesson(zeros, len(ids)))
     yield list_sentence("No penalty subtracted, because the submission time is unknown", undecided)
     for standing, people in without.items():
         yield list_sentence(UNMARKED_TITLES[standing], (person.display_name for person in people))
+
+
+def provisional_notes(notebooks: Sequence[NotebookResult]) -> Iterator[str]:
+    """Yield sentences about marks that are not final; they may be empty."""
+    waiting = [result for result in notebooks if result.standing == WAITING]
+    by_hand = [result for result in waiting if result.score is not None]
+    not_entered = [result for result in waiting if result.score is None]
+    yield list_sentence(
+        "Provisional, because some work still has to be graded by hand", _by_lesson(by_hand)
+    )
+    yield list_sentence("Submitted, but not in the gradebook yet", _by_lesson(not_entered))
 
 
 def list_sentence(title: str, names: Iterable[str]) -> str:
