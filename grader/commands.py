@@ -220,14 +220,14 @@ def run_collect(options: argparse.Namespace) -> int:
         print(error, file=sys.stderr)
         return FAULT
     console.print_collected(collected)
-    if not any(collected.states.values()) and not collected.questions:
-        print(
-            f"The archive contains no notebooks for {', '.join(options.stages)}. Name another "
-            "archive, or correct --stage.",
-            file=sys.stderr,
-        )
-        return USAGE_ERROR
-    return FAULT if collected.questions else SUCCESS
+    if any(collected.states.values()):
+        return FAULT if collected.questions else SUCCESS
+    remedy = "Decide about the files above" if collected.questions else "Name another archive"
+    print(
+        f"No notebook was collected for {', '.join(options.stages)}. {remedy}, or correct --stage.",
+        file=sys.stderr,
+    )
+    return FAULT if collected.questions else USAGE_ERROR
 
 
 def stages_exist(names: Sequence[str]) -> bool:

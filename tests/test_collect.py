@@ -1423,6 +1423,16 @@ def test_the_exit_status_is_1_while_questions_are_open(course, command, capsys):
     assert "waiting" not in capsys.readouterr().out
 
 
+def test_a_wrong_stage_is_pointed_out_also_beside_an_open_question(course, command, capsys):
+    path = archive(course, [(f"ada/{SIX}.ipynb", notebook())])
+    assert command(path) == 0
+    capsys.readouterr()
+    path = archive(course, [(f"ada/{SIX}.ipynb", notebook()), ("cy/a.txt", b"a")])
+    assert cli.main(["collect", "--stage", "stage2_clustering", str(path)]) == 1
+    said = "No notebook was collected for stage2_clustering. Decide about the files above, or corr"
+    assert said in capsys.readouterr().err
+
+
 def test_excused_students_are_not_reported_as_missing(course, command, capsys):
     (course.root / "deadlines.toml").write_text(
         f'[{STAGE}]\ndue = 2026-11-20 18:00:00\n[{STAGE}.students]\ncy = "excused"\n'

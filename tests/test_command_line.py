@@ -76,7 +76,7 @@ def test_an_archive_without_notebooks_is_an_error(course, capsys):
     status = cli.main(["collect", str(PROJECT / "README.md"), "--stage", "stage3_obstacles"])
     output = capsys.readouterr()
     assert status == 2
-    assert "The archive contains no notebooks for stage3_obstacles." in output.err
+    assert "No notebook was collected for stage3_obstacles. Name another archive, or" in output.err
     assert "1 file\n" in output.out and "Collecting" not in output.err
 
 

@@ -181,6 +181,8 @@ def test_unknown_and_ambiguous_students_are_reported(course, capsys):
     assert (
         "'nobody' is not on the roster, and has no folder in submitted/." in capsys.readouterr().err
     )
+    with pytest.raises(UnknownStudent, match="Do you mean bob .Bob Bell.. Use the student's id"):
+        find_student(course, "B'ell")
     (course.root / "roster.csv").write_text(ROSTER + "ada2,Ada,Ash,\n")
     with pytest.raises(
         UnknownStudent, match="may be ada .Ada Ash. or ada2 .Ada Ash.. Use the student's id"

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from grader.course.lessons import stages
 from grader.course.paths import Course
-from grader.course.roster import Person, Roster, read_roster, roster_path
+from grader.course.roster import Person, Roster, letters, read_roster, roster_path
 
 
 class UnknownStudent(Exception):
@@ -38,8 +38,14 @@ def find_student(course: Course, text: str) -> str:
     if text in _folders(course):
         return text
     beginning = "is not on the roster, and " if roster else ""
+    similar = " or ".join(
+        person.display_name
+        for person in (roster.people if roster else ())
+        if letters(text) and letters(text) in letters(f"{person.first_name} {person.last_name}")
+    )
+    remedy = f"Do you mean {similar}? Use the student's id" if similar else "Correct the name"
     raise UnknownStudent(
-        f"{text!r} {beginning}has no folder in {course.submitted.name}/. Correct the name."
+        f"{text!r} {beginning}has no folder in {course.submitted.name}/. {remedy}."
     )
 
 
