@@ -220,14 +220,15 @@ def run_collect(options: argparse.Namespace) -> int:
         print(error, file=sys.stderr)
         return FAULT
     console.print_collected(collected)
+    is_open = bool(collected.questions or collected.doubts)
     if any(collected.states.values()):
-        return FAULT if collected.questions else SUCCESS
-    remedy = "Decide about the files above" if collected.questions else "Name another archive"
+        return FAULT if is_open else SUCCESS
+    remedy = "Decide about the files above" if is_open else "Name another archive"
     print(
         f"No notebook was collected for {', '.join(options.stages)}. {remedy}, or correct --stage.",
         file=sys.stderr,
     )
-    return FAULT if collected.questions else USAGE_ERROR
+    return FAULT if is_open else USAGE_ERROR
 
 
 def stages_exist(names: Sequence[str]) -> bool:
@@ -509,9 +510,8 @@ def run_feedback(options: argparse.Namespace) -> int:
     if without_feedback:
         names = console.plain(", ".join(sorted(without_feedback)))
         print(f"There is no feedback for {names}.", file=sys.stderr)
-    has_no_zip = options.platform and any(item.pages and not item.archive for item in feedback)
-    is_incomplete = without_feedback or any(item.left for item in feedback)
-    return FAULT if has_no_zip or is_incomplete else SUCCESS
+    is_incomplete = without_feedback or any(item.left or item.lacks_zip for item in feedback)
+    return FAULT if is_incomplete else SUCCESS
 
 
 def run_similarity(options: argparse.Namespace) -> int:

@@ -206,7 +206,7 @@ def print_class(
         padding=(0, 1, 0, 0),
         expand=True,
     )
-    table.add_column("Student", "out of", no_wrap=True, width=14)
+    table.add_column("Student", "out of", overflow="fold", min_width=14, max_width=30)
     for lesson in lessons:
         scores = [verdict.max_score for _, verdict in judged if verdict.lesson == lesson]
         most = results.lessons[lesson] if results and lesson in results.lessons else max(scores)
@@ -396,6 +396,7 @@ def print_collected(report: CollectionReport) -> None:
     for sentence in _collection_sentences(report):
         console.print(plain(sentence), markup=False, soft_wrap=True)
     _print_questions(console, "For your information", report.remarks)
+    _print_questions(console, "Collected, but one answer is needed", report.doubts)
     _print_questions(console, "Not collected until you decide", report.questions)
     if any("/" in question.name for question in report.questions):
         console.print(

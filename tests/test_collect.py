@@ -105,6 +105,10 @@ def questions(outcome):
     return {question.name: question.text for question in outcome.questions}
 
 
+def doubts(outcome):
+    return {question.name: question.text for question in outcome.doubts}
+
+
 # ---- Canvas -------------------------------------------------------------------------------------
 
 
@@ -208,10 +212,10 @@ def test_the_command_asks_for_the_members_of_a_canvas_group(course):
     path = archive(course, files)
     outcome = collect(course, path)
     assert states(outcome) == {"ada": {"06": "new"}}
-    assert "--who teamrot_4001=ada,ID" in questions(outcome)["teamrot_4001"]
+    assert "--who teamrot_4001=ada,ID" in doubts(outcome)["teamrot_4001"]
     outcome = collect(course, path, who={"teamrot_4001": "ada,cy"})
     assert states(outcome) == {"ada": {"06": "same"}, "cy": {"06": "new"}}
-    assert outcome.questions == []
+    assert outcome.questions == outcome.doubts == []
 
 
 def test_unusual_file_names_are_recognised(course, anonymous_course):
@@ -733,6 +737,8 @@ def test_a_given_notebook_is_a_submission_if_a_part_of_it_cannot_be_read(course,
     write_checkout(tmp_path / "hw", "hw-3-bmu", {f"{SIX}.ipynb": notebook()})
     outcome = collect(course, tmp_path / "hw")
     assert states(outcome) == {"ada": {"06": "new", "07": "new"}, "bjorn": {"06": "new"}}
+    conflict, cut_off = (remark.text for remark in outcome.remarks if "damaged" in remark.text)
+    assert "A merge conflict was left in" in conflict and "Only these cells were" in cut_off
 
 
 @pytest.mark.parametrize(
@@ -1165,15 +1171,18 @@ def test_a_team_is_asked_about_if_another_member_submits(course):
     second = canvas_files("Turm, Tina", 40247, [(2, f"{SIX}.ipynb", notebook(text="second"))])
     other = canvas_files("Yip, Yan", 126, [(3, f"{SIX}.ipynb", notebook(text="yan"))])
     path = archive(course, [*second, *other])
-    texts = questions(collect(course, path))
-    assert set(texts) == {"turmtina_40247"}
+    outcome = collect(course, path)
+    texts = doubts(outcome)
+    assert set(texts) == {"turmtina_40247"} and outcome.questions == []
+    assert placed(course, "tina") == {f"{SIX}.ipynb": notebook(text="second")}
+    assert placed(course, "tom") == {f"{SIX}.ipynb": notebook(text="first")}
     assert "tina and tom are a team" in texts["turmtina_40247"]
     assert "--who turmtina_40247=tina,tom" in texts["turmtina_40247"]
-    assert collect(course, path, who={"turmtina_40247": "tina,tom"}).questions == []
+    assert collect(course, path, who={"turmtina_40247": "tina,tom"}).doubts == []
     for student in ("tom", "tina"):
         assert placed(course, student) == {f"{SIX}.ipynb": notebook(text="second")}
     third = canvas_files("Turm, Tom", 40240, [(4, f"{SIX}.ipynb", notebook(text="third"))])
-    assert collect(course, archive(course, third)).questions == []
+    assert collect(course, archive(course, third)).doubts == []
     for student in ("tom", "tina"):
         assert placed(course, student) == {f"{SIX}.ipynb": notebook(text="third")}
 
@@ -1431,6 +1440,15 @@ def test_a_wrong_stage_is_pointed_out_also_beside_an_open_question(course, comma
     assert cli.main(["collect", "--stage", "stage2_clustering", str(path)]) == 1
     said = "No notebook was collected for stage2_clustering. Decide about the files above, or corr"
     assert said in capsys.readouterr().err
+
+
+def test_an_open_question_about_collected_files_is_shown_as_such(course, command, capsys):
+    files = canvas_files("Team Rot", 4001, [(1, f"{SIX}.ipynb", notebook())])
+    path = archive(course, files)
+    assert command(path) == 1
+    output = capsys.readouterr().out
+    assert "Collected, but one answer is needed:" in output and "until you decide" not in output
+    assert command(path, "--who", "teamrot_4001=ada") == 0
 
 
 def test_excused_students_are_not_reported_as_missing(course, command, capsys):

@@ -599,6 +599,15 @@ def test_a_team_in_canvas_is_named_and_is_not_an_error(tmp_path, monkeypatch, ca
     assert {parse_canvas(name)[0] for name in archive(tmp_path / f"{STAGE}_canvas.zip")} == {"4003"}
 
 
+@pytest.mark.end_to_end
+def test_a_class_of_teams_only_in_canvas_is_not_an_error(tmp_path, monkeypatch, capsys):
+    files = canvas_files("Team Red", "77", attachments(WORK)["ada"])
+    course = make_course(tmp_path / "course", files, who={"teamred_77": "ada,bjorn"})
+    assert write(course, monkeypatch, "--for", "canvas", "--to", str(tmp_path)) == 0
+    assert "ada: submitted as teamred_77" in capsys.readouterr().out
+    assert sorted(path.name for path in tmp_path.glob("*.zip")) == []
+
+
 # ---- Moodle -------------------------------------------------------------------------------------
 
 

@@ -25,10 +25,13 @@ class NotebookContent:
         the notebook; empty if the lesson is unknown.
     untouched : bool
         Whether every cell is a cell of the released notebook, and the whole file was read.
+    repairs : tuple of str
+        One sentence for each repair of a damaged file, by which work may have been lost.
     """
 
     lesson: str = ""
     untouched: bool = False
+    repairs: tuple[str, ...] = ()
 
 
 def lesson_by_name(name: str) -> Lesson | None:
@@ -61,11 +64,11 @@ def content_of(data: bytes, name: str) -> NotebookContent:
     notebook = decode_notebook(data, name)
     lesson = _lesson_of(notebook)
     if lesson is None:
-        return NotebookContent()
+        return NotebookContent(repairs=notebook.repairs)
     sources = {" ".join(cell.source.split()) for cell in notebook.cells}
     # A part of the student's work may be missing from a notebook that had to be repaired.
     untouched = not notebook.repairs and sources <= _released(lesson)
-    return NotebookContent(lesson.name, untouched)
+    return NotebookContent(lesson.name, untouched, notebook.repairs)
 
 
 def cache_releases() -> None:

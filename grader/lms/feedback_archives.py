@@ -32,11 +32,14 @@ class FeedbackArchive:
     files : dict of str to bytes
         File contents by name.
     left : tuple of str
-        One sentence for each student for whom the archive has no feedback.
+        One sentence for each student whose submission did not come from this LMS.
+    teams : tuple of str
+        One sentence for each submission of a team, to which the LMS cannot return feedback.
     """
 
     files: dict[str, bytes] = field(default_factory=dict)
     left: tuple[str, ...] = ()
+    teams: tuple[str, ...] = ()
 
 
 def build_moodle_archive(
@@ -51,7 +54,7 @@ def build_moodle_archive(
     """
     sources, roster = collected_files(course, [stage]), read_roster(course)
     teams = _team_owners(sources)
-    files, skipped = {}, []
+    files, skipped, team_sentences = {}, [], []
     for feedback in all_feedback:
         person = feedback.person
         own_files = [file for file in sources.get(person.id, {}).values() if file.participant]
@@ -62,11 +65,11 @@ def build_moodle_archive(
             name = owner.removesuffix(f"_{number}")
             named = roster is None or person in roster.find_people(name) or name.endswith(number)
             if owner in teams or not named:
-                skipped.append(f"{person.id}: {_TEAM.format(name)}")
+                team_sentences.append(f"{person.id}: {_TEAM.format(name)}")
                 continue
             path = f"{owner}_assignsubmission_file_{stage}_feedback.html"
             files[path] = feedback_page(feedback).encode()
-    return FeedbackArchive(files, tuple(skipped))
+    return FeedbackArchive(files, tuple(skipped), tuple(team_sentences))
 
 
 def build_canvas_archive(
@@ -79,7 +82,7 @@ def build_canvas_archive(
     """
     sources = collected_files(course, [stage])
     teams = _team_owners(sources)
-    files, skipped = {}, []
+    files, skipped, team_sentences = {}, [], []
     for feedback in all_feedback:
         id, lessons = (
             feedback.person.id,
@@ -94,10 +97,10 @@ def build_canvas_archive(
         }
         files |= contents
         if team:
-            skipped.append(f"{id}: {_TEAM.format(min(team))}")
+            team_sentences.append(f"{id}: {_TEAM.format(min(team))}")
         elif not contents:
             skipped.append(f"{id}: no notebook was collected from a Canvas zip")
-    return FeedbackArchive(files, tuple(skipped))
+    return FeedbackArchive(files, tuple(skipped), tuple(team_sentences))
 
 
 @dataclass(frozen=True)
@@ -147,6 +150,8 @@ class WrittenFeedback:
         One sentence for each student with a page for whom the zip contains nothing.
     waiting : tuple of str
         Lessons with a part that a grader still has to grade, each with its students.
+    lacks_zip : bool
+        Whether a zip was expected but would be empty, although not all students are in teams.
     """
 
     pages: tuple[Path, ...]
@@ -154,6 +159,7 @@ class WrittenFeedback:
     left: tuple[str, ...]
     unreached: tuple[str, ...] = ()
     waiting: tuple[str, ...] = ()
+    lacks_zip: bool = False
 
 
 def write_feedback(
@@ -210,7 +216,14 @@ def write_feedback(
     archive = folder / f"{'_'.join(parts)}.zip" if returned.files else None
     if archive:
         write_atomically(make_zip(returned.files), archive)
-    return WrittenFeedback(tuple(pages), archive, tuple(skipped), returned.left, waiting)
+    return WrittenFeedback(
+        tuple(pages),
+        archive,
+        tuple(skipped),
+        (*returned.left, *returned.teams),
+        waiting,
+        lacks_zip=archive is None and bool(returned.left),
+    )
 
 
 def _waiting(all_feedback: Sequence[Feedback]) -> Iterator[str]:

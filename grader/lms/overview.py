@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from grader.course.deadlines import Deadlines
-from grader.lms.instructor_notes import assignment_notes, counted_lessons
+from grader.lms.instructor_notes import assignment_notes, counted_lessons, excessive_notes
 from grader.lms.marks_table import MarksTable
 from grader.lms.results import AUDITOR, EXCUSED, MISSING, WAITING, ClassResults
 
@@ -43,7 +43,8 @@ class Overview:
     Attributes
     ----------
     counted : tuple of str
-        Sentences about the lessons that count, and about those that may not be assigned.
+        Sentences about the lessons that count, about those that may not be assigned, and about
+        marks above the maximum of their exercise.
     settings : str
         The settings in deadlines.toml; empty without a file.
     passed : str
@@ -85,7 +86,11 @@ def overview_of(
     )
     counts = {"waiting": waiting, **sections}
     return Overview(
-        (*counted_lessons(results).values(), *assignment_notes(results, deadlines)),
+        (
+            *counted_lessons(results).values(),
+            *assignment_notes(results, deadlines),
+            *excessive_notes(results),
+        ),
         "; ".join(deadlines.in_words()) if deadlines else "",
         _passed(table, results),
         _mean([row.share for row in table.rows]) + _auditors(results),

@@ -157,7 +157,10 @@ def _by_owner(
         ]
         question = owners.question_about(owner, ids, [rival for rival in rivals if rival != owner])
         if question:
-            report.add_question(owner.label, question)
+            if len(rivals) > 1:
+                report.add_question(owner.label, question)
+            else:
+                report.doubts.append(Question(owner.label, question))
         if len(rivals) == 1 or all(map(owners.is_answered, rivals)):
             yield ids, groups[archive, owner]
 

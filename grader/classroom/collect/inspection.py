@@ -7,6 +7,7 @@ harmful file affects only its author.
 from __future__ import annotations
 
 import base64
+import dataclasses
 import io
 from dataclasses import dataclass
 from datetime import datetime
@@ -170,19 +171,25 @@ def _to_json(unpacked: UnpackedFile) -> tuple:
         unpacked.kind,
         base64.b64encode(unpacked.data).decode(),
         unpacked.saved.isoformat() if unpacked.saved else "",
-        (unpacked.content.lesson, unpacked.content.untouched),
+        dataclasses.astuple(unpacked.content),
         unpacked.complaint,
     )
 
 
 def _from_json(
-    path: list[str], kind: str, data: str, saved: str, content: tuple[str, bool], complaint: str
+    path: list[str],
+    kind: str,
+    data: str,
+    saved: str,
+    content: tuple[str, bool, list[str]],
+    complaint: str,
 ) -> UnpackedFile:
+    lesson, untouched, repairs = content
     return UnpackedFile(
         tuple(path),
         kind,
         base64.b64decode(data),
         datetime.fromisoformat(saved) if saved else None,
-        NotebookContent(*content),
+        NotebookContent(lesson, untouched, tuple(repairs)),
         complaint,
     )

@@ -42,8 +42,12 @@ class CollectionReport:
     states : dict of str to (dict of Lesson to str)
         For each student, the state of each lesson: "new", "newer", "same", "kept", or "?" if there
         is a question.
-    questions, remarks : list of Question
-        Questions that need an answer, and remarks that do not.
+    questions : list of Question
+        Questions about files that are collected only after an answer.
+    doubts : list of Question
+        Questions about the owners of files that were collected.
+    remarks : list of Question
+        Remarks that need no answer.
     ignored : collections.Counter
         The names of files that no lesson needs, each with its count.
     late : list of str
@@ -63,6 +67,7 @@ class CollectionReport:
     roster: Roster | None = None
     states: dict[str, dict[Lesson, str]] = field(default_factory=dict)
     questions: list[Question] = field(default_factory=list)
+    doubts: list[Question] = field(default_factory=list)
     remarks: list[Question] = field(default_factory=list)
     ignored: Counter = field(default_factory=Counter)
     late: list[str] = field(default_factory=list)

@@ -194,6 +194,9 @@ class StudentCollector:
                 f"{file.unpacked.complaint}. It was collected, and the judge will give it 0 points"
             )
             self._report.remarks.append(Question(file.name, text))
+        for sentence in file.unpacked.content.repairs:
+            text = f"is damaged. It was collected, and the judge will say: {sentence.rstrip('.')}"
+            self._report.remarks.append(Question(file.name, text))
         return state
 
     def _place_modules(

@@ -8,7 +8,7 @@ import io
 from grader.lms.exporters.assignment_marks import provisional_notes
 from grader.lms.exporters.protocol import ExportOptions, ExportResult
 from grader.lms.exporters.scores_csv import notebooks_of, person_cells, person_titles
-from grader.lms.instructor_notes import outdated_notes, unlisted_notes
+from grader.lms.instructor_notes import excessive_notes, outdated_notes, unlisted_notes
 from grader.lms.results import NotebookResult, format_points
 
 
@@ -38,6 +38,7 @@ def exercises_csv(options: ExportOptions) -> ExportResult:
     content = file.getvalue().encode("utf-8", "replace")
     stages = dict.fromkeys(result.stage for result in results.values())
     notes = [note for stage in stages for note in outdated_notes(options.results, stage)]
+    notes += excessive_notes(options.results)
     notes += filter(None, provisional_notes(list(results.values())))
     return ExportResult(content, placed, tuple(unlisted_notes(options.results)), tuple(notes))
 

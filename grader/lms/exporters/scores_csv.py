@@ -12,7 +12,7 @@ from grader.course.roster import Person
 from grader.course.tables import harmless_cell
 from grader.lms.exporters.assignment_marks import provisional_notes
 from grader.lms.exporters.protocol import ExportError, ExportOptions, ExportResult
-from grader.lms.instructor_notes import outdated_notes, unlisted_notes
+from grader.lms.instructor_notes import excessive_notes, outdated_notes, unlisted_notes
 from grader.lms.results import (
     MARKED,
     MISSING,
@@ -53,6 +53,7 @@ def scores_csv(options: ExportOptions) -> ExportResult:
     content = file.getvalue().encode("utf-8", "replace")
     marked = {result.student for result in notebooks if result.counts and result.score is not None}
     notes = [note for stage in stages for note in outdated_notes(options.results, stage)]
+    notes += excessive_notes(options.results)
     notes += filter(None, provisional_notes(notebooks))
     return ExportResult(content, len(marked), tuple(unlisted_notes(options.results)), tuple(notes))
 
