@@ -109,6 +109,16 @@ def test_zeros_and_waiting_marks_are_not_dashes(course, capsys, monkeypatch):
     assert "* waiting for a grader · ? not entered yet" in output
 
 
+def test_long_ids_are_printed_whole(capsys):
+    """Moodle's anonymous participants differ only in the last characters."""
+    ids = [f"Participant_{number}" for number in (501, 502)]
+    lesson = find_lesson("06_filter_ground")
+    verdict = Verdict(lesson.name, "", JUDGED, 1, 1, (), (), 0, "")
+    print_class([(Submission(id, lesson, Path("x")), verdict) for id in ids])
+    output = capsys.readouterr().out
+    assert all(id in output for id in ids)
+
+
 def test_lateness_names_its_stage_if_there_are_several(capsys):
     late = {"stage1_ransac": timedelta(hours=30), "stage3_obstacles": timedelta(hours=5)}
     stages = [

@@ -12,10 +12,13 @@ from grader.course import paths
 from grader.course.kept_answers import fill_in
 from grader.course.paths import Course
 from grader.lms import gradebook
+from grader.lms.exporters import EXPORTERS, ExportOptions
+from grader.lms.exporters.assignment_marks import collect_marks
 from grader.lms.gradebook_check import check_gradebook
 from grader.lms.gradebook_writer import GradebookError, enter_verdicts
 from grader.lms.history import read_changes
 from grader.lms.instructor_notes import notes
+from grader.lms.report import write_report
 from grader.lms.results import WAITING
 from grader.lms.standings import class_results
 from tests.test_gradebook import LATE, STREAM, quiet, verdict_on
@@ -327,3 +330,8 @@ def test_marks_above_a_reduced_maximum_are_named(course):
     (sentence,) = notes(course, results, None)
     assert sentence.endswith("was reduced after a person graded it. Grade it again.")
     assert wrong_findings(course) == [sentence]
+    for format in ("csv", "exercises"):
+        assert sentence in EXPORTERS[format].write(ExportOptions(course, results)).notes
+    marks = collect_marks(ExportOptions(course, results, LESSON, provisional=True))
+    assert sentence in marks.notes
+    assert sentence in write_report(course, [], results).read_text("utf-8")
