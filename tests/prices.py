@@ -35,8 +35,8 @@ the lesson's own solution.
 
 - *By the checks* is the share of the exercise's points that its checks earn.
 - *Kept* is the share of the points that the student gets. If the judge proves that an answer has
-  a single slip, the answer keeps 60 %. If the slip misses the point of the exercise, it keeps
-  40 %. See [grading a class](grading.md#what-happens-to-a-submission).
+  a single slip, the answer keeps 60 %, or 40 % if the slip misses the point of the exercise. See
+  [grading a class](grading.md#what-happens-to-a-submission).
 - If the change leaves out the method of the lesson, or no single edit corrects it, the answer
   keeps only what its checks earn.
 - *Effect* describes the result. A *partly wrong* result is right for some common inputs and wrong
