@@ -212,8 +212,8 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
         "Put the submissions of a class into submitted/. Accept downloads from Canvas, Moodle, "
         "Blackboard, Brightspace, Gradescope, ILIAS, PrairieLearn, Sakai and GitHub Classroom, "
         "folders and single files. If it is unclear which student or lesson a file belongs to, "
-        "list the file with options that settle this, and exit with status 1. Then run the "
-        "command again with one of these options.",
+        "list options that settle this, and exit with status 1. To continue, run the command again "
+        "with one of these options.",
         "submissions.zip --stage stage3_obstacles",
         "submissions.zip --stage stage3_obstacles --who 'mueller_4711=bjorn'",
     )
@@ -319,7 +319,7 @@ def _add_report(subparsers: argparse._SubParsersAction) -> None:
         "report",
         commands.run_report,
         "Write the class report again without judging. Use this command after you change marks by "
-        "hand. It writes report/index.html, and report/anonymous.html without names.",
+        "hand. It writes report/index.html, and report/anonymous.html, which contains no names.",
         "",
         "--section A",
     )
@@ -406,7 +406,7 @@ def _add_export(subparsers: argparse._SubParsersAction) -> None:
         "--to",
         type=Path,
         metavar="FILE",
-        help="file to write (default: scores.* in the course's folder)",
+        help="file to write (default: scores.* in the course folder)",
     )
 
 
@@ -415,7 +415,7 @@ def _add_autograder(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "autograder",
         commands.run_autograder,
-        "Write an autograder zip with which Gradescope judges an assignment itself. The zip "
+        "Write an autograder zip that lets Gradescope judge an assignment itself. The zip "
         "contains the hidden tests and the secret seed.",
         "stage3_obstacles",
     )
@@ -426,7 +426,7 @@ def _add_autograder(subparsers: argparse._SubParsersAction) -> None:
         "--to",
         type=Path,
         metavar="FILE.zip",
-        help="file to write (default: autograder.NAME.zip in the course's folder)",
+        help="file to write (default: autograder.NAME.zip in the course folder)",
     )
 
 
@@ -459,7 +459,7 @@ def _add_forget(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "forget",
         commands.run_forget,
-        "Delete all data about a student from the course's folder. List the data first, and delete "
+        "Delete all data about a student from the course folder. List the data first, and delete "
         "nothing without --delete. Exit with status 1 if data about the student remains.",
         "anna",
         "anna --delete",
@@ -522,7 +522,7 @@ def _add_try(subparsers: argparse._SubParsersAction) -> None:
         "try",
         commands.run_try,
         "Build a lesson, run it, judge its answers and list what is missing. Also store the "
-        "results of its functions, for students who have not written a function.",
+        "results of its functions for students who have not written them.",
         "14",
     )
     attempt.add_argument("number", metavar="NN", help="number or name of the lesson, such as 14")
@@ -592,7 +592,7 @@ def _add_folder_option(command: argparse.ArgumentParser, name: str) -> None:
         "--to",
         type=Path,
         metavar="DIR",
-        help=f"folder to write to (default: {name}/ in the course's folder)",
+        help=f"folder to write to (default: {name}/ in the course folder)",
     )
 
 

@@ -117,6 +117,8 @@ def _outcomes_section() -> str:
             if found := _OUTCOMES.search(text):
                 # Links within the notebook would not work on this page.
                 text = re.sub(r"\[([^]]+)\]\(#[^)]*\)", r"\1", found[1])
+                # In a lesson, the outcomes address the student.
+                text = re.sub(r"\byou\b", "they", re.sub(r"\byour\b", "their", text))
                 parts.append(re.sub(r"[,.]$", "", text, flags=re.M))
         parts.append("\n")
     return "".join(parts)
@@ -136,8 +138,8 @@ def _work_section() -> str:
 def _commands_page(parser: argparse.ArgumentParser) -> str:
     (action,) = parser._subparsers._group_actions
     parts = [
-        "# Commands\n\nThis page is generated from the command line. "
-        "`python -m grader COMMAND --help` shows the same text.\n"
+        "# Commands\n\nThis page is generated. "
+        "`python -m grader COMMAND --help` shows the same text in a terminal.\n"
     ]
     for name, command in action.choices.items():
         parts.append("\n".join(_command_section(name, command)) + "\n")

@@ -28,20 +28,24 @@ SEED, WORKERS = 1, 2
 PIPE = r"\|"  # a vertical bar within a table cell
 _ROW = re.compile(r"^\| (.+?) \| (\d+)\s% \| (\d+)\s% \|", re.M)
 _TOP = """\
-# Prices of slips
+# Cost of likely slips
 
-This page lists what likely slips cost in each exercise. A slip is one small change to the
-lesson's own solution.
+This page lists the points that likely slips cost in each exercise. A slip is one small change to
+the lesson's own solution.
 
 - *By the checks* is the share of the exercise's points that its checks earn.
 - *Kept* is the share of the points that the student gets. If the judge proves that an answer has
-  a single slip, the answer keeps 60 %. If the slip misses the point of the exercise, it keeps
-  40 %. See [grading a class](grading.md).
+  a single slip, the answer keeps 60 %, or 40 % if the slip misses the point of the exercise. See
+  [grading a class](grading.md#what-happens-to-a-submission).
 - If the change leaves out the method of the lesson, or no single edit corrects it, the answer
   keeps only what its checks earn.
+- *Effect* describes the result. A *partly wrong* result is right for some common inputs and wrong
+  for others. A *small* fault is easy to correct, or rarely matters. *Method missing* means that
+  the answer does not use the method of the lesson. *Naive* code ignores its input, or follows an
+  idea that the lesson shows to fail.
 
 `python -m tests.prices` writes this page. It puts each slip into the solution and judges the
-notebook with seed 1. This takes about ten minutes on two cores.
+notebook with seed 1, which takes about ten minutes on two cores.
 """
 
 
@@ -121,7 +125,7 @@ def page(prices: dict[tuple[str, str], Price]) -> str:
                 for title in [slip.title.replace("|", PIPE)]
                 for price in [prices[exercise, slip.title]]
             ]
-            head = ["| slip | by the checks | kept | the result is |", "|---|---:|---:|---|"]
+            head = ["| slip | by the checks | kept | effect |", "|---|---:|---:|---|"]
             parts.append("\n".join([f"\n### `{exercise}`\n", *head, *rows, ""]))
     return "".join(parts)
 

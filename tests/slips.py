@@ -20,11 +20,11 @@ class Harm:
 # The result is useless: outliers instead of inliers, a plane without d, or exchanged axes.
 USELESS = Harm("useless", 0.0, 0.5)
 # The result is right for some inputs but wrong for other common ones.
-PARTLY = Harm("partly", 0.1, 0.85)
+PARTLY = Harm("partly wrong", 0.1, 0.85)
 # A caller could easily correct the result, or would rarely see the fault.
 SMALL = Harm("small", 0.6, 0.97)
 # The method that the lesson teaches is missing.
-MISSING = Harm("missing", 0.0, 0.5)
+MISSING = Harm("method missing", 0.0, 0.5)
 # The lesson shows this code as an idea that fails, or the code ignores its input.
 NAIVE = Harm("naive", 0.0, 0.1)
 

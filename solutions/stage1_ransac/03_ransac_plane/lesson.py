@@ -18,7 +18,7 @@
 # **After this lesson you can**
 # - describe a plane by four numbers and measure distances from it,
 # - find the ground among cars, walls and people with RANSAC, and notice when it has found a wall instead,
-# - refine the plane, distinguish scatter from bias, and say how many rounds RANSAC needs.
+# - refine a plane, distinguish scatter from bias, and say how many rounds RANSAC needs.
 #
 # **You write** `plane_through` (points), `point_plane_distance` (points), `ransac_plane` (points), `fit_plane` (points) and `iterations_needed` (points). All packages named at the end of this notebook are allowed. **You need** the idea of RANSAC from lesson 02. **Time:** (time), in two sittings of about 70 and 55 minutes.
 

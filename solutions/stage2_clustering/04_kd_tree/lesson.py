@@ -19,8 +19,8 @@
 #
 # **After this lesson you can**
 # - build a kd-tree, by hand on paper and in code,
-# - search it within a radius, and explain why each branch was visited or skipped,
-# - balance it, and show by counting how much work a balanced tree saves.
+# - search a kd-tree within a radius, and explain why each branch was visited or skipped,
+# - balance a kd-tree, and show by counting how much work this saves.
 #
 # **You write** `insert` (points), `search` (points) and `median_order` (points). **You need** lesson 01 and the basics of Python classes. **Time:** (time), in three sittings of about 50, 40 and 45 minutes.
 

@@ -17,7 +17,7 @@
 #
 # **After this lesson you can**
 # - build a detector from your own functions, and say where its time goes,
-# - compare its boxes with the true boxes, and use the result to choose its parameters,
+# - compare detected boxes with the true boxes, and use the result to choose parameters,
 # - follow obstacles from [frame](#Words-of-the-course) to frame under one [track ID](#Words-of-the-course), even while they are hidden.
 #
 # **You write** `detect_obstacles` (points), `match_boxes` (points), three short steps of a tracker (checked, not graded), and two reports that a person reads: on a second data set (5 points) and on your detector (10 points). **You need** your functions of lessons 01, 03, 06, 07 and 09 to 11.
