@@ -240,7 +240,7 @@ def test_a_course_runs_from_release_to_export(course, sandbox, capsys, monkeypat
     assert feedback.returncode == 0, feedback.stderr
     monkeypatch.setattr(commands, "Course", lambda: course)
     assert cli.main(["export"]) == commands.SUCCESS
-    with (course.root / "scores.csv").open(newline="") as file:
+    with (course.root / "scores.csv").open(newline="", encoding="utf-8-sig") as file:
         exported = {row["Student"]: row for row in csv.DictReader(file)}
     assert exported["carol"][LESSON.name] == exported["carol"]["Total"] == "30"
     assert (exported["erin"][LESSON.name], exported["erin"][WRITTEN.name]) == ("", "13")

@@ -87,7 +87,7 @@ CLASS = class_of(
 
 def table(results, assignment=None):
     exported = EXPORTERS["csv"].write(ExportOptions(Course(), results, assignment))
-    return exported, list(csv.reader(io.StringIO(exported.content.decode())))
+    return exported, list(csv.reader(io.StringIO(exported.content.decode("utf-8-sig"))))
 
 
 def test_the_table_contains_names_scores_times_penalties_statuses_and_totals():
@@ -177,6 +177,10 @@ def test_unusual_names_do_not_shift_columns_or_become_formulas():
     for row, name in zip(rows, names, strict=True):
         assert [cell.removeprefix("'") for cell in row[:5]] == [name] * 5
         assert not any(cell.startswith(("=", "+", "-", "@")) for cell in row)
+
+
+def test_tables_begin_with_a_byte_order_mark_for_excel():
+    assert table(CLASS)[0].content.startswith("\ufeffStudent,".encode())
 
 
 def test_marks_of_students_who_are_not_on_the_roster_are_reported():
@@ -341,7 +345,7 @@ def test_errors_of_the_command_suggest_a_fix(export, tmp_path, capsys):
 
 def test_without_options_the_table_is_exported(export, tmp_path, capsys):
     assert export() == commands.SUCCESS
-    with (tmp_path / "scores.csv").open(newline="", encoding="utf-8") as file:
+    with (tmp_path / "scores.csv").open(newline="", encoding="utf-8-sig") as file:
         totals = {row["Student"]: row["Total"] for row in csv.DictReader(file)}
     assert totals == {"out of": "90", "ada": "67.35", "bo": "0", "cy": "", "dee": "8"}
     assert export("--assignment", SIX) == commands.SUCCESS

@@ -186,7 +186,7 @@ def class_with(rules):
 
 def scores(results, assignment=None):
     exported = EXPORTERS["csv"].write(ExportOptions(Course(), results, assignment))
-    rows = list(csv.DictReader(io.StringIO(exported.content.decode())))
+    rows = list(csv.DictReader(io.StringIO(exported.content.decode("utf-8-sig"))))
     return {row.pop("Student"): row for row in rows}
 
 

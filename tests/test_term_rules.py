@@ -94,7 +94,7 @@ def change(course, student, lesson, exercise, **values):
 def table(course, format="exercises", assignment=None, **options):
     results = class_results(course)
     exported = EXPORTERS[format].write(ExportOptions(course, results, assignment, **options))
-    rows = list(csv.DictReader(io.StringIO(exported.content.decode())))
+    rows = list(csv.DictReader(io.StringIO(exported.content.decode("utf-8-sig"))))
     return {row.pop("Student"): row for row in rows}
 
 

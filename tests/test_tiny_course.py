@@ -136,7 +136,7 @@ def test_a_course_on_another_subject_is_built_released_judged_and_graded(course,
         path.write_text(text, "utf-8")
     run(course, "grade", "--sandbox", sandbox.name)
     run(course, "export", "--format", "csv", "--to", course / "scores.csv")
-    with open(course / "scores.csv", encoding="utf-8", newline="") as file:
+    with open(course / "scores.csv", encoding="utf-8-sig", newline="") as file:
         rows = {row["Student"]: row for row in csv.DictReader(file)}
     assert float(rows["ada"][LESSON]) == 15 and 10 < float(rows["bo"][LESSON]) < 15
     assert "Works on an empty list" in (course / "report" / "index.html").read_text("utf-8")

@@ -24,7 +24,7 @@ def scores_of(name):
         (NotebookResult(name, STAGE, LESSON, MARKED, 1.0, 30.0),),
         (StageResult(name, STAGE, MARKED, 1.0, 30.0),),
     )
-    return EXPORTERS["csv"].write(ExportOptions(Course(), results)).content.decode()
+    return EXPORTERS["csv"].write(ExportOptions(Course(), results)).content.decode("utf-8-sig")
 
 
 @with_attacks(

@@ -35,7 +35,8 @@ def exercises_csv(options: ExportOptions) -> ExportResult:
         points = [_points(results[person.id, lesson], mark.name) for lesson, mark in exercises]
         table.writerow([*person_cells(person), *points])
         placed += any(points)
-    content = file.getvalue().encode("utf-8", "replace")
+    # Without a byte order mark, Excel shows umlauts as other characters.
+    content = file.getvalue().encode("utf-8-sig", "replace")
     stages = dict.fromkeys(result.stage for result in results.values())
     notes = [note for stage in stages for note in outdated_notes(options.results, stage)]
     notes += excessive_notes(options.results)

@@ -50,7 +50,8 @@ def scores_csv(options: ExportOptions) -> ExportResult:
     for person in options.results.people:
         own = [result for result in notebooks if result.student == person.id]
         table.writerow(_row(options, person, own, stages, rules))
-    content = file.getvalue().encode("utf-8", "replace")
+    # Without a byte order mark, Excel shows umlauts as other characters.
+    content = file.getvalue().encode("utf-8-sig", "replace")
     marked = {result.student for result in notebooks if result.counts and result.score is not None}
     notes = [note for stage in stages for note in outdated_notes(options.results, stage)]
     notes += excessive_notes(options.results)

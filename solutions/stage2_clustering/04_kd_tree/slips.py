@@ -35,6 +35,7 @@ SLIPS = {
             "tree.root = newcomer",
             USELESS,
         ),
+        Slip("attaches nothing", "setattr(parent, side, newcomer)", "child = newcomer", USELESS),
         Slip("no loop", "while True:", "if True:", USELESS),
         Slip(
             "the loop never ends",

@@ -22,6 +22,7 @@ SLIPS = {
             "        cluster += 1\n        if labels[start] > 0:\n            continue\n",
             SMALL,
         ),
+        Slip("the counter does not grow", "        cluster += 1\n", "", USELESS),
         Slip("skips the first point", "range(len(xyz))", "range(1, len(xyz))", SMALL),
         Slip("skips the last point", "range(len(xyz))", "range(len(xyz) - 1)", SMALL),
         Slip("8-bit labels", "dtype=int", "dtype=np.uint8", SMALL),

@@ -134,6 +134,13 @@ SLIPS = {
         Slip("returns the mask", "return cloud[~is_ours]", "return ~is_ours", USELESS),
         Slip("no return", "return cloud[~is_ours]", "cloud = cloud[~is_ours]", USELESS),
         Slip("`not` instead of `~`", "cloud[~is_ours]", "cloud[not is_ours]", USELESS),
+        Slip(
+            "swaps the corners",
+            "(xyz >= minimum) & (xyz <= maximum)",
+            "(xyz >= maximum) & (xyz <= minimum)",
+            USELESS,
+        ),
+        Slip("the last three columns", "cloud[:, :3]", "cloud[:, -3:]", PARTLY),
         Slip("compares only x", ".all(axis=1)", "[:, 0]", USELESS),
         Slip(
             "always uses the lesson's box",

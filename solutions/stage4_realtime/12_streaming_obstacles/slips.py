@@ -83,6 +83,13 @@ boxes = []
             USELESS,
         ),
         Slip(
+            "matched the other way round",
+            f"{_CENTRES}, axis=2)\n    partners = np.full(len(current), -1)",
+            "previous.mean(axis=1)[:, None] - current.mean(axis=1), axis=2)\n"
+            "    partners = np.full(len(previous), -1)",
+            USELESS,
+        ),
+        Slip(
             "the mean over the wrong axis",
             _CENTRES,
             _CENTRES.replace("axis=1", "axis=2"),
