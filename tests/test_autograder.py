@@ -355,6 +355,7 @@ def test_the_command_writes_a_zip_that_only_its_owner_can_read(tmp_path, rehears
     assert zipfile.is_zipfile(path) and stat.S_IMODE(path.stat().st_mode) == 0o600
     said = capsys.readouterr().out
     assert "Autograder Points: 85" in said and "write_up (10 points)" in said
+    assert "this is Python 3.12. Code that only a newer Python can read gets no mark." in said
 
 
 def test_what_does_not_count_but_is_in_an_autograder_is_named(

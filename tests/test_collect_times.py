@@ -10,7 +10,17 @@ from grader.classroom.collect import record, storage
 from grader.course.paths import Course
 from grader.lms.submission_times import SubmissionTimeUnknown, submission_time
 from tests.archives import EIGHT, SEVEN, SIX, canvas_files, notebook
-from tests.test_collect import STAGE, archive, collect, older, placed, resubmission, states
+from tests.test_collect import (
+    MONDAY,
+    STAGE,
+    TUESDAY,
+    archive,
+    collect,
+    older,
+    placed,
+    resubmission,
+    states,
+)
 
 EARLY, LATE = "2026-10-10 10:00:00 UTC", "2026-10-20 10:00:00 UTC"
 
@@ -81,6 +91,25 @@ def test_a_lesson_without_a_time_leaves_the_stage_undecided(course):
     )
     collect(course, lesson(course, EIGHT), times=table(course, EARLY))  # the same file again
     assert time_of(course) == utc(LATE)
+
+
+def test_an_earlier_submission_is_restored_with_its_time(course):
+    """The steps of docs/grading.md."""
+    (first, second) = (
+        archive(course, [(f"ada/{SIX}.ipynb", notebook(text=text))], f"{text}.zip", when=day)
+        for text, day in (("old", MONDAY), ("new", TUESDAY))
+    )
+    collect(course, first, times=table(course, EARLY))
+    collect(course, second, times=table(course, LATE))
+    earlier = folder(course) / ".older" / f"{SIX}.1.ipynb"
+    (folder(course) / f"{SIX}.ipynb").write_bytes(earlier.read_bytes())
+    (folder(course) / "timestamp.txt").write_text(EARLY)
+    assert time_of(course) == utc(EARLY)
+    outcome = collect(course, second, times=table(course, LATE))
+    (question,) = outcome.questions
+    outcome = collect(course, second, times=table(course, LATE), who={question.name: "-"})
+    assert outcome.questions == [] and time_of(course) == utc(EARLY)
+    assert placed(course, "ada")[f"{SIX}.ipynb"] == notebook(text="old")
 
 
 def test_a_time_written_by_hand_counts_for_all_files_in_the_folder(course):

@@ -921,8 +921,11 @@ def test_the_doctor_names_problems(course, sandbox, monkeypatch):
     wrong = {finding.subject: finding.text for finding in findings if not finding.good}
     assert "lost.ipynb" in wrong["submitted"] and "chmod 600" in wrong["seed"]
     subjects = [finding.subject for finding in findings]
-    for subject in ("Python", "packages", "isolation", "disk", "solutions", "sandbox bubblewrap"):
+    for subject in ("packages", "isolation", "disk", "solutions", "sandbox bubblewrap"):
         assert subject in subjects
+    python = next(finding.text for finding in findings if finding.subject == "Python")
+    version = ".".join(map(str, sys.version_info[:2]))
+    assert f"Students may use Python {version} or older." in python
 
 
 @pytest.mark.parametrize("with_dask", [False, True])

@@ -362,6 +362,17 @@ def test_other_maximum_points_are_refused_or_scaled(fill):
         fill(course, marks(), scale=True)
 
 
+def test_other_maximum_points_of_a_stage_suggest_to_list_its_lessons(fill):
+    results, course = marks(most=60.0), canvas_course()
+    more = [
+        dataclasses.replace(result, lesson="07_filter_by_distance") for result in results.notebooks
+    ]
+    results = dataclasses.replace(results, notebooks=(*results.notebooks, *more))
+    course.assignments[42][1] = 60.0
+    with pytest.raises(ExportError, match=r'below \[stage3_obstacles\] .* lessons = \["06", …\]'):
+        fill(course, results)
+
+
 def test_an_ambiguous_column_must_be_named(fill):
     course = canvas_course()
     course.assignments = {42: ["Obstacles", 100.0], 43: ["Essay", 100.0]}

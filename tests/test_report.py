@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from grader.classroom.collect.answers import read_answers, store_answers
 from grader.classroom.item_analysis import common_messages, hardest_checks, items_of, not_started
 from grader.classroom.submissions import Submission
 from grader.course.lessons import find_lesson
@@ -320,6 +321,15 @@ def test_identical_submissions_are_listed_except_unchanged_releases(tmp_path):
     (same,) = re.findall(r">Identical files</h2>.*?</tbody>", page, re.DOTALL)
     assert same.count("<tr>") == 2, "the heading and one row"
     assert "<td>ada, bo</td>" in same and SEVEN.name not in same
+
+
+def test_identical_submissions_of_a_declared_team_are_not_listed(tmp_path):
+    course = Course(tmp_path)
+    store_answers(course, [STAGE], read_answers(course, None, [STAGE], {"Team Red": "ada,bo"}, {}))
+    files = [verdict(name, [check(True)], fingerprint="same") for name in ("ada", "bo")]
+    assert "Identical files" not in report(tmp_path, files)
+    files.append(verdict("cy", [check(True)], fingerprint="same"))
+    assert "<td>ada, bo, cy</td>" in report(tmp_path, files)
 
 
 def test_the_page_links_to_the_other_files_of_the_course(tmp_path):
