@@ -34,7 +34,7 @@ def verdict_on(*failed, cause="", score=0.0):
     return Verdict("01", "ada", JUDGED, score, 4.0, results, (), 0.0, "")
 
 
-def test_true_notes_are_not_reported():
+def test_correct_notes_are_not_reported():
     assert wrong_notes(RIGHT, verdict_on(score=4.0)) == []
     assert wrong_notes(WRONG, verdict_on("sorts", "test_a[1]")) == []
 
@@ -100,7 +100,7 @@ def test_an_invalid_new_lesson_gets_a_message(arguments, says, capsys):
     assert says in capsys.readouterr().err
 
 
-def test_nothing_is_overwritten(tmp_path, monkeypatch):
+def test_a_new_lesson_does_not_overwrite_files(tmp_path, monkeypatch):
     monkeypatch.setattr(skeleton, "PROJECT", tmp_path)
     assert len(skeleton.write_skeleton("14_mine")) == 4
     shutil.rmtree(tmp_path / "solutions")
@@ -137,7 +137,7 @@ def run(root, *arguments):
 
 
 @pytest.mark.slow
-def test_a_skeleton_is_complete(copy, sandbox):
+def test_the_skeleton_of_a_new_lesson_is_complete(copy, sandbox):
     written = run(copy, "new", "14_free_distance")
     assert written.returncode == 0 and "python -m grader try 14" in written.stdout
     tried = run(copy, "try", "14", "--sandbox", sandbox.name)
@@ -147,7 +147,7 @@ def test_a_skeleton_is_complete(copy, sandbox):
 
 
 @pytest.mark.proof
-def test_removed_parts_are_reported(copy, sandbox):
+def test_missing_parts_of_a_new_lesson_are_reported(copy, sandbox):
     run(copy, "new", "16_far_distance")
     folder = copy / "solutions" / "stage5_own" / "16_far_distance"
     with replaced(folder / "hidden_tests.py", "", ""):

@@ -228,7 +228,7 @@ def test_a_fault_of_the_grader_leaves_no_results(root, without_sandbox, monkeypa
         assert ("an oracle broke" in said) != ("no memory left" in said)
 
 
-def test_without_a_sandbox_nothing_runs(root, monkeypatch, capsys):
+def test_nothing_runs_without_a_sandbox(root, monkeypatch, capsys):
     def unavailable(self):
         raise SandboxUnavailable("It is a drill.", "Add: --sandbox process")
 
@@ -357,7 +357,7 @@ def test_the_command_writes_a_zip_that_only_its_owner_can_read(tmp_path, rehears
     assert "Autograder Points: 85" in said and "write_up (10 points)" in said
 
 
-def test_what_does_not_count_but_is_in_an_autograder_is_named(
+def test_lessons_and_exercises_in_an_autograder_that_do_not_count_are_named(
     tmp_path, rehearsed, monkeypatch, capsys
 ):
     text = '[stage3_obstacles]\nlessons = ["06", "07", "08"]\nwithout = ["voxel_grid"]\n'

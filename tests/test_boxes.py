@@ -22,7 +22,7 @@ def test_distance_outside_is_measured_along_the_sides():
             assert_allclose(measured, expected, atol=1e-12)
 
 
-def test_distance_outside_of_a_line_and_of_a_point():
+def test_distance_outside_works_for_a_line_and_for_a_point():
     line = np.array([[0.0, 0.0], [3.0, 4.0], [3.0, 4.0], [0.0, 0.0]])
     assert_allclose(
         distance_outside(np.array([[1.5, 2.0], [6.0, 8.0], [-0.8, 0.6]]), line), [0, 5, 1]

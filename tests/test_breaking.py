@@ -82,7 +82,7 @@ EACH = [(exercise, letter) for exercise, puzzle in PUZZLES.items() for letter in
 
 
 @pytest.mark.parametrize(("exercise", "letter"), EACH)
-def test_the_smallest_cloud_shows_the_mistake_and_no_smaller_one_does(exercise, letter):
+def test_the_smallest_cloud_shows_the_mistake_and_smaller_clouds_do_not(exercise, letter):
     function, cloud = function_of(exercise), np.array(TELLING[exercise][letter], dtype=float)
     smallest = PUZZLES[exercise].versions[letter].smallest
     assert len(cloud) == smallest and differs(exercise, letter, function, cloud)
@@ -101,7 +101,7 @@ def test_the_picture_shows_the_mistake(exercise, letter):
     ("exercise", "letter"),
     [(exercise, letter) for exercise in THE_SAME for letter in THE_SAME[exercise]],
 )
-def test_a_version_gives_the_same_answers_as_a_kept_answer_with_that_mistake(exercise, letter):
+def test_a_broken_version_agrees_with_a_kept_answer_that_has_the_same_mistake(exercise, letter):
     puzzle, right = PUZZLES[exercise], function_of(exercise)
     wrong = function_of(exercise, THE_SAME[exercise][letter])
     rng, different = np.random.default_rng(2), 0

@@ -36,7 +36,7 @@ def source_of(cell):
 
 
 @pytest.mark.slow
-def test_nothing_is_stale_and_nothing_leaks():
+def test_built_files_are_up_to_date_and_contain_no_solutions():
     assert build.check() == []
 
 
@@ -53,7 +53,7 @@ def test_notebooks_are_valid_and_contain_no_output(built, lesson):
         assert len({cell.id for cell in notebook.cells}) == len(notebook.cells)
 
 
-def test_a_student_notebook_equals_the_solved_one_up_to_its_first_stub(built, lesson):
+def test_a_student_notebook_equals_the_solved_notebook_up_to_the_first_stub(built, lesson):
     """Student notebooks run up to the first stub, which raises NotImplementedError when called."""
     solved, released = cells_of(built[lesson.solved]), cells_of(built[lesson.released])
     first = next(

@@ -59,14 +59,14 @@ def kernel(monkeypatch):
     return configure
 
 
-def test_the_systems_program_comes_first(system, wheel):
+def test_the_systems_program_is_preferred_to_the_wheels(system, wheel):
     path = system("exit 0")
     wheel("exit 0")
     found, complaint = bwrap.find_program(OPTIONS)
     assert (found.path, found.origin, complaint) == (str(path), str(path), "")
 
 
-def test_the_wheels_program_is_used_if_the_systems_fails(system, wheel):
+def test_the_wheels_program_is_used_if_the_systems_program_fails(system, wheel):
     system("echo 'bwrap: Unknown option --disable-userns' >&2; exit 1")
     path = wheel("exit 0")
     found, complaint = bwrap.find_program(OPTIONS)
@@ -90,7 +90,7 @@ def test_the_trial_run_uses_the_given_options(system, wheel, tmp_path):
         ),
     ],
 )
-def test_without_bubblewrap_the_remedy_suits_the_machine(
+def test_the_remedy_for_a_missing_bubblewrap_suits_the_machine(
     system, wheel, monkeypatch, machine, remedy
 ):
     names = (*os.uname()[:4], machine)

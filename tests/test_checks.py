@@ -52,7 +52,7 @@ def test_check_passes_a_right_function(capsys):
     assert "failed" not in capsys.readouterr().out
 
 
-def test_check_shows_everything_and_then_raises(capsys):
+def test_check_shows_the_details_of_a_failure_and_then_raises(capsys):
     def filter_ground(cloud, ground_level=-1.2):
         return cloud[cloud[:, 2] < ground_level]
 
@@ -118,7 +118,7 @@ def test_a_check_of_a_stub_reports_that_it_is_not_started(capsys):
     assert shown.count("\n") == 1 and "not started" in shown
 
 
-def test_a_check_of_something_else_lists_the_exercises():
+def test_checking_a_function_that_is_not_an_exercise_lists_the_exercises():
     with pytest.raises(LookupError, match="it: horizontal_distance, "):
         check(len)
     with pytest.raises(TypeError, match=r"without quotation marks: check\(filter_ground\)"):
@@ -222,7 +222,7 @@ def test_an_empty_answer_still_needs_the_columns_of_the_cloud():
             assert_empty_table(something, CLOUD, 4)
 
 
-def test_excluding_a_point_on_the_limit_is_only_a_note(capsys):
+def test_excluding_a_point_on_the_limit_gets_only_a_note(capsys):
     def filter_ground(cloud, ground_level=-1.2):
         return cloud[cloud[:, 2] > ground_level]
 
@@ -741,7 +741,7 @@ def test_empty_answers_of_any_shape_are_accepted(source, exercise, shape):
     assert not [outcome.failure for outcome in outcomes if outcome.failure]
 
 
-def test_texts_get_enough_digits_to_differ():
+def test_numbers_are_shown_with_enough_digits_to_differ():
     assert distinct_texts(metres_text, 1.0, 2.0) == ("1.00 m", "2.00 m")
     assert distinct_texts(metres_text, 1.41, 1.4142) == ("1.410 m", "1.414 m")
     assert distinct_texts(points_text, np.array([[1, 2, 3.0]]), np.array([[1, 2.0004, 3.0]])) == (
@@ -762,7 +762,7 @@ def test_texts_get_enough_digits_to_differ():
         ),
     ],
 )
-def test_yours_and_expected_are_never_the_same_text(name, wrong):
+def test_the_texts_of_your_answer_and_the_expected_answer_always_differ(name, wrong):
     failures = [run_check(check_, wrong).failure for check_ in checks_of(name)]
     compared = [failure for failure in failures if failure and failure.expected]
     assert compared
@@ -793,7 +793,7 @@ def test_the_type_of_a_wrong_answer_is_named(answer, words):
         as_array(answer, columns=4, description="rows")
 
 
-def test_a_coroutine_is_named():
+def test_a_coroutine_gets_a_message_that_suggests_a_fix():
     async def returned():
         return CLOUD
 

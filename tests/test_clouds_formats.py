@@ -166,7 +166,7 @@ class TestNpz:
         raw = np.array([[Bomb()] * 3], dtype=object)
         assert "expected numbers" in message_of(decode_npz, self.archive(value=raw))
 
-    def test_damaged_archives_are_noticed(self):
+    def test_damaged_archives_are_refused(self):
         data = self.archive(value=np.random.default_rng(0).normal(size=(500, 4)))
         for broken in (data[:-40], data[: len(data) // 2], data[100:]):
             message_of(decode_npz, broken)

@@ -396,7 +396,9 @@ def test_a_scheduler_that_does_not_answer_is_reported(course, sandbox, monkeypat
 
 
 @pytest.mark.parametrize("missing", ["cloudpickle", "dask", "distributed"])
-def test_without_dask_the_command_that_installs_it_is_named(missing, sandbox, monkeypatch):
+def test_the_error_about_missing_dask_names_the_command_that_installs_it(
+    missing, sandbox, monkeypatch
+):
     monkeypatch.delitem(sys.modules, "grader.classroom.cluster")
     monkeypatch.setitem(sys.modules, missing, None)
     with pytest.raises(ExecutorLost, match=f"{missing} .* pip install -r requirements-cluster.txt"):

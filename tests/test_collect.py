@@ -721,7 +721,7 @@ def test_a_table_of_times_is_read_in_any_form(course, encoding):
     assert placed(course, "ada")["timestamp.txt"] == b"2026-10-14 14:14:00 UTC\n"
 
 
-def test_a_given_notebook_is_a_submission_if_a_part_of_it_cannot_be_read(course, tmp_path):
+def test_a_partly_unreadable_released_notebook_is_collected(course, tmp_path):
     """A merge conflict, or a missing end, may hide the student's work."""
     lines = json.dumps(json.loads(released()), indent=1).split("\n")
     place = next(n for n, line in enumerate(lines) if '"execution_count"' in line)
@@ -768,7 +768,7 @@ def test_a_folder_of_zips_and_a_single_file_are_collected(course, tmp_path):
     assert states(collect(course, single, who={"8": "cy"})) == {"cy": {"08": "new"}}
 
 
-def test_without_a_roster_folders_have_the_names_in_the_archive(anonymous_course):
+def test_folders_have_the_names_in_the_archive_if_there_is_no_roster(anonymous_course):
     path = archive(
         anonymous_course,
         [(f"{name}/{SIX}.ipynb", notebook()) for name in ("mary jane", "aux", "Ærø: Ö")],
@@ -802,12 +802,12 @@ def test_folder_names_are_safe_on_every_system(given, made):
 # ---- the lesson of a file -----------------------------------------------------------------------
 
 
-def test_the_content_decides_if_the_name_has_no_lesson(course):
+def test_the_lesson_follows_from_the_content_if_the_file_name_contains_no_lesson(course):
     files = [("ada/8.ipynb", notebook(EIGHT)), ("ada/x/final.ipynb", notebook(NINE))]
     assert states(collect(course, archive(course, files))) == {"ada": {"08": "new", "09": "new"}}
 
 
-def test_graded_cells_show_the_lesson_if_nothing_else_does(course):
+def test_the_lesson_follows_from_the_graded_cells_if_the_metadata_is_missing(course):
     unnamed = released(EIGHT).replace(b'"lidar_obstacle_lab"', b'"y"')
     path = archive(course, [("ada/x.ipynb", unnamed)])
     assert states(collect(course, path)) == {"ada": {"08": "new"}}
@@ -898,7 +898,7 @@ def test_unclear_files_are_asked_about_only_while_a_lesson_is_missing(course):
     assert {remark.name for remark in outcome.remarks} == {"ada/scratch.ipynb", "ada/report.pdf"}
 
 
-def test_modules_named_like_a_lesson_are_asked_about_only_while_it_is_missing(course):
+def test_modules_named_like_a_lesson_are_asked_about_only_if_the_lesson_is_missing(course):
     """If the lesson's notebook was submitted too, the `.py` file is only mentioned."""
     files = [(f"ada/{lesson}.py", b"x = 1") for lesson in (SIX, SEVEN)]
     files += [(f"ada/{SIX}.ipynb", notebook())]
@@ -1126,13 +1126,13 @@ def test_an_answer_for_a_loose_file_does_not_affect_other_students(course):
     assert states(outcome) == {"ada": {"07": "same"}, "cy": {"06": "new"}}
 
 
-def test_without_a_roster_an_option_names_the_owner_of_a_zip(anonymous_course):
+def test_an_option_names_the_owner_of_a_zip_if_there_is_no_roster(anonymous_course):
     path = archive(anonymous_course, [(f"hw/{SIX}.ipynb", notebook())], "homework.zip")
     outcome = collect(anonymous_course, path, who={"homework": "cy"})
     assert states(outcome) == {"cy": {"06": "new"}}
 
 
-def test_a_submitter_outside_the_course_is_skipped_from_then_on(course):
+def test_the_decision_to_skip_a_submitter_outside_the_course_is_remembered(course):
     files = [(f"ada/{SIX}.ipynb", notebook()), (f"eve/{SIX}.ipynb", notebook(text="eve"))]
     path = archive(course, files)
     assert "To ignore the files, add --who eve=-" in questions(collect(course, path))["eve"]
@@ -1190,7 +1190,7 @@ def test_a_member_who_left_a_team_is_collected_alone_after_an_answer(course):
     assert placed(course, "tina") == {f"{SIX}.ipynb": notebook(text="tina")}
 
 
-def test_a_file_is_ignored_from_then_on(course, command, capsys):
+def test_the_decision_to_ignore_a_file_is_remembered(course, command, capsys):
     broken = zipped([("x.txt", b"x" * 999)])[:-40]
     files = [
         (f"ada/{SIX}.ipynb", notebook()),
@@ -1423,7 +1423,7 @@ def test_the_exit_status_is_1_while_questions_are_open(course, command, capsys):
     assert "waiting" not in capsys.readouterr().out
 
 
-def test_a_wrong_stage_is_pointed_out_also_beside_an_open_question(course, command, capsys):
+def test_a_wrong_stage_is_reported_even_if_a_question_is_open(course, command, capsys):
     path = archive(course, [(f"ada/{SIX}.ipynb", notebook())])
     assert command(path) == 0
     capsys.readouterr()
@@ -1447,7 +1447,7 @@ def test_excused_students_are_not_reported_as_missing(course, command, capsys):
     assert "Auditors without a submission: guest." in output
 
 
-def test_the_table_of_times_is_said_to_have_been_used(course, command, capsys):
+def test_the_number_of_times_in_the_table_is_reported(course, command, capsys):
     files = [(f"ada/{SIX}.ipynb", notebook()), (f"cy/{SIX}.ipynb", notebook())]
     path = archive(course, files)
     table = course.root / "times.csv"
@@ -1518,7 +1518,9 @@ def test_a_stopped_run_is_resumed(course):
 
 
 @pytest.mark.parametrize("number", [errno.EACCES, errno.EROFS, errno.EPERM])
-def test_the_error_about_a_read_only_folder_names_it(course, command, monkeypatch, capsys, number):
+def test_the_error_about_a_read_only_folder_names_the_folder(
+    course, command, monkeypatch, capsys, number
+):
     def refuse(*about, dir, **options):
         raise OSError(number, os.strerror(number), str(dir))
 
@@ -1528,7 +1530,7 @@ def test_the_error_about_a_read_only_folder_names_it(course, command, monkeypatc
     assert str(course.submitted / "ada" / STAGE) in errors and "same command again" in errors
 
 
-def test_the_error_about_a_file_instead_of_a_folder_names_it(course, command, capsys):
+def test_the_error_about_a_file_instead_of_a_folder_names_the_file(course, command, capsys):
     course.submitted.write_text("")
     assert command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 1
     assert str(course.submitted) in capsys.readouterr().err

@@ -94,7 +94,7 @@ def test_a_time_written_by_hand_counts_for_all_files_in_the_folder(course):
     assert LATE.encode() in older(course, "ada")
 
 
-def test_each_lesson_has_its_own_time_until_a_person_writes_one(course):
+def test_each_lesson_has_its_own_time_until_a_time_is_written_by_hand(course):
     """Lessons with their own due dates need these times."""
     for name, time in ((SIX, EARLY), (SEVEN, LATE), (SIX, LATE)):  # lesson 06 did not change
         collect(course, lesson(course, name), times=table(course, time))
@@ -216,7 +216,7 @@ def test_an_assignment_for_each_lesson_may_have_its_own_times(course):
     assert time_of(course) == utc(LATE)
 
 
-def test_a_time_in_the_table_is_not_compared_with_that_of_newer_files(course):
+def test_a_time_in_the_table_is_not_compared_with_the_time_of_newer_files(course):
     first, second = resubmission(course, notebook(text="first"), notebook(text="second"))
     collect(course, second, times=table(course, EARLY))
     outcome = collect(course, first, times=table(course, LATE))

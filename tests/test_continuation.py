@@ -112,7 +112,7 @@ def test_random_numbers_are_repeated(run):
     assert drawn.banners and not right.banners
 
 
-def test_without_a_failed_check_no_cell_is_repeated(run):
+def test_no_cell_is_repeated_without_a_failed_check(run):
     assert [cell.succeeded for cell in run("data", NOTHING, "use", "call")][2:] == [False, False]
     ran = run("data", NOTHING, "look", "check", NOTHING, "define", "call")
     assert ran[-1].errors and not ran[-1].banners
@@ -125,7 +125,7 @@ def test_a_students_cell_uses_the_students_function(run):
     assert "1 + largest(numbers)" in ran[5].tracebacks[0]
 
 
-def test_a_students_cell_says_which_names_come_from_the_course(run):
+def test_a_students_cell_lists_the_names_that_come_from_the_course(run):
     ran = run("data", NOTHING, "look", "check", "use", "mine = top + 1", "print(mine)")
     assert ran[-2].displayed == [
         "top was computed with the course's answer for largest. To use yours, rerun the cell that "

@@ -53,7 +53,7 @@ def test_composed_and_decomposed_letters_are_equal(course):
     assert dates.due(composed, "stage1_ransac") == utc(2026, 10, 14, 23, 59)
 
 
-def test_without_a_file_there_are_no_dates(course):
+def test_there_are_no_dates_without_a_file(course):
     assert read_deadlines(course) is None
 
 
@@ -297,7 +297,7 @@ def test_a_lesson_may_have_a_date_in_a_stage_without_one(course):
     assert dates.due_of_lesson("anna", "stage1_ransac", "02_ransac_line", None) is None
 
 
-def test_without_rules_everything_counts(course):
+def test_everything_counts_without_rules(course):
     rules = read(course, DATES).rules
     assert (rules.without, rules.drop_lowest, rules.pass_mark) == (frozenset(), 0, None)
 

@@ -70,7 +70,7 @@ def test_the_stopping_distance_agrees_with_lesson_07(speed, metres):
     assert stopping_distance(speed) == pytest.approx(metres)
 
 
-def test_on_a_free_road_the_car_reaches_the_speed_limit():
+def test_the_car_reaches_the_speed_limit_on_a_free_road():
     assert plan(5.0, 8.0, []).acceleration == 2.0
     assert plan(7.9, 8.0, []).acceleration == pytest.approx(0.2)
     assert plan(8.0, 8.0, []).acceleration == 0.0
@@ -491,7 +491,7 @@ def test_a_car_that_sees_nothing_hits_a_crossing_child():
 
 
 @pytest.mark.slow
-def test_with_true_boxes_the_car_stops_for_a_child_and_drives_on():
+def test_the_car_with_true_boxes_stops_for_a_child_and_drives_on():
     street = straight(actors=(child(40.0, 30 / 3.6),))
     trip = drive_street(street, seconds=12.0)
     assert trip.drive.hit is None and trip.report.collision == ""
@@ -501,7 +501,7 @@ def test_with_true_boxes_the_car_stops_for_a_child_and_drives_on():
     assert trip.drive.metres > 42, "the car continued behind the child"
 
 
-def test_braking_for_an_empty_box_is_needless():
+def test_braking_for_an_empty_box_counts_as_needless():
     ghost = box(9.0, 0.0)[None] + (0, 0, 0.5)  # above the road, where it contains no returns
     trip = drive(straight(), lambda cloud: ghost, seconds=1.5, clock=on_time, sensor=COARSE)
     braking = measure(trip).brakings[0]
@@ -573,7 +573,7 @@ def test_a_slow_detector_sees_fewer_scans():
     assert sum(moment.busy for moment in trip.moments) == 15
 
 
-def test_with_a_slow_detector_the_car_stops_later():
+def test_the_car_with_a_slow_detector_stops_later():
     street = straight(actors=(Actor(placed(pedestrian(), 30.0, -1.2), np.inf, ((0, 0.0),)),))
 
     def detect(cloud):
@@ -700,7 +700,7 @@ def test_ctrl_c_keeps_finished_drives(capsys, monkeypatch):
 
 @pytest.mark.proof
 @pytest.mark.parametrize("street", STREETS, ids=lambda street: street.title)
-def test_without_boxes_the_car_hits_the_actors_of_every_street(street):
+def test_the_car_without_boxes_hits_the_actors_of_every_street(street):
     """A drive without a detector ends in a collision on every street that has actors."""
     trip = drive(street, find_nothing, clock=on_time, sensor=BLINKERED)
     assert (trip.hit is not None) == bool(street.actors)

@@ -210,7 +210,7 @@ def test_both_possible_owners_of_a_folder_are_named(course):
     )
 
 
-def test_without_a_roster_all_students_are_entered(course):
+def test_all_students_are_entered_if_there_is_no_roster(course):
     (course.root / "roster.csv").unlink()
     submit(course, "ghost", GROUND)
     enter_verdicts(
@@ -219,7 +219,7 @@ def test_without_a_roster_all_students_are_entered(course):
     assert set(students(course)) == {"ada", "bob", "ghost"}
 
 
-def test_with_a_roster_nbgrader_does_not_create_students(course):
+def test_nbgrader_does_not_create_students_if_there_is_a_roster(course):
     from grader.course.nbgrader_settings import course_settings
 
     assert course_settings(course.root).Autograde.create_student is False

@@ -76,7 +76,9 @@ def test_a_right_answer_passes(total):
         "fails in the plain case",
     ],
 )
-def test_a_slip_fails_one_check_but_in_the_plain_case_others_wait(total, function, failed):
+def test_a_slip_fails_one_check_but_the_other_checks_wait_for_the_plain_case(
+    total, function, failed
+):
     found = failures_of(function)
     assert found == failed if isinstance(failed, dict) else set(found) == failed
 

@@ -339,7 +339,7 @@ def test_errors_of_the_command_suggest_a_fix(export, tmp_path, capsys):
         assert "gradebook contains no marks. Run: python -m grader grade" in capsys.readouterr().err
 
 
-def test_without_options_the_table_is_exported(export, tmp_path, capsys):
+def test_the_table_is_exported_by_default(export, tmp_path, capsys):
     assert export() == commands.SUCCESS
     with (tmp_path / "scores.csv").open(newline="", encoding="utf-8") as file:
         totals = {row["Student"]: row["Total"] for row in csv.DictReader(file)}

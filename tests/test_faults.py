@@ -655,7 +655,7 @@ def test_a_sleeping_call_is_stopped_like_a_busy_one_and_not_starved(sandbox):
 
 
 @pytest.mark.slow
-def test_if_waiting_times_are_unknown_calls_have_more_time(sandbox, monkeypatch):
+def test_calls_have_more_time_if_waiting_times_are_unknown(sandbox, monkeypatch):
     monkeypatch.setattr(usage, "_records_delays", lambda: False)
     program = Program((NEEDS,), ("f", "wait"))
     with StudentProxy(program, sandbox, Limits(call_seconds=0.5)) as student:

@@ -359,7 +359,7 @@ def test_copies_of_modules_have_the_judged_text(judged_course, sandbox):
 
 
 @pytest.mark.slow
-def test_gradebook_follows_a_new_submission(judged_course, sandbox):
+def test_a_new_submission_changes_the_gradebook(judged_course, sandbox):
     enter_verdicts(judged_course, judge_it(judged_course, sandbox), [LESSON.stage], quiet)
     path = judged_course.submitted / "untouched" / LESSON.stage / f"{LESSON.name}.ipynb"
     path.write_text(answer(), "utf-8")

@@ -627,7 +627,7 @@ def test_penalties_count_days_on_the_clock(entered, due, submitted, lost):
     assert penalties(entered) == {"ada": pytest.approx(lost)}
 
 
-def test_without_a_penalty_plugin_late_students_lose_no_points(entered):
+def test_late_students_lose_no_points_without_a_penalty_plugin(entered):
     (entered.submitted / "ada" / STAGE / "timestamp.txt").write_text("2026-03-01 13:00:00 UTC")
     set_due(entered, "11")
     enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
@@ -791,7 +791,7 @@ def test_a_changed_answer_must_be_graded_again(written):
 
 
 @pytest.mark.end_to_end
-def test_the_comment_on_a_missing_answer_says_so(written):
+def test_the_comment_on_a_missing_answer_says_that_the_answer_is_missing(written):
     course, enter_answer = written
     enter_answer("")
     assert about_answer(course)[2] == "No response."

@@ -93,7 +93,7 @@ def test_the_table_distinguishes_marks_missing_excused_and_unknown_students(cour
     assert f"{people} students and 1 not on the roster, " in page
 
 
-def test_zeros_and_waiting_marks_are_not_dashes(course, capsys, monkeypatch):
+def test_zeros_and_waiting_marks_are_not_shown_as_dashes(course, capsys, monkeypatch):
     grade(course)
     with gradebook.open_gradebook(course) as book:
         notebook = book.find_submission_notebook(GROUND.name, STAGE, "ada")
@@ -109,7 +109,7 @@ def test_zeros_and_waiting_marks_are_not_dashes(course, capsys, monkeypatch):
     assert "* waiting for a grader · ? not entered yet" in output
 
 
-def test_lateness_names_its_stage_if_there_are_several(capsys):
+def test_lateness_is_shown_with_its_stage_if_there_are_several_stages(capsys):
     late = {"stage1_ransac": timedelta(hours=30), "stage3_obstacles": timedelta(hours=5)}
     stages = [
         StageResult("ada", stage, MARKED, 10.0, 10.0, 2.0, late=lateness)
@@ -132,7 +132,7 @@ def test_lateness_names_its_stage_if_there_are_several(capsys):
 
 
 @pytest.mark.end_to_end
-def test_without_a_roster_the_table_has_students_who_submitted(course, capsys):
+def test_the_table_has_the_students_who_submitted_if_there_is_no_roster(course, capsys):
     for name in ("roster.csv", "deadlines.toml"):
         (course.root / name).unlink()
     assert grade(course) == commands.SUCCESS

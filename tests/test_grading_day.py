@@ -94,7 +94,7 @@ def from_moodle():
 
 
 @pytest.mark.proof
-def test_a_grading_day_leads_from_two_zips_to_marks_in_two_platforms(course, tmp_path, capsys):
+def test_two_zips_become_marks_on_two_platforms(course, tmp_path, capsys):
     def run(*words):
         capsys.readouterr()
         status = cli.main([str(word) for word in words])

@@ -138,7 +138,7 @@ def test_withdrawn_work_is_logged(course):
     ] * 3
 
 
-def test_changes_of_a_killed_run_are_logged_by_the_next(course, monkeypatch):
+def test_changes_of_a_killed_run_are_logged_by_the_next_run(course, monkeypatch):
     calls = []
     original = gradebook_writer.log_changes
 
@@ -174,7 +174,7 @@ def test_a_damaged_log_is_continued_and_keeps_readable_lines(course, spoil):
     assert enter_again(course) == []
 
 
-def test_grading_one_student_does_not_remove_others(course):
+def test_grading_one_student_does_not_remove_other_students(course):
     judged = [pair for pair in verdicts(course) if pair[0].student == "ada"]
     changed = [
         (submission, dataclasses.replace(verdict, key=f"{verdict.key}, again"))

@@ -187,7 +187,7 @@ def test_untouched_notebook_earns_nothing(lesson, sandbox, tmp_path, monkeypatch
     ],
     ids=["the last cell", "a cell less", "each stub", "a cell at the end", "a cell between"],
 )
-def test_changed_notebooks_are_not_as_released(change):
+def test_changed_notebooks_do_not_count_as_released(change):
     lesson = find_lesson("06_filter_ground")
     released = read_notebook(lesson.released).code
     assert preflight._is_as_released(lesson, ["", *released, " \n"])

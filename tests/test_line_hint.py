@@ -221,7 +221,7 @@ def test_a_function_without_source_gives_no_hint(function):
     assert find_line_hint(function, CHECKS, CHECKS[:1]) is None
 
 
-def test_without_fork_there_is_no_hint(monkeypatch):
+def test_there_is_no_hint_without_fork(monkeypatch):
     monkeypatch.delattr(os, "fork")
     assert find_line_hint(wrong_sign, CHECKS, failed_checks(wrong_sign)) is None
 
@@ -243,7 +243,7 @@ def test_check_shows_the_hint_below_the_first_failure(capsys):
         (HasTheMethod, "parent, depth = getattr(parent, side), depth"),
     ],
 )
-def test_a_method_and_the_function_behind_it_get_a_line(kind, line):
+def test_the_hint_is_in_a_method_or_in_the_function_that_it_calls(kind, line):
     checks = checks_of("insert")
     failed = [each for each in checks if run_check(each, kind).failure]
     assert failed

@@ -134,7 +134,7 @@ def test_a_restored_mark_of_a_changed_answer_waits_for_a_person(course):
     assert given(course, "ada") == (7.5, False, None)
 
 
-def test_a_mark_whose_log_does_not_say_what_was_graded_waits_for_a_person(course):
+def test_a_mark_logged_without_the_graded_answer_waits_for_a_person(course):
     give(course, "ada", "write_up", 7.5)
     enter(course)
     path = course.root / "marks.jsonl"
@@ -155,7 +155,7 @@ def test_marks_that_a_person_removed_are_not_restored(course):
     assert enter(course) == [] and wrong_findings(course) == []
 
 
-def test_marks_that_are_already_there_are_not_replaced(course):
+def test_restoring_does_not_replace_existing_marks(course):
     give(course, "ada", "write_up", 7.5, "Good.")
     enter(course)
     lose_gradebook(course)
@@ -279,7 +279,7 @@ def test_a_lesson_that_is_added_in_mid_term_is_entered(course):
     assert {result.standing for result in class_results(course).notebooks} == {WAITING}
 
 
-def test_an_exercise_that_is_not_in_the_release_any_more_is_removed(course):
+def test_an_exercise_that_is_no_longer_in_the_release_is_removed(course):
     give(course, "ada", "write_up", 7.5, "Good.")
     with gradebook.open_gradebook(course) as book:
         notebook = book.find_notebook(LESSON, STAGE)
@@ -305,7 +305,7 @@ def test_an_exercise_that_is_not_in_the_release_any_more_is_removed(course):
     assert enter(course) == [] and wrong_findings(course) == []
 
 
-def test_other_points_for_an_exercise_with_marks_by_hand_are_named(course):
+def test_a_changed_maximum_of_an_exercise_with_marks_by_hand_is_reported(course):
     give(course, "ada", "write_up", 9.5)
     with gradebook.open_gradebook(course) as book:
         book.find_grade_cell("write_up", LESSON, STAGE).max_score = 20.0

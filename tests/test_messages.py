@@ -260,7 +260,7 @@ def test_other_errors_have_fixed_messages(error, kind, says, visible):
     assert type(failure) is kind and says in failure.message and "17" not in failure.message
 
 
-def test_one_cause_is_shown_once_and_others_in_full():
+def test_a_shared_cause_is_shown_once_and_other_failures_in_full():
     outcomes = [
         Outcome(SHOWN, None),
         Outcome(Check("1", "f", "First", "One."), WrongForm("no array")),
@@ -296,7 +296,7 @@ def test_a_message_has_a_kind_and_a_subject(failure, kind, subject):
     assert (message.kind, message.subject, message.hint) == (kind, subject, "")
 
 
-def test_a_call_that_takes_too_long_is_marked():
+def test_a_failure_records_whether_the_call_took_too_long():
     for out_of_time in (False, True):
         error = StudentStopped("f did not come back.", "slow", out_of_time)
         assert shareable_failure(Outcome(HIDDEN, error), False).out_of_time is out_of_time

@@ -133,7 +133,7 @@ def test_an_import_with_a_fallback_or_without_a_use_costs_nothing(
     assert results["filter_ground"].score == 10
 
 
-def test_a_module_of_the_student_is_submitted_with_the_notebook(tmp_path, monkeypatch):
+def test_check_accepts_an_import_of_the_students_own_module(tmp_path, monkeypatch):
     (tmp_path / "my_bars.py").write_text("def bar(values):\n    return values\n")
     monkeypatch.syspath_prepend(tmp_path)
     check(defined(IMPORTED.replace("foreign_bars", "my_bars"), monkeypatch))

@@ -148,7 +148,7 @@ def test_a_picture_is_shown_in_the_grading_page_and_in_feedback(source, attachme
 
 
 @pytest.mark.parametrize(("source", "attachments", "reason"), NOT_SHOWN.values(), ids=NOT_SHOWN)
-def test_a_picture_that_cannot_be_shown_is_named_in_its_place_and_to_the_student(
+def test_a_picture_that_cannot_be_shown_is_named_in_the_answer_and_in_a_note(
     source, attachments, reason
 ):
     copy, notes = copy_of(f"Before.\n\n{source}\n\nAfter.", attachments)
@@ -160,7 +160,7 @@ def test_a_picture_that_cannot_be_shown_is_named_in_its_place_and_to_the_student
     assert shown_pictures(markdown_page(cell.source, cell.get("attachments", {}))) == []
 
 
-def test_many_pictures_make_one_sentence():
+def test_a_note_on_many_pictures_names_five_and_counts_the_rest():
     _, notes = copy_of("".join(f"![](p{number}.png)" for number in range(30)), {})
     (note,) = [note for note in notes if "picture" in note]
     assert "p4.png" in note and "p5.png" not in note and "and 25 more" in note

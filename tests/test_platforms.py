@@ -225,7 +225,7 @@ def test_another_name_with_the_same_number_is_noted(fill):
     assert not any("another name" in note for note in fill(canvas_course(), marks()).notes)
 
 
-def test_numbers_that_two_systems_give_to_different_people_give_no_mark(fill):
+def test_a_number_that_two_systems_give_to_different_people_leads_to_no_mark(fill):
     """The ID of each student is the other student's SIS ID, and the names fit the IDs."""
     course = canvas_course()
     course.students = [
@@ -245,7 +245,7 @@ def test_numbers_that_two_systems_give_to_different_people_give_no_mark(fill):
 
 
 @pytest.mark.parametrize("platform", ["canvas", "moodle"])
-def test_a_key_of_one_student_with_the_name_of_another_gives_no_mark(fill, platform):
+def test_a_key_of_one_student_with_the_name_of_another_leads_to_no_mark(fill, platform):
     if platform == "canvas":
         course = canvas_course()
         course.students[2].name, course.students[4].name = "Schmidt, Anna", "Müller, Björn"

@@ -501,7 +501,7 @@ def test_a_cut_off_file_keeps_the_complete_answer():
     assert "cut off" in prepared.notes[0]
 
 
-def test_nothing_is_concluded_from_a_part_of_a_file():
+def test_an_incomplete_file_never_counts_as_untouched():
     released = LESSON.released.read_bytes()
     assert contents.content_of(released, "a.ipynb").untouched
     assert not contents.content_of(released[:-9], "a.ipynb").untouched
@@ -626,7 +626,9 @@ TWO = GROUND.format(1) + "\n" + VOXELS.format(2)
         ([code(GROUND.format(3)), text(TWO), tagged(text(TWO), "voxel_grid")], "3", "2"),
     ],
 )
-def test_another_cells_definition_counts_before_a_text_cells(cells, ground, voxels, is_reversed):
+def test_a_definition_in_another_cell_takes_precedence_over_a_text_cell(
+    cells, ground, voxels, is_reversed
+):
     if is_reversed:  # the order of definitions within a cell does not matter
         swapped = VOXELS.format(2) + "\n" + GROUND.format(1)
         cells = [{**cell, "source": cell["source"].replace(TWO, swapped)} for cell in cells]
@@ -694,7 +696,7 @@ def test_a_text_cell_with_all_functions_is_judged_as_code():
     )
 
 
-def test_an_answer_in_a_text_cell_counts_more_than_the_stub():
+def test_an_answer_in_a_text_cell_takes_precedence_over_the_stub():
     for cells in ([stub_of("filter_ground"), text(TWO)], [text(TWO), stub_of("filter_ground")]):
         prepared = from_cells(*cells)
         assert (
@@ -821,7 +823,7 @@ def test_notes_name_the_modules_that_are_used(source, used):
         ("%%timeit", None),
     ],
 )
-def test_only_cells_that_write_a_module_make_one(command, name):
+def test_only_cells_that_write_a_python_file_create_a_module(command, name):
     written = code(f"{command}\nx = 1"), text("%%writefile no.py\nx = 1")
     made = from_cells(*written, code("import helpers"))
     assert made.modules == ({name: "x = 1"} if name else {})
@@ -1050,7 +1052,7 @@ def test_cells_are_found_after_an_answer_of_several_cells():
     assert len(prepared.cells) == 2
 
 
-def test_only_pictures_remain_of_the_attachments():
+def test_only_pictures_are_kept_as_attachments():
     notebook = with_report()
     picture = base64.b64encode(b"\x89PNG").decode()
     cell_of(notebook, "write_up").update(

@@ -285,7 +285,7 @@ def test_an_answer_gets_no_edits_if_its_first_hidden_test_passes_when_repeated(p
     assert passing(student, shown="") == [] and student.tried == 0
 
 
-def test_after_a_hang_in_the_first_check_other_edits_get_less_time_for_it(passing):
+def test_other_edits_get_less_time_for_the_first_check_after_a_hang(passing):
     student = EditedStudent(["abxy", "a", "bx", "A", "b", "A", ""])
     assert passing(student) == [5]
     long, short = repair.SECONDS_OF_A_CALL, repair.SECONDS_OF_A_FIRST_CALL

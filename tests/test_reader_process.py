@@ -73,7 +73,7 @@ def short_limits(monkeypatch):
         (return_long_answer, "more than 128 MB of memory"),
     ],
 )
-def test_too_costly_files_get_a_message_with_the_limit(work, says, short_limits):
+def test_files_that_are_too_costly_get_a_message_with_the_limit(work, says, short_limits):
     with pytest.raises(reader_process.TooCostly) as caught:
         reader_process.run_in_child("file.ipynb", work)
     assert f"Reading file.ipynb takes {says}" in str(caught.value)
@@ -104,7 +104,7 @@ def test_text_arrives_unchanged():
         assert reader_process.run_in_child("file.ipynb", lambda text=text: text) == text
 
 
-def test_without_fork_the_result_is_the_same(monkeypatch):
+def test_the_result_is_the_same_without_fork(monkeypatch):
     monkeypatch.delattr(os, "fork")
     assert reader_process.run_in_child("file.ipynb", lambda: (1, "a")) == [1, "a"]
 
@@ -190,12 +190,12 @@ def test_the_reply_limit_fits_the_largest_file_and_the_memory():
     assert 64 * 2**20 < reader_process.LARGEST_REPLY < reader_process.MEGABYTES * 2**20
 
 
-def test_a_busy_machine_has_enough_time():
+def test_the_longest_wait_is_long_enough_for_a_busy_machine():
     """The wait is long, because six seconds of work once took two minutes on a busy machine."""
     assert 50 * reader_process.CPU_SECONDS < reader_process.LONGEST_WAIT < pool.LONGEST_JOB
 
 
-def test_exit_codes_of_exceeded_limits_mean_too_costly():
+def test_the_exceeded_limit_follows_from_the_exit_code():
     for code in (0, 1, signal.SIGXCPU, -signal.SIGKILL, -signal.SIGSYS, 76, 78):
         assert reader_process._excess(code, b"") == ""
     assert reader_process._excess(-signal.SIGXCPU, b"") == "more than 10 seconds"

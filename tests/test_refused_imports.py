@@ -193,7 +193,7 @@ def score_of(lesson_name, name, source, sandbox, tmp_path):
 
 
 @pytest.mark.parametrize("way", CLUSTERING_LIBRARIES | GRAPH_COMPONENTS)
-def test_a_library_that_does_the_clustering_is_refused_in_05(way, sandbox, tmp_path, capsys):
+def test_a_library_that_does_the_clustering_is_refused_in_lesson_05(way, sandbox, tmp_path, capsys):
     source = (CLUSTERING_LIBRARIES | GRAPH_COMPONENTS)[way]
     output = check_output(FIVE[1], source, capsys)
     assert "not allowed in this lesson" in output and "[passed]" not in output
@@ -204,7 +204,7 @@ def test_a_library_that_does_the_clustering_is_refused_in_05(way, sandbox, tmp_p
 
 @pytest.mark.slow
 @pytest.mark.parametrize("way", SEARCHES)
-def test_a_search_for_neighbours_earns_everything_in_05(way, sandbox, tmp_path, capsys):
+def test_a_search_for_neighbours_earns_everything_in_lesson_05(way, sandbox, tmp_path, capsys):
     output = check_output(FIVE[1], SEARCHES[way], capsys)
     assert "[passed]" in output and "[failed]" not in output
     assert score_of(*FIVE, SEARCHES[way], sandbox, tmp_path) == (40, "()['']")
@@ -212,7 +212,9 @@ def test_a_search_for_neighbours_earns_everything_in_05(way, sandbox, tmp_path, 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("way", INDIRECT_IMPORTS)
-def test_a_forbidden_module_inside_a_library_is_refused_in_05(way, sandbox, tmp_path, capsys):
+def test_a_forbidden_module_inside_a_library_is_refused_in_lesson_05(
+    way, sandbox, tmp_path, capsys
+):
     """The second `check` also refuses the answer, although the libraries are already imported."""
     source, module = INDIRECT_IMPORTS[way]
     sentence = "not allowed in this lesson: it does the exercise for you"
@@ -224,7 +226,7 @@ def test_a_forbidden_module_inside_a_library_is_refused_in_05(way, sandbox, tmp_
 
 
 @pytest.mark.parametrize("way", CLUSTERING_LIBRARIES)
-def test_a_library_that_does_the_clustering_is_refused_in_10(way, sandbox, tmp_path, capsys):
+def test_a_library_that_does_the_clustering_is_refused_in_lesson_10(way, sandbox, tmp_path, capsys):
     source = CLUSTERING_LIBRARIES[way]
     output = check_output(TEN[1], source, capsys)
     assert "not allowed in this lesson" in output and "[passed]" not in output
@@ -234,7 +236,7 @@ def test_a_library_that_does_the_clustering_is_refused_in_10(way, sandbox, tmp_p
 
 @pytest.mark.slow
 @pytest.mark.parametrize("way", GRAPH_COMPONENTS)
-def test_connected_components_are_allowed_in_10(way, sandbox, tmp_path, capsys):
+def test_connected_components_are_allowed_in_lesson_10(way, sandbox, tmp_path, capsys):
     """Answers that list all pairs take too long and lose points, but they are not refused."""
     output = check_output(TEN[1], GRAPH_COMPONENTS[way], capsys)
     assert "not allowed" not in output
@@ -243,7 +245,7 @@ def test_connected_components_are_allowed_in_10(way, sandbox, tmp_path, capsys):
     assert score > 10 and "not allowed" not in reasons
 
 
-def test_the_lessons_own_tools_pass_all_checks_of_10(tmp_path, capsys):
+def test_answers_with_the_lessons_own_tools_pass_all_checks_of_lesson_10(tmp_path, capsys):
     """A right answer may call `components`, which a cell above the exercise defines."""
     lesson = find_lesson(TEN[0])
     plan = next(answer.source for answer in answers_to(TEN[1]) if answer.right)
@@ -278,7 +280,7 @@ NOTED_CHANGES = {
 
 @pytest.mark.parametrize("lesson_name, name", [FIVE, TEN])
 @pytest.mark.parametrize("change", NOTED_CHANGES)
-def test_deviations_that_cost_no_points_are_notes(lesson_name, name, change, capsys):
+def test_deviations_that_cost_no_points_get_notes(lesson_name, name, change, capsys):
     source, titles = NOTED_CHANGES[change]
     space = {"right": getattr(load_reference(lesson_name), name), "__name__": "__main__"}
     exec(source.replace("NAME", name), space)

@@ -292,7 +292,7 @@ def test_solutions_wait_for_an_extension_unless_forced(course, capsys):
     assert [path.name for path in (course / "out").iterdir()] == [f"{STAGE}_solutions.zip"]
 
 
-def test_after_the_last_extension_solutions_are_notebooks_and_pages(course, capsys):
+def test_solutions_are_released_as_notebooks_and_pages_after_the_last_extension(course, capsys):
     write_extension(course, "2026-02-07T12:00:00")
     assert cli.main(["release", "--solutions", STAGE, "--to", str(course / "out")]) == 0
     names = names_in(course / "out" / f"{STAGE}_solutions.zip")
@@ -302,7 +302,7 @@ def test_after_the_last_extension_solutions_are_notebooks_and_pages(course, caps
 
 
 @pytest.mark.parametrize("dates", ["", f'[{STAGE}.students]\nanna = "excused"\n'])
-def test_without_a_date_solutions_wait_unless_forced(course, capsys, dates):
+def test_solutions_without_a_due_date_wait_unless_forced(course, capsys, dates):
     (course / "deadlines.toml").write_text(dates, "utf-8")
     call = ["release", "--solutions", STAGE, "--to", str(course / "out")]
     assert cli.main(call) == 1

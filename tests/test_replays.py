@@ -254,7 +254,7 @@ WRONG = {
     ("exercise", "name"),
     [(exercise, name) for exercise in RUNS for name in answer_names(exercise, right=False)],
 )
-def test_a_wrong_answer_stops_where_it_goes_wrong(exercise, name, monkeypatch):
+def test_the_replay_of_a_wrong_answer_marks_the_wrong_step(exercise, name, monkeypatch):
     monkeypatch.setattr(tracer, "SECONDS", 1)
     run = run_of(exercise, name)
     step_text, reason = WRONG[exercise].get(name, (None, None))
@@ -413,7 +413,7 @@ SEARCHES = [
 
 
 @pytest.mark.parametrize("one", SEARCHES, ids=lambda one: one.name)
-def test_a_search_stops_where_it_goes_wrong(one):
+def test_the_replay_of_a_search_marks_the_wrong_step(one):
     try:
         run = walk_search(function_of("search", one.source))
     except TypeError:
@@ -485,7 +485,7 @@ def test_a_right_run_starts_at_its_first_step(shown, monkeypatch):
 
 
 @pytest.mark.slow
-def test_without_widgets_a_few_figures_lead_to_the_wrong_step(shown, monkeypatch):
+def test_replays_without_widgets_show_a_few_figures(shown, monkeypatch):
     monkeypatch.setitem(sys.modules, "ipywidgets", None)
     del sys.modules["ipywidgets"]
     monkeypatch.setattr(static_widgets.util, "find_spec", lambda name: None)

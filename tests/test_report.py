@@ -130,7 +130,7 @@ def test_students_missing_from_the_roster_are_counted_separately(tmp_path):
     assert "1 students" not in page
 
 
-def test_without_a_roster_the_page_says_that_it_lists_only_submissions(tmp_path):
+def test_the_page_says_that_only_submissions_are_listed_if_there_is_no_roster(tmp_path):
     results = class_of([result("ada", MARKED, 1.0)], unlisted=("zoe",))
     note = "There is no roster.csv, so only students with a submission are listed."
     assert note in report(tmp_path, [], results)

@@ -29,7 +29,7 @@ def read(course, text):
     return read_roster(course)
 
 
-def test_without_a_file_there_is_no_roster(course):
+def test_there_is_no_roster_without_a_file(course):
     assert read_roster(course) is None
 
 

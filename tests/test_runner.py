@@ -138,7 +138,7 @@ def test_only_selected_checks_run(made):
     assert run_checks(made(TWO), student, SEED, lambda check: False) == []
 
 
-def test_the_rest_is_skipped_if_one_failure_decides(made):
+def test_the_remaining_checks_are_skipped_if_one_failure_decides(made):
     """Skipping saves time, because each call of a slow answer may take seconds."""
     student, hidden = (
         RecordingStudent(),
@@ -205,7 +205,7 @@ def test_a_missing_file_of_hidden_tests_is_a_judge_fault(made):
         run_checks(lesson, RecordingStudent(), SEED)
 
 
-def test_a_test_without_its_fixture_and_a_skipped_test_fail(made):
+def test_a_test_with_a_missing_fixture_and_a_skipped_test_fail(made):
     hidden = """
 @hidden("f", **about)
 def test_one(student, what_nobody_made):
@@ -272,7 +272,7 @@ def test_a_test_may_compute_for_seconds():
     )  # the slowest test of a right answer takes two seconds
 
 
-def test_in_another_thread_there_is_no_time_limit(made):
+def test_there_is_no_time_limit_in_another_thread(made):
     found = []
     lesson = made(TWO)
     thread = threading.Thread(
@@ -430,7 +430,7 @@ def test_seed(student, seed):
     assert seeds[0] == seeds[2] == int(digest[:30], 16) != seeds[1]
 
 
-def test_settings_and_neighbouring_files_have_no_influence(made, monkeypatch):
+def test_pytest_settings_and_neighbouring_files_have_no_effect(made, monkeypatch):
     settings = {
         "PYTEST_ADDOPTS": "-k nothing",
         "PYTEST_PLUGINS": "no_such_plugin",

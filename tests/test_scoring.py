@@ -147,7 +147,7 @@ def test_a_box_that_is_not_finite_has_no_overlap(overlap, bad):
 
 
 @pytest.mark.parametrize("shape", [(8, 3), (2, 4, 2), (2, 3, 8)])
-def test_other_arrays_than_boxes_are_refused(shape):
+def test_arrays_that_are_not_boxes_are_refused(shape):
     with pytest.raises(ValueError, match=r"\(N, 8, 3\)"):
         plane_iou(np.ones(shape), np.ones((1, 8, 3)))
 
@@ -207,7 +207,7 @@ def tracked(truth, found):
     )
 
 
-def test_a_faithful_tracker_never_switches():
+def test_a_faithful_tracker_never_switches_labels():
     frames = [tracked({1: t, 2: 20 - t}, {7: 20 - t, 8: t + 0.1}) for t in range(8)]
     assert score_stream(frames) == Score(16, 0, 0, 0)
 

@@ -47,7 +47,7 @@ def run(*options):
     return cli.main([str(option) for option in options])
 
 
-def test_a_section_is_named_as_on_the_roster(course):
+def test_only_sections_on_the_roster_are_found(course):
     assert [person.id for person in find_section(course, " a/1")] == ["ada", "idle"]
     assert in_file_name("A/1 ü.b") == "A_1_ü_b"
     with pytest.raises(UnknownStudent, match="in section 'C'. The sections are: A/1, B, a/1."):
@@ -70,7 +70,7 @@ def test_an_unknown_section_is_refused(course, capsys, command):
     assert not written.get(command, course.root / "handed_back").exists()
 
 
-def test_results_of_a_section_contain_nothing_about_others(course):
+def test_results_of_a_section_contain_nothing_about_other_sections(course):
     (course.root / "deadlines.toml").write_text(f'[{STAGE}]\nlessons = ["06"]\n')
     whole = class_results(course)
     part = whole.of_people(find_section(course, "B"))

@@ -377,7 +377,7 @@ def test_invalid_returns_are_at_the_origin_and_belong_to_no_object():
     assert np.all(np.linalg.norm(swept.cloud[~blank, :3], axis=1) >= hdl64().minimum_range - 1e-5)
 
 
-def test_the_same_seed_gives_the_same_bytes_and_another_seed_others():
+def test_equal_seeds_give_the_same_bytes_and_different_seeds_do_not():
     world = World(Ground(), (thing(box(4, 2, 2, (8, 1, 1))),))
     first, again, other = (scan(world, hdl64(), seed) for seed in (4, 4, 5))
     assert first.cloud.tobytes() == again.cloud.tobytes()

@@ -71,7 +71,7 @@ def test_a_module_that_needs_a_newer_library_gets_no_mark(sandbox):
     assert verdict.status == FAILED and verdict.reason.startswith("helpers.py uses operator.is_not")
 
 
-def test_a_newer_library_does_not_matter_where_the_code_works_without_it(sandbox):
+def test_a_newer_library_does_not_matter_if_the_code_works_without_it(sandbox):
     guarded = "try:\n    from operator import is_not_none\nexcept ImportError:\n    pass\n" + RIGHT
     verdict, _ = judged(sandbox, guarded.replace(">=", "<"))
     assert verdict.status == JUDGED and verdict.exercises[0].score < 10
@@ -89,7 +89,7 @@ def test_invalid_code_of_a_version_with_unknown_syntax_gets_no_mark(sandbox):
     assert verdict.status == FAILED and "needs Python 3.99 or later" in verdict.reason
 
 
-def test_code_for_a_newer_python_does_not_matter_where_nothing_needs_it(sandbox):
+def test_unused_code_for_a_newer_python_does_not_matter(sandbox):
     verdict, _ = judged(sandbox, NEWER, RIGHT)
     assert verdict.status == JUDGED and verdict.exercises[0].score == 10
 

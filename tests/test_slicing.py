@@ -179,7 +179,7 @@ def test_the_last_definition_wins_as_it_does_in_a_notebook():
     assert namespace["f"]() == 2
 
 
-def test_a_cell_with_a_syntax_error_is_named_and_the_others_stay():
+def test_a_cell_with_a_syntax_error_is_named_and_other_cells_are_kept():
     namespace, _, skipped = sliced("x = 1\n---\ndef g(:\n    pass\n---\ndef f(): return x")
     assert namespace["f"]() == 1
     (cell,) = skipped

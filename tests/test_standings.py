@@ -88,7 +88,7 @@ def change(course, student, lesson, **values):
         book.db.commit()
 
 
-def test_without_a_roster_the_class_is_everyone_who_submitted(course):
+def test_the_class_consists_of_all_students_who_submitted_if_there_is_no_roster(course):
     with gradebook.open_gradebook(course) as book:
         book.update_or_create_student("ada", first_name="Ada", last_name="Ash", lms_user_id="8")
         book.update_or_create_student("idle", first_name="Ida")
@@ -103,7 +103,7 @@ def test_without_a_roster_the_class_is_everyone_who_submitted(course):
     assert results.unlisted == ()
 
 
-def test_with_a_roster_the_class_is_the_roster_in_its_order(course):
+def test_the_class_has_the_students_and_the_order_of_the_roster(course):
     (course.root / "roster.csv").write_text(ROSTER)
     (course.root / "deadlines.toml").write_text(DATES)
     results = class_results(course)
@@ -184,7 +184,7 @@ def test_a_manual_change_of_points_is_a_mark_and_a_comment_is_not(course):
     assert standing(course)["ada", "06"] == (MISSING, None)
 
 
-def test_the_maximum_does_not_depend_on_what_the_most_eager_student_submitted(course):
+def test_the_maximum_does_not_depend_on_the_submissions_of_other_students(course):
     """Bob submitted only lesson 07; Ada's lesson 06 must not lower his share."""
     before = class_results(course).stage("bob", STAGE)
     shutil.rmtree(course.submitted / "ada" / STAGE)

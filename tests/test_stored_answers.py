@@ -226,7 +226,7 @@ def test_calls_of_a_check_are_not_recorded():
     assert len(json.loads(recorder.text())["exercises"]["keep"]) == 1
 
 
-def test_stubs_are_known():
+def test_stubs_are_distinguished_from_written_functions():
     assert not lent.is_written(stub)
     assert lent.is_written(written) and lent.is_written(len)
 
@@ -246,7 +246,7 @@ def test_stubs_are_known():
     assert not lent.is_written(namespace["keep"])
 
 
-def test_without_a_notebook_nothing_happens():
+def test_lending_answers_without_a_notebook_does_nothing():
     lent.lend_answers("06")
 
 

@@ -156,7 +156,7 @@ def test_calls_and_attribute_paths_work_on_local_objects():
     assert get_attribute_path(local, ["note", "__func__", "__name__"]) == "note"
 
 
-def test_walking_a_cycle_is_up_to_the_caller(sandbox):
+def test_a_cycle_of_objects_can_be_walked_without_end(sandbox):
     source = """class Ring:
     def __init__(self): self.next, self.name = self, 1"""
     with StudentProxy(Program((source,), ("Ring",)), sandbox) as proxy:

@@ -103,7 +103,7 @@ def test_a_second_cause_is_shown_without_its_hint(exercise, capsys):
     assert shown.index("The first") < shown.index("The second") < shown.index("three")
 
 
-def test_a_check_that_needs_a_failed_one_waits(exercise, capsys):
+def test_a_check_that_needs_a_failed_check_waits(exercise, capsys):
     @declared("doubles")
     def doubles(double):
         if double(2) != 4:
@@ -208,7 +208,7 @@ def test_a_function_that_changes_its_arguments_does_not_change_cases(exercise):
         assert diagnose("double", double).says == "Zero."
 
 
-def test_a_mistake_is_shown_where_the_hint_was(exercise, capsys):
+def test_a_mistake_is_shown_in_place_of_the_hint(exercise, capsys):
     declare_mistakes(
         "double",
         Mistake("It is squared.", lambda right, x: x**2, "Multiply by 2."),
@@ -360,7 +360,7 @@ def busy_for(seconds):
         pass
 
 
-def test_without_threads_an_endless_loop_is_still_stopped(monkeypatch):
+def test_an_endless_loop_is_stopped_even_without_threads(monkeypatch):
     monkeypatch.setattr(threading.Thread, "start", fail_to_start)
     start = time.monotonic()
     with pytest.raises(TimeUp), limit_resources(0.1):
@@ -371,7 +371,7 @@ def test_without_threads_an_endless_loop_is_still_stopped(monkeypatch):
     assert sys.gettrace() is None
 
 
-def test_without_threads_a_check_prints_the_same(exercise, capsys, monkeypatch):
+def test_a_check_prints_the_same_text_without_threads(exercise, capsys, monkeypatch):
     monkeypatch.setattr(core, "SECONDS", 0.5)
     monkeypatch.setattr(threading.Thread, "start", fail_to_start)
     declared("one")(lambda double: double(0))
@@ -380,7 +380,7 @@ def test_without_threads_a_check_prints_the_same(exercise, capsys, monkeypatch):
     assert "[passed] one" in capsys.readouterr().out
 
 
-def test_in_another_thread_nothing_is_limited():
+def test_nothing_is_limited_in_another_thread():
     found = []
 
     def work():

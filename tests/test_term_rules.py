@@ -101,7 +101,7 @@ def table(course, format="exercises", assignment=None, **options):
 # ---- exercises that are switched off ------------------------------------------------------------
 
 
-def test_an_exercise_that_is_switched_off_leaves_scores_and_maxima(course):
+def test_an_exercise_that_is_switched_off_counts_in_neither_scores_nor_maxima(course):
     before = class_results(course)
     settings(course, f"[{STAGE}]\n{OFF}")
     after = class_results(course)
@@ -146,7 +146,7 @@ def test_marks_by_hand_and_waiting_answers_do_not_count_in_an_exercise_that_is_o
     assert (result(course, "ada").standing, result(course, "ada").score) == (WAITING, 9.0)
 
 
-def test_a_mark_by_hand_for_an_exercise_that_is_off_is_no_mark_for_absent_work(course):
+def test_a_mark_by_hand_for_an_exercise_that_is_off_is_not_a_mark_for_missing_work(course):
     change(course, "bob", GROUND, "voxel_grid", manual_score=12.0)
     assert result(course, "bob").standing == MARKED
     settings(course, f"[{STAGE}]\n{OFF}")
@@ -176,7 +176,7 @@ def test_a_penalty_is_never_more_than_the_points_that_count(course):
     assert result(course, "ada").penalty == 3.25 and result(course, "ada").points == 0
 
 
-def test_excused_students_and_auditors_stay_so(course):
+def test_excused_students_and_auditors_keep_their_status(course):
     submit(course, "aud", GROUND)
     settings(course, f'[{STAGE}]\n{OFF}[{STAGE}.students]\nada = "excused"\n')
     assert [result(course, id).standing for id in ("ada", "bob", "idle", "aud")] == [
@@ -257,7 +257,7 @@ def test_marks_by_exercise_have_one_row_for_each_student_and_one_column_for_each
     assert [rows[id]["Matriculation"] for id in ("ada", "bob")] == ["007", "'=8"]
 
 
-def test_marks_by_exercise_leave_out_what_does_not_count(course):
+def test_marks_by_exercise_omit_lessons_and_exercises_that_do_not_count(course):
     submit(course, "aud", GROUND)
     settings(course, f'[{STAGE}]\nlessons = ["06"]\n{OFF}[{STAGE}.students]\nbob = "excused"\n')
     rows = table(course)
@@ -373,7 +373,7 @@ def test_a_time_written_by_hand_applies_to_all_lessons_and_is_named(course):
     assert file_time(course.submitted / "ada" / STAGE / f"{GROUND.name}.ipynb") is None
 
 
-def test_an_unknown_time_subtracts_nothing(course):
+def test_an_unknown_time_costs_no_points(course):
     submitted_at(course, "ada", ground="2026-02-23T11:00:00", distance="2026-03-02T13:00:00")
     (course.submitted / "ada" / STAGE / "timestamp.txt").write_text("Tuesday")
     assert lost(course, UTC_DUE + OWN) == {}

@@ -95,7 +95,7 @@ def test_a_loop_in_a_called_function_is_named(monkeypatch):
     assert "of the cell of no_way_out, `while True:`. Does the loop ever" in said
 
 
-def test_without_a_visible_loop_the_message_asks_for_one(monkeypatch):
+def test_the_message_asks_about_a_loop_if_no_loop_is_found(monkeypatch):
     assert "within 0.2 s: is there a loop that never ends, or one that is far too slow?" in after(
         loop_without_a_line, monkeypatch
     )

@@ -45,7 +45,7 @@ def test_a_track_id_is_constant_and_never_reused():
     assert tracker.tracks.age.tolist() == [1]
 
 
-def test_without_a_prediction_the_last_position_counts():
+def test_the_last_position_counts_without_a_prediction():
     ways = {
         "stays": Tracker(nearest),
         "comes": Tracker(nearest, predict=moved, newcomer=(-9, 0, 0)),

@@ -79,7 +79,7 @@ def test_equal_parts_of_verdicts_share_memory():
     assert verdict_module._intern.cache_info().maxsize > 5000  # room for all checks and outcomes
 
 
-def test_a_valid_verdict_is_not_starved_and_immutable():
+def test_a_valid_verdict_is_immutable_and_not_starved():
     verdict = full_verdict()
     assert verdict.without_starved() == dataclasses.replace(verdict, starved=False) != verdict
     plain = Verdict("06", "ada", JUDGED, 0.0, 30.0, (), (), 0.0, "")

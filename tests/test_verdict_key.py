@@ -271,7 +271,7 @@ def artificial_lesson(tmp_path, monkeypatch):
     forget()
 
 
-def test_files_that_decide_are_those_that_the_entries_import(artificial_lesson):
+def test_the_files_that_decide_are_the_files_that_the_entries_import(artificial_lesson):
     found = key.files_that_decide(artificial_lesson)
     assert {file.relative_to(artificial_lesson.root).as_posix() for file in found} == DECIDE
 

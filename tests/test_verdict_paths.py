@@ -173,7 +173,7 @@ def test_an_incomplete_run_gives_no_score(judge_with):
 @pytest.mark.parametrize("first", [False, True])
 @pytest.mark.parametrize("second", [False, True])
 @pytest.mark.parametrize("late", [False, True])
-def test_a_verdict_is_starved_if_any_run_was(judge_with, first, second, late):
+def test_a_verdict_is_starved_if_any_run_was_starved(judge_with, first, second, late):
     tries = (ended((ODD, NO), starved=first), ended(starved=second))
     verdict, _ = judge_with(*tries, late=late)
     assert verdict.starved == (first or second or late)

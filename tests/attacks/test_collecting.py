@@ -94,7 +94,9 @@ def archive(course, files):
 
 @pytest.mark.parametrize("forged", IN_ADAS_NAME)
 @pytest.mark.parametrize("platform", PLATFORMS)
-def test_a_name_of_another_platform_changes_neither_owner_nor_format(course, platform, forged):
+def test_a_file_name_in_another_platforms_style_changes_neither_owner_nor_format(
+    course, platform, forged
+):
     """One such name used to decide the format of a whole Canvas download.
 
     Ada then got Cy's notebook, and the other students' files had no owner.
@@ -115,7 +117,7 @@ def test_a_name_of_another_platform_changes_neither_owner_nor_format(course, pla
 
 
 @pytest.mark.parametrize("forged", IN_ADAS_NAME)
-def test_no_name_in_a_gradescope_export_changes_its_owner(course, forged):
+def test_no_file_name_in_a_gradescope_export_changes_the_owner(course, forged):
     """Also if the class has a single submission, so that all its names are a student's."""
     name = IN_ADAS_NAME[forged].format("")
     mine = [(1, [("Cy Neil", "", "cy@x.edu")], "2026-10-12 21:10:00 Z", [(name, notebook())])]
@@ -124,7 +126,7 @@ def test_no_name_in_a_gradescope_export_changes_its_owner(course, forged):
 
 
 @pytest.mark.parametrize("platform", ["Moodle", "Brightspace", "ILIAS"])
-def test_a_student_alone_in_an_archive_cannot_forge_the_list_of_gradescope(course, platform):
+def test_the_only_student_in_an_archive_cannot_forge_the_gradescope_list(course, platform):
     """All files are in this student's folder, so the list looks like the platform's."""
     exported = gradescope_files(
         [(1, [("Ada", "", "ada@x.edu")], "", [(f"{SIX}.ipynb", notebook())])], root=""
@@ -155,7 +157,7 @@ def test_a_submodule_named_like_a_repository_belongs_to_the_student_who_added_it
 @pytest.mark.parametrize(
     "name", [".collected.json", "timestamp.txt", f".older/{SIX}.ipynb", "submission_secret.txt"]
 )
-def test_no_submitted_file_replaces_one_of_the_grader(course, name, within):
+def test_submitted_files_do_not_replace_files_of_the_grader(course, name, within):
     """These files state the time, the owner and the earlier work of a student."""
     files = [(name, b'{"files": {}, "others": "x"}'), (f"{SIX}.ipynb", notebook())]
     if within == "a zip":
@@ -188,7 +190,9 @@ def bottomless(tmp_path):
     subprocess.run(["rm", "-rf", *made], check=True)
 
 
-def test_a_bottomless_folder_in_a_repository_stops_no_other_student(course, tmp_path, bottomless):
+def test_a_bottomless_folder_in_a_repository_does_not_affect_other_students(
+    course, tmp_path, bottomless
+):
     """Before Python 3.12, `os.walk` reaches the recursion limit."""
     for login in ("ada", "cy"):
         path = tmp_path / "hw" / f"hw-3-{login}"
@@ -199,7 +203,7 @@ def test_a_bottomless_folder_in_a_repository_stops_no_other_student(course, tmp_
     assert outcome.states.keys() == {"ada", "cy"}
 
 
-def test_a_bottomless_folder_in_a_submission_stops_no_other_student(course, bottomless):
+def test_a_bottomless_folder_in_a_submission_does_not_affect_other_students(course, bottomless):
     for student in ("ada", "cy"):
         path = course.submitted / student / STAGE / f"{SIX}.ipynb"
         path.parent.mkdir(parents=True)

@@ -130,7 +130,7 @@ RANDOM = np.random.default_rng(29)
         "in another container": lambda: cuboid((9, 0, -1), 1.0)[None].astype(str).tolist(),
     },
 )
-def test_no_boxes_make_the_grader_fail(boxes, tmp_path):
+def test_strange_boxes_do_not_make_the_grader_fail(boxes, tmp_path):
     """A failure of the grader would stop the league for the whole class, in each of its runs."""
     street = draw_streets(SEED)[0]
     driven = drive_in_sandbox(street, Decoded(lambda cloud: boxes()), seconds=0.9, sensor=BLINKERED)

@@ -107,7 +107,9 @@ def test_a_folder_that_is_a_link_is_not_collected(inbound, collect, tmp_path):
 @pytest.mark.parametrize(
     "name", [f"x+{STAGE}+yesterday", f"+{STAGE}+{TIME}+s", f"a\nb+{STAGE}+{TIME}+s"]
 )
-def test_one_bad_folder_does_not_stop_the_class(name, inbound, collect, tmp_path):
+def test_a_misnamed_folder_does_not_prevent_collecting_other_folders(
+    name, inbound, collect, tmp_path
+):
     submit(inbound, {NOTEBOOK: "{}"})
     (inbound / name).mkdir()
     (inbound / name / NOTEBOOK).write_text("{}")
@@ -119,7 +121,7 @@ def test_one_bad_folder_does_not_stop_the_class(name, inbound, collect, tmp_path
 
 
 @pytest.mark.parametrize("student", ["..", ".", ".league"])
-def test_hidden_names_lead_to_no_other_folder(student, inbound, collect, tmp_path):
+def test_hidden_names_do_not_lead_to_other_folders(student, inbound, collect, tmp_path):
     """nbgrader does not list hidden folders, even without checking their owners."""
     submit(inbound, {NOTEBOOK: "{}"}, student=student)
     assert collect(check_owner=False)[0] == {}
@@ -142,7 +144,7 @@ def test_hidden_files_are_not_collected(name, inbound, collect):
     assert sorted(collected) == [f"{ME}/{STAGE}/{NOTEBOOK}", f"{ME}/{STAGE}/timestamp.txt"]
 
 
-def test_a_time_that_the_student_set_is_named(inbound, collect):
+def test_a_submission_time_set_by_the_student_is_reported(inbound, collect):
     """The folder's time replaces the one in `timestamp.txt` and is checked for plausibility."""
     submit(inbound, {NOTEBOOK: "{}", "timestamp.txt": "1999-01-01 00:00:00 UTC"})
     collected, warnings = collect()
@@ -150,7 +152,9 @@ def test_a_time_that_the_student_set_is_named(inbound, collect):
     assert "the time in the name is 2026-01-10 10:00, but the folder was changed at" in warnings[0]
 
 
-def test_too_much_is_refused_and_the_earlier_submission_stays(inbound, collect, monkeypatch):
+def test_a_submission_that_is_too_large_does_not_replace_the_earlier_submission(
+    inbound, collect, monkeypatch
+):
     submit(inbound, {NOTEBOOK: "first"})
     assert collect()[0][f"{ME}/{STAGE}/{NOTEBOOK}"] == "first"
     submit(inbound, {NOTEBOOK: "second" * 100}, time=LATER)

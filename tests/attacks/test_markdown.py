@@ -186,11 +186,11 @@ def test_an_honest_answer_is_unchanged(text):
     assert sanitize_markdown(text) == text
 
 
-def test_text_that_resembles_a_tag_looks_the_same():
+def test_text_that_resembles_a_tag_is_displayed_unchanged():
     assert sanitize_markdown("`a<b` and <i>").replace(ZERO_WIDTH_SPACE, "") == "`a<b` and <i>"
 
 
-def test_sanitizing_twice_changes_nothing_more():
+def test_sanitizing_again_changes_nothing():
     for text in SCRIPTS.values():
         assert sanitize_markdown(sanitize_markdown(text)) == sanitize_markdown(text)
 

@@ -126,7 +126,7 @@ def test_answers_from_elsewhere_earn_almost_nothing(exercise, source, submit):
     assert share(verdict, exercise) <= MOST
 
 
-def test_a_right_answer_submitted_the_same_way_earns_everything(submit):
+def test_a_right_answer_submitted_like_an_attack_earns_everything(submit):
     """A right answer gets full points; if it did not, the attacks above would prove nothing."""
     right = next(variant.source for variant in answers_to("voxel_grid") if variant.right)
     verdict = submit({"voxel_grid": right}, call_seconds=6.0, start_seconds=30.0)

@@ -115,7 +115,7 @@ def f(folder, hide):
         "300,000 empty files, by a hidden process": ("/tmp", True),
     },
 )
-def test_the_kernel_memory_of_empty_files_counts(folder, hide):
+def test_the_kernel_memory_of_empty_files_counts_towards_the_limit(folder, hide):
     limits = {"total_memory": 350 * MEBIBYTE, "call_seconds": 10.0}
     with attack("def f(): return 1", **limits) as student:
         assert student.f() == 1, "an idle worker is far below the limit"
@@ -194,7 +194,7 @@ def test_total_memory_of_all_processes_is_limited(body):
     assert time.monotonic() - begin < PATIENCE
 
 
-def test_memory_taken_between_two_calls_counts():
+def test_memory_allocated_between_two_calls_counts_towards_the_limit():
     source = HOLD + function("children(12, 256)\nreturn 0")
     with (
         attack(source, total_memory=1500 * MEBIBYTE) as student,
@@ -207,7 +207,7 @@ def test_memory_taken_between_two_calls_counts():
             student.f()
 
 
-def test_lowering_its_oom_score_does_not_save_a_process(monkeypatch):
+def test_a_process_cannot_save_itself_by_lowering_the_oom_score(monkeypatch):
     """A process that resets `oom_score_adj` is still stopped when memory runs out."""
     refuse = """
 try:

@@ -190,7 +190,7 @@ def f(roots):
     assert outcome_of(source, roots, call_seconds=8.0) == []
 
 
-def test_a_forbidden_library_has_no_files():
+def test_files_of_a_forbidden_library_are_not_visible():
     """Even without the importer that refuses the library, there are no files to import."""
     source = """
 import glob, importlib, subprocess, sys
@@ -343,7 +343,7 @@ def test_two_sandboxes_of_one_user_are_separate():
 
 
 @needs_namespaces
-def test_a_submission_leaves_nothing_behind_for_the_next():
+def test_a_submission_leaves_nothing_behind_for_the_next_submission():
     """No files, modules, variables or processes remain when the judge continues."""
     leave = """
 import builtins, os, sys
@@ -469,7 +469,7 @@ def test_the_sandbox_of_an_ordinary_user_also_confines_root(monkeypatch):
     assert "No such file" in ran.stderr
 
 
-def test_a_worker_can_start_in_this_sandbox():
+def test_a_worker_can_start_in_the_attacked_sandbox():
     """The worker starts; if no code ran, the tests above would pass for the wrong reason."""
     worker = SANDBOX.start(Limits())
     assert worker.stop() in (-9, 137)
