@@ -213,7 +213,7 @@ def test_right_answers_pass_all_common_checks(exercise):
 # ---- how common checks are made -----------------------------------------------------------------
 
 
-def test_every_promise_has_a_function_that_breaks_it():
+def test_every_promise_is_tested_with_a_function_that_breaks_it():
     assert {made.kind for made in common_checks.all_promises()} == {*BREAKS, "untouched"}
 
 

@@ -625,7 +625,7 @@ def test_only_actors_are_in_the_lane_of_the_ego_car(street):
     assert all(kind in CLASSES for kind in street.road_users.values())
 
 
-def test_results_are_summed():
+def test_results_of_drives_are_summed():
     both = Result(100.0, 2, 0, 1) + Result(50.0, 0, 1, 0)
     assert both == Result(150.0, 2, 1, 1)
     assert str(both).strip() == "150 m, 2 needless braking events, 1 collision"

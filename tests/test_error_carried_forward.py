@@ -64,7 +64,7 @@ def test_mistakes_in_the_exercise_itself_still_lose_points(sandbox, tmp_path):
 
 
 @pytest.mark.slow
-def test_two_wrong_helpers_are_both_named(sandbox, tmp_path):
+def test_both_of_two_wrong_helpers_are_named(sandbox, tmp_path):
     helpers = {
         "line_through": source_of("line_through", "c with the wrong sign"),
         "point_line_distance": source_of("point_line_distance", "c forgotten"),

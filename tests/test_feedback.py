@@ -424,7 +424,7 @@ def test_written_answers_have_a_mark_and_a_comment(pages):
     assert "This answer is empty." in words(pages["cy"])
 
 
-def test_missing_notebooks_are_missing_and_not_0(pages):
+def test_missing_notebooks_are_shown_as_missing_and_not_as_0(pages):
     assert "10 · Clustering in real time missing, of 30" in words(pages["cy"])
     assert "Nothing was submitted." in words(pages["cy"])
 

@@ -480,7 +480,7 @@ def test_a_failed_verdict_is_judged_again(course, sandbox, monkeypatch):
 
 
 @pytest.mark.slow
-def test_a_problem_is_text_and_not_markup(judged_course, sandbox):
+def test_a_problem_is_shown_as_text_and_not_as_markup(judged_course, sandbox):
     import nbformat
 
     from grader.judging.verdict import Verdict

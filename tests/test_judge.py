@@ -194,7 +194,7 @@ def test_changed_notebooks_do_not_count_as_released(change):
     assert not preflight._is_as_released(lesson, change([*released]))
 
 
-def test_every_exercise_has_enough_variants(lesson):
+def test_every_exercise_has_five_right_and_eight_wrong_variants(lesson):
     for exercise in lesson.exercises:
         if not exercise.by_hand:
             right = [variant.right for variant in answers_to(exercise.name)]
@@ -228,7 +228,7 @@ def notebook_of(lesson, variants, folder):
 
 
 @pytest.mark.parametrize("chosen, variants", list(notebooks(right=False, few=1)))
-def test_wrong_variants_lose_the_right_points(chosen, variants, sandbox, tmp_path, monkeypatch):
+def test_wrong_variants_lose_the_checks_in_their_notes(chosen, variants, sandbox, tmp_path, monkeypatch):
     monkeypatch.setattr(repair, "ONE_SLIP_KEEPS", 0)  # so only the checks decide
     verdict = judge(notebook_of(chosen, variants, tmp_path), 1, sandbox, limits=LIMITS)
     broken = {answer.name: wrong_notes(answer, verdict) for answer in variants}

@@ -162,12 +162,12 @@ def test_all_lines_that_can_be_changed_are_named():
     assert [text_of(line) for line in place.lines] == [line.text for line in place.lines]
 
 
-def test_many_possible_lines_give_no_hint(monkeypatch):
+def test_there_is_no_hint_if_too_many_lines_are_possible(monkeypatch):
     monkeypatch.setattr(line_hint, "MOST_LINES", 2)
     assert find_line_hint(turned_twice, CHECKS, failed_checks(turned_twice)) is None
 
 
-def test_two_mistakes_give_no_hint():
+def test_there_is_no_hint_for_two_mistakes():
     assert find_line_hint(wrong_twice, CHECKS, failed_checks(wrong_twice)) is None
 
 
@@ -217,7 +217,7 @@ def test_no_process_is_left(monkeypatch):
 @pytest.mark.parametrize(
     "function", [len, np.hypot, lambda p, q: (1.0, 0.0, 0.0), type("A", (), {})]
 )
-def test_a_function_without_source_gives_no_hint(function):
+def test_there_is_no_hint_for_a_function_without_source(function):
     assert find_line_hint(function, CHECKS, CHECKS[:1]) is None
 
 

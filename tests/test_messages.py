@@ -217,7 +217,7 @@ def test_long_lines_are_cut():
     assert sentence == f"f raised NameError (code cell 3, line 2: `{line[:LONGEST_LINE]}…`)."
 
 
-def test_a_message_may_have_no_place():
+def test_a_message_without_a_place_is_complete():
     error = raised("NameError", MISSING, line="", place=None)
     assert describe_error(error) == "f raised NameError."
     assert describe_failed_cell(error) == "A cell failed: NameError."

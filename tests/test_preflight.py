@@ -733,7 +733,7 @@ def test_stubs_are_omitted_only_below_an_answer():
         assert not last.startswith(left) and "filter_ground" in last
 
 
-def test_the_cell_that_counts_is_shown_for_an_exercise():
+def test_the_cell_that_counts_is_linked_to_its_exercise():
     other = code("x = 1")
     for cells, index in (
         ([code(GROUND), other, code(GROUND), other], 2),

@@ -675,7 +675,7 @@ def test_an_imitation_gives_the_answers_that_its_mistake_predicts(exercise):
             assert imitation.same(imitation.call(*case), expected), mistake.says
 
 
-def test_an_imitation_also_returns_none_where_the_solution_does():
+def test_an_imitation_returns_none_if_the_solution_returns_none():
     checks_of("line_through")
     solution = mistake_diagnosis._load_solution(LINE, "line_through")
     imitation = imitation_of("line_through", known_mistakes("line_through")[0], solution)
@@ -684,7 +684,7 @@ def test_an_imitation_also_returns_none_where_the_solution_does():
     assert not imitation.same((1.0, 0.0, -1.0), answer)
 
 
-def test_the_solution_is_the_lessons_own_and_is_loaded_once():
+def test_a_lessons_solution_is_loaded_once():
     line_through = mistake_diagnosis._load_solution(LINE, "line_through")
     a, b, c = line_through(np.array([1.0, 2.0]), np.array([4.0, 6.0]))
     np.testing.assert_allclose([a + 2 * b + c, 4 * a + 6 * b + c], 0, atol=1e-12)

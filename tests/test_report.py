@@ -193,7 +193,7 @@ def test_a_duration_has_two_units(time, words):
     assert duration(time) == words
 
 
-def test_a_mean_says_which_scores_it_includes():
+def test_the_text_about_a_mean_lists_the_included_scores():
     results = class_of(
         [
             result("a", MARKED, 30.0, penalty=10.0),

@@ -155,7 +155,7 @@ def test_the_remaining_checks_are_skipped_if_one_failure_decides(made):
     assert student.calls == []
 
 
-def test_some_checks_can_be_run_again_later(made):
+def test_selected_checks_can_be_run_again_later(made):
     student, lesson = RecordingStudent(), made(TWO)
     checks = [
         shown("passes", "g", lambda function: function("shown")),

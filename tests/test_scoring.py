@@ -88,7 +88,7 @@ def test_overlap_agrees_with_polygon_clipping(overlap):
     st.sampled_from([0.0, 1e-9, np.pi / 4, np.pi / 2, np.pi / 2 + 1e-12, 0.3]),
     st.sampled_from([0.0, 1.0, 1e5]),
 )
-def test_overlap_survives_shared_edges_corners_and_rounding(shift, size, yaw, far):
+def test_overlap_is_accurate_despite_shared_edges_corners_and_rounding(shift, size, yaw, far):
     one = corners(far, far, yaw=yaw)[None]
     other = corners(far + shift[0], far + shift[1], 0.0, *size, yaw=0.0)[None]
     local_one, local_other = one - (far, far, 0), other - (far, far, 0)

@@ -270,7 +270,7 @@ def get_bounding_boxes(c, n):
 
 
 @pytest.mark.parametrize("disguise", DISGUISED)
-def test_a_copy_is_found(disguise):
+def test_a_disguised_copy_is_found(disguise):
     class_ = written("get_bounding_boxes", right=True)
     class_.pop("a dictionary of running extremes, printing and warning")  # similar to ORIGINAL
     class_ |= {

@@ -71,7 +71,7 @@ def contains(solid, points):
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_a_ray_enters_a_solid_where_marching_along_it_does(seed):
+def test_the_entry_of_a_ray_into_a_solid_agrees_with_marching(seed):
     rng = np.random.default_rng(seed)
     (solid,) = random_solids(rng, 1)
     aims = rng.normal(size=(150, 3)) * 2

@@ -86,7 +86,7 @@ def test_a_thousand_calls_are_quick(student):
     assert tree.count == 1000
 
 
-def test_sequences_cross_as_lists(sandbox):
+def test_sequences_are_transferred_as_lists(sandbox):
     source = (
         "from collections import deque\nimport array\n"
         "def f(kind): return {'range': range(3), 'deque': deque([0, 1, 2]),"

@@ -327,7 +327,7 @@ def test_the_time_limit_works_without_interrupts(handler):
         signal.signal(signal.SIGINT, before)
 
 
-def test_a_check_may_ask_about_a_timeout(exercise, capsys, monkeypatch):
+def test_a_check_may_have_its_own_question_about_a_timeout(exercise, capsys, monkeypatch):
     monkeypatch.setattr(core, "SECONDS", 1)
     declared("one", slow="is every point visited twice?")(lambda double: double(0))
     shown = shown_by(endless, capsys)
@@ -459,7 +459,7 @@ def test_allowed_modules_are_accepted(name):
     assert not refused_modules(function_in(FREE[name]), "lesson_05")
 
 
-def test_a_refused_module_is_the_only_message(capsys):
+def test_a_refused_module_hides_all_other_messages(capsys):
     function = function_in(USES["a class"])
     with pytest.raises(ChecksFailed):
         check(function, "euclidean_clustering")

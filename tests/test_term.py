@@ -88,7 +88,7 @@ def test_a_late_penalty_may_make_a_lesson_the_lowest():
     assert total(late, DROP) == (59.0, 80.0, ["03"])
 
 
-def test_one_lesson_always_remains():
+def test_at_least_one_lesson_is_never_dropped():
     """Lessons that are released later cannot be dropped yet."""
     rules = TermRules(drop_lowest=3)
     assert total(notebooks(7.0), rules) == (7.0, 10.0, [])

@@ -78,7 +78,7 @@ def is_plain(value):
 
 
 @given(VALUES)
-def test_plain_data_crosses_unchanged(value):
+def test_plain_data_is_transferred_unchanged(value):
     assert same(there_and_back(value), value)
 
 
@@ -117,13 +117,13 @@ def test_arrays_of_any_layout_arrive_writable(array):
         [2**63, 1],
     ],
 )
-def test_homogeneous_and_mixed_lists_cross_alike(value):
+def test_lists_of_one_type_and_mixed_lists_are_transferred_unchanged(value):
     """Lists of a single plain type are checked as a whole, which must not let other values pass."""
     assert there_and_back(value) == type(value)(there_and_back(item) for item in value)
 
 
 @pytest.mark.slow
-def test_a_list_of_many_rows_is_quick():
+def test_a_list_of_many_rows_is_transferred_quickly():
     """Encoding and decoding take linear time; quadratic time would be minutes."""
     rows = list(np.random.default_rng(1).normal(size=(60_000, 4)))
     begin = time.process_time()
@@ -146,7 +146,7 @@ def test_a_list_of_many_rows_is_quick():
         (np.ma.masked_array([1.0, 2.0], [True, False]), "MaskedArray"),
     ],
 )
-def test_other_objects_arrive_as_the_name_of_their_type(value, name):
+def test_objects_that_are_not_plain_data_arrive_as_the_name_of_their_type(value, name):
     back = there_and_back([value, 1, np.ones(2)])
     assert isinstance(back[0], Opaque) and name in back[0].type_name
     assert back[1] == 1 and np.array_equal(back[2], [1, 1])
@@ -170,7 +170,7 @@ def test_a_value_that_is_too_large_is_refused_before_it_is_sent(value):
         wire_format.encode(value)
 
 
-def test_commas_in_texts_do_not_count(monkeypatch):
+def test_commas_in_texts_do_not_count_as_values(monkeypatch):
     monkeypatch.setattr(wire_format, "MAXIMUM_COMMAS", 1000)
     monkeypatch.setattr(wire_format, "MAXIMUM_BRACKETS", 500)
     cells = ["pasted = [" + "1," * 1100 + "]", "[" * 600, '"\\' * 1100]
@@ -325,7 +325,7 @@ def test_the_number_of_generators_is_limited():
 
 
 @pytest.mark.slow
-def test_the_largest_cloud_crosses_as_a_list_of_rows():
+def test_the_largest_cloud_is_transferred_as_a_list_of_rows():
     cloud = np.random.default_rng(1).integers(-(2**9), 2**9, (120_000, 4)) / 4
     assert there_and_back(cloud.tolist()) == cloud.tolist()
     assert np.array_equal(there_and_back(list(cloud)), cloud)
@@ -355,7 +355,7 @@ def test_lone_surrogates_are_replaced():
     ],
     ids=["a number", "a long one", "a command to the terminal", "the name of a field"],
 )
-def test_the_name_of_a_students_class_does_not_cross(value):
+def test_the_name_of_a_students_class_is_not_transferred(value):
     """Only a general description is sent, because the name could contain hidden input."""
     assert there_and_back([value])[0].type_name in (
         "an object of a custom class",
@@ -364,7 +364,7 @@ def test_the_name_of_a_students_class_does_not_cross(value):
 
 
 @pytest.mark.parametrize("value", [(n for n in ()), {}.keys(), zip(), print, 1j, np, type])
-def test_the_name_of_a_python_type_crosses(value):
+def test_the_name_of_a_python_type_is_transferred(value):
     assert there_and_back([value])[0].type_name == type(value).__name__
 
 
@@ -386,7 +386,7 @@ def soon():
     return wire.start_time_limit(0.3)
 
 
-def test_large_messages_pass_a_small_pipe(pipe):
+def test_large_messages_are_sent_through_a_small_pipe(pipe):
     value = np.random.default_rng(1).normal(size=(120_000, 4))
     sender = threading.Thread(target=wire.send, args=(pipe[1], value, wire.start_time_limit(20)))
     sender.start()
@@ -401,7 +401,7 @@ def test_a_silent_and_a_full_pipe_time_out(pipe):
         wire.send(pipe[1], np.zeros(2**20), soon())
 
 
-def test_half_a_message_times_out(pipe):
+def test_an_incomplete_message_times_out(pipe):
     os.write(pipe[1], wire_format.encode(np.zeros(3))[:-1])
     with pytest.raises(WireTimeout):
         wire.receive(pipe[0], soon())

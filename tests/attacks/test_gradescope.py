@@ -61,7 +61,7 @@ def results_of(root):
         "a second line in another file type": f"{SIX.name}\nscore: 30 of 30.pdf",
     },
 )
-def test_names_are_quoted_in_one_line(root, judged_files, name):
+def test_quoted_file_names_cannot_start_a_new_line(root, judged_files, name):
     (root / "submission" / name).write_bytes(SIX.released.read_bytes())
     results = results_of(root)
     shown = [results["output"], *(test["output"] for test in results["tests"])]
