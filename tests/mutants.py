@@ -325,8 +325,8 @@ class MutantRunner:
         path = Path(self.folder, "runs")
         process = begin(functools.partial(self._watch, items, path), 3600, self.folder)
         if os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]) != SURVIVED:
-            said = path.read_text("utf-8") if path.is_file() else "They were stopped."
-            sys.exit(f"{self.module}: the nearest tests fail on the unchanged module.\n{said}")
+            text = path.read_text("utf-8") if path.is_file() else "They were stopped."
+            sys.exit(f"{self.module}: the nearest tests fail on the unchanged module.\n{text}")
         found = json.loads(path.read_text("utf-8"))
         return {
             name: Run(seconds, wall, frozenset(map(tuple, entered)))

@@ -134,9 +134,9 @@ def faults_of_page(driver, address, axe):
     yield from driver.execute_async_script(AXE)
 
 
-def found_by(driver, root, words):
+def found_by(driver, root, query):
     """Return (address, text) for each result that a search shows."""
-    driver.get(f"{root}search.html?q={'+'.join(words.split())}")
+    driver.get(f"{root}search.html?q={'+'.join(query.split())}")
     WebDriverWait(driver, PATIENCE).until(
         lambda page: page.find_elements(By.CSS_SELECTOR, "#search-results ul.sections li")
     )

@@ -40,7 +40,7 @@ def test_correct_notes_are_not_reported():
 
 
 @pytest.mark.parametrize(
-    ("answer", "verdict", "says"),
+    ("answer", "verdict", "message"),
     [
         (RIGHT, verdict_on("keeps"), "It fails keeps."),
         (WRONG, verdict_on("sorts"), "It fails sorts, but its notes list sorts, test_a."),
@@ -73,16 +73,16 @@ def test_correct_notes_are_not_reported():
         (dataclasses.replace(WRONG, loses=(), loses_only=False), verdict_on("sorts"), "Add a line"),
     ],
 )
-def test_a_wrong_note_is_reported_in_a_sentence(answer, verdict, says):
+def test_a_wrong_note_is_reported_in_a_sentence(answer, verdict, message):
     (sentence,) = wrong_notes(answer, verdict)
-    assert says in sentence
+    assert message in sentence
 
 
 # ---- the skeleton --------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
-    ("arguments", "says"),
+    ("arguments", "message"),
     [
         (["other"], "'other' is not a valid lesson name."),
         (["14_Free"], "'14_Free' is not a valid lesson name."),
@@ -95,9 +95,9 @@ def test_a_wrong_note_is_reported_in_a_sentence(answer, verdict, says):
         ),
     ],
 )
-def test_an_invalid_new_lesson_gets_a_message(arguments, says, capsys):
+def test_an_invalid_new_lesson_gets_a_message(arguments, message, capsys):
     assert cli.main(["new", *arguments]) == 2
-    assert says in capsys.readouterr().err
+    assert message in capsys.readouterr().err
 
 
 def test_a_new_lesson_does_not_overwrite_files(tmp_path, monkeypatch):

@@ -52,8 +52,8 @@ def exercise(slip=None):
     return ExerciseResult("filter_ground", round(6.66 + kept, 2), 20.0, checks, "", "a", slip)
 
 
-def results_for(*lessons, left=()):
-    return results.build_results(JudgedSubmission(lessons, tuple(left)))
+def results_for(*lessons, leftovers=()):
+    return results.build_results(JudgedSubmission(lessons, tuple(leftovers)))
 
 
 # ---- Results -------------------------------------------------------------------------------
@@ -63,7 +63,7 @@ def test_results_have_gradescopes_format_and_add_up():
     found = results_for(
         JudgedLesson(SIX, verdict((exercise(),), problems=("A cell moved.",)), ("A cell moved.",)),
         JudgedLesson(find_lesson("07_filter_by_distance")),
-        left=["x.ipynb: what is this?"],
+        leftovers=["x.ipynb: what is this?"],
     )
     assert set(found) <= WHOLE and json.loads(json.dumps(found)) == found
     assert found["score"] == 6.66 == round(sum(t.get("score", 0) for t in found["tests"]), 2)
@@ -223,9 +223,9 @@ def test_a_fault_of_the_grader_leaves_no_results(root, without_sandbox, monkeypa
         monkeypatch.setattr(judging, "judge_one", judge_one)
         assert program.main(root) == 1
         assert not path.exists()
-        said = capsys.readouterr().out
-        assert said.count("no student gets a mark from this run") == 1
-        assert ("an oracle broke" in said) != ("no memory left" in said)
+        output = capsys.readouterr().out
+        assert output.count("no student gets a mark from this run") == 1
+        assert ("an oracle broke" in output) != ("no memory left" in output)
 
 
 def test_nothing_runs_without_a_sandbox(root, monkeypatch, capsys):
@@ -236,9 +236,9 @@ def test_nothing_runs_without_a_sandbox(root, monkeypatch, capsys):
     for name in isolation.PREFERRED_SANDBOXES:
         monkeypatch.setattr(type(SANDBOXES[name]), "available", unavailable)
     assert program.main(root) == 1
-    said = capsys.readouterr().out
-    assert "bubblewrap: It is a drill.\nchroot: It is a drill.\n" in said
-    assert "export --format gradescope" in said and "--sandbox process" not in said
+    output = capsys.readouterr().out
+    assert "bubblewrap: It is a drill.\nchroot: It is a drill.\n" in output
+    assert "export --format gradescope" in output and "--sandbox process" not in output
     assert not (root / "results" / "results.json").exists()
 
 
@@ -353,8 +353,8 @@ def test_the_command_writes_a_zip_that_only_its_owner_can_read(tmp_path, rehears
     path = tmp_path / "auto.zip"
     assert cli.main(["autograder", "stage4_realtime", "--to", str(path)]) == commands.SUCCESS
     assert zipfile.is_zipfile(path) and stat.S_IMODE(path.stat().st_mode) == 0o600
-    said = capsys.readouterr().out
-    assert "Autograder Points: 85" in said and "write_up (10 points)" in said
+    output = capsys.readouterr().out
+    assert "Autograder Points: 85" in output and "write_up (10 points)" in output
 
 
 def test_lessons_and_exercises_in_an_autograder_that_do_not_count_are_named(

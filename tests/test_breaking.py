@@ -128,7 +128,7 @@ def test_messages_name_the_found_mistakes_and_the_remaining_ones(capsys):
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("cloud", "message"),
     [
         ("abc", "list of at most 50 rows [x, y, z]"),
         ([1, 2, 3], "list of at most 50 rows"),
@@ -141,9 +141,9 @@ def test_messages_name_the_found_mistakes_and_the_remaining_ones(capsys):
         ([[1, 2, float("nan")]], "Use finite numbers"),
     ],
 )
-def test_an_invalid_cloud_gets_a_message(given, said, capsys):
-    breaking.tell_apart(function_of("euclidean_clustering"), A=given)
-    assert said in capsys.readouterr().out
+def test_an_invalid_cloud_gets_a_message(cloud, message, capsys):
+    breaking.tell_apart(function_of("euclidean_clustering"), A=cloud)
+    assert message in capsys.readouterr().out
 
 
 def test_failing_unwritten_and_unknown_functions_get_a_message(capsys):

@@ -703,9 +703,9 @@ def test_exercises_of_one_class_are_checked_separately(monkeypatch, capsys):
     monkeypatch.setitem(space, "search", lambda tree, target, tolerance: [])
     with pytest.raises(AssertionError):
         check(KdTree, exercise="search")
-    said = capsys.readouterr().out
-    assert "Not found" in said
-    assert "Fix this first" not in said
+    output = capsys.readouterr().out
+    assert "Not found" in output
+    assert "Fix this first" not in output
 
 
 def test_a_changed_number_is_shown_as_a_number():

@@ -53,22 +53,22 @@ def local(tmp_path_factory, sandbox):
         "right": answer(),
         "untouched": fill_in(LESSON, {}),
     }
-    made = make_course(tmp_path_factory.mktemp("local") / "course", LESSON, texts, sandbox)
-    assert commands.grade_course(made, (), SEED, sandbox, 1) == commands.SUCCESS
-    return SimpleNamespace(root=made.root, verdicts=verdicts_of(made), rows=marks(made))
+    course = make_course(tmp_path_factory.mktemp("local") / "course", LESSON, texts, sandbox)
+    assert commands.grade_course(course, (), SEED, sandbox, 1) == commands.SUCCESS
+    return SimpleNamespace(root=course.root, verdicts=verdicts_of(course), rows=marks(course))
 
 
 @pytest.fixture
 def course(tmp_path, local):
     """Return a copy of the class that has not been graded yet."""
-    made = Course(tmp_path / "course")
-    shutil.copytree(local.root, made.root)
+    course = Course(tmp_path / "course")
+    shutil.copytree(local.root, course.root)
     for folder in ("verdicts", "autograded", "report"):
-        shutil.rmtree(made.root / folder)
-    (made.root / "gradebook.db").unlink()
-    settings = made.root / "nbgrader_config.py"
-    settings.write_text(settings.read_text().replace(str(local.root), str(made.root)))
-    return made
+        shutil.rmtree(course.root / folder)
+    (course.root / "gradebook.db").unlink()
+    settings = course.root / "nbgrader_config.py"
+    settings.write_text(settings.read_text().replace(str(local.root), str(course.root)))
+    return course
 
 
 def verdicts_of(course):

@@ -55,13 +55,13 @@ PEOPLE = (
 
 @pytest.fixture
 def course(tmp_path):
-    made = Course(tmp_path / "course")
-    made.root.mkdir()
-    with open(made.root / "roster.csv", "w", encoding="utf-8", newline="") as file:
+    course = Course(tmp_path / "course")
+    course.root.mkdir()
+    with open(course.root / "roster.csv", "w", encoding="utf-8", newline="") as file:
         table = csv.writer(file)
         table.writerow(["id", "first_name", "last_name", "email", "lms_id", "github"])
         table.writerows(PEOPLE)
-    return made
+    return course
 
 
 @pytest.fixture
@@ -371,13 +371,17 @@ def test_names_and_times_are_read_from_moodles_worksheet(course, language):
     assert stamps == {"ada": "2026-10-14 14:14:00 UTC", "bjorn": "2026-10-13 00:05:00 UTC"}
 
 
-@pytest.mark.parametrize("said", ["-", "", "10/11/2026 14:14", "yesterday", "14 Oktobre 2026, 3"])
-def test_an_unreadable_time_leaves_lateness_undecided(course, said):
+@pytest.mark.parametrize(
+    "written_time", ["-", "", "10/11/2026 14:14", "yesterday", "14 Oktobre 2026, 3"]
+)
+def test_an_unreadable_time_leaves_lateness_undecided(course, written_time):
     files = moodle_files("Ada Lovelace", 5001, [(f"{SIX}.ipynb", notebook())])
     table = course.root / "worksheet.csv"
-    table.write_text(worksheet([(5001, "Ada Lovelace", "", "ada@x.edu", said)]), "utf-8")
+    table.write_text(worksheet([(5001, "Ada Lovelace", "", "ada@x.edu", written_time)]), "utf-8")
     outcome = collect(course, archive(course, files), times=table)
-    assert ("no time" if said in ("", "-") else repr(said)) in outcome.undecided["ada"]
+    assert ("no time" if written_time in ("", "-") else repr(written_time)) in outcome.undecided[
+        "ada"
+    ]
     assert "timestamp.txt" not in placed(course, "ada")
     assert reason_without_time(course.submitted / "ada" / STAGE) == outcome.undecided["ada"]
 
@@ -678,7 +682,7 @@ CLASSROOM_ROSTER = (
 
 
 @pytest.mark.parametrize(
-    "written",
+    "text",
     [
         CLASSROOM_ROSTER.encode(),
         CLASSROOM_ROSTER.replace("\n", "\r").encode(),
@@ -688,26 +692,26 @@ CLASSROOM_ROSTER = (
     ids=["as downloaded", "old line ends", "semicolons", "tabs and UTF-16"],
 )
 @pytest.mark.parametrize("place", ["hw", "."], ids=["among the checkouts", "next to them"])
-def test_the_roster_of_github_classroom_is_read_in_any_form(course, tmp_path, written, place):
+def test_the_roster_of_github_classroom_is_read_in_any_form(course, tmp_path, text, place):
     for login in ("ada-l", "someone"):
         write_checkout(tmp_path / "hw", f"hw-3-{login}", {f"{SIX}.ipynb": notebook(text=login)})
-    (tmp_path / place / "classroom_roster.csv").write_bytes(written)
+    (tmp_path / place / "classroom_roster.csv").write_bytes(text)
     outcome = collect(course, tmp_path / "hw")
     assert states(outcome) == {"ada": {"06": "new"}, "cy": {"06": "new"}}
     assert outcome.questions == []
 
 
 @pytest.mark.parametrize(
-    ("written", "says"),
+    ("text", "message"),
     [
         ("identifier,github_username\nMüller,x\n".encode("cp1252"), "it is not in UTF-8"),
         (b"name,login\ncy,someone\n", "must have the columns github_username and identifier"),
     ],
 )
-def test_an_unreadable_roster_of_github_classroom_is_refused(course, tmp_path, written, says):
+def test_an_unreadable_roster_of_github_classroom_is_refused(course, tmp_path, text, message):
     write_checkout(tmp_path / "hw", "hw-3-someone", {f"{SIX}.ipynb": notebook()})
-    (tmp_path / "hw" / "classroom_roster.csv").write_bytes(written)
-    with pytest.raises(CollectError, match=says):
+    (tmp_path / "hw" / "classroom_roster.csv").write_bytes(text)
+    with pytest.raises(CollectError, match=message):
         collect(course, tmp_path / "hw")
 
 
@@ -779,7 +783,7 @@ def test_folders_have_the_names_in_the_archive_if_there_is_no_roster(anonymous_c
 
 
 @pytest.mark.parametrize(
-    ("given", "made"),
+    ("name", "folder"),
     [
         ("", "unnamed"),
         ("..", "unnamed"),
@@ -795,8 +799,8 @@ def test_folders_have_the_names_in_the_archive_if_there_is_no_roster(anonymous_c
         ("x" * 300, "x" * 80),
     ],
 )
-def test_folder_names_are_safe_on_every_system(given, made):
-    assert safe_folder(given) == made
+def test_folder_names_are_safe_on_every_system(name, folder):
+    assert safe_folder(name) == folder
 
 
 # ---- the lesson of a file -----------------------------------------------------------------------
@@ -1429,8 +1433,10 @@ def test_a_wrong_stage_is_reported_even_if_a_question_is_open(course, command, c
     capsys.readouterr()
     path = archive(course, [(f"ada/{SIX}.ipynb", notebook()), ("cy/a.txt", b"a")])
     assert cli.main(["collect", "--stage", "stage2_clustering", str(path)]) == 1
-    said = "No notebook was collected for stage2_clustering. Decide about the files above, or corr"
-    assert said in capsys.readouterr().err
+    message = (
+        "No notebook was collected for stage2_clustering. Decide about the files above, or corr"
+    )
+    assert message in capsys.readouterr().err
 
 
 def test_excused_students_are_not_reported_as_missing(course, command, capsys):
@@ -1460,7 +1466,7 @@ def test_the_number_of_times_in_the_table_is_reported(course, command, capsys):
 
 
 @pytest.mark.parametrize(
-    ("words", "says"),
+    ("words", "message"),
     [
         (["none.zip"], "does not exist"),
         (["damaged.zip"], "is not a complete zip"),
@@ -1472,12 +1478,12 @@ def test_the_number_of_times_in_the_table_is_reported(course, command, capsys):
         ([".", "--timestamps", "none.csv"], "cannot be read"),
     ],
 )
-def test_wrong_options_are_explained(course, command, words, says, capsys, monkeypatch):
+def test_wrong_options_are_explained(course, command, words, message, capsys, monkeypatch):
     monkeypatch.chdir(course.root)
     (course.root / "damaged.zip").write_bytes(b"")
     (course.root / "empty").mkdir()
     assert command(*words) == 2
-    assert says in capsys.readouterr().err
+    assert message in capsys.readouterr().err
 
 
 def test_students_with_an_undecided_time_are_named(course, command, capsys):

@@ -59,7 +59,7 @@ def course(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("file", "says"),
+    ("file", "message"),
     [
         (PROJECT / "notebooks", "is a folder. Name one notebook,"),
         (PROJECT / "nothing.ipynb", "nothing.ipynb does not exist."),
@@ -67,9 +67,9 @@ def course(tmp_path, monkeypatch):
         (optional_lessons()[0].released, "is an optional lesson. It has no points"),
     ],
 )
-def test_judge_checks_the_file_before_it_requests_a_sandbox(file, says, course, capsys):
+def test_judge_checks_the_file_before_it_requests_a_sandbox(file, message, course, capsys):
     assert cli.main(["judge", str(file)]) == 2
-    assert says in capsys.readouterr().err
+    assert message in capsys.readouterr().err
 
 
 def test_an_archive_without_notebooks_is_an_error(course, capsys):
@@ -81,7 +81,7 @@ def test_an_archive_without_notebooks_is_an_error(course, capsys):
 
 
 @pytest.mark.parametrize(
-    ("call", "says"),
+    ("call", "message"),
     [
         ("similarity stage1_ransac", "collect ARCHIVE --stage stage1_ransac"),
         ("feedback", "There is no feedback to write yet."),
@@ -89,10 +89,10 @@ def test_an_archive_without_notebooks_is_an_error(course, capsys):
         ("report", "Nothing has been graded yet."),
     ],
 )
-def test_an_error_is_not_preceded_by_a_progress_bar(call, says, course, capsys):
+def test_an_error_is_not_preceded_by_a_progress_bar(call, message, course, capsys):
     assert cli.main(call.split()) == 2
     output = capsys.readouterr()
-    assert says in output.err and "━" not in output.err
+    assert message in output.err and "━" not in output.err
 
 
 def test_a_faulty_roster_is_reported_before_a_progress_bar(course, monkeypatch, sandbox, capsys):
@@ -136,9 +136,9 @@ def test_long_work_is_announced_once_in_a_sentence(monkeypatch, capsys):
     with console.progress_bar("Driving") as advance:
         for done in range(20):
             advance(done, 84, None)
-    said = capsys.readouterr().err
+    output = capsys.readouterr().err
     sentence = "Driving: about 40 minutes left, estimated after 3 of 84."
-    assert said.count("estimated after") == 1 and sentence in said
+    assert output.count("estimated after") == 1 and sentence in output
 
 
 def test_a_progress_bar_appears_when_work_begins(capsys):

@@ -17,11 +17,11 @@ for name in LESSONS:
     checks_of(name)  # imports the lesson, which declares its common checks
 
 
-def parameter(made, argument=""):
+def parameter(promise, argument=""):
     """Return a common check as a test parameter, marked as slow if its lesson has speed checks."""
-    slow = pytest.mark.slow if LESSONS[made.case.exercise][:2] in ("10", "12") else ()
-    exercise = made.case.exercise
-    return pytest.param(made, argument, id=f"{exercise} {made.name} {argument}", marks=slow)
+    slow = pytest.mark.slow if LESSONS[promise.case.exercise][:2] in ("10", "12") else ()
+    exercise = promise.case.exercise
+    return pytest.param(promise, argument, id=f"{exercise} {promise.name} {argument}", marks=slow)
 
 
 def failures(exercise, function):
@@ -45,13 +45,13 @@ def right(exercise):
 # ---- one wrong function for each kind of common check -------------------------------------------
 
 
-def positional_only(right, made):
+def positional_only(right, promise):
     return lambda *arguments: right(*arguments)
 
 
-def without_defaults(right, made):
+def without_defaults(right, promise):
     def function(*arguments, **named):
-        if len(arguments) + len(named) < len(made.case.given):
+        if len(arguments) + len(named) < len(promise.case.given):
             raise TypeError("missing 1 required positional argument")
         return right(*arguments, **named)
 
@@ -61,7 +61,7 @@ def without_defaults(right, made):
 def with_first_argument(change):
     """Break a function by changing its first argument; `change` receives all arguments."""
 
-    def broken(right, made):
+    def broken(right, promise):
         def function(*arguments, **named):
             first, *others = [*arguments, *named.values()]
             return right(*change(first, *others))
@@ -74,7 +74,7 @@ def with_first_argument(change):
 def with_answer(change):
     """Break a function by changing its answer; `change` also receives the arguments."""
 
-    def broken(right, made):
+    def broken(right, promise):
         def function(*arguments, **named):
             given = [*arguments, *named.values()]
             return change(right(*given), *given)
@@ -141,12 +141,12 @@ BREAKS = {
 
 
 @pytest.mark.parametrize(
-    "made, _",
-    [parameter(made) for made in common_checks.all_promises() if made.kind != "untouched"],
+    "promise, _",
+    [parameter(promise) for promise in common_checks.all_promises() if promise.kind != "untouched"],
 )
-def test_a_broken_promise_fails_only_its_check(made, _):
-    exercise = made.case.exercise
-    assert failed_checks(exercise, BREAKS[made.kind](right(exercise), made)) == {made.name}
+def test_a_broken_promise_fails_only_its_check(promise, _):
+    exercise = promise.case.exercise
+    assert failed_checks(exercise, BREAKS[promise.kind](right(exercise), promise)) == {promise.name}
 
 
 # ---- arguments stay unchanged -------------------------------------------------------------------
@@ -181,20 +181,20 @@ def changing_argument(right, given, argument):
 
 
 UNTOUCHED = [
-    parameter(made, argument)
-    for made in common_checks.all_promises()
-    if made.kind == "untouched"
-    for argument, value in made.case.given.items()
+    parameter(promise, argument)
+    for promise in common_checks.all_promises()
+    if promise.kind == "untouched"
+    for argument, value in promise.case.given.items()
     if isinstance(value, np.ndarray)
 ]
 
 
-@pytest.mark.parametrize("made, argument", UNTOUCHED)
-def test_changing_an_argument_fails_only_that_check(made, argument):
-    exercise = made.case.exercise
-    wrong = changing_argument(right(exercise), made.case.given, argument)
-    assert made.name in failed_checks(exercise, wrong)
-    assert failed_checks(exercise, wrong) <= {made.name, *also_about_writing(exercise)}
+@pytest.mark.parametrize("promise, argument", UNTOUCHED)
+def test_changing_an_argument_fails_only_that_check(promise, argument):
+    exercise = promise.case.exercise
+    wrong = changing_argument(right(exercise), promise.case.given, argument)
+    assert promise.name in failed_checks(exercise, wrong)
+    assert failed_checks(exercise, wrong) <= {promise.name, *also_about_writing(exercise)}
 
 
 def also_about_writing(exercise):
@@ -205,7 +205,7 @@ def also_about_writing(exercise):
 @pytest.mark.parametrize("exercise", [name for name in LESSONS if LESSONS[name][:2] < "10"])
 def test_right_answers_pass_all_common_checks(exercise):
     wrapped = with_answer(lambda answer, *given: answer)(right(exercise), None)
-    names = {made.name for made in common_checks.all_promises()}
+    names = {promise.name for promise in common_checks.all_promises()}
     messages = failures(exercise, wrapped)
     assert {name: text for name, text in messages.items() if name in names} == {}
 
@@ -214,13 +214,15 @@ def test_right_answers_pass_all_common_checks(exercise):
 
 
 def test_every_promise_is_tested_with_a_function_that_breaks_it():
-    assert {made.kind for made in common_checks.all_promises()} == {*BREAKS, "untouched"}
+    assert {promise.kind for promise in common_checks.all_promises()} == {*BREAKS, "untouched"}
 
 
-@pytest.mark.parametrize("made, _", [parameter(made) for made in common_checks.all_promises()])
-def test_a_common_check_belongs_to_its_lesson(made, _):
-    [check] = [check for check in checks_of(made.case.exercise) if check.name == made.name]
-    assert check.lesson == f"lesson_{LESSONS[made.case.exercise][:2]}"
+@pytest.mark.parametrize(
+    "promise, _", [parameter(promise) for promise in common_checks.all_promises()]
+)
+def test_a_common_check_belongs_to_its_lesson(promise, _):
+    [check] = [check for check in checks_of(promise.case.exercise) if check.name == promise.name]
+    assert check.lesson == f"lesson_{LESSONS[promise.case.exercise][:2]}"
     assert check.title and check.why and check.hint
 
 
@@ -255,6 +257,6 @@ def test_a_line_through_the_origin_is_moved_away_from_it():
 
 
 def test_cases_are_read_only():
-    for made in common_checks.all_promises():
-        for value in (*made.case.given.values(), made.case.expected):
-            assert not isinstance(value, np.ndarray) or not value.flags.writeable, made
+    for promises in common_checks.all_promises():
+        for value in (*promises.case.given.values(), promises.case.expected):
+            assert not isinstance(value, np.ndarray) or not value.flags.writeable, promises

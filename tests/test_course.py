@@ -70,25 +70,25 @@ def submit(course, student, lesson, text, when=None, name=None):
 def verdicts(tmp_path_factory, sandbox):
     """Judge two students once; all copies of the course can use the verdicts."""
     texts = {"ada": answer(), "bob": answer("voxel_grid")}
-    made = make_course(tmp_path_factory.mktemp("judged") / "course", LESSON, texts, sandbox)
-    judge_it(made, sandbox)
-    return made.verdicts
+    course = make_course(tmp_path_factory.mktemp("judged") / "course", LESSON, texts, sandbox)
+    judge_it(course, sandbox)
+    return course.verdicts
 
 
 @pytest.fixture
 def course(tmp_path, sandbox, monkeypatch, verdicts):
     """Return a course of two lessons, with verdicts on the submissions of two students."""
-    made = make_course(tmp_path / "course", LESSON, {"ada": answer()}, sandbox)
+    course = make_course(tmp_path / "course", LESSON, {"ada": answer()}, sandbox)
     for folder in ("solutions", "notebooks"):
-        (made.root / folder / WRITTEN.stage).mkdir()
-    shutil.copy(WRITTEN.solved, made.root / "solutions" / WRITTEN.stage)
-    shutil.copy(WRITTEN.released, made.root / "notebooks" / WRITTEN.stage)
-    rehearsed(made, WRITTEN)
-    submit(made, "bob", LESSON, answer("voxel_grid"))
-    shutil.copytree(verdicts, made.verdicts, dirs_exist_ok=True)
+        (course.root / folder / WRITTEN.stage).mkdir()
+    shutil.copy(WRITTEN.solved, course.root / "solutions" / WRITTEN.stage)
+    shutil.copy(WRITTEN.released, course.root / "notebooks" / WRITTEN.stage)
+    rehearsed(course, WRITTEN)
+    submit(course, "bob", LESSON, answer("voxel_grid"))
+    shutil.copytree(verdicts, course.verdicts, dirs_exist_ok=True)
     monkeypatch.setitem(EXECUTORS, "processes", Inline)
     paths._folder.cache_clear()
-    return made
+    return course
 
 
 def grade(course, sandbox, stages=()):

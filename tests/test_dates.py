@@ -36,14 +36,14 @@ ALL = 30.0  # Ada's points in two lessons; 10 % of them are 3 points
 
 @pytest.fixture(scope="module")
 def entered_once(tmp_path_factory):
-    made = make_course(tmp_path_factory.mktemp("dates") / "course")
-    (made.root / "nbgrader_config.py").write_text(LATE)
-    (made.root / "roster.csv").write_text(ROSTER)
+    course = make_course(tmp_path_factory.mktemp("dates") / "course")
+    (course.root / "nbgrader_config.py").write_text(LATE)
+    (course.root / "roster.csv").write_text(ROSTER)
     for student in EARNED:  # 13:00 in Berlin
-        path = made.submitted / student / STAGE / "timestamp.txt"
+        path = course.submitted / student / STAGE / "timestamp.txt"
         path.write_text("2026-03-01 12:00:00 UTC")
-    enter_verdicts(made, verdicts(made), [STAGE], quiet)
-    return made.root
+    enter_verdicts(course, verdicts(course), [STAGE], quiet)
+    return course.root
 
 
 @pytest.fixture
@@ -295,27 +295,27 @@ def test_a_manual_extension_counts_until_the_file_names_the_student(course):
 
 
 @pytest.mark.parametrize(
-    ("time", "zone", "says", "lines"),
+    ("time", "zone", "phrases", "lines"),
     [
         ("19:59", "Europe/Berlin", ("1 h 59 min late", "on time"), ("UTC", "+0200")),
         ("17:59", "America/New_York", ("on time", "3 h 59 min late"), ("UTC", "-0400")),
     ],
 )
-def test_a_time_without_a_zone_is_named_if_its_zone_matters(course, time, zone, says, lines):
+def test_a_time_without_a_zone_is_named_if_its_zone_matters(course, time, zone, phrases, lines):
     dates = f'timezone = "{zone}"\n[{STAGE}]\ndue = 2026-05-01T18:00:00Z\n'
     path = course.submitted / "ada" / STAGE / "timestamp.txt"
     path.write_text(f"2026-05-01 {time}:00")
     submit_at(course, "bob", "2026-04-01 12:00:00")
-    assert ("ada" in grade_with(course, dates)) == ("late" in says[0])
+    assert ("ada" in grade_with(course, dates)) == ("late" in phrases[0])
     (sentence,) = note_texts(course)
-    assert f"was read as UTC: {says[0]}. In the time zone of the course" in sentence
-    assert f"the work would be {says[1]}. Add the zone" in sentence
+    assert f"was read as UTC: {phrases[0]}. In the time zone of the course" in sentence
+    assert f"the work would be {phrases[1]}. Add the zone" in sentence
     for suffix in lines:
         line = f"2026-05-01 {time}:00{' ' * (suffix == 'UTC')}{suffix}"
         assert line in sentence
         path.write_text(line)
         late = "ada" in grade_with(course, dates)
-        assert late == ("late" in (says[0] if suffix == "UTC" else says[1]))
+        assert late == ("late" in (phrases[0] if suffix == "UTC" else phrases[1]))
         assert note_texts(course) == []
     path.write_text("2026-04-01 12:00:00")  # on time in both zones
     grade_with(course, dates)

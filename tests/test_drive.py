@@ -353,14 +353,14 @@ def test_the_students_matching_is_called():
 
 
 @pytest.mark.parametrize(
-    ("partners", "said"),
+    ("partners", "message"),
     [
         (lambda count: [0] * (count - 1), "match_boxes returned 0 numbers for 1 boxes"),
         (lambda count: 1 / 0, "ZeroDivisionError: division by zero"),
         (lambda count: ["first"], "ValueError: invalid literal"),
     ],
 )
-def test_a_failing_matching_is_reported_as_a_problem(partners, said):
+def test_a_failing_matching_is_reported_as_a_problem(partners, message):
     def match_boxes(previous, current, max_distance):
         return partners(len(current))
 
@@ -371,7 +371,7 @@ def test_a_failing_matching_is_reported_as_a_problem(partners, said):
         clock=on_time,
     )
     assert result.moments[-1].number == 4
-    assert len(result.problems) >= 2 and all(said in problem for problem in result.problems)
+    assert len(result.problems) >= 2 and all(message in problem for problem in result.problems)
 
 
 def test_the_students_tracker_estimates_velocities():
@@ -541,9 +541,9 @@ def test_an_exception_affects_only_one_scan():
         drive(straight(), lambda cloud: 1 / 0, seconds=1.0, clock=on_time, sensor=COARSE)
 
 
-@pytest.mark.parametrize("found", [[], np.full((2, 8, 3), np.nan), box(50, 20)[None].tolist()])
-def test_unusual_answers_are_accepted(found):
-    trip = drive(straight(), lambda cloud: found, seconds=0.5, clock=on_time, sensor=COARSE)
+@pytest.mark.parametrize("answer", [[], np.full((2, 8, 3), np.nan), box(50, 20)[None].tolist()])
+def test_unusual_answers_are_accepted(answer):
+    trip = drive(straight(), lambda cloud: answer, seconds=0.5, clock=on_time, sensor=COARSE)
     assert trip.problems == () and len(trip.moments) == 5
 
 

@@ -38,9 +38,9 @@ ROSTER = (
 @pytest.fixture
 def course(tmp_path):
     """Return a course with a roster; Ada and Bob have submitted."""
-    made = make_course(tmp_path / "course")
-    (made.root / "roster.csv").write_text(ROSTER)
-    return made
+    course = make_course(tmp_path / "course")
+    (course.root / "roster.csv").write_text(ROSTER)
+    return course
 
 
 def students(course):

@@ -96,12 +96,12 @@ class Deadly(Pool):
 @pytest.fixture
 def course(tmp_path):
     """Return a course in which three students submit right answers."""
-    made = Course(tmp_path / "course")
+    course = Course(tmp_path / "course")
     for student in ("ada", "poison", "zoe"):
-        path = made.submitted / student / LESSON.stage / f"{LESSON.name}.ipynb"
+        path = course.submitted / student / LESSON.stage / f"{LESSON.name}.ipynb"
         path.parent.mkdir(parents=True)
         path.write_text(fill_in(LESSON, RIGHT), "utf-8")
-    return made
+    return course
 
 
 def graded(course, sandbox, open_executor=Inline, workers=1, progress=lambda *news: None):

@@ -124,12 +124,12 @@ def test_different_messages_are_not_folded_together():
     alike = tuple(
         check(name, f"{number} of 5 rows.") for name, number in zip("bcd", "122", strict=True)
     )
-    for failed, says in (
+    for failed, message in (
         (alike, "3 more fail: … of 5 rows."),
         (alike[1:], "2 more fail: 2 of 5 rows."),
     ):
         folded = summarise_checks(ExerciseResult("f", 0.0, 3.0, (tests[0], *failed), "One.", "a"))
-        assert [fold.says for fold in folded.groups] == [says]
+        assert [fold.says for fold in folded.groups] == [message]
 
 
 @pytest.mark.parametrize(
@@ -146,11 +146,11 @@ def test_the_number_of_passed_checks_is_stated_in_words(tests, first, words, sta
 
 
 @pytest.mark.parametrize(
-    ("stub", "says"), [("f", "f is not started."), ("g", "f calls g. Write g first.")]
+    ("stub", "message"), [("f", "f is not started."), ("g", "f calls g. Write g first.")]
 )
-def test_a_stub_is_named(stub, says):
+def test_a_stub_is_named(stub, message):
     tests = (check("a", "f calls g. Write g first.", kind=MessageKind.NOT_STARTED, subject=stub),)
-    assert summarise_checks(ExerciseResult("f", 0.0, 1.0, tests)).not_started == says
+    assert summarise_checks(ExerciseResult("f", 0.0, 1.0, tests)).not_started == message
 
 
 # ---- lateness -----------------------------------------------------------------------------------
@@ -274,7 +274,7 @@ WORK = {
 }
 
 
-def make_course(root, *archives, who=None):
+def make_course(root, *archives, decisions=None):
     """Return a graded course whose submissions were collected from zips."""
     course = Course(root)
     root.mkdir()
@@ -288,7 +288,13 @@ def make_course(root, *archives, who=None):
     for files in archives:
         (root / "submissions.zip").write_bytes(zipped(files))
         collection.collect(
-            course, [root / "submissions.zip"], [STAGE], None, who or {}, {}, lambda *news: None
+            course,
+            [root / "submissions.zip"],
+            [STAGE],
+            None,
+            decisions or {},
+            {},
+            lambda *news: None,
         )
     grade(course)
     return course
@@ -591,7 +597,7 @@ def test_a_team_in_canvas_is_named_and_is_not_an_error(tmp_path, monkeypatch, ca
     files = canvas_files("Team Red", "77", given["ada"])
     files += canvas_files("Yang, Cy", "4003", given["cy"])
     who = {"teamred_77": "ada,bjorn"}
-    course = make_course(tmp_path / "course", files, who=who)
+    course = make_course(tmp_path / "course", files, decisions=who)
     assert write(course, monkeypatch, "--for", "canvas", "--to", str(tmp_path)) == 0
     told = capsys.readouterr()
     assert "Not in the zip." in told.out and "ada: submitted as teamred_77" in told.out
@@ -609,13 +615,13 @@ def parse_moodle(name):
     return number, file
 
 
-def moodle_course(root, teams=(), who=None):
+def moodle_course(root, teams=(), decisions=None):
     files, teams = [], dict(teams)
     for number, (student, first, last, *_) in enumerate(PEOPLE[:3], start=51):
         given = [(f"{lesson.name}.ipynb", data) for lesson, data in WORK[student]]
         if student not in list(teams)[1:]:  # a team has only one submission
             files += moodle_files(*teams.get(student, (f"{first} {last}", number)), given)
-    return make_course(root, files, who=who)
+    return make_course(root, files, decisions=decisions)
 
 
 @pytest.mark.end_to_end
@@ -644,7 +650,7 @@ def test_a_student_with_two_moodle_assignments_gets_a_page_in_each(
                 owner = ("Team Red", 21)
             files[lesson] += moodle_files(*owner, [(f"{lesson.name}.ipynb", data)])
     who = {"Team Red_21": "ada"} if is_team else None
-    course = make_course(tmp_path / "course", files[TEN], files[TWELVE], who=who)
+    course = make_course(tmp_path / "course", files[TEN], files[TWELVE], decisions=who)
     assert write(course, monkeypatch, "--for", "moodle", "--to", str(tmp_path)) == 0
     numbers = {parse_moodle(name)[0] for name in archive(tmp_path / f"{STAGE}_moodle.zip")}
     given = {

@@ -82,27 +82,27 @@ def rehearsed(course, lesson, seed=SEED):
 
 def make_course(root, lesson, texts, sandbox):
     """Return a rehearsed course of one lesson; `texts` maps students to their notebooks."""
-    made = Course(root)
-    rehearsed(made, lesson)
+    course = Course(root)
+    rehearsed(course, lesson)
     for folder in ("solutions", "notebooks"):
         shutil.copytree(
             PROJECT / folder / lesson.stage,
-            made.root / folder / lesson.stage,
+            course.root / folder / lesson.stage,
             ignore=lambda folder, names: [name for name in names if not name.endswith(".ipynb")],
         )
-        for path in (made.root / folder / lesson.stage).glob("*.ipynb"):
+        for path in (course.root / folder / lesson.stage).glob("*.ipynb"):
             if path.stem != lesson.name:
                 path.unlink()
-    (made.root / "nbgrader_config.py").write_text(
+    (course.root / "nbgrader_config.py").write_text(
         CONFIGURATION.format(
-            project=str(PROJECT), root=str(made.root), seed=SEED, sandbox=sandbox.name
+            project=str(PROJECT), root=str(course.root), seed=SEED, sandbox=sandbox.name
         )
     )
     for student, text in texts.items():
-        path = made.submitted / student / lesson.stage / f"{lesson.name}.ipynb"
+        path = course.submitted / student / lesson.stage / f"{lesson.name}.ipynb"
         path.parent.mkdir(parents=True)
         path.write_text(text, "utf-8")
-    return made
+    return course
 
 
 def four_students():
@@ -123,11 +123,11 @@ def course(tmp_path, sandbox):
 @pytest.fixture(scope="module")
 def verdicts(tmp_path_factory, sandbox):
     """Judge the four students once; copies of the course can use the same verdicts."""
-    made = make_course(
+    course = make_course(
         tmp_path_factory.mktemp("judged") / "course", LESSON, four_students(), sandbox
     )
-    judge_it(made, sandbox)
-    return made.verdicts
+    judge_it(course, sandbox)
+    return course.verdicts
 
 
 @pytest.fixture

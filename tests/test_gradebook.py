@@ -111,9 +111,9 @@ def course(tmp_path):
 
 @pytest.fixture(scope="module")
 def entered_once(tmp_path_factory):
-    made = make_course(tmp_path_factory.mktemp("entered") / "course")
-    enter_verdicts(made, verdicts(made), [STAGE], quiet)
-    return made.root
+    course = make_course(tmp_path_factory.mktemp("entered") / "course")
+    enter_verdicts(course, verdicts(course), [STAGE], quiet)
+    return course.root
 
 
 @pytest.fixture
@@ -352,7 +352,7 @@ def set_time(submission):
 
 @pytest.mark.end_to_end
 @pytest.mark.parametrize(
-    ("change", "says"),
+    ("change", "message"),
     [
         (lambda submission: None, None),
         (change_score(1.0), f"{GROUND.name}: test_voxel_grid has 9.5 points instead of 8.5"),
@@ -368,11 +368,11 @@ def set_time(submission):
         (set_time, f"ada, {STAGE}: the gradebook has a different submission time"),
     ],
 )
-def test_every_difference_is_named_and_corrected(entered, change, says):
+def test_every_difference_is_named_and_corrected(entered, change, message):
     alter(entered, change)
     found = differences_in(entered)
-    assert len(found) == (says is not None)
-    assert all(sentence.endswith(says) for sentence in found)
+    assert len(found) == (message is not None)
+    assert all(sentence.endswith(message) for sentence in found)
     before = inode(entered)
     enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
     assert differences_in(entered) == []
@@ -381,7 +381,7 @@ def test_every_difference_is_named_and_corrected(entered, change, says):
         for cell, (score, most) in expected_marks().items()
     }
     # The maximum of a cell is corrected from the release, without entering students again.
-    assert (inode(entered) == before) == (says is None or "is worth" in says)
+    assert (inode(entered) == before) == (message is None or "is worth" in message)
 
 
 def test_points_for_a_missing_notebook_are_a_difference(entered):
@@ -523,18 +523,18 @@ def test_withdrawn_work_is_removed_even_if_its_copies_are_gone(entered):
 
 @pytest.mark.end_to_end
 @pytest.mark.parametrize(
-    "given", [{"manual_score": 0.0}, {"extra_credit": 5.0}, {"extra_credit": -1.5}, "Well seen."]
+    "manual", [{"manual_score": 0.0}, {"extra_credit": 5.0}, {"extra_credit": -1.5}, "Well seen."]
 )
-def test_manual_marks_and_comments_are_never_removed(entered, given):
+def test_manual_marks_and_comments_are_never_removed(entered, manual):
     with gradebook.open_gradebook(entered) as book:
         for student in EARNED:  # left behind when Formgrader removes a mark
             for notebook in book.find_submission(STAGE, student).notebooks:
                 notebook.grades[0].extra_credit, notebook.comments[0].manual_comment = 0.0, ""
         notebook = book.find_submission_notebook(DISTANCE.name, STAGE, "ada")
-        if isinstance(given, str):
-            notebook.comments[0].manual_comment = given
+        if isinstance(manual, str):
+            notebook.comments[0].manual_comment = manual
         else:
-            for name, points in given.items():
+            for name, points in manual.items():
                 setattr(notebook.grades[-1], name, points)
         book.db.commit()
     with pytest.raises(GradebookError) as trouble:
@@ -819,20 +819,20 @@ def test_the_location_of_the_gradebook_hides_the_password(course):
 
 
 @pytest.mark.parametrize(
-    ("url", "says"),
+    ("url", "message"),
     [
         ("sqlite:///nowhere/gradebook.db", "cannot be opened: (sqlite3.OperationalError) unable"),
         ("postgresql+nobody://host/grades", "cannot be opened: "),
         ("postgresql+psycopg2cffi://host/grades", "needs the package psycopg2cffi, which is not"),
     ],
 )
-def test_the_error_about_a_gradebook_that_does_not_open_names_the_setting(course, url, says):
+def test_the_error_about_a_gradebook_that_does_not_open_names_the_setting(course, url, message):
     (course.root / "nbgrader_config.py").write_text(
         f"c = get_config()\nc.CourseDirectory.db_url = {url!r}\n"
     )
     with pytest.raises(GradebookUnavailable) as caught, gradebook.open_gradebook(course):
         pass
-    assert says in str(caught.value) and "\n" not in str(caught.value)
+    assert message in str(caught.value) and "\n" not in str(caught.value)
     assert "c.CourseDirectory.db_url" in str(caught.value)
     assert ".. c.Course" not in str(caught.value)
 

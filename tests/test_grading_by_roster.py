@@ -296,18 +296,20 @@ def test_the_doctor_names_marks_of_students_who_are_not_on_the_roster(course, mo
 
 
 @pytest.mark.parametrize(
-    ("url", "says"),
+    ("url", "message"),
     [
         ("postgresql://t:s@127.0.0.1:1/x", "needs the package psycopg2, which is not installed."),
         ("postgresql+pg8000://t:s@127.0.0.1:1/x", "cannot be opened: "),
         ("nonsense", "cannot be opened: "),
     ],
 )
-def test_a_gradebook_that_cannot_be_opened_is_reported(course, monkeypatch, capsys, url, says):
+def test_a_gradebook_that_cannot_be_opened_is_reported(course, monkeypatch, capsys, url, message):
     with (course.root / "nbgrader_config.py").open("a") as file:
         file.write(f"c.CourseDirectory.db_url = {url!r}\n")
     assert cli.main(["export"]) == commands.USAGE_ERROR
     text = capsys.readouterr().err
-    assert text.startswith("The gradebook") and says in text and "c.CourseDirectory.db_url" in text
+    assert (
+        text.startswith("The gradebook") and message in text and "c.CourseDirectory.db_url" in text
+    )
     wrong = {subject: text for subject, good, text in findings(course, monkeypatch) if not good}
-    assert says in wrong["gradebook"]
+    assert message in wrong["gradebook"]

@@ -44,23 +44,23 @@ LATE_TIMES = "id,Last modified (submission)\nbjorn,2026-10-14 08:00\ngus,2026-10
 @pytest.fixture
 def course(tmp_path, sandbox, monkeypatch):
     """Return a course with a roster, dates and a penalty, but without submissions."""
-    made = Course(tmp_path / "course")
+    course = Course(tmp_path / "course")
     for kind, lesson in ((f, item) for f in ("solutions", "notebooks") for item in (SIX, TWELVE)):
-        folder = made.root / kind / lesson.stage
+        folder = course.root / kind / lesson.stage
         folder.mkdir(parents=True)
         shutil.copy(PROJECT / kind / lesson.stage / f"{lesson.name}.ipynb", folder)
-    values = {"project": str(PROJECT), "root": str(made.root), "seed": SEED}
+    values = {"project": str(PROJECT), "root": str(course.root), "seed": SEED}
     settings = CONFIGURATION.format(**values, sandbox=sandbox.name) + LATE
-    (made.root / "nbgrader_config.py").write_text(settings)
-    with open(made.root / "roster.csv", "w", encoding="utf-8", newline="") as file:
+    (course.root / "nbgrader_config.py").write_text(settings)
+    with open(course.root / "roster.csv", "w", encoding="utf-8", newline="") as file:
         table = csv.writer(file)
         table.writerow(["id", "first_name", "last_name", "section", "lms_id", "email"])
         for id, first, last, section, number, _ in PEOPLE:
             table.writerow([id, first, last, section, number, f"{id}@x.edu"])
-    (made.root / "deadlines.toml").write_text(DATES)
-    monkeypatch.setattr(commands, "Course", lambda: made)
+    (course.root / "deadlines.toml").write_text(DATES)
+    monkeypatch.setattr(commands, "Course", lambda: course)
     paths._folder.cache_clear()
-    return made
+    return course
 
 
 def half_right():

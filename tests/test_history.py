@@ -29,9 +29,9 @@ FIRST, SECOND, *_ = (exercise.name for exercise in GROUND.machine_graded)
 
 @pytest.fixture(scope="module")
 def entered_once(tmp_path_factory):
-    made = make_course(tmp_path_factory.mktemp("history") / "course")
-    enter_verdicts(made, verdicts(made), [STAGE], quiet)
-    return made.root
+    course = make_course(tmp_path_factory.mktemp("history") / "course")
+    enter_verdicts(course, verdicts(course), [STAGE], quiet)
+    return course.root
 
 
 @pytest.fixture

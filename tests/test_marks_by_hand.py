@@ -96,16 +96,16 @@ def test_marks_and_comments_of_a_lost_gradebook_are_named_and_restored(course):
     give(course, "bob", MACHINE.cell, 2.0, "Nearly.", extra=0.5)
     assert enter(course) == [] and wrong_findings(course) == []
     lose_gradebook(course)
-    says = (
+    message = (
         f"{course.root / 'gradebook.db'} lacks 3 marks by hand and 2 comments from marks.jsonl: "
         f"write_up in {LESSON} of ada, bob; {MACHINE.name} in {LESSON} of bob. "
     )
     (finding,) = wrong_findings(course)  # also before the next run of `grade`
-    assert finding.startswith(says) and "--restore-marks" in finding
+    assert finding.startswith(message) and "--restore-marks" in finding
     for _ in range(2):  # the sentence does not depend on what the first run logs
         with pytest.raises(GradebookError) as trouble:
             enter(course)
-        assert str(trouble.value).splitlines()[1].startswith(says)
+        assert str(trouble.value).splitlines()[1].startswith(message)
     assert given(course, "ada") == (None, True, None)
     (told,) = enter(course, restore=True)
     assert told.startswith("Restored from marks.jsonl: ")

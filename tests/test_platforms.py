@@ -291,7 +291,7 @@ def test_numbers_of_another_kind_are_ignored(fill):
 
 
 @pytest.mark.parametrize(
-    ("there", "said"),
+    ("existing", "changes"),
     [
         (85.0, "björn (Björn Müller) from 12.00 to 31.25; ill (Ilse Krank) from 85.00 to EX"),
         (0.0, "björn (Björn Müller) from 12.00 to 31.25; ill (Ilse Krank) from 0.00 to EX"),
@@ -299,14 +299,14 @@ def test_numbers_of_another_kind_are_ignored(fill):
         (None, "björn (Björn Müller) from 12.00 to 31.25"),
     ],
 )
-def test_a_mark_that_an_excuse_replaces_is_named(fill, there, said):
+def test_a_mark_that_an_excuse_replaces_is_named(fill, existing, changes):
     course = canvas_course()
-    if there is not None:
-        course.scores[9006, 42] = there
+    if existing is not None:
+        course.scores[9006, 42] = existing
     exported = fill(course, marks())
     course.import_(exported.content)
     assert course.scores[9006, 42] == "EX"
-    assert f"Marks changed in the file: {said}." in exported.notes
+    assert f"Marks changed in the file: {changes}." in exported.notes
 
 
 def test_an_excuse_that_a_mark_replaces_is_named(fill):
@@ -555,7 +555,7 @@ def test_a_site_without_fractions_gets_readable_points(fill):
 
 
 @pytest.mark.parametrize(
-    ("content", "says"),
+    ("content", "message"),
     [
         (b"", "does not contain a table of students"),
         (b"PK\x03\x04\xff\xfe", "is not a CSV file in UTF-8"),
@@ -565,13 +565,13 @@ def test_a_site_without_fractions_gets_readable_points(fill):
         (b"Student,ID,Section,T (1)\n    Points Possible,,,1\n,,,,,,,5\n", "has 8 cells"),
     ],
 )
-def test_a_file_of_another_kind_is_refused_with_a_suggestion(tmp_path, content, says):
+def test_a_file_of_another_kind_is_refused_with_a_suggestion(tmp_path, content, message):
     path = tmp_path / "x.csv"
     path.write_bytes(content)
     order = ExportOptions(Course(tmp_path), marks(), STAGE, into=path, column="T")
-    with pytest.raises(ExportError, match=says):
+    with pytest.raises(ExportError, match=message):
         canvas(order)
-    if says == "is not ":
+    if message == "is not ":
         with pytest.raises(ExportError, match="not an offline grading worksheet"):
             moodle(order)
 

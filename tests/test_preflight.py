@@ -350,8 +350,8 @@ EARNS_EVERYTHING = {
 }
 
 
-@pytest.mark.parametrize("change, says", EARNS_EVERYTHING.values(), ids=EARNS_EVERYTHING)
-def test_damage_to_a_file_costs_no_points(change, says):
+@pytest.mark.parametrize("change, message", EARNS_EVERYTHING.values(), ids=EARNS_EVERYTHING)
+def test_damage_to_a_file_costs_no_points(change, message):
     """All code is found, the graded copy is complete and valid, and a note reports each repair."""
     prepared = prepare(SubmittedFiles("06_filter_ground.ipynb", changed(change)), LESSON)
     answers = answers_in(LESSON, prepared.code)
@@ -359,7 +359,7 @@ def test_damage_to_a_file_costs_no_points(change, says):
     assert len(answers["filter_ground"](cloud)) == 2
     assert len(answers["voxel_grid"](cloud, 0.5)) == 2
     notes = " ".join(prepared.notes)
-    assert (says in notes) if says else notes == ""
+    assert (message in notes) if message else notes == ""
     json.dumps(dataclasses.asdict(prepared), default=str, ensure_ascii=False).encode()
     graded_copy = build_copy(prepared)
     nbformat.validate(graded_copy)
@@ -381,16 +381,16 @@ SOME = ("cut off after the answers", "answers in text cells", "an old format", "
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SOME)
 def test_the_judge_gives_full_marks_to_a_damaged_file_with_right_answers(name, sandbox):
-    change, says = EARNS_EVERYTHING[name]
+    change, message = EARNS_EVERYTHING[name]
     verdict = judge_files(
         SubmittedFiles("06_filter_ground.ipynb", changed(change)), 1, sandbox, LESSON
     )
     assert verdict.score == 30
-    assert says in " ".join(verdict.problems)
+    assert message in " ".join(verdict.problems)
 
 
 @pytest.mark.parametrize(
-    "change, says",
+    "change, message",
     [
         (lambda notebook: b"\x89PNG\r\n\x1a\n\x00\xff\xfe", "it is not text"),
         (lambda notebook: "", "is empty"),
@@ -415,9 +415,9 @@ def test_the_judge_gives_full_marks_to_a_damaged_file_with_right_answers(name, s
         (lambda notebook: gzip.compress(bytes(65 * 2**20)), "unpacks to more than 64 MB"),
     ],
 )
-def test_an_unreadable_file_is_shown_as_released(change, says):
+def test_an_unreadable_file_is_shown_as_released(change, message):
     submission = SubmittedFiles("06_filter_ground.ipynb", changed(change))
-    with pytest.raises(UnreadableNotebook, match=says):
+    with pytest.raises(UnreadableNotebook, match=message):
         prepare(submission, LESSON)
     graded_copy = build_copy(prepare_to_show(submission, LESSON))
     nbformat.validate(graded_copy)
@@ -426,7 +426,7 @@ def test_an_unreadable_file_is_shown_as_released(change, says):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "notebook, says",
+    "notebook, message",
     [
         (
             lambda: json.loads(find_lesson("05_euclidean_clustering").released.read_text()),
@@ -436,11 +436,11 @@ def test_an_unreadable_file_is_shown_as_released(change, says):
         (lambda: {"cells": [text("# my essay")], "nbformat": 4}, " contains no code."),
     ],
 )
-def test_a_submission_without_code_of_this_lesson_gets_a_message(notebook, says, sandbox):
+def test_a_submission_without_code_of_this_lesson_gets_a_message(notebook, message, sandbox):
     data = json.dumps(notebook()).encode()
     verdict = judge_files(SubmittedFiles("06_filter_ground.ipynb", data), 1, sandbox, LESSON)
     assert verdict.score == 0
-    assert says in " ".join(verdict.problems)
+    assert message in " ".join(verdict.problems)
 
 
 def test_several_versions_are_reported_only_if_points_are_lost(sandbox):
@@ -515,9 +515,9 @@ def test_an_incomplete_file_never_counts_as_untouched():
     assert not preflight.prepare_to_judge(whole, LESSON).is_as_released
 
     only_text = json.dumps({"cells": [text("a"), text("b")]})
-    for data, says in ((only_text, "contains no code"), (only_text[:-9], "cut off after 1")):
+    for data, message in ((only_text, "contains no code"), (only_text[:-9], "cut off after 1")):
         (note,) = prepare(SubmittedFiles("06_filter_ground.ipynb", data.encode()), LESSON).notes
-        assert says in note
+        assert message in note
 
 
 def test_a_written_answer_that_may_be_cut_off_waits_for_a_grader():
@@ -601,9 +601,9 @@ def test_only_text_cells_with_needed_answers_are_treated_as_code(cells, kinds):
     assert len(notes) == converted and all(note.split()[0] in EXERCISES for note in notes)
 
 
-def returned_by(made, name):
+def returned_by(prepared, name):
     """Return the text after `return` in the last code cell that defines a function."""
-    last = next(source for source in reversed(made.code) if f"def {name}" in source)
+    last = next(source for source in reversed(prepared.code) if f"def {name}" in source)
     return last.split(f"def {name}(cloud):\n    return ")[1].split("\n")[0]
 
 
@@ -748,7 +748,7 @@ def test_the_cell_that_counts_is_linked_to_its_exercise():
 
 
 @pytest.mark.parametrize(
-    ("source", "written"),
+    ("source", "is_written"),
     [
         ("def filter_ground(cloud): pass", True),
         ("x = 1\ndef  filter_ground (cloud): pass", True),
@@ -760,8 +760,8 @@ def test_the_cell_that_counts_is_linked_to_its_exercise():
         ("filter_ground(cloud)", False),
     ],
 )
-def test_only_a_top_level_definition_of_its_name_answers_an_exercise(source, written):
-    assert ("filter_ground" in from_cells(code(source)).graded) == written
+def test_only_a_top_level_definition_of_its_name_answers_an_exercise(source, is_written):
+    assert ("filter_ground" in from_cells(code(source)).graded) == is_written
 
 
 def test_another_lessons_notebook_is_reported_if_this_lesson_is_missing():
@@ -974,19 +974,19 @@ def test_an_answer_in_its_own_cell_ignores_text_below():
 
 
 @pytest.mark.parametrize(
-    ("written", "shown"),
+    ("source", "shown_text"),
     [
         ("It finds 14 of 17.", "It finds 14 of 17."),
         ("# It finds 14\n\n#of 17.\n## That is all.", "It finds 14\n\nof 17.\nThat is all."),
         ("# Results\nIt finds 14 of 17.", "# Results\nIt finds 14 of 17."),
     ],
 )
-def test_an_answer_in_a_code_cell_is_read_as_text_with_a_note(written, shown):
+def test_an_answer_in_a_code_cell_is_read_as_text_with_a_note(source, shown_text):
     """Comment signs are removed from a code cell, but a text cell keeps its heading."""
-    answer, certain, _, own, notes = write_up(code(written, **OWN["metadata"]))
-    assert (answer, certain, own) == (shown, True, written)
+    answer, certain, _, own, notes = write_up(code(source, **OWN["metadata"]))
+    assert (answer, certain, own) == (shown_text, True, source)
     assert len(notes) == 1 and "write_up was in a code cell" in notes[0]
-    assert write_up(tagged(text(written), "write_up"))[::4] == (written, [])
+    assert write_up(tagged(text(source), "write_up"))[::4] == (source, [])
     # The released text in a code cell is an empty answer and needs no note.
     assert write_up(code("YOUR ANSWER HERE", **OWN["metadata"]))[::4] == ("", [])
 

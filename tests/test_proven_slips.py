@@ -229,7 +229,7 @@ def passing(monkeypatch):
 
     def passing(
         student,
-        shown="ab",
+        visible_checks="ab",
         limits=None,
         failed=FAILED,
         clock=lambda: 100.0,
@@ -238,7 +238,7 @@ def passing(monkeypatch):
         likeliest=repair.LIKELIEST_EDITS,
     ):
         monkeypatch.setattr(repair, "StudentProxy", student)
-        monkeypatch.setattr(repair, "visible_calls", lambda *about: student.calls(shown))
+        monkeypatch.setattr(repair, "visible_calls", lambda *about: student.calls(visible_checks))
         monkeypatch.setattr(repair, "hidden_calls", student.hidden)
         # The judge's own process appears to use as much processor time as the student's.
         monkeypatch.setattr(repair.time, "process_time", lambda: 50.0 + student.cpu_seconds)
@@ -261,7 +261,7 @@ def test_an_edit_passes_if_all_failed_visible_and_hidden_checks_pass(passing):
     assert (student.program, student.counted_as) == (SUBMITTED, "line_through")
     # Hanging calls of an edited answer must not shorten the limits of the unedited answer.
     assert student.exercise not in ("line_through", "")
-    assert passing(EditedStudent(["xy", "x", ""]), shown="") == [1]
+    assert passing(EditedStudent(["xy", "x", ""]), visible_checks="") == [1]
 
 
 def test_hidden_tests_are_made_only_if_visible_checks_pass(passing):
@@ -282,7 +282,7 @@ def test_an_answer_that_passes_when_repeated_gets_no_edits(passing):
 
 def test_an_answer_gets_no_edits_if_its_first_hidden_test_passes_when_repeated(passing):
     student = EditedStudent(["y", "", ""])
-    assert passing(student, shown="") == [] and student.tried == 0
+    assert passing(student, visible_checks="") == [] and student.tried == 0
 
 
 def test_other_edits_get_less_time_for_the_first_check_after_a_hang(passing):

@@ -65,7 +65,7 @@ def short_limits(monkeypatch):
 
 @pytest.mark.end_to_end
 @pytest.mark.parametrize(
-    ("work", "says"),
+    ("work", "message"),
     [
         (loop_forever, "more than 1 seconds"),
         (match_slow_pattern, "more than 1 seconds"),
@@ -73,10 +73,10 @@ def short_limits(monkeypatch):
         (return_long_answer, "more than 128 MB of memory"),
     ],
 )
-def test_files_that_are_too_costly_get_a_message_with_the_limit(work, says, short_limits):
+def test_files_that_are_too_costly_get_a_message_with_the_limit(work, message, short_limits):
     with pytest.raises(reader_process.TooCostly) as caught:
         reader_process.run_in_child("file.ipynb", work)
-    assert f"Reading file.ipynb takes {says}" in str(caught.value)
+    assert f"Reading file.ipynb takes {message}" in str(caught.value)
     assert "submit it again" in str(caught.value)
 
 

@@ -269,7 +269,7 @@ def test_a_valid_course_has_no_faults(registry):
 
 
 @pytest.mark.parametrize(
-    ("sources", "said"),
+    ("sources", "message"),
     [
         (
             {"extra/14_toy/lesson.py": ""},
@@ -290,9 +290,9 @@ def test_a_valid_course_has_no_faults(registry):
         ),
     ],
 )
-def test_ignored_and_colliding_lessons_are_reported(registry, sources, said):
+def test_ignored_and_colliding_lessons_are_reported(registry, sources, message):
     (fault,) = registry(sources)
-    assert said in fault
+    assert message in fault
 
 
 def test_a_course_with_faults_is_not_built(monkeypatch, capsys):

@@ -267,18 +267,18 @@ def write_extension(folder, until):
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         ("", ""),
         ('lessons = ["06"]\n', "according to deadlines.toml: 07_filter_by_distance, 08_bound"),
         ('lessons = ["06", "07", "08", "09"]\n', ""),
     ],
 )
-def test_released_lessons_that_do_not_count_are_named(course, capsys, text, said):
+def test_released_lessons_that_do_not_count_are_named(course, capsys, text, message):
     (course / "deadlines.toml").write_text(f"[{STAGE}]\n{text}", "utf-8")
     assert cli.main(["release", STAGE, "--to", str(course / "out")]) == 0
     output = capsys.readouterr().out
-    assert said in output and ("deadlines" in output) == bool(said)
+    assert message in output and ("deadlines" in output) == bool(message)
 
 
 def test_solutions_wait_for_an_extension_unless_forced(course, capsys):
@@ -385,18 +385,18 @@ def test_a_solution_that_fails_is_reported(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("error", "says"),
+    ("error", "message"),
     [
         (nbclient.exceptions.CellTimeoutError("slow"), r"tiny: .* more than 300 seconds"),
         (nbclient.exceptions.DeadKernelError("gone"), r"tiny: .* Python ended"),
     ],
 )
-def test_a_solution_that_hangs_or_dies_is_reported(tmp_path, monkeypatch, error, says):
+def test_a_solution_that_hangs_or_dies_is_reported(tmp_path, monkeypatch, error, message):
     def execute(client):
         raise error
 
     monkeypatch.setattr(nbclient.NotebookClient, "execute", execute)
-    with pytest.raises(standalone.ReleaseError, match=says):
+    with pytest.raises(standalone.ReleaseError, match=message):
         solutions.executed_notebook(tiny_lesson(tmp_path, monkeypatch, "1"), tmp_path / "kept", "")
     assert not (tmp_path / "kept").exists()
 

@@ -115,8 +115,8 @@ def test_watching_does_not_change_the_answer(exercise):
 
 
 def test_the_queue_matches_the_table_in_the_lesson():
-    says = [step.says for step in run_of("euclidean_clustering").steps]
-    assert says[1:7] == [
+    texts = [step.says for step in run_of("euclidean_clustering").steps]
+    assert texts[1:7] == [
         "Point 0 gets label 1. In the queue: 0.",
         "Point 0 is visited. Points 2 and 4 get label 1. In the queue: 2, 4.",
         "Point 2 is visited. Point 5 gets label 1. In the queue: 4, 5.",
@@ -124,7 +124,7 @@ def test_the_queue_matches_the_table_in_the_lesson():
         "Point 5 is visited. No point gets a label. In the queue: no point.",
         "Point 1 gets label 2. In the queue: 1.",
     ]
-    assert len(says) == 1 + len(GROUPS) + len(POINTS)
+    assert len(texts) == 1 + len(GROUPS) + len(POINTS)
 
 
 CLASS_WITH_A_STACK = """
@@ -156,10 +156,10 @@ def euclidean_clustering(cloud, threshold=0.5):
 
 def test_a_class_with_a_stack_and_blank_labels_is_followed():
     run = run_of("euclidean_clustering", source=CLASS_WITH_A_STACK)
-    says = [step.says for step in run.steps]
+    texts = [step.says for step in run.steps]
     assert run.wrong is None
-    assert "Point 0 is visited. Points 2 and 4 get label 1. In the queue: 2, 4." in says
-    assert "Point 4 is visited. Point 5 gets label 1. In the queue: 2, 5." in says
+    assert "Point 0 is visited. Points 2 and 4 get label 1. In the queue: 2, 4." in texts
+    assert "Point 4 is visited. Point 5 gets label 1. In the queue: 2, 5." in texts
 
 
 def test_rounds_show_the_samples_of_the_generator():
@@ -412,19 +412,19 @@ SEARCHES = [
 ]
 
 
-@pytest.mark.parametrize("one", SEARCHES, ids=lambda one: one.name)
-def test_the_replay_of_a_search_marks_the_wrong_step(one):
+@pytest.mark.parametrize("answer", SEARCHES, ids=lambda one: one.name)
+def test_the_replay_of_a_search_marks_the_wrong_step(answer):
     try:
-        run = walk_search(function_of("search", one.source))
+        run = walk_search(function_of("search", answer.source))
     except TypeError:
-        assert one.name == "works on arrays only"
+        assert answer.name == "works on arrays only"
         return
-    if one.name in WRONG_SEARCHES:
-        step, reason = WRONG_SEARCHES[one.name]
+    if answer.name in WRONG_SEARCHES:
+        step, reason = WRONG_SEARCHES[answer.name]
         assert (run.wrong.step, reason in run.wrong.why) == (step, True), run.wrong
     else:
         assert run.wrong is None
-    assert one.right <= (len(run.steps) == 10)
+    assert answer.right <= (len(run.steps) == 10)
 
 
 def test_a_wrong_tree_is_not_blamed_on_the_search():

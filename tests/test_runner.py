@@ -175,18 +175,18 @@ def test_selected_checks_can_be_run_again_later(made):
 
 
 @pytest.mark.parametrize(
-    ("hidden", "says"),
+    ("hidden", "message"),
     [
         ("", "pytest ran 0 of 0 tests in 06_made_here/hidden_tests.py (exit code 5)"),
         ("import nothing_of_this_name", "No module named 'nothing_of_this_name'"),
         (TWO + "\nopen('there is no such file')", "there is no such file"),
     ],
 )
-def test_a_broken_file_of_hidden_tests_is_a_judge_fault(made, hidden, says):
+def test_a_broken_file_of_hidden_tests_is_a_judge_fault(made, hidden, message):
     before = dict(os.environ)
     with pytest.raises(JudgeFault) as fault:
         run_checks(made(hidden), RecordingStudent(), SEED)
-    assert says in str(fault.value) and "Run pytest on this file" in str(fault.value)
+    assert message in str(fault.value) and "Run pytest on this file" in str(fault.value)
     assert dict(os.environ) == before
 
 

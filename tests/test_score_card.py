@@ -61,8 +61,8 @@ def test_the_card_agrees_with_score_boxes_on_a_street():
         for boxes, frame in zip(found, frames, strict=True):
             truth = np.array([box.corners for box in counted(frame, region)])
             total += score_boxes(boxes[within(boxes, region)], truth, least)
-        said = [card[name].values[place] for name in ("precision", "recall", "F1")]
-        assert said == pytest.approx([total.precision, total.recall, total.f1])
+        values = [card[name].values[place] for name in ("precision", "recall", "F1")]
+        assert values == pytest.approx([total.precision, total.recall, total.f1])
     assert card["recall"].count == sum(row.count for row in card.rows[3:6])
     assert card["recall"].count == sum(row.count for row in card.rows[6:])
 

@@ -24,13 +24,13 @@ ROSTER = (
 
 @pytest.fixture(scope="module")
 def graded_once(tmp_path_factory):
-    made = make_course(tmp_path_factory.mktemp("sections") / "course")
-    (made.root / "roster.csv").write_text(ROSTER)
-    judged = verdicts(made)
+    course = make_course(tmp_path_factory.mktemp("sections") / "course")
+    (course.root / "roster.csv").write_text(ROSTER)
+    judged = verdicts(course)
     for submission, verdict in judged:
-        write_verdict(verdict, submission.verdict_path(made))
-    enter_verdicts(made, judged, [STAGE], quiet)
-    return made.root
+        write_verdict(verdict, submission.verdict_path(course))
+    enter_verdicts(course, judged, [STAGE], quiet)
+    return course.root
 
 
 @pytest.fixture
@@ -38,9 +38,9 @@ def course(graded_once, tmp_path, monkeypatch):
     """Return a course in which Ada and Ida are in section A/1, and Bob is in section B."""
     shutil.copytree(graded_once, tmp_path / "course")
     paths._folder.cache_clear()
-    made = Course(tmp_path / "course")
-    monkeypatch.setattr(commands, "Course", lambda: made)
-    return made
+    course = Course(tmp_path / "course")
+    monkeypatch.setattr(commands, "Course", lambda: course)
+    return course
 
 
 def run(*options):

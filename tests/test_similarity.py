@@ -433,10 +433,10 @@ def test_a_class_is_compared_with_an_earlier_course(course, folder, tmp_path, mo
     monkeypatch.setattr(commands, "Course", lambda: course)
     options = ["similarity", LESSON.stage, "--earlier", str(last.root / folder)]
     assert cli.main(options) == 0
-    said = capsys.readouterr().out
+    output = capsys.readouterr().out
     one = sorted(path.name for path in course.submitted.iterdir())[-1]
-    assert f"{one} and course-2025/anna" in said and f"{one} and course-2025/bea" in said
-    assert "anna and" not in said and "identical" not in said
+    assert f"{one} and course-2025/anna" in output and f"{one} and course-2025/bea" in output
+    assert "anna and" not in output and "identical" not in output
     page = (course.report / f"similarity_{LESSON.stage}.html").read_text("utf-8")
     assert "students and 2 of earlier courses" in page
     assert {path.name for path in course.submitted.iterdir()}.isdisjoint({"anna", "bea"})
@@ -447,9 +447,9 @@ def test_a_class_is_compared_with_an_earlier_course(course, folder, tmp_path, mo
 def test_the_command_prints_similar_answers(course, monkeypatch, capsys):
     monkeypatch.setattr(commands, "Course", lambda: course)
     assert cli.main(["similarity", LESSON.stage]) == 0
-    said = capsys.readouterr().out
-    assert " and ".join(last_two(course)) in said
-    assert str(course.report / f"similarity_{LESSON.stage}.html") in said
+    output = capsys.readouterr().out
+    assert " and ".join(last_two(course)) in output
+    assert str(course.report / f"similarity_{LESSON.stage}.html") in output
 
 
 @pytest.mark.parametrize(

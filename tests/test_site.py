@@ -198,10 +198,10 @@ def test_the_description_of_a_figure_has_its_titles_axes_and_legend():
     axes.set_title("Left", loc="left")
     axes.set_xlabel("x, forward (m)")
     axes.legend()
-    said = widget_states.describe_figure(figure)
+    message = widget_states.describe_figure(figure)
     plt.close(figure)
-    assert all(word in said for word in ("Left", "x, forward (m)", "n²: n^2"))
-    assert "$" not in said
+    assert all(word in message for word in ("Left", "x, forward (m)", "n²: n^2"))
+    assert "$" not in message
 
 
 @pytest.mark.slow
@@ -303,8 +303,8 @@ def test_an_optional_lesson_runs_if_its_packages_are_installed(
     monkeypatch.setattr(builder, "write_site", lambda *_: None)
     assert cli.main(["site", "--to", str(tmp_path)]) == 0
     assert tuple(run_lessons) == (all_lessons() if missing else every_lesson())
-    said = "The page for 13_compiled_loops shows no outputs. To add outputs, install numba"
-    assert (said in capsys.readouterr().out) == bool(missing)
+    message = "The page for 13_compiled_loops shows no outputs. To add outputs, install numba"
+    assert (message in capsys.readouterr().out) == bool(missing)
 
 
 # ---- secrets and links ---------------------------------------------------------------------------
@@ -379,7 +379,7 @@ def test_a_line_of_a_solution_is_found_in_any_notation(tmp_path, suffix):
 
 
 @pytest.mark.parametrize(
-    ("page", "said"),
+    ("page", "message"),
     [
         ('<script src="https://cdn.example.org/a.js"></script>', "from another host"),
         ('<link rel="stylesheet" href="//fonts.example.org/a.css">', "from another host"),
@@ -390,10 +390,10 @@ def test_a_line_of_a_solution_is_found_in_any_notation(tmp_path, suffix):
         ('<a href="https://example.org/">out</a> <a id="x" href="page.html#x">here</a>', ""),
     ],
 )
-def test_broken_links_and_requests_to_other_hosts_are_found(tmp_path, page, said):
+def test_broken_links_and_requests_to_other_hosts_are_found(tmp_path, page, message):
     (tmp_path / "page.html").write_text(page, "utf-8")
     found = site_checks.faults(tmp_path)
-    assert [said in fault for fault in found] == [True] * bool(said)
+    assert [message in fault for fault in found] == [True] * bool(message)
 
 
 def test_styles_that_load_from_another_host_are_found(tmp_path):

@@ -109,8 +109,8 @@ def run_python(folder, program):
 def test_the_setup_cell_needs_no_other_file_and_makes_the_same_cloud(tmp_path):
     done = run_setup(tmp_path, standalone.setup_cell(LESSON.name))
     assert done.returncode == 0, done.stderr
-    said, ready, folder, place, digest = done.stdout.strip().splitlines()
-    assert said == "Everything this notebook needs is here." and ready.startswith("Ready: ")
+    message, ready, folder, place, digest = done.stdout.strip().splitlines()
+    assert message == "Everything this notebook needs is here." and ready.startswith("Ready: ")
     assert place.startswith(folder)
     assert digest == hashlib.sha256((PROJECT / "data" / "cloud.txt").read_bytes()).hexdigest()
     assert list(tmp_path.iterdir()) == []

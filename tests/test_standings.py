@@ -58,9 +58,9 @@ ZERO = {"ada": {GROUND: (0.0, 0.0), DISTANCE: (11.75, 2.0, 4.5)}, "bob": {DISTAN
 
 @pytest.fixture(scope="module")
 def entered_once(tmp_path_factory):
-    made = make_course(tmp_path_factory.mktemp("standing") / "course")
-    enter_verdicts(made, verdicts(made, ZERO), [STAGE], quiet)
-    return made.root
+    course = make_course(tmp_path_factory.mktemp("standing") / "course")
+    enter_verdicts(course, verdicts(course, ZERO), [STAGE], quiet)
+    return course.root
 
 
 @pytest.fixture

@@ -175,8 +175,8 @@ def test_a_stored_experiment_replaces_one_that_a_stub_stops(capsys):
     namespace = {"keep": stub, "experiment": experiment}
     lent.Lender(stored, namespace).wrap_stubs()
     assert namespace["experiment"](CLOUD) == expected
-    said = capsys.readouterr().out
-    assert "experiment: this is the course's answer; stub is not written yet." in said
+    output = capsys.readouterr().out
+    assert "experiment: this is the course's answer; stub is not written yet." in output
     namespace["keep"] = lambda cloud, level: cloud[:0]
     assert namespace["experiment"](CLOUD) == [0, 0, 0]
 

@@ -52,11 +52,11 @@ OFF = 'without = ["voxel_grid"]\n'  # 20 of the 30 points of lesson 06
 
 @pytest.fixture(scope="module")
 def entered_once(tmp_path_factory):
-    made = make_course(tmp_path_factory.mktemp("rules") / "course")
-    (made.root / "nbgrader_config.py").write_text(LATE)  # 10 % for each day
-    (made.root / "roster.csv").write_text(ROSTER)
-    grade(made)
-    return made.root
+    course = make_course(tmp_path_factory.mktemp("rules") / "course")
+    (course.root / "nbgrader_config.py").write_text(LATE)  # 10 % for each day
+    (course.root / "roster.csv").write_text(ROSTER)
+    grade(course)
+    return course.root
 
 
 @pytest.fixture

@@ -84,15 +84,17 @@ def test_the_loop_is_named_with_a_question(function, text, question, monkeypatch
 
 
 def test_nested_loops_are_both_named(monkeypatch):
-    said = after(loop_in_a_loop, monkeypatch)
+    message = after(loop_in_a_loop, monkeypatch)
     outer = f"line {line_of('while left > 0:')} of the cell of loop_in_a_loop, `while left > 0:`"
-    assert f"{outer}. " in said and ("Which of the two loops" in said) == ("`while place" in said)
+    assert f"{outer}. " in message and ("Which of the two loops" in message) == (
+        "`while place" in message
+    )
 
 
 def test_a_loop_in_a_called_function_is_named(monkeypatch):
-    said = after(calls_another, monkeypatch)
-    assert said.startswith("calls_another did not return within")
-    assert "of the cell of no_way_out, `while True:`. Does the loop ever" in said
+    message = after(calls_another, monkeypatch)
+    assert message.startswith("calls_another did not return within")
+    assert "of the cell of no_way_out, `while True:`. Does the loop ever" in message
 
 
 def test_the_message_asks_about_a_loop_if_no_loop_is_found(monkeypatch):
@@ -102,8 +104,8 @@ def test_the_message_asks_about_a_loop_if_no_loop_is_found(monkeypatch):
 
 
 def test_a_check_may_have_its_own_question(monkeypatch):
-    said = after(no_way_out, monkeypatch, slow="does the walk end?")
-    assert "of the cell of no_way_out, `while True:`. Does the walk end? If" in said
+    message = after(no_way_out, monkeypatch, slow="does the walk end?")
+    assert "of the cell of no_way_out, `while True:`. Does the walk end? If" in message
     assert "s: does the walk end? If" in after(
         loop_without_a_line, monkeypatch, "does the walk end?"
     )

@@ -92,7 +92,7 @@ def test_a_valid_verdict_is_immutable_and_not_starved():
 
 
 @pytest.mark.parametrize(
-    ("before", "shown"),
+    ("before", "score_text"),
     [
         ("    keep = z < level", "keep = z < level"),
         ("keep = (\n    z < level)", "keep = ("),
@@ -100,9 +100,9 @@ def test_a_valid_verdict_is_immutable_and_not_starved():
     ],
 )
 @pytest.mark.parametrize("score", [0.0, 1.5])
-def test_the_sentence_about_a_slip_has_its_place_and_its_score(before, shown, score):
+def test_the_sentence_about_a_slip_has_its_place_and_its_score(before, score_text, score):
     slip = Slip(3, 7, before, "keep = z >= level", score)
-    where = f"One change in code cell 3, line 7 (`{shown}`) would correct this exercise."
+    where = f"One change in code cell 3, line 7 (`{score_text}`) would correct this exercise."
     assert slip.sentence.startswith(where)
     assert ("keeps these points" in slip.sentence) == (score > 0)
     assert slip.__dataclass_params__.frozen

@@ -99,9 +99,9 @@ def read_while_judging(lesson, notebooks, folder, sandbox):
         text=True,
     )
     assert done.returncode == 0, done.stderr
-    said = json.loads(done.stdout.splitlines()[-1])
-    assert said["faults"] == []
-    return {file for name in said["heard"] for file in files_of_project(Path(name))}
+    result = json.loads(done.stdout.splitlines()[-1])
+    assert result["faults"] == []
+    return {file for name in result["heard"] for file in files_of_project(Path(name))}
 
 
 def files_of_project(path):

@@ -213,18 +213,18 @@ def reference(monkeypatch):
 
 def test_a_faulty_test_fails_the_solution_twice(reference):
     broken = ended((NO, None), problems=("A cell.",))
-    said = ("filter_ground, filter_ground 0: CheckFailed: no", "A cell.")
+    complaints = ("filter_ground, filter_ground 0: CheckFailed: no", "A cell.")
     assert reference(ended()) == ((), 0)
     assert reference(broken, ended()) == ((), 0)
-    assert reference(broken, broken) == (said, 0)
+    assert reference(broken, broken) == (complaints, 0)
     fault = RunResults((), fault="pytest ran 3 of 9 tests", problems=("A cell.",))
     assert reference(broken, fault) == (("pytest ran 3 of 9 tests",), 0)
 
 
 def test_a_notebook_of_an_unknown_lesson_is_refused():
     nameless = b'{"cells": [], "metadata": {}}'
-    for data, says in ((nameless, "cannot be matched with a lesson"), (b"", "is empty")):
-        with pytest.raises(judging.UnknownLesson, match=says):
+    for data, message in ((nameless, "cannot be matched with a lesson"), (b"", "is empty")):
+        with pytest.raises(judging.UnknownLesson, match=message):
             judging.judge_files(SubmittedFiles("my homework.ipynb", data), 7, None)
     verdict = judging.judge_files(SubmittedFiles("06_filter_ground.ipynb", b""), 7, None)
     assert (verdict.status, verdict.score, verdict.max_score) == (JUDGED, 0.0, 30.0)
@@ -265,14 +265,14 @@ def test_a_verdict_has_the_outcome_of_each_check():
     runs = ended((None, NO), mistakes={"filter_ground": FLIPPED})
     exercise = FILTER.machine_graded[0]
     result = result_of(exercise, runs, None)
-    half, said = exercise.points / 2, "It is upside down.\nno"
-    more = f"{said}\nThe check in the notebook shows your answer next to the right one."
+    half, message = exercise.points / 2, "It is upside down.\nno"
+    more = f"{message}\nThe check in the notebook shows your answer next to the right one."
     assert result.tests == (
         CheckResult("filter_ground 0", "title 0", True, half, half, "", True),
         CheckResult("filter_ground 1", "title 1", False, 0.0, half, more, True),
     )
     assert (result.name, result.score, result.max_score) == ("filter_ground", half, 2 * half)
-    assert (result.cause, result.first) == (said, "filter_ground 1")
+    assert (result.cause, result.first) == (message, "filter_ground 1")
     right = result_of(exercise, ended(), None)
     assert (right.cause, right.first, right.score) == ("", "", 2 * half)
 

@@ -50,19 +50,21 @@ def there_and_back(value):
     return wire_format.decode(*parts(wire_format.encode(value)))
 
 
-def same(one, other):
+def same(first, second):
     """Return whether two values have the same type and are equal; NaN equals NaN."""
-    if type(one) is not type(other):
+    if type(first) is not type(second):
         return False
-    if isinstance(one, np.ndarray):
-        return one.dtype == other.dtype and np.array_equal(one, other, equal_nan=True)
-    if isinstance(one, (list, tuple)):
-        return len(one) == len(other) and all(map(same, one, other))
-    if isinstance(one, dict):
-        return same(list(one.items()), list(other.items()))
-    if isinstance(one, set):
-        return sorted(map(repr, one)) == sorted(map(repr, other))
-    return one == other or (isinstance(one, float) and math.isnan(one) and math.isnan(other))
+    if isinstance(first, np.ndarray):
+        return first.dtype == second.dtype and np.array_equal(first, second, equal_nan=True)
+    if isinstance(first, (list, tuple)):
+        return len(first) == len(second) and all(map(same, first, second))
+    if isinstance(first, dict):
+        return same(list(first.items()), list(second.items()))
+    if isinstance(first, set):
+        return sorted(map(repr, first)) == sorted(map(repr, second))
+    return first == second or (
+        isinstance(first, float) and math.isnan(first) and math.isnan(second)
+    )
 
 
 def is_plain(value):

@@ -73,13 +73,13 @@ IN_ADAS_NAME = {
 
 @pytest.fixture
 def course(tmp_path):
-    made = Course(tmp_path / "course")
-    made.root.mkdir()
-    with open(made.root / "roster.csv", "w", encoding="utf-8", newline="") as file:
+    course = Course(tmp_path / "course")
+    course.root.mkdir()
+    with open(course.root / "roster.csv", "w", encoding="utf-8", newline="") as file:
         csv.writer(file).writerows(
             [["id", "first_name", "last_name", "email", "lms_id"], *PEOPLE],
         )
-    return made
+    return course
 
 
 def collect(course, path):

@@ -158,8 +158,8 @@ def test_a_failing_cell_does_not_reveal_another_notebooks_secret(body):
     source = LEAKING_CELL.format(body=body) + "def f(): return 1\n"
     with attack(source, forbidden=("sklearn.cluster",)) as student:
         student.f()
-        said = " ".join(student.problems)
-    assert "failed: " in said and not LEAK.search(said) and "6763" not in said
+        message = " ".join(student.problems)
+    assert "failed: " in message and not LEAK.search(message) and "6763" not in message
 
 
 def test_the_number_of_reported_failing_cells_is_limited():
@@ -186,9 +186,9 @@ def test_an_answer_does_not_reveal_another_notebooks_secret(name, body, submit):
     """Messages do not quote the answer, which could contain data from another notebook."""
     source = f"import numpy as np\ndef {name}(cloud, *arguments):\n    {body}\n"
     verdict = submit({name: source})
-    said = [test.message for exercise in verdict.exercises for test in exercise.tests]
-    said = "\n".join(re.sub("Hint: .*", "", words) for words in said)
-    assert "shows your answer" in said and not re.search(r"67[\d.]*63|6, 7, 6, 3, 1", said)
+    text = [test.message for exercise in verdict.exercises for test in exercise.tests]
+    text = "\n".join(re.sub("Hint: .*", "", words) for words in text)
+    assert "shows your answer" in text and not re.search(r"67[\d.]*63|6, 7, 6, 3, 1", text)
 
 
 def test_exit_codes_are_not_shown(submit):
@@ -196,8 +196,8 @@ def test_exit_codes_are_not_shown(submit):
     body = "os._exit(int(abs(numbers[0]) * 7) % 250 + 1)"
     verdict = submit({"filter_ground": LEAKING_FUNCTION.format(name="filter_ground", body=body)})
     messages = [test.message for exercise in verdict.exercises for test in exercise.tests]
-    said = {words for words in messages if "ended" in words}
-    assert said and not any(re.search(r"code \d|\d{2,}", words) for words in said)
+    exit_messages = {words for words in messages if "ended" in words}
+    assert exit_messages and not any(re.search(r"code \d|\d{2,}", words) for words in exit_messages)
 
 
 @pytest.mark.parametrize(
@@ -224,8 +224,8 @@ def test_messages_contain_no_numbers_from_hidden_input(submit):
         "voxel_grid": "def voxel_grid(cloud, size=0.2): return cloud[::2] + 0.1\n",
     }
     verdict = submit(answers)
-    said = "\n".join(re.sub("Hint: .*", "", words) for words in hidden_words(verdict))
-    assert said.strip() and not re.search(r"\d", said)
+    text = "\n".join(re.sub("Hint: .*", "", words) for words in hidden_words(verdict))
+    assert text.strip() and not re.search(r"\d", text)
 
 
 @with_attacks(
@@ -294,17 +294,17 @@ def test_only_lines_of_the_function_are_shown(where, submit):
     here = "\ndef here(): return int(here.__code__.co_filename.split()[-1])\n" + "\n" * 3000
     source = LEAKING_LINE.format(name="filter_ground", where=where) + here
     verdict = submit({"filter_ground": source})
-    said = [words for words in hidden_words(verdict) if words]
-    lines = [int(line) for words in said for line in re.findall(r"line (\d+)", words)]
-    assert len(said) > 15 and all(line < 100 for line in lines)
+    messages = [words for words in hidden_words(verdict) if words]
+    lines = [int(line) for words in messages for line in re.findall(r"line (\d+)", words)]
+    assert len(messages) > 15 and all(line < 100 for line in lines)
 
 
 def test_lines_of_a_very_long_notebook_are_not_shown(submit):
     source = LEAKING_LINE.format(name="filter_ground", where="__file__") + "\n" * 5000
     verdict = submit({"filter_ground": source.replace("__file__", "'code cell 9'")})
-    said = [test.message for exercise in verdict.exercises for test in exercise.tests]
-    assert any("ZeroDivisionError" in words for words in said)
-    assert not any(re.search(r"line \d", words) for words in said)
+    messages = [test.message for exercise in verdict.exercises for test in exercise.tests]
+    assert any("ZeroDivisionError" in words for words in messages)
+    assert not any(re.search(r"line \d", words) for words in messages)
 
 
 def test_lines_of_a_very_long_function_are_not_shown(submit):
@@ -314,8 +314,8 @@ def test_lines_of_a_very_long_function_are_not_shown(submit):
     for count, is_shown in ((40, True), (400, False)):
         source = head.format(count) + "".join(body.format(n) for n in range(count))
         verdict = submit({"filter_ground": source})
-        said = [words for words in hidden_words(verdict) if "ZeroDivisionError" in words]
-        assert said and any("line" in words for words in said) == is_shown
+        messages = [words for words in hidden_words(verdict) if "ZeroDivisionError" in words]
+        assert messages and any("line" in words for words in messages) == is_shown
 
 
 WORDS, SMALL_NUMBERS = 16, 100

@@ -84,7 +84,9 @@ def test_a_file_that_preflight_cannot_finish_gets_a_verdict(small_limits, sandbo
     make_vulnerable(monkeypatch, preflight, "_defines")
     verdict = judge_files(submission_of(HOSTILE), SEED, sandbox)
     assert (verdict.status, verdict.score) == (JUDGED, 0.0)
-    assert [*verdict.problems] == [said for said in verdict.problems if "more than 1 sec" in said]
+    assert [*verdict.problems] == [
+        message for message in verdict.problems if "more than 1 sec" in message
+    ]
     assert len(verdict.problems) == 1
 
 
@@ -143,7 +145,7 @@ def test_the_class_is_graded_despite_a_costly_file(
     """A file that is too slow for preflight earns 0; one that is too slow to copy is not shown."""
     make_vulnerable(monkeypatch, module, name)
     status = grade(course, sandbox, monkeypatch)
-    said = " ".join((lambda seen: seen.out + seen.err)(capsys.readouterr()).split())
+    output = " ".join((lambda seen: seen.out + seen.err)(capsys.readouterr()).split())
     results = {result.student: result for result in class_results(course).notebooks}
     assert [results[student].score for student in ("mallory", "zoe")] == [score, 25]
     assert results["mallory"].standing == WAITING, "a person looks for the written answer"
@@ -158,7 +160,7 @@ def test_the_class_is_graded_despite_a_costly_file(
     assert (verdict.status, verdict.score) == (JUDGED, score)
     if score:
         assert status == commands.FAULT
-        assert "mallory, stage4_realtime: the points were entered, but the copy" in said
+        assert "mallory, stage4_realtime: the points were entered, but the copy" in output
     else:
         assert status == commands.SUCCESS
 

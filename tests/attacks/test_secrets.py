@@ -142,8 +142,8 @@ def test_a_short_seed_is_refused(seed, tmp_path, monkeypatch, capsys):
     course = Course(tmp_path)
     monkeypatch.setattr(commands, "Course", lambda: course)
     assert cli.main(["grade", f"--seed={seed}", "--sandbox", "process"]) == commands.USAGE_ERROR
-    assert "Leave --seed out" in (said := capsys.readouterr().err)
-    offered = int(said.split()[-1])
+    assert "Leave --seed out" in (message := capsys.readouterr().err)
+    offered = int(message.split()[-1])
     assert course_seed(course, offered) == offered
     course.seed_file.write_text(f"{seed}\n")
     with pytest.raises(ShortSeed, match="Remove .course_seed"):
