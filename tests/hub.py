@@ -45,7 +45,7 @@ EXCHANGE = Path("/srv/exchange/lidar_obstacle_lab")
 # ---- accounts and commands ----------------------------------------------------------------------
 
 
-def blocks():
+def shell_blocks():
     """Return the page's blocks of shell commands, by their first comment."""
     text = (PROJECT / "docs" / "platforms" / "jupyterhub.md").read_text("utf-8")
     found = re.findall(r"^```sh\n# (\w+(?: \w+)*)(.*?)^```", text, re.M | re.S)
@@ -372,7 +372,7 @@ def scores():
 
 def run_scenario(pictures):
     """Run the whole scenario, from an empty machine to the feedback."""
-    steps = blocks()
+    steps = shell_blocks()
     passwords = make_accounts()
     run_as("root", steps["As root"])
     run_as("instructor", steps["As the instructor"], ADDRESS="/srv/course.git")

@@ -22,7 +22,7 @@ from tests.colab import (
     missing_requirement,
     served,
 )
-from tests.notebook_runs import errors_of, errors_outside_checks, run, written
+from tests.notebook_runs import errors_of, errors_outside_checks, printed_text, run
 from utils import colab
 from utils.scene3d import opengl
 
@@ -234,7 +234,7 @@ def test_a_solved_notebook_of_each_stage_fetches_the_course(stage, course, colab
     notebook = run_alone(course[lesson.solved], tmp_path)
     assert errors_of(notebook) == []
     assert names_in(tmp_path) == ["data", "utils"]
-    assert "Ready:" in written(notebook, "stdout")
+    assert "Ready:" in printed_text(notebook, "stdout")
 
 
 # Blocks name look-ups and new connections, but lets Jupyter reach its kernel on this machine.
@@ -256,9 +256,9 @@ def run_without_network(text, folder):
 def test_a_standalone_notebook_runs_in_colab_without_a_network(lesson, colab_kernel, tmp_path):
     notebook = run_without_network(make_standalone(lesson.solved.read_bytes()), tmp_path)
     assert errors_of(notebook) == []
-    assert written(notebook, "stderr") == ""
-    assert "Everything this notebook needs is here." in written(notebook, "stdout")
-    assert "NumPy 2.1.3" in written(notebook, "stdout")
+    assert printed_text(notebook, "stderr") == ""
+    assert "Everything this notebook needs is here." in printed_text(notebook, "stdout")
+    assert "NumPy 2.1.3" in printed_text(notebook, "stdout")
     assert names_in(tmp_path) == []
 
 

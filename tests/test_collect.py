@@ -36,13 +36,13 @@ from tests.archives import (
     canvas_prefix,
     gradescope_files,
     ilias_files,
+    make_zip,
     moodle_files,
     notebook,
     prairielearn_files,
-    released,
+    released_notebook,
     sakai_files,
     worksheet,
-    zipped,
 )
 
 STAGE = "stage3_obstacles"
@@ -72,7 +72,7 @@ def anonymous_course(course):
 
 def archive(course, files, name="submissions.zip", **options):
     path = course.root / name
-    path.write_bytes(zipped(files, **options))
+    path.write_bytes(make_zip(files, **options))
     return path
 
 
@@ -660,7 +660,7 @@ def write_checkout(root, name, files):
 def test_github_checkouts_are_found_by_login(course, tmp_path):
     root = tmp_path / "stage-3-submissions"
     mine = {f"notebooks/{STAGE}/{SIX}.ipynb": notebook(), "README.md": b"hello"}
-    given = {f"notebooks/{STAGE}/{SEVEN}.ipynb": released(SEVEN)}
+    given = {f"notebooks/{STAGE}/{SEVEN}.ipynb": released_notebook(SEVEN)}
     write_checkout(
         root, "stage-3-ada-l", mine | given | {".git/objects/06_filter_ground.ipynb": b"x"}
     )
@@ -727,11 +727,15 @@ def test_a_table_of_times_is_read_in_any_form(course, encoding):
 
 def test_a_partly_unreadable_released_notebook_is_collected(course, tmp_path):
     """A merge conflict, or a missing end, may hide the student's work."""
-    lines = json.dumps(json.loads(released()), indent=1).split("\n")
+    lines = json.dumps(json.loads(released_notebook()), indent=1).split("\n")
     place = next(n for n, line in enumerate(lines) if '"execution_count"' in line)
     conflict = ["<<<<<<< HEAD", lines[place], "=======", lines[place], ">>>>>>> main"]
     lines[place : place + 1] = conflict
-    files = {SIX: "\n".join(lines).encode(), SEVEN: released(SEVEN)[:-20], EIGHT: released(EIGHT)}
+    files = {
+        SIX: "\n".join(lines).encode(),
+        SEVEN: released_notebook(SEVEN)[:-20],
+        EIGHT: released_notebook(EIGHT),
+    }
     given = {f"{name}.ipynb": data for name, data in files.items()}
     write_checkout(tmp_path / "hw", "hw-3-ada-l", given)
     write_checkout(tmp_path / "hw", "hw-3-bmu", {f"{SIX}.ipynb": notebook()})
@@ -763,8 +767,8 @@ def test_one_folder_for_each_student_is_collected(course, layout):
 def test_a_folder_of_zips_and_a_single_file_are_collected(course, tmp_path):
     folder = tmp_path / "downloads"
     folder.mkdir()
-    (folder / "ada.zip").write_bytes(zipped([(f"{SIX}.ipynb", notebook())]))
-    (folder / "bjorn.zip").write_bytes(zipped([(f"w/{SIX}.ipynb", notebook(text="b"))]))
+    (folder / "ada.zip").write_bytes(make_zip([(f"{SIX}.ipynb", notebook())]))
+    (folder / "bjorn.zip").write_bytes(make_zip([(f"w/{SIX}.ipynb", notebook(text="b"))]))
     assert states(collect(course, folder)) == {"ada": {"06": "new"}, "bjorn": {"06": "new"}}
     single = tmp_path / "8.ipynb"
     single.write_bytes(notebook(EIGHT))
@@ -812,7 +816,7 @@ def test_the_lesson_follows_from_the_content_if_the_file_name_contains_no_lesson
 
 
 def test_the_lesson_follows_from_the_graded_cells_if_the_metadata_is_missing(course):
-    unnamed = released(EIGHT).replace(b'"lidar_obstacle_lab"', b'"y"')
+    unnamed = released_notebook(EIGHT).replace(b'"lidar_obstacle_lab"', b'"y"')
     path = archive(course, [("ada/x.ipynb", unnamed)])
     assert states(collect(course, path)) == {"ada": {"08": "new"}}
 
@@ -848,7 +852,10 @@ def test_only_changed_notebooks_of_a_whole_course_count(course):
     """If a student submits a zip of the whole course, its unchanged notebooks do not count."""
     files = [
         (f"ada/lab/notebooks/{STAGE}/{SIX}.ipynb", notebook()),
-        ("ada/lab/notebooks/stage1_ransac/01_point_clouds.ipynb", released("01_point_clouds")),
+        (
+            "ada/lab/notebooks/stage1_ransac/01_point_clouds.ipynb",
+            released_notebook("01_point_clouds"),
+        ),
         ("ada/lab/utils/clouds.py", b"x = 1"),
         ("ada/lab/data/cloud.txt", b"1 2 3"),
         ("ada/__MACOSX/._06_filter_ground.ipynb", b"junk"),
@@ -937,7 +944,7 @@ def test_two_submitters_are_one_student_only_if_an_option_says_so(course):
 
 def test_an_untouched_copy_is_ignored(course):
     """An untouched second download, with "(1)" in its name, does not replace the student's work."""
-    files = [(f"ada/{SIX}.ipynb", notebook()), (f"ada/{SIX} (1).ipynb", released())]
+    files = [(f"ada/{SIX}.ipynb", notebook()), (f"ada/{SIX} (1).ipynb", released_notebook())]
     collect(course, archive(course, files))
     assert placed(course, "ada") == {f"{SIX}.ipynb": notebook()}
 
@@ -973,7 +980,7 @@ def test_the_copy_with_the_highest_number_or_latest_time_counts(course):
         1,
         [(f"{SIX} ({n}).ipynb", notebook(text=f"copy {n}")) for n in (2, 10, 9)],
     )
-    inner = zipped(
+    inner = make_zip(
         [
             (f"a/{SEVEN}.ipynb", notebook(SEVEN, "new"), (2026, 10, 2, 8, 0, 0)),
             (f"b/{SEVEN}.ipynb", notebook(SEVEN, "old"), (2026, 10, 1, 8, 0, 0)),
@@ -1113,7 +1120,7 @@ def test_an_archive_of_one_student_may_have_any_folders(course, inside):
     packed = course.submitted / "cy" / STAGE / "my homework.zip"
     packed.parent.mkdir(parents=True)
     names = (SIX, SEVEN)
-    packed.write_bytes(zipped([(f"{inside}{name}.ipynb", notebook(name)) for name in names]))
+    packed.write_bytes(make_zip([(f"{inside}{name}.ipynb", notebook(name)) for name in names]))
     ((_, reason),) = unaccounted_files(course)
     assert "--who 'my homework=cy'" in reason
     outcome = collect(course, packed, who={"my homework": "cy"})
@@ -1195,11 +1202,11 @@ def test_a_member_who_left_a_team_is_collected_alone_after_an_answer(course):
 
 
 def test_the_decision_to_ignore_a_file_is_remembered(course, command, capsys):
-    broken = zipped([("x.txt", b"x" * 999)])[:-40]
+    broken = make_zip([("x.txt", b"x" * 999)])[:-40]
     files = [
         (f"ada/{SIX}.ipynb", notebook()),
         ("ada/report.pdf", b"%PDF"),
-        ("ada/homework.zip", zipped([("01_point_clouds.ipynb", notebook("01_point_clouds"))])),
+        ("ada/homework.zip", make_zip([("01_point_clouds.ipynb", notebook("01_point_clouds"))])),
         ("bjorn/photo.png", b"x"),
         ("bjorn/notes.txt", b"x"),
         ("cy/homework.zip", broken),
@@ -1228,13 +1235,13 @@ def test_later_work_with_the_name_of_an_ignored_file_is_collected(course):
     outcome = collect(course, path, who={name: "-", "cy/h.zip": "-"})
     assert outcome.questions == [] and states(outcome) == {"ada": {}, "cy": {}}
     assert collect(course, path).questions == []
-    later = [(name, notebook()), ("cy/h.zip", zipped([(f"{SEVEN}.ipynb", notebook(SEVEN))]))]
+    later = [(name, notebook()), ("cy/h.zip", make_zip([(f"{SEVEN}.ipynb", notebook(SEVEN))]))]
     outcome = collect(course, archive(course, later))
     assert states(outcome) == {"ada": {"06": "new"}, "cy": {"07": "new"}}
 
 
 def test_an_untouched_repository_does_not_wait_for_an_answer(course, tmp_path):
-    given = {f"notebooks/{STAGE}/{SIX}.ipynb": released(), "README.md": b"hello"}
+    given = {f"notebooks/{STAGE}/{SIX}.ipynb": released_notebook(), "README.md": b"hello"}
     for login in ("ada-l", "bmu"):
         write_checkout(tmp_path / "hw", f"hw-3-{login}", given)
     outcome = collect(course, tmp_path / "hw")
@@ -1327,7 +1334,7 @@ def files_below(root):
 @pytest.mark.parametrize("within", ["", "homework.zip"])
 def test_names_cannot_lead_outside_the_folder(course, name, within, tmp_path):
     """The notebook is collected into the folder, because old zip programs write such names."""
-    data = zipped([(name, notebook())])
+    data = make_zip([(name, notebook())])
     files = [("ada/homework.zip", data)] if within else [("ada/" + name, notebook())]
     files_before = files_below(tmp_path)
     outcome = collect(course, archive(course, files))
@@ -1366,14 +1373,14 @@ def test_zip_bombs_are_refused_with_a_reason(course, monkeypatch):
     zeros = b'{"cells": [], "x": "' + b"0" * (8 * 2**20) + b'"}'
     deep = notebook(NINE)
     for _ in range(4):
-        deep = zipped([(f"{NINE}.ipynb" if deep[:1] == b"{" else "more.zip", deep)])
-    many = zipped([(f"{n}.txt", b"") for n in range(zips.MOST_FILES_OF_A_STUDENT + 1)])
+        deep = make_zip([(f"{NINE}.ipynb" if deep[:1] == b"{" else "more.zip", deep)])
+    many = make_zip([(f"{n}.txt", b"") for n in range(zips.MOST_FILES_OF_A_STUDENT + 1)])
     files = [
         (f"ada/{SIX}.ipynb", zeros),
-        ("ada/ratio.zip", zipped([(f"{SEVEN}.ipynb", zeros)])),
+        ("ada/ratio.zip", make_zip([(f"{SEVEN}.ipynb", zeros)])),
         ("ada/many.zip", many),
         ("ada/deep.zip", deep),
-        ("ada/broken.zip", zipped([("x.txt", b"x" * 999)])[:-40]),
+        ("ada/broken.zip", make_zip([("x.txt", b"x" * 999)])[:-40]),
         ("bjorn/" + f"{SIX}.ipynb", notebook()),
     ]
     outcome = collect(course, archive(course, files))
@@ -1388,13 +1395,13 @@ def test_zip_bombs_are_refused_with_a_reason(course, monkeypatch):
 
 def test_too_many_bytes_in_one_zip_are_refused(course, monkeypatch):
     monkeypatch.setattr("grader.classroom.collect.inspection.MOST_BYTES_OF_A_STUDENT", 2000)
-    inner = zipped([(f"{n}.ipynb", notebook(text=str(n) * 90)) for n in range(20)])
+    inner = make_zip([(f"{n}.ipynb", notebook(text=str(n) * 90)) for n in range(20)])
     outcome = collect(course, archive(course, [("ada/homework.zip", inner)]))
     assert "unpacks to more than" in questions(outcome)["ada/homework.zip"]
 
 
 def test_a_zip_with_a_password_becomes_a_question(course, tmp_path):
-    data = bytearray(zipped([(f"{SIX}.ipynb", notebook())]))
+    data = bytearray(make_zip([(f"{SIX}.ipynb", notebook())]))
     for signature, place in ((b"PK\3\4", 6), (b"PK\1\2", 8)):
         data[data.find(signature) + place] |= 1
     outcome = collect(course, archive(course, [("ada/homework.zip", bytes(data))]))
@@ -1626,7 +1633,7 @@ def test_names_from_windows_are_recognised(course, page):
     """Zips from Windows do not name the code page of their names."""
     name = "李伟" if page == "gbk" else "Bjørn Ås"
     with_roster(course, "li,伟,李,,,", "ba,Bjørn,Ås,,,", "bo,Bo,Bäcker,,,")
-    data = zipped([(f"{'#' * len(name.encode(page))}/{SIX}.ipynb", notebook())])
+    data = make_zip([(f"{'#' * len(name.encode(page))}/{SIX}.ipynb", notebook())])
     data = data.replace(b"#" * len(name.encode(page)), name.encode(page))
     (course.root / "windows.zip").write_bytes(data)
     outcome = collect(course, course.root / "windows.zip")
@@ -1640,7 +1647,7 @@ def test_a_virtual_environment_is_not_collected(course):
         ("ada/venv/pyvenv.cfg", b"home = /usr/bin"),
     ]
     assert states(collect(course, archive(course, files))) == {"ada": {"06": "new"}}
-    packed = archive(course, [("cy/h.zip", zipped([(name[4:], data) for name, data in files]))])
+    packed = archive(course, [("cy/h.zip", make_zip([(name[4:], data) for name, data in files]))])
     assert states(collect(course, packed)) == {"cy": {"06": "new"}}
 
 
@@ -1682,7 +1689,7 @@ def test_the_login_in_a_single_repository_is_asked_for(course, tmp_path):
 
 
 def test_an_empty_name_in_a_zip_does_not_affect_any_student(course):
-    homework = zipped([("\0x", b""), (f"{SIX}.ipynb", notebook(text="bjorn"))])
+    homework = make_zip([("\0x", b""), (f"{SIX}.ipynb", notebook(text="bjorn"))])
     files = [
         (f"ada/{SIX}.ipynb", notebook()),
         ("bjorn/h.zip", homework),
@@ -1709,7 +1716,7 @@ def test_an_unexpected_error_in_a_zip_does_not_affect_other_students(course, mon
 
 def test_a_damaged_zip_is_read_or_reported():
     """Most of the randomly changed bytes are in the central directory."""
-    whole = zipped([(f"{SIX}.ipynb", notebook()), ("mine.py", b"x = 1"), ("b/y.txt", b"y" * 50)])
+    whole = make_zip([(f"{SIX}.ipynb", notebook()), ("mine.py", b"x = 1"), ("b/y.txt", b"y" * 50)])
     directory = whole.find(b"PK\1\2")
     contents.cache_releases()
     rng = random.Random(1)
@@ -1728,14 +1735,14 @@ def test_a_damaged_zip_is_read_or_reported():
 def test_too_many_bytes_in_several_zips_are_refused(course, monkeypatch):
     monkeypatch.setattr("grader.classroom.collect.inspection.MOST_BYTES_OF_A_STUDENT", 2000)
     archives = [
-        zipped([(f"{n}.ipynb", notebook(text=str(n) * 90)) for n in range(k, k + 5)])
+        make_zip([(f"{n}.ipynb", notebook(text=str(n) * 90)) for n in range(k, k + 5)])
         for k in (0, 5, 10)
     ]
     files = [(f"ada/{n}.zip", data) for n, data in enumerate(archives)]
     assert sum(map(len, archives)) < 4000
     texts = questions(collect(course, archive(course, files)))
     assert "brings the student's total to more than" in texts["ada/1.zip"]
-    inner = zipped([(f"{n}.zip", data) for n, data in enumerate(archives)])
+    inner = make_zip([(f"{n}.zip", data) for n, data in enumerate(archives)])
     outcome = collect(course, archive(course, [("ada/all.zip", inner)], "inner.zip"))
     assert "unpacks to more than" in questions(outcome)["ada/all.zip"]
 

@@ -257,6 +257,6 @@ def test_a_line_through_the_origin_is_moved_away_from_it():
 
 
 def test_cases_are_read_only():
-    for promises in common_checks.all_promises():
-        for value in (*promises.case.given.values(), promises.case.expected):
-            assert not isinstance(value, np.ndarray) or not value.flags.writeable, promises
+    for promise in common_checks.all_promises():
+        for value in (*promise.case.given.values(), promise.case.expected):
+            assert not isinstance(value, np.ndarray) or not value.flags.writeable, promise

@@ -40,7 +40,7 @@ from grader.lms.gradebook import open_gradebook
 from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.results import EXCUSED, MARKED, NotebookResult, StageResult
 from tests import browser
-from tests.archives import canvas_files, moodle_files, zipped
+from tests.archives import canvas_files, make_zip, moodle_files
 from tests.prerequisites import CHROMIUM
 
 STAGE = "stage4_realtime"
@@ -286,7 +286,7 @@ def make_course(root, *archives, decisions=None):
     (root / "deadlines.toml").write_text(f"[{STAGE}]\nlessons = {json.dumps(numbers)}\n")
     paths._folder.cache_clear()
     for files in archives:
-        (root / "submissions.zip").write_bytes(zipped(files))
+        (root / "submissions.zip").write_bytes(make_zip(files))
         collection.collect(
             course,
             [root / "submissions.zip"],
@@ -580,7 +580,7 @@ def test_the_zip_is_reproducible(canvas_course, tmp_path, monkeypatch):
 
 
 def test_a_student_who_submitted_a_zip_gets_a_zip(tmp_path, monkeypatch):
-    inner = io.BytesIO(zipped([(f"{lesson.name}.ipynb", data) for lesson, data in WORK["ada"]]))
+    inner = io.BytesIO(make_zip([(f"{lesson.name}.ipynb", data) for lesson, data in WORK["ada"]]))
     files = canvas_files("Lovelace, Ada", "4001", [(8123, "my work.zip", inner.getvalue())])
     course = make_course(tmp_path / "course", files)
     assert write(course, monkeypatch, "--for", "canvas", "--to", str(tmp_path)) == 0

@@ -12,7 +12,7 @@ from grader.course import paths
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
 from grader.course.paths import PROJECT, Course
-from tests.archives import canvas_files, moodle_files, worksheet, zipped
+from tests.archives import canvas_files, make_zip, moodle_files, worksheet
 from tests.platforms import Canvas, CanvasStudent, Moodle, MoodleStudent
 from tests.test_course import REPORT, by_hand, with_report
 from tests.test_grade import CONFIGURATION, SEED, answer
@@ -75,7 +75,7 @@ def from_canvas(again=False):
     work = {
         "ada": [(f"{SIX.name}.ipynb", half_right())],
         "bjorn": [(f"Übung {SIX.name}.ipynb", right if again else half_right())],
-        "cy": [("homework.zip", zipped([(f"hw/{SIX.name}.ipynb", right)]))],
+        "cy": [("homework.zip", make_zip([(f"hw/{SIX.name}.ipynb", right)]))],
         "dan": [("6.ipynb", right)],
         "gus": [(f"{SIX.name}.ipynb", half_right())],
     }
@@ -83,14 +83,14 @@ def from_canvas(again=False):
     for place, (id, first, last, _, number, _) in enumerate(PEOPLE):
         given = [(100 * (1 + again) + place, *attachment) for attachment in work.get(id, ())]
         files += canvas_files(f"{last}, {first}", number, given, late=id in ("bjorn", "gus"))
-    return zipped(files)
+    return make_zip(files)
 
 
 def from_moodle():
     """Return Moodle's zip for stage 4, with the write-ups of a student and of a team."""
     data = with_report(REPORT).encode()
     files = moodle_files("Ada Ash", 51, [(f"{TWELVE.name}.ipynb", data)])
-    return zipped(files + moodle_files("Team Red", 7, [(f"{TWELVE.name}.ipynb", data)]))
+    return make_zip(files + moodle_files("Team Red", 7, [(f"{TWELVE.name}.ipynb", data)]))
 
 
 @pytest.mark.proof

@@ -7,7 +7,7 @@ import time
 import numpy as np
 import pytest
 
-from tests.notebook_runs import children
+from tests.notebook_runs import child_processes
 from tests.prerequisites import PATIENCE
 from utils.checks import check, checks_of, line_hint
 from utils.checks.core import ChecksFailed, run_check
@@ -209,9 +209,9 @@ def test_an_endless_loop_is_stopped_in_time(monkeypatch):
 @pytest.mark.slow
 def test_no_process_is_left(monkeypatch):
     monkeypatch.setattr(line_hint, "SECONDS", 0.5)
-    others = children()
+    others = child_processes()
     find_line_hint(never_ends, CHECKS, CHECKS[:1])
-    assert children() <= others
+    assert child_processes() <= others
 
 
 @pytest.mark.parametrize(

@@ -141,7 +141,7 @@ def test_modules_that_decide_marks_have_mutation_tests():
 
 
 def test_equivalent_mutants_quote_existing_lines():
-    changes = mutants.equivalent()
+    changes = mutants.equivalent_mutants()
     assert len(changes) > 10
     for change in changes:
         module, before, _ = change.split("\n")

@@ -13,7 +13,7 @@ import pytest
 
 from grader.classroom import pool
 from grader.intake import reader_process
-from tests.notebook_runs import children
+from tests.notebook_runs import child_processes
 from utils.notebooks.reading import UnreadableNotebook
 
 
@@ -114,12 +114,12 @@ def test_no_open_files_or_processes_are_left(short_limits):
         return sorted(os.listdir("/dev/fd"))
 
     short_limits()
-    before, children_before = open_files(), children()
+    before, children_before = open_files(), child_processes()
     for work in (sleep_long, end_own_process, return_long_answer):
         with pytest.raises((reader_process.TooCostly, reader_process.ReadingFailed)):
             reader_process.run_in_child("file.ipynb", work)
     assert open_files() == before
-    assert children() <= children_before
+    assert child_processes() <= children_before
 
 
 def test_the_child_has_no_files_of_the_judge_open():

@@ -177,15 +177,15 @@ def test_the_largest_file_needs_little_memory(fill):
     data = b'{"nbformat": 4, "metadata": {}, "cells": [{"cell_type": "code", "source": "x = 1", '
     data += b'"outputs": [' + fill(60 * 2**20) + b"]}]}"
     submission = SubmittedFiles(f"{LESSON.name}.ipynb", data)
-    before = resident()
+    before = resident_memory()
     try:
         assert preflight.prepare_to_judge(submission, LESSON).code == ("x = 1",)
     except reader_process.TooCostly as error:  # a slow machine may reach the other limit first
         assert "memory" in str(error) or "seconds" in str(error)
-    assert resident() - before < 2**23, "memory for reading is freed afterwards"
+    assert resident_memory() - before < 2**23, "memory for reading is freed afterwards"
 
 
-def resident():
+def resident_memory():
     """Return the resident memory of this process in bytes."""
     with open("/proc/self/statm") as file:
         return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
