@@ -491,7 +491,7 @@ def test_constants_are_read_only(request):
     assert writeable == set()
 
 
-def overwriting(function, read_only):
+def overwrite_arguments(function, read_only):
     """Wrap a function so that it overwrites all its arguments after the call."""
 
     def overwrite(*arguments, **keywords):
@@ -517,7 +517,7 @@ def is_plain(value):
 def test_a_function_that_overwrites_its_arguments_loses_only_that_check(lesson, monkeypatch):
     reference, read_only = load_reference(lesson.name), []
     names = [exercise.name for exercise in lesson.machine_graded]
-    functions = {name: overwriting(getattr(reference, name), read_only) for name in names}
+    functions = {name: overwrite_arguments(getattr(reference, name), read_only) for name in names}
     if hasattr(reference, "KdTree"):
         for name, function in functions.items():  # the lesson's class looks up its methods there
             monkeypatch.setitem(vars(reference), name, function)
@@ -537,19 +537,19 @@ def test_a_function_that_overwrites_its_arguments_loses_only_that_check(lesson, 
 # ---- huge answers ------------------------------------------------------------------------------
 
 
-def nested(depth):
+def nested_list(depth):
     value = 1
     for _ in range(depth):
         value = [value]
     return value
 
 
-HUGE = {
+HUGE_ANSWERS = {
     "boxes": np.tile(np.mgrid[:2, :2, :2].reshape(3, 8).T.astype(float), (3000, 1, 1)),
     "dimensions": np.zeros((6,) * 8, dtype=bool),
     "dimensions, after None": [None, np.zeros((6,) * 8, dtype=bool)],
-    "nesting": nested(50),
-    "deeply nested lists in a long list": [nested(50)] * 20_000,
+    "nesting": nested_list(50),
+    "deeply nested lists in a long list": [nested_list(50)] * 20_000,
     "a long list": list(range(10**6)),
     "a longer list": [0.5] * (10**6 + 1),
     "a long list of lists": [[0.0, 0.0, 0.0]] * 300_000,
@@ -566,7 +566,7 @@ HUGE = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", HUGE)
+@pytest.mark.parametrize("name", HUGE_ANSWERS)
 def test_a_huge_answer_is_refused_quickly(name):
     from time import process_time
 
@@ -576,7 +576,7 @@ def test_a_huge_answer_is_refused_quickly(name):
             for one_check in checks_of(exercise.name):
                 begin = process_time()
                 try:
-                    one_check.run(huge_answers(exercise.name, HUGE[name]))
+                    one_check.run(huge_answers(exercise.name, HUGE_ANSWERS[name]))
                     caught = None
                 except Exception as error:
                     caught = error
@@ -624,10 +624,10 @@ def huge_answers(exercise, answer):
 
 def test_messages_name_the_size_limits():
     for claim, words in (
-        (HUGE["dimensions"], "three dimensions"),
-        (nested(50), "three dimensions"),
-        (HUGE["a longer list"], "a million"),
-        (HUGE["digits"], "nineteen digits"),
+        (HUGE_ANSWERS["dimensions"], "three dimensions"),
+        (nested_list(50), "three dimensions"),
+        (HUGE_ANSWERS["a longer list"], "a million"),
+        (HUGE_ANSWERS["digits"], "nineteen digits"),
     ):
         with pytest.raises(CheckFailed, match=words):
             as_array(claim)
@@ -652,7 +652,7 @@ class Zebra7351:
         raise ValueError(SECRET)
 
 
-WEIRD = {
+STRANGE_ANSWERS = {
     "an object": Zebra7351(),
     "its class": Zebra7351,
     "a text": SECRET,
@@ -667,12 +667,14 @@ WEIRD = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", WEIRD)
+@pytest.mark.parametrize("name", STRANGE_ANSWERS)
 def test_messages_of_hidden_tests_contain_no_words_of_the_student(lesson, name):
     names = [exercise.name for exercise in lesson.machine_graded]
-    functions = {exercise: lambda *arguments, **keywords: WEIRD[name] for exercise in names}
+    functions = {
+        exercise: lambda *arguments, **keywords: STRANGE_ANSWERS[name] for exercise in names
+    }
     if "KdTree" in lesson.names:
-        functions["KdTree"] = huge_answers("search", WEIRD[name])
+        functions["KdTree"] = huge_answers("search", STRANGE_ANSWERS[name])
         functions["KdTree"].plant = lambda self, *table: None
     student = SimpleNamespace(**functions, exercise="", close=lambda: None)
     for outcome in run_checks(lesson, student, 3):

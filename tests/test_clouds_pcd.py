@@ -42,14 +42,14 @@ def records(layout="<4f", points=POINTS):
     return b"".join(struct.pack(layout, *point) for point in points)
 
 
-def literals(data: bytes) -> bytes:
+def literal_stream(data: bytes) -> bytes:
     """Return an LZF stream that consists only of literal runs."""
     runs = [data[start : start + 32] for start in range(0, len(data), 32)]
     return b"".join(bytes([len(run) - 1]) + run for run in runs)
 
 
-def compressed(raw: bytes) -> bytes:
-    packed = literals(raw)
+def compressed_body(raw: bytes) -> bytes:
+    packed = literal_stream(raw)
     return struct.pack("<II", len(packed), len(raw)) + packed
 
 
@@ -73,7 +73,7 @@ def test_ascii_files_are_read():
 
 def test_compressed_files_are_read():
     by_field = np.array(POINTS, "<f4").T.tobytes()
-    data = header(encoding="binary_compressed") + compressed(by_field)
+    data = header(encoding="binary_compressed") + compressed_body(by_field)
     np.testing.assert_array_equal(decode_pcd(data), POINTS)
 
 
@@ -90,7 +90,7 @@ def test_any_field_order_padding_counts_and_types_are_read(encoding):
     body = {
         "binary": records("<Id3BH2ffd", rows),
         "ascii": b"".join(" ".join(map(str, row)).encode() + b"\n" for row in rows),
-        "binary_compressed": compressed(
+        "binary_compressed": compressed_body(
             b"".join(
                 b"".join(struct.pack("<" + kind, *row[first:last]) for row in rows)
                 for kind, first, last in [

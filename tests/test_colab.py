@@ -199,18 +199,18 @@ def test_matplotlib_draws_in_colab_if_pyvista_cannot_be_installed(monkeypatch, c
 
 
 @pytest.fixture(scope="session")
-def place(pytestconfig):
+def environment_folder(pytestconfig):
     """Return the folder of an environment with Colab's package versions."""
     return environment(pytestconfig.cache.mkdir("colab"))
 
 
 @pytest.fixture
-def colab_kernel(place, monkeypatch):
+def colab_kernel(environment_folder, monkeypatch):
     """Register the kernel "colab" with Jupyter, and prevent pip from installing packages.
 
     The environment is shared, and a notebook must also run without PyVista.
     """
-    monkeypatch.setenv("JUPYTER_PATH", str(place))
+    monkeypatch.setenv("JUPYTER_PATH", str(environment_folder))
     monkeypatch.setenv("PIP_NO_INDEX", "1")
 
 
@@ -271,10 +271,10 @@ def test_an_untouched_standalone_notebook_runs_to_the_end(lesson, colab_kernel, 
 
 @only_like_colab
 @pytest.mark.colab
-def test_installing_pyvista_changes_no_colab_package(place, tmp_path):
+def test_installing_pyvista_changes_no_colab_package(environment_folder, tmp_path):
     def in_colab(program):
         return subprocess.run(
-            [place / "bin" / "python", "-c", program],
+            [environment_folder / "bin" / "python", "-c", program],
             cwd=PROJECT,
             capture_output=True,
             text=True,

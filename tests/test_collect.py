@@ -89,13 +89,13 @@ def states(outcome):
     }
 
 
-def placed(course, student, stage=STAGE):
+def placed_files(course, student, stage=STAGE):
     """Return the names and contents of the files in a student's folder that are not hidden."""
     folder = course.submitted / student / stage
     return {path.name: path.read_bytes() for path in folder.glob("[!.]*")}
 
 
-def older(course, student, stage=STAGE):
+def older_files(course, student, stage=STAGE):
     return sorted(
         path.read_bytes() for path in (course.submitted / student / stage / ".older").glob("*")
     )
@@ -124,7 +124,7 @@ def test_a_canvas_attempt_has_one_attachment_for_each_lesson(course):
     )
     outcome = collect(course, archive(course, files))
     assert states(outcome) == {"ada": {"06": "new", "07": "new", "08": "new"}}
-    assert placed(course, "ada") == {
+    assert placed_files(course, "ada") == {
         f"{SIX}.ipynb": notebook(SIX, "second"),
         f"{SEVEN}.ipynb": notebook(SEVEN),
         f"{EIGHT}.ipynb": notebook(EIGHT, "a hundred"),
@@ -141,7 +141,7 @@ def test_late_work_from_canvas_has_no_time(course):
     assert files[0][0] == f"lovelaceada_LATE_4001_1_{SIX}.ipynb"
     outcome = collect(course, archive(course, files))
     assert outcome.late == ["ada"]
-    assert set(placed(course, "ada")) == {f"{SIX}.ipynb"}
+    assert set(placed_files(course, "ada")) == {f"{SIX}.ipynb"}
     folders = [course.submitted / student / STAGE for student in ("ada", "bjorn")]
     with pytest.raises(SubmissionTimeUnknown, match="marks the work as late"):
         submission_time(folders[:1])
@@ -166,11 +166,11 @@ def test_students_are_found_by_their_canvas_names(course, form, flagged):
     files += canvas_files("Müller, Björn", 4002, [(2, f"{SEVEN}.ipynb", notebook(SEVEN))])
     path = archive(course, [(unicodedata.normalize(form, name), data) for name, data in files])
     if not flagged:
-        forget_utf8(path)
+        clear_utf8_flags(path)
     assert states(collect(course, path)) == {"cy": {"06": "new"}, "bjorn": {"07": "new"}}
 
 
-def forget_utf8(path):
+def clear_utf8_flags(path):
     """Clear the flags in a zip that mark names as UTF-8, because Canvas does not set them."""
     data = bytearray(path.read_bytes())
     for signature, offset in ((b"PK\3\4", 6), (b"PK\1\2", 8)):
@@ -221,7 +221,7 @@ def test_unusual_file_names_are_recognised(course, anonymous_course):
     assert made[0] == f"jrcy2_77_3_a_b_c_d_e_f_g_h_{SIX} (1) Übung.ipynb"
     outcome = collect(anonymous_course, archive(anonymous_course, [made]))
     assert states(outcome) == {"jrcy2_77": {"06": "new"}}
-    assert set(placed(anonymous_course, "jrcy2_77")) == {f"{SIX}.ipynb"}
+    assert set(placed_files(anonymous_course, "jrcy2_77")) == {f"{SIX}.ipynb"}
 
 
 # ---- Moodle -------------------------------------------------------------------------------------
@@ -257,7 +257,7 @@ def test_folders_from_moodle_are_kept(course, old):
 
 @pytest.mark.parametrize("folders", [True, False], ids=["folders", "flat"])
 def test_older_versions_of_moodle_put_the_team_before_the_name(course, folders):
-    with_roster(course, "ada,Ada,Lovelace,,,", "jl,Jean-Luc,Picard,,,", "luc,Luc,Picard,,,")
+    write_roster(course, "ada,Ada,Lovelace,,,", "jl,Jean-Luc,Picard,,,", "luc,Luc,Picard,,,")
     mine = [(f"{SIX}.ipynb", notebook())]
     files = [
         *moodle_files("Ada Lovelace", 5001, mine, folders, old=True, team="Team-Rot"),
@@ -271,7 +271,7 @@ def test_older_versions_of_moodle_put_the_team_before_the_name(course, folders):
 
 def test_a_hyphen_in_a_name_from_moodle_is_not_a_team(course):
     """Luc Picard is another student than Jean-Luc Picard, who is not on the roster."""
-    with_roster(course, "ada,Ada,Lovelace,,,", "luc,Luc,Picard,,,")
+    write_roster(course, "ada,Ada,Lovelace,,,", "luc,Luc,Picard,,,")
     files = [
         *moodle_files("Ada Lovelace", 5001, [(f"{SIX}.ipynb", notebook())], old=True),
         *moodle_files("Jean-Luc Picard", 5002, [(f"{SIX}.ipynb", notebook())], old=True),
@@ -365,7 +365,7 @@ def test_names_and_times_are_read_from_moodles_worksheet(course, language):
     outcome = collect(course, path, times=table)
     assert states(outcome) == {"ada": {"06": "new"}, "bjorn": {"06": "new"}}
     stamps = {
-        student: placed(course, student)["timestamp.txt"].decode().strip()
+        student: placed_files(course, student)["timestamp.txt"].decode().strip()
         for student in ("ada", "bjorn")
     }
     assert stamps == {"ada": "2026-10-14 14:14:00 UTC", "bjorn": "2026-10-13 00:05:00 UTC"}
@@ -382,7 +382,7 @@ def test_an_unreadable_time_leaves_lateness_undecided(course, written_time):
     assert ("no time" if written_time in ("", "-") else repr(written_time)) in outcome.undecided[
         "ada"
     ]
-    assert "timestamp.txt" not in placed(course, "ada")
+    assert "timestamp.txt" not in placed_files(course, "ada")
     assert reason_without_time(course.submitted / "ada" / STAGE) == outcome.undecided["ada"]
 
 
@@ -391,7 +391,7 @@ def test_times_are_read_from_a_table_by_id(course):
     table.write_text("id,Last modified (submission)\nada,2026-10-14 14:14:00 UTC\n")
     files = canvas_files("Lovelace, Ada", 4001, [(1, f"{SIX}.ipynb", notebook())], late=True)
     outcome = collect(course, archive(course, files), times=table)
-    assert placed(course, "ada")["timestamp.txt"] == b"2026-10-14 14:14:00 UTC\n"
+    assert placed_files(course, "ada")["timestamp.txt"] == b"2026-10-14 14:14:00 UTC\n"
     assert not outcome.late and not outcome.undecided
 
 
@@ -458,7 +458,7 @@ def test_a_file_of_a_team_has_one_submission_time(course, rows, times):
     table.write_text(f"id,Last modified (submission)\n{rows}\n")
     path = archive(course, [(f"ada/{SIX}.ipynb", notebook())])
     outcome = collect(course, path, who={"ada": "cy,ada"}, times=table)
-    written = [placed(course, id)["timestamp.txt"].decode()[11:16] for id in ("ada", "cy")]
+    written = [placed_files(course, id)["timestamp.txt"].decode()[11:16] for id in ("ada", "cy")]
     assert (written, outcome.undecided, outcome.timed) == (times, {}, ["ada", "cy"])
 
 
@@ -525,7 +525,7 @@ def test_other_platforms_are_recognised(course, platform):
     assert states(outcome) == {"ada": {"06": "new"}, "bjorn": {"06": "new"}}
     assert outcome.questions == []
     for student in ("ada", "bjorn"):
-        assert placed(course, student) == {f"{SIX}.ipynb": NEW}
+        assert placed_files(course, student) == {f"{SIX}.ipynb": NEW}
 
 
 @pytest.mark.parametrize("platform", OTHER_PLATFORMS)
@@ -555,7 +555,7 @@ def test_downloads_without_folders_are_recognised(course, folders):
     path = archive(course, sakai_files("Lovelace, Ada", "ada", mine, folders=folders))
     assert states(collect(course, path)) == {"ada": {"06": "new"}}
     files = brightspace_files("23 Müller", 1, "05 March 2026 612 PM", mine, folders)
-    with_roster(course, "23,Björn,Müller,,,", "ada,Ada,Lovelace,,,")
+    write_roster(course, "23,Björn,Müller,,,", "ada,Ada,Lovelace,,,")
     assert states(collect(course, archive(course, files))) == {"23": {"06": "new"}}
 
 
@@ -573,7 +573,7 @@ def test_an_answer_about_an_attempt_applies_to_the_next_attempt(course, label, a
         content = notebook(text=f"day {day}")
         path = archive(course, attempt(time.format(day), [(f"{SIX}.ipynb", content)]))
         outcome = collect(course, path, who=who)
-        assert outcome.questions == [] and placed(course, "cy") == {f"{SIX}.ipynb": content}
+        assert outcome.questions == [] and placed_files(course, "cy") == {f"{SIX}.ipynb": content}
 
 
 def test_all_members_of_a_team_in_gradescope_are_collected(course):
@@ -618,7 +618,7 @@ def test_a_team_in_ilias_is_asked_about(course):
 
 
 def test_ids_may_look_like_folders_from_ilias(course):
-    with_roster(course, "lab_ws_ada_1,Ada,Lovelace,,,", "lab_ws_bo_2,Bo,Bäcker,,,", "ada,A,B,,,")
+    write_roster(course, "lab_ws_ada_1,Ada,Lovelace,,,", "lab_ws_bo_2,Bo,Bäcker,,,", "ada,A,B,,,")
     files = [(f"lab_ws_{name}/{SIX}.ipynb", notebook(text=name)) for name in ("bo_2", "bo_3")]
     outcome = collect(course, archive(course, files))
     assert set(states(outcome)) == {"lab_ws_bo_2"} and len(outcome.questions) == 1
@@ -722,7 +722,7 @@ def test_a_table_of_times_is_read_in_any_form(course, encoding):
     text = "id\tLast modified (submission)\rada\t2026-10-14 14:14\r"
     table.write_bytes(text.encode(encoding))
     collect(course, archive(course, [(f"ada/{SIX}.ipynb", notebook())]), times=table)
-    assert placed(course, "ada")["timestamp.txt"] == b"2026-10-14 14:14:00 UTC\n"
+    assert placed_files(course, "ada")["timestamp.txt"] == b"2026-10-14 14:14:00 UTC\n"
 
 
 def test_a_partly_unreadable_released_notebook_is_collected(course, tmp_path):
@@ -761,7 +761,7 @@ def test_one_folder_for_each_student_is_collected(course, layout):
     files = [(layout.format(name), notebook()) for name in ("Ada ", "BJORN")]
     outcome = collect(course, archive(course, files))
     assert states(outcome) == {"ada": {"06": "new"}, "bjorn": {"06": "new"}}
-    assert set(placed(course, "ada")) == {f"{SIX}.ipynb"}
+    assert set(placed_files(course, "ada")) == {f"{SIX}.ipynb"}
 
 
 def test_a_folder_of_zips_and_a_single_file_are_collected(course, tmp_path):
@@ -828,7 +828,7 @@ def test_name_and_content_that_disagree_become_a_question(course):
     assert states(outcome)["ada"] == {"06": "?", "07": "new", "08": "?"}
     name = f"ada/{SIX}.ipynb"
     assert f"--lesson {name}=08 or --lesson {name}=06" in questions(outcome)[name]
-    assert set(placed(course, "ada")) == {f"{SEVEN}.ipynb"}
+    assert set(placed_files(course, "ada")) == {f"{SEVEN}.ipynb"}
     outcome = collect(course, path, lessons={name: "06"})
     assert states(outcome)["ada"] == {"06": "new", "07": "same"}
     assert collect(course, path).questions == [], "answered questions are not asked again"
@@ -844,7 +844,7 @@ def test_a_file_of_another_stage_is_collected_if_the_stage_is_named(course):
     assert "--stage stage1_ransac" in questions(outcome)["ada/01_point_clouds.ipynb"]
     outcome = collect(course, path, stages=(STAGE, "stage1_ransac"))
     assert states(outcome)["ada"] == {"01": "new", "06": "same"}
-    assert set(placed(course, "ada", "stage1_ransac")) == {"01_point_clouds.ipynb"}
+    assert set(placed_files(course, "ada", "stage1_ransac")) == {"01_point_clouds.ipynb"}
     assert collect(course, path).questions == []
 
 
@@ -862,7 +862,7 @@ def test_only_changed_notebooks_of_a_whole_course_count(course):
         ("ada/lab/.ipynb_checkpoints/06_filter_ground-checkpoint.ipynb", notebook(text="old")),
     ]
     outcome = collect(course, archive(course, files))
-    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook()}
+    assert placed_files(course, "ada") == {f"{SIX}.ipynb": notebook()}
     assert outcome.questions == []
 
 
@@ -875,7 +875,7 @@ def test_modules_next_to_a_notebook_are_collected(course):
         ("ada/elsewhere/other.py", b"y = 2"),
     ]
     outcome = collect(course, archive(course, files))
-    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(), "helper.py": b"x = 1"}
+    assert placed_files(course, "ada") == {f"{SIX}.ipynb": notebook(), "helper.py": b"x = 1"}
     assert questions(outcome)[f"ada/{SEVEN}.py"] == f"is not a notebook. Ask for {SEVEN}.ipynb"
 
 
@@ -887,14 +887,14 @@ def test_a_resubmitted_module_gets_its_original_name(course):
         (3, f"{SIX}-1.ipynb", notebook()),
     ]
     collect(course, archive(course, canvas_files("Lovelace, Ada", 4001, files)))
-    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(), "helper.py": b"x = 2"}
+    assert placed_files(course, "ada") == {f"{SIX}.ipynb": notebook(), "helper.py": b"x = 2"}
 
 
 def test_modules_of_another_lesson_are_not_collected(course):
     files = [(f"ada/{lesson}/{lesson}.ipynb", notebook(lesson)) for lesson in (SIX, SEVEN)]
     files += [(f"ada/{lesson}/helper.py", lesson.encode()) for lesson in (SIX, SEVEN)]
     outcome = collect(course, archive(course, files))
-    assert placed(course, "ada")["helper.py"] == SIX.encode()
+    assert placed_files(course, "ada")["helper.py"] == SIX.encode()
     assert "next to another notebook" in questions(outcome)[f"ada/{SEVEN}/helper.py"]
 
 
@@ -936,7 +936,7 @@ def test_two_submitters_are_one_student_only_if_an_option_says_so(course):
     assert states(outcome) == {} and not list(course.submitted.glob("*/*"))
     assert "--who lovelaceada_4001=ada" in questions(outcome)["lovelaceada_4001"]
     collect(course, path, who={**who, "lovelaceada_4001": "ada"})
-    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="bella")}
+    assert placed_files(course, "ada") == {f"{SIX}.ipynb": notebook(text="bella")}
 
 
 # ---- several copies of a notebook ---------------------------------------------------------------
@@ -946,7 +946,7 @@ def test_an_untouched_copy_is_ignored(course):
     """An untouched second download, with "(1)" in its name, does not replace the student's work."""
     files = [(f"ada/{SIX}.ipynb", notebook()), (f"ada/{SIX} (1).ipynb", released_notebook())]
     collect(course, archive(course, files))
-    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook()}
+    assert placed_files(course, "ada") == {f"{SIX}.ipynb": notebook()}
 
 
 def test_a_damaged_file_is_placed_if_there_is_no_other(course):
@@ -954,7 +954,7 @@ def test_a_damaged_file_is_placed_if_there_is_no_other(course):
     files = moodle_files("Ada Lovelace", 1, [(f"{SIX}.ipynb", broken)])
     outcome = collect(course, archive(course, files))
     assert states(outcome) == {"ada": {"06": "new"}}
-    assert placed(course, "ada") == {f"{SIX}.ipynb": broken}
+    assert placed_files(course, "ada") == {f"{SIX}.ipynb": broken}
     (remark,) = outcome.remarks
     assert remark.text.startswith("is not a notebook, because it is not valid JSON. It was ")
 
@@ -966,7 +966,7 @@ def test_a_file_that_git_has_not_downloaded_is_not_placed(course, tmp_path):
     )
     write_checkout(tmp_path / "hw", "hw-3-bmu", {f"{SIX}.ipynb": notebook()})
     outcome = collect(course, tmp_path / "hw")
-    assert placed(course, "ada") == {}
+    assert placed_files(course, "ada") == {}
     assert {name.rpartition("/")[2] for name in questions(outcome)} == {
         f"{SIX}.ipynb",
         f"{SEVEN}.ipynb",
@@ -988,7 +988,7 @@ def test_the_copy_with_the_highest_number_or_latest_time_counts(course):
     )
     moodle += moodle_files("Ada Lovelace", 1, [("homework.zip", inner)])
     collect(course, archive(course, moodle))
-    assert placed(course, "ada") == {
+    assert placed_files(course, "ada") == {
         f"{SIX}.ipynb": notebook(text="copy 10"),
         f"{SEVEN}.ipynb": notebook(SEVEN, "new"),
     }
@@ -1003,7 +1003,7 @@ def test_copies_without_an_order_become_a_question(course):
     outcome = collect(course, path)
     assert states(outcome) == {"ada": {"06": "?"}}
     collect(course, path, lessons={f"Ada Lovelace_1/b/{SIX}.ipynb": "06"})
-    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text=names[1])}
+    assert placed_files(course, "ada") == {f"{SIX}.ipynb": notebook(text=names[1])}
 
 
 # ---- collecting again ---------------------------------------------------------------------------
@@ -1030,8 +1030,8 @@ def test_a_newer_submission_replaces_the_older_one_which_is_kept(course):
     first, second = resubmission(course, notebook(text="first"), notebook(text="second"))
     collect(course, first)
     assert states(collect(course, second)) == {"ada": {"06": "newer"}}
-    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="second")}
-    assert older(course, "ada") == [notebook(text="first")]
+    assert placed_files(course, "ada") == {f"{SIX}.ipynb": notebook(text="second")}
+    assert older_files(course, "ada") == [notebook(text="first")]
     assert [submission.path.name for submission in find_submissions(course)] == [f"{SIX}.ipynb"]
     assert find_submissions(course)[0].older == ()
     assert unaccounted_files(course) == []
@@ -1041,7 +1041,7 @@ def test_an_older_archive_does_not_replace_newer_work(course):
     first, second = resubmission(course, notebook(text="first"), notebook(text="second"))
     collect(course, second)
     assert states(collect(course, first)) == {"ada": {"06": "kept"}}
-    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="second")}
+    assert placed_files(course, "ada") == {f"{SIX}.ipynb": notebook(text="second")}
 
 
 def test_canvas_numbers_take_precedence_over_the_time_of_the_download(course):
@@ -1049,7 +1049,7 @@ def test_canvas_numbers_take_precedence_over_the_time_of_the_download(course):
         files = canvas_files("L, Ada", 4001, [(number, f"{SIX}.ipynb", notebook(text=name))])
         outcome = collect(course, archive(course, files, f"{name}.zip", when=modified))
     assert states(outcome) == {"ada": {"06": "kept"}}
-    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="new")}
+    assert placed_files(course, "ada") == {f"{SIX}.ipynb": notebook(text="new")}
 
 
 @pytest.mark.parametrize("hand", ["changed", "put there"])
@@ -1076,13 +1076,13 @@ def test_a_time_belongs_to_the_files_that_it_arrived_with(course):
     collect(course, first, times=table)
     table.write_text(head + "ada,2026-10-19 10:00:00 UTC\n")
     collect(course, first, times=table)
-    assert placed(course, "ada")["timestamp.txt"] == b"2026-10-12 10:00:00 UTC\n"
+    assert placed_files(course, "ada")["timestamp.txt"] == b"2026-10-12 10:00:00 UTC\n"
     outcome = collect(course, second)
-    assert "timestamp.txt" not in placed(course, "ada"), "this is the time of older work"
+    assert "timestamp.txt" not in placed_files(course, "ada"), "this is the time of older work"
     assert outcome.undecided["ada"] == "the work was submitted again, and the time is unknown"
-    assert outcome.states and b"2026-10-12 10:00:00 UTC\n" in older(course, "ada")
+    assert outcome.states and b"2026-10-12 10:00:00 UTC\n" in older_files(course, "ada")
     collect(course, second, times=table)
-    assert placed(course, "ada")["timestamp.txt"] == b"2026-10-19 10:00:00 UTC\n"
+    assert placed_files(course, "ada")["timestamp.txt"] == b"2026-10-19 10:00:00 UTC\n"
     assert read_record(course.submitted / "ada" / STAGE).undecided == ""
 
 
@@ -1170,7 +1170,7 @@ def test_the_owner_is_asked_for_again_after_leaving_the_roster(course):
 
 def test_a_team_is_asked_about_if_another_member_submits(course):
     """Canvas names a team's work after the member who submitted."""
-    with_roster(course, "tom,Tom,Turm,,40240,", "tina,Tina,Turm,,40247,", "yan,Yan,Yip,,126,")
+    write_roster(course, "tom,Tom,Turm,,40240,", "tina,Tina,Turm,,40247,", "yan,Yan,Yip,,126,")
     first = canvas_files("Turm, Tom", 40240, [(1, f"{SIX}.ipynb", notebook(text="first"))])
     collect(course, archive(course, first), who={"turmtom_40240": "tom,tina"})
     second = canvas_files("Turm, Tina", 40247, [(2, f"{SIX}.ipynb", notebook(text="second"))])
@@ -1182,26 +1182,26 @@ def test_a_team_is_asked_about_if_another_member_submits(course):
     assert "--who turmtina_40247=tina,tom" in texts["turmtina_40247"]
     assert collect(course, path, who={"turmtina_40247": "tina,tom"}).questions == []
     for student in ("tom", "tina"):
-        assert placed(course, student) == {f"{SIX}.ipynb": notebook(text="second")}
+        assert placed_files(course, student) == {f"{SIX}.ipynb": notebook(text="second")}
     third = canvas_files("Turm, Tom", 40240, [(4, f"{SIX}.ipynb", notebook(text="third"))])
     assert collect(course, archive(course, third)).questions == []
     for student in ("tom", "tina"):
-        assert placed(course, student) == {f"{SIX}.ipynb": notebook(text="third")}
+        assert placed_files(course, student) == {f"{SIX}.ipynb": notebook(text="third")}
 
 
 def test_a_member_who_left_a_team_is_collected_alone_after_an_answer(course):
-    with_roster(course, "tom,Tom,Turm,,40240,", "tina,Tina,Turm,,40247,")
+    write_roster(course, "tom,Tom,Turm,,40240,", "tina,Tina,Turm,,40247,")
     first = canvas_files("Turm, Tom", 40240, [(1, f"{SIX}.ipynb", notebook(text="first"))])
     collect(course, archive(course, first), who={"turmtom_40240": "tom,tina"})
     alone = canvas_files("Turm, Tina", 40247, [(2, f"{SIX}.ipynb", notebook(text="tina"))])
     path = archive(course, [*first, *alone])
     outcome = collect(course, path, who={"turmtina_40247": "tina", "turmtom_40240": "tom"})
     assert outcome.questions == []
-    assert placed(course, "tom") == {f"{SIX}.ipynb": notebook(text="first")}
-    assert placed(course, "tina") == {f"{SIX}.ipynb": notebook(text="tina")}
+    assert placed_files(course, "tom") == {f"{SIX}.ipynb": notebook(text="first")}
+    assert placed_files(course, "tina") == {f"{SIX}.ipynb": notebook(text="tina")}
 
 
-def test_the_decision_to_ignore_a_file_is_remembered(course, command, capsys):
+def test_the_decision_to_ignore_a_file_is_remembered(course, run_command, capsys):
     broken = make_zip([("x.txt", b"x" * 999)])[:-40]
     files = [
         (f"ada/{SIX}.ipynb", notebook()),
@@ -1212,7 +1212,7 @@ def test_the_decision_to_ignore_a_file_is_remembered(course, command, capsys):
         ("cy/homework.zip", broken),
     ]
     path = archive(course, files)
-    assert command(path) == 1
+    assert run_command(path) == 1
     output = capsys.readouterr().out
     assert "To ignore one of these files from now on, add --who 'FILE=-'." in output
     names = [
@@ -1223,9 +1223,9 @@ def test_the_decision_to_ignore_a_file_is_remembered(course, command, capsys):
     ]
     assert set(questions(collect(course, path))) == set(names)
     options = [word for name in names for word in ("--who", f"{name}=-")]
-    assert command(path, *options) == 0
+    assert run_command(path, *options) == 0
     assert "waiting" not in capsys.readouterr().out
-    assert command(path) == 0
+    assert run_command(path) == 0
     assert states(collect(course, path)) == {"ada": {"06": "same"}, "bjorn": {}, "cy": {}}
 
 
@@ -1292,7 +1292,7 @@ def test_the_choice_between_two_copies_is_asked_for_once(course):
     path = archive(course, pair)
     assert f"ada/one/{SIX}.ipynb" in questions(collect(course, path))
     collect(course, path, lessons={f"ada/two/{SIX}.ipynb": "06"})
-    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="two")}
+    assert placed_files(course, "ada") == {f"{SIX}.ipynb": notebook(text="two")}
     outcome = collect(course, path)
     assert set(questions(outcome)) == {"bjorn/photo.png"} and states(outcome)["ada"] == {
         "06": "same"
@@ -1301,7 +1301,7 @@ def test_the_choice_between_two_copies_is_asked_for_once(course):
     outcome = collect(course, archive(course, [*pair, third], "more.zip"))
     assert f"ada/three/{SIX}.ipynb" in questions(outcome)[f"ada/two/{SIX}.ipynb"]
     assert states(outcome)["ada"] == {"06": "?"}
-    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="two")}
+    assert placed_files(course, "ada") == {f"{SIX}.ipynb": notebook(text="two")}
 
 
 def test_the_lesson_of_an_unnamed_notebook_is_asked_for_once(course):
@@ -1412,7 +1412,7 @@ def test_a_zip_with_a_password_becomes_a_question(course, tmp_path):
 
 
 @pytest.fixture
-def command(course, monkeypatch):
+def run_command(course, monkeypatch):
     monkeypatch.setattr(commands, "Course", lambda: course)
 
     def run(*words):
@@ -1421,22 +1421,22 @@ def command(course, monkeypatch):
     return run
 
 
-def test_the_exit_status_is_1_while_questions_are_open(course, command, capsys):
+def test_the_exit_status_is_1_while_questions_are_open(course, run_command, capsys):
     path = archive(course, [(f"ada/{SIX}.ipynb", notebook()), (f"eve/{SIX}.ipynb", notebook())])
-    assert command(path) == 1
+    assert run_command(path) == 1
     output = capsys.readouterr().out
     assert "until you decide" in output and "--who eve=ID" in output
     assert (
         "Students on the roster without a submission: 2 (bjorn, cy)." in output
         and "xcused" not in output
     )
-    assert command(path, "--who", "eve=cy") == 0
+    assert run_command(path, "--who", "eve=cy") == 0
     assert "waiting" not in capsys.readouterr().out
 
 
-def test_a_wrong_stage_is_reported_even_if_a_question_is_open(course, command, capsys):
+def test_a_wrong_stage_is_reported_even_if_a_question_is_open(course, run_command, capsys):
     path = archive(course, [(f"ada/{SIX}.ipynb", notebook())])
-    assert command(path) == 0
+    assert run_command(path) == 0
     capsys.readouterr()
     path = archive(course, [(f"ada/{SIX}.ipynb", notebook()), ("cy/a.txt", b"a")])
     assert cli.main(["collect", "--stage", "stage2_clustering", str(path)]) == 1
@@ -1446,28 +1446,28 @@ def test_a_wrong_stage_is_reported_even_if_a_question_is_open(course, command, c
     assert message in capsys.readouterr().err
 
 
-def test_excused_students_are_not_reported_as_missing(course, command, capsys):
+def test_excused_students_are_not_reported_as_missing(course, run_command, capsys):
     (course.root / "deadlines.toml").write_text(
         f'[{STAGE}]\ndue = 2026-11-20 18:00:00\n[{STAGE}.students]\ncy = "excused"\n'
         '[stage1_ransac.students]\nbjorn = "excused"\n'
     )
     roster = "id,role\nada,\nbjorn,\ncy,\nguest,auditor\n"
     (course.root / "roster.csv").write_text(roster)
-    assert command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 0
+    assert run_command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 0
     output = " ".join(capsys.readouterr().out.split())
     assert "Students on the roster without a submission: 1 (bjorn)." in output
     assert "Excused students without a submission: cy." in output
     assert "Auditors without a submission: guest." in output
 
 
-def test_the_number_of_times_in_the_table_is_reported(course, command, capsys):
+def test_the_number_of_times_in_the_table_is_reported(course, run_command, capsys):
     files = [(f"ada/{SIX}.ipynb", notebook()), (f"cy/{SIX}.ipynb", notebook())]
     path = archive(course, files)
     table = course.root / "times.csv"
     table.write_text("id,Last modified (submission)\nada,2026-10-14 14:14 UTC\n")
-    command(path)
+    run_command(path)
     assert "submission times" not in capsys.readouterr().out
-    command(path, "--timestamps", table)
+    run_command(path, "--timestamps", table)
     output = " ".join(capsys.readouterr().out.split())
     assert "The table has submission times for 1 of 2 students." in output
 
@@ -1485,19 +1485,19 @@ def test_the_number_of_times_in_the_table_is_reported(course, command, capsys):
         ([".", "--timestamps", "none.csv"], "cannot be read"),
     ],
 )
-def test_wrong_options_are_explained(course, command, words, message, capsys, monkeypatch):
+def test_wrong_options_are_explained(course, run_command, words, message, capsys, monkeypatch):
     monkeypatch.chdir(course.root)
     (course.root / "damaged.zip").write_bytes(b"")
     (course.root / "empty").mkdir()
-    assert command(*words) == 2
+    assert run_command(*words) == 2
     assert message in capsys.readouterr().err
 
 
-def test_students_with_an_undecided_time_are_named(course, command, capsys):
+def test_students_with_an_undecided_time_are_named(course, run_command, capsys):
     table = course.root / "times.csv"
     table.write_text("id,Last modified (submission)\nada,10/11/2026 9:00\n")
     path = archive(course, [(f"ada/{SIX}.ipynb", notebook())])
-    assert command(path, "--timestamps", table) == 0
+    assert run_command(path, "--timestamps", table) == 0
     output = capsys.readouterr().out
     assert "It is unknown whether these students submitted late: ada. Reason: the" in output
     assert "has '10/11/2026 9:00', which is not a time" in output
@@ -1509,11 +1509,11 @@ def test_an_option_cannot_lead_to_another_folder(anonymous_course):
         collect(anonymous_course, path, who={"ada": "../../x"})
 
 
-def test_collecting_is_refused_while_the_course_is_graded(course, command, capsys):
+def test_collecting_is_refused_while_the_course_is_graded(course, run_command, capsys):
     from grader.classroom.lock import course_lock
 
     with course_lock(course):
-        assert command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 1
+        assert run_command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 1
     assert "Another run is grading" in capsys.readouterr().err
 
 
@@ -1532,20 +1532,20 @@ def test_a_stopped_run_is_resumed(course):
 
 @pytest.mark.parametrize("number", [errno.EACCES, errno.EROFS, errno.EPERM])
 def test_the_error_about_a_read_only_folder_names_the_folder(
-    course, command, monkeypatch, capsys, number
+    course, run_command, monkeypatch, capsys, number
 ):
     def refuse(*about, dir, **options):
         raise OSError(number, os.strerror(number), str(dir))
 
     monkeypatch.setattr("tempfile.mkstemp", refuse)
-    assert command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 1
+    assert run_command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 1
     errors = capsys.readouterr().err
     assert str(course.submitted / "ada" / STAGE) in errors and "same command again" in errors
 
 
-def test_the_error_about_a_file_instead_of_a_folder_names_the_file(course, command, capsys):
+def test_the_error_about_a_file_instead_of_a_folder_names_the_file(course, run_command, capsys):
     course.submitted.write_text("")
-    assert command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 1
+    assert run_command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 1
     assert str(course.submitted) in capsys.readouterr().err
 
 
@@ -1560,13 +1560,13 @@ def test_a_full_disk_leaves_no_partial_files(course, monkeypatch):
 # ---- equal names --------------------------------------------------------------------------------
 
 
-def with_roster(course, *people):
+def write_roster(course, *people):
     lines = ["id,first_name,last_name,email,lms_id,github", *people]
     (course.root / "roster.csv").write_text("\n".join(lines) + "\n")
 
 
 def test_namesakes_have_separate_times(course):
-    with_roster(course, "yan,Yan,Yip,,,", "yan2,Yan,Yip,,,")
+    write_roster(course, "yan,Yan,Yip,,,", "yan2,Yan,Yip,,,")
     files = [
         *moodle_files("Yan Yip", 11, [(f"{SIX}.ipynb", notebook())]),
         *moodle_files("Yan Yip", 12, [(f"{SIX}.ipynb", notebook(text="two"))]),
@@ -1578,12 +1578,12 @@ def test_namesakes_have_separate_times(course):
     (course.root / "deadlines.toml").write_text('timezone = "UTC"\n')
     who = {"Yan Yip_11": "yan", "Yan Yip_12": "yan2"}
     collect(course, archive(course, files), times=table, who=who)
-    assert placed(course, "yan")["timestamp.txt"] == b"2026-10-10 10:00:00 UTC\n"
-    assert placed(course, "yan2")["timestamp.txt"] == b"2026-10-20 10:00:00 UTC\n"
+    assert placed_files(course, "yan")["timestamp.txt"] == b"2026-10-10 10:00:00 UTC\n"
+    assert placed_files(course, "yan2")["timestamp.txt"] == b"2026-10-20 10:00:00 UTC\n"
 
 
 def test_an_ambiguous_row_is_not_used(course):
-    with_roster(course, "yan,Yan,Yip,,,", "yan2,Yan,Yip,,,")
+    write_roster(course, "yan,Yan,Yip,,,", "yan2,Yan,Yip,,,")
     table = course.root / "times.csv"
     table.write_text("name,Last modified (submission)\nYan Yip,2026-10-20 10:00:00 UTC\n")
     outcome = collect(course, archive(course, [(f"yan/{SIX}.ipynb", notebook())]), times=table)
@@ -1601,7 +1601,7 @@ def test_an_ambiguous_row_is_not_used(course):
 )
 def test_a_students_text_cannot_make_another_student_late(course, number, email, known):
     """A text cannot forge a row, because a quotation mark after a backslash does not end a cell."""
-    with_roster(course, "ada,Ada,Lovelace,ada@x.edu,,", "eve,Eve,Evil,eve@x.edu,,")
+    write_roster(course, "ada,Ada,Lovelace,ada@x.edu,,", "eve,Eve,Evil,eve@x.edu,,")
     table = course.root / "worksheet.csv"
     early, late = "Saturday, 10 October 2026, 10:00 AM", "Tuesday, 20 October 2026, 10:00 AM"
     her_row = f'"Participant 11","Ada Lovelace","ada@x.edu","Submitted","","{early}"\n'
@@ -1614,14 +1614,16 @@ def test_a_students_text_cannot_make_another_student_late(course, number, email,
     files = moodle_files("Ada Lovelace", 11, [(f"{SIX}.ipynb", notebook())])
     outcome = collect(course, archive(course, files), times=table)
     if known:
-        assert placed(course, "ada")["timestamp.txt"] == b"2026-10-10 10:00:00 UTC\n"
+        assert placed_files(course, "ada")["timestamp.txt"] == b"2026-10-10 10:00:00 UTC\n"
     else:
-        assert set(outcome.undecided) == {"ada"} and "timestamp.txt" not in placed(course, "ada")
+        assert set(outcome.undecided) == {"ada"} and "timestamp.txt" not in placed_files(
+            course, "ada"
+        )
 
 
 @pytest.mark.parametrize("folder", ["12345", "012345"])
 def test_a_number_that_lost_its_zeros_is_recognised(course, folder):
-    with_roster(course, "0012345,Yan,Yip,,,", "12,Ada,Lovelace,,,")
+    write_roster(course, "0012345,Yan,Yip,,,", "12,Ada,Lovelace,,,")
     outcome = collect(course, archive(course, [(f"{folder}/{SIX}.ipynb", notebook())]))
     assert states(outcome) == {}
     text = f"The student may be 0012345. Add --who {folder}=0012345"
@@ -1632,7 +1634,7 @@ def test_a_number_that_lost_its_zeros_is_recognised(course, folder):
 def test_names_from_windows_are_recognised(course, page):
     """Zips from Windows do not name the code page of their names."""
     name = "李伟" if page == "gbk" else "Bjørn Ås"
-    with_roster(course, "li,伟,李,,,", "ba,Bjørn,Ås,,,", "bo,Bo,Bäcker,,,")
+    write_roster(course, "li,伟,李,,,", "ba,Bjørn,Ås,,,", "bo,Bo,Bäcker,,,")
     data = make_zip([(f"{'#' * len(name.encode(page))}/{SIX}.ipynb", notebook())])
     data = data.replace(b"#" * len(name.encode(page)), name.encode(page))
     (course.root / "windows.zip").write_bytes(data)
@@ -1652,7 +1654,7 @@ def test_a_virtual_environment_is_not_collected(course):
 
 
 def test_a_namesake_with_another_number_becomes_a_question(course):
-    with_roster(course, "yan,Yan,Yip,,126,")
+    write_roster(course, "yan,Yan,Yip,,126,")
     files = canvas_files("Yip, Yan", 999, [(1, f"{SIX}.ipynb", notebook())])
     path = archive(course, files)
     outcome = collect(course, path)
@@ -1662,7 +1664,7 @@ def test_a_namesake_with_another_number_becomes_a_question(course):
 
 
 def test_a_login_is_not_matched_with_the_end_of_another(course, tmp_path):
-    with_roster(course, "sam,Sam,Smith,,,smith", "zed,Zed,Zoe,,,zed")
+    write_roster(course, "sam,Sam,Smith,,,smith", "zed,Zed,Zoe,,,zed")
     root = tmp_path / "hw"
     for name in ("hw-3-mary-smith", "hw-3-zed"):
         write_checkout(root, name, {f"{SIX}.ipynb": notebook(text=name)})
@@ -1672,14 +1674,14 @@ def test_a_login_is_not_matched_with_the_end_of_another(course, tmp_path):
 
 
 def test_logins_with_the_same_beginning_are_found(course, tmp_path):
-    with_roster(course, "a,,,,,ann-a", "b,,,,,ann-b")
+    write_roster(course, "a,,,,,ann-a", "b,,,,,ann-b")
     for name in ("hw-3-ann-a", "hw-3-ann-b"):
         write_checkout(tmp_path / "hw", name, {f"{SIX}.ipynb": notebook(text=name)})
     assert states(collect(course, tmp_path / "hw")) == {"a": {"06": "new"}, "b": {"06": "new"}}
 
 
 def test_the_login_in_a_single_repository_is_asked_for(course, tmp_path):
-    with_roster(course, "sam,Sam,Smith,,,smith")
+    write_roster(course, "sam,Sam,Smith,,,smith")
     write_checkout(tmp_path / "hw", "hw-3-mary-smith", {f"{SIX}.ipynb": notebook()})
     question = questions(collect(course, tmp_path / "hw"))["hw-3-mary-smith"]
     assert question.count("The student may be sam. Add --who hw-3-mary-smith=sam") == 1

@@ -110,7 +110,7 @@ def test_grade_suggests_collect_in_an_empty_course(course, monkeypatch, sandbox,
     assert "Run: python -m grader collect ARCHIVE --stage STAGE" in capsys.readouterr().err
 
 
-def remaining(times, total, first=0):
+def remaining_phrases(times, total, first=0):
     """Return the phrases about the remaining time if items are finished at these times."""
     clock = iter([0.0, *times])
     estimate = console.RemainingTime(lambda: next(clock))
@@ -122,11 +122,11 @@ def remaining(times, total, first=0):
 
 
 def test_the_remaining_time_follows_from_the_work_of_this_run():
-    assert remaining([20, 40, 60], 84)[:3] == ["", "", ""], "too early for an estimate"
-    assert remaining([20, 40, 60], 84)[3] == "about 27 minutes left"  # 81 items of 20 s
-    assert remaining([20, 40, 60], 84, first=60)[3] == "about 7 minutes left"  # 21 items
-    assert remaining([2, 4, 6], 30)[3] == "", "less than a minute"
-    assert remaining([20] * 3, 12)[3] == "about 1 minute left"  # 3 at a time, 9 items
+    assert remaining_phrases([20, 40, 60], 84)[:3] == ["", "", ""], "too early for an estimate"
+    assert remaining_phrases([20, 40, 60], 84)[3] == "about 27 minutes left"  # 81 items of 20 s
+    assert remaining_phrases([20, 40, 60], 84, first=60)[3] == "about 7 minutes left"  # 21 items
+    assert remaining_phrases([2, 4, 6], 30)[3] == "", "less than a minute"
+    assert remaining_phrases([20] * 3, 12)[3] == "about 1 minute left"  # 3 at a time, 9 items
 
 
 def test_long_work_is_announced_once_in_a_sentence(monkeypatch, capsys):

@@ -38,7 +38,7 @@ def failed_checks(exercise, function):
 
 
 @functools.cache
-def right(exercise):
+def right_function(exercise):
     return getattr(load_reference(LESSONS[exercise]), exercise)
 
 
@@ -123,7 +123,7 @@ def separates_equal_points(labels, cloud, *others):
     return np.arange(1, len(cloud) + 1) if twice else labels
 
 
-BREAKS = {
+BREAKING_FUNCTIONS = {
     "names": positional_only,
     "default": without_defaults,
     "three_columns": with_first_argument(indexes_intensity),
@@ -146,7 +146,9 @@ BREAKS = {
 )
 def test_a_broken_promise_fails_only_its_check(promise, _):
     exercise = promise.case.exercise
-    assert failed_checks(exercise, BREAKS[promise.kind](right(exercise), promise)) == {promise.name}
+    assert failed_checks(
+        exercise, BREAKING_FUNCTIONS[promise.kind](right_function(exercise), promise)
+    ) == {promise.name}
 
 
 # ---- arguments stay unchanged -------------------------------------------------------------------
@@ -166,7 +168,7 @@ def changes_last(values):
         values.flat[-1] += 1
 
 
-def changing_argument(right, given, argument):
+def change_argument(right, given, argument):
     """Return the right function with a side effect on one of its arguments."""
     position = list(given).index(argument)
 
@@ -180,7 +182,7 @@ def changing_argument(right, given, argument):
     return function
 
 
-UNTOUCHED = [
+UNTOUCHED_ARGUMENTS = [
     parameter(promise, argument)
     for promise in common_checks.all_promises()
     if promise.kind == "untouched"
@@ -189,22 +191,22 @@ UNTOUCHED = [
 ]
 
 
-@pytest.mark.parametrize("promise, argument", UNTOUCHED)
+@pytest.mark.parametrize("promise, argument", UNTOUCHED_ARGUMENTS)
 def test_changing_an_argument_fails_only_that_check(promise, argument):
     exercise = promise.case.exercise
-    wrong = changing_argument(right(exercise), promise.case.given, argument)
+    wrong = change_argument(right_function(exercise), promise.case.given, argument)
     assert promise.name in failed_checks(exercise, wrong)
-    assert failed_checks(exercise, wrong) <= {promise.name, *also_about_writing(exercise)}
+    assert failed_checks(exercise, wrong) <= {promise.name, *other_checks_about_writing(exercise)}
 
 
-def also_about_writing(exercise):
+def other_checks_about_writing(exercise):
     """Return the names of the other checks that fail if a function changes its argument."""
     return {"returns_a_new_array"} if exercise == "filter_clusters" else set()
 
 
 @pytest.mark.parametrize("exercise", [name for name in LESSONS if LESSONS[name][:2] < "10"])
 def test_right_answers_pass_all_common_checks(exercise):
-    wrapped = with_answer(lambda answer, *given: answer)(right(exercise), None)
+    wrapped = with_answer(lambda answer, *given: answer)(right_function(exercise), None)
     names = {promise.name for promise in common_checks.all_promises()}
     messages = failures(exercise, wrapped)
     assert {name: text for name, text in messages.items() if name in names} == {}
@@ -214,7 +216,10 @@ def test_right_answers_pass_all_common_checks(exercise):
 
 
 def test_every_promise_is_tested_with_a_function_that_breaks_it():
-    assert {promise.kind for promise in common_checks.all_promises()} == {*BREAKS, "untouched"}
+    assert {promise.kind for promise in common_checks.all_promises()} == {
+        *BREAKING_FUNCTIONS,
+        "untouched",
+    }
 
 
 @pytest.mark.parametrize(

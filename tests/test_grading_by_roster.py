@@ -21,8 +21,8 @@ from grader.lms.history import read_changes
 from grader.lms.results import MARKED, ClassResults, NotebookResult, StageResult
 from grader.lms.standings import class_results
 from grader.sandbox import SANDBOXES
-from tests.test_faults import Inline
-from tests.test_gradebook import EARNED, GROUND, LATE, STAGE, make_course, submit, verdicts
+from tests.test_faults import InlineExecutor
+from tests.test_gradebook import EARNED, GROUND, LATE_PLUGIN, STAGE, make_course, submit, verdicts
 
 ROSTER = (
     "id,first_name,last_name,section\nada,Ada,Ash,A\nbob,Bob,Bell,B\nidle,Ida,Ling,B\n"
@@ -41,7 +41,7 @@ def course(tmp_path, monkeypatch):
     made = make_course(tmp_path / "course")
     (made.root / "roster.csv").write_text(ROSTER)
     (made.root / "deadlines.toml").write_text(DATES)
-    (made.root / "nbgrader_config.py").write_text(LATE)
+    (made.root / "nbgrader_config.py").write_text(LATE_PLUGIN)
     for student in EARNED:
         path = made.submitted / student / STAGE / "timestamp.txt"
         path.write_text("2026-03-02 15:00:00 UTC")
@@ -210,7 +210,7 @@ def test_only_the_named_student_is_judged_again(course, monkeypatch):
     monkeypatch.setattr(grading, "stored_verdict", lambda *arguments: stored)
     monkeypatch.setattr(grading, "judge_one", judge_one)
     monkeypatch.setattr(grading.Rehearsals, "passed", lambda *arguments: True)
-    arguments = (course, (), 2**64, WITHOUT_SANDBOX, Inline, 1, lambda *news: None)
+    arguments = (course, (), 2**64, WITHOUT_SANDBOX, InlineExecutor, 1, lambda *news: None)
     done = grading.judge_class(*arguments, student="ada")
     assert {submission.student for submission, _ in done} == {"ada"}
     assert sorted(judged) == [("ada", lesson.name) for lesson in EARNED["ada"]]
@@ -234,7 +234,7 @@ def test_unreadable_settings_are_reported_before_judging(course, capsys, command
 
 def findings(course, monkeypatch):
     monkeypatch.setattr(doctor.Rehearsals, "finish", lambda *about: None)
-    about_grading = doctor.examine(course, 1, WITHOUT_SANDBOX, Inline(1), progress_bar)
+    about_grading = doctor.examine(course, 1, WITHOUT_SANDBOX, InlineExecutor(1), progress_bar)
     found = [*about_grading, *check_gradebook(course)]
     return [(finding.subject, finding.good, finding.text) for finding in found]
 

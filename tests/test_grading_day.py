@@ -14,9 +14,9 @@ from grader.course.lessons import find_lesson
 from grader.course.paths import PROJECT, Course
 from tests.archives import canvas_files, make_zip, moodle_files, worksheet
 from tests.platforms import Canvas, CanvasStudent, Moodle, MoodleStudent
-from tests.test_course import REPORT, by_hand, with_report
-from tests.test_grade import CONFIGURATION, SEED, answer
-from tests.test_gradebook import LATE
+from tests.test_course import REPORT, enter_manual_mark, with_report
+from tests.test_grade import CONFIGURATION, SEED, answered_notebook
+from tests.test_gradebook import LATE_PLUGIN
 
 SIX, TWELVE = find_lesson("06_filter_ground"), find_lesson("12_streaming_obstacles")
 PEOPLE = (  # ID, first and last name, section, number in Canvas, number in Moodle
@@ -50,7 +50,7 @@ def course(tmp_path, sandbox, monkeypatch):
         folder.mkdir(parents=True)
         shutil.copy(PROJECT / kind / lesson.stage / f"{lesson.name}.ipynb", folder)
     values = {"project": str(PROJECT), "root": str(course.root), "seed": SEED}
-    settings = CONFIGURATION.format(**values, sandbox=sandbox.name) + LATE
+    settings = CONFIGURATION.format(**values, sandbox=sandbox.name) + LATE_PLUGIN
     (course.root / "nbgrader_config.py").write_text(settings)
     with open(course.root / "roster.csv", "w", encoding="utf-8", newline="") as file:
         table = csv.writer(file)
@@ -65,13 +65,17 @@ def course(tmp_path, sandbox, monkeypatch):
 
 def half_right():
     """Return a lesson 06 notebook with a correct filter_ground and an untouched voxel_grid."""
-    (right, *_) = (answer.source for answer in answers_to("filter_ground") if answer.right)
+    (right, *_) = (
+        answered_notebook.source
+        for answered_notebook in answers_to("filter_ground")
+        if answered_notebook.right
+    )
     return fill_in(SIX, {"filter_ground": right}).encode()
 
 
 def from_canvas(again=False):
     """Return Canvas's zip for stage 3, with unusual file names and a student who has left."""
-    right = answer().encode()
+    right = answered_notebook().encode()
     work = {
         "ada": [(f"{SIX.name}.ipynb", half_right())],
         "bjorn": [(f"Übung {SIX.name}.ipynb", right if again else half_right())],
@@ -123,7 +127,7 @@ def test_two_zips_become_marks_on_two_platforms(course, tmp_path, capsys):
     status, output = run("grade")
     assert status == 0 and "8 notebooks: 8 judged" in output
     for student, mark in (("ada", 8.0), ("bjorn", 9.0), ("cy", 9.0)):
-        by_hand(course, student, mark)
+        enter_manual_mark(course, student, mark)
     assert "0 judged" in run("grade")[1]
 
     # Export to Canvas, where a mark has changed in the meantime. Bjorn loses 20 % of 30 points, and

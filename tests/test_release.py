@@ -154,7 +154,7 @@ def exchange(root, folder):
 
 
 @pytest.fixture
-def fetched(tmp_path, monkeypatch):
+def fetched_stage(tmp_path, monkeypatch):
     """Return the folder of a fetched stage, to which the instructor has added a notebook."""
     course, student = tmp_path / "course", tmp_path / "student"
     source = course / "notebooks" / STAGE
@@ -169,20 +169,20 @@ def fetched(tmp_path, monkeypatch):
     return student / STAGE
 
 
-def test_a_fetched_notebook_needs_no_other_files(fetched, tmp_path):
-    assert sorted(path.name for path in fetched.iterdir()) == [
+def test_a_fetched_notebook_needs_no_other_files(fetched_stage, tmp_path):
+    assert sorted(path.name for path in fetched_stage.iterdir()) == [
         LESSON.released.name, "survey.ipynb",
     ]  # fmt: skip
-    cell = first_cells(fetched / LESSON.released.name, 1).cells[0].source
+    cell = first_cells(fetched_stage / LESSON.released.name, 1).cells[0].source
     done = subprocess.run(
-        [sys.executable, "-"], input=cell, cwd=fetched, capture_output=True, text=True
+        [sys.executable, "-"], input=cell, cwd=fetched_stage, capture_output=True, text=True
     )
     assert done.returncode == 0, done.stderr
     assert "Everything this notebook needs is here." in done.stdout
 
 
-def test_only_badge_and_setup_cells_differ_from_the_released_notebook(fetched):
-    fetched_cells = json.loads((fetched / LESSON.released.name).read_text("utf-8"))["cells"]
+def test_only_badge_and_setup_cells_differ_from_the_released_notebook(fetched_stage):
+    fetched_cells = json.loads((fetched_stage / LESSON.released.name).read_text("utf-8"))["cells"]
     released = json.loads(LESSON.released.read_text("utf-8"))["cells"]
     changed = [
         cell["metadata"].get("tags", [])
@@ -191,7 +191,7 @@ def test_only_badge_and_setup_cells_differ_from_the_released_notebook(fetched):
         != "".join(cell["source"])
     ]
     assert changed == [["badge"], ["setup"]]
-    survey = nbformat.read(fetched / "survey.ipynb", as_version=4)
+    survey = nbformat.read(fetched_stage / "survey.ipynb", as_version=4)
     assert survey.cells == []
 
 

@@ -438,7 +438,7 @@ def test_a_wrong_tree_is_not_blamed_on_the_search():
 
 
 @pytest.fixture
-def shown(monkeypatch):
+def shown_texts(monkeypatch):
     """Return a list that collects the player's texts, and "figure" for each figure."""
     seen = []
     monkeypatch.setattr(player, "show", lambda html, text: seen.append(text))
@@ -463,39 +463,39 @@ def replace_interact(monkeypatch):
 
 
 @pytest.mark.slow
-def test_the_player_starts_at_the_first_wrong_step_and_has_buttons(shown, monkeypatch):
+def test_the_player_starts_at_the_first_wrong_step_and_has_buttons(shown_texts, monkeypatch):
     sliders = replace_interact(monkeypatch)
     play(run_of("euclidean_clustering", "forgets the height"))
-    assert shown[0] == "figure" and "✗ Wrong here." in shown[1]
+    assert shown_texts[0] == "figure" and "✗ Wrong here." in shown_texts[1]
     (steps,) = sliders
     _, back, forward = steps.children
     start = steps.value
     back.click()
-    assert steps.value == start - 1 and "✗" not in shown[-1]
+    assert steps.value == start - 1 and "✗" not in shown_texts[-1]
     steps.value = steps.max - 1
     for _ in range(3):
         forward.click()
-    assert steps.value == steps.max and shown.count("figure") == 4
+    assert steps.value == steps.max and shown_texts.count("figure") == 4
 
 
-def test_a_right_run_starts_at_its_first_step(shown, monkeypatch):
+def test_a_right_run_starts_at_its_first_step(shown_texts, monkeypatch):
     sliders = replace_interact(monkeypatch)
     play(run_of("ransac_plane"))
-    assert sliders[0].value == 1 and not any("✗" in text for text in shown)
+    assert sliders[0].value == 1 and not any("✗" in text for text in shown_texts)
 
 
 @pytest.mark.slow
-def test_replays_without_widgets_show_a_few_figures(shown, monkeypatch):
+def test_replays_without_widgets_show_a_few_figures(shown_texts, monkeypatch):
     monkeypatch.setitem(sys.modules, "ipywidgets", None)
     del sys.modules["ipywidgets"]
     monkeypatch.setattr(static_widgets.util, "find_spec", lambda name: None)
     static_widgets.stand_in()
     try:
         play(run_of("ransac_line", "the tolerance is squared"))
-        assert shown.count("figure") == 1 and "✗" in shown[-1]
-        shown.clear()
+        assert shown_texts.count("figure") == 1 and "✗" in shown_texts[-1]
+        shown_texts.clear()
         play(run_of("ransac_line"))
-        assert shown.count("figure") == player.STILL and "Your answer" in shown[-1]
+        assert shown_texts.count("figure") == player.STILL and "Your answer" in shown_texts[-1]
     finally:
         del sys.modules["ipywidgets"]
 

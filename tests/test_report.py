@@ -333,18 +333,29 @@ def test_the_page_links_to_the_other_files_of_the_course(tmp_path):
     assert len(links) == 4
 
 
-EVIL = "<script>alert(1)</script><img src=x onerror=alert(2)>"
+HOSTILE_MARKUP = "<script>alert(1)</script><img src=x onerror=alert(2)>"
 
 
 def test_only_the_reports_own_script_runs(tmp_path):
     bad = dataclasses.replace(
-        verdict(EVIL, [check(False, title=EVIL, message=f"`{EVIL}`")], f"{EVIL} `{EVIL}`"),
-        problems=(EVIL,),
+        verdict(
+            HOSTILE_MARKUP,
+            [check(False, title=HOSTILE_MARKUP, message=f"`{HOSTILE_MARKUP}`")],
+            f"{HOSTILE_MARKUP} `{HOSTILE_MARKUP}`",
+        ),
+        problems=(HOSTILE_MARKUP,),
     )
     results = class_of(
-        [result("ada", MARKED, 1.0)], people=(Person("ada", EVIL, EVIL, section=EVIL),)
+        [result("ada", MARKED, 1.0)],
+        people=(Person("ada", HOSTILE_MARKUP, HOSTILE_MARKUP, section=HOSTILE_MARKUP),),
     )
-    page = report(tmp_path, [bad], results, warning=EVIL, left=[(Path(EVIL), EVIL)])
+    page = report(
+        tmp_path,
+        [bad],
+        results,
+        warning=HOSTILE_MARKUP,
+        left=[(Path(HOSTILE_MARKUP), HOSTILE_MARKUP)],
+    )
     ((kind, script),) = re.findall(r"<script([^>]*)>(.*?)</script>", page, re.DOTALL)
     assert kind == ' type="module"'
     assert not re.search(r"<img|alert\(1\)</script>", page)

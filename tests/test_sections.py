@@ -14,7 +14,7 @@ from grader.judging.verdict import write_verdict
 from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.standings import class_results
 from tests.platforms import Canvas, CanvasStudent
-from tests.test_gradebook import DISTANCE, GROUND, STAGE, make_course, quiet, verdicts
+from tests.test_gradebook import DISTANCE, GROUND, STAGE, ignore_progress, make_course, verdicts
 
 ROSTER = (
     "id,first_name,last_name,section,lms_id\n"
@@ -23,20 +23,20 @@ ROSTER = (
 
 
 @pytest.fixture(scope="module")
-def graded_once(tmp_path_factory):
+def graded_root(tmp_path_factory):
     course = make_course(tmp_path_factory.mktemp("sections") / "course")
     (course.root / "roster.csv").write_text(ROSTER)
     judged = verdicts(course)
     for submission, verdict in judged:
         write_verdict(verdict, submission.verdict_path(course))
-    enter_verdicts(course, judged, [STAGE], quiet)
+    enter_verdicts(course, judged, [STAGE], ignore_progress)
     return course.root
 
 
 @pytest.fixture
-def course(graded_once, tmp_path, monkeypatch):
+def course(graded_root, tmp_path, monkeypatch):
     """Return a course in which Ada and Ida are in section A/1, and Bob is in section B."""
-    shutil.copytree(graded_once, tmp_path / "course")
+    shutil.copytree(graded_root, tmp_path / "course")
     paths._folder.cache_clear()
     course = Course(tmp_path / "course")
     monkeypatch.setattr(commands, "Course", lambda: course)
@@ -113,7 +113,7 @@ def canvas_file(course, *students):
     return canvas, path
 
 
-def fill(course, given, section):
+def fill_canvas_file(course, given, section):
     call = ("export", "--format", "canvas", "--assignment", STAGE, "--into", given)
     status = run(*call, "--section", section)
     return status, course.root / f"scores.{STAGE}.{in_file_name(section)}.canvas.csv"
@@ -126,7 +126,7 @@ def test_marks_of_other_sections_on_the_platform_do_not_change(course, capsys):
         CanvasStudent(3, "Ling, Ida", "", "idle"),
     ]
     canvas, given = canvas_file(course, *students)
-    status, path = fill(course, given, "A/1")
+    status, path = fill_canvas_file(course, given, "A/1")
     assert status == commands.SUCCESS
     canvas.import_(path.read_bytes())
     assert canvas.scores == {(1, 7): 30.0, (2, 7): 5.0}
@@ -139,7 +139,7 @@ def test_a_namesake_in_another_section_gets_no_mark(course, capsys):
     roster = "id,first_name,last_name,section\nada,Ada,Ash,A\nbob,Ada,Ash,B\nidle,Ida,Ling,A\n"
     (course.root / "roster.csv").write_text(roster)
     canvas, given = canvas_file(course, CanvasStudent(2, "Ash, Ada", "", "?"))
-    status, path = fill(course, given, "A")
+    status, path = fill_canvas_file(course, given, "A")
     assert status == commands.FAULT
     canvas.import_(path.read_bytes())
     assert canvas.scores == {(2, 7): 5.0}

@@ -31,7 +31,7 @@ def test_a_module_cannot_continue_a_notebook():
 
 # Short texts of few letters, so different fields often join to the same text.
 TEXTS = st.text("a\0 1", max_size=2)
-HANDED_IN = st.builds(
+SUBMISSIONS = st.builds(
     SubmittedFiles,
     TEXTS,
     TEXTS.map(str.encode),
@@ -41,7 +41,7 @@ HANDED_IN = st.builds(
 )
 
 
-@given(HANDED_IN, HANDED_IN)
+@given(SUBMISSIONS, SUBMISSIONS)
 def test_different_submissions_have_different_fingerprints(first, second):
     assert (first.fingerprint() == second.fingerprint()) == (first == second)
 

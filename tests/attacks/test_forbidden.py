@@ -184,6 +184,6 @@ def test_no_attempt_reaches_the_forbidden_function():
 @pytest.mark.slow
 def test_every_attempt_works_if_the_lesson_allows_the_module():
     """These attempts reach an allowed module; otherwise, the tests above could not fail."""
-    roads = NOTICED_ATTEMPTS | SILENT_ATTEMPTS
-    ends = results_of(roads, "10_accelerated_clustering")
-    assert ends == dict.fromkeys(roads, "components: [0, 0]")
+    attempts = NOTICED_ATTEMPTS | SILENT_ATTEMPTS
+    ends = results_of(attempts, "10_accelerated_clustering")
+    assert ends == dict.fromkeys(attempts, "components: [0, 0]")
