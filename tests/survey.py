@@ -376,7 +376,7 @@ class SurveyResult:
 
     exercise: str
     mutants: int = 0
-    is_equivalent: int = 0
+    alike: int = 0
     escaped: list = field(default_factory=list)
     wrong: list = field(default_factory=list)
 

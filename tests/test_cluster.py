@@ -210,11 +210,7 @@ HOSTILE = {
 
 def hostile_notebook(body, before=""):
     text = f"{before}\ndef filter_ground(cloud, ground_level=-1.2):\n    {body}\n"
-    right = next(
-        answered_notebook.source
-        for answered_notebook in answers_to("voxel_grid")
-        if answered_notebook.right
-    )
+    right = next(answer.source for answer in answers_to("voxel_grid") if answer.right)
     return fill_in(LESSON, {"filter_ground": text, "voxel_grid": right})
 
 

@@ -65,11 +65,7 @@ def course(tmp_path, sandbox, monkeypatch):
 
 def half_right():
     """Return a lesson 06 notebook with a correct filter_ground and an untouched voxel_grid."""
-    (right, *_) = (
-        answered_notebook.source
-        for answered_notebook in answers_to("filter_ground")
-        if answered_notebook.right
-    )
+    (right, *_) = (answer.source for answer in answers_to("filter_ground") if answer.right)
     return fill_in(SIX, {"filter_ground": right}).encode()
 
 

@@ -247,7 +247,7 @@ class ArtificialLesson:
     name: str = "06"
     number = "06"
     source = property(lambda self: self.root / "solutions" / "06" / "lesson.py")
-    solved_notebook = property(lambda self: self.root / "solutions" / "06.ipynb")
+    solved = property(lambda self: self.root / "solutions" / "06.ipynb")
     released = property(lambda self: self.root / "notebooks" / "06.ipynb")
     tests = property(lambda self: self.root / "tests" / "test_06.py")
 

@@ -19,7 +19,7 @@ from grader.lms import autograded
 from grader.lms.autograded import graded_cells
 from grader.lms.results import WAITING
 from grader.lms.standings import class_results
-from tests.test_faults import InlineExecutor, rehearsed
+from tests.test_faults import InlineExecutor, record_rehearsal
 
 SEED = 20_170_405
 LESSON = find_lesson("12_streaming_obstacles")
@@ -130,7 +130,7 @@ def course(tmp_path):
 def grade(course, sandbox, monkeypatch):
     monkeypatch.setitem(commands.__dict__, "stages", lambda: [LESSON.stage])
     monkeypatch.setattr("grader.classroom.executors.EXECUTORS", {"processes": InlineExecutor})
-    rehearsed(course, LESSON, SEED)
+    record_rehearsal(course, LESSON, SEED)
     return commands.grade_course(course, [LESSON.stage], SEED, sandbox, 1)
 
 
