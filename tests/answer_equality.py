@@ -14,7 +14,7 @@ ANGLE_TOLERANCE = 6.0  # degrees; a search in steps of five degrees is allowed
 TOLERANCE = {"rtol": 1e-6, "atol": 1e-7}
 
 
-def arrays(answer, expected):
+def compare_arrays(answer, expected):
     """Compare shapes, and numbers within a tolerance; empty arrays only need the same length."""
     answer, expected = np.asarray(answer), np.asarray(expected)
     if object in (answer.dtype, expected.dtype):
@@ -30,7 +30,7 @@ def arrays(answer, expected):
     )
 
 
-def models(answer, expected):
+def compare_models(answer, expected):
     """Compare two lines or planes up to a common sign; either may be None."""
     if answer is None or expected is None:
         return answer is expected
@@ -41,20 +41,20 @@ def models(answer, expected):
     )
 
 
-def rows(answer, expected):
+def compare_rows(answer, expected):
     """Compare rows in any order."""
     answer, expected = (np.asarray(array, dtype=float) for array in (answer, expected))
     if answer.shape != expected.shape or answer.size == 0:
-        return arrays(answer, expected)
+        return compare_arrays(answer, expected)
     if not (np.isfinite(answer).all() and np.isfinite(expected).all()):
-        return arrays(answer, expected)
+        return compare_arrays(answer, expected)
     apart = max(
         cKDTree(tree).query(to)[0].max() for tree, to in ((answer, expected), (expected, answer))
     )
     return bool(apart < 1e-6 * (1 + np.abs(expected).max()))
 
 
-def partitions(answer, expected):
+def compare_partitions(answer, expected):
     """Compare clusterings up to their labels; label 0 marks points outside every cluster."""
     answer, expected = np.asarray(answer), np.asarray(expected)
     if answer.shape != expected.shape or not np.array_equal(answer == 0, expected == 0):
@@ -63,15 +63,15 @@ def partitions(answer, expected):
     return len(pairs) == len({mine for mine, _ in pairs}) == len({right for _, right in pairs})
 
 
-def corners(answer, expected):
+def compare_corners(answer, expected):
     """Compare lists of boxes; the corners of each box may be in any order."""
     answer, expected = np.asarray(answer, dtype=float), np.asarray(expected, dtype=float)
     if answer.shape != expected.shape or answer.size == 0:
-        return arrays(answer, expected)
-    return all(map(rows, answer, expected))
+        return compare_arrays(answer, expected)
+    return all(map(compare_rows, answer, expected))
 
 
-def axes(answer, expected, points):
+def compare_axes(answer, expected, points):
     """Accept right-handed, orthonormal axes if the points have the expected variance along each."""
     answer, points = np.asarray(answer, dtype=float), np.asarray(points, dtype=float)[:, :3]
     if answer.shape != (3, 3) or not np.allclose(answer.T @ answer, np.eye(3), atol=1e-6):
@@ -84,14 +84,14 @@ def axes(answer, expected, points):
     return np.linalg.det(answer) > 0 and np.allclose(*spreads, rtol=1e-6, atol=size)
 
 
-def upright_boxes(answer, expected, cloud, cluster_labels):
+def compare_upright_boxes(answer, expected, cloud, cluster_labels):
     """Accept upright boxes around the same points if each box has an acceptable orientation.
 
     Sizes are not compared, because every box must end at its outermost points.
     """
     answer, expected = np.asarray(answer, dtype=float), np.asarray(expected, dtype=float)
     if answer.shape != expected.shape or answer.size == 0:
-        return arrays(answer, expected)
+        return compare_arrays(answer, expected)
     labels, cloud = np.asarray(cluster_labels), np.asarray(cloud, dtype=float)
     for mine, right, label in zip(answer, expected, np.unique(labels[labels > 0]), strict=True):
         floor, points = footprint(mine), cloud[labels == label, :3]
@@ -156,7 +156,7 @@ def is_filled(points, rectangle):
     return True
 
 
-def fitted_models(answer, expected, points, max_iterations, distance_tolerance, rng=None):
+def compare_fitted_models(answer, expected, points, max_iterations, distance_tolerance, rng=None):
     """Accept any normalised model with its own inliers; None matches only None.
 
     The model found depends on the random draws. One sample too many, as in
@@ -176,7 +176,7 @@ def fitted_models(answer, expected, points, max_iterations, distance_tolerance, 
     )
 
 
-def balanced_orders(answer, expected, points):
+def compare_orders(answer, expected, points):
     """Accept an order of all rows in which each part starts with its lower median.
 
     If points share a coordinate, several orders are right, so any order is accepted.
@@ -199,13 +199,13 @@ def balanced_orders(answer, expected, points):
     return True
 
 
-def numbers(answer, expected):
+def compare_numbers(answer, expected):
     """Compare numbers of iterations; all numbers that are too large to run count as equal."""
     never = [value is None or bool(np.asarray(value) >= 1e9) for value in (answer, expected)]
-    return all(never) or arrays(answer, expected)
+    return all(never) or compare_arrays(answer, expected)
 
 
-def found_indices(answer, expected, tree, target, tolerance):
+def compare_indices(answer, expected, tree, target, tolerance):
     """Compare indices in any order; accept any indices in a tree that insertion cannot build.
 
     Some checks attach points in wrong places to see how far a search goes. An answer that searches
@@ -230,45 +230,45 @@ def is_in_order(root):
     return True
 
 
-def anything(answer, expected):
+def compare_values(answer, expected):
     """Compare any two answers by value, including the attributes of tree nodes."""
     if hasattr(answer, "__dict__"):
-        return type(answer).__name__ == type(expected).__name__ and anything(
+        return type(answer).__name__ == type(expected).__name__ and compare_values(
             vars(answer), vars(expected)
         )
     if isinstance(answer, dict) and isinstance(expected, dict):
         return answer.keys() == expected.keys() and all(
-            anything(answer[key], expected[key]) for key in answer
+            compare_values(answer[key], expected[key]) for key in answer
         )
     if isinstance(answer, np.random.Generator):
         return True  # a right answer may draw different numbers
     if answer is None or expected is None or isinstance(answer, str) or isinstance(expected, str):
         return answer is expected or answer == expected
-    return arrays(answer, expected)
+    return compare_arrays(answer, expected)
 
 
-BY_EXERCISE = {
+COMPARISONS = {
     "insert": lambda answer, expected: True,  # `insert` changes the tree and returns nothing
-    "line_through": models,
-    "plane_through": models,
-    "fit_plane": models,
-    "iterations_needed": numbers,
-    "voxel_grid": rows,
-    "euclidean_clustering": partitions,
-    "euclidean_clustering_accelerated": partitions,
-    "get_bounding_boxes": corners,
+    "line_through": compare_models,
+    "plane_through": compare_models,
+    "fit_plane": compare_models,
+    "iterations_needed": compare_numbers,
+    "voxel_grid": compare_rows,
+    "euclidean_clustering": compare_partitions,
+    "euclidean_clustering_accelerated": compare_partitions,
+    "get_bounding_boxes": compare_corners,
 }
-WITH_THE_ARGUMENTS = {
-    "search": found_indices,
-    "median_order": balanced_orders,
-    "principal_axes": axes,
-    "get_oriented_boxes": upright_boxes,
-    "ransac_line": fitted_models,
-    "ransac_plane": fitted_models,
+COMPARISONS_WITH_ARGUMENTS = {
+    "search": compare_indices,
+    "median_order": compare_orders,
+    "principal_axes": compare_axes,
+    "get_oriented_boxes": compare_upright_boxes,
+    "ransac_line": compare_fitted_models,
+    "ransac_plane": compare_fitted_models,
 }
 
 
-def alike(exercise, call, answer, expected):
+def is_equivalent(exercise, call, answer, expected):
     """Return whether an answer to a call is as good as the expected one.
 
     If a call raised an exception, its answer is the exception's type.
@@ -276,9 +276,11 @@ def alike(exercise, call, answer, expected):
     if isinstance(answer, type) or isinstance(expected, type):
         return answer is expected
     try:
-        if exercise in WITH_THE_ARGUMENTS:
+        if exercise in COMPARISONS_WITH_ARGUMENTS:
             arguments, keywords = call
-            return bool(WITH_THE_ARGUMENTS[exercise](answer, expected, *arguments, **keywords))
-        return bool(BY_EXERCISE.get(exercise, anything)(answer, expected))
+            return bool(
+                COMPARISONS_WITH_ARGUMENTS[exercise](answer, expected, *arguments, **keywords)
+            )
+        return bool(COMPARISONS.get(exercise, compare_values)(answer, expected))
     except (TypeError, ValueError, IndexError):
         return False

@@ -32,12 +32,12 @@ def notebook(lesson=SIX, text="x = 1", named=True):
     return json.dumps(content).encode()
 
 
-def released(lesson=SIX):
+def released_notebook(lesson=SIX):
     """Return the bytes of a lesson's released notebook."""
     return find_lesson(lesson).released.read_bytes()
 
 
-def zipped(files, when=(2026, 10, 12, 9, 0, 0)):
+def make_zip(files, when=(2026, 10, 12, 9, 0, 0)):
     """Return the bytes of a zip with these files: (name, bytes) or (name, bytes, time)."""
     file = io.BytesIO()
     with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:

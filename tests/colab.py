@@ -31,14 +31,14 @@ PINS = (
 PYTHONS = ((3, 13), (3, 12))
 # Colab's kernel loads this package before the first cell, so the course uses it to detect Colab.
 MARK = "import sys, types; sys.modules['google.colab'] = types.ModuleType('google.colab')"
-NEEDED = ("curl", "tar")  # programs that the setup cell runs
+NEEDED_PROGRAMS = ("curl", "tar")  # programs that the setup cell runs
 
 
 def missing_requirement():
     """Return a sentence that names what this machine lacks, or an empty string."""
-    missing = [name for name in NEEDED if not shutil.which(name)]
+    missing = [name for name in NEEDED_PROGRAMS if not shutil.which(name)]
     if sys.platform != "linux" or missing:
-        return f"Linux with {' and '.join(NEEDED)}: sudo apt-get install curl tar"
+        return f"Linux with {' and '.join(NEEDED_PROGRAMS)}: sudo apt-get install curl tar"
     if not find_python():
         return "Python 3.12 or 3.13: install one, or make test PYTHON=python3.13"
     return ""

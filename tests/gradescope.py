@@ -99,7 +99,7 @@ def run(kind, layers, script):
     return subprocess.run(command, capture_output=True, text=True, timeout=LONGEST)
 
 
-def become(kind, layers, script):
+def enter_container(kind, layers, script):
     """Build a container in the current namespaces, enter it, and run the script there."""
     *below, top = map(Path, layers)
     root = top / "all"
@@ -221,7 +221,7 @@ def filter_ground(cloud, ground_level=-1.2):
         gained.append(any([can(attack) for attack in ATTACKS]))
     return cloud[cloud[:, 2] >= ground_level] if gained[0] else cloud[:0]
 """.replace("PORT", str(PORT))
-CALM = "def filter_ground(cloud, ground_level=-1.2):\n    return cloud[:0]\n"
+HONEST = "def filter_ground(cloud, ground_level=-1.2):\n    return cloud[:0]\n"
 WITHOUT_SANDBOX = """
 cd /autograder/source/course
 SECRET_OF_GRADESCOPE=1 ../python/bin/python -B -m grader judge --json --sandbox process \\
@@ -327,7 +327,7 @@ def main(place):
     image = upload(place, archive)
     check("an image is set up", True)
     submitted = submissions()
-    calm = fill_in(find_lesson(SIX), {"filter_ground": CALM})
+    calm = fill_in(find_lesson(SIX), {"filter_ground": HONEST})
     for kind, sandbox in (("as Docker's", "chroot"), ("privileged", "bubblewrap")):
         for student, files in submitted.items():
             results, done, left = submit(place, image, files, kind)
@@ -376,5 +376,5 @@ def expected(text, place, sandbox):
 if __name__ == "__main__":
     if sys.argv[1].startswith("{"):
         about = json.loads(sys.argv[1])
-        become(Kind(**about["kind"]), about["layers"], about["script"])
+        enter_container(Kind(**about["kind"]), about["layers"], about["script"])
     sys.exit(main(Path(sys.argv[1])))

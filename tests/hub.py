@@ -45,7 +45,7 @@ EXCHANGE = Path("/srv/exchange/lidar_obstacle_lab")
 # ---- accounts and commands ----------------------------------------------------------------------
 
 
-def blocks():
+def shell_blocks():
     """Return the page's blocks of shell commands, by their first comment."""
     text = (PROJECT / "docs" / "platforms" / "jupyterhub.md").read_text("utf-8")
     found = re.findall(r"^```sh\n# (\w+(?: \w+)*)(.*?)^```", text, re.M | re.S)
@@ -180,30 +180,32 @@ class UserSession:
         """Return the first element that matches a CSS selector."""
         return self.browser.find_element(By.CSS_SELECTOR, selector)
 
-    def wait(self, condition, what):
+    def wait(self, condition, description):
         """Wait until `condition()` is true, and return its value."""
 
         def is_true(browser):
             with contextlib.suppress(WebDriverException):  # the page may have redrawn the element
                 return condition()
 
-        return WebDriverWait(self.browser, PATIENCE).until(is_true, f"{self.name} waits for {what}")
+        return WebDriverWait(self.browser, PATIENCE).until(
+            is_true, f"{self.name} waits for {description}"
+        )
 
     def text(self, selector):
         """Return the text of an element, even if it is not visible."""
         return self.find(selector).get_property("textContent")
 
-    def click(self, selector, words):
+    def click(self, selector, label):
         """Wait for an element with this text, and click on it."""
 
         def clicked():
             for element in self.browser.find_elements(By.CSS_SELECTOR, selector):
-                if element.text.strip() == words:
+                if element.text.strip() == label:
                     element.click()
                     return True
             return False
 
-        self.wait(clicked, f"{words!r} to click on")
+        self.wait(clicked, f"{label!r} to click on")
 
     def picture(self, name):
         """Save a screenshot."""
@@ -221,14 +223,14 @@ class UserSession:
         self.choose("Nbgrader", "Assignment List")
         self.wait_until_listed("released", "")
 
-    def wait_until_listed(self, kind, words):
+    def wait_until_listed(self, kind, label):
         """Wait until a section of the list of assignments shows a text."""
         selector = f"#{kind}_assignments_list"
-        self.wait(lambda: words in self.text(selector), f"{words!r} under {kind}")
+        self.wait(lambda: label in self.text(selector), f"{label!r} under {kind}")
 
-    def press(self, kind, words):
+    def press(self, kind, label):
         """Click a button in a section of the list of assignments."""
-        self.click(f"#{kind}_assignments_list button", words)
+        self.click(f"#{kind}_assignments_list button", label)
 
     def notebook(self, path):
         """Open a notebook and wait until its kernel is idle."""
@@ -247,33 +249,33 @@ class UserSession:
             "an idle kernel",
         )
 
-    def cell(self, words):
+    def cell(self, text):
         """Scroll to the first code cell that contains a text, and return the cell."""
 
         def shown():
             for cell in self.browser.find_elements(By.CSS_SELECTOR, ".jp-CodeCell"):
-                if words in cell.get_property("textContent"):
+                if text in cell.get_property("textContent"):
                     scroll = "arguments[0].scrollIntoView({block: 'center'})"
                     self.browser.execute_script(scroll, cell)
                     return cell
             return None
 
-        return self.wait(shown, f"a cell with {words!r}")
+        return self.wait(shown, f"a cell with {text!r}")
 
-    def write(self, words, source):
+    def write(self, text, source):
         """Replace the source of a cell, as if the user pasted it."""
-        cell = self.cell(words)
-        self.wait(lambda: cell.find_element(By.CSS_SELECTOR, ".cm-content").click() is None, words)
+        cell = self.cell(text)
+        self.wait(lambda: cell.find_element(By.CSS_SELECTOR, ".cm-content").click() is None, text)
         keys = webdriver.ActionChains(self.browser)
         keys.key_down(Keys.CONTROL).send_keys("a").key_up(Keys.CONTROL).perform()
         self.browser.execute_cdp_cmd("Input.insertText", {"text": source})
 
-    def save_and_wait(self, path, words):
-        """Save, and wait until the file contains all the words."""
+    def save_and_wait(self, path, texts):
+        """Save, and wait until the file contains all the texts."""
         self.choose("File", "Save Notebook")
         file = Path(f"/home/{self.name}") / path
-        saved = f"{words} in {path}"
-        self.wait(lambda: all(word in file.read_text("utf-8") for word in words), saved)
+        saved = f"{texts} in {path}"
+        self.wait(lambda: all(word in file.read_text("utf-8") for word in texts), saved)
 
 
 # ---- the scenario -------------------------------------------------------------------------------
@@ -288,7 +290,7 @@ def answers():
     return {name: marks.sub("", cells[name]).rstrip() for name in EXERCISES}
 
 
-def work(session, written):
+def work(session, answers):
     """Fetch the stage, run the first cell, write the answers, run all cells and submit."""
     path = f"{STAGE}/{LESSON}.ipynb"
     session.assignments()
@@ -303,9 +305,9 @@ def work(session, written):
     session.wait(lambda: message in session.text(".jp-Notebook .jp-OutputArea"), message)
     session.wait_until_idle()
     session.picture("first_cell")
-    for name, source in written.items():
+    for name, source in answers.items():
         session.write(f"def {name}(", source)
-    if written:
+    if answers:
         session.choose("Run", "Run All Cells")
         session.wait(
             lambda: session.browser.find_elements(By.CSS_SELECTOR, ".jp-OutputArea img"), "a plot"
@@ -313,7 +315,7 @@ def work(session, written):
         session.wait_until_idle()
         session.cell(f"check({EXERCISES[0]})")
         session.picture("checked")
-    written_last = [source.splitlines()[-1].strip() for source in written.values()]
+    written_last = [source.splitlines()[-1].strip() for source in answers.values()]
     session.save_and_wait(path, (message, *written_last))
     session.assignments()
     session.press("fetched", "Submit")
@@ -370,7 +372,7 @@ def scores():
 
 def run_scenario(pictures):
     """Run the whole scenario, from an empty machine to the feedback."""
-    steps = blocks()
+    steps = shell_blocks()
     passwords = make_accounts()
     run_as("root", steps["As root"])
     run_as("instructor", steps["As the instructor"], ADDRESS="/srv/course.git")

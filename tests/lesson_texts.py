@@ -14,15 +14,15 @@ from grader.course.kept_answers import answers_to
 from grader.course.lessons import find_lesson
 from utils.notebooks import slicing
 
-FOLLOWED = "the hints followed to the letter"
+FOLLOWS_HINTS = "the hints followed to the letter"
 
 
-def source_of(exercise, variant=FOLLOWED):
+def source_of(exercise, variant=FOLLOWS_HINTS):
     """Return the source of the kept answer with this name."""
     return next(answer.source for answer in answers_to(exercise) if answer.name == variant)
 
 
-def taught(exercise, variant=FOLLOWED):
+def taught_function(exercise, variant=FOLLOWS_HINTS):
     """Return the function from the kept answer that follows the hints, or from another one."""
     namespace = {"np": np}
     exec(source_of(exercise, variant), namespace)
@@ -53,7 +53,7 @@ def names_of(name, *wanted, **variants):
     for statement in slicing.slice_for(wanted, statements):
         if exercises := statement.binds & own_exercises:
             for exercise in exercises:
-                exec(source_of(exercise, variants.get(exercise, FOLLOWED)), namespace)
+                exec(source_of(exercise, variants.get(exercise, FOLLOWS_HINTS)), namespace)
         else:
             exec(slicing.compile_statement(statement, str(lesson.source)), namespace)
     return namespace

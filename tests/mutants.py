@@ -109,7 +109,7 @@ for ways in places.values():
 """
 
 
-DEAD = ("killed", "stopped")
+DETECTED = ("killed", "stopped")
 PATIENCE = 4  # factor by which the time limit grows for the second try
 # Exit status; not 0, because a mutant may end its process with status 0.
 SURVIVED = 57
@@ -160,7 +160,7 @@ class _AnnotationRemover(ast.NodeTransformer):
         return self.generic_visit(node)
 
 
-def meaning(source: str) -> str:
+def normalised_source(source: str) -> str:
     """Return the syntax tree of a program as text, without annotations or comments."""
     return ast.dump(_AnnotationRemover().visit(ast.parse(source)))
 
@@ -171,11 +171,11 @@ def mutants_of(module: str) -> Iterator[Mutant]:
     done = subprocess.run(
         [COSMIC_RAY, "-c", CHANGES], input=source, stdout=subprocess.PIPE, text=True, check=True
     )
-    met = {meaning(source)}
+    met = {normalised_source(source)}
     for line in done.stdout.splitlines():
         changed = json.loads(line)
         with contextlib.suppress(SyntaxError):
-            means = meaning(changed)
+            means = normalised_source(changed)
             if means not in met:
                 met.add(means)
                 yield Mutant(module, *_difference(source, changed), changed)
@@ -245,7 +245,7 @@ def changed_functions(mutant: Mutant) -> dict[str, CodeType] | None:
     return functions
 
 
-def become(module: str, now: list[FunctionType], functions: dict[str, CodeType]) -> None:
+def apply_mutant(module: str, now: list[FunctionType], functions: dict[str, CodeType]) -> None:
     """Give the functions of a module the code of a mutant, and clear the module's caches."""
     for function in now:
         function.__code__ = functions.get(function.__qualname__, function.__code__)
@@ -325,8 +325,8 @@ class MutantRunner:
         path = Path(self.folder, "runs")
         process = begin(functools.partial(self._watch, items, path), 3600, self.folder)
         if os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]) != SURVIVED:
-            said = path.read_text("utf-8") if path.is_file() else "They were stopped."
-            sys.exit(f"{self.module}: the nearest tests fail on the unchanged module.\n{said}")
+            text = path.read_text("utf-8") if path.is_file() else "They were stopped."
+            sys.exit(f"{self.module}: the nearest tests fail on the unchanged module.\n{text}")
         found = json.loads(path.read_text("utf-8"))
         return {
             name: Run(seconds, wall, frozenset(map(tuple, entered)))
@@ -382,7 +382,7 @@ class MutantRunner:
         return sorted(items, key=lambda item: (files[item.path], item.path, takes[item]))
 
     def _run(self, items: list[pytest.Item], functions: dict[str, CodeType]) -> int:
-        become(self.module, self.functions, functions)
+        apply_mutant(self.module, self.functions, functions)
         return first_failure(items)
 
     def _run_with_new_imports(self, mutant: Mutant) -> int:
@@ -478,7 +478,7 @@ def known_results() -> dict[str, str]:
     return {found["digest"]: found["outcome"] for found in map(json.loads, lines)}
 
 
-def equivalent() -> set[str]:
+def equivalent_mutants() -> set[str]:
     """Return the mutants listed in `EQUIVALENT`, each in the form of `str(mutant)`."""
     found, module, before = set(), "", ""
     for line in EQUIVALENT.read_text("utf-8").splitlines():
@@ -499,7 +499,9 @@ def try_module(module: str, forgiven: set[str]) -> dict[Mutant, str]:
     mutants, known = list(mutants_of(module)), known_results()
     random.Random(1).shuffle(mutants)
     ended = {
-        mutant: known[mutant.digest] for mutant in mutants if known.get(mutant.digest, "") in DEAD
+        mutant: known[mutant.digest]
+        for mutant in mutants
+        if known.get(mutant.digest, "") in DETECTED
     }
     waiting = [mutant for mutant in mutants if mutant not in ended]
     if waiting:
@@ -537,13 +539,13 @@ def main(wanted: list[str]) -> int:
         derandomize=True,
     )
     hypothesis.settings.load_profile("mutants")
-    forgiven, survived, stopped = equivalent(), 0, []
+    forgiven, survived, stopped = equivalent_mutants(), 0, []
     for module in TESTS:
         if not wanted or any(part in module for part in wanted):
             outcomes = try_module(module, forgiven)
             ended = Counter(outcomes.values())
             summary = ", ".join(
-                f"{ended[name]} {name}" for name in (*DEAD, "equivalent", "survived")
+                f"{ended[name]} {name}" for name in (*DETECTED, "equivalent", "survived")
             )
             print(f"{module}: {ended.total()} mutants, {summary}", flush=True)
             survived += ended["survived"]

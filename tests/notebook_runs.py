@@ -62,14 +62,14 @@ def errors_outside_checks(notebook):
     ]
 
 
-def written(notebook, stream):
+def printed_text(notebook, stream):
     """Return all text written to "stdout" or "stderr"."""
     return "".join(
         output.text for _, output in outputs_of(notebook) if output.get("name") == stream
     )
 
 
-def children():
+def child_processes():
     """Return the IDs of this process's children, including zombies."""
     tasks = Path("/proc/self/task").glob("*/children")
     return {int(number) for task in tasks for number in task.read_text().split()}

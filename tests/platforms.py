@@ -10,7 +10,7 @@ import io
 import re
 from dataclasses import dataclass, field
 
-NEVER = 0
+NEVER_GRADED = 0
 
 
 @dataclass
@@ -253,7 +253,10 @@ class Moodle:
             if number not in [student.number for student in self.students]:
                 continue
             time = re.fullmatch(r"minute (\d+)", row[places["lastmodifiedgrade"]])
-            stale = self.graded_at.get(number, NEVER) > (int(time[1]) if time else NEVER) + 1
+            stale = (
+                self.graded_at.get(number, NEVER_GRADED)
+                > (int(time[1]) if time else NEVER_GRADED) + 1
+            )
             grade = self.unformatted(row[places["grade"]])
             if (
                 grade is None

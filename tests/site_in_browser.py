@@ -34,10 +34,10 @@ SWITCHES = (
     "--no-first-run",
     "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
 )
-BROKEN = """
+BROKEN_IMAGES = """
 return [...document.images].filter((one) => one.complete && !one.naturalWidth).map((one) => one.src)
 """
-SETTLED = """
+WAIT_UNTIL_SETTLED = """
 const done = arguments[arguments.length - 1];
 Promise.resolve(window.MathJax?.startup?.promise).then(() => setTimeout(done, 300));
 """
@@ -84,7 +84,7 @@ def view(driver, width, theme):
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
 
 
-def requested(driver):
+def requested_addresses(driver):
     """Return the addresses and total bytes of all requests since the last call."""
     addresses, weight = [], 0
     for entry in driver.get_log("performance"):
@@ -110,10 +110,10 @@ def faults_of_page(driver, address, axe):
     """Yield the faults of a page in the current view."""
     driver.execute_cdp_cmd("Network.enable", {})
     driver.execute_cdp_cmd("Network.setCacheDisabled", {"cacheDisabled": True})
-    requested(driver)
+    requested_addresses(driver)
     driver.get(address)
-    driver.execute_async_script(SETTLED)
-    addresses, weight = requested(driver)
+    driver.execute_async_script(WAIT_UNTIL_SETTLED)
+    addresses, weight = requested_addresses(driver)
     if weight > HEAVIEST:
         yield f"{weight:,} bytes before scrolling"
     for other in on_other_hosts(addresses):
@@ -125,18 +125,18 @@ def faults_of_page(driver, address, axe):
         yield f"scrolls {across} pixels sideways"
     driver.execute_script(SHOW_ALL)
     driver.execute_script("window.scrollTo(0, document.body.scrollHeight)")
-    driver.execute_async_script(SETTLED)
-    for picture in driver.execute_script(BROKEN):
+    driver.execute_async_script(WAIT_UNTIL_SETTLED)
+    for picture in driver.execute_script(BROKEN_IMAGES):
         yield f"has a broken picture: {picture}"
-    for other in on_other_hosts(requested(driver)[0]):
+    for other in on_other_hosts(requested_addresses(driver)[0]):
         yield f"requests {other}"
     driver.execute_script(axe)
     yield from driver.execute_async_script(AXE)
 
 
-def found_by(driver, root, words):
+def search_results(driver, root, query):
     """Return (address, text) for each result that a search shows."""
-    driver.get(f"{root}search.html?q={'+'.join(words.split())}")
+    driver.get(f"{root}search.html?q={'+'.join(query.split())}")
     WebDriverWait(driver, PATIENCE).until(
         lambda page: page.find_elements(By.CSS_SELECTOR, "#search-results ul.sections li")
     )
@@ -150,12 +150,12 @@ def found_by(driver, root, words):
 def faults_of_reading(driver, root):
     """Act as a reader; yield a sentence for each action that does not work."""
     view(driver, 1200, "light")
-    hits = found_by(driver, root, "why not a smaller threshold")
+    hits = search_results(driver, root, "why not a smaller threshold")
     if not any("05_euclidean_clustering.html#" in link for link, _ in hits):
         yield f"a search for a smaller threshold finds only {hits}"
-    if not any("lorry" in line for _, line in found_by(driver, root, "lorry sofa")):
+    if not any("lorry" in line for _, line in search_results(driver, root, "lorry sofa")):
         yield "a search does not show the text that it finds"
-    first = found_by(driver, root, "corner order")[0][1]
+    first = search_results(driver, root, "corner order")[0][1]
     if not first.startswith("Eight corners in an agreed order"):
         yield f"a search for the order of corners begins with {first}"
     start, end = driver.execute_script(ICON_AND_TEXT)
@@ -169,7 +169,7 @@ def faults_of_reading(driver, root):
         yield f"a search for thresold suggests {suggested[0].text}"
 
     driver.get(f"{root}stage2_clustering/05_euclidean_clustering.html")
-    driver.execute_async_script(SETTLED)
+    driver.execute_async_script(WAIT_UNTIL_SETTLED)
     field = driver.find_element(By.CSS_SELECTOR, "form.guess input[type=text]")
     driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", field)
     field.send_keys("41")

@@ -95,14 +95,14 @@ def write(path: Path, wanted: list[str]) -> None:
     path.write_text(json.dumps(found, indent=1, ensure_ascii=False), "utf-8")
 
 
-def same(before: object, after: object) -> bool:
+def is_same(before: object, after: object) -> bool:
     """Return whether two outputs are the same, apart from rounding of scores."""
     if isinstance(before, dict) and isinstance(after, dict):
         return before.keys() == after.keys() and all(
-            same(before[key], after[key]) for key in before
+            is_same(before[key], after[key]) for key in before
         )
     if isinstance(before, list) and isinstance(after, list):
-        return len(before) == len(after) and all(map(same, before, after))
+        return len(before) == len(after) and all(map(is_same, before, after))
     if isinstance(before, float) or isinstance(after, float):
         return abs(before - after) <= ROUNDING
     return before == after
@@ -122,7 +122,7 @@ def differences(before: object, after: object, where: str = "") -> list[str]:
         return [
             line for row, (a, b) in enumerate(pairs) for line in differences(a, b, f"{where}/{row}")
         ]
-    return [] if same(before, after) else [f"{where}:\n  - {before}\n  + {after}"]
+    return [] if is_same(before, after) else [f"{where}:\n  - {before}\n  + {after}"]
 
 
 def compare(paths: list[Path]) -> int:
@@ -130,7 +130,7 @@ def compare(paths: list[Path]) -> int:
     *before, after = (json.loads(path.read_text("utf-8")) for path in paths)
     odd = 0
     for name in sorted({*before[0], *after}):
-        if any(not same(before[0].get(name), again.get(name)) for again in before[1:]):
+        if any(not is_same(before[0].get(name), again.get(name)) for again in before[1:]):
             print(f"{name}: the output is different in each run")
             continue
         lines = differences(before[0].get(name), after.get(name))

@@ -36,7 +36,7 @@ from grader.judging.repair import find_slips
 from grader.judging.results import result_of
 from grader.judging.runner import hidden_calls, run_checks, visible_calls
 from grader.sandbox import choose_sandbox
-from tests.answer_equality import alike, anything
+from tests.answer_equality import compare_values, is_equivalent
 from tests.course_lessons import COURSE
 from tests.students import student_with
 from tests.test_slips import solution_of
@@ -50,9 +50,9 @@ from utils.remote_objects import Remote
 SEED, OTHER_SEEDS = 7, (11, 12, 13)  # for the checks, and for calls that compare answers
 CALLS = 1000
 SECONDS = 0.5  # processor time for a check, in addition to four times that of a right answer
-AGES = 600  # seconds; more than any right answer takes
+HANGING_SECONDS = 600  # seconds; more than any right answer takes
 SAMPLE = 6  # number of wrong answers to judge in the sandbox for each exercise
-MOST = 0.6  # largest share of an exercise's points that one edit should usually cost
+LARGEST_LOSS = 0.6  # largest share of an exercise's points that one edit should usually cost
 EXERCISES = [exercise.name for lesson in COURSE for exercise in lesson.machine_graded]
 SOLUTION = "the solution"
 ANSWER = "<answer>"  # file name of an answer's code in tracebacks
@@ -186,7 +186,7 @@ class TakesTooLong(BaseException):
 
 
 @contextlib.contextmanager
-def within(seconds):
+def time_limit(seconds):
     """Raise `TakesTooLong` after some seconds of processor time."""
 
     def stop(*about):
@@ -243,7 +243,7 @@ class Recorder:
 
 
 @contextlib.contextmanager
-def quiet():
+def silence():
     """Discard standard output, because thousands of answers print."""
     with open(os.devnull, "w") as nowhere, contextlib.redirect_stdout(nowhere):
         yield
@@ -293,7 +293,7 @@ class CheckRunner:
         # Start with calls that are quick or have rejected many functions.
         for number in sorted(self.cost, key=lambda k: (0.002 + self.cost[k]) / (1 + self.lost[k])):
             try:
-                with cached_run(), within(SECONDS + 4 * self.cost[number]):
+                with cached_run(), time_limit(SECONDS + 4 * self.cost[number]):
                     check_calls[number]()
             except BaseException as failure:
                 if is_graders_fault(failure):
@@ -314,7 +314,7 @@ def outcome_of(function, call, seconds):
     """Return a call's answer, or the type of its exception, and the arguments afterwards."""
     arguments, keywords = copy.deepcopy(call)
     try:
-        with within(seconds):
+        with time_limit(seconds):
             answer = function(*arguments, **keywords)
     except (Exception, TakesTooLong) as error:
         answer = type(error)
@@ -336,8 +336,8 @@ class Oracle:
         self.expected, self.answered, self.seconds = [], [], []
         for call in self.calls:
             begin = time.process_time()
-            self.expected.append(outcome_of(self.right, call, AGES))
-            self.answered.append(outcome_of(self.answer, call, AGES))
+            self.expected.append(outcome_of(self.right, call, HANGING_SECONDS))
+            self.answered.append(outcome_of(self.answer, call, HANGING_SECONDS))
             self.seconds.append(time.process_time() - begin)
         self.cost = sum(self.seconds)
 
@@ -362,8 +362,8 @@ class Oracle:
     def agree(self, call, outcome, right):
         """Return whether an outcome's answer and changed arguments agree with a right outcome."""
         (answer, left), (expected, expected_left) = outcome, right
-        return alike(self.exercise, call, answer, expected) and all(
-            map(anything, left, expected_left)
+        return is_equivalent(self.exercise, call, answer, expected) and all(
+            map(compare_values, left, expected_left)
         )
 
 
@@ -371,7 +371,7 @@ class Oracle:
 
 
 @dataclass
-class Surveyed:
+class SurveyResult:
     """The outcomes for the mutants of some answers to an exercise."""
 
     exercise: str
@@ -384,14 +384,14 @@ class Surveyed:
 def survey(exercise, answers, share=1):
     """Check all mutants of some answers, or a fixed sample of one in every `share` mutants."""
     runner = CheckRunner(exercise)
-    found = Surveyed(exercise)
-    with np.errstate(all="ignore"), quiet():
+    found = SurveyResult(exercise)
+    with np.errstate(all="ignore"), silence():
         for answer in answers:
             oracle = None
             runner.record_times(answer.function(answer.code()))
             mutants = list(mutants_of(answer))
             for mutant in random.Random(answer.name).sample(mutants, len(mutants) // share):
-                lost = apart(
+                lost = run_apart(
                     functools.partial(first_failure, runner, mutant), sum(runner.cost.values())
                 )
                 if lost == NO_FUNCTION:
@@ -402,7 +402,9 @@ def survey(exercise, answers, share=1):
                     found.wrong.append(mutant)
                     continue
                 oracle = oracle or Oracle(runner, answer)
-                call = apart(functools.partial(short_counterexample, oracle, mutant), oracle.cost)
+                call = run_apart(
+                    functools.partial(short_counterexample, oracle, mutant), oracle.cost
+                )
                 if call is None:
                     found.alike += 1
                 else:
@@ -413,7 +415,7 @@ def survey(exercise, answers, share=1):
 def first_failure(runner, mutant):
     """Return the number of a check call that a mutant fails, or None if it passes all."""
     try:
-        with within(SECONDS):
+        with time_limit(SECONDS):
             function = mutant.answer.function(mutant.code)
     except BaseException:  # the edit may move a failing statement out of the function
         return NO_FUNCTION
@@ -426,7 +428,7 @@ def short_counterexample(oracle, mutant):
     return None if call is None else reprlib.repr(call)
 
 
-def apart(work, usual):
+def run_apart(work, usual):
     """Do some work in a separate process, and return its result or `NEVER_ENDS`.
 
     A mutant may change shared state, request too much memory, or send LAPACK into a loop that
@@ -514,18 +516,18 @@ def main():
         everything += lost
         print(
             f"{exercise:34}{found.mutants:9}{found.alike:9}{len(found.escaped):9}{len(lost):9}"
-            f"{statistics.median(lost):9.0%}{sum(share > MOST for share in lost):9}",
+            f"{statistics.median(lost):9.0%}{sum(share > LARGEST_LOSS for share in lost):9}",
             flush=True,
         )
         for mutant, call in found.escaped:
             change = f"{mutant.before!r} -> {mutant.after!r}"
             print(f"    {mutant.answer.name}: {change}, for example for {call}")
-    severe = sum(share > MOST for share in everything) / len(everything)
+    severe = sum(share > LARGEST_LOSS for share in everything) / len(everything)
     middle = statistics.median(everything)
     print(
         f"The median of {len(everything)} wrong answers loses {middle:.0%}, and {severe:.0%} lose"
     )
-    print(f"more than {MOST:.0%} of their exercise.")
+    print(f"more than {LARGEST_LOSS:.0%} of their exercise.")
 
 
 if __name__ == "__main__":

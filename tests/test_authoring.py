@@ -34,13 +34,13 @@ def verdict_on(*failed, cause="", score=0.0):
     return Verdict("01", "ada", JUDGED, score, 4.0, results, (), 0.0, "")
 
 
-def test_true_notes_are_not_reported():
+def test_correct_notes_are_not_reported():
     assert wrong_notes(RIGHT, verdict_on(score=4.0)) == []
     assert wrong_notes(WRONG, verdict_on("sorts", "test_a[1]")) == []
 
 
 @pytest.mark.parametrize(
-    ("answer", "verdict", "says"),
+    ("answer", "verdict", "message"),
     [
         (RIGHT, verdict_on("keeps"), "It fails keeps."),
         (WRONG, verdict_on("sorts"), "It fails sorts, but its notes list sorts, test_a."),
@@ -73,16 +73,16 @@ def test_true_notes_are_not_reported():
         (dataclasses.replace(WRONG, loses=(), loses_only=False), verdict_on("sorts"), "Add a line"),
     ],
 )
-def test_a_wrong_note_is_reported_in_a_sentence(answer, verdict, says):
+def test_a_wrong_note_is_reported_in_a_sentence(answer, verdict, message):
     (sentence,) = wrong_notes(answer, verdict)
-    assert says in sentence
+    assert message in sentence
 
 
 # ---- the skeleton --------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
-    ("arguments", "says"),
+    ("arguments", "message"),
     [
         (["other"], "'other' is not a valid lesson name."),
         (["14_Free"], "'14_Free' is not a valid lesson name."),
@@ -95,12 +95,12 @@ def test_a_wrong_note_is_reported_in_a_sentence(answer, verdict, says):
         ),
     ],
 )
-def test_an_invalid_new_lesson_gets_a_message(arguments, says, capsys):
+def test_an_invalid_new_lesson_gets_a_message(arguments, message, capsys):
     assert cli.main(["new", *arguments]) == 2
-    assert says in capsys.readouterr().err
+    assert message in capsys.readouterr().err
 
 
-def test_nothing_is_overwritten(tmp_path, monkeypatch):
+def test_a_new_lesson_does_not_overwrite_files(tmp_path, monkeypatch):
     monkeypatch.setattr(skeleton, "PROJECT", tmp_path)
     assert len(skeleton.write_skeleton("14_mine")) == 4
     shutil.rmtree(tmp_path / "solutions")
@@ -116,7 +116,7 @@ def test_trying_a_missing_lesson_gets_a_message(wanted, capsys):
 
 
 @pytest.fixture(scope="module")
-def copy(tmp_path_factory):
+def project_copy(tmp_path_factory):
     """Return a copy of the project in which lessons can be written."""
     root = tmp_path_factory.mktemp("project") / "lab"
     for folder in ("extension", "grader", "utils", "solutions", "notebooks", "data"):
@@ -137,45 +137,45 @@ def run(root, *arguments):
 
 
 @pytest.mark.slow
-def test_a_skeleton_is_complete(copy, sandbox):
-    written = run(copy, "new", "14_free_distance")
+def test_the_skeleton_of_a_new_lesson_is_complete(project_copy, sandbox):
+    written = run(project_copy, "new", "14_free_distance")
     assert written.returncode == 0 and "python -m grader try 14" in written.stdout
-    tried = run(copy, "try", "14", "--sandbox", sandbox.name)
+    tried = run(project_copy, "try", "14", "--sandbox", sandbox.name)
     assert tried.returncode == 0, tried.stdout + tried.stderr
     assert "14_free_distance is complete." in tried.stdout and "!!" not in tried.stdout
-    assert run(copy, "build", "--check").returncode == 0
+    assert run(project_copy, "build", "--check").returncode == 0
 
 
 @pytest.mark.proof
-def test_removed_parts_are_reported(copy, sandbox):
-    run(copy, "new", "16_far_distance")
-    folder = copy / "solutions" / "stage5_own" / "16_far_distance"
-    with replaced(folder / "hidden_tests.py", "", ""):
-        tried = run(copy, "try", "16", "--sandbox", sandbox.name)
+def test_missing_parts_of_a_new_lesson_are_reported(project_copy, sandbox):
+    run(project_copy, "new", "16_far_distance")
+    folder = project_copy / "solutions" / "stage5_own" / "16_far_distance"
+    with replace_temporarily(folder / "hidden_tests.py", "", ""):
+        tried = run(project_copy, "try", "16", "--sandbox", sandbox.name)
     assert tried.returncode == 1
     assert "far_distance has no hidden test. Write one in 16_far_distance/hidden" in tried.stdout
     assert "The lesson cannot be judged: " in tried.stdout and "2 left to fix." in tried.stdout
 
     changed = ("# %% right: a loop", "# %% wrong: it"), ("np.linalg", "npp.linalg")
     answers, hidden = folder / "answers" / "far_distance.txt", folder / "hidden_tests.py"
-    with replaced(answers, *changed[0]), replaced(hidden, *changed[1]):
-        tried = run(copy, "try", "16", "--sandbox", sandbox.name)
+    with replace_temporarily(answers, *changed[0]), replace_temporarily(hidden, *changed[1]):
+        tried = run(project_copy, "try", "16", "--sandbox", sandbox.name)
     assert tried.returncode == 1
     assert "far_distance has no right answer. Write one in" in tried.stdout
     assert "16_far_distance/hidden_tests.py, line 21: NameError: name 'npp'" in tried.stdout
 
     hidden.rename(folder / "away")
-    tried = run(copy, "try", "16", "--sandbox", sandbox.name)
+    tried = run(project_copy, "try", "16", "--sandbox", sandbox.name)
     (folder / "away").rename(hidden)
     assert "16_far_distance/hidden_tests.py does not exist" in tried.stdout
 
 
 @pytest.mark.slow
-def test_faults_of_the_checks_are_reported_once(copy, sandbox):
-    run(copy, "new", "15_mean_square")
-    checks = copy / "utils" / "checks" / "lesson_15.py"
-    with replaced(checks, "7.505553499465135", "7.6"):
-        tried = run(copy, "try", "15", "--sandbox", sandbox.name)
+def test_faults_of_the_checks_are_reported_once(project_copy, sandbox):
+    run(project_copy, "new", "15_mean_square")
+    checks = project_copy / "utils" / "checks" / "lesson_15.py"
+    with replace_temporarily(checks, "7.505553499465135", "7.6"):
+        tried = run(project_copy, "try", "15", "--sandbox", sandbox.name)
     assert (
         "The solution earns " in tried.stdout and "15_mean_square: 1 left to fix." in tried.stdout
     )
@@ -189,30 +189,30 @@ def test_faults_of_the_checks_are_reported_once(copy, sandbox):
         ('promise("names")', 'promise("name")', 32, "no promise 'name'. Use one of names,"),
         ("weight=4,", "weight=4", 10, "SyntaxError: "),
     ):
-        with replaced(checks, old, new):
-            tried = run(copy, "try", "15", "--sandbox", sandbox.name)
+        with replace_temporarily(checks, old, new):
+            tried = run(project_copy, "try", "15", "--sandbox", sandbox.name)
         assert f"utils/checks/lesson_15.py, line {line}: " in tried.stdout
         assert reason in tried.stdout and "15_mean_square: 1 left to fix." in tried.stdout
 
 
 @pytest.mark.proof
-def test_a_failing_cell_of_the_notebook_is_reported(copy, sandbox):
-    run(copy, "new", "17_root_square")
-    source = copy / "solutions" / "stage5_own" / "17_root_square" / "lesson.py"
+def test_a_failing_cell_of_the_notebook_is_reported(project_copy, sandbox):
+    run(project_copy, "new", "17_root_square")
+    source = project_copy / "solutions" / "stage5_own" / "17_root_square" / "lesson.py"
     cell = "# Look.\n\n# %%\nprint(1 + root_square([3, 4]))\n\n# %% [markdown]\n# ## Summary"
-    with replaced(source, "# ## Summary", cell.replace("print(1", "draw(1")):
-        tried = run(copy, "try", "17", "--sandbox", sandbox.name)
+    with replace_temporarily(source, "# ## Summary", cell.replace("print(1", "draw(1")):
+        tried = run(project_copy, "try", "17", "--sandbox", sandbox.name)
     assert "cell that begins with `draw(1 + root_square([3, 4]))` raises NameE" in tried.stdout
 
     # `try` stores the solution's answers, so that the untouched notebook can continue.
-    with replaced(source, "# ## Summary", cell):
-        tried = run(copy, "try", "17", "--sandbox", sandbox.name)
+    with replace_temporarily(source, "# ## Summary", cell):
+        tried = run(project_copy, "try", "17", "--sandbox", sandbox.name)
     assert tried.returncode == 0, tried.stdout
     assert "were stored in utils/lent/lesson_17.json." in tried.stdout
 
 
 @contextlib.contextmanager
-def replaced(path, old, new):
+def replace_temporarily(path, old, new):
     """Replace `old` in a file temporarily, or the whole content if `old` is empty."""
     before = path.read_text("utf-8")
     assert old in before

@@ -27,11 +27,11 @@ SIX = find_lesson("06_filter_ground")
 STAGE = SIX.stage
 # Values and keys of gradescope-autograders.readthedocs.io/en/latest/specs/.
 VISIBILITIES = {"hidden", "after_due_date", "after_published", "visible"}
-TEST = {
+TEST_KEYS = {
     *("score", "max_score", "status", "name", "name_format", "number", "output", "output_format"),
     *("tags", "visibility", "extra_data"),
 }
-WHOLE = {
+RESULT_KEYS = {
     *("score", "execution_time", "output", "output_format", "test_output_format"),
     *("test_name_format", "visibility", "stdout_visibility", "extra_data", "tests", "leaderboard"),
 }
@@ -52,8 +52,8 @@ def exercise(slip=None):
     return ExerciseResult("filter_ground", round(6.66 + kept, 2), 20.0, checks, "", "a", slip)
 
 
-def results_for(*lessons, left=()):
-    return results.build_results(JudgedSubmission(lessons, tuple(left)))
+def results_for(*lessons, leftovers=()):
+    return results.build_results(JudgedSubmission(lessons, tuple(leftovers)))
 
 
 # ---- Results -------------------------------------------------------------------------------
@@ -63,13 +63,13 @@ def test_results_have_gradescopes_format_and_add_up():
     found = results_for(
         JudgedLesson(SIX, verdict((exercise(),), problems=("A cell moved.",)), ("A cell moved.",)),
         JudgedLesson(find_lesson("07_filter_by_distance")),
-        left=["x.ipynb: what is this?"],
+        leftovers=["x.ipynb: what is this?"],
     )
-    assert set(found) <= WHOLE and json.loads(json.dumps(found)) == found
+    assert set(found) <= RESULT_KEYS and json.loads(json.dumps(found)) == found
     assert found["score"] == 6.66 == round(sum(t.get("score", 0) for t in found["tests"]), 2)
     assert found["output"] == "x.ipynb: what is this?"
     for test in found["tests"]:
-        assert set(test) <= TEST and test["visibility"] in VISIBILITIES
+        assert set(test) <= TEST_KEYS and test["visibility"] in VISIBILITIES
     assert found["output_format"] == found["test_output_format"] == "text"
     # The results exclude exercises that a person grades.
     scored = [test["max_score"] for test in found["tests"] if "max_score" in test]
@@ -127,7 +127,7 @@ def root(tmp_path):
 
 
 @pytest.fixture
-def unjudged(monkeypatch):
+def judged_calls(monkeypatch):
     """Replace the judge with a fixed verdict; return a list to which each call is added."""
     asked = []
 
@@ -139,51 +139,51 @@ def unjudged(monkeypatch):
     return asked
 
 
-def judged(root):
+def judge_root(root):
     return judging.judge_submission(root / "submission", root / "source", SANDBOXES["process"])
 
 
-def test_a_notebook_is_found_in_any_folder_of_the_submission(root, unjudged):
+def test_a_notebook_is_found_in_any_folder_of_the_submission(root, judged_calls):
     below = root / "submission" / "my work" / "06_filter_ground (1).ipynb"
     below.parent.mkdir()
     below.write_bytes(SIX.released.read_bytes())
-    found = judged(root)
-    assert unjudged == [(below.name, SIX.name, "", SEED, "")]
+    found = judge_root(root)
+    assert judged_calls == [(below.name, SIX.name, "", SEED, "")]
     assert [lesson.lesson.name[:2] for lesson in found.lessons if lesson.verdict] == ["06"]
     assert [lesson.lesson.name[:2] for lesson in found.lessons] == ["06", "07", "08", "09"]
     assert "was recognised as 06_filter_ground.ipynb" in str(found.lessons[0].notes)
 
 
-def test_each_file_that_is_not_judged_is_named(root, unjudged):
+def test_each_file_that_is_not_judged_is_named(root, judged_calls):
     folder = root / "submission"
     for name in ("Untitled.ipynb", "07_filter_by_distance.py", "02_ransac_line.ipynb", "notes.txt"):
         (folder / name).write_text("{}")
     os.mkfifo(folder / "pipe.ipynb")
-    assert judged(root).left == (
+    assert judge_root(root).left == (
         "02_ransac_line.ipynb is lesson 02_ransac_line, which is not part of this assignment.",
         "07_filter_by_distance.py is not a notebook. Submit 07_filter_by_distance.ipynb, as "
         "Jupyter saves it.",
         "Untitled.ipynb cannot be matched with a lesson. Give the file the name under which it was "
         "released, such as 06_filter_ground.ipynb.",
     )
-    assert not unjudged
+    assert not judged_calls
 
 
 @pytest.mark.parametrize("of", ["the file", "its folder"])
-def test_a_link_to_the_solution_is_not_an_answer(root, unjudged, of):
+def test_a_link_to_the_solution_is_not_an_answer(root, judged_calls, of):
     """The autograder runs as root, but reads only the submission and does not follow links."""
     if of == "the file":
         (root / "submission" / f"{SIX.name}.ipynb").symlink_to(SIX.solved)
     else:
         (root / "submission" / "work").symlink_to(SIX.solved.parent)
-    judged(root)
-    assert all("link" in complaint for *_, complaint in unjudged)
-    assert len(unjudged) == (of == "the file")
+    judge_root(root)
+    assert all("link" in complaint for *_, complaint in judged_calls)
+    assert len(judged_calls) == (of == "the file")
 
 
-def test_an_assignment_may_consist_of_one_lesson(root, unjudged):
+def test_an_assignment_may_consist_of_one_lesson(root, judged_calls):
     (root / "source" / "assignment").write_text(f"{SIX.name}\n")
-    assert [lesson.lesson for lesson in judged(root).lessons] == [SIX]
+    assert [lesson.lesson for lesson in judge_root(root).lessons] == [SIX]
 
 
 def test_a_starved_notebook_is_judged_again(root, monkeypatch):
@@ -195,7 +195,7 @@ def test_a_starved_notebook_is_judged_again(root, monkeypatch):
         return Verdict(**{**vars(verdict((exercise(),))), "starved": not is_alone})
 
     monkeypatch.setattr(judging, "judge_one", judge_one)
-    assert not judged(root).lessons[0].verdict.starved
+    assert not judge_root(root).lessons[0].verdict.starved
     assert tries == [False, True]
 
 
@@ -223,12 +223,12 @@ def test_a_fault_of_the_grader_leaves_no_results(root, without_sandbox, monkeypa
         monkeypatch.setattr(judging, "judge_one", judge_one)
         assert program.main(root) == 1
         assert not path.exists()
-        said = capsys.readouterr().out
-        assert said.count("no student gets a mark from this run") == 1
-        assert ("an oracle broke" in said) != ("no memory left" in said)
+        output = capsys.readouterr().out
+        assert output.count("no student gets a mark from this run") == 1
+        assert ("an oracle broke" in output) != ("no memory left" in output)
 
 
-def test_without_a_sandbox_nothing_runs(root, monkeypatch, capsys):
+def test_nothing_runs_without_a_sandbox(root, monkeypatch, capsys):
     def unavailable(self):
         raise SandboxUnavailable("It is a drill.", "Add: --sandbox process")
 
@@ -236,9 +236,9 @@ def test_without_a_sandbox_nothing_runs(root, monkeypatch, capsys):
     for name in isolation.PREFERRED_SANDBOXES:
         monkeypatch.setattr(type(SANDBOXES[name]), "available", unavailable)
     assert program.main(root) == 1
-    said = capsys.readouterr().out
-    assert "bubblewrap: It is a drill.\nchroot: It is a drill.\n" in said
-    assert "export --format gradescope" in said and "--sandbox process" not in said
+    output = capsys.readouterr().out
+    assert "bubblewrap: It is a drill.\nchroot: It is a drill.\n" in output
+    assert "export --format gradescope" in output and "--sandbox process" not in output
     assert not (root / "results" / "results.json").exists()
 
 
@@ -306,17 +306,17 @@ def test_the_score_is_the_same_as_on_the_command_line(root, sandbox, right, caps
 
 
 @pytest.fixture(scope="module")
-def packed():
+def packed_zip():
     return build_autograder_zip(STAGE, SEED)
 
 
 @pytest.mark.slow
-def test_the_same_course_gives_the_same_zip(packed):
-    assert packed == build_autograder_zip(STAGE, SEED) != build_autograder_zip(STAGE, SEED + 1)
+def test_the_same_course_gives_the_same_zip(packed_zip):
+    assert packed_zip == build_autograder_zip(STAGE, SEED) != build_autograder_zip(STAGE, SEED + 1)
 
 
-def test_the_zip_contains_files_for_judging_but_none_of_the_class(packed):
-    archive = zipfile.ZipFile(io.BytesIO(packed))
+def test_the_zip_contains_files_for_judging_but_none_of_the_class(packed_zip):
+    archive = zipfile.ZipFile(io.BytesIO(packed_zip))
     names = set(archive.namelist())
     assert {
         "setup.sh",
@@ -332,8 +332,8 @@ def test_the_zip_contains_files_for_judging_but_none_of_the_class(packed):
     assert not [n for n in names if n.split("/")[1:2] and n.split("/")[1].startswith(class_files)]
 
 
-def test_requirements_include_packages_for_judging_but_not_jupyter(packed):
-    archive = zipfile.ZipFile(io.BytesIO(packed))
+def test_requirements_include_packages_for_judging_but_not_jupyter(packed_zip):
+    archive = zipfile.ZipFile(io.BytesIO(packed_zip))
     listed = archive.read("requirements.txt").decode()
     assert listed.startswith("-c constraints.txt\n")
     for name in ("numpy", "scipy", "shapely", "scikit-learn", "pytest", "pyyaml", "ipython"):
@@ -342,24 +342,26 @@ def test_requirements_include_packages_for_judging_but_not_jupyter(packed):
 
 
 @pytest.fixture
-def rehearsed(monkeypatch):
+def without_rehearsals(monkeypatch):
     """Skip the rehearsals, because other tests show that the course's solutions are right."""
     from grader.classroom import rehearsals
 
     monkeypatch.setattr(rehearsals.Rehearsals, "finish", lambda self, executor: None)
 
 
-def test_the_command_writes_a_zip_that_only_its_owner_can_read(tmp_path, rehearsed, capsys):
+def test_the_command_writes_a_zip_that_only_its_owner_can_read(
+    tmp_path, without_rehearsals, capsys
+):
     path = tmp_path / "auto.zip"
     assert cli.main(["autograder", "stage4_realtime", "--to", str(path)]) == commands.SUCCESS
     assert zipfile.is_zipfile(path) and stat.S_IMODE(path.stat().st_mode) == 0o600
-    said = capsys.readouterr().out
-    assert "Autograder Points: 85" in said and "write_up (10 points)" in said
-    assert "this is Python 3.12. Code that only a newer Python can read gets no mark." in said
+    output = capsys.readouterr().out
+    assert "Autograder Points: 85" in output and "write_up (10 points)" in output
+    assert "this is Python 3.12. Code that only a newer Python can read gets no mark." in output
 
 
-def test_what_does_not_count_but_is_in_an_autograder_is_named(
-    tmp_path, rehearsed, monkeypatch, capsys
+def test_lessons_and_exercises_in_an_autograder_that_do_not_count_are_named(
+    tmp_path, without_rehearsals, monkeypatch, capsys
 ):
     text = '[stage3_obstacles]\nlessons = ["06", "07", "08"]\nwithout = ["voxel_grid"]\n'
     (tmp_path / "deadlines.toml").write_text(text, "utf-8")

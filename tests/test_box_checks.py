@@ -28,14 +28,14 @@ def notes_for(exercise, function):
         ("get_oriented_boxes", "11_pca_boxes", "orders_the_corners"),
     ],
 )
-def test_another_order_of_corners_is_a_note(exercise, name, note):
+def test_another_order_of_corners_gets_a_note(exercise, name, note):
     right = getattr(load_reference(name), exercise)
     assert notes_for(exercise, right) == set()
     for order in CORNERS.values():
         assert notes_for(exercise, lambda *given, order=order: right(*given)[:, order]) == {note}
 
 
-def test_a_list_of_boxes_is_a_note():
+def test_a_list_of_boxes_gets_a_note():
     for exercise, name, note in (
         ("get_bounding_boxes", "08_bounding_boxes", "returns_an_array"),
         ("get_oriented_boxes", "11_pca_boxes", "returns_boxes_as_an_array"),
@@ -44,7 +44,7 @@ def test_a_list_of_boxes_is_a_note():
         assert notes_for(exercise, lambda *given, right=right: right(*given).tolist()) == {note}
 
 
-def test_axes_as_lists_are_a_note():
+def test_axes_as_lists_get_a_note():
     right = load_reference("11_pca_boxes").principal_axes
     assert notes_for("principal_axes", right) == set()
     assert notes_for("principal_axes", lambda points: right(points).tolist()) == {

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 from utils.boxes import Box, distance_outside, inside
 
 
-def turned(points, yaw):
+def rotate(points, yaw):
     cosine, sine = np.cos(yaw), np.sin(yaw)
     return np.asarray(points) @ [[cosine, sine], [-sine, cosine]]
 
@@ -17,12 +17,12 @@ def test_distance_outside_is_measured_along_the_sides():
     expected = [-1.0, 0.0, 0.5, 0.5, 0.4]
     for yaw in (0.0, 0.4, np.pi / 2, -2.0):
         for start in range(4):
-            corners = turned(np.roll(rectangle, start, axis=0), yaw) + (9.0, -4.0)
-            measured = distance_outside(turned(points, yaw) + (9.0, -4.0), corners)
+            corners = rotate(np.roll(rectangle, start, axis=0), yaw) + (9.0, -4.0)
+            measured = distance_outside(rotate(points, yaw) + (9.0, -4.0), corners)
             assert_allclose(measured, expected, atol=1e-12)
 
 
-def test_distance_outside_of_a_line_and_of_a_point():
+def test_distance_outside_works_for_a_line_and_for_a_point():
     line = np.array([[0.0, 0.0], [3.0, 4.0], [3.0, 4.0], [0.0, 0.0]])
     assert_allclose(
         distance_outside(np.array([[1.5, 2.0], [6.0, 8.0], [-0.8, 0.6]]), line), [0, 5, 1]

@@ -13,7 +13,7 @@ from utils import breaking
 from utils.breaking.puzzles import PUZZLES
 
 # Kept answers with the same mistake as a broken version, by the letter of the version.
-THE_SAME = {
+KEPT_ANSWERS = {
     "euclidean_clustering": {
         "A": "forgets the height",
         "B": "compares with the first point of the cluster only",
@@ -25,7 +25,7 @@ THE_SAME = {
         "C": "also a box around label 0",
     },
 }
-TELLING = {
+REVEALING_CLOUDS = {
     "ransac_line": {
         "A": [[1, 0], [1, 3]],
         "B": [[0, 0], [5, 2]],
@@ -71,46 +71,51 @@ def some_cloud(rng, exercise, count):
     return cloud + rng.choice([0, 1]) * rng.normal(0, 0.05, cloud.shape) * [1, 1, 1, 0][:size]
 
 
-def differs(exercise, letter, function, cloud):
+def answers_differ(exercise, letter, function, cloud):
     puzzle = PUZZLES[exercise]
     right = puzzle.comparable(puzzle.answer_of(function, cloud))
     wrong = puzzle.comparable(puzzle.versions[letter].answer(function, cloud))
     return right.shape != wrong.shape or not np.allclose(right, wrong)
 
 
-EACH = [(exercise, letter) for exercise, puzzle in PUZZLES.items() for letter in puzzle.versions]
+BROKEN_VERSIONS = [
+    (exercise, letter) for exercise, puzzle in PUZZLES.items() for letter in puzzle.versions
+]
 
 
-@pytest.mark.parametrize(("exercise", "letter"), EACH)
-def test_the_smallest_cloud_shows_the_mistake_and_no_smaller_one_does(exercise, letter):
-    function, cloud = function_of(exercise), np.array(TELLING[exercise][letter], dtype=float)
+@pytest.mark.parametrize(("exercise", "letter"), BROKEN_VERSIONS)
+def test_the_smallest_cloud_shows_the_mistake_and_smaller_clouds_do_not(exercise, letter):
+    function, cloud = (
+        function_of(exercise),
+        np.array(REVEALING_CLOUDS[exercise][letter], dtype=float),
+    )
     smallest = PUZZLES[exercise].versions[letter].smallest
-    assert len(cloud) == smallest and differs(exercise, letter, function, cloud)
+    assert len(cloud) == smallest and answers_differ(exercise, letter, function, cloud)
     rng = np.random.default_rng(1)
     for count in range(1, smallest):
         for _ in range(40 if exercise == "ransac_line" else 400):
-            assert not differs(exercise, letter, function, some_cloud(rng, exercise, count))
+            assert not answers_differ(exercise, letter, function, some_cloud(rng, exercise, count))
 
 
-@pytest.mark.parametrize(("exercise", "letter"), EACH)
+@pytest.mark.parametrize(("exercise", "letter"), BROKEN_VERSIONS)
 def test_the_picture_shows_the_mistake(exercise, letter):
-    assert differs(exercise, letter, function_of(exercise), PUZZLES[exercise].example)
+    assert answers_differ(exercise, letter, function_of(exercise), PUZZLES[exercise].example)
 
 
 @pytest.mark.parametrize(
     ("exercise", "letter"),
-    [(exercise, letter) for exercise in THE_SAME for letter in THE_SAME[exercise]],
+    [(exercise, letter) for exercise in KEPT_ANSWERS for letter in KEPT_ANSWERS[exercise]],
 )
-def test_a_version_gives_the_same_answers_as_a_kept_answer_with_that_mistake(exercise, letter):
+def test_a_broken_version_agrees_with_a_kept_answer_that_has_the_same_mistake(exercise, letter):
     puzzle, right = PUZZLES[exercise], function_of(exercise)
-    wrong = function_of(exercise, THE_SAME[exercise][letter])
+    wrong = function_of(exercise, KEPT_ANSWERS[exercise][letter])
     rng, different = np.random.default_rng(2), 0
     for _ in range(10 if exercise == "ransac_line" else 60):
         cloud = some_cloud(rng, exercise, 8)
         made = puzzle.comparable(puzzle.versions[letter].answer(right, cloud))
         written = puzzle.comparable(puzzle.answer_of(wrong, cloud))
         assert made.shape == written.shape and np.allclose(made, written)
-        different += differs(exercise, letter, right, cloud)
+        different += answers_differ(exercise, letter, right, cloud)
     assert different
 
 
@@ -128,7 +133,7 @@ def test_messages_name_the_found_mistakes_and_the_remaining_ones(capsys):
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("cloud", "message"),
     [
         ("abc", "list of at most 50 rows [x, y, z]"),
         ([1, 2, 3], "list of at most 50 rows"),
@@ -141,9 +146,9 @@ def test_messages_name_the_found_mistakes_and_the_remaining_ones(capsys):
         ([[1, 2, float("nan")]], "Use finite numbers"),
     ],
 )
-def test_an_invalid_cloud_gets_a_message(given, said, capsys):
-    breaking.tell_apart(function_of("euclidean_clustering"), A=given)
-    assert said in capsys.readouterr().out
+def test_an_invalid_cloud_gets_a_message(cloud, message, capsys):
+    breaking.tell_apart(function_of("euclidean_clustering"), A=cloud)
+    assert message in capsys.readouterr().out
 
 
 def test_failing_unwritten_and_unknown_functions_get_a_message(capsys):

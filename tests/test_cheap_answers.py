@@ -21,7 +21,7 @@ from utils.checks.diagnosis import diagnose
 from utils.checks.lesson_12.match_boxes import cubes
 
 SEED = 7
-MOST = 0.1  # fraction of an exercise's points that a cheap answer may earn
+LARGEST_SHARE = 0.1  # fraction of an exercise's points that a cheap answer may earn
 
 # ---- cheap answers to any exercise -------------------------------------------------------------
 
@@ -34,7 +34,7 @@ def dice():
     return np.random.default_rng(0)
 
 
-ANYTHING = {
+GENERAL_ANSWERS = {
     "None": lambda first, *others: None,
     "an empty list": lambda first, *others: [],
     "0": lambda first, *others: 0,
@@ -237,7 +237,7 @@ def index_of_the_root(tree, target, tolerance):
     return [tree.root.index] if tree.root is not None else []
 
 
-CHEAP = {
+CHEAP_ANSWERS = {
     "horizontal_distance": {
         "the norm of whole rows": lambda cloud: np.linalg.norm(cloud, axis=1),
         "the norm in space": lambda cloud: np.linalg.norm(cloud[:, :3], axis=1),
@@ -389,7 +389,7 @@ def nearest(previous, current, max_distance):
 
 
 # Fraction of the points that each answer may keep, with the reason.
-PARTLY = {
+PARTLY_RIGHT = {
     # Right unless two boxes share their nearest box, which only the most important check tests.
     "match_boxes": {"the nearest box, even if it is shared": (nearest, 0.75)},
     # The answer is a permutation and begins with the right median, which two checks test.
@@ -409,7 +409,7 @@ PARTLY = {
 # ---- small expressions --------------------------------------------------------------------------
 
 # Expressions in the arguments a, b and c that do little or nothing.
-SMALL = """
+SMALL_EXPRESSIONS = """
 a | a.ravel() | a.copy() | a[None] | a[:0] | a[None][:0] | a[0] | a[:1] | a[-1:] | a[1:] | a[:-1]
 a[::2] | a[::-1] | a[:, 0] | a[:, 1] | a[:, 2] | a[:, :2] | a[:, :3] | abs(a[:, 0]) | abs(a[:, 1])
 abs(a[:, 2]) | abs(a) | -a | a**2 | a + 1 | a - 1 | 2 * a | a.sum(0) | a.sum(1) | a.mean(0)
@@ -444,7 +444,9 @@ NEARLY_RIGHT = {
 @pytest.mark.filterwarnings("ignore")
 def test_no_small_expression_proves_a_slip(lesson):
     """Known mistakes that these expressions make are marked as cheap, or as missing the task."""
-    expressions = [text.strip() for text in SMALL.replace("\n", "|").split("|") if text.strip()]
+    expressions = [
+        text.strip() for text in SMALL_EXPRESSIONS.replace("\n", "|").split("|") if text.strip()
+    ]
     names = {"np": np, **{name: getattr(np.linalg, name) for name in ("norm", "eigh", "svd")}}
     assert len(expressions) > 100
     keep = set()
@@ -461,7 +463,7 @@ def test_no_small_expression_proves_a_slip(lesson):
 # ---- running the checks ------------------------------------------------------------------------
 
 
-def earned(lesson, answers, seed):
+def earned_shares(lesson, answers, seed):
     """Return the earned fraction of points and the weights of passed checks, by exercise."""
     shares = {}
     outcomes = run_checks(lesson, student_with(lesson, answers), seed)
@@ -476,7 +478,7 @@ def earned(lesson, answers, seed):
     return shares
 
 
-def one_for_each(lesson, tables):
+def answer_combinations(lesson, tables):
     """Yield combinations of one answer per exercise of a lesson, until all answers are used."""
     columns = [
         [(exercise.name, name, answer) for name, answer in tables(exercise.name).items()]
@@ -486,13 +488,13 @@ def one_for_each(lesson, tables):
         yield [chosen for chosen in row if chosen]
 
 
-def overpaid(lesson, tables, seed=SEED):
+def overpaid_answers(lesson, tables, seed=SEED):
     """Return the answers that earn too much, with the earned fraction and the passed checks."""
     found = {}
-    for chosen in one_for_each(lesson, tables):
+    for chosen in answer_combinations(lesson, tables):
         answers = {exercise.name: nothing for exercise in lesson.machine_graded}
         answers |= {exercise: answer for exercise, _, (answer, _) in chosen}
-        shares = earned(lesson, answers, seed)
+        shares = earned_shares(lesson, answers, seed)
         for exercise, name, (_, most) in chosen:
             share, passed = shares[exercise]
             if share > most + 1e-9:
@@ -504,33 +506,38 @@ def nothing(*arguments):
     return None
 
 
-def cheap_for(exercise):
-    return {name: (answer, MOST) for name, answer in (ANYTHING | CHEAP[exercise]).items()}
+def cheap_answers_to(exercise):
+    return {
+        name: (answer, LARGEST_SHARE)
+        for name, answer in (GENERAL_ANSWERS | CHEAP_ANSWERS[exercise]).items()
+    }
 
 
 def test_there_are_cheap_answers_to_every_exercise():
     names = {exercise.name for lesson in COURSE for exercise in lesson.machine_graded}
-    assert set(CHEAP) == names
+    assert set(CHEAP_ANSWERS) == names
 
 
 @pytest.mark.slow
 def test_no_cheap_answer_earns_more_than_a_tenth(lesson):
-    assert overpaid(lesson, cheap_for) == {}
+    assert overpaid_answers(lesson, cheap_answers_to) == {}
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("exercise", PARTLY)
+@pytest.mark.parametrize("exercise", PARTLY_RIGHT)
 def test_a_partly_right_answer_earns_part_of_the_points(exercise):
     lesson = next(
         lesson for lesson in COURSE if exercise in [graded.name for graded in lesson.machine_graded]
     )
-    assert overpaid(lesson, lambda name: PARTLY[name] if name == exercise else {}) == {}
+    assert (
+        overpaid_answers(lesson, lambda name: PARTLY_RIGHT[name] if name == exercise else {}) == {}
+    )
 
 
 # ---- answers with one slip ----------------------------------------------------------------------
 
 
-def lost(variant_of, name, lesson_name):
+def lost_tests(variant_of, name, lesson_name):
     """Return the names of the tests that a kept answer fails, in an otherwise right notebook."""
     variant = next(answer for answer in answers_to(variant_of) if answer.name == name)
     reference = load_reference(lesson_name)
@@ -566,4 +573,4 @@ def lost(variant_of, name, lesson_name):
     ],
 )
 def test_one_slip_costs_one_check(exercise, name, lesson_name, test):
-    assert lost(exercise, name, lesson_name) == [test]
+    assert lost_tests(exercise, name, lesson_name) == [test]

@@ -37,7 +37,7 @@ def sources():
 SOURCES = sources()
 
 
-def as_text(function):
+def source_and_names(function):
     """Return the source of a function in the table, and the names that it can use."""
     kind = ast.Lambda if function.__name__ == "<lambda>" else ast.FunctionDef
     node = SOURCES[function.__code__.co_firstlineno, kind]
@@ -48,9 +48,9 @@ def as_text(function):
     return text, function.__globals__ | closure
 
 
-def edited(function):
+def edited_functions(function):
     """Yield (source, function) for all functions one edit away from a function in the table."""
-    text, names = as_text(function)
+    text, names = source_and_names(function)
     names.pop("answer", None)
     statements, _ = slicing.parse_notebook([text])
     for edit in edits_of([text], statements):
@@ -98,7 +98,7 @@ def repairing_edits(exercise, function):
     )
     failed = [outcome.check for outcome in outcomes if outcome.failure]
     found, hidden = [], None
-    for text, changed in edited(function):
+    for text, changed in edited_functions(function):
         setattr(student, exercise, with_copied_arguments(changed))
         shown = visible_calls(student, failed)
         if not all(map(passes, shown)):
@@ -115,7 +115,7 @@ def is_the_task(exercise, function):
 
 
 @pytest.fixture
-def bounded():
+def limit_memory():
     """Limit the memory, because the kernel kills a process that uses it up."""
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     pages = int(Path("/proc/self/statm").read_text().split()[0])
@@ -126,15 +126,15 @@ def bounded():
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
-@pytest.mark.usefixtures("bounded")
-@pytest.mark.parametrize("exercise", test_cheap_answers.CHEAP)
+@pytest.mark.usefixtures("limit_memory")
+@pytest.mark.parametrize("exercise", test_cheap_answers.CHEAP_ANSWERS)
 def test_no_cheap_answer_is_one_edit_from_a_right_one(exercise):
     """Answers that miss the point of the exercise are skipped, because they keep fewer points."""
     checks_of(exercise)  # declares the mistakes
     kept, tried = {}, 0
     with np.errstate(all="ignore"):
         for name, function in (
-            test_cheap_answers.ANYTHING | test_cheap_answers.CHEAP[exercise]
+            test_cheap_answers.GENERAL_ANSWERS | test_cheap_answers.CHEAP_ANSWERS[exercise]
         ).items():
             if inspect.isfunction(function) and not is_the_task(exercise, function):
                 kept[name] = repairing_edits(exercise, function)
@@ -148,9 +148,9 @@ def test_no_cheap_answer_is_one_edit_from_a_right_one(exercise):
 def test_known_mistakes_of_cheap_answers_are_marked_as_cheap():
     """Otherwise, a cheap answer with a known mistake would keep 60 % of its points."""
     named = {}
-    for exercise, table in test_cheap_answers.CHEAP.items():
+    for exercise, table in test_cheap_answers.CHEAP_ANSWERS.items():
         checks_of(exercise)  # declares the mistakes
-        for name, function in (test_cheap_answers.ANYTHING | table).items():
+        for name, function in (test_cheap_answers.GENERAL_ANSWERS | table).items():
             with np.errstate(all="ignore"):
                 mistake = diagnose(exercise, function)
             if mistake:

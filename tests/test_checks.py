@@ -52,7 +52,7 @@ def test_check_passes_a_right_function(capsys):
     assert "failed" not in capsys.readouterr().out
 
 
-def test_check_shows_everything_and_then_raises(capsys):
+def test_check_shows_the_details_of_a_failure_and_then_raises(capsys):
     def filter_ground(cloud, ground_level=-1.2):
         return cloud[cloud[:, 2] < ground_level]
 
@@ -118,7 +118,7 @@ def test_a_check_of_a_stub_reports_that_it_is_not_started(capsys):
     assert shown.count("\n") == 1 and "not started" in shown
 
 
-def test_a_check_of_something_else_lists_the_exercises():
+def test_checking_a_function_that_is_not_an_exercise_lists_the_exercises():
     with pytest.raises(LookupError, match="it: horizontal_distance, "):
         check(len)
     with pytest.raises(TypeError, match=r"without quotation marks: check\(filter_ground\)"):
@@ -222,7 +222,7 @@ def test_an_empty_answer_still_needs_the_columns_of_the_cloud():
             assert_empty_table(something, CLOUD, 4)
 
 
-def test_excluding_a_point_on_the_limit_is_only_a_note(capsys):
+def test_excluding_a_point_on_the_limit_gets_only_a_note(capsys):
     def filter_ground(cloud, ground_level=-1.2):
         return cloud[cloud[:, 2] > ground_level]
 
@@ -491,7 +491,7 @@ def test_constants_are_read_only(request):
     assert writeable == set()
 
 
-def overwriting(function, read_only):
+def overwrite_arguments(function, read_only):
     """Wrap a function so that it overwrites all its arguments after the call."""
 
     def overwrite(*arguments, **keywords):
@@ -517,7 +517,7 @@ def is_plain(value):
 def test_a_function_that_overwrites_its_arguments_loses_only_that_check(lesson, monkeypatch):
     reference, read_only = load_reference(lesson.name), []
     names = [exercise.name for exercise in lesson.machine_graded]
-    functions = {name: overwriting(getattr(reference, name), read_only) for name in names}
+    functions = {name: overwrite_arguments(getattr(reference, name), read_only) for name in names}
     if hasattr(reference, "KdTree"):
         for name, function in functions.items():  # the lesson's class looks up its methods there
             monkeypatch.setitem(vars(reference), name, function)
@@ -537,19 +537,19 @@ def test_a_function_that_overwrites_its_arguments_loses_only_that_check(lesson, 
 # ---- huge answers ------------------------------------------------------------------------------
 
 
-def nested(depth):
+def nested_list(depth):
     value = 1
     for _ in range(depth):
         value = [value]
     return value
 
 
-HUGE = {
+HUGE_ANSWERS = {
     "boxes": np.tile(np.mgrid[:2, :2, :2].reshape(3, 8).T.astype(float), (3000, 1, 1)),
     "dimensions": np.zeros((6,) * 8, dtype=bool),
     "dimensions, after None": [None, np.zeros((6,) * 8, dtype=bool)],
-    "nesting": nested(50),
-    "deeply nested lists in a long list": [nested(50)] * 20_000,
+    "nesting": nested_list(50),
+    "deeply nested lists in a long list": [nested_list(50)] * 20_000,
     "a long list": list(range(10**6)),
     "a longer list": [0.5] * (10**6 + 1),
     "a long list of lists": [[0.0, 0.0, 0.0]] * 300_000,
@@ -566,7 +566,7 @@ HUGE = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", HUGE)
+@pytest.mark.parametrize("name", HUGE_ANSWERS)
 def test_a_huge_answer_is_refused_quickly(name):
     from time import process_time
 
@@ -576,7 +576,7 @@ def test_a_huge_answer_is_refused_quickly(name):
             for one_check in checks_of(exercise.name):
                 begin = process_time()
                 try:
-                    one_check.run(huge_answers(exercise.name, HUGE[name]))
+                    one_check.run(huge_answers(exercise.name, HUGE_ANSWERS[name]))
                     caught = None
                 except Exception as error:
                     caught = error
@@ -624,10 +624,10 @@ def huge_answers(exercise, answer):
 
 def test_messages_name_the_size_limits():
     for claim, words in (
-        (HUGE["dimensions"], "three dimensions"),
-        (nested(50), "three dimensions"),
-        (HUGE["a longer list"], "a million"),
-        (HUGE["digits"], "nineteen digits"),
+        (HUGE_ANSWERS["dimensions"], "three dimensions"),
+        (nested_list(50), "three dimensions"),
+        (HUGE_ANSWERS["a longer list"], "a million"),
+        (HUGE_ANSWERS["digits"], "nineteen digits"),
     ):
         with pytest.raises(CheckFailed, match=words):
             as_array(claim)
@@ -652,7 +652,7 @@ class Zebra7351:
         raise ValueError(SECRET)
 
 
-WEIRD = {
+STRANGE_ANSWERS = {
     "an object": Zebra7351(),
     "its class": Zebra7351,
     "a text": SECRET,
@@ -667,12 +667,14 @@ WEIRD = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", WEIRD)
+@pytest.mark.parametrize("name", STRANGE_ANSWERS)
 def test_messages_of_hidden_tests_contain_no_words_of_the_student(lesson, name):
     names = [exercise.name for exercise in lesson.machine_graded]
-    functions = {exercise: lambda *arguments, **keywords: WEIRD[name] for exercise in names}
+    functions = {
+        exercise: lambda *arguments, **keywords: STRANGE_ANSWERS[name] for exercise in names
+    }
     if "KdTree" in lesson.names:
-        functions["KdTree"] = huge_answers("search", WEIRD[name])
+        functions["KdTree"] = huge_answers("search", STRANGE_ANSWERS[name])
         functions["KdTree"].plant = lambda self, *table: None
     student = SimpleNamespace(**functions, exercise="", close=lambda: None)
     for outcome in run_checks(lesson, student, 3):
@@ -703,9 +705,9 @@ def test_exercises_of_one_class_are_checked_separately(monkeypatch, capsys):
     monkeypatch.setitem(space, "search", lambda tree, target, tolerance: [])
     with pytest.raises(AssertionError):
         check(KdTree, exercise="search")
-    said = capsys.readouterr().out
-    assert "Not found" in said
-    assert "Fix this first" not in said
+    output = capsys.readouterr().out
+    assert "Not found" in output
+    assert "Fix this first" not in output
 
 
 def test_a_changed_number_is_shown_as_a_number():
@@ -741,7 +743,7 @@ def test_empty_answers_of_any_shape_are_accepted(source, exercise, shape):
     assert not [outcome.failure for outcome in outcomes if outcome.failure]
 
 
-def test_texts_get_enough_digits_to_differ():
+def test_numbers_are_shown_with_enough_digits_to_differ():
     assert distinct_texts(metres_text, 1.0, 2.0) == ("1.00 m", "2.00 m")
     assert distinct_texts(metres_text, 1.41, 1.4142) == ("1.410 m", "1.414 m")
     assert distinct_texts(points_text, np.array([[1, 2, 3.0]]), np.array([[1, 2.0004, 3.0]])) == (
@@ -762,7 +764,7 @@ def test_texts_get_enough_digits_to_differ():
         ),
     ],
 )
-def test_yours_and_expected_are_never_the_same_text(name, wrong):
+def test_the_texts_of_your_answer_and_the_expected_answer_always_differ(name, wrong):
     failures = [run_check(check_, wrong).failure for check_ in checks_of(name)]
     compared = [failure for failure in failures if failure and failure.expected]
     assert compared
@@ -793,7 +795,7 @@ def test_the_type_of_a_wrong_answer_is_named(answer, words):
         as_array(answer, columns=4, description="rows")
 
 
-def test_a_coroutine_is_named():
+def test_a_coroutine_gets_a_message_that_suggests_a_fix():
     async def returned():
         return CLOUD
 

@@ -42,7 +42,7 @@ EXTREME = [
 ]
 
 
-def stored(**arrays) -> bytes:
+def stored_bytes(**arrays) -> bytes:
     buffer = io.BytesIO()
     np.savez(buffer, **arrays)
     return buffer.getvalue()
@@ -52,12 +52,12 @@ READERS = {
     "text": (decode_text, [encode_text(CLOUD), encode_text(CLOUD[:, :3], ","), b"x y z\n1 2 3\n"]),
     "kitti": (decode_kitti, [CLOUD.tobytes()]),
     "pcd": (decode_pcd, [encode_pcd(CLOUD, encoding) for encoding in ENCODINGS]),
-    "npz": (decode_npz, [encode_npz(CLOUD), stored(cloud=CLOUD.astype(float), other=CLOUD)]),
+    "npz": (decode_npz, [encode_npz(CLOUD), stored_bytes(cloud=CLOUD.astype(float), other=CLOUD)]),
 }
 
 
 @st.composite
-def damaged(draw, files):
+def damaged_file(draw, files):
     """Draw a file with damage in a few places, or random bytes."""
     data = bytearray(draw(st.sampled_from(files) | st.binary(max_size=200)))
     for _ in range(draw(st.integers(0, 4))):
@@ -79,7 +79,7 @@ def damaged(draw, files):
 
 
 @pytest.fixture(scope="module", autouse=True)
-def everything_imported(tmp_path_factory):
+def import_everything(tmp_path_factory):
     """Read intact files first, so that memory for late imports is not attributed to a reader."""
     for decode, files in READERS.values():
         for data in files:
@@ -130,7 +130,7 @@ def check_bytes(reader: str, data: bytes) -> None:
 @pytest.mark.parametrize("reader", READERS)
 def test_files_with_any_content_are_read_or_refused(reader):
     @settings(max_examples=250, deadline=None)
-    @given(damaged(READERS[reader][1]))
+    @given(damaged_file(READERS[reader][1]))
     def property_holds(data):
         check_bytes(reader, data)
 
@@ -141,7 +141,7 @@ def test_files_with_any_content_are_read_or_refused(reader):
 @pytest.mark.parametrize("reader", READERS)
 def test_many_files_with_any_content_are_read_or_refused(reader):
     @settings(max_examples=1_500, deadline=None, suppress_health_check=list(HealthCheck))
-    @given(damaged(READERS[reader][1]))
+    @given(damaged_file(READERS[reader][1]))
     def property_holds(data):
         check_bytes(reader, data)
 
@@ -186,7 +186,7 @@ TRACKLETS = b"""<boost_serialization><tracklets><count>1</count><item><objectTyp
 
 
 @settings(max_examples=250, deadline=None, suppress_health_check=list(HealthCheck))
-@given(data=damaged([CALIBRATION, LABEL * 2, b"0 1 " + LABEL, TRACKLETS]))
+@given(data=damaged_file([CALIBRATION, LABEL * 2, b"0 1 " + LABEL, TRACKLETS]))
 def test_labels_and_calibration_with_any_content_are_read_or_refused(tmp_path_factory, data):
     folder = tmp_path_factory.getbasetemp()
     (folder / "good.txt").write_bytes(CALIBRATION)
@@ -249,7 +249,7 @@ def fuzz_recordings(folder, kind: str, examples: int) -> None:
     assert len(read()) == 2  # also imports rosbags, before memory is measured
 
     @settings(max_examples=examples, deadline=None, suppress_health_check=list(HealthCheck))
-    @given(damaged([seed]))
+    @given(damaged_file([seed]))
     def property_holds(data):
         path.write_bytes(data)
         check(read, len(data))

@@ -42,14 +42,14 @@ def records(layout="<4f", points=POINTS):
     return b"".join(struct.pack(layout, *point) for point in points)
 
 
-def literals(data: bytes) -> bytes:
+def literal_stream(data: bytes) -> bytes:
     """Return an LZF stream that consists only of literal runs."""
     runs = [data[start : start + 32] for start in range(0, len(data), 32)]
     return b"".join(bytes([len(run) - 1]) + run for run in runs)
 
 
-def compressed(raw: bytes) -> bytes:
-    packed = literals(raw)
+def compressed_body(raw: bytes) -> bytes:
+    packed = literal_stream(raw)
     return struct.pack("<II", len(packed), len(raw)) + packed
 
 
@@ -60,20 +60,20 @@ def error_message(data: bytes) -> str:
     return str(caught.value)
 
 
-def test_binary():
+def test_binary_files_are_read():
     cloud = decode_pcd(header() + records())
     np.testing.assert_array_equal(cloud, POINTS)
     assert cloud.dtype == np.float32 and cloud.flags.writeable
 
 
-def test_ascii():
+def test_ascii_files_are_read():
     rows = b"1.5 -2.25 0.125 0.5\n-30 4 -1.75 0\r\nnan 0 0 1\n\n"
     np.testing.assert_array_equal(decode_pcd(header(encoding="ascii") + rows), POINTS)
 
 
-def test_compressed():
+def test_compressed_files_are_read():
     by_field = np.array(POINTS, "<f4").T.tobytes()
-    data = header(encoding="binary_compressed") + compressed(by_field)
+    data = header(encoding="binary_compressed") + compressed_body(by_field)
     np.testing.assert_array_equal(decode_pcd(data), POINTS)
 
 
@@ -90,7 +90,7 @@ def test_any_field_order_padding_counts_and_types_are_read(encoding):
     body = {
         "binary": records("<Id3BH2ffd", rows),
         "ascii": b"".join(" ".join(map(str, row)).encode() + b"\n" for row in rows),
-        "binary_compressed": compressed(
+        "binary_compressed": compressed_body(
             b"".join(
                 b"".join(struct.pack("<" + kind, *row[first:last]) for row in rows)
                 for kind, first, last in [
@@ -210,11 +210,11 @@ class TestLzf:
             (b"\x01ab\x80\x01", b"abababab"),
         ],
     )
-    def test_streams_written_by_hand(self, packed, raw):
+    def test_streams_written_by_hand_are_decompressed(self, packed, raw):
         assert lzf.decompress(packed, len(raw)) == raw
 
     @pytest.mark.parametrize("packed", [b"\x02ab", b"\x20", b"\xe0\x01", b"\x20\x00", b"\x00a"])
-    def test_damaged_streams_raise(self, packed):
+    def test_damaged_streams_raise_an_error(self, packed):
         with pytest.raises(ValueError):
             lzf.decompress(packed, 3)
 

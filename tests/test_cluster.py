@@ -31,9 +31,16 @@ from grader.course.paths import Course
 from grader.course.portable_files import FOLDERS
 from grader.judging.verdict import read_verdict
 from tests.prerequisites import without_bubblewrap
-from tests.test_course import rows
-from tests.test_faults import Inline
-from tests.test_grade import LESSON, SEED, answer, make_course, quiet, rehearsed
+from tests.test_course import gradebook_rows
+from tests.test_faults import InlineExecutor
+from tests.test_grade import (
+    LESSON,
+    SEED,
+    answered_notebook,
+    ignore_progress,
+    make_course,
+    record_rehearsal,
+)
 
 # Only one cluster runs at a time, because each uses all processors.
 pytestmark = pytest.mark.xdist_group("cluster")
@@ -44,31 +51,31 @@ PATIENCE = 240
 
 
 @pytest.fixture(scope="module")
-def local(tmp_path_factory, sandbox):
+def local_run(tmp_path_factory, sandbox):
     """Grade a class on this machine; return its folder, verdicts and gradebook rows."""
     texts = {
-        "broken": answer()[:5000],
-        "half": answer("filter_ground"),
-        "other": answer("voxel_grid"),
-        "right": answer(),
+        "broken": answered_notebook()[:5000],
+        "half": answered_notebook("filter_ground"),
+        "other": answered_notebook("voxel_grid"),
+        "right": answered_notebook(),
         "untouched": fill_in(LESSON, {}),
     }
-    made = make_course(tmp_path_factory.mktemp("local") / "course", LESSON, texts, sandbox)
-    assert commands.grade_course(made, (), SEED, sandbox, 1) == commands.SUCCESS
-    return SimpleNamespace(root=made.root, verdicts=verdicts_of(made), rows=marks(made))
+    course = make_course(tmp_path_factory.mktemp("local") / "course", LESSON, texts, sandbox)
+    assert commands.grade_course(course, (), SEED, sandbox, 1) == commands.SUCCESS
+    return SimpleNamespace(root=course.root, verdicts=verdicts_of(course), rows=marks(course))
 
 
 @pytest.fixture
-def course(tmp_path, local):
+def course(tmp_path, local_run):
     """Return a copy of the class that has not been graded yet."""
-    made = Course(tmp_path / "course")
-    shutil.copytree(local.root, made.root)
+    course = Course(tmp_path / "course")
+    shutil.copytree(local_run.root, course.root)
     for folder in ("verdicts", "autograded", "report"):
-        shutil.rmtree(made.root / folder)
-    (made.root / "gradebook.db").unlink()
-    settings = made.root / "nbgrader_config.py"
-    settings.write_text(settings.read_text().replace(str(local.root), str(made.root)))
-    return made
+        shutil.rmtree(course.root / folder)
+    (course.root / "gradebook.db").unlink()
+    settings = course.root / "nbgrader_config.py"
+    settings.write_text(settings.read_text().replace(str(local_run.root), str(course.root)))
+    return course
 
 
 def verdicts_of(course):
@@ -78,7 +85,7 @@ def verdicts_of(course):
 
 
 def marks(course):
-    found, comments, _ = rows(course)
+    found, comments, _ = gradebook_rows(course)
     return found, comments
 
 
@@ -148,7 +155,7 @@ def wait_for_workers(address, count):
 
 
 @pytest.fixture
-def after_first_verdict(monkeypatch):
+def schedule_after_first_verdict(monkeypatch):
     """Return a function that schedules an action to run when the first verdict is written."""
 
     def schedule(action):
@@ -166,12 +173,12 @@ def after_first_verdict(monkeypatch):
 
 
 @pytest.mark.slow
-def test_workers_started_by_hand_give_the_same_gradebook(course, local, sandbox, start, capsys):
+def test_workers_started_by_hand_give_the_same_gradebook(course, local_run, sandbox, start, capsys):
     """A worker with two threads and Dask's nanny grades; a second run needs no cluster."""
     address, process = start.scheduler()
     start.worker(address, threads=2)
     assert grade_on(address, course, sandbox) == commands.SUCCESS
-    assert is_complete(course, local)
+    assert is_complete(course, local_run)
     assert "5 notebooks: 5 judged" in capsys.readouterr().out
     process.kill()
     assert grade_on(address, course, sandbox) == commands.SUCCESS
@@ -201,7 +208,7 @@ HOSTILE = {
 }
 
 
-def hostile(body, before=""):
+def hostile_notebook(body, before=""):
     text = f"{before}\ndef filter_ground(cloud, ground_level=-1.2):\n    {body}\n"
     right = next(answer.source for answer in answers_to("voxel_grid") if answer.right)
     return fill_in(LESSON, {"filter_ground": text, "voxel_grid": right})
@@ -218,15 +225,15 @@ def with_brackets(text):
 def test_attacks_get_the_same_verdicts_on_a_cluster(tmp_path, sandbox, start):
     right = "return cloud[cloud[:, 2] >= ground_level]"
     texts = {
-        "brackets": with_brackets(answer()),
-        **{name.replace(" ", "_"): hostile(body) for name, body in HOSTILE.items()},
+        "brackets": with_brackets(answered_notebook()),
+        **{name.replace(" ", "_"): hostile_notebook(body) for name, body in HOSTILE.items()},
         # These two are adjacent in alphabetical order, so they are judged at the same time.
-        "tells": hostile(right, f"{LOCKS}\nHELD = taken(True), time.sleep(3)"),
-        "tells_hears": hostile(
+        "tells": hostile_notebook(right, f"{LOCKS}\nHELD = taken(True), time.sleep(3)"),
+        "tells_hears": hostile_notebook(
             right.replace("return", "if HEARD: return"),
             f"{LOCKS}\nHEARD = any((taken(False), time.sleep(0.2))[0] for _ in range(10))",
         ),
-        "zoe": answer(),
+        "zoe": answered_notebook(),
     }
     here = make_course(tmp_path / "here" / "course", LESSON, texts, sandbox)
     there = make_course(tmp_path / "there" / "course", LESSON, texts, sandbox)
@@ -244,7 +251,7 @@ def test_attacks_get_the_same_verdicts_on_a_cluster(tmp_path, sandbox, start):
 
 
 @pytest.mark.slow
-def test_a_local_cluster_grades_with_processes(course, local, sandbox, monkeypatch):
+def test_a_local_cluster_grades_with_processes(course, local_run, sandbox, monkeypatch):
     """A dying process fails only its job, and each connection has its own version of the course."""
     with (
         distributed.LocalCluster(
@@ -253,9 +260,15 @@ def test_a_local_cluster_grades_with_processes(course, local, sandbox, monkeypat
         cluster.connect(there.scheduler_address, sandbox.name, print) as executor,
     ):
         judged = grade.judge_class(
-            course, (), SEED, sandbox, lambda workers: contextlib.nullcontext(executor), 1, quiet
+            course,
+            (),
+            SEED,
+            sandbox,
+            lambda workers: contextlib.nullcontext(executor),
+            1,
+            ignore_progress,
         )
-        assert len(judged) == 5 and verdicts_of(course) == local.verdicts
+        assert len(judged) == 5 and verdicts_of(course) == local_run.verdicts
 
         with pytest.raises(BrokenExecutor):
             executor.submit(os._exit, 1).result()
@@ -276,7 +289,9 @@ def test_a_local_cluster_grades_with_processes(course, local, sandbox, monkeypat
 
 
 @pytest.mark.slow
-def test_a_run_survives_the_loss_of_a_worker(course, local, sandbox, start, after_first_verdict):
+def test_a_run_survives_the_loss_of_a_worker(
+    course, local_run, sandbox, start, schedule_after_first_verdict
+):
     address, _ = start.scheduler()
     first = start.worker(address, "--no-nanny", threads=2)
 
@@ -284,13 +299,15 @@ def test_a_run_survives_the_loss_of_a_worker(course, local, sandbox, start, afte
         first.send_signal(signal.SIGKILL)
         start.worker(address)
 
-    after_first_verdict(replace_worker)
+    schedule_after_first_verdict(replace_worker)
     assert grade_on(address, course, sandbox) == commands.SUCCESS
-    assert is_complete(course, local)
+    assert is_complete(course, local_run)
 
 
 @pytest.mark.slow
-def test_unsuitable_workers_are_refused_and_named(course, local, sandbox, start, tmp_path, capfd):
+def test_unsuitable_workers_are_refused_and_named(
+    course, local_run, sandbox, start, tmp_path, capfd
+):
     """With only unsuitable workers, nothing is graded; with one suitable worker, everything is."""
     numpy = tmp_path / "stub" / "numpy-1.26.4.dist-info"
     numpy.mkdir(parents=True)
@@ -322,17 +339,17 @@ def test_unsuitable_workers_are_refused_and_named(course, local, sandbox, start,
     start.worker(address)
     wait_for_workers(address, count + 1)
     assert grade_on(address, course, sandbox) == commands.SUCCESS
-    assert is_complete(course, local)
+    assert is_complete(course, local_run)
     assert len(re.findall("gets no notebooks", capfd.readouterr().err)) == count
 
 
 @pytest.mark.slow
 def test_nothing_is_judged_twice_after_the_loss_of_the_scheduler(
-    course, local, sandbox, start, after_first_verdict, capfd
+    course, local_run, sandbox, start, schedule_after_first_verdict, capfd
 ):
     address, process = start.scheduler()
     start.worker(address)
-    after_first_verdict(process.kill)
+    schedule_after_first_verdict(process.kill)
     assert grade_on(address, course, sandbox) == commands.FAULT
     errors = capfd.readouterr().err
     assert f"The scheduler {address} no longer answers. Verdicts are kept" in errors
@@ -343,7 +360,7 @@ def test_nothing_is_judged_twice_after_the_loss_of_the_scheduler(
     address, _ = start.scheduler()
     start.worker(address)
     assert grade_on(address, course, sandbox) == commands.SUCCESS
-    assert is_complete(course, local)
+    assert is_complete(course, local_run)
     assert all(path.stat().st_mtime_ns == mtime for path, mtime in kept.items())
 
 
@@ -359,7 +376,7 @@ sys.exit(cli.main(["grade", "--seed", sys.argv[2], "--sandbox", sys.argv[3],
 
 
 @pytest.mark.slow
-def test_the_same_command_resumes_a_stopped_or_killed_run(course, local, sandbox, start):
+def test_the_same_command_resumes_a_stopped_or_killed_run(course, local_run, sandbox, start):
     """After Ctrl-C or SIGKILL, the same command completes the run; the workers keep running."""
     address, _ = start.scheduler()
     start.worker(address)
@@ -377,7 +394,7 @@ def test_the_same_command_resumes_a_stopped_or_killed_run(course, local, sandbox
         assert all(path.stat().st_mtime_ns == mtime for path, mtime in kept.items())
         paths = course.verdicts.glob(f"*/{LESSON.stage}/*.json")
         kept = {path: path.stat().st_mtime_ns for path in paths}
-    assert is_complete(course, local)
+    assert is_complete(course, local_run)
 
 
 # ---- Parts -------------------------------------------------------------------------------------
@@ -396,7 +413,9 @@ def test_a_scheduler_that_does_not_answer_is_reported(course, sandbox, monkeypat
 
 
 @pytest.mark.parametrize("missing", ["cloudpickle", "dask", "distributed"])
-def test_without_dask_the_command_that_installs_it_is_named(missing, sandbox, monkeypatch):
+def test_the_error_about_missing_dask_names_the_command_that_installs_it(
+    missing, sandbox, monkeypatch
+):
     monkeypatch.delitem(sys.modules, "grader.classroom.cluster")
     monkeypatch.setitem(sys.modules, missing, None)
     with pytest.raises(ExecutorLost, match=f"{missing} .* pip install -r requirements-cluster.txt"):
@@ -438,8 +457,8 @@ def test_the_packed_course_contains_only_files_that_judging_reads():
 @pytest.mark.slow
 def test_reading_ahead_is_limited_by_the_free_workers(course, sandbox, monkeypatch):
     """With one free worker, each verdict is written before the next notebook is read."""
-    monkeypatch.setattr(Inline, "capacity", 1, raising=False)
-    rehearsed(course, LESSON)
+    monkeypatch.setattr(InlineExecutor, "capacity", 1, raising=False)
+    record_rehearsal(course, LESSON)
     events = []
     read, write = grade.Submission.read, grade.write_verdict
     known = grade.stored_verdict
@@ -450,6 +469,6 @@ def test_reading_ahead_is_limited_by_the_free_workers(course, sandbox, monkeypat
     monkeypatch.setattr(
         grade, "write_verdict", lambda *about: events.append("write") or write(*about)
     )
-    judged = grade.judge_class(course, (), SEED, sandbox, Inline, 1, quiet)
-    assert events == ["read", "write"] * 5 and capacity(Inline(1)) == 1
+    judged = grade.judge_class(course, (), SEED, sandbox, InlineExecutor, 1, ignore_progress)
+    assert events == ["read", "write"] * 5 and capacity(InlineExecutor(1)) == 1
     assert all(known(course, submission, SEED) == verdict for submission, verdict in judged)

@@ -20,7 +20,7 @@ def near(cloud):
         found.append(row)
         return found
 """
-KEEPS = """
+KEEPS_VALUES = """
 def near(cloud, found=[]):
     found.append(cloud[0])
     return found
@@ -29,7 +29,7 @@ READS_ANOTHER = """
 def near(cloud):
     return obstacles[:2]
 """
-INNOCENT = {
+CODE_WITHOUT_SLIPS = {
     "prints and returns": "def near(cloud):\n    print(1)\n    return cloud\n",
     "generates": "def near(cloud):\n    print(1)\n    yield cloud\n",
     "returns from an endless loop": "def near(cloud):\n    while True:\n        return cloud\n",
@@ -46,7 +46,7 @@ INNOCENT = {
 }
 
 
-def defined(source, name="near", **names):
+def define(source, name="near", **names):
     """Define a function as in a notebook cell, so that its source can be read."""
     file = f"<cell {abs(hash(source))}>"
     linecache.cache[file] = (len(source), None, source.splitlines(True), file)
@@ -60,7 +60,7 @@ def defined(source, name="near", **names):
     [
         (PRINTS, "prints its result and returns nothing"),
         (IN_A_LOOP, "`return` is inside a loop"),
-        (KEEPS, "The default value of `found` is created only once"),
+        (KEEPS_VALUES, "The default value of `found` is created only once"),
         (
             READS_ANOTHER,
             "variable `obstacles` but not its parameter `cloud`",
@@ -68,13 +68,13 @@ def defined(source, name="near", **names):
     ],
 )
 def test_a_slip_is_found_in_the_source(source, words):
-    slip = find_code_slip(defined(source), returned_none=True)
+    slip = find_code_slip(define(source), returned_none=True)
     assert words in slip.says and slip.hint
 
 
-@pytest.mark.parametrize("title", INNOCENT)
+@pytest.mark.parametrize("title", CODE_WITHOUT_SLIPS)
 def test_innocent_code_has_no_slip(title):
-    assert find_code_slip(defined(INNOCENT[title]), returned_none=True) is None
+    assert find_code_slip(define(CODE_WITHOUT_SLIPS[title]), returned_none=True) is None
 
 
 def test_a_function_without_source_has_no_slip():
@@ -83,13 +83,13 @@ def test_a_function_without_source_has_no_slip():
 
 
 def test_a_function_without_a_return_value_may_print():
-    assert find_code_slip(defined(PRINTS), returned_none=False) is None
+    assert find_code_slip(define(PRINTS), returned_none=False) is None
 
 
 def test_the_check_shows_the_slip_with_the_first_failure(capsys):
     source = PRINTS.replace("near", "horizontal_distance")
     with pytest.raises(ChecksFailed):
-        check(defined(source, "horizontal_distance"))
+        check(define(source, "horizontal_distance"))
     shown = capsys.readouterr().out
     assert "What your code does: The function prints its result and returns nothing." in shown
     assert shown.count("returns nothing") == 1
@@ -98,6 +98,6 @@ def test_the_check_shows_the_slip_with_the_first_failure(capsys):
 def test_an_exception_is_explained_by_the_slip(capsys):
     source = "def horizontal_distance(cloud):\n    return obstacles[:, 9]\n"
     with pytest.raises(ChecksFailed):
-        check(defined(source, "horizontal_distance"))
+        check(define(source, "horizontal_distance"))
     shown = capsys.readouterr().out
     assert "IndexError" in shown and "uses the notebook's variable `obstacles`" in shown

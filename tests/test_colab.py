@@ -22,7 +22,7 @@ from tests.colab import (
     missing_requirement,
     served,
 )
-from tests.notebook_runs import errors_of, errors_outside_checks, run, written
+from tests.notebook_runs import errors_of, errors_outside_checks, printed_text, run
 from utils import colab
 from utils.scene3d import opengl
 
@@ -199,18 +199,18 @@ def test_matplotlib_draws_in_colab_if_pyvista_cannot_be_installed(monkeypatch, c
 
 
 @pytest.fixture(scope="session")
-def place(pytestconfig):
+def environment_folder(pytestconfig):
     """Return the folder of an environment with Colab's package versions."""
     return environment(pytestconfig.cache.mkdir("colab"))
 
 
 @pytest.fixture
-def colab_kernel(place, monkeypatch):
+def colab_kernel(environment_folder, monkeypatch):
     """Register the kernel "colab" with Jupyter, and prevent pip from installing packages.
 
     The environment is shared, and a notebook must also run without PyVista.
     """
-    monkeypatch.setenv("JUPYTER_PATH", str(place))
+    monkeypatch.setenv("JUPYTER_PATH", str(environment_folder))
     monkeypatch.setenv("PIP_NO_INDEX", "1")
 
 
@@ -234,7 +234,7 @@ def test_a_solved_notebook_of_each_stage_fetches_the_course(stage, course, colab
     notebook = run_alone(course[lesson.solved], tmp_path)
     assert errors_of(notebook) == []
     assert names_in(tmp_path) == ["data", "utils"]
-    assert "Ready:" in written(notebook, "stdout")
+    assert "Ready:" in printed_text(notebook, "stdout")
 
 
 # Blocks name look-ups and new connections, but lets Jupyter reach its kernel on this machine.
@@ -256,9 +256,9 @@ def run_without_network(text, folder):
 def test_a_standalone_notebook_runs_in_colab_without_a_network(lesson, colab_kernel, tmp_path):
     notebook = run_without_network(make_standalone(lesson.solved.read_bytes()), tmp_path)
     assert errors_of(notebook) == []
-    assert written(notebook, "stderr") == ""
-    assert "Everything this notebook needs is here." in written(notebook, "stdout")
-    assert "NumPy 2.1.3" in written(notebook, "stdout")
+    assert printed_text(notebook, "stderr") == ""
+    assert "Everything this notebook needs is here." in printed_text(notebook, "stdout")
+    assert "NumPy 2.1.3" in printed_text(notebook, "stdout")
     assert names_in(tmp_path) == []
 
 
@@ -271,10 +271,10 @@ def test_an_untouched_standalone_notebook_runs_to_the_end(lesson, colab_kernel, 
 
 @only_like_colab
 @pytest.mark.colab
-def test_installing_pyvista_changes_no_colab_package(place, tmp_path):
+def test_installing_pyvista_changes_no_colab_package(environment_folder, tmp_path):
     def in_colab(program):
         return subprocess.run(
-            [place / "bin" / "python", "-c", program],
+            [environment_folder / "bin" / "python", "-c", program],
             cwd=PROJECT,
             capture_output=True,
             text=True,

@@ -36,13 +36,13 @@ from tests.archives import (
     canvas_prefix,
     gradescope_files,
     ilias_files,
+    make_zip,
     moodle_files,
     notebook,
     prairielearn_files,
-    released,
+    released_notebook,
     sakai_files,
     worksheet,
-    zipped,
 )
 
 STAGE = "stage3_obstacles"
@@ -55,13 +55,13 @@ PEOPLE = (
 
 @pytest.fixture
 def course(tmp_path):
-    made = Course(tmp_path / "course")
-    made.root.mkdir()
-    with open(made.root / "roster.csv", "w", encoding="utf-8", newline="") as file:
+    course = Course(tmp_path / "course")
+    course.root.mkdir()
+    with open(course.root / "roster.csv", "w", encoding="utf-8", newline="") as file:
         table = csv.writer(file)
         table.writerow(["id", "first_name", "last_name", "email", "lms_id", "github"])
         table.writerows(PEOPLE)
-    return made
+    return course
 
 
 @pytest.fixture
@@ -72,7 +72,7 @@ def anonymous_course(course):
 
 def archive(course, files, name="submissions.zip", **options):
     path = course.root / name
-    path.write_bytes(zipped(files, **options))
+    path.write_bytes(make_zip(files, **options))
     return path
 
 
@@ -89,13 +89,13 @@ def states(outcome):
     }
 
 
-def placed(course, student, stage=STAGE):
+def placed_files(course, student, stage=STAGE):
     """Return the names and contents of the files in a student's folder that are not hidden."""
     folder = course.submitted / student / stage
     return {path.name: path.read_bytes() for path in folder.glob("[!.]*")}
 
 
-def older(course, student, stage=STAGE):
+def older_files(course, student, stage=STAGE):
     return sorted(
         path.read_bytes() for path in (course.submitted / student / stage / ".older").glob("*")
     )
@@ -128,7 +128,7 @@ def test_a_canvas_attempt_has_one_attachment_for_each_lesson(course):
     )
     outcome = collect(course, archive(course, files))
     assert states(outcome) == {"ada": {"06": "new", "07": "new", "08": "new"}}
-    assert placed(course, "ada") == {
+    assert placed_files(course, "ada") == {
         f"{SIX}.ipynb": notebook(SIX, "second"),
         f"{SEVEN}.ipynb": notebook(SEVEN),
         f"{EIGHT}.ipynb": notebook(EIGHT, "a hundred"),
@@ -145,7 +145,7 @@ def test_late_work_from_canvas_has_no_time(course):
     assert files[0][0] == f"lovelaceada_LATE_4001_1_{SIX}.ipynb"
     outcome = collect(course, archive(course, files))
     assert outcome.late == ["ada"]
-    assert set(placed(course, "ada")) == {f"{SIX}.ipynb"}
+    assert set(placed_files(course, "ada")) == {f"{SIX}.ipynb"}
     folders = [course.submitted / student / STAGE for student in ("ada", "bjorn")]
     with pytest.raises(SubmissionTimeUnknown, match="marks the work as late"):
         submission_time(folders[:1])
@@ -170,11 +170,11 @@ def test_students_are_found_by_their_canvas_names(course, form, flagged):
     files += canvas_files("Müller, Björn", 4002, [(2, f"{SEVEN}.ipynb", notebook(SEVEN))])
     path = archive(course, [(unicodedata.normalize(form, name), data) for name, data in files])
     if not flagged:
-        forget_utf8(path)
+        clear_utf8_flags(path)
     assert states(collect(course, path)) == {"cy": {"06": "new"}, "bjorn": {"07": "new"}}
 
 
-def forget_utf8(path):
+def clear_utf8_flags(path):
     """Clear the flags in a zip that mark names as UTF-8, because Canvas does not set them."""
     data = bytearray(path.read_bytes())
     for signature, offset in ((b"PK\3\4", 6), (b"PK\1\2", 8)):
@@ -225,7 +225,7 @@ def test_unusual_file_names_are_recognised(course, anonymous_course):
     assert made[0] == f"jrcy2_77_3_a_b_c_d_e_f_g_h_{SIX} (1) Übung.ipynb"
     outcome = collect(anonymous_course, archive(anonymous_course, [made]))
     assert states(outcome) == {"jrcy2_77": {"06": "new"}}
-    assert set(placed(anonymous_course, "jrcy2_77")) == {f"{SIX}.ipynb"}
+    assert set(placed_files(anonymous_course, "jrcy2_77")) == {f"{SIX}.ipynb"}
 
 
 # ---- Moodle -------------------------------------------------------------------------------------
@@ -261,7 +261,7 @@ def test_folders_from_moodle_are_kept(course, old):
 
 @pytest.mark.parametrize("folders", [True, False], ids=["folders", "flat"])
 def test_older_versions_of_moodle_put_the_team_before_the_name(course, folders):
-    with_roster(course, "ada,Ada,Lovelace,,,", "jl,Jean-Luc,Picard,,,", "luc,Luc,Picard,,,")
+    write_roster(course, "ada,Ada,Lovelace,,,", "jl,Jean-Luc,Picard,,,", "luc,Luc,Picard,,,")
     mine = [(f"{SIX}.ipynb", notebook())]
     files = [
         *moodle_files("Ada Lovelace", 5001, mine, folders, old=True, team="Team-Rot"),
@@ -275,7 +275,7 @@ def test_older_versions_of_moodle_put_the_team_before_the_name(course, folders):
 
 def test_a_hyphen_in_a_name_from_moodle_is_not_a_team(course):
     """Luc Picard is another student than Jean-Luc Picard, who is not on the roster."""
-    with_roster(course, "ada,Ada,Lovelace,,,", "luc,Luc,Picard,,,")
+    write_roster(course, "ada,Ada,Lovelace,,,", "luc,Luc,Picard,,,")
     files = [
         *moodle_files("Ada Lovelace", 5001, [(f"{SIX}.ipynb", notebook())], old=True),
         *moodle_files("Jean-Luc Picard", 5002, [(f"{SIX}.ipynb", notebook())], old=True),
@@ -369,20 +369,24 @@ def test_names_and_times_are_read_from_moodles_worksheet(course, language):
     outcome = collect(course, path, times=table)
     assert states(outcome) == {"ada": {"06": "new"}, "bjorn": {"06": "new"}}
     stamps = {
-        student: placed(course, student)["timestamp.txt"].decode().strip()
+        student: placed_files(course, student)["timestamp.txt"].decode().strip()
         for student in ("ada", "bjorn")
     }
     assert stamps == {"ada": "2026-10-14 14:14:00 UTC", "bjorn": "2026-10-13 00:05:00 UTC"}
 
 
-@pytest.mark.parametrize("said", ["-", "", "10/11/2026 14:14", "yesterday", "14 Oktobre 2026, 3"])
-def test_an_unreadable_time_leaves_lateness_undecided(course, said):
+@pytest.mark.parametrize(
+    "written_time", ["-", "", "10/11/2026 14:14", "yesterday", "14 Oktobre 2026, 3"]
+)
+def test_an_unreadable_time_leaves_lateness_undecided(course, written_time):
     files = moodle_files("Ada Lovelace", 5001, [(f"{SIX}.ipynb", notebook())])
     table = course.root / "worksheet.csv"
-    table.write_text(worksheet([(5001, "Ada Lovelace", "", "ada@x.edu", said)]), "utf-8")
+    table.write_text(worksheet([(5001, "Ada Lovelace", "", "ada@x.edu", written_time)]), "utf-8")
     outcome = collect(course, archive(course, files), times=table)
-    assert ("no time" if said in ("", "-") else repr(said)) in outcome.undecided["ada"]
-    assert "timestamp.txt" not in placed(course, "ada")
+    assert ("no time" if written_time in ("", "-") else repr(written_time)) in outcome.undecided[
+        "ada"
+    ]
+    assert "timestamp.txt" not in placed_files(course, "ada")
     assert reason_without_time(course.submitted / "ada" / STAGE) == outcome.undecided["ada"]
 
 
@@ -391,7 +395,7 @@ def test_times_are_read_from_a_table_by_id(course):
     table.write_text("id,Last modified (submission)\nada,2026-10-14 14:14:00 UTC\n")
     files = canvas_files("Lovelace, Ada", 4001, [(1, f"{SIX}.ipynb", notebook())], late=True)
     outcome = collect(course, archive(course, files), times=table)
-    assert placed(course, "ada")["timestamp.txt"] == b"2026-10-14 14:14:00 UTC\n"
+    assert placed_files(course, "ada")["timestamp.txt"] == b"2026-10-14 14:14:00 UTC\n"
     assert not outcome.late and not outcome.undecided
 
 
@@ -458,7 +462,7 @@ def test_a_file_of_a_team_has_one_submission_time(course, rows, times):
     table.write_text(f"id,Last modified (submission)\n{rows}\n")
     path = archive(course, [(f"ada/{SIX}.ipynb", notebook())])
     outcome = collect(course, path, who={"ada": "cy,ada"}, times=table)
-    written = [placed(course, id)["timestamp.txt"].decode()[11:16] for id in ("ada", "cy")]
+    written = [placed_files(course, id)["timestamp.txt"].decode()[11:16] for id in ("ada", "cy")]
     assert (written, outcome.undecided, outcome.timed) == (times, {}, ["ada", "cy"])
 
 
@@ -525,7 +529,7 @@ def test_other_platforms_are_recognised(course, platform):
     assert states(outcome) == {"ada": {"06": "new"}, "bjorn": {"06": "new"}}
     assert outcome.questions == []
     for student in ("ada", "bjorn"):
-        assert placed(course, student) == {f"{SIX}.ipynb": NEW}
+        assert placed_files(course, student) == {f"{SIX}.ipynb": NEW}
 
 
 @pytest.mark.parametrize("platform", OTHER_PLATFORMS)
@@ -555,7 +559,7 @@ def test_downloads_without_folders_are_recognised(course, folders):
     path = archive(course, sakai_files("Lovelace, Ada", "ada", mine, folders=folders))
     assert states(collect(course, path)) == {"ada": {"06": "new"}}
     files = brightspace_files("23 Müller", 1, "05 March 2026 612 PM", mine, folders)
-    with_roster(course, "23,Björn,Müller,,,", "ada,Ada,Lovelace,,,")
+    write_roster(course, "23,Björn,Müller,,,", "ada,Ada,Lovelace,,,")
     assert states(collect(course, archive(course, files))) == {"23": {"06": "new"}}
 
 
@@ -573,7 +577,7 @@ def test_an_answer_about_an_attempt_applies_to_the_next_attempt(course, label, a
         content = notebook(text=f"day {day}")
         path = archive(course, attempt(time.format(day), [(f"{SIX}.ipynb", content)]))
         outcome = collect(course, path, who=who)
-        assert outcome.questions == [] and placed(course, "cy") == {f"{SIX}.ipynb": content}
+        assert outcome.questions == [] and placed_files(course, "cy") == {f"{SIX}.ipynb": content}
 
 
 def test_all_members_of_a_team_in_gradescope_are_collected(course):
@@ -618,7 +622,7 @@ def test_a_team_in_ilias_is_asked_about(course):
 
 
 def test_ids_may_look_like_folders_from_ilias(course):
-    with_roster(course, "lab_ws_ada_1,Ada,Lovelace,,,", "lab_ws_bo_2,Bo,Bäcker,,,", "ada,A,B,,,")
+    write_roster(course, "lab_ws_ada_1,Ada,Lovelace,,,", "lab_ws_bo_2,Bo,Bäcker,,,", "ada,A,B,,,")
     files = [(f"lab_ws_{name}/{SIX}.ipynb", notebook(text=name)) for name in ("bo_2", "bo_3")]
     outcome = collect(course, archive(course, files))
     assert set(states(outcome)) == {"lab_ws_bo_2"} and len(outcome.questions) == 1
@@ -660,7 +664,7 @@ def write_checkout(root, name, files):
 def test_github_checkouts_are_found_by_login(course, tmp_path):
     root = tmp_path / "stage-3-submissions"
     mine = {f"notebooks/{STAGE}/{SIX}.ipynb": notebook(), "README.md": b"hello"}
-    given = {f"notebooks/{STAGE}/{SEVEN}.ipynb": released(SEVEN)}
+    given = {f"notebooks/{STAGE}/{SEVEN}.ipynb": released_notebook(SEVEN)}
     write_checkout(
         root, "stage-3-ada-l", mine | given | {".git/objects/06_filter_ground.ipynb": b"x"}
     )
@@ -682,7 +686,7 @@ CLASSROOM_ROSTER = (
 
 
 @pytest.mark.parametrize(
-    "written",
+    "text",
     [
         CLASSROOM_ROSTER.encode(),
         CLASSROOM_ROSTER.replace("\n", "\r").encode(),
@@ -692,26 +696,26 @@ CLASSROOM_ROSTER = (
     ids=["as downloaded", "old line ends", "semicolons", "tabs and UTF-16"],
 )
 @pytest.mark.parametrize("place", ["hw", "."], ids=["among the checkouts", "next to them"])
-def test_the_roster_of_github_classroom_is_read_in_any_form(course, tmp_path, written, place):
+def test_the_roster_of_github_classroom_is_read_in_any_form(course, tmp_path, text, place):
     for login in ("ada-l", "someone"):
         write_checkout(tmp_path / "hw", f"hw-3-{login}", {f"{SIX}.ipynb": notebook(text=login)})
-    (tmp_path / place / "classroom_roster.csv").write_bytes(written)
+    (tmp_path / place / "classroom_roster.csv").write_bytes(text)
     outcome = collect(course, tmp_path / "hw")
     assert states(outcome) == {"ada": {"06": "new"}, "cy": {"06": "new"}}
     assert outcome.questions == []
 
 
 @pytest.mark.parametrize(
-    ("written", "says"),
+    ("text", "message"),
     [
         ("identifier,github_username\nMüller,x\n".encode("cp1252"), "it is not in UTF-8"),
         (b"name,login\ncy,someone\n", "must have the columns github_username and identifier"),
     ],
 )
-def test_an_unreadable_roster_of_github_classroom_is_refused(course, tmp_path, written, says):
+def test_an_unreadable_roster_of_github_classroom_is_refused(course, tmp_path, text, message):
     write_checkout(tmp_path / "hw", "hw-3-someone", {f"{SIX}.ipynb": notebook()})
-    (tmp_path / "hw" / "classroom_roster.csv").write_bytes(written)
-    with pytest.raises(CollectError, match=says):
+    (tmp_path / "hw" / "classroom_roster.csv").write_bytes(text)
+    with pytest.raises(CollectError, match=message):
         collect(course, tmp_path / "hw")
 
 
@@ -722,16 +726,20 @@ def test_a_table_of_times_is_read_in_any_form(course, encoding):
     text = "id\tLast modified (submission)\rada\t2026-10-14 14:14\r"
     table.write_bytes(text.encode(encoding))
     collect(course, archive(course, [(f"ada/{SIX}.ipynb", notebook())]), times=table)
-    assert placed(course, "ada")["timestamp.txt"] == b"2026-10-14 14:14:00 UTC\n"
+    assert placed_files(course, "ada")["timestamp.txt"] == b"2026-10-14 14:14:00 UTC\n"
 
 
-def test_a_given_notebook_is_a_submission_if_a_part_of_it_cannot_be_read(course, tmp_path):
+def test_a_partly_unreadable_released_notebook_is_collected(course, tmp_path):
     """A merge conflict, or a missing end, may hide the student's work."""
-    lines = json.dumps(json.loads(released()), indent=1).split("\n")
+    lines = json.dumps(json.loads(released_notebook()), indent=1).split("\n")
     place = next(n for n, line in enumerate(lines) if '"execution_count"' in line)
     conflict = ["<<<<<<< HEAD", lines[place], "=======", lines[place], ">>>>>>> main"]
     lines[place : place + 1] = conflict
-    files = {SIX: "\n".join(lines).encode(), SEVEN: released(SEVEN)[:-20], EIGHT: released(EIGHT)}
+    files = {
+        SIX: "\n".join(lines).encode(),
+        SEVEN: released_notebook(SEVEN)[:-20],
+        EIGHT: released_notebook(EIGHT),
+    }
     given = {f"{name}.ipynb": data for name, data in files.items()}
     write_checkout(tmp_path / "hw", "hw-3-ada-l", given)
     write_checkout(tmp_path / "hw", "hw-3-bmu", {f"{SIX}.ipynb": notebook()})
@@ -759,14 +767,14 @@ def test_one_folder_for_each_student_is_collected(course, layout):
     files = [(layout.format(name), notebook()) for name in ("Ada ", "BJORN")]
     outcome = collect(course, archive(course, files))
     assert states(outcome) == {"ada": {"06": "new"}, "bjorn": {"06": "new"}}
-    assert set(placed(course, "ada")) == {f"{SIX}.ipynb"}
+    assert set(placed_files(course, "ada")) == {f"{SIX}.ipynb"}
 
 
 def test_a_folder_of_zips_and_a_single_file_are_collected(course, tmp_path):
     folder = tmp_path / "downloads"
     folder.mkdir()
-    (folder / "ada.zip").write_bytes(zipped([(f"{SIX}.ipynb", notebook())]))
-    (folder / "bjorn.zip").write_bytes(zipped([(f"w/{SIX}.ipynb", notebook(text="b"))]))
+    (folder / "ada.zip").write_bytes(make_zip([(f"{SIX}.ipynb", notebook())]))
+    (folder / "bjorn.zip").write_bytes(make_zip([(f"w/{SIX}.ipynb", notebook(text="b"))]))
     assert states(collect(course, folder)) == {"ada": {"06": "new"}, "bjorn": {"06": "new"}}
     single = tmp_path / "8.ipynb"
     single.write_bytes(notebook(EIGHT))
@@ -774,7 +782,7 @@ def test_a_folder_of_zips_and_a_single_file_are_collected(course, tmp_path):
     assert states(collect(course, single, who={"8": "cy"})) == {"cy": {"08": "new"}}
 
 
-def test_without_a_roster_folders_have_the_names_in_the_archive(anonymous_course):
+def test_folders_have_the_names_in_the_archive_if_there_is_no_roster(anonymous_course):
     path = archive(
         anonymous_course,
         [(f"{name}/{SIX}.ipynb", notebook()) for name in ("mary jane", "aux", "Ærø: Ö")],
@@ -785,7 +793,7 @@ def test_without_a_roster_folders_have_the_names_in_the_archive(anonymous_course
 
 
 @pytest.mark.parametrize(
-    ("given", "made"),
+    ("name", "folder"),
     [
         ("", "unnamed"),
         ("..", "unnamed"),
@@ -801,20 +809,20 @@ def test_without_a_roster_folders_have_the_names_in_the_archive(anonymous_course
         ("x" * 300, "x" * 80),
     ],
 )
-def test_folder_names_are_safe_on_every_system(given, made):
-    assert safe_folder(given) == made
+def test_folder_names_are_safe_on_every_system(name, folder):
+    assert safe_folder(name) == folder
 
 
 # ---- the lesson of a file -----------------------------------------------------------------------
 
 
-def test_the_content_decides_if_the_name_has_no_lesson(course):
+def test_the_lesson_follows_from_the_content_if_the_file_name_contains_no_lesson(course):
     files = [("ada/8.ipynb", notebook(EIGHT)), ("ada/x/final.ipynb", notebook(NINE))]
     assert states(collect(course, archive(course, files))) == {"ada": {"08": "new", "09": "new"}}
 
 
-def test_graded_cells_show_the_lesson_if_nothing_else_does(course):
-    unnamed = released(EIGHT).replace(b'"lidar_obstacle_lab"', b'"y"')
+def test_the_lesson_follows_from_the_graded_cells_if_the_metadata_is_missing(course):
+    unnamed = released_notebook(EIGHT).replace(b'"lidar_obstacle_lab"', b'"y"')
     path = archive(course, [("ada/x.ipynb", unnamed)])
     assert states(collect(course, path)) == {"ada": {"08": "new"}}
 
@@ -826,7 +834,7 @@ def test_name_and_content_that_disagree_become_a_question(course):
     assert states(outcome)["ada"] == {"06": "?", "07": "new", "08": "?"}
     name = f"ada/{SIX}.ipynb"
     assert f"--lesson {name}=08 or --lesson {name}=06" in questions(outcome)[name]
-    assert set(placed(course, "ada")) == {f"{SEVEN}.ipynb"}
+    assert set(placed_files(course, "ada")) == {f"{SEVEN}.ipynb"}
     outcome = collect(course, path, lessons={name: "06"})
     assert states(outcome)["ada"] == {"06": "new", "07": "same"}
     assert collect(course, path).questions == [], "answered questions are not asked again"
@@ -842,7 +850,7 @@ def test_a_file_of_another_stage_is_collected_if_the_stage_is_named(course):
     assert "--stage stage1_ransac" in questions(outcome)["ada/01_point_clouds.ipynb"]
     outcome = collect(course, path, stages=(STAGE, "stage1_ransac"))
     assert states(outcome)["ada"] == {"01": "new", "06": "same"}
-    assert set(placed(course, "ada", "stage1_ransac")) == {"01_point_clouds.ipynb"}
+    assert set(placed_files(course, "ada", "stage1_ransac")) == {"01_point_clouds.ipynb"}
     assert collect(course, path).questions == []
 
 
@@ -850,14 +858,17 @@ def test_only_changed_notebooks_of_a_whole_course_count(course):
     """If a student submits a zip of the whole course, its unchanged notebooks do not count."""
     files = [
         (f"ada/lab/notebooks/{STAGE}/{SIX}.ipynb", notebook()),
-        ("ada/lab/notebooks/stage1_ransac/01_point_clouds.ipynb", released("01_point_clouds")),
+        (
+            "ada/lab/notebooks/stage1_ransac/01_point_clouds.ipynb",
+            released_notebook("01_point_clouds"),
+        ),
         ("ada/lab/utils/clouds.py", b"x = 1"),
         ("ada/lab/data/cloud.txt", b"1 2 3"),
         ("ada/__MACOSX/._06_filter_ground.ipynb", b"junk"),
         ("ada/lab/.ipynb_checkpoints/06_filter_ground-checkpoint.ipynb", notebook(text="old")),
     ]
     outcome = collect(course, archive(course, files))
-    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook()}
+    assert placed_files(course, "ada") == {f"{SIX}.ipynb": notebook()}
     assert outcome.questions == []
 
 
@@ -870,7 +881,7 @@ def test_modules_next_to_a_notebook_are_collected(course):
         ("ada/elsewhere/other.py", b"y = 2"),
     ]
     outcome = collect(course, archive(course, files))
-    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(), "helper.py": b"x = 1"}
+    assert placed_files(course, "ada") == {f"{SIX}.ipynb": notebook(), "helper.py": b"x = 1"}
     assert questions(outcome)[f"ada/{SEVEN}.py"] == f"is not a notebook. Ask for {SEVEN}.ipynb"
 
 
@@ -882,14 +893,14 @@ def test_a_resubmitted_module_gets_its_original_name(course):
         (3, f"{SIX}-1.ipynb", notebook()),
     ]
     collect(course, archive(course, canvas_files("Lovelace, Ada", 4001, files)))
-    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(), "helper.py": b"x = 2"}
+    assert placed_files(course, "ada") == {f"{SIX}.ipynb": notebook(), "helper.py": b"x = 2"}
 
 
 def test_modules_of_another_lesson_are_not_collected(course):
     files = [(f"ada/{lesson}/{lesson}.ipynb", notebook(lesson)) for lesson in (SIX, SEVEN)]
     files += [(f"ada/{lesson}/helper.py", lesson.encode()) for lesson in (SIX, SEVEN)]
     outcome = collect(course, archive(course, files))
-    assert placed(course, "ada")["helper.py"] == SIX.encode()
+    assert placed_files(course, "ada")["helper.py"] == SIX.encode()
     assert "next to another notebook" in questions(outcome)[f"ada/{SEVEN}/helper.py"]
 
 
@@ -904,7 +915,7 @@ def test_unclear_files_are_asked_about_only_while_a_lesson_is_missing(course):
     assert {remark.name for remark in outcome.remarks} == {"ada/scratch.ipynb", "ada/report.pdf"}
 
 
-def test_modules_named_like_a_lesson_are_asked_about_only_while_it_is_missing(course):
+def test_modules_named_like_a_lesson_are_asked_about_only_if_the_lesson_is_missing(course):
     """If the lesson's notebook was submitted too, the `.py` file is only mentioned."""
     files = [(f"ada/{lesson}.py", b"x = 1") for lesson in (SIX, SEVEN)]
     files += [(f"ada/{SIX}.ipynb", notebook())]
@@ -931,7 +942,7 @@ def test_two_submitters_are_one_student_only_if_an_option_says_so(course):
     assert states(outcome) == {} and not list(course.submitted.glob("*/*"))
     assert "--who lovelaceada_4001=ada" in questions(outcome)["lovelaceada_4001"]
     collect(course, path, who={**who, "lovelaceada_4001": "ada"})
-    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="bella")}
+    assert placed_files(course, "ada") == {f"{SIX}.ipynb": notebook(text="bella")}
 
 
 # ---- several copies of a notebook ---------------------------------------------------------------
@@ -939,9 +950,9 @@ def test_two_submitters_are_one_student_only_if_an_option_says_so(course):
 
 def test_an_untouched_copy_is_ignored(course):
     """An untouched second download, with "(1)" in its name, does not replace the student's work."""
-    files = [(f"ada/{SIX}.ipynb", notebook()), (f"ada/{SIX} (1).ipynb", released())]
+    files = [(f"ada/{SIX}.ipynb", notebook()), (f"ada/{SIX} (1).ipynb", released_notebook())]
     collect(course, archive(course, files))
-    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook()}
+    assert placed_files(course, "ada") == {f"{SIX}.ipynb": notebook()}
 
 
 def test_a_damaged_file_is_placed_if_there_is_no_other(course):
@@ -949,7 +960,7 @@ def test_a_damaged_file_is_placed_if_there_is_no_other(course):
     files = moodle_files("Ada Lovelace", 1, [(f"{SIX}.ipynb", broken)])
     outcome = collect(course, archive(course, files))
     assert states(outcome) == {"ada": {"06": "new"}}
-    assert placed(course, "ada") == {f"{SIX}.ipynb": broken}
+    assert placed_files(course, "ada") == {f"{SIX}.ipynb": broken}
     (remark,) = outcome.remarks
     assert remark.text.startswith("is not a notebook, because it is not valid JSON. It was ")
 
@@ -961,7 +972,7 @@ def test_a_file_that_git_has_not_downloaded_is_not_placed(course, tmp_path):
     )
     write_checkout(tmp_path / "hw", "hw-3-bmu", {f"{SIX}.ipynb": notebook()})
     outcome = collect(course, tmp_path / "hw")
-    assert placed(course, "ada") == {}
+    assert placed_files(course, "ada") == {}
     assert {name.rpartition("/")[2] for name in questions(outcome)} == {
         f"{SIX}.ipynb",
         f"{SEVEN}.ipynb",
@@ -975,7 +986,7 @@ def test_the_copy_with_the_highest_number_or_latest_time_counts(course):
         1,
         [(f"{SIX} ({n}).ipynb", notebook(text=f"copy {n}")) for n in (2, 10, 9)],
     )
-    inner = zipped(
+    inner = make_zip(
         [
             (f"a/{SEVEN}.ipynb", notebook(SEVEN, "new"), (2026, 10, 2, 8, 0, 0)),
             (f"b/{SEVEN}.ipynb", notebook(SEVEN, "old"), (2026, 10, 1, 8, 0, 0)),
@@ -983,7 +994,7 @@ def test_the_copy_with_the_highest_number_or_latest_time_counts(course):
     )
     moodle += moodle_files("Ada Lovelace", 1, [("homework.zip", inner)])
     collect(course, archive(course, moodle))
-    assert placed(course, "ada") == {
+    assert placed_files(course, "ada") == {
         f"{SIX}.ipynb": notebook(text="copy 10"),
         f"{SEVEN}.ipynb": notebook(SEVEN, "new"),
     }
@@ -998,7 +1009,7 @@ def test_copies_without_an_order_become_a_question(course):
     outcome = collect(course, path)
     assert states(outcome) == {"ada": {"06": "?"}}
     collect(course, path, lessons={f"Ada Lovelace_1/b/{SIX}.ipynb": "06"})
-    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text=names[1])}
+    assert placed_files(course, "ada") == {f"{SIX}.ipynb": notebook(text=names[1])}
 
 
 # ---- collecting again ---------------------------------------------------------------------------
@@ -1025,8 +1036,8 @@ def test_a_newer_submission_replaces_the_older_one_which_is_kept(course):
     first, second = resubmission(course, notebook(text="first"), notebook(text="second"))
     collect(course, first)
     assert states(collect(course, second)) == {"ada": {"06": "newer"}}
-    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="second")}
-    assert older(course, "ada") == [notebook(text="first")]
+    assert placed_files(course, "ada") == {f"{SIX}.ipynb": notebook(text="second")}
+    assert older_files(course, "ada") == [notebook(text="first")]
     assert [submission.path.name for submission in find_submissions(course)] == [f"{SIX}.ipynb"]
     assert find_submissions(course)[0].older == ()
     assert unaccounted_files(course) == []
@@ -1036,7 +1047,7 @@ def test_an_older_archive_does_not_replace_newer_work(course):
     first, second = resubmission(course, notebook(text="first"), notebook(text="second"))
     collect(course, second)
     assert states(collect(course, first)) == {"ada": {"06": "kept"}}
-    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="second")}
+    assert placed_files(course, "ada") == {f"{SIX}.ipynb": notebook(text="second")}
 
 
 def test_canvas_numbers_take_precedence_over_the_time_of_the_download(course):
@@ -1044,7 +1055,7 @@ def test_canvas_numbers_take_precedence_over_the_time_of_the_download(course):
         files = canvas_files("L, Ada", 4001, [(number, f"{SIX}.ipynb", notebook(text=name))])
         outcome = collect(course, archive(course, files, f"{name}.zip", when=modified))
     assert states(outcome) == {"ada": {"06": "kept"}}
-    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="new")}
+    assert placed_files(course, "ada") == {f"{SIX}.ipynb": notebook(text="new")}
 
 
 @pytest.mark.parametrize("hand", ["changed", "put there"])
@@ -1071,13 +1082,13 @@ def test_a_time_belongs_to_the_files_that_it_arrived_with(course):
     collect(course, first, times=table)
     table.write_text(head + "ada,2026-10-19 10:00:00 UTC\n")
     collect(course, first, times=table)
-    assert placed(course, "ada")["timestamp.txt"] == b"2026-10-12 10:00:00 UTC\n"
+    assert placed_files(course, "ada")["timestamp.txt"] == b"2026-10-12 10:00:00 UTC\n"
     outcome = collect(course, second)
-    assert "timestamp.txt" not in placed(course, "ada"), "this is the time of older work"
+    assert "timestamp.txt" not in placed_files(course, "ada"), "this is the time of older work"
     assert outcome.undecided["ada"] == "the work was submitted again, and the time is unknown"
-    assert outcome.states and b"2026-10-12 10:00:00 UTC\n" in older(course, "ada")
+    assert outcome.states and b"2026-10-12 10:00:00 UTC\n" in older_files(course, "ada")
     collect(course, second, times=table)
-    assert placed(course, "ada")["timestamp.txt"] == b"2026-10-19 10:00:00 UTC\n"
+    assert placed_files(course, "ada")["timestamp.txt"] == b"2026-10-19 10:00:00 UTC\n"
     assert read_record(course.submitted / "ada" / STAGE).undecided == ""
 
 
@@ -1115,7 +1126,7 @@ def test_an_archive_of_one_student_may_have_any_folders(course, inside):
     packed = course.submitted / "cy" / STAGE / "my homework.zip"
     packed.parent.mkdir(parents=True)
     names = (SIX, SEVEN)
-    packed.write_bytes(zipped([(f"{inside}{name}.ipynb", notebook(name)) for name in names]))
+    packed.write_bytes(make_zip([(f"{inside}{name}.ipynb", notebook(name)) for name in names]))
     ((_, reason),) = unaccounted_files(course)
     assert "--who 'my homework=cy'" in reason
     outcome = collect(course, packed, who={"my homework": "cy"})
@@ -1132,13 +1143,13 @@ def test_an_answer_for_a_loose_file_does_not_affect_other_students(course):
     assert states(outcome) == {"ada": {"07": "same"}, "cy": {"06": "new"}}
 
 
-def test_without_a_roster_an_option_names_the_owner_of_a_zip(anonymous_course):
+def test_an_option_names_the_owner_of_a_zip_if_there_is_no_roster(anonymous_course):
     path = archive(anonymous_course, [(f"hw/{SIX}.ipynb", notebook())], "homework.zip")
     outcome = collect(anonymous_course, path, who={"homework": "cy"})
     assert states(outcome) == {"cy": {"06": "new"}}
 
 
-def test_a_submitter_outside_the_course_is_skipped_from_then_on(course):
+def test_the_decision_to_skip_a_submitter_outside_the_course_is_remembered(course):
     files = [(f"ada/{SIX}.ipynb", notebook()), (f"eve/{SIX}.ipynb", notebook(text="eve"))]
     path = archive(course, files)
     assert "To ignore the files, add --who eve=-" in questions(collect(course, path))["eve"]
@@ -1165,7 +1176,7 @@ def test_the_owner_is_asked_for_again_after_leaving_the_roster(course):
 
 def test_a_team_is_asked_about_if_another_member_submits(course):
     """Canvas names a team's work after the member who submitted."""
-    with_roster(course, "tom,Tom,Turm,,40240,", "tina,Tina,Turm,,40247,", "yan,Yan,Yip,,126,")
+    write_roster(course, "tom,Tom,Turm,,40240,", "tina,Tina,Turm,,40247,", "yan,Yan,Yip,,126,")
     first = canvas_files("Turm, Tom", 40240, [(1, f"{SIX}.ipynb", notebook(text="first"))])
     collect(course, archive(course, first), who={"turmtom_40240": "tom,tina"})
     second = canvas_files("Turm, Tina", 40247, [(2, f"{SIX}.ipynb", notebook(text="second"))])
@@ -1174,43 +1185,43 @@ def test_a_team_is_asked_about_if_another_member_submits(course):
     outcome = collect(course, path)
     texts = doubts(outcome)
     assert set(texts) == {"turmtina_40247"} and outcome.questions == []
-    assert placed(course, "tina") == {f"{SIX}.ipynb": notebook(text="second")}
-    assert placed(course, "tom") == {f"{SIX}.ipynb": notebook(text="first")}
+    assert placed_files(course, "tina") == {f"{SIX}.ipynb": notebook(text="second")}
+    assert placed_files(course, "tom") == {f"{SIX}.ipynb": notebook(text="first")}
     assert "tina and tom are a team" in texts["turmtina_40247"]
     assert "--who turmtina_40247=tina,tom" in texts["turmtina_40247"]
     assert collect(course, path, who={"turmtina_40247": "tina,tom"}).doubts == []
     for student in ("tom", "tina"):
-        assert placed(course, student) == {f"{SIX}.ipynb": notebook(text="second")}
+        assert placed_files(course, student) == {f"{SIX}.ipynb": notebook(text="second")}
     third = canvas_files("Turm, Tom", 40240, [(4, f"{SIX}.ipynb", notebook(text="third"))])
     assert collect(course, archive(course, third)).doubts == []
     for student in ("tom", "tina"):
-        assert placed(course, student) == {f"{SIX}.ipynb": notebook(text="third")}
+        assert placed_files(course, student) == {f"{SIX}.ipynb": notebook(text="third")}
 
 
 def test_a_member_who_left_a_team_is_collected_alone_after_an_answer(course):
-    with_roster(course, "tom,Tom,Turm,,40240,", "tina,Tina,Turm,,40247,")
+    write_roster(course, "tom,Tom,Turm,,40240,", "tina,Tina,Turm,,40247,")
     first = canvas_files("Turm, Tom", 40240, [(1, f"{SIX}.ipynb", notebook(text="first"))])
     collect(course, archive(course, first), who={"turmtom_40240": "tom,tina"})
     alone = canvas_files("Turm, Tina", 40247, [(2, f"{SIX}.ipynb", notebook(text="tina"))])
     path = archive(course, [*first, *alone])
     outcome = collect(course, path, who={"turmtina_40247": "tina", "turmtom_40240": "tom"})
     assert outcome.questions == []
-    assert placed(course, "tom") == {f"{SIX}.ipynb": notebook(text="first")}
-    assert placed(course, "tina") == {f"{SIX}.ipynb": notebook(text="tina")}
+    assert placed_files(course, "tom") == {f"{SIX}.ipynb": notebook(text="first")}
+    assert placed_files(course, "tina") == {f"{SIX}.ipynb": notebook(text="tina")}
 
 
-def test_a_file_is_ignored_from_then_on(course, command, capsys):
-    broken = zipped([("x.txt", b"x" * 999)])[:-40]
+def test_the_decision_to_ignore_a_file_is_remembered(course, run_command, capsys):
+    broken = make_zip([("x.txt", b"x" * 999)])[:-40]
     files = [
         (f"ada/{SIX}.ipynb", notebook()),
         ("ada/report.pdf", b"%PDF"),
-        ("ada/homework.zip", zipped([("01_point_clouds.ipynb", notebook("01_point_clouds"))])),
+        ("ada/homework.zip", make_zip([("01_point_clouds.ipynb", notebook("01_point_clouds"))])),
         ("bjorn/photo.png", b"x"),
         ("bjorn/notes.txt", b"x"),
         ("cy/homework.zip", broken),
     ]
     path = archive(course, files)
-    assert command(path) == 1
+    assert run_command(path) == 1
     output = capsys.readouterr().out
     assert "To ignore one of these files from now on, add --who 'FILE=-'." in output
     names = [
@@ -1221,9 +1232,9 @@ def test_a_file_is_ignored_from_then_on(course, command, capsys):
     ]
     assert set(questions(collect(course, path))) == set(names)
     options = [word for name in names for word in ("--who", f"{name}=-")]
-    assert command(path, *options) == 0
+    assert run_command(path, *options) == 0
     assert "waiting" not in capsys.readouterr().out
-    assert command(path) == 0
+    assert run_command(path) == 0
     assert states(collect(course, path)) == {"ada": {"06": "same"}, "bjorn": {}, "cy": {}}
 
 
@@ -1233,13 +1244,13 @@ def test_later_work_with_the_name_of_an_ignored_file_is_collected(course):
     outcome = collect(course, path, who={name: "-", "cy/h.zip": "-"})
     assert outcome.questions == [] and states(outcome) == {"ada": {}, "cy": {}}
     assert collect(course, path).questions == []
-    later = [(name, notebook()), ("cy/h.zip", zipped([(f"{SEVEN}.ipynb", notebook(SEVEN))]))]
+    later = [(name, notebook()), ("cy/h.zip", make_zip([(f"{SEVEN}.ipynb", notebook(SEVEN))]))]
     outcome = collect(course, archive(course, later))
     assert states(outcome) == {"ada": {"06": "new"}, "cy": {"07": "new"}}
 
 
 def test_an_untouched_repository_does_not_wait_for_an_answer(course, tmp_path):
-    given = {f"notebooks/{STAGE}/{SIX}.ipynb": released(), "README.md": b"hello"}
+    given = {f"notebooks/{STAGE}/{SIX}.ipynb": released_notebook(), "README.md": b"hello"}
     for login in ("ada-l", "bmu"):
         write_checkout(tmp_path / "hw", f"hw-3-{login}", given)
     outcome = collect(course, tmp_path / "hw")
@@ -1290,7 +1301,7 @@ def test_the_choice_between_two_copies_is_asked_for_once(course):
     path = archive(course, pair)
     assert f"ada/one/{SIX}.ipynb" in questions(collect(course, path))
     collect(course, path, lessons={f"ada/two/{SIX}.ipynb": "06"})
-    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="two")}
+    assert placed_files(course, "ada") == {f"{SIX}.ipynb": notebook(text="two")}
     outcome = collect(course, path)
     assert set(questions(outcome)) == {"bjorn/photo.png"} and states(outcome)["ada"] == {
         "06": "same"
@@ -1299,7 +1310,7 @@ def test_the_choice_between_two_copies_is_asked_for_once(course):
     outcome = collect(course, archive(course, [*pair, third], "more.zip"))
     assert f"ada/three/{SIX}.ipynb" in questions(outcome)[f"ada/two/{SIX}.ipynb"]
     assert states(outcome)["ada"] == {"06": "?"}
-    assert placed(course, "ada") == {f"{SIX}.ipynb": notebook(text="two")}
+    assert placed_files(course, "ada") == {f"{SIX}.ipynb": notebook(text="two")}
 
 
 def test_the_lesson_of_an_unnamed_notebook_is_asked_for_once(course):
@@ -1332,7 +1343,7 @@ def files_below(root):
 @pytest.mark.parametrize("within", ["", "homework.zip"])
 def test_names_cannot_lead_outside_the_folder(course, name, within, tmp_path):
     """The notebook is collected into the folder, because old zip programs write such names."""
-    data = zipped([(name, notebook())])
+    data = make_zip([(name, notebook())])
     files = [("ada/homework.zip", data)] if within else [("ada/" + name, notebook())]
     files_before = files_below(tmp_path)
     outcome = collect(course, archive(course, files))
@@ -1371,14 +1382,14 @@ def test_zip_bombs_are_refused_with_a_reason(course, monkeypatch):
     zeros = b'{"cells": [], "x": "' + b"0" * (8 * 2**20) + b'"}'
     deep = notebook(NINE)
     for _ in range(4):
-        deep = zipped([(f"{NINE}.ipynb" if deep[:1] == b"{" else "more.zip", deep)])
-    many = zipped([(f"{n}.txt", b"") for n in range(zips.MOST_FILES_OF_A_STUDENT + 1)])
+        deep = make_zip([(f"{NINE}.ipynb" if deep[:1] == b"{" else "more.zip", deep)])
+    many = make_zip([(f"{n}.txt", b"") for n in range(zips.MOST_FILES_OF_A_STUDENT + 1)])
     files = [
         (f"ada/{SIX}.ipynb", zeros),
-        ("ada/ratio.zip", zipped([(f"{SEVEN}.ipynb", zeros)])),
+        ("ada/ratio.zip", make_zip([(f"{SEVEN}.ipynb", zeros)])),
         ("ada/many.zip", many),
         ("ada/deep.zip", deep),
-        ("ada/broken.zip", zipped([("x.txt", b"x" * 999)])[:-40]),
+        ("ada/broken.zip", make_zip([("x.txt", b"x" * 999)])[:-40]),
         ("bjorn/" + f"{SIX}.ipynb", notebook()),
     ]
     outcome = collect(course, archive(course, files))
@@ -1393,13 +1404,13 @@ def test_zip_bombs_are_refused_with_a_reason(course, monkeypatch):
 
 def test_too_many_bytes_in_one_zip_are_refused(course, monkeypatch):
     monkeypatch.setattr("grader.classroom.collect.inspection.MOST_BYTES_OF_A_STUDENT", 2000)
-    inner = zipped([(f"{n}.ipynb", notebook(text=str(n) * 90)) for n in range(20)])
+    inner = make_zip([(f"{n}.ipynb", notebook(text=str(n) * 90)) for n in range(20)])
     outcome = collect(course, archive(course, [("ada/homework.zip", inner)]))
     assert "unpacks to more than" in questions(outcome)["ada/homework.zip"]
 
 
 def test_a_zip_with_a_password_becomes_a_question(course, tmp_path):
-    data = bytearray(zipped([(f"{SIX}.ipynb", notebook())]))
+    data = bytearray(make_zip([(f"{SIX}.ipynb", notebook())]))
     for signature, place in ((b"PK\3\4", 6), (b"PK\1\2", 8)):
         data[data.find(signature) + place] |= 1
     outcome = collect(course, archive(course, [("ada/homework.zip", bytes(data))]))
@@ -1410,7 +1421,7 @@ def test_a_zip_with_a_password_becomes_a_question(course, tmp_path):
 
 
 @pytest.fixture
-def command(course, monkeypatch):
+def run_command(course, monkeypatch):
     monkeypatch.setattr(commands, "Course", lambda: course)
 
     def run(*words):
@@ -1419,66 +1430,68 @@ def command(course, monkeypatch):
     return run
 
 
-def test_the_exit_status_is_1_while_questions_are_open(course, command, capsys):
+def test_the_exit_status_is_1_while_questions_are_open(course, run_command, capsys):
     path = archive(course, [(f"ada/{SIX}.ipynb", notebook()), (f"eve/{SIX}.ipynb", notebook())])
-    assert command(path) == 1
+    assert run_command(path) == 1
     output = capsys.readouterr().out
     assert "until you decide" in output and "--who eve=ID" in output
     assert (
         "Students on the roster without a submission: 2 (bjorn, cy)." in output
         and "xcused" not in output
     )
-    assert command(path, "--who", "eve=cy") == 0
+    assert run_command(path, "--who", "eve=cy") == 0
     assert "waiting" not in capsys.readouterr().out
 
 
-def test_a_wrong_stage_is_pointed_out_also_beside_an_open_question(course, command, capsys):
+def test_a_wrong_stage_is_reported_even_if_a_question_is_open(course, run_command, capsys):
     path = archive(course, [(f"ada/{SIX}.ipynb", notebook())])
-    assert command(path) == 0
+    assert run_command(path) == 0
     capsys.readouterr()
     path = archive(course, [(f"ada/{SIX}.ipynb", notebook()), ("cy/a.txt", b"a")])
     assert cli.main(["collect", "--stage", "stage2_clustering", str(path)]) == 1
-    said = "No notebook was collected for stage2_clustering. Decide about the files above, or corr"
-    assert said in capsys.readouterr().err
+    message = (
+        "No notebook was collected for stage2_clustering. Decide about the files above, or corr"
+    )
+    assert message in capsys.readouterr().err
 
 
-def test_an_open_question_about_collected_files_is_shown_as_such(course, command, capsys):
+def test_an_open_question_about_collected_files_is_shown_as_such(course, run_command, capsys):
     files = canvas_files("Team Rot", 4001, [(1, f"{SIX}.ipynb", notebook())])
     path = archive(course, files)
-    assert command(path) == 1
+    assert run_command(path) == 1
     output = capsys.readouterr().out
     assert "Collected, but one answer is needed:" in output and "until you decide" not in output
-    assert command(path, "--who", "teamrot_4001=ada") == 0
+    assert run_command(path, "--who", "teamrot_4001=ada") == 0
 
 
-def test_excused_students_are_not_reported_as_missing(course, command, capsys):
+def test_excused_students_are_not_reported_as_missing(course, run_command, capsys):
     (course.root / "deadlines.toml").write_text(
         f'[{STAGE}]\ndue = 2026-11-20 18:00:00\n[{STAGE}.students]\ncy = "excused"\n'
         '[stage1_ransac.students]\nbjorn = "excused"\n'
     )
     roster = "id,role\nada,\nbjorn,\ncy,\nguest,auditor\n"
     (course.root / "roster.csv").write_text(roster)
-    assert command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 0
+    assert run_command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 0
     output = " ".join(capsys.readouterr().out.split())
     assert "Students on the roster without a submission: 1 (bjorn)." in output
     assert "Excused students without a submission: cy." in output
     assert "Auditors without a submission: guest." in output
 
 
-def test_the_table_of_times_is_said_to_have_been_used(course, command, capsys):
+def test_the_number_of_times_in_the_table_is_reported(course, run_command, capsys):
     files = [(f"ada/{SIX}.ipynb", notebook()), (f"cy/{SIX}.ipynb", notebook())]
     path = archive(course, files)
     table = course.root / "times.csv"
     table.write_text("id,Last modified (submission)\nada,2026-10-14 14:14 UTC\n")
-    command(path)
+    run_command(path)
     assert "submission times" not in capsys.readouterr().out
-    command(path, "--timestamps", table)
+    run_command(path, "--timestamps", table)
     output = " ".join(capsys.readouterr().out.split())
     assert "The table has submission times for 1 of 2 students." in output
 
 
 @pytest.mark.parametrize(
-    ("words", "says"),
+    ("words", "message"),
     [
         (["none.zip"], "does not exist"),
         (["damaged.zip"], "is not a complete zip"),
@@ -1490,19 +1503,19 @@ def test_the_table_of_times_is_said_to_have_been_used(course, command, capsys):
         ([".", "--timestamps", "none.csv"], "cannot be read"),
     ],
 )
-def test_wrong_options_are_explained(course, command, words, says, capsys, monkeypatch):
+def test_wrong_options_are_explained(course, run_command, words, message, capsys, monkeypatch):
     monkeypatch.chdir(course.root)
     (course.root / "damaged.zip").write_bytes(b"")
     (course.root / "empty").mkdir()
-    assert command(*words) == 2
-    assert says in capsys.readouterr().err
+    assert run_command(*words) == 2
+    assert message in capsys.readouterr().err
 
 
-def test_students_with_an_undecided_time_are_named(course, command, capsys):
+def test_students_with_an_undecided_time_are_named(course, run_command, capsys):
     table = course.root / "times.csv"
     table.write_text("id,Last modified (submission)\nada,10/11/2026 9:00\n")
     path = archive(course, [(f"ada/{SIX}.ipynb", notebook())])
-    assert command(path, "--timestamps", table) == 0
+    assert run_command(path, "--timestamps", table) == 0
     output = capsys.readouterr().out
     assert "It is unknown whether these students submitted late: ada. Reason: the" in output
     assert "has '10/11/2026 9:00', which is not a time" in output
@@ -1514,11 +1527,11 @@ def test_an_option_cannot_lead_to_another_folder(anonymous_course):
         collect(anonymous_course, path, who={"ada": "../../x"})
 
 
-def test_collecting_is_refused_while_the_course_is_graded(course, command, capsys):
+def test_collecting_is_refused_while_the_course_is_graded(course, run_command, capsys):
     from grader.classroom.lock import course_lock
 
     with course_lock(course):
-        assert command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 1
+        assert run_command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 1
     assert "Another run is grading" in capsys.readouterr().err
 
 
@@ -1536,19 +1549,21 @@ def test_a_stopped_run_is_resumed(course):
 
 
 @pytest.mark.parametrize("number", [errno.EACCES, errno.EROFS, errno.EPERM])
-def test_the_error_about_a_read_only_folder_names_it(course, command, monkeypatch, capsys, number):
+def test_the_error_about_a_read_only_folder_names_the_folder(
+    course, run_command, monkeypatch, capsys, number
+):
     def refuse(*about, dir, **options):
         raise OSError(number, os.strerror(number), str(dir))
 
     monkeypatch.setattr("tempfile.mkstemp", refuse)
-    assert command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 1
+    assert run_command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 1
     errors = capsys.readouterr().err
     assert str(course.submitted / "ada" / STAGE) in errors and "same command again" in errors
 
 
-def test_the_error_about_a_file_instead_of_a_folder_names_it(course, command, capsys):
+def test_the_error_about_a_file_instead_of_a_folder_names_the_file(course, run_command, capsys):
     course.submitted.write_text("")
-    assert command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 1
+    assert run_command(archive(course, [(f"ada/{SIX}.ipynb", notebook())])) == 1
     assert str(course.submitted) in capsys.readouterr().err
 
 
@@ -1563,13 +1578,13 @@ def test_a_full_disk_leaves_no_partial_files(course, monkeypatch):
 # ---- equal names --------------------------------------------------------------------------------
 
 
-def with_roster(course, *people):
+def write_roster(course, *people):
     lines = ["id,first_name,last_name,email,lms_id,github", *people]
     (course.root / "roster.csv").write_text("\n".join(lines) + "\n")
 
 
 def test_namesakes_have_separate_times(course):
-    with_roster(course, "yan,Yan,Yip,,,", "yan2,Yan,Yip,,,")
+    write_roster(course, "yan,Yan,Yip,,,", "yan2,Yan,Yip,,,")
     files = [
         *moodle_files("Yan Yip", 11, [(f"{SIX}.ipynb", notebook())]),
         *moodle_files("Yan Yip", 12, [(f"{SIX}.ipynb", notebook(text="two"))]),
@@ -1581,12 +1596,12 @@ def test_namesakes_have_separate_times(course):
     (course.root / "deadlines.toml").write_text('timezone = "UTC"\n')
     who = {"Yan Yip_11": "yan", "Yan Yip_12": "yan2"}
     collect(course, archive(course, files), times=table, who=who)
-    assert placed(course, "yan")["timestamp.txt"] == b"2026-10-10 10:00:00 UTC\n"
-    assert placed(course, "yan2")["timestamp.txt"] == b"2026-10-20 10:00:00 UTC\n"
+    assert placed_files(course, "yan")["timestamp.txt"] == b"2026-10-10 10:00:00 UTC\n"
+    assert placed_files(course, "yan2")["timestamp.txt"] == b"2026-10-20 10:00:00 UTC\n"
 
 
 def test_an_ambiguous_row_is_not_used(course):
-    with_roster(course, "yan,Yan,Yip,,,", "yan2,Yan,Yip,,,")
+    write_roster(course, "yan,Yan,Yip,,,", "yan2,Yan,Yip,,,")
     table = course.root / "times.csv"
     table.write_text("name,Last modified (submission)\nYan Yip,2026-10-20 10:00:00 UTC\n")
     outcome = collect(course, archive(course, [(f"yan/{SIX}.ipynb", notebook())]), times=table)
@@ -1604,7 +1619,7 @@ def test_an_ambiguous_row_is_not_used(course):
 )
 def test_a_students_text_cannot_make_another_student_late(course, number, email, known):
     """A text cannot forge a row, because a quotation mark after a backslash does not end a cell."""
-    with_roster(course, "ada,Ada,Lovelace,ada@x.edu,,", "eve,Eve,Evil,eve@x.edu,,")
+    write_roster(course, "ada,Ada,Lovelace,ada@x.edu,,", "eve,Eve,Evil,eve@x.edu,,")
     table = course.root / "worksheet.csv"
     early, late = "Saturday, 10 October 2026, 10:00 AM", "Tuesday, 20 October 2026, 10:00 AM"
     her_row = f'"Participant 11","Ada Lovelace","ada@x.edu","Submitted","","{early}"\n'
@@ -1617,14 +1632,16 @@ def test_a_students_text_cannot_make_another_student_late(course, number, email,
     files = moodle_files("Ada Lovelace", 11, [(f"{SIX}.ipynb", notebook())])
     outcome = collect(course, archive(course, files), times=table)
     if known:
-        assert placed(course, "ada")["timestamp.txt"] == b"2026-10-10 10:00:00 UTC\n"
+        assert placed_files(course, "ada")["timestamp.txt"] == b"2026-10-10 10:00:00 UTC\n"
     else:
-        assert set(outcome.undecided) == {"ada"} and "timestamp.txt" not in placed(course, "ada")
+        assert set(outcome.undecided) == {"ada"} and "timestamp.txt" not in placed_files(
+            course, "ada"
+        )
 
 
 @pytest.mark.parametrize("folder", ["12345", "012345"])
 def test_a_number_that_lost_its_zeros_is_recognised(course, folder):
-    with_roster(course, "0012345,Yan,Yip,,,", "12,Ada,Lovelace,,,")
+    write_roster(course, "0012345,Yan,Yip,,,", "12,Ada,Lovelace,,,")
     outcome = collect(course, archive(course, [(f"{folder}/{SIX}.ipynb", notebook())]))
     assert states(outcome) == {}
     text = f"The student may be 0012345. Add --who {folder}=0012345"
@@ -1635,8 +1652,8 @@ def test_a_number_that_lost_its_zeros_is_recognised(course, folder):
 def test_names_from_windows_are_recognised(course, page):
     """Zips from Windows do not name the code page of their names."""
     name = "李伟" if page == "gbk" else "Bjørn Ås"
-    with_roster(course, "li,伟,李,,,", "ba,Bjørn,Ås,,,", "bo,Bo,Bäcker,,,")
-    data = zipped([(f"{'#' * len(name.encode(page))}/{SIX}.ipynb", notebook())])
+    write_roster(course, "li,伟,李,,,", "ba,Bjørn,Ås,,,", "bo,Bo,Bäcker,,,")
+    data = make_zip([(f"{'#' * len(name.encode(page))}/{SIX}.ipynb", notebook())])
     data = data.replace(b"#" * len(name.encode(page)), name.encode(page))
     (course.root / "windows.zip").write_bytes(data)
     outcome = collect(course, course.root / "windows.zip")
@@ -1650,12 +1667,12 @@ def test_a_virtual_environment_is_not_collected(course):
         ("ada/venv/pyvenv.cfg", b"home = /usr/bin"),
     ]
     assert states(collect(course, archive(course, files))) == {"ada": {"06": "new"}}
-    packed = archive(course, [("cy/h.zip", zipped([(name[4:], data) for name, data in files]))])
+    packed = archive(course, [("cy/h.zip", make_zip([(name[4:], data) for name, data in files]))])
     assert states(collect(course, packed)) == {"cy": {"06": "new"}}
 
 
 def test_a_namesake_with_another_number_becomes_a_question(course):
-    with_roster(course, "yan,Yan,Yip,,126,")
+    write_roster(course, "yan,Yan,Yip,,126,")
     files = canvas_files("Yip, Yan", 999, [(1, f"{SIX}.ipynb", notebook())])
     path = archive(course, files)
     outcome = collect(course, path)
@@ -1665,7 +1682,7 @@ def test_a_namesake_with_another_number_becomes_a_question(course):
 
 
 def test_a_login_is_not_matched_with_the_end_of_another(course, tmp_path):
-    with_roster(course, "sam,Sam,Smith,,,smith", "zed,Zed,Zoe,,,zed")
+    write_roster(course, "sam,Sam,Smith,,,smith", "zed,Zed,Zoe,,,zed")
     root = tmp_path / "hw"
     for name in ("hw-3-mary-smith", "hw-3-zed"):
         write_checkout(root, name, {f"{SIX}.ipynb": notebook(text=name)})
@@ -1675,14 +1692,14 @@ def test_a_login_is_not_matched_with_the_end_of_another(course, tmp_path):
 
 
 def test_logins_with_the_same_beginning_are_found(course, tmp_path):
-    with_roster(course, "a,,,,,ann-a", "b,,,,,ann-b")
+    write_roster(course, "a,,,,,ann-a", "b,,,,,ann-b")
     for name in ("hw-3-ann-a", "hw-3-ann-b"):
         write_checkout(tmp_path / "hw", name, {f"{SIX}.ipynb": notebook(text=name)})
     assert states(collect(course, tmp_path / "hw")) == {"a": {"06": "new"}, "b": {"06": "new"}}
 
 
 def test_the_login_in_a_single_repository_is_asked_for(course, tmp_path):
-    with_roster(course, "sam,Sam,Smith,,,smith")
+    write_roster(course, "sam,Sam,Smith,,,smith")
     write_checkout(tmp_path / "hw", "hw-3-mary-smith", {f"{SIX}.ipynb": notebook()})
     question = questions(collect(course, tmp_path / "hw"))["hw-3-mary-smith"]
     assert question.count("The student may be sam. Add --who hw-3-mary-smith=sam") == 1
@@ -1692,7 +1709,7 @@ def test_the_login_in_a_single_repository_is_asked_for(course, tmp_path):
 
 
 def test_an_empty_name_in_a_zip_does_not_affect_any_student(course):
-    homework = zipped([("\0x", b""), (f"{SIX}.ipynb", notebook(text="bjorn"))])
+    homework = make_zip([("\0x", b""), (f"{SIX}.ipynb", notebook(text="bjorn"))])
     files = [
         (f"ada/{SIX}.ipynb", notebook()),
         ("bjorn/h.zip", homework),
@@ -1719,7 +1736,7 @@ def test_an_unexpected_error_in_a_zip_does_not_affect_other_students(course, mon
 
 def test_a_damaged_zip_is_read_or_reported():
     """Most of the randomly changed bytes are in the central directory."""
-    whole = zipped([(f"{SIX}.ipynb", notebook()), ("mine.py", b"x = 1"), ("b/y.txt", b"y" * 50)])
+    whole = make_zip([(f"{SIX}.ipynb", notebook()), ("mine.py", b"x = 1"), ("b/y.txt", b"y" * 50)])
     directory = whole.find(b"PK\1\2")
     contents.cache_releases()
     rng = random.Random(1)
@@ -1738,14 +1755,14 @@ def test_a_damaged_zip_is_read_or_reported():
 def test_too_many_bytes_in_several_zips_are_refused(course, monkeypatch):
     monkeypatch.setattr("grader.classroom.collect.inspection.MOST_BYTES_OF_A_STUDENT", 2000)
     archives = [
-        zipped([(f"{n}.ipynb", notebook(text=str(n) * 90)) for n in range(k, k + 5)])
+        make_zip([(f"{n}.ipynb", notebook(text=str(n) * 90)) for n in range(k, k + 5)])
         for k in (0, 5, 10)
     ]
     files = [(f"ada/{n}.zip", data) for n, data in enumerate(archives)]
     assert sum(map(len, archives)) < 4000
     texts = questions(collect(course, archive(course, files)))
     assert "brings the student's total to more than" in texts["ada/1.zip"]
-    inner = zipped([(f"{n}.zip", data) for n, data in enumerate(archives)])
+    inner = make_zip([(f"{n}.zip", data) for n, data in enumerate(archives)])
     outcome = collect(course, archive(course, [("ada/all.zip", inner)], "inner.zip"))
     assert "unpacks to more than" in questions(outcome)["ada/all.zip"]
 

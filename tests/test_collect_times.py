@@ -16,8 +16,8 @@ from tests.test_collect import (
     TUESDAY,
     archive,
     collect,
-    older,
-    placed,
+    older_files,
+    placed_files,
     resubmission,
     states,
 )
@@ -40,25 +40,25 @@ def utc(text):
     return datetime.strptime(text, "%Y-%m-%d %H:%M:%S UTC").replace(tzinfo=UTC)
 
 
-def table(course, time):
+def write_table(course, time):
     path = course.root / "times.csv"
     path.write_text(f"id,Last modified (submission)\nada,{time}\n")
     return path
 
 
-def folder(course):
+def stage_folder(course):
     return course.submitted / "ada" / STAGE
 
 
 def time_of(course):
     """Return the submission time of the stage, or the reason why it is unknown."""
     try:
-        return submission_time([folder(course)])
+        return submission_time([stage_folder(course)])
     except SubmissionTimeUnknown as reason:
         return str(reason)
 
 
-def lesson(course, name, text="x = 1", file=None):
+def lesson_archive(course, name, text="x = 1", file=None):
     files = [(f"ada/{name}.ipynb", notebook(name, text))]
     return archive(course, files, file or f"{name}-{text[:1]}.zip")
 
@@ -66,30 +66,32 @@ def lesson(course, name, text="x = 1", file=None):
 @pytest.mark.parametrize("times", [(LATE, EARLY), (EARLY, LATE)])
 def test_the_latest_time_of_all_lessons_counts_in_any_order(course, times):
     for name, time in zip((EIGHT, SIX), times, strict=True):
-        collect(course, lesson(course, name), times=table(course, time))
-    assert placed(course, "ada")["timestamp.txt"].decode() == f"{LATE}\n"
-    collect(course, lesson(course, SEVEN), times=table(course, EARLY))
+        collect(course, lesson_archive(course, name), times=write_table(course, time))
+    assert placed_files(course, "ada")["timestamp.txt"].decode() == f"{LATE}\n"
+    collect(course, lesson_archive(course, SEVEN), times=write_table(course, EARLY))
     assert time_of(course) == utc(LATE)
 
 
 def test_the_time_of_a_deleted_lesson_does_not_count(course):
     for name, time in ((EIGHT, LATE), (SIX, EARLY)):
-        collect(course, lesson(course, name), times=table(course, time))
-    (folder(course) / f"{EIGHT}.ipynb").unlink()
-    collect(course, lesson(course, SEVEN), times=table(course, EARLY))
+        collect(course, lesson_archive(course, name), times=write_table(course, time))
+    (stage_folder(course) / f"{EIGHT}.ipynb").unlink()
+    collect(course, lesson_archive(course, SEVEN), times=write_table(course, EARLY))
     assert time_of(course) == utc(EARLY)
 
 
 def test_a_lesson_without_a_time_leaves_the_stage_undecided(course):
-    collect(course, lesson(course, EIGHT))
+    collect(course, lesson_archive(course, EIGHT))
     assert time_of(course) is None
-    outcome = collect(course, lesson(course, SIX), times=table(course, LATE))
+    outcome = collect(course, lesson_archive(course, SIX), times=write_table(course, LATE))
     assert (
         time_of(course)
         == outcome.undecided["ada"]
         == f"the submission time of {EIGHT}.ipynb is unknown"
     )
-    collect(course, lesson(course, EIGHT), times=table(course, EARLY))  # the same file again
+    collect(
+        course, lesson_archive(course, EIGHT), times=write_table(course, EARLY)
+    )  # the same file again
     assert time_of(course) == utc(LATE)
 
 
@@ -99,58 +101,58 @@ def test_an_earlier_submission_is_restored_with_its_time(course):
         archive(course, [(f"ada/{SIX}.ipynb", notebook(text=text))], f"{text}.zip", when=day)
         for text, day in (("old", MONDAY), ("new", TUESDAY))
     )
-    collect(course, first, times=table(course, EARLY))
-    collect(course, second, times=table(course, LATE))
-    earlier = folder(course) / ".older" / f"{SIX}.1.ipynb"
-    (folder(course) / f"{SIX}.ipynb").write_bytes(earlier.read_bytes())
-    (folder(course) / "timestamp.txt").write_text(EARLY)
+    collect(course, first, times=write_table(course, EARLY))
+    collect(course, second, times=write_table(course, LATE))
+    earlier = stage_folder(course) / ".older" / f"{SIX}.1.ipynb"
+    (stage_folder(course) / f"{SIX}.ipynb").write_bytes(earlier.read_bytes())
+    (stage_folder(course) / "timestamp.txt").write_text(EARLY)
     assert time_of(course) == utc(EARLY)
-    outcome = collect(course, second, times=table(course, LATE))
+    outcome = collect(course, second, times=write_table(course, LATE))
     (question,) = outcome.questions
-    outcome = collect(course, second, times=table(course, LATE), who={question.name: "-"})
+    outcome = collect(course, second, times=write_table(course, LATE), who={question.name: "-"})
     assert outcome.questions == [] and time_of(course) == utc(EARLY)
-    assert placed(course, "ada")[f"{SIX}.ipynb"] == notebook(text="old")
+    assert placed_files(course, "ada")[f"{SIX}.ipynb"] == notebook(text="old")
 
 
 def test_a_time_written_by_hand_counts_for_all_files_in_the_folder(course):
     files = canvas_files("Lovelace, Ada", 4001, [(1, f"{SIX}.ipynb", notebook())], late=True)
     collect(course, archive(course, files))
-    (folder(course) / "timestamp.txt").write_text(LATE)
+    (stage_folder(course) / "timestamp.txt").write_text(LATE)
     collect(course, archive(course, files))
-    assert placed(course, "ada")["timestamp.txt"].decode() == LATE, "nothing has changed"
-    collect(course, lesson(course, SEVEN), times=table(course, EARLY))
+    assert placed_files(course, "ada")["timestamp.txt"].decode() == LATE, "nothing has changed"
+    collect(course, lesson_archive(course, SEVEN), times=write_table(course, EARLY))
     assert time_of(course) == utc(LATE)
-    assert LATE.encode() in older(course, "ada")
+    assert LATE.encode() in older_files(course, "ada")
 
 
-def test_each_lesson_has_its_own_time_until_a_person_writes_one(course):
+def test_each_lesson_has_its_own_time_until_a_time_is_written_by_hand(course):
     """Lessons with their own due dates need these times."""
     for name, time in ((SIX, EARLY), (SEVEN, LATE), (SIX, LATE)):  # lesson 06 did not change
-        collect(course, lesson(course, name), times=table(course, time))
-    paths = [folder(course) / f"{name}.ipynb" for name in (SIX, SEVEN)]
+        collect(course, lesson_archive(course, name), times=write_table(course, time))
+    paths = [stage_folder(course) / f"{name}.ipynb" for name in (SIX, SEVEN)]
     assert [record.file_time(path) for path in paths] == [utc(EARLY), utc(LATE)]
-    assert record.file_time(folder(course) / "other.ipynb") is None
-    (folder(course) / "timestamp.txt").write_text("2026-10-19 10:00:00 UTC")
+    assert record.file_time(stage_folder(course) / "other.ipynb") is None
+    (stage_folder(course) / "timestamp.txt").write_text("2026-10-19 10:00:00 UTC")
     assert [record.file_time(path) for path in paths] == [None, None]
-    (folder(course) / "timestamp.txt").unlink()
+    (stage_folder(course) / "timestamp.txt").unlink()
     assert [record.file_time(path) for path in paths] == [None, None]
 
 
 def test_the_time_of_files_that_were_not_collected_counts(course):
     """A file that nbgrader collected earlier determines the stage's time if its time is later."""
-    folder(course).mkdir(parents=True)
-    (folder(course) / f"{EIGHT}.ipynb").write_bytes(notebook(EIGHT))
-    (folder(course) / "timestamp.txt").write_text("2026-10-20 12:00:00.250000 UTC")
-    collect(course, lesson(course, SIX), times=table(course, EARLY))
+    stage_folder(course).mkdir(parents=True)
+    (stage_folder(course) / f"{EIGHT}.ipynb").write_bytes(notebook(EIGHT))
+    (stage_folder(course) / "timestamp.txt").write_text("2026-10-20 12:00:00.250000 UTC")
+    collect(course, lesson_archive(course, SIX), times=write_table(course, EARLY))
     assert time_of(course) == datetime(2026, 10, 20, 12, tzinfo=UTC)
-    collect(course, lesson(course, SEVEN), times=table(course, LATE))
+    collect(course, lesson_archive(course, SEVEN), times=write_table(course, LATE))
     assert time_of(course) == datetime(2026, 10, 20, 12, tzinfo=UTC)
 
 
 def test_an_unreadable_time_stays_undecided(course):
-    collect(course, lesson(course, SIX), times=table(course, EARLY))
-    (folder(course) / "timestamp.txt").write_text("Tuesday, I think")
-    collect(course, lesson(course, SEVEN), times=table(course, EARLY))
+    collect(course, lesson_archive(course, SIX), times=write_table(course, EARLY))
+    (stage_folder(course) / "timestamp.txt").write_text("Tuesday, I think")
+    collect(course, lesson_archive(course, SEVEN), times=write_table(course, EARLY))
     reason = "timestamp.txt has 'Tuesday, I think', which is not a time such as 2026-10-12 23:59"
     assert time_of(course) == reason
 
@@ -165,25 +167,25 @@ def remark(outcome):
 
 
 def test_an_earlier_time_for_the_same_files_is_entered(course):
-    path = lesson(course, SIX)
-    collect(course, path, times=table(course, LATE))
-    outcome = collect(course, path, times=table(course, EARLY))
+    path = lesson_archive(course, SIX)
+    collect(course, path, times=write_table(course, LATE))
+    outcome = collect(course, path, times=write_table(course, EARLY))
     assert time_of(course) == utc(EARLY)
     assert remark(outcome).startswith(f"The submission time was {LATE} and is now {EARLY}, because")
-    assert LATE.encode() + b"\n" in older(course, "ada")
-    assert remark(collect(course, path, times=table(course, EARLY))) == ""
+    assert LATE.encode() + b"\n" in older_files(course, "ada")
+    assert remark(collect(course, path, times=write_table(course, EARLY))) == ""
 
 
 def test_a_later_time_for_the_same_files_is_named_with_a_way_to_enter_it(course):
     """It may belong to another attempt with the same file, so a person decides."""
-    path = lesson(course, SIX)
-    collect(course, path, times=table(course, EARLY))
-    text = remark(collect(course, path, times=table(course, LATE)))
+    path = lesson_archive(course, SIX)
+    collect(course, path, times=write_table(course, EARLY))
+    text = remark(collect(course, path, times=write_table(course, LATE)))
     assert f"has {LATE!r}, but submitted/ada/{STAGE}/timestamp.txt has {EARLY} for" in text
     assert time_of(course) == utc(EARLY)
     assert f"write {LATE} there" in text
-    (folder(course) / "timestamp.txt").write_text(LATE)
-    assert remark(collect(course, path, times=table(course, LATE))) == ""
+    (stage_folder(course) / "timestamp.txt").write_text(LATE)
+    assert remark(collect(course, path, times=write_table(course, LATE))) == ""
     assert time_of(course) == utc(LATE)
 
 
@@ -192,7 +194,7 @@ def test_a_later_time_for_the_same_files_is_named_with_a_way_to_enter_it(course)
     [("America/New_York", "2026-10-12 21:00:00 UTC"), ("Asia/Tokyo", "2026-10-12 08:00:00 UTC")],
 )
 def test_a_time_is_read_again_in_another_time_zone(course, zone, expected):
-    path, times = lesson(course, SIX), table(course, "2026-10-12 17:00")
+    path, times = lesson_archive(course, SIX), write_table(course, "2026-10-12 17:00")
     deadlines = course.root / "deadlines.toml"
     deadlines.write_text('timezone = "Europe/Berlin"\n')
     collect(course, path, times=times)
@@ -204,30 +206,32 @@ def test_a_time_is_read_again_in_another_time_zone(course, zone, expected):
 
 @pytest.mark.parametrize("text", ["garbage", "03/04/2026 23:59", "22.11.2026 1:10"])
 def test_an_unreadable_time_in_the_table_is_quoted_even_if_there_is_an_earlier_time(course, text):
-    path = lesson(course, SIX)
-    collect(course, path, times=table(course, EARLY))
-    outcome = collect(course, path, times=table(course, text))
+    path = lesson_archive(course, SIX)
+    collect(course, path, times=write_table(course, EARLY))
+    outcome = collect(course, path, times=write_table(course, text))
     assert remark(outcome).startswith(f"The table of submission times has {text!r}, which is not")
     assert f"so the earlier time, {EARLY}, still counts" in remark(outcome)
     assert not outcome.undecided and time_of(course) == utc(EARLY)
-    assert remark(collect(course, path, times=table(course, "-"))) == ""
+    assert remark(collect(course, path, times=write_table(course, "-"))) == ""
 
 
 @pytest.mark.parametrize("written_after", ["the first run", "no run"])
 def test_a_time_written_by_hand_is_stronger_than_a_table(course, written_after):
     if written_after == "the first run":
-        collect(course, lesson(course, SIX), times=table(course, LATE))
+        collect(course, lesson_archive(course, SIX), times=write_table(course, LATE))
     else:
-        folder(course).mkdir(parents=True)
-        (folder(course) / f"{SIX}.ipynb").write_bytes(notebook(SIX, "x = 1"))
-    (folder(course) / "timestamp.txt").write_text("2026-10-15 10:00:00 UTC")
+        stage_folder(course).mkdir(parents=True)
+        (stage_folder(course) / f"{SIX}.ipynb").write_bytes(notebook(SIX, "x = 1"))
+    (stage_folder(course) / "timestamp.txt").write_text("2026-10-15 10:00:00 UTC")
     for time in (EARLY, LATE):
-        text = remark(collect(course, lesson(course, SIX), times=table(course, time)))
+        text = remark(collect(course, lesson_archive(course, SIX), times=write_table(course, time)))
         assert f"write {time} there" in text
         assert time_of(course) == utc("2026-10-15 10:00:00 UTC")
-    collect(course, lesson(course, SEVEN), times=table(course, EARLY))
+    collect(course, lesson_archive(course, SEVEN), times=write_table(course, EARLY))
     if written_after == "the first run":  # the time now belongs to the first file
-        text = remark(collect(course, lesson(course, SIX), times=table(course, EARLY)))
+        text = remark(
+            collect(course, lesson_archive(course, SIX), times=write_table(course, EARLY))
+        )
         assert f"write {EARLY} there" in text
     assert time_of(course) == utc("2026-10-15 10:00:00 UTC")
 
@@ -241,22 +245,22 @@ def test_an_assignment_for_each_lesson_may_have_its_own_times(course):
     ]
     for _ in range(2):
         for path, time in zip(paths, (EARLY, LATE), strict=True):
-            assert remark(collect(course, path, times=table(course, time))) == ""
+            assert remark(collect(course, path, times=write_table(course, time))) == ""
     assert time_of(course) == utc(LATE)
 
 
-def test_a_time_in_the_table_is_not_compared_with_that_of_newer_files(course):
+def test_a_time_in_the_table_is_not_compared_with_the_time_of_newer_files(course):
     first, second = resubmission(course, notebook(text="first"), notebook(text="second"))
-    collect(course, second, times=table(course, EARLY))
-    outcome = collect(course, first, times=table(course, LATE))
+    collect(course, second, times=write_table(course, EARLY))
+    outcome = collect(course, first, times=write_table(course, LATE))
     assert states(outcome) == {"ada": {"06": "kept"}} and remark(outcome) == ""
     assert time_of(course) == utc(EARLY)
 
 
 def test_an_unreadable_row_is_not_hidden_by_a_readable_one(course):
-    times = table(course, EARLY)
+    times = write_table(course, EARLY)
     times.write_text(times.read_text() + "ada,12/11/2026 10:00\n")
-    outcome = collect(course, lesson(course, SIX), times=times)
+    outcome = collect(course, lesson_archive(course, SIX), times=times)
     assert "'12/11/2026 10:00'" in outcome.undecided["ada"] == time_of(course)
 
 
@@ -297,9 +301,9 @@ def stopped_at(monkeypatch, number, after):
 def test_a_stopped_correction_of_a_time_is_completed_by_the_next_run(tmp_path, monkeypatch, after):
     for number in range(1, 30):
         course = make_course(tmp_path / str(number))
-        path = lesson(course, SIX)
-        collect(course, path, times=table(course, LATE))
-        times = table(course, EARLY)
+        path = lesson_archive(course, SIX)
+        collect(course, path, times=write_table(course, LATE))
+        times = write_table(course, EARLY)
         with stopped_at(monkeypatch, number, after) as changes:
             collect(course, path, times=times)
         assert isinstance(time_of(course), str) or time_of(course) in (utc(EARLY), utc(LATE))
@@ -320,19 +324,21 @@ def test_new_work_never_gets_the_time_of_old_work_if_a_run_is_stopped(
     for number in range(1, 30):
         course = make_course(tmp_path / str(number))
         first, second = resubmission(course, notebook(text="first"), notebook(text="second"))
-        collect(course, first, times=table(course, EARLY) if written_by == "the grader" else None)
+        collect(
+            course, first, times=write_table(course, EARLY) if written_by == "the grader" else None
+        )
         if written_by == "a person":
-            (folder(course) / "timestamp.txt").write_text(EARLY)
+            (stage_folder(course) / "timestamp.txt").write_text(EARLY)
         before = time_of(course)
-        new_times = table(course, LATE)
+        new_times = write_table(course, LATE)
         with stopped_at(monkeypatch, number, after) as changes:
             collect(course, second, times=new_times)
-        is_new = placed(course, "ada")[f"{SIX}.ipynb"] == notebook(text="second")
+        is_new = placed_files(course, "ada")[f"{SIX}.ipynb"] == notebook(text="second")
         found = time_of(course)
         assert isinstance(found, str) or found == (utc(LATE) if is_new else before)
         state = states(collect(course, second, times=new_times))["ada"]["06"]
         assert state == ("same" if is_new else "newer")
-        assert placed(course, "ada")[f"{SIX}.ipynb"] == notebook(text="second")
+        assert placed_files(course, "ada")[f"{SIX}.ipynb"] == notebook(text="second")
         assert time_of(course) == utc(LATE)
         if len(changes) < number:
             break

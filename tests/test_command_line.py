@@ -59,7 +59,7 @@ def course(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("file", "says"),
+    ("file", "message"),
     [
         (PROJECT / "notebooks", "is a folder. Name one notebook,"),
         (PROJECT / "nothing.ipynb", "nothing.ipynb does not exist."),
@@ -67,9 +67,9 @@ def course(tmp_path, monkeypatch):
         (optional_lessons()[0].released, "is an optional lesson. It has no points"),
     ],
 )
-def test_judge_checks_the_file_before_it_requests_a_sandbox(file, says, course, capsys):
+def test_judge_checks_the_file_before_it_requests_a_sandbox(file, message, course, capsys):
     assert cli.main(["judge", str(file)]) == 2
-    assert says in capsys.readouterr().err
+    assert message in capsys.readouterr().err
 
 
 def test_an_archive_without_notebooks_is_an_error(course, capsys):
@@ -81,7 +81,7 @@ def test_an_archive_without_notebooks_is_an_error(course, capsys):
 
 
 @pytest.mark.parametrize(
-    ("call", "says"),
+    ("call", "message"),
     [
         ("similarity stage1_ransac", "collect ARCHIVE --stage stage1_ransac"),
         ("feedback", "There is no feedback to write yet."),
@@ -89,10 +89,10 @@ def test_an_archive_without_notebooks_is_an_error(course, capsys):
         ("report", "Nothing has been graded yet."),
     ],
 )
-def test_an_error_is_not_preceded_by_a_progress_bar(call, says, course, capsys):
+def test_an_error_is_not_preceded_by_a_progress_bar(call, message, course, capsys):
     assert cli.main(call.split()) == 2
     output = capsys.readouterr()
-    assert says in output.err and "━" not in output.err
+    assert message in output.err and "━" not in output.err
 
 
 def test_a_faulty_roster_is_reported_before_a_progress_bar(course, monkeypatch, sandbox, capsys):
@@ -110,7 +110,7 @@ def test_grade_suggests_collect_in_an_empty_course(course, monkeypatch, sandbox,
     assert "Run: python -m grader collect ARCHIVE --stage STAGE" in capsys.readouterr().err
 
 
-def remaining(times, total, first=0):
+def remaining_phrases(times, total, first=0):
     """Return the phrases about the remaining time if items are finished at these times."""
     clock = iter([0.0, *times])
     estimate = console.RemainingTime(lambda: next(clock))
@@ -122,11 +122,11 @@ def remaining(times, total, first=0):
 
 
 def test_the_remaining_time_follows_from_the_work_of_this_run():
-    assert remaining([20, 40, 60], 84)[:3] == ["", "", ""], "too early for an estimate"
-    assert remaining([20, 40, 60], 84)[3] == "about 27 minutes left"  # 81 items of 20 s
-    assert remaining([20, 40, 60], 84, first=60)[3] == "about 7 minutes left"  # 21 items
-    assert remaining([2, 4, 6], 30)[3] == "", "less than a minute"
-    assert remaining([20] * 3, 12)[3] == "about 1 minute left"  # 3 at a time, 9 items
+    assert remaining_phrases([20, 40, 60], 84)[:3] == ["", "", ""], "too early for an estimate"
+    assert remaining_phrases([20, 40, 60], 84)[3] == "about 27 minutes left"  # 81 items of 20 s
+    assert remaining_phrases([20, 40, 60], 84, first=60)[3] == "about 7 minutes left"  # 21 items
+    assert remaining_phrases([2, 4, 6], 30)[3] == "", "less than a minute"
+    assert remaining_phrases([20] * 3, 12)[3] == "about 1 minute left"  # 3 at a time, 9 items
 
 
 def test_long_work_is_announced_once_in_a_sentence(monkeypatch, capsys):
@@ -136,9 +136,9 @@ def test_long_work_is_announced_once_in_a_sentence(monkeypatch, capsys):
     with console.progress_bar("Driving") as advance:
         for done in range(20):
             advance(done, 84, None)
-    said = capsys.readouterr().err
+    output = capsys.readouterr().err
     sentence = "Driving: about 40 minutes left, estimated after 3 of 84."
-    assert said.count("estimated after") == 1 and sentence in said
+    assert output.count("estimated after") == 1 and sentence in output
 
 
 def test_a_progress_bar_appears_when_work_begins(capsys):

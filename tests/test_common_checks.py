@@ -17,11 +17,11 @@ for name in LESSONS:
     checks_of(name)  # imports the lesson, which declares its common checks
 
 
-def parameter(made, argument=""):
+def parameter(promise, argument=""):
     """Return a common check as a test parameter, marked as slow if its lesson has speed checks."""
-    slow = pytest.mark.slow if LESSONS[made.case.exercise][:2] in ("10", "12") else ()
-    exercise = made.case.exercise
-    return pytest.param(made, argument, id=f"{exercise} {made.name} {argument}", marks=slow)
+    slow = pytest.mark.slow if LESSONS[promise.case.exercise][:2] in ("10", "12") else ()
+    exercise = promise.case.exercise
+    return pytest.param(promise, argument, id=f"{exercise} {promise.name} {argument}", marks=slow)
 
 
 def failures(exercise, function):
@@ -38,20 +38,20 @@ def failed_checks(exercise, function):
 
 
 @functools.cache
-def right(exercise):
+def right_function(exercise):
     return getattr(load_reference(LESSONS[exercise]), exercise)
 
 
 # ---- one wrong function for each kind of common check -------------------------------------------
 
 
-def positional_only(right, made):
+def positional_only(right, promise):
     return lambda *arguments: right(*arguments)
 
 
-def without_defaults(right, made):
+def without_defaults(right, promise):
     def function(*arguments, **named):
-        if len(arguments) + len(named) < len(made.case.given):
+        if len(arguments) + len(named) < len(promise.case.given):
             raise TypeError("missing 1 required positional argument")
         return right(*arguments, **named)
 
@@ -61,7 +61,7 @@ def without_defaults(right, made):
 def with_first_argument(change):
     """Break a function by changing its first argument; `change` receives all arguments."""
 
-    def broken(right, made):
+    def broken(right, promise):
         def function(*arguments, **named):
             first, *others = [*arguments, *named.values()]
             return right(*change(first, *others))
@@ -74,7 +74,7 @@ def with_first_argument(change):
 def with_answer(change):
     """Break a function by changing its answer; `change` also receives the arguments."""
 
-    def broken(right, made):
+    def broken(right, promise):
         def function(*arguments, **named):
             given = [*arguments, *named.values()]
             return change(right(*given), *given)
@@ -123,7 +123,7 @@ def separates_equal_points(labels, cloud, *others):
     return np.arange(1, len(cloud) + 1) if twice else labels
 
 
-BREAKS = {
+BREAKING_FUNCTIONS = {
     "names": positional_only,
     "default": without_defaults,
     "three_columns": with_first_argument(indexes_intensity),
@@ -141,12 +141,14 @@ BREAKS = {
 
 
 @pytest.mark.parametrize(
-    "made, _",
-    [parameter(made) for made in common_checks.all_promises() if made.kind != "untouched"],
+    "promise, _",
+    [parameter(promise) for promise in common_checks.all_promises() if promise.kind != "untouched"],
 )
-def test_a_broken_promise_fails_only_its_check(made, _):
-    exercise = made.case.exercise
-    assert failed_checks(exercise, BREAKS[made.kind](right(exercise), made)) == {made.name}
+def test_a_broken_promise_fails_only_its_check(promise, _):
+    exercise = promise.case.exercise
+    assert failed_checks(
+        exercise, BREAKING_FUNCTIONS[promise.kind](right_function(exercise), promise)
+    ) == {promise.name}
 
 
 # ---- arguments stay unchanged -------------------------------------------------------------------
@@ -166,7 +168,7 @@ def changes_last(values):
         values.flat[-1] += 1
 
 
-def changing_argument(right, given, argument):
+def change_argument(right, given, argument):
     """Return the right function with a side effect on one of its arguments."""
     position = list(given).index(argument)
 
@@ -180,32 +182,32 @@ def changing_argument(right, given, argument):
     return function
 
 
-UNTOUCHED = [
-    parameter(made, argument)
-    for made in common_checks.all_promises()
-    if made.kind == "untouched"
-    for argument, value in made.case.given.items()
+UNTOUCHED_ARGUMENTS = [
+    parameter(promise, argument)
+    for promise in common_checks.all_promises()
+    if promise.kind == "untouched"
+    for argument, value in promise.case.given.items()
     if isinstance(value, np.ndarray)
 ]
 
 
-@pytest.mark.parametrize("made, argument", UNTOUCHED)
-def test_changing_an_argument_fails_only_that_check(made, argument):
-    exercise = made.case.exercise
-    wrong = changing_argument(right(exercise), made.case.given, argument)
-    assert made.name in failed_checks(exercise, wrong)
-    assert failed_checks(exercise, wrong) <= {made.name, *also_about_writing(exercise)}
+@pytest.mark.parametrize("promise, argument", UNTOUCHED_ARGUMENTS)
+def test_changing_an_argument_fails_only_that_check(promise, argument):
+    exercise = promise.case.exercise
+    wrong = change_argument(right_function(exercise), promise.case.given, argument)
+    assert promise.name in failed_checks(exercise, wrong)
+    assert failed_checks(exercise, wrong) <= {promise.name, *other_checks_about_writing(exercise)}
 
 
-def also_about_writing(exercise):
+def other_checks_about_writing(exercise):
     """Return the names of the other checks that fail if a function changes its argument."""
     return {"returns_a_new_array"} if exercise == "filter_clusters" else set()
 
 
 @pytest.mark.parametrize("exercise", [name for name in LESSONS if LESSONS[name][:2] < "10"])
 def test_right_answers_pass_all_common_checks(exercise):
-    wrapped = with_answer(lambda answer, *given: answer)(right(exercise), None)
-    names = {made.name for made in common_checks.all_promises()}
+    wrapped = with_answer(lambda answer, *given: answer)(right_function(exercise), None)
+    names = {promise.name for promise in common_checks.all_promises()}
     messages = failures(exercise, wrapped)
     assert {name: text for name, text in messages.items() if name in names} == {}
 
@@ -213,14 +215,19 @@ def test_right_answers_pass_all_common_checks(exercise):
 # ---- how common checks are made -----------------------------------------------------------------
 
 
-def test_every_promise_has_a_function_that_breaks_it():
-    assert {made.kind for made in common_checks.all_promises()} == {*BREAKS, "untouched"}
+def test_every_promise_is_tested_with_a_function_that_breaks_it():
+    assert {promise.kind for promise in common_checks.all_promises()} == {
+        *BREAKING_FUNCTIONS,
+        "untouched",
+    }
 
 
-@pytest.mark.parametrize("made, _", [parameter(made) for made in common_checks.all_promises()])
-def test_a_common_check_belongs_to_its_lesson(made, _):
-    [check] = [check for check in checks_of(made.case.exercise) if check.name == made.name]
-    assert check.lesson == f"lesson_{LESSONS[made.case.exercise][:2]}"
+@pytest.mark.parametrize(
+    "promise, _", [parameter(promise) for promise in common_checks.all_promises()]
+)
+def test_a_common_check_belongs_to_its_lesson(promise, _):
+    [check] = [check for check in checks_of(promise.case.exercise) if check.name == promise.name]
+    assert check.lesson == f"lesson_{LESSONS[promise.case.exercise][:2]}"
     assert check.title and check.why and check.hint
 
 
@@ -255,6 +262,6 @@ def test_a_line_through_the_origin_is_moved_away_from_it():
 
 
 def test_cases_are_read_only():
-    for made in common_checks.all_promises():
-        for value in (*made.case.given.values(), made.case.expected):
-            assert not isinstance(value, np.ndarray) or not value.flags.writeable, made
+    for promise in common_checks.all_promises():
+        for value in (*promise.case.given.values(), promise.case.expected):
+            assert not isinstance(value, np.ndarray) or not value.flags.writeable, promise

@@ -43,9 +43,9 @@ CELLS = {
 }
 DEFINE_FOUND = "def found(n):\n    return largest(list(range(n)))"
 RIGHT = "def largest(values):\n    return max(values)"
-NOTHING = "def largest(values):\n    max(values)"
-SPOILS = "def largest(values):\n    values.clear()\n    return 0"
-TWICE = "largest has not passed its check, so this cell continues with the course's answer."
+RETURNS_NOTHING = "def largest(values):\n    max(values)"
+CLEARS_INPUT = "def largest(values):\n    values.clear()\n    return 0"
+BANNER = "largest has not passed its check, so this cell continues with the course's answer."
 
 
 def stored_answers():
@@ -90,43 +90,48 @@ def run(monkeypatch, tmp_path):
 
 
 def test_a_cell_below_a_failed_check_runs_with_the_courses_answer(run):
-    data, written, look, check, use = run("data", NOTHING, "look", "check", "use")
+    data, written, look, check, use = run("data", RETURNS_NOTHING, "look", "check", "use")
     assert look.errors == ["TypeError: unsupported operand type(s) for +: 'NoneType' and 'int'"]
     assert not look.banners and check.errors == ["ChecksFailed: one check failed"]
     assert (use.succeeded, use.printed, use.errors) == (True, "use 6\n", [])
     assert use.displayed == [
-        f"{TWICE} Yours is used again when it passes, or when you run its cell again."
+        f"{BANNER} Yours is used again when it passes, or when you run its cell again."
     ]
 
 
 def test_later_cells_show_one_short_line(run):
-    ran = run("data", NOTHING, "look", "check", "use", "define", "call", "experiment", "loop")
+    ran = run(
+        "data", RETURNS_NOTHING, "look", "check", "use", "define", "call", "experiment", "loop"
+    )
     assert [cell.printed for cell in ran[5:]] == ["", "call 7\n", "found 4\n", "loop 4\n"]
-    assert [cell.displayed for cell in ran[5:]] == [[], [TWICE], [TWICE], [TWICE]]
+    assert [cell.displayed for cell in ran[5:]] == [[], [BANNER], [BANNER], [BANNER]]
 
 
 def test_random_numbers_are_repeated(run):
-    drawn = run("data", NOTHING, "check", "draw")[-1]
+    drawn = run("data", RETURNS_NOTHING, "check", "draw")[-1]
     right = run("data", RIGHT, "check", "draw")[-1]
     assert drawn.printed == right.printed and drawn.succeeded
     assert drawn.banners and not right.banners
 
 
-def test_without_a_failed_check_no_cell_is_repeated(run):
-    assert [cell.succeeded for cell in run("data", NOTHING, "use", "call")][2:] == [False, False]
-    ran = run("data", NOTHING, "look", "check", NOTHING, "define", "call")
+def test_no_cell_is_repeated_without_a_failed_check(run):
+    assert [cell.succeeded for cell in run("data", RETURNS_NOTHING, "use", "call")][2:] == [
+        False,
+        False,
+    ]
+    ran = run("data", RETURNS_NOTHING, "look", "check", RETURNS_NOTHING, "define", "call")
     assert ran[-1].errors and not ran[-1].banners
 
 
 def test_a_students_cell_uses_the_students_function(run):
     own_cell = "print('mine', 1 + largest(numbers))"
-    ran = run("data", NOTHING, "look", "check", "use", own_cell, "look", "print(1 + top)")
+    ran = run("data", RETURNS_NOTHING, "look", "check", "use", own_cell, "look", "print(1 + top)")
     assert [cell.succeeded for cell in ran[4:]] == [True, False, False, False]
     assert "1 + largest(numbers)" in ran[5].tracebacks[0]
 
 
-def test_a_students_cell_says_which_names_come_from_the_course(run):
-    ran = run("data", NOTHING, "look", "check", "use", "mine = top + 1", "print(mine)")
+def test_a_students_cell_lists_the_names_that_come_from_the_course(run):
+    ran = run("data", RETURNS_NOTHING, "look", "check", "use", "mine = top + 1", "print(mine)")
     assert ran[-2].displayed == [
         "top was computed with the course's answer for largest. To use yours, rerun the cell that "
         "computes it."
@@ -138,7 +143,9 @@ def test_a_students_cell_says_which_names_come_from_the_course(run):
 
 def test_a_passed_check_restores_the_students_function(run):
     right = "def largest(values):\n    print('mine')\n    return max(values)"
-    ran = run("data", NOTHING, "look", "check", "use", right, "check", "use", "call", "loop")
+    ran = run(
+        "data", RETURNS_NOTHING, "look", "check", "use", right, "check", "use", "call", "loop"
+    )
     assert ran[6].displayed == ["largest has passed, so the following cells use yours again."]
     assert [cell.printed for cell in ran[7:]] == ["use 6\n", "", "mine\nloop 4\n"]
     assert not [cell for cell in ran[7:] if cell.displayed]
@@ -146,13 +153,13 @@ def test_a_passed_check_restores_the_students_function(run):
 
 def test_a_check_uses_the_students_helper(run):
     caller = "def found_by(values):\n    return largest(values)"
-    ran = run("data", NOTHING, "look", "check", "use", caller, "second check", "use")
+    ran = run("data", RETURNS_NOTHING, "look", "check", "use", caller, "second check", "use")
     assert ran[-2].errors == ["ChecksFailed: one check failed"]
     assert ran[-1].banners
 
 
 def test_data_that_a_function_changed_is_restored(run):
-    ran = run("data", SPOILS, "look", "check", "first")
+    ran = run("data", CLEARS_INPUT, "look", "check", "first")
     assert ran[-1].printed == "first 3\n" and ran[-1].displayed == [
         "largest has not passed its check, so this cell continues with its original input, "
         "which was computed again."
@@ -160,21 +167,21 @@ def test_data_that_a_function_changed_is_restored(run):
 
 
 def test_a_cell_that_fails_anyway_shows_its_error(run):
-    ran = run("data", NOTHING, "look", "check", "wrong", "largest(numbers)", "use")
+    ran = run("data", RETURNS_NOTHING, "look", "check", "wrong", "largest(numbers)", "use")
     assert ran[4].errors == ["ValueError: of the lesson"] and not ran[4].banners
     assert ran[5].succeeded and not ran[5].banners
 
 
 def test_the_students_function_is_restored_after_a_cell_that_fails_anyway(run):
     own_cell = "print('mine', largest([5]))"
-    ran = run("data", NOTHING, "look", "check", "use", "wrong", own_cell, "check", "call")
+    ran = run("data", RETURNS_NOTHING, "look", "check", "use", "wrong", own_cell, "check", "call")
     assert ran[5].errors == ["ValueError: of the lesson"]
     assert (ran[6].printed, ran[6].displayed, ran[6].errors) == ("mine None\n", [], [])
     assert ran[7].errors == ["ChecksFailed: one check failed"]  # `largest` is written but wrong
 
 
 def test_a_slider_that_fails_runs_with_the_courses_answer(run):
-    slider = run("data", NOTHING, "look", "check", "slider")[-1]
+    slider = run("data", RETURNS_NOTHING, "look", "check", "slider")[-1]
     assert (slider.errors, slider.printed, len(slider.banners)) == ([], "shown 4\n", 1)
 
 
@@ -186,7 +193,7 @@ def test_a_right_answer_is_not_replaced(run):
 def test_a_hanging_function_is_replaced_before_the_next_cell(run):
     loop = "def largest(values):\n    raise SystemExit('it would not come back')"
     use = run("data", loop, "look", "stopped", "use")[-1]
-    assert (use.printed, use.displayed) == ("use 6\n", [TWICE])
+    assert (use.printed, use.displayed) == ("use 6\n", [BANNER])
 
 
 def test_tracebacks_have_frames_of_the_notebook_only(run):

@@ -28,23 +28,23 @@ from grader.lms import gradebook, gradebook_writer
 from grader.lms.late import PercentPerDay
 from tests.postgresql import NotInstalled, server
 from tests.prerequisites import PATIENCE
-from tests.test_faults import Inline
+from tests.test_faults import InlineExecutor
 from tests.test_grade import (
     CONFIGURATION,
     SEED,
-    answer,
-    entered,
-    judge_it,
+    answered_notebook,
+    entered_scores,
+    judge_course,
     make_course,
-    nbgrader,
-    rehearsed,
+    record_rehearsal,
+    run_nbgrader,
 )
 from tests.test_gradebook import penalties
-from tests.test_preflight import EARNS_EVERYTHING, changed
+from tests.test_preflight import EARNS_EVERYTHING, changed_notebook
 
 LESSON = find_lesson("06_filter_ground")
-WRITTEN = find_lesson("12_streaming_obstacles")
-STAGES = (LESSON.stage, WRITTEN.stage)
+WRITTEN_LESSON = find_lesson("12_streaming_obstacles")
+STAGES = (LESSON.stage, WRITTEN_LESSON.stage)
 REPORT = "I widened the region to 18.5 m, because of the lorry."
 
 
@@ -53,7 +53,7 @@ def right_match_boxes():
 
 
 def with_report(text):
-    return fill_in(WRITTEN, {"match_boxes": right_match_boxes(), "write_up": text})
+    return fill_in(WRITTEN_LESSON, {"match_boxes": right_match_boxes(), "write_up": text})
 
 
 def submit(course, student, lesson, text, when=None, name=None):
@@ -69,26 +69,26 @@ def submit(course, student, lesson, text, when=None, name=None):
 @pytest.fixture(scope="module")
 def verdicts(tmp_path_factory, sandbox):
     """Judge two students once; all copies of the course can use the verdicts."""
-    texts = {"ada": answer(), "bob": answer("voxel_grid")}
-    made = make_course(tmp_path_factory.mktemp("judged") / "course", LESSON, texts, sandbox)
-    judge_it(made, sandbox)
-    return made.verdicts
+    texts = {"ada": answered_notebook(), "bob": answered_notebook("voxel_grid")}
+    course = make_course(tmp_path_factory.mktemp("judged") / "course", LESSON, texts, sandbox)
+    judge_course(course, sandbox)
+    return course.verdicts
 
 
 @pytest.fixture
 def course(tmp_path, sandbox, monkeypatch, verdicts):
     """Return a course of two lessons, with verdicts on the submissions of two students."""
-    made = make_course(tmp_path / "course", LESSON, {"ada": answer()}, sandbox)
+    course = make_course(tmp_path / "course", LESSON, {"ada": answered_notebook()}, sandbox)
     for folder in ("solutions", "notebooks"):
-        (made.root / folder / WRITTEN.stage).mkdir()
-    shutil.copy(WRITTEN.solved, made.root / "solutions" / WRITTEN.stage)
-    shutil.copy(WRITTEN.released, made.root / "notebooks" / WRITTEN.stage)
-    rehearsed(made, WRITTEN)
-    submit(made, "bob", LESSON, answer("voxel_grid"))
-    shutil.copytree(verdicts, made.verdicts, dirs_exist_ok=True)
-    monkeypatch.setitem(EXECUTORS, "processes", Inline)
+        (course.root / folder / WRITTEN_LESSON.stage).mkdir()
+    shutil.copy(WRITTEN_LESSON.solved, course.root / "solutions" / WRITTEN_LESSON.stage)
+    shutil.copy(WRITTEN_LESSON.released, course.root / "notebooks" / WRITTEN_LESSON.stage)
+    record_rehearsal(course, WRITTEN_LESSON)
+    submit(course, "bob", LESSON, answered_notebook("voxel_grid"))
+    shutil.copytree(verdicts, course.verdicts, dirs_exist_ok=True)
+    monkeypatch.setitem(EXECUTORS, "processes", InlineExecutor)
     paths._folder.cache_clear()
-    return made
+    return course
 
 
 def grade(course, sandbox, stages=()):
@@ -101,7 +101,7 @@ def configure(course, *lines):
     paths._folder.cache_clear()
 
 
-def rows(course):
+def gradebook_rows(course):
     """Return the content of the gradebook without row numbers."""
     base = sqlite3.connect(course.root / "gradebook.db")
     query = """
@@ -130,7 +130,7 @@ def rows(course):
     return found, comments, cells
 
 
-def files(folder):
+def file_digests(folder):
     return {
         str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
         for path in sorted(folder.rglob("*"))
@@ -146,35 +146,35 @@ def report_of(course):
     return re.sub(r"\d+ \w+ \d{4}, \d\d:\d\d|\b\d+(\.\d)? s(econds)?\b", "", page)
 
 
-def book_of(course):
+def gradebook_of(course):
     return gradebook.open_gradebook(course)
 
 
 def set_due(course, stage, when):
-    with book_of(course) as book:
+    with gradebook_of(course) as book:
         book.update_or_create_assignment(stage, duedate=when)
 
 
-def by_hand(course, student, score):
+def enter_manual_mark(course, student, score):
     """Enter a manual mark as Formgrader does."""
-    with book_of(course) as book:
-        grade = book.find_grade("write_up", WRITTEN.name, WRITTEN.stage, student)
+    with gradebook_of(course) as book:
+        grade = book.find_grade("write_up", WRITTEN_LESSON.name, WRITTEN_LESSON.stage, student)
         grade.manual_score, grade.needs_manual_grade = score, False
         book.db.commit()
 
 
 def mark_of(course, student):
-    with book_of(course) as book:
-        grade = book.find_grade("write_up", WRITTEN.name, WRITTEN.stage, student)
+    with gradebook_of(course) as book:
+        grade = book.find_grade("write_up", WRITTEN_LESSON.name, WRITTEN_LESSON.stage, student)
         return grade.manual_score, grade.needs_manual_grade
 
 
 @pytest.mark.slow
 def test_a_course_runs_from_release_to_export(course, sandbox, capsys, monkeypatch):
     for stage in STAGES:
-        made = nbgrader(course, "generate_assignment", stage, "--force")
+        made = run_nbgrader(course, "generate_assignment", stage, "--force")
         assert made.returncode == 0, made.stderr
-    released = files(course.root / "notebooks")
+    released = file_digests(course.root / "notebooks")
     configure(
         course,
         "c.AssignLatePenalties.plugin_class = 'grader.lms.late.PercentPerDay'",
@@ -182,11 +182,16 @@ def test_a_course_runs_from_release_to_export(course, sandbox, capsys, monkeypat
         "c.PercentPerDay.grace_minutes = 30",
     )
     for number, (name, (change, _)) in enumerate(EARNS_EVERYTHING.items()):
-        submit(course, f"spoilt{number:02} {name[:30].replace('/', ' ')}", LESSON, changed(change))
-    submit(course, "carol", LESSON, answer(), "2026-11-03 12:00:00 UTC")
-    submit(course, "dave", LESSON, answer(), "2026-11-01 12:20:00 UTC")
-    submit(course, "erin", WRITTEN, with_report(REPORT))
-    submit(course, "frank", LESSON, answer(), name="Copy of 06_filter_ground (1).ipynb")
+        submit(
+            course,
+            f"spoilt{number:02} {name[:30].replace('/', ' ')}",
+            LESSON,
+            changed_notebook(change),
+        )
+    submit(course, "carol", LESSON, answered_notebook(), "2026-11-03 12:00:00 UTC")
+    submit(course, "dave", LESSON, answered_notebook(), "2026-11-01 12:20:00 UTC")
+    submit(course, "erin", WRITTEN_LESSON, with_report(REPORT))
+    submit(course, "frank", LESSON, answered_notebook(), name="Copy of 06_filter_ground (1).ipynb")
     submit(course, "gina", LESSON, "not a notebook", name="06_filter_ground.py")
     set_due(course, LESSON.stage, "2026-11-01 12:00:00 UTC")
 
@@ -195,33 +200,33 @@ def test_a_course_runs_from_release_to_export(course, sandbox, capsys, monkeypat
     assert (
         "1 file was not judged:" in output and "06_filter_ground.py: it is not a notebook" in output
     )
-    assert files(course.root / "notebooks") == released
-    scores = entered(course)
+    assert file_digests(course.root / "notebooks") == released
+    scores = entered_scores(course)
     for student in {student for student, _, _ in scores} - {"bob", "erin", "carol"}:
         assert scores[student, LESSON.stage, LESSON.name] == 30, student
     # Carol is two days late after half an hour of grace, so she loses 20 % of 30 points.
     assert penalties(course) == {"carol": pytest.approx(2 * 3.0)}
-    before = rows(course)
+    before = gradebook_rows(course)
 
     assert grade(course, sandbox) == commands.SUCCESS
-    assert "49 unchanged" in capsys.readouterr().out or rows(course) == before
-    assert rows(course) == before
+    assert "49 unchanged" in capsys.readouterr().out or gradebook_rows(course) == before
+    assert gradebook_rows(course) == before
 
     # Carol's due date moves, Bob submits again, and Erin gets a mark.
     set_due(course, LESSON.stage, "2026-11-09 12:00:00 UTC")
-    submit(course, "bob", LESSON, answer())
-    by_hand(course, "erin", 8)
+    submit(course, "bob", LESSON, answered_notebook())
+    enter_manual_mark(course, "erin", 8)
     assert grade(course, sandbox) == commands.SUCCESS
     assert penalties(course) == {}
-    assert entered(course)["bob", LESSON.stage, LESSON.name] == 30
+    assert entered_scores(course)["bob", LESSON.stage, LESSON.name] == 30
     assert mark_of(course, "erin") == (8, False)
 
     # The mark stays if other text changes. If the answer changes, a person must grade it again.
-    submit(course, "erin", WRITTEN, with_report(REPORT).replace("# 12 ·", "# Mine: 12 ·"))
-    assert grade(course, sandbox, [WRITTEN.stage]) == commands.SUCCESS
+    submit(course, "erin", WRITTEN_LESSON, with_report(REPORT).replace("# 12 ·", "# Mine: 12 ·"))
+    assert grade(course, sandbox, [WRITTEN_LESSON.stage]) == commands.SUCCESS
     assert mark_of(course, "erin") == (8, False)
-    submit(course, "erin", WRITTEN, with_report(REPORT + " And the tram."))
-    assert grade(course, sandbox, [WRITTEN.stage]) == commands.SUCCESS
+    submit(course, "erin", WRITTEN_LESSON, with_report(REPORT + " And the tram."))
+    assert grade(course, sandbox, [WRITTEN_LESSON.stage]) == commands.SUCCESS
     assert mark_of(course, "erin") == (8, True)
 
     # If points in the gradebook differ from the release, grading restores them.
@@ -230,42 +235,44 @@ def test_a_course_runs_from_release_to_export(course, sandbox, capsys, monkeypat
     base.commit()
     base.close()
     assert grade(course, sandbox) == commands.SUCCESS
-    assert {row[7] for row in rows(course)[0]} == {5, 10, 20}
+    assert {row[7] for row in gradebook_rows(course)[0]} == {5, 10, 20}
 
-    feedback = nbgrader(course, "generate_feedback", WRITTEN.stage)
+    feedback = run_nbgrader(course, "generate_feedback", WRITTEN_LESSON.stage)
     assert feedback.returncode == 0, feedback.stderr
-    page = (course.root / "feedback" / "erin" / WRITTEN.stage / f"{WRITTEN.name}.html").read_text()
+    page = (
+        course.root / "feedback" / "erin" / WRITTEN_LESSON.stage / f"{WRITTEN_LESSON.name}.html"
+    ).read_text()
     assert "And the tram" in page
-    feedback = nbgrader(course, "generate_feedback", LESSON.stage)
+    feedback = run_nbgrader(course, "generate_feedback", LESSON.stage)
     assert feedback.returncode == 0, feedback.stderr
     monkeypatch.setattr(commands, "Course", lambda: course)
     assert cli.main(["export"]) == commands.SUCCESS
     with (course.root / "scores.csv").open(newline="", encoding="utf-8-sig") as file:
         exported = {row["Student"]: row for row in csv.DictReader(file)}
     assert exported["carol"][LESSON.name] == exported["carol"]["Total"] == "30"
-    assert (exported["erin"][LESSON.name], exported["erin"][WRITTEN.name]) == ("", "13")
-    assert exported["erin"][f"{WRITTEN.stage}: status"] == f"waiting: {WRITTEN.name}"
-    assert files(course.root / "notebooks") == released
+    assert (exported["erin"][LESSON.name], exported["erin"][WRITTEN_LESSON.name]) == ("", "13")
+    assert exported["erin"][f"{WRITTEN_LESSON.stage}: status"] == f"waiting: {WRITTEN_LESSON.name}"
+    assert file_digests(course.root / "notebooks") == released
 
 
 @pytest.mark.slow
 def test_a_deleted_gradebook_is_written_again(course, sandbox):
     assert grade(course, sandbox) == commands.SUCCESS
-    before = rows(course)
+    before = gradebook_rows(course)
     (course.root / "gradebook.db").unlink()
     assert grade(course, sandbox) == commands.SUCCESS
-    assert rows(course) == before
+    assert gradebook_rows(course) == before
 
 
 @pytest.mark.slow
 def test_withdrawn_work_is_removed_but_manual_marks_remain(course, sandbox, capsys):
-    submit(course, "erin", WRITTEN, with_report(REPORT))
+    submit(course, "erin", WRITTEN_LESSON, with_report(REPORT))
     assert grade(course, sandbox) == commands.SUCCESS
-    by_hand(course, "erin", 8)
+    enter_manual_mark(course, "erin", 8)
     shutil.rmtree(course.submitted / "bob")
     shutil.rmtree(course.submitted / "erin")
     assert grade(course, sandbox, [LESSON.stage]) == commands.SUCCESS
-    assert {student for student, _, _ in entered(course)} == {"ada", "erin"}
+    assert {student for student, _, _ in entered_scores(course)} == {"ada", "erin"}
     assert not (course.autograded / "bob" / LESSON.stage).exists()
     assert grade(course, sandbox) == commands.FAULT
     assert "grader's marks or comments" in capsys.readouterr().err
@@ -275,13 +282,13 @@ def test_withdrawn_work_is_removed_but_manual_marks_remain(course, sandbox, caps
 @pytest.mark.slow
 def test_a_difference_in_the_gradebook_is_repaired_or_named(course, sandbox, monkeypatch, capsys):
     assert grade(course, sandbox) == commands.SUCCESS
-    before = rows(course)
+    before = gradebook_rows(course)
     base = sqlite3.connect(course.root / "gradebook.db")
     base.execute("update grade set auto_score = 1")
     base.commit()
     base.close()
     assert grade(course, sandbox) == commands.SUCCESS
-    assert rows(course) == before
+    assert gradebook_rows(course) == before
     monkeypatch.setattr(gradebook_writer, "_save", lambda *anything: None)
     (course.root / "gradebook.db").unlink()
     assert grade(course, sandbox) == commands.FAULT
@@ -292,13 +299,13 @@ def test_a_difference_in_the_gradebook_is_repaired_or_named(course, sandbox, mon
 
 @pytest.mark.slow
 def test_an_unreadable_time_is_named(course, sandbox, capsys):
-    submit(course, "ada", LESSON, answer(), when="yesterday, I think")
+    submit(course, "ada", LESSON, answered_notebook(), when="yesterday, I think")
     set_due(course, LESSON.stage, "2026-11-01 12:00:00 UTC")
     assert grade(course, sandbox) == commands.SUCCESS
     output = capsys.readouterr()
     assert "The gradebook is not complete" not in output.err
     assert "ada, stage3_obstacles: timestamp.txt has 'yesterday, I think', which" in output.out
-    assert entered(course)["ada", LESSON.stage, LESSON.name] == 30
+    assert entered_scores(course)["ada", LESSON.stage, LESSON.name] == 30
 
 
 @pytest.mark.slow
@@ -314,7 +321,7 @@ def test_settings_of_the_course_are_used(course, sandbox):
     assert (course.root / "elsewhere.db").exists()
     assert not (course.root / "gradebook.db").exists()
     assert (course.root / "outbox" / "ada" / LESSON.stage / f"{LESSON.name}.ipynb").exists()
-    assert entered(course)["ada", LESSON.stage, LESSON.name] == 30
+    assert entered_scores(course)["ada", LESSON.stage, LESSON.name] == 30
 
 
 @pytest.fixture
@@ -330,14 +337,14 @@ def postgresql():
 @pytest.mark.slow
 def test_the_gradebook_may_be_on_a_server(course, sandbox, postgresql, capsys):
     configure(course, f"c.CourseDirectory.db_url = {postgresql!r}")
-    submit(course, "erin", WRITTEN, with_report(REPORT))
+    submit(course, "erin", WRITTEN_LESSON, with_report(REPORT))
     assert grade(course, sandbox) == commands.SUCCESS
     output = capsys.readouterr().out
     assert "postgresql+pg8000://teacher:***@" in output and "secret" not in output
-    by_hand(course, "erin", 8)
-    submit(course, "bob", LESSON, answer())
+    enter_manual_mark(course, "erin", 8)
+    submit(course, "bob", LESSON, answered_notebook())
     assert grade(course, sandbox) == commands.SUCCESS
-    assert entered(course)["bob", LESSON.stage, LESSON.name] == 30
+    assert entered_scores(course)["bob", LESSON.stage, LESSON.name] == 30
     assert mark_of(course, "erin") == (8, False)
     assert not (course.root / "gradebook.db").exists()
 
@@ -393,15 +400,15 @@ def test_a_full_disk_is_reported_and_loses_nothing(writes, course, sandbox, monk
         assert cli.main(call) == commands.FAULT
     assert "No space left" in (errors := capsys.readouterr().err) or "The disk is full" in errors
     assert cli.main(call) == commands.SUCCESS
-    assert entered(course)["ada", LESSON.stage, LESSON.name] == 30
+    assert entered_scores(course)["ada", LESSON.stage, LESSON.name] == 30
     assert not list(course.root.rglob("*.part"))
 
 
 @pytest.mark.slow
 def test_students_may_have_unusual_names(course, sandbox):
     for name in ("[red]", "s*", "a b", "Ünal", "x'y", "..."):
-        submit(course, name, LESSON, answer())
-    deep = json.loads(answer())
+        submit(course, name, LESSON, answered_notebook())
+    deep = json.loads(answered_notebook())
     deep["metadata"]["a"] = functools.reduce(lambda inner, _: {"a": inner}, range(620), 1)
     submit(course, "deep", LESSON, json.dumps(deep))
     pipe = course.submitted / "pipe" / LESSON.stage / f"{LESSON.name}.ipynb"
@@ -409,11 +416,11 @@ def test_students_may_have_unusual_names(course, sandbox):
     os.mkfifo(pipe)
     os.mkfifo(course.submitted / "ada" / LESSON.stage / "beside")
     assert grade(course, sandbox) == commands.SUCCESS
-    assert entered(course)["deep", LESSON.stage, LESSON.name] == 30
-    assert entered(course)["pipe", LESSON.stage, LESSON.name] == 0
-    assert entered(course)["ada", LESSON.stage, LESSON.name] == 30
-    assert entered(course)["[red]", LESSON.stage, LESSON.name] == 30
-    assert entered(course)["s*", LESSON.stage, LESSON.name] == 30
+    assert entered_scores(course)["deep", LESSON.stage, LESSON.name] == 30
+    assert entered_scores(course)["pipe", LESSON.stage, LESSON.name] == 0
+    assert entered_scores(course)["ada", LESSON.stage, LESSON.name] == 30
+    assert entered_scores(course)["[red]", LESSON.stage, LESSON.name] == 30
+    assert entered_scores(course)["s*", LESSON.stage, LESSON.name] == 30
 
 
 # ---- Killed at any time -------------------------------------------------------------------
@@ -451,13 +458,13 @@ def run_in_a_child(course, sandbox, after, number):
 def test_a_killed_run_is_completed_by_the_same_command(course, sandbox, number, moments):
     """The signals arrive while the run is judging, entering marks or writing the report."""
     for student in ("carol", "dave"):
-        submit(course, student, LESSON, answer("voxel_grid"))
-    submit(course, "erin", WRITTEN, with_report(REPORT))
+        submit(course, student, LESSON, answered_notebook("voxel_grid"))
+    submit(course, "erin", WRITTEN_LESSON, with_report(REPORT))
     begin = time.monotonic()
     assert grade(course, sandbox) == commands.SUCCESS
     cold = time.monotonic() - begin
-    expected, released = rows(course), files(course.root / "notebooks")
-    copies, report = files(course.autograded), report_of(course)
+    expected, released = gradebook_rows(course), file_digests(course.root / "notebooks")
+    copies, report = file_digests(course.autograded), report_of(course)
     begin = time.monotonic()
     (course.root / "gradebook.db").unlink()
     shutil.rmtree(course.autograded)
@@ -470,17 +477,17 @@ def test_a_killed_run_is_completed_by_the_same_command(course, sandbox, number, 
         judge = turn % 10 == 0
         if judge:  # without verdicts, so that the run judges again
             shutil.rmtree(course.verdicts)
-            rehearsed(course, WRITTEN)
+            record_rehearsal(course, WRITTEN_LESSON)
         if turn % 5 == 1:
             (course.root / "gradebook.db").unlink(missing_ok=True)
         shutil.rmtree(course.autograded / "ada", ignore_errors=True)
         after = rng.uniform(0, cold if judge else warm)
         killed += run_in_a_child(course, sandbox, after, number) == "killed"
-        assert files(course.root / "notebooks") == released
+        assert file_digests(course.root / "notebooks") == released
         if turn % 5 == 4:
             assert grade(course, sandbox) == commands.SUCCESS
-            assert rows(course) == expected
-            assert files(course.autograded) == copies
+            assert gradebook_rows(course) == expected
+            assert file_digests(course.autograded) == copies
             assert report_of(course) == report
             assert not list(course.root.rglob("*.part"))
     assert killed > 0.1 * moments  # on a busy machine, the first run may have taken twice as long
@@ -538,6 +545,6 @@ def test_two_runs_at_once_end_cleanly(course, sandbox):
     for text, run in zip(outputs, runs, strict=True):
         assert run.returncode == 0 or "Another run is grading" in text
         assert "Traceback" not in text
-    assert entered(course)["ada", LESSON.stage, LESSON.name] == 30
+    assert entered_scores(course)["ada", LESSON.stage, LESSON.name] == 30
     assert Course(course.root).report.joinpath("index.html").exists()
     assert json.loads(next(course.verdicts.rglob("06*.json")).read_text())

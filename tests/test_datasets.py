@@ -94,7 +94,7 @@ class TestLoadSequence:
         assert path.read_bytes() == whole
         assert not [file for file in path.parent.iterdir() if file.suffix != ".npz"]
 
-    def test_without_a_writable_cache_frames_are_computed(self, cache):
+    def test_frames_are_computed_without_a_writable_cache(self, cache):
         cache.write_text("a file instead of the folder")
         self.assert_same(datasets.load_sequence("highway")[1], scenes.highway()[1])
 
@@ -285,7 +285,7 @@ class TestFetchRecording:
         with pytest.raises(ValueError, match="udacity_city.*kitti_0005"):
             datasets.fetch_recording("waymo")
 
-    def test_the_public_addresses_are_the_published_ones(self):
+    def test_every_file_of_a_recording_has_an_https_address(self):
         urls = [
             f"{source.address}/{name}"
             for source in sources.SOURCES.values()

@@ -21,42 +21,42 @@ from tests.postgresql import NotInstalled, server
 from tests.test_gradebook import (
     EARNED,
     GROUND,
-    LATE,
+    LATE_PLUGIN,
     STAGE,
+    ignore_progress,
     make_course,
     penalties,
-    quiet,
     verdicts,
 )
 
 ROSTER = "id,section\nada,A\nbob,B\n"
 HEAD = f'timezone = "Europe/Berlin"\n[{STAGE}]\ndue = 2026-03-01T12:00:00\n'
-ALL = 30.0  # Ada's points in two lessons; 10 % of them are 3 points
+FULL_MARKS = 30.0  # Ada's points in two lessons; 10 % of them are 3 points
 
 
 @pytest.fixture(scope="module")
-def entered_once(tmp_path_factory):
-    made = make_course(tmp_path_factory.mktemp("dates") / "course")
-    (made.root / "nbgrader_config.py").write_text(LATE)
-    (made.root / "roster.csv").write_text(ROSTER)
+def entered_root(tmp_path_factory):
+    course = make_course(tmp_path_factory.mktemp("dates") / "course")
+    (course.root / "nbgrader_config.py").write_text(LATE_PLUGIN)
+    (course.root / "roster.csv").write_text(ROSTER)
     for student in EARNED:  # 13:00 in Berlin
-        path = made.submitted / student / STAGE / "timestamp.txt"
+        path = course.submitted / student / STAGE / "timestamp.txt"
         path.write_text("2026-03-01 12:00:00 UTC")
-    enter_verdicts(made, verdicts(made), [STAGE], quiet)
-    return made.root
+    enter_verdicts(course, verdicts(course), [STAGE], ignore_progress)
+    return course.root
 
 
 @pytest.fixture
-def course(entered_once, tmp_path):
+def course(entered_root, tmp_path):
     """Return a course without due dates, to which Ada and Bob submitted at 12:00 UTC."""
-    shutil.copytree(entered_once, tmp_path / "course")
+    shutil.copytree(entered_root, tmp_path / "course")
     paths._folder.cache_clear()
     return Course(tmp_path / "course")
 
 
 def grade_with(course, dates):
     (course.root / "deadlines.toml").write_text(dates)
-    enter_verdicts(course, verdicts(course), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course), [STAGE], ignore_progress)
     return penalties(course)
 
 
@@ -94,17 +94,17 @@ def test_a_section_may_have_its_own_due_date(course):
     assert note_texts(course) == []
 
 
-def test_an_extension_counts_from_the_first_submission(entered_once, tmp_path):
+def test_an_extension_counts_from_the_first_submission(entered_root, tmp_path):
     course = make_course(tmp_path / "course")
-    (course.root / "nbgrader_config.py").write_text(LATE)
+    (course.root / "nbgrader_config.py").write_text(LATE_PLUGIN)
     path = course.submitted / "ada" / STAGE / "timestamp.txt"
     path.write_text("2026-03-03 12:00:00 UTC")
     later = course.submitted.rename(course.root / "later")
     dates = HEAD + f"[{STAGE}.students]\nada = 2026-03-03T13:00:00\n"
     (course.root / "deadlines.toml").write_text(dates)
-    enter_verdicts(course, [], [STAGE], quiet)  # there are no submissions yet
+    enter_verdicts(course, [], [STAGE], ignore_progress)  # there are no submissions yet
     later.rename(course.submitted)
-    enter_verdicts(course, verdicts(course), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course), [STAGE], ignore_progress)
     assert penalties(course) == {}
     assert class_results(course).stage("ada", STAGE).due == datetime(2026, 3, 3, 12, tzinfo=UTC)
 
@@ -150,7 +150,7 @@ def change_file(course):
 
 
 DEADLINES = "deadlines.toml"
-OFF = 'without = ["filter_ground"]\ndue ='
+SWITCHED_OFF = 'without = ["filter_ground"]\ndue ='
 # Changes, and the students whose marks depend on them. Section B, with Bob, has its own date.
 CHANGES = {
     "zone": (rewrite(DEADLINES, lambda text: text.replace("Berlin", "London")), ["ada", "bob"]),
@@ -163,7 +163,7 @@ CHANGES = {
         rewrite(DEADLINES, lambda text: f"{text}[{GROUND.name}]\ndue = 2026-03-03T13:00:00\n"),
         ["ada"],
     ),
-    "exercise": (rewrite(DEADLINES, lambda text: text.replace("due =", OFF, 1)), ["ada"]),
+    "exercise": (rewrite(DEADLINES, lambda text: text.replace("due =", SWITCHED_OFF, 1)), ["ada"]),
     "pass mark": (rewrite(DEADLINES, lambda text: "pass_mark = 60\n" + text), []),
     "comment": (rewrite(DEADLINES, lambda text: "# due next week\n" + text), []),
     "section": (rewrite("roster.csv", lambda text: text.replace("ada,A", "ada,B")), ["ada"]),
@@ -191,9 +191,9 @@ def test_grading_one_student_again_leaves_the_others_outdated(course):
     grade_with(course, HEAD)
     (course.root / DEADLINES).write_text(HEAD.replace("-01T", "-02T"))
     of_ada = [pair for pair in verdicts(course) if pair[0].student == "ada"]
-    enter_verdicts(course, of_ada, [STAGE], quiet, student="ada")
+    enter_verdicts(course, of_ada, [STAGE], ignore_progress, student="ada")
     assert [student for student, _ in class_results(course).outdated] == ["bob"]
-    enter_verdicts(course, verdicts(course), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course), [STAGE], ignore_progress)
     assert class_results(course).outdated == ()
 
 
@@ -208,7 +208,7 @@ def test_dates_removed_from_the_file_are_removed_from_the_gradebook(course):
     assert class_results(course).stage("bob", STAGE).due is None
     assert set(grade_with(course, HEAD + section)) == set(EARNED)
     (course.root / "deadlines.toml").unlink()
-    enter_verdicts(course, verdicts(course), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course), [STAGE], ignore_progress)
     assert penalties(course) == {}
     with gradebook.open_gradebook(course) as book:
         assert book.find_assignment(STAGE).duedate is None
@@ -295,27 +295,27 @@ def test_a_manual_extension_counts_until_the_file_names_the_student(course):
 
 
 @pytest.mark.parametrize(
-    ("time", "zone", "says", "lines"),
+    ("time", "zone", "phrases", "lines"),
     [
         ("19:59", "Europe/Berlin", ("1 h 59 min late", "on time"), ("UTC", "+0200")),
         ("17:59", "America/New_York", ("on time", "3 h 59 min late"), ("UTC", "-0400")),
     ],
 )
-def test_a_time_without_a_zone_is_named_if_its_zone_matters(course, time, zone, says, lines):
+def test_a_time_without_a_zone_is_named_if_its_zone_matters(course, time, zone, phrases, lines):
     dates = f'timezone = "{zone}"\n[{STAGE}]\ndue = 2026-05-01T18:00:00Z\n'
     path = course.submitted / "ada" / STAGE / "timestamp.txt"
     path.write_text(f"2026-05-01 {time}:00")
     submit_at(course, "bob", "2026-04-01 12:00:00")
-    assert ("ada" in grade_with(course, dates)) == ("late" in says[0])
+    assert ("ada" in grade_with(course, dates)) == ("late" in phrases[0])
     (sentence,) = note_texts(course)
-    assert f"was read as UTC: {says[0]}. In the time zone of the course" in sentence
-    assert f"the work would be {says[1]}. Add the zone" in sentence
+    assert f"was read as UTC: {phrases[0]}. In the time zone of the course" in sentence
+    assert f"the work would be {phrases[1]}. Add the zone" in sentence
     for suffix in lines:
         line = f"2026-05-01 {time}:00{' ' * (suffix == 'UTC')}{suffix}"
         assert line in sentence
         path.write_text(line)
         late = "ada" in grade_with(course, dates)
-        assert late == ("late" in (says[0] if suffix == "UTC" else says[1]))
+        assert late == ("late" in (phrases[0] if suffix == "UTC" else phrases[1]))
         assert note_texts(course) == []
     path.write_text("2026-04-01 12:00:00")  # on time in both zones
     grade_with(course, dates)
@@ -344,7 +344,7 @@ def test_a_stage_that_is_not_in_the_file_keeps_its_dates(course):
     other = HEAD.replace(STAGE, "stage1_ransac")
     assert grade_with(course, other) == {"bob": pytest.approx(2.075)}
     (course.root / "deadlines.toml").unlink()
-    enter_verdicts(course, verdicts(course), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course), [STAGE], ignore_progress)
     assert penalties(course) == {"bob": pytest.approx(2.075)}
     assert note_texts(course) == []
 

@@ -53,7 +53,7 @@ def test_composed_and_decomposed_letters_are_equal(course):
     assert dates.due(composed, "stage1_ransac") == utc(2026, 10, 14, 23, 59)
 
 
-def test_without_a_file_there_are_no_dates(course):
+def test_there_are_no_dates_without_a_file(course):
     assert read_deadlines(course) is None
 
 
@@ -118,7 +118,7 @@ def test_students_may_have_their_own_dates_without_a_roster(course):
 
 
 @pytest.mark.parametrize(
-    ("written", "says"),
+    ("text", "message"),
     [
         ("[stage1_ransac", "in quotation marks"),
         (
@@ -189,14 +189,14 @@ def test_students_may_have_their_own_dates_without_a_roster(course):
         ("timezone = 2", "the timezone 2 is unknown"),
     ],
 )
-def test_errors_name_the_entry_and_suggest_a_fix(course, written, says):
+def test_errors_name_the_entry_and_suggest_a_fix(course, text, message):
     with pytest.raises(DeadlinesError) as trouble:
-        read(course, written)
-    assert says in str(trouble.value) and str(trouble.value).startswith("deadlines.toml")
+        read(course, text)
+    assert message in str(trouble.value) and str(trouble.value).startswith("deadlines.toml")
 
 
 @pytest.mark.parametrize(
-    "written",
+    "text",
     [
         "2026-10-12T23:59",
         "2026-10-12 23:59  # Monday",
@@ -208,11 +208,11 @@ def test_errors_name_the_entry_and_suggest_a_fix(course, written, says):
         '"2026-10-12 21:59:00 UTC"',
     ],
 )
-def test_dates_with_one_meaning_are_read(course, written):
+def test_dates_with_one_meaning_are_read(course, text):
     dates = read(
         course,
-        f'timezone = "Europe/Berlin"\n[stage1_ransac]\ndue = {written}\n'
-        f'[stage1_ransac.students]\n"mary jane"={written}\n',
+        f'timezone = "Europe/Berlin"\n[stage1_ransac]\ndue = {text}\n'
+        f'[stage1_ransac.students]\n"mary jane"={text}\n',
     )
     due = utc(2026, 10, 12, 21, 59)
     assert dates.due("anna", "stage1_ransac") == dates.due("mary jane", "stage1_ransac") == due
@@ -297,7 +297,7 @@ def test_a_lesson_may_have_a_date_in_a_stage_without_one(course):
     assert dates.due_of_lesson("anna", "stage1_ransac", "02_ransac_line", None) is None
 
 
-def test_without_rules_everything_counts(course):
+def test_everything_counts_without_rules(course):
     rules = read(course, DATES).rules
     assert (rules.without, rules.drop_lowest, rules.pass_mark) == (frozenset(), 0, None)
 
@@ -327,7 +327,7 @@ def test_rules_are_read_and_described(course):
 
 
 @pytest.mark.parametrize(
-    ("written", "says"),
+    ("text", "message"),
     [
         ("drop_lowest = 12", "12 is not a number of lessons that can be left out of 12. Write a"),
         ("drop_lowest = -1", "-1 is not a number of lessons"),
@@ -376,7 +376,7 @@ def test_rules_are_read_and_described(course):
         ),
     ],
 )
-def test_contradictory_rules_are_refused(course, written, says):
+def test_contradictory_rules_are_refused(course, text, message):
     with pytest.raises(DeadlinesError) as trouble:
-        read(course, written)
-    assert says in str(trouble.value) and str(trouble.value).startswith("deadlines.toml")
+        read(course, text)
+    assert message in str(trouble.value) and str(trouble.value).startswith("deadlines.toml")

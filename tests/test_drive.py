@@ -34,9 +34,9 @@ from utils.simulator.traffic import pedestrian
 from utils.simulator.world import World
 from utils.tracking import Tracker
 
-COARSE = Sensor(layers(12, 1.0, -12.0), np.radians(1.5), maximum_range=40.0)
-BLINKERED = Sensor(layers(2, 0.0, -1.0), np.radians(90), maximum_range=5.0)
-NOTHING = StreetPlan(parked=np.inf, furniture=np.inf, walkers=np.inf)
+COARSE_SENSOR = Sensor(layers(12, 1.0, -12.0), np.radians(1.5), maximum_range=40.0)
+NARROW_SENSOR = Sensor(layers(2, 0.0, -1.0), np.radians(90), maximum_range=5.0)
+EMPTY_PLAN = StreetPlan(parked=np.inf, furniture=np.inf, walkers=np.inf)
 
 
 def box(x, y, length=1.0, width=1.0):
@@ -50,9 +50,9 @@ def thing(x, y=0.0, forward=0.0, left=0.0, seen=True, name=0, **size):
     return Thing(box(x, y, **size), (forward, left), seen, name)
 
 
-def straight(**settings):
+def empty_street(**settings):
     """Return an empty street."""
-    return Street(99, "A made-up street", plan=NOTHING, **settings)
+    return Street(99, "A made-up street", plan=EMPTY_PLAN, **settings)
 
 
 def find_nothing(cloud):
@@ -70,7 +70,7 @@ def test_the_stopping_distance_agrees_with_lesson_07(speed, metres):
     assert stopping_distance(speed) == pytest.approx(metres)
 
 
-def test_on_a_free_road_the_car_reaches_the_speed_limit():
+def test_the_car_reaches_the_speed_limit_on_a_free_road():
     assert plan(5.0, 8.0, []).acceleration == 2.0
     assert plan(7.9, 8.0, []).acceleration == pytest.approx(0.2)
     assert plan(8.0, 8.0, []).acceleration == 0.0
@@ -353,25 +353,25 @@ def test_the_students_matching_is_called():
 
 
 @pytest.mark.parametrize(
-    ("partners", "said"),
+    ("partners", "message"),
     [
         (lambda count: [0] * (count - 1), "match_boxes returned 0 numbers for 1 boxes"),
         (lambda count: 1 / 0, "ZeroDivisionError: division by zero"),
         (lambda count: ["first"], "ValueError: invalid literal"),
     ],
 )
-def test_a_failing_matching_is_reported_as_a_problem(partners, said):
+def test_a_failing_matching_is_reported_as_a_problem(partners, message):
     def match_boxes(previous, current, max_distance):
         return partners(len(current))
 
     result = drive(
-        *(straight(), lambda cloud: box(20, 0)[None], Tracker(match_boxes)),
+        *(empty_street(), lambda cloud: box(20, 0)[None], Tracker(match_boxes)),
         seconds=0.5,
-        sensor=BLINKERED,
+        sensor=NARROW_SENSOR,
         clock=on_time,
     )
     assert result.moments[-1].number == 4
-    assert len(result.problems) >= 2 and all(said in problem for problem in result.problems)
+    assert len(result.problems) >= 2 and all(message in problem for problem in result.problems)
 
 
 def test_the_students_tracker_estimates_velocities():
@@ -400,7 +400,7 @@ def test_a_tracker_predicts_each_scan_with_the_time_since_the_last():
     )
     boxes = np.stack([box(12, 5), box(20, -5)])
     driven = drive(STREETS[0], lambda cloud: boxes, tracker, seconds=1.0, clock=on_time,
-                   sensor=BLINKERED)  # fmt: skip
+                   sensor=NARROW_SENSOR)  # fmt: skip
     assert len(driven.moments) == 10 and np.allclose(intervals, 0.1) and len(intervals) == 8
 
 
@@ -444,10 +444,12 @@ def test_a_crossing_child_is_in_the_lane_when_the_car_arrives():
 
 
 def test_actors_start_when_the_car_reaches_a_position():
-    street = straight(actors=(child(60.0, 30 / 3.6),))
+    street = empty_street(actors=(child(60.0, 30 / 3.6),))
     begun = [
         moment.position
-        for moment in drive(street, find_nothing, seconds=6.0, clock=on_time, sensor=COARSE).moments
+        for moment in drive(
+            street, find_nothing, seconds=6.0, clock=on_time, sensor=COARSE_SENSOR
+        ).moments
         if moment.began
     ]
     assert street.actors[0].begins <= begun[0] < street.actors[0].begins + 1.0
@@ -458,7 +460,7 @@ def test_actors_start_when_the_car_reaches_a_position():
 
 def test_drives_are_reproducible():
     first, second = (
-        drive(STREETS[8], occupied_squares, seconds=0.6, clock=on_time, sensor=COARSE)
+        drive(STREETS[8], occupied_squares, seconds=0.6, clock=on_time, sensor=COARSE_SENSOR)
         for _ in range(2)
     )
     assert [m.position for m in first.moments] == [m.position for m in second.moments]
@@ -474,15 +476,15 @@ def test_the_detector_gets_only_the_scan():
         cloud[:] = 0.0  # a detector may change its copy of the cloud
         return find_nothing(cloud)
 
-    trip = drive(straight(), detect, seconds=0.5, clock=on_time, sensor=COARSE)
+    trip = drive(empty_street(), detect, seconds=0.5, clock=on_time, sensor=COARSE_SENSOR)
     assert {type(cloud) for cloud in seen} == {np.ndarray}
     assert {cloud.shape[1] for cloud in seen} == {4}
     assert np.abs(trip.frame(2).cloud).sum() > 0
 
 
 def test_a_car_that_sees_nothing_hits_a_crossing_child():
-    street = straight(actors=(child(40.0, 30 / 3.6),))
-    trip = Trip(drive(street, find_nothing, seconds=8.0, clock=on_time, sensor=COARSE))
+    street = empty_street(actors=(child(40.0, 30 / 3.6),))
+    trip = Trip(drive(street, find_nothing, seconds=8.0, clock=on_time, sensor=COARSE_SENSOR))
     assert trip.drive.hit is not None
     assert street.kind_of(trip.drive.hit) == "pedestrian"
     assert "The car hits a person at 30 km/h." in trip.report.collision
@@ -491,8 +493,8 @@ def test_a_car_that_sees_nothing_hits_a_crossing_child():
 
 
 @pytest.mark.slow
-def test_with_true_boxes_the_car_stops_for_a_child_and_drives_on():
-    street = straight(actors=(child(40.0, 30 / 3.6),))
+def test_the_car_with_true_boxes_stops_for_a_child_and_drives_on():
+    street = empty_street(actors=(child(40.0, 30 / 3.6),))
     trip = drive_street(street, seconds=12.0)
     assert trip.drive.hit is None and trip.report.collision == ""
     (braking,) = [braking for braking in trip.report.brakings if not braking.needless]
@@ -501,9 +503,11 @@ def test_with_true_boxes_the_car_stops_for_a_child_and_drives_on():
     assert trip.drive.metres > 42, "the car continued behind the child"
 
 
-def test_braking_for_an_empty_box_is_needless():
+def test_braking_for_an_empty_box_counts_as_needless():
     ghost = box(9.0, 0.0)[None] + (0, 0, 0.5)  # above the road, where it contains no returns
-    trip = drive(straight(), lambda cloud: ghost, seconds=1.5, clock=on_time, sensor=COARSE)
+    trip = drive(
+        empty_street(), lambda cloud: ghost, seconds=1.5, clock=on_time, sensor=COARSE_SENSOR
+    )
     braking = measure(trip).brakings[0]
     assert braking.needless and braking.reason == "a box without returns"
     assert min(moment.acceleration for moment in trip.moments) < -1
@@ -519,7 +523,11 @@ def test_braking_for_an_empty_box_is_needless():
 )
 def test_the_cause_of_needless_braking_is_named(settings, corners, reason):
     trip = drive(
-        straight(**settings), lambda cloud: corners[None], seconds=2.0, clock=on_time, sensor=COARSE
+        empty_street(**settings),
+        lambda cloud: corners[None],
+        seconds=2.0,
+        clock=on_time,
+        sensor=COARSE_SENSOR,
     )
     braking, *_ = measure(trip).brakings
     assert braking.needless and reason in braking.reason
@@ -534,16 +542,18 @@ def test_an_exception_affects_only_one_scan():
             raise ValueError("odd scan")
         return find_nothing(cloud)
 
-    trip = drive(straight(), detect, seconds=1.0, clock=on_time, sensor=COARSE)
+    trip = drive(empty_street(), detect, seconds=1.0, clock=on_time, sensor=COARSE_SENSOR)
     assert len(trip.moments) == 10
     assert trip.problems == ("scan 2: ValueError: odd scan",)
     with pytest.raises(ZeroDivisionError):
-        drive(straight(), lambda cloud: 1 / 0, seconds=1.0, clock=on_time, sensor=COARSE)
+        drive(empty_street(), lambda cloud: 1 / 0, seconds=1.0, clock=on_time, sensor=COARSE_SENSOR)
 
 
-@pytest.mark.parametrize("found", [[], np.full((2, 8, 3), np.nan), box(50, 20)[None].tolist()])
-def test_unusual_answers_are_accepted(found):
-    trip = drive(straight(), lambda cloud: found, seconds=0.5, clock=on_time, sensor=COARSE)
+@pytest.mark.parametrize("answer", [[], np.full((2, 8, 3), np.nan), box(50, 20)[None].tolist()])
+def test_unusual_answers_are_accepted(answer):
+    trip = drive(
+        empty_street(), lambda cloud: answer, seconds=0.5, clock=on_time, sensor=COARSE_SENSOR
+    )
     assert trip.problems == () and len(trip.moments) == 5
 
 
@@ -567,14 +577,14 @@ def test_a_slow_detector_sees_fewer_scans():
         seen.append(1)
         return find_nothing(cloud)
 
-    trip = drive(straight(), detect, seconds=2.0, clock=slow_clock, sensor=COARSE)
+    trip = drive(empty_street(), detect, seconds=2.0, clock=slow_clock, sensor=COARSE_SENSOR)
     assert len(seen) == 1 + 5, "every fourth scan, and the first one, which loads libraries"
     assert [moment.seen for moment in trip.moments[:9]] == [None] * 4 + [0] * 4 + [4]
     assert sum(moment.busy for moment in trip.moments) == 15
 
 
-def test_with_a_slow_detector_the_car_stops_later():
-    street = straight(actors=(Actor(placed(pedestrian(), 30.0, -1.2), np.inf, ((0, 0.0),)),))
+def test_the_car_with_a_slow_detector_stops_later():
+    street = empty_street(actors=(Actor(placed(pedestrian(), 30.0, -1.2), np.inf, ((0, 0.0),)),))
 
     def detect(cloud):
         near = np.hypot(cloud[:, 0], cloud[:, 1]) < 14
@@ -582,7 +592,9 @@ def test_with_a_slow_detector_the_car_stops_later():
         return box(person[:, 0].min(), 0.0)[None] if len(person) else find_nothing(cloud)
 
     quick, late = (
-        drive(street, detect, seconds=6.0, clock=lambda call, s=s: (call(), s), sensor=COARSE)
+        drive(
+            street, detect, seconds=6.0, clock=lambda call, s=s: (call(), s), sensor=COARSE_SENSOR
+        )
         for s in (0.05, 0.9)
     )
     assert quick.hit is None
@@ -625,7 +637,7 @@ def test_only_actors_are_in_the_lane_of_the_ego_car(street):
     assert all(kind in CLASSES for kind in street.road_users.values())
 
 
-def test_results_are_summed():
+def test_results_of_drives_are_summed():
     both = Result(100.0, 2, 0, 1) + Result(50.0, 0, 1, 0)
     assert both == Result(150.0, 2, 1, 1)
     assert str(both).strip() == "150 m, 2 needless braking events, 1 collision"
@@ -700,9 +712,9 @@ def test_ctrl_c_keeps_finished_drives(capsys, monkeypatch):
 
 @pytest.mark.proof
 @pytest.mark.parametrize("street", STREETS, ids=lambda street: street.title)
-def test_without_boxes_the_car_hits_the_actors_of_every_street(street):
+def test_the_car_without_boxes_hits_the_actors_of_every_street(street):
     """A drive without a detector ends in a collision on every street that has actors."""
-    trip = drive(street, find_nothing, clock=on_time, sensor=BLINKERED)
+    trip = drive(street, find_nothing, clock=on_time, sensor=NARROW_SENSOR)
     assert (trip.hit is not None) == bool(street.actors)
 
 
@@ -802,7 +814,7 @@ def test_the_first_box_that_blocks_the_lane_agrees_with_lesson_08(degrees, first
 
 
 # Wrong detectors, each with a street and words that the report of its drive contains.
-WRONG = [
+WRONG_DETECTORS = [
     ("returns no boxes", 2, "never had a box"),
     ("one box around everything", 1, "needless: "),
     ("boxes around parts of the road", 1, "road mistaken for an obstacle"),
@@ -817,7 +829,9 @@ WRONG = [
 
 
 @pytest.mark.proof
-@pytest.mark.parametrize(("name", "street", "words"), WRONG, ids=[row[0] for row in WRONG])
+@pytest.mark.parametrize(
+    ("name", "street", "words"), WRONG_DETECTORS, ids=[row[0] for row in WRONG_DETECTORS]
+)
 def test_a_wrong_detector_fails_for_the_expected_reason(name, street, words, tmp_path):
     (variant,) = [answer for answer in answers_to("detect_obstacles") if answer.name == name]
     (lesson,) = [lesson for lesson in all_lessons() if lesson.number == "12"]

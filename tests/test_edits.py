@@ -256,7 +256,7 @@ def test_a_slip_is_one_edit_away(slip):
 
 
 @pytest.mark.parametrize("slip", SLIPS)
-def test_the_lines_of_an_edit_form_its_statement(slip):
+def test_applying_an_edit_changes_only_its_lines(slip):
     """The lines are right even after multi-byte characters and in a decorated function."""
     wrong = function('"""Länge, in m²."""\n' + SLIPS[slip][0])
     cells = ["import math\n", f"é = '²'\n\n@staticmethod\n{wrong}\nprint(é)"]
@@ -288,7 +288,7 @@ def test_moving_a_return_one_level_out_is_tried_first():
 
 
 @pytest.mark.slow
-def test_a_default_that_calls_share_is_made_anew():
+def test_an_edit_creates_a_new_list_instead_of_a_shared_default():
     wrong = (
         'def f(x, found=[], near=3):\n    """Find x."""\n    found.append(x)\n    return found\n'
     )

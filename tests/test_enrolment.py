@@ -18,10 +18,10 @@ from tests.test_gradebook import (
     EARNED,
     GROUND,
     STAGE,
+    ignore_progress,
     inode,
     make_course,
     marks,
-    quiet,
     submit,
     verdicts,
 )
@@ -38,12 +38,12 @@ ROSTER = (
 @pytest.fixture
 def course(tmp_path):
     """Return a course with a roster; Ada and Bob have submitted."""
-    made = make_course(tmp_path / "course")
-    (made.root / "roster.csv").write_text(ROSTER)
-    return made
+    course = make_course(tmp_path / "course")
+    (course.root / "roster.csv").write_text(ROSTER)
+    return course
 
 
-def students(course):
+def enrolled_students(course):
     with gradebook.open_gradebook(course) as book:
         return {
             student.id: (student.first_name, student.last_name, student.email, student.lms_user_id)
@@ -53,13 +53,13 @@ def students(course):
 
 def error_lines(course, earned=EARNED):
     with pytest.raises(GradebookError) as trouble:
-        enter_verdicts(course, verdicts(course, earned), [STAGE], quiet)
+        enter_verdicts(course, verdicts(course, earned), [STAGE], ignore_progress)
     return str(trouble.value).splitlines()[1:]
 
 
 def test_all_students_on_the_roster_are_in_the_gradebook(course):
-    enter_verdicts(course, verdicts(course), [STAGE], quiet)
-    assert students(course) == {
+    enter_verdicts(course, verdicts(course), [STAGE], ignore_progress)
+    assert enrolled_students(course) == {
         "ada": ("Ada", "Ash", "ada@x.edu", "8"),
         "bob": ("Bob", "Bell", None, "7"),
         "idle": ("Ida", "Ling", "ida@x.edu", "9"),
@@ -69,12 +69,12 @@ def test_all_students_on_the_roster_are_in_the_gradebook(course):
 
 
 def test_changes_to_the_roster_are_entered_but_blank_cells_are_ignored(course):
-    enter_verdicts(course, verdicts(course), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course), [STAGE], ignore_progress)
     with gradebook.open_gradebook(course) as book:
         book.update_or_create_student("bob", email="bob@home.edu")
     (course.root / "roster.csv").write_text(ROSTER.replace("Bell", "Bell-Ash"))
-    enter_verdicts(course, verdicts(course), [STAGE], quiet)
-    assert students(course)["bob"] == ("Bob", "Bell-Ash", "bob@home.edu", "7")
+    enter_verdicts(course, verdicts(course), [STAGE], ignore_progress)
+    assert enrolled_students(course)["bob"] == ("Bob", "Bell-Ash", "bob@home.edu", "7")
 
 
 def test_students_not_on_the_roster_are_named_but_not_entered(course):
@@ -84,17 +84,23 @@ def test_students_not_on_the_roster_are_named_but_not_entered(course):
         "'ghost' is not on the roster, so its scores are not entered. Either add a line for "
         "'ghost' to roster.csv, or rename the folder to the student's id."
     ]
-    assert "ghost" not in students(course) and {name for name, _ in marks(course)} == {"ada", "bob"}
+    assert "ghost" not in enrolled_students(course) and {name for name, _ in marks(course)} == {
+        "ada",
+        "bob",
+    }
     assert not (course.autograded / "ghost").exists()
     (course.root / "roster.csv").write_text(ROSTER + "ghost\n")
     enter_verdicts(
-        course, verdicts(course, EARNED | {"ghost": {GROUND: (10.0, 20.0)}}), [STAGE], quiet
+        course,
+        verdicts(course, EARNED | {"ghost": {GROUND: (10.0, 20.0)}}),
+        [STAGE],
+        ignore_progress,
     )
     assert marks(course)["ghost", "test_voxel_grid"][0] == 20
 
 
 def test_students_who_leave_the_roster_keep_their_marks_and_are_named(course):
-    enter_verdicts(course, verdicts(course), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course), [STAGE], ignore_progress)
     (course.root / "roster.csv").write_text(ROSTER.replace("ada,Ada", "ida,Ada"))
     assert len(error_lines(course, EARNED | {"bob": {DISTANCE: (18.0, 1.0, 2.5)}})) == 1
     assert marks(course)["ada", "test_voxel_grid"][0] == 8.5
@@ -111,9 +117,9 @@ def test_students_who_leave_the_roster_keep_their_marks_and_are_named(course):
 def test_an_id_in_another_spelling_is_matched(course, folder):
     submit(course, folder, GROUND)
     earned = EARNED | {"yan": {GROUND: (1.0, 12.5)}}
-    enter_verdicts(course, verdicts(course, earned), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course, earned), [STAGE], ignore_progress)
     assert marks(course)["yan", "test_voxel_grid"][0] == 12.5
-    assert folder not in students(course)
+    assert folder not in enrolled_students(course)
     roster = read_roster(course)
     assert unmatched_folders(course, roster) == {}
     assert list(respelt_folders(course, roster)) == [
@@ -130,7 +136,7 @@ def test_two_folders_of_one_student_lose_nothing(course):
     (course.submitted / "yan" / STAGE / "timestamp.txt").write_text("2026-02-01 13:00:00 UTC")
     (course.submitted / "yan" / STAGE / "plan.txt").write_text("mine")
     earned = EARNED | {"yan": {GROUND: (1.0, 12.5), DISTANCE: (3.0, 2.0, 1.0)}}
-    enter_verdicts(course, verdicts(course, earned), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course, earned), [STAGE], ignore_progress)
     entered = marks(course)
     assert entered["yan", "test_voxel_grid"][0] == 12.5
     assert {entered["yan", exercise.cell][0] for exercise in DISTANCE.machine_graded} == {3, 2, 1}
@@ -147,7 +153,7 @@ def test_two_folders_of_one_student_lose_nothing(course):
     (sentence,) = respelt_folders(course, read_roster(course))
     assert sentence.endswith("belongs to yan (Yan Yip), and so does 'yan'.")
     before = inode(course, "yan")
-    enter_verdicts(course, verdicts(course, earned), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course, earned), [STAGE], ignore_progress)
     assert inode(course, "yan") == before
 
 
@@ -210,16 +216,19 @@ def test_both_possible_owners_of_a_folder_are_named(course):
     )
 
 
-def test_without_a_roster_all_students_are_entered(course):
+def test_all_students_are_entered_if_there_is_no_roster(course):
     (course.root / "roster.csv").unlink()
     submit(course, "ghost", GROUND)
     enter_verdicts(
-        course, verdicts(course, EARNED | {"ghost": {GROUND: (10.0, 20.0)}}), [STAGE], quiet
+        course,
+        verdicts(course, EARNED | {"ghost": {GROUND: (10.0, 20.0)}}),
+        [STAGE],
+        ignore_progress,
     )
-    assert set(students(course)) == {"ada", "bob", "ghost"}
+    assert set(enrolled_students(course)) == {"ada", "bob", "ghost"}
 
 
-def test_with_a_roster_nbgrader_does_not_create_students(course):
+def test_nbgrader_does_not_create_students_if_there_is_a_roster(course):
     from grader.course.nbgrader_settings import course_settings
 
     assert course_settings(course.root).Autograde.create_student is False

@@ -64,7 +64,7 @@ def test_mistakes_in_the_exercise_itself_still_lose_points(sandbox, tmp_path):
 
 
 @pytest.mark.slow
-def test_two_wrong_helpers_are_both_named(sandbox, tmp_path):
+def test_both_of_two_wrong_helpers_are_named(sandbox, tmp_path):
     helpers = {
         "line_through": source_of("line_through", "c with the wrong sign"),
         "point_line_distance": source_of("point_line_distance", "c forgotten"),
@@ -86,7 +86,7 @@ PLANE = find_lesson("03_ransac_plane")
 
 
 @pytest.fixture
-def copied(tmp_path, monkeypatch):
+def copied_lesson(tmp_path, monkeypatch):
     """Return the lesson on planes with copies of its source and solution that tests can change."""
     folder = tmp_path / "solutions" / PLANE.name
     folder.mkdir(parents=True)
@@ -108,19 +108,21 @@ def add_slip(path):
 
 
 @pytest.mark.slow
-def test_a_slip_in_an_unbuilt_source_has_no_effect(copied, sandbox, tmp_path):
+def test_a_slip_in_an_unbuilt_source_has_no_effect(copied_lesson, sandbox, tmp_path):
     path = tmp_path / PLANE.solved.name
     shutil.copy(PLANE.solved, path)
     add_slip(path)  # the student submits the slip too
-    add_slip(copied.source)
-    results = {exercise.name: exercise for exercise in judge(path, 7, sandbox, copied).exercises}
+    add_slip(copied_lesson.source)
+    results = {
+        exercise.name: exercise for exercise in judge(path, 7, sandbox, copied_lesson).exercises
+    }
     assert results["plane_through"].score < results["plane_through"].max_score
     assert results["ransac_plane"].score == results["ransac_plane"].max_score
     assert "plane_through, which ransac_plane calls, is wrong." in results["ransac_plane"].cause
 
 
 @pytest.mark.slow
-def test_a_slip_in_the_built_solution_is_found_before_judging(copied, sandbox):
+def test_a_slip_in_the_built_solution_is_found_before_judging(copied_lesson, sandbox):
     find_fault = judging.complaints_about_reference.__wrapped__  # bypasses the cache
-    add_slip(copied.solved)
-    assert any(text.startswith("plane_through, ") for text in find_fault(copied, 7, sandbox))
+    add_slip(copied_lesson.solved)
+    assert any(text.startswith("plane_through, ") for text in find_fault(copied_lesson, 7, sandbox))

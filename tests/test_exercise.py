@@ -8,7 +8,7 @@ from utils.checks.core import checks_of, run_check
 from utils.checks.exercise import Exercise, assert_answer
 from utils.checks.failures import CheckFailed, NotYet, WrongForm
 
-WORDS = {"why": "It matters.", "hint": "Look."}
+EXPLANATION = {"why": "It matters.", "hint": "Look."}
 
 
 @pytest.fixture
@@ -16,9 +16,15 @@ def total(monkeypatch):
     """Return an exercise whose input is a plain list."""
     monkeypatch.setattr(core, "_CHECKS", {})
     exercise = Exercise(
-        __name__, "total", {"numbers": [3.0, 4.0], "start": 1}, 8.0, title="Adds", weight=3, **WORDS
+        __name__,
+        "total",
+        {"numbers": [3.0, 4.0], "start": 1},
+        8.0,
+        title="Adds",
+        weight=3,
+        **EXPLANATION,
     )
-    exercise.example("empty", {"numbers": []}, 1.0, title="Works without numbers", **WORDS)
+    exercise.example("empty", {"numbers": []}, 1.0, title="Works without numbers", **EXPLANATION)
     exercise.promise("names")
     exercise.promise("untouched", why="They are needed again.", weight=2)
     return exercise
@@ -76,7 +82,9 @@ def test_a_right_answer_passes(total):
         "fails in the plain case",
     ],
 )
-def test_a_slip_fails_one_check_but_in_the_plain_case_others_wait(total, function, failed):
+def test_a_slip_fails_one_check_but_the_other_checks_wait_for_the_plain_case(
+    total, function, failed
+):
     found = failures_of(function)
     assert found == failed if isinstance(failed, dict) else set(found) == failed
 

@@ -156,7 +156,7 @@ def test_totals_of_missing_excused_and_auditing_students_are_empty():
     assert [row[-2:] for row in rows[2:]] == [["0", "90"], ["", ""], ["", ""], ["", ""]]
     assert rows[0][10] == f"{THREE}: status"
     assert [row[10] for row in rows[2:]] == ["marked; missing: " + SEVEN, EXCUSED, AUDITOR, MISSING]
-    found, points = marks(SIX, results)
+    found, points = exported_marks(SIX, results)
     assert points == {"ada": 0.0}
     assert "No mark for auditors: cy." in found.notes
 
@@ -194,13 +194,13 @@ def test_marks_of_students_who_are_not_on_the_roster_are_reported():
 # Marks of one assignment
 
 
-def marks(assignment, results=CLASS, **order):
+def exported_marks(assignment, results=CLASS, **order):
     export = collect_marks(ExportOptions(Course(), results, assignment, **order))
     return export, {mark.person.id: mark.points for mark in export.marks}
 
 
 def test_marks_of_a_stage_are_sums_minus_penalties():
-    found, points = marks(THREE)
+    found, points = exported_marks(THREE)
     assert points == {"ada": pytest.approx(42.345678), "bo": 0.0, "dee": 8.0}
     assert found.max_points == 50.0
     assert "No mark, because nothing was submitted: cy." in found.notes
@@ -209,16 +209,16 @@ def test_marks_of_a_stage_are_sums_minus_penalties():
 
 
 def test_marks_of_a_lesson_are_points_minus_penalties():
-    assert marks(SEVEN)[1] == {"ada": pytest.approx(12.345678), "dee": 8.0}
-    assert marks(SIX)[1] == {"ada": 30.0, "bo": 0.0}
+    assert exported_marks(SEVEN)[1] == {"ada": pytest.approx(12.345678), "dee": 8.0}
+    assert exported_marks(SIX)[1] == {"ada": 30.0, "bo": 0.0}
     penalised = class_of(results_of(BO, {SIX: 10.0}, penalty=2.5), people=(BO,))
-    assert marks(SIX, penalised)[1] == {"bo": 7.5}
+    assert exported_marks(SIX, penalised)[1] == {"bo": 7.5}
 
 
 def test_waiting_marks_are_refused_unless_provisional():
     with pytest.raises(ExportError, match=f"^Not fully graded: {TWELVE} of ada. .*--provisional"):
-        marks(FOUR)
-    found, points = marks(FOUR, provisional=True)
+        exported_marks(FOUR)
+    found, points = exported_marks(FOUR, provisional=True)
     assert points == {"ada": 25.0}
     assert (
         f"Provisional, because some work still has to be graded by hand: {TWELVE} of ada."
@@ -230,8 +230,8 @@ def test_waiting_marks_are_refused_unless_provisional():
 def test_notebooks_that_are_not_entered_have_no_mark_even_if_provisional():
     results = class_of(results_of(ADA, {SIX: (WAITING, None)}), people=(ADA,))
     with pytest.raises(ExportError, match="grader grade"):
-        marks(THREE, results)
-    found, points = marks(THREE, results, provisional=True)
+        exported_marks(THREE, results)
+    found, points = exported_marks(THREE, results, provisional=True)
     assert points == {}
     assert "No mark, because the submission is not in the gradebook yet: ada (Ada Lovelace)." in (
         found.notes
@@ -244,15 +244,18 @@ def test_marks_with_undecided_lateness_are_named():
     stages = [dataclasses.replace(stage, undecided=why.get(stage.stage, "")) for stage in stages]
     results = ClassResults((ADA,), tuple(notebooks), tuple(stages))
     note = "No penalty subtracted, because the submission time is unknown: ada."
-    assert note in marks(THREE, results)[0].notes and note in marks(SIX, results)[0].notes
+    assert (
+        note in exported_marks(THREE, results)[0].notes
+        and note in exported_marks(SIX, results)[0].notes
+    )
     assert ",unknown," in table(results)[0].content.decode()
-    assert note not in marks(THREE)[0].notes
+    assert note not in exported_marks(THREE)[0].notes
 
 
 @pytest.mark.parametrize("name", [None, "stage9", ""])
 def test_the_error_about_an_unknown_assignment_lists_all(name):
     with pytest.raises(ExportError, match=f"--assignment.*{SIX}, {SEVEN}, .*{THREE}, {FOUR}"):
-        marks(name)
+        exported_marks(name)
 
 
 # Paths of files
@@ -343,7 +346,7 @@ def test_errors_of_the_command_suggest_a_fix(export, tmp_path, capsys):
         assert "gradebook contains no marks. Run: python -m grader grade" in capsys.readouterr().err
 
 
-def test_without_options_the_table_is_exported(export, tmp_path, capsys):
+def test_the_table_is_exported_by_default(export, tmp_path, capsys):
     assert export() == commands.SUCCESS
     with (tmp_path / "scores.csv").open(newline="", encoding="utf-8-sig") as file:
         totals = {row["Student"]: row["Total"] for row in csv.DictReader(file)}

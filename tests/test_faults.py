@@ -34,7 +34,7 @@ from grader.sandbox.protocol import Thread
 from grader.sandbox.student import StudentProxy
 from tests.archives import notebook
 from tests.prerequisites import PATIENCE
-from tests.test_grade import rehearsed
+from tests.test_grade import record_rehearsal
 
 SEED = 20_170_405
 LESSON = find_lesson("06_filter_ground")
@@ -65,7 +65,7 @@ def empty_cache(monkeypatch):
     monkeypatch.setattr(judging, "_FULL_MARKS", {})
 
 
-class Inline(Executor):
+class InlineExecutor(Executor):
     """Executor that runs jobs immediately in this process, where tests can replace functions."""
 
     def __init__(self, workers):
@@ -80,15 +80,15 @@ class Inline(Executor):
         return future
 
 
-class Deadly(Pool):
+class DeadlyExecutor(Pool):
     """Executor in which the process that judges the student "poison" dies `left` times."""
 
     left = 0
 
     def submit(self, function, *arguments):
         if function is grade.judge_one and arguments[2] == "poison":
-            Deadly.left -= 1
-            if Deadly.left >= 0:
+            DeadlyExecutor.left -= 1
+            if DeadlyExecutor.left >= 0:
                 return super().submit(os._exit, 1)
         return super().submit(function, *arguments)
 
@@ -96,15 +96,17 @@ class Deadly(Pool):
 @pytest.fixture
 def course(tmp_path):
     """Return a course in which three students submit right answers."""
-    made = Course(tmp_path / "course")
+    course = Course(tmp_path / "course")
     for student in ("ada", "poison", "zoe"):
-        path = made.submitted / student / LESSON.stage / f"{LESSON.name}.ipynb"
+        path = course.submitted / student / LESSON.stage / f"{LESSON.name}.ipynb"
         path.parent.mkdir(parents=True)
         path.write_text(fill_in(LESSON, RIGHT), "utf-8")
-    return made
+    return course
 
 
-def graded(course, sandbox, open_executor=Inline, workers=1, progress=lambda *news: None):
+def grade_class(
+    course, sandbox, open_executor=InlineExecutor, workers=1, progress=lambda *news: None
+):
     """Grade the course; return the verdict of each student."""
     judged = grade.judge_class(course, (), SEED, sandbox, open_executor, workers, progress)
     return {submission.student: verdict for submission, verdict in judged}
@@ -124,8 +126,8 @@ def add_long_text(path):
 def test_a_dead_worker_costs_one_retry_of_one_notebook(course, sandbox, deaths, status, score):
     for path in course.submitted.rglob("*.ipynb"):
         add_long_text(path)
-    Deadly.left = deaths
-    verdicts = graded(course, sandbox, Deadly, 2)
+    DeadlyExecutor.left = deaths
+    verdicts = grade_class(course, sandbox, DeadlyExecutor, 2)
     assert (verdicts["poison"].status, verdicts["poison"].score) == (status, score)
     if status == FAILED:
         assert "The judging process ended (exit status 1)" in verdicts["poison"].faults[0]
@@ -138,15 +140,15 @@ def test_a_fault_of_the_judge_is_recorded_and_costs_no_points(course, sandbox, m
 
     original = program_run.run_checks
     monkeypatch.setattr(program_run, "run_checks", broken)
-    rehearsed(course, LESSON, SEED)
-    verdicts = graded(course, sandbox)
+    record_rehearsal(course, LESSON, SEED)
+    verdicts = grade_class(course, sandbox)
     assert {verdict.status for verdict in verdicts.values()} == {FAILED}
     assert all("not the student's fault" in verdict.problems[0] for verdict in verdicts.values())
     assert "pytest ran 3 of 9" in verdicts["ada"].faults[0]
     assert "faults" not in verdicts["ada"].as_dict()  # only graders see faults
     # The next run tries again.
     monkeypatch.setattr(program_run, "run_checks", original)
-    assert {verdict.score for verdict in graded(course, sandbox).values()} == {30}
+    assert {verdict.score for verdict in grade_class(course, sandbox).values()} == {30}
 
 
 def test_a_fault_is_reported_for_an_untouched_notebook(monkeypatch):
@@ -168,14 +170,14 @@ def test_a_faulty_check_is_not_a_wrong_answer(course, sandbox, monkeypatch):
         outcomes = original(*question)
         return [type(outcome)(outcome.check, ZeroDivisionError("oracle")) for outcome in outcomes]
 
-    rehearsed(course, LESSON, SEED)
+    record_rehearsal(course, LESSON, SEED)
     complaints = judging.complaints_about_reference.__wrapped__  # bypasses the cache
     monkeypatch.setattr(judging, "complaints_about_reference", complaints)
     monkeypatch.setattr(program_run, "run_checks", raising)
-    verdict = graded(course, sandbox)["ada"]
+    verdict = grade_class(course, sandbox)["ada"]
     assert verdict.status == FAILED and "ZeroDivisionError: oracle" in verdict.faults[0]
     monkeypatch.setattr(judging, "complaints_about_reference", lambda *about: ())
-    verdict = graded(course, sandbox)["ada"]
+    verdict = grade_class(course, sandbox)["ada"]
     assert (verdict.status, verdict.score) == (JUDGED, 0)
 
 
@@ -223,20 +225,20 @@ def test_a_failure_that_does_not_recur_costs_no_points(answers, sandbox, tmp_pat
 def test_nothing_is_graded_by_a_check_that_fails_the_solution(course, sandbox, monkeypatch, capsys):
     monkeypatch.setattr(rehearsals, "complaints_about_reference", lambda *about: ("voxel_grid, x",))
     with pytest.raises(rehearsals.RehearsalFailed, match="06_filter_ground:\nvoxel_grid, x"):
-        graded(course, sandbox)
+        grade_class(course, sandbox)
     assert not list(course.verdicts.rglob("*.json"))
-    monkeypatch.setitem(EXECUTORS, "processes", Inline)
+    monkeypatch.setitem(EXECUTORS, "processes", InlineExecutor)
     assert commands.grade_course(course, (), SEED, sandbox, 1) == commands.FAULT
     assert "No notebook was graded" in capsys.readouterr().err
 
 
 def test_rehearsals_are_stored(course, sandbox, monkeypatch):
     events = []
-    graded(course, sandbox, progress=lambda done, total, what: events.append((done, what)))
+    grade_class(course, sandbox, progress=lambda done, total, what: events.append((done, what)))
     assert events[:2] == [(0, None), (0, f"the course's solution of {LESSON.name}")]
     monkeypatch.setattr(rehearsals, "complaints_about_reference", lambda *about: ("not called",))
     (course.submitted / "ada" / LESSON.stage / "helper.py").write_text("x = 1")
-    again = graded(course, sandbox, progress=lambda *news: events.append(news))
+    again = grade_class(course, sandbox, progress=lambda *news: events.append(news))
     assert again["ada"].score == 30 and not isinstance(events[-1][2], str)
 
 
@@ -321,7 +323,7 @@ class FakeJudge:
         """Grade the class; return the verdict of each student in order of completion."""
         monkeypatch.setattr(grade, "judge_one", self.judge_one)
 
-        class WithCapacity(Inline):
+        class WithCapacity(InlineExecutor):
             def __init__(self, workers):
                 self.capacity = capacity
 
@@ -341,7 +343,7 @@ class FakeJudge:
 @pytest.fixture
 def prepared(course):
     """Return the course with a record that the lesson's own solution has been judged."""
-    rehearsed(course, LESSON, SEED)
+    record_rehearsal(course, LESSON, SEED)
     return course
 
 
@@ -452,7 +454,7 @@ def test_an_existing_verdict_is_reused(prepared, monkeypatch):
     assert judge_again.calls == [("ada", True)]
 
 
-class Delayed(Inline):
+class DelayedExecutor(InlineExecutor):
     """Executor that rehearses immediately, but judges after five seconds unless cancelled."""
 
     def submit(self, function, *arguments):
@@ -469,11 +471,11 @@ def test_waiting_jobs_are_cancelled_when_a_rehearsal_fails(three_lessons, sandbo
     course, calls, complaints = three_lessons
     complaints.update({"07": ("one",)})
     with pytest.raises(rehearsals.RehearsalFailed):
-        judge_three(course, sandbox, Delayed, workers=9)
+        judge_three(course, sandbox, DelayedExecutor, workers=9)
     assert calls == ["06", "07", "08"] and not list(course.verdicts.glob("*/stage*/*.json"))
 
 
-class Busy(Inline):
+class BusyExecutor(InlineExecutor):
     """Executor that rehearses immediately, and judges for half a second, even if cancelled."""
 
     def submit(self, function, *arguments):
@@ -489,20 +491,24 @@ def test_running_jobs_are_finished_when_a_rehearsal_fails(three_lessons, sandbox
     course, calls, complaints = three_lessons
     complaints.update({"07": ("one",)})
     with pytest.raises(rehearsals.RehearsalFailed):
-        judge_three(course, sandbox, Busy, workers=9)
+        judge_three(course, sandbox, BusyExecutor, workers=9)
     kept = {path.parts[-3] for path in course.verdicts.glob("*/stage*/*.json")}
     assert {job for job in calls if len(job) > 2} == {f"06 {student}" for student in kept}
     assert kept == {"ada", "poison", "zoe"}
 
 
-class Dying(ThreadPoolExecutor):
+class DyingExecutor(ThreadPoolExecutor):
     """Executor in which the process that judges the solution of lesson 07 dies `left` times."""
 
     left = 0
 
     def submit(self, function, *arguments):
-        if function is rehearsals.rehearse_one and arguments[0].startswith("07") and Dying.left > 0:
-            Dying.left -= 1
+        if (
+            function is rehearsals.rehearse_one
+            and arguments[0].startswith("07")
+            and DyingExecutor.left > 0
+        ):
+            DyingExecutor.left -= 1
             future = Future()
             future.set_exception(BrokenExecutor("The judging process ended (signal 9)."))
             return future
@@ -511,8 +517,8 @@ class Dying(ThreadPoolExecutor):
 
 def test_a_rehearsal_whose_process_dies_is_repeated(three_lessons, sandbox):
     course, calls, _ = three_lessons
-    Dying.left = 1
-    judged = judge_three(course, sandbox, Dying)
+    DyingExecutor.left = 1
+    judged = judge_three(course, sandbox, DyingExecutor)
     assert {(submission.student, submission.lesson.number) for submission, _ in judged} == {
         (student, number) for student in ("ada", "poison", "zoe") for number in ("06", "07", "08")
     }
@@ -523,11 +529,11 @@ def test_a_rehearsal_whose_process_dies_is_repeated(three_lessons, sandbox):
 
 def test_a_rehearsal_that_always_kills_its_process_is_named(three_lessons, sandbox):
     course, _, _ = three_lessons
-    Dying.left = 2
+    DyingExecutor.left = 2
     with pytest.raises(
         rehearsals.RehearsalFailed, match="07_filter_by_distance:\nThe judging process ended"
     ):
-        judge_three(course, sandbox, Dying)
+        judge_three(course, sandbox, DyingExecutor)
 
 
 @pytest.mark.slow
@@ -542,14 +548,14 @@ def test_a_starved_notebook_is_tried_again_alone(course, sandbox, monkeypatch):
         return type(verdict)(**{**verdict.__dict__, "starved": starved})
 
     monkeypatch.setattr(grade, "judge_files", starving)
-    verdicts = graded(course, sandbox)
+    verdicts = grade_class(course, sandbox)
     assert calls == ["ada", "poison", "zoe", "poison"]
     assert not verdicts["poison"].starved and verdicts["poison"].score == 30
-    assert graded(course, sandbox) == verdicts and len(calls) == 4
+    assert grade_class(course, sandbox) == verdicts and len(calls) == 4
 
 
 @contextlib.contextmanager
-def crowded(student, others):
+def crowd_processor(student, others):
     """Run `others` busy processes on the same processor as the student's process."""
     processor = {min(os.sched_getaffinity(0))}
     student._ensure_running()
@@ -567,7 +573,7 @@ def crowded(student, others):
             process.wait()
 
 
-NEEDS = """
+COMPUTING_FUNCTION = """
 import time
 def f(seconds):
     end = time.process_time() + seconds
@@ -583,8 +589,8 @@ def test_sharing_the_processor_does_not_cost_time(sandbox, others):
     """The call needs 0.9 s of its 1 s; next to three busy processes, it lasts 3.6 s."""
     limits = Limits(call_seconds=1.0)
     with (
-        StudentProxy(Program((NEEDS,), ("f",)), sandbox, limits) as student,
-        crowded(student, others),
+        StudentProxy(Program((COMPUTING_FUNCTION,), ("f",)), sandbox, limits) as student,
+        crowd_processor(student, others),
     ):
         assert student.f(0.9) == 0.9
         assert not student.starved
@@ -615,7 +621,7 @@ def children():
 def test_waiting_for_threads_or_children_that_lack_a_processor_is_not_sleep(sandbox, name):
     """The kernel discards the waiting times of finished threads; the call is not starved."""
     program, limits = Program((SHORT_WORK,), (name,)), Limits(call_seconds=2.5)
-    with StudentProxy(program, sandbox, limits) as student, crowded(student, 5):
+    with StudentProxy(program, sandbox, limits) as student, crowd_processor(student, 5):
         assert getattr(student, name)() is None
         assert not student.starved
 
@@ -623,7 +629,10 @@ def test_waiting_for_threads_or_children_that_lack_a_processor_is_not_sleep(sand
 @pytest.mark.slow
 def test_a_call_that_is_too_slow_is_stopped_on_a_busy_machine_and_not_starved(sandbox):
     limits = Limits(call_seconds=0.5)
-    with StudentProxy(Program((NEEDS,), ("f",)), sandbox, limits) as student, crowded(student, 3):
+    with (
+        StudentProxy(Program((COMPUTING_FUNCTION,), ("f",)), sandbox, limits) as student,
+        crowd_processor(student, 3),
+    ):
         with pytest.raises(StudentStopped, match="did not answer within 0.5 seconds"):
             student.f(60)
         assert not student.starved
@@ -633,7 +642,10 @@ def test_a_call_that_is_too_slow_is_stopped_on_a_busy_machine_and_not_starved(sa
 def test_a_call_that_the_wall_clock_ends_is_starved(sandbox):
     """The call gets an eighth of the processor, so it might have finished on an idle machine."""
     limits = Limits(call_seconds=8.0, wall_seconds=4.0)
-    with StudentProxy(Program((NEEDS,), ("f",)), sandbox, limits) as student, crowded(student, 7):
+    with (
+        StudentProxy(Program((COMPUTING_FUNCTION,), ("f",)), sandbox, limits) as student,
+        crowd_processor(student, 7),
+    ):
         with pytest.raises(StudentStopped, match="4 seconds of elapsed time"):
             student.f(6)
         assert student.starved
@@ -643,7 +655,7 @@ def test_a_call_that_the_wall_clock_ends_is_starved(sandbox):
 
 @pytest.mark.slow
 def test_a_sleeping_call_is_stopped_like_a_busy_one_and_not_starved(sandbox):
-    program = Program((NEEDS,), ("f", "wait"))
+    program = Program((COMPUTING_FUNCTION,), ("f", "wait"))
     for name in ("f", "wait"):
         with StudentProxy(program, sandbox, Limits(call_seconds=0.5)) as student:
             begin = time.monotonic()
@@ -655,9 +667,9 @@ def test_a_sleeping_call_is_stopped_like_a_busy_one_and_not_starved(sandbox):
 
 
 @pytest.mark.slow
-def test_if_waiting_times_are_unknown_calls_have_more_time(sandbox, monkeypatch):
+def test_calls_have_more_time_if_waiting_times_are_unknown(sandbox, monkeypatch):
     monkeypatch.setattr(usage, "_records_delays", lambda: False)
-    program = Program((NEEDS,), ("f", "wait"))
+    program = Program((COMPUTING_FUNCTION,), ("f", "wait"))
     with StudentProxy(program, sandbox, Limits(call_seconds=0.5)) as student:
         assert student.f(0.1) == 0.1
         student.wait(0.8)  # not stopped, because the processor may have been busy
@@ -741,10 +753,10 @@ def test_threads_that_are_ready_to_run_do_not_sleep(monkeypatch):
 
 @pytest.mark.slow
 def test_sleep_takes_time_but_waiting_for_a_processor_does_not(sandbox):
-    with StudentProxy(Program((NEEDS,), ("f", "wait")), sandbox) as student:
+    with StudentProxy(Program((COMPUTING_FUNCTION,), ("f", "wait")), sandbox) as student:
         # Sleep is sampled, so some sleep counts as waiting for a processor on a busy machine.
         assert student.wait.timed(1)[1] > 0.3
-        with crowded(student, 11):
+        with crowd_processor(student, 11):
             assert student.f.timed(0.3)[1] < 1.8  # it lasts 3.6 s
         assert not student.starved
 
@@ -781,7 +793,7 @@ def test_a_link_to_another_students_folder_earns_nothing(course, sandbox):
         course.submitted / "ada" / LESSON.stage, target_is_directory=True
     )
     (course.submitted / "twin").symlink_to(course.submitted / "ada", target_is_directory=True)
-    verdicts = graded(course, sandbox)
+    verdicts = grade_class(course, sandbox)
     assert verdicts["ada"].score == 30
     for name in ("thief", "twin"):
         assert verdicts[name].score == 0
@@ -789,7 +801,7 @@ def test_a_link_to_another_students_folder_earns_nothing(course, sandbox):
 
 
 def test_verdict_files_have_ordinary_permissions(course, sandbox):
-    graded(course, sandbox)
+    grade_class(course, sandbox)
     umask = os.umask(0)
     os.umask(umask)
     for path in course.verdicts.rglob("*.json"):
@@ -907,7 +919,9 @@ def test_the_doctor_shows_progress_of_the_rehearsals(course, sandbox, monkeypatc
         yield lambda done, total, what: steps.append((done, total))
 
     for _ in range(2):
-        assert all(finding.good for finding in doctor.examine(course, 1, sandbox, Inline(1), bar))
+        assert all(
+            finding.good for finding in doctor.examine(course, 1, sandbox, InlineExecutor(1), bar)
+        )
     assert len(bars) == 1
     assert steps == [(done, 12) for done in range(13)]
 
@@ -917,7 +931,7 @@ def test_the_doctor_names_problems(course, sandbox, monkeypatch):
     (course.submitted / "ada" / "lost.ipynb").write_text("{}")
     course.seed_file.write_text("1")
     course.seed_file.chmod(0o644)
-    findings = list(doctor.examine(course, 1, sandbox, Inline(1), progress_bar))
+    findings = list(doctor.examine(course, 1, sandbox, InlineExecutor(1), progress_bar))
     wrong = {finding.subject: finding.text for finding in findings if not finding.good}
     assert "lost.ipynb" in wrong["submitted"] and "chmod 600" in wrong["seed"]
     subjects = [finding.subject for finding in findings]

@@ -40,7 +40,7 @@ from grader.lms.gradebook import open_gradebook
 from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.results import EXCUSED, MARKED, NotebookResult, StageResult
 from tests import browser
-from tests.archives import canvas_files, moodle_files, zipped
+from tests.archives import canvas_files, make_zip, moodle_files
 from tests.prerequisites import CHROMIUM
 
 STAGE = "stage4_realtime"
@@ -124,12 +124,12 @@ def test_different_messages_are_not_folded_together():
     alike = tuple(
         check(name, f"{number} of 5 rows.") for name, number in zip("bcd", "122", strict=True)
     )
-    for failed, says in (
+    for failed, message in (
         (alike, "3 more fail: … of 5 rows."),
         (alike[1:], "2 more fail: 2 of 5 rows."),
     ):
         folded = summarise_checks(ExerciseResult("f", 0.0, 3.0, (tests[0], *failed), "One.", "a"))
-        assert [fold.says for fold in folded.groups] == [says]
+        assert [fold.says for fold in folded.groups] == [message]
 
 
 @pytest.mark.parametrize(
@@ -146,11 +146,11 @@ def test_the_number_of_passed_checks_is_stated_in_words(tests, first, words, sta
 
 
 @pytest.mark.parametrize(
-    ("stub", "says"), [("f", "f is not started."), ("g", "f calls g. Write g first.")]
+    ("stub", "message"), [("f", "f is not started."), ("g", "f calls g. Write g first.")]
 )
-def test_a_stub_is_named(stub, says):
+def test_a_stub_is_named(stub, message):
     tests = (check("a", "f calls g. Write g first.", kind=MessageKind.NOT_STARTED, subject=stub),)
-    assert summarise_checks(ExerciseResult("f", 0.0, 1.0, tests)).not_started == says
+    assert summarise_checks(ExerciseResult("f", 0.0, 1.0, tests)).not_started == message
 
 
 # ---- lateness -----------------------------------------------------------------------------------
@@ -274,7 +274,7 @@ WORK = {
 }
 
 
-def make_course(root, *archives, who=None):
+def make_course(root, *archives, decisions=None):
     """Return a graded course whose submissions were collected from zips."""
     course = Course(root)
     root.mkdir()
@@ -286,9 +286,15 @@ def make_course(root, *archives, who=None):
     (root / "deadlines.toml").write_text(f"[{STAGE}]\nlessons = {json.dumps(numbers)}\n")
     paths._folder.cache_clear()
     for files in archives:
-        (root / "submissions.zip").write_bytes(zipped(files))
+        (root / "submissions.zip").write_bytes(make_zip(files))
         collection.collect(
-            course, [root / "submissions.zip"], [STAGE], None, who or {}, {}, lambda *news: None
+            course,
+            [root / "submissions.zip"],
+            [STAGE],
+            None,
+            decisions or {},
+            {},
+            lambda *news: None,
         )
     grade(course)
     return course
@@ -313,7 +319,7 @@ def canvas_course(tmp_path_factory):
     return course
 
 
-def write(course, monkeypatch, *options):
+def run_feedback(course, monkeypatch, *options):
     monkeypatch.setattr(commands, "Course", lambda: course)
     paths._folder.cache_clear()
     return cli.main(["feedback", STAGE, *options])
@@ -321,11 +327,11 @@ def write(course, monkeypatch, *options):
 
 @pytest.fixture
 def pages(canvas_course, tmp_path, monkeypatch):
-    assert write(canvas_course, monkeypatch, "--to", str(tmp_path)) == 0
+    assert run_feedback(canvas_course, monkeypatch, "--to", str(tmp_path)) == 0
     return {path.stem: path.read_text("utf-8") for path in (tmp_path / STAGE).iterdir()}
 
 
-def words(page):
+def page_text(page):
     """Return the text of a page on one line, without tags."""
     body = page.partition("<body>")[2]
     return re.sub(r"\s+", " ", html.unescape(re.sub(r"<[^>]+>", " ", body)))
@@ -363,23 +369,23 @@ def feedback_on(*exercises, score=0.0, problems=()):
 
 
 def test_feedback_on_an_unstarted_stage_names_the_next_step_once():
-    page = words(feedback_page(feedback_on((STUB, 0.0), (STUB, 0.0))))
+    page = page_text(feedback_page(feedback_on((STUB, 0.0), (STUB, 0.0))))
     assert page.count("started") == 1
     assert "If you can still submit, replace raise NotImplementedError with your code" in page
     text = feedback_page(feedback_on((STUB, 0.0), problems=("It is cut off.",)))
-    assert "No exercise of this stage was started" not in words(text)
+    assert "No exercise of this stage was started" not in page_text(text)
     assert "It is cut off." in text and 'href="#04_kd_tree"' in text and 'id="04_kd_tree"' in text
     assert 'href="#test_insert"' not in text
 
 
 @pytest.mark.parametrize("other", [(WRONG, 6.25), (STUB, 2.0)])
 def test_a_stage_with_an_answer_or_a_manual_mark_counts_as_started(other):
-    page = words(feedback_page(feedback_on((STUB, 0.0), other)))
+    page = page_text(feedback_page(feedback_on((STUB, 0.0), other)))
     assert "No exercise in this stage" not in page and "insert is not started." in page
 
 
 def test_points_for_a_single_slip_are_explained():
-    text = words(feedback_page(feedback_on((WRONG, 6.25))))
+    text = page_text(feedback_page(feedback_on((WRONG, 6.25))))
     kept = (
         "1 of 18 checks pass. You still get 6.25 of 30 points, because a single slip explains every"
     )
@@ -388,16 +394,16 @@ def test_points_for_a_single_slip_are_explained():
     (exercise,) = feedback.lessons[0].exercises
     by_hand = dataclasses.replace(exercise, mark=CellMark(9.0, True, False))
     lesson = dataclasses.replace(feedback.lessons[0], exercises=(by_hand,))
-    page = words(feedback_page(dataclasses.replace(feedback, lessons=(lesson,))))
+    page = page_text(feedback_page(dataclasses.replace(feedback, lessons=(lesson,))))
     assert "You still get" not in page and "A grader set these points." in page
     off = dataclasses.replace(exercise, counts=False)
     lesson = dataclasses.replace(feedback.lessons[0], exercises=(off,))
-    page = words(feedback_page(dataclasses.replace(feedback, lessons=(lesson,))))
+    page = page_text(feedback_page(dataclasses.replace(feedback, lessons=(lesson,))))
     assert "1 of 18 checks pass." in page and "You still get" not in page
 
 
 def test_each_score_names_its_function(pages):
-    text = words(pages["bjorn"])
+    text = page_text(pages["bjorn"])
     assert "euclidean_clustering_accelerated 6.25 of 30" in text
     assert "match_boxes 2.25 of 5" in text
     assert "A grader set these points. The checks alone give 5 points." in text
@@ -405,7 +411,7 @@ def test_each_score_names_its_function(pages):
 
 
 def test_a_page_shows_the_first_failure_in_full_and_the_rest_in_lines(pages):
-    text = words(pages["bjorn"])
+    text = page_text(pages["bjorn"])
     assert "✗ Fix this first: It parts" in text
     assert "Hint: Compare <cells>." in text
     assert "12 more cannot be tested until this is right." in text
@@ -417,16 +423,16 @@ def test_a_page_shows_the_first_failure_in_full_and_the_rest_in_lines(pages):
 @pytest.mark.end_to_end
 def test_written_answers_have_a_mark_and_a_comment(pages):
     page = pages["bjorn"]
-    assert "write up 7.5 of 10" in words(page)
+    assert "write up 7.5 of 10" in page_text(page)
     assert "<em>unit</em>" in page and page.count("<math ") == 2
-    assert "not graded yet, of 10" in words(pages["ada"])
-    assert "Some answers still have to be graded by hand" in words(pages["ada"])
-    assert "This answer is empty." in words(pages["cy"])
+    assert "not graded yet, of 10" in page_text(pages["ada"])
+    assert "Some answers still have to be graded by hand" in page_text(pages["ada"])
+    assert "This answer is empty." in page_text(pages["cy"])
 
 
-def test_missing_notebooks_are_missing_and_not_0(pages):
-    assert "10 · Clustering in real time missing, of 30" in words(pages["cy"])
-    assert "Nothing was submitted." in words(pages["cy"])
+def test_missing_notebooks_are_shown_as_missing_and_not_as_0(pages):
+    assert "10 · Clustering in real time missing, of 30" in page_text(pages["cy"])
+    assert "Nothing was submitted." in page_text(pages["cy"])
 
 
 def test_untrusted_text_is_escaped_and_nothing_is_fetched(pages):
@@ -441,7 +447,7 @@ def test_untrusted_text_is_escaped_and_nothing_is_fetched(pages):
 
 @pytest.mark.end_to_end
 def test_pages_are_reproducible(canvas_course, pages, tmp_path, monkeypatch):
-    write(canvas_course, monkeypatch, "--student", "bjorn", "--to", str(tmp_path / "again"))
+    run_feedback(canvas_course, monkeypatch, "--student", "bjorn", "--to", str(tmp_path / "again"))
     (path,) = (tmp_path / "again" / STAGE).iterdir()
     assert path.read_text("utf-8") == pages["bjorn"]
 
@@ -450,14 +456,14 @@ def test_students_are_found_by_name_and_missing_ones_are_reported(
     canvas_course, tmp_path, monkeypatch, capsys
 ):
     options = ("--student", "Björn Müller", "--student", "ADA")
-    assert write(canvas_course, monkeypatch, *options, "--to", str(tmp_path)) == 0
+    assert run_feedback(canvas_course, monkeypatch, *options, "--to", str(tmp_path)) == 0
     assert sorted(path.stem for path in (tmp_path / STAGE).iterdir()) == ["ada", "bjorn"]
     capsys.readouterr()
     options = ("--student", "cy", "--student", "noshow")
-    assert write(canvas_course, monkeypatch, *options, "--to", str(tmp_path)) == 1
+    assert run_feedback(canvas_course, monkeypatch, *options, "--to", str(tmp_path)) == 1
     assert "There is no feedback for noshow." in capsys.readouterr().err
     options = ("--student", "ada", "--student", "adda")
-    assert write(canvas_course, monkeypatch, *options, "--to", str(tmp_path / "none")) == 2
+    assert run_feedback(canvas_course, monkeypatch, *options, "--to", str(tmp_path / "none")) == 2
     error = capsys.readouterr().err
     assert "'adda' is not on the roster" in error and "grader grade" not in error
     assert not (tmp_path / "none").exists()
@@ -476,7 +482,7 @@ def test_feedback_waits_until_the_verdict_is_entered(canvas_course, tmp_path, mo
     before = path.read_text("utf-8")
     try:
         path.write_text(before.replace("of ada", "of ada, again"), "utf-8")
-        assert write(canvas_course, monkeypatch, "--to", str(tmp_path)) == 1
+        assert run_feedback(canvas_course, monkeypatch, "--to", str(tmp_path)) == 1
     finally:
         path.write_text(before, "utf-8")
     assert sorted(path.stem for path in (tmp_path / STAGE).iterdir()) == ["bjorn", "cy"]
@@ -491,14 +497,14 @@ def test_feedback_names_the_reason_if_a_notebook_was_not_judged(
     try:
         unjudged = {"status": "judge_failed", "problems": ["Code cell 7 needs Python 3.14."]}
         path.write_text(json.dumps(json.loads(before) | unjudged), "utf-8")
-        assert write(canvas_course, monkeypatch, "--to", str(tmp_path)) == 1
+        assert run_feedback(canvas_course, monkeypatch, "--to", str(tmp_path)) == 1
     finally:
         path.write_text(before, "utf-8")
     assert f"ada, {TEN.name}: Code cell 7 needs Python 3.14." in capsys.readouterr().err
 
 
 def test_a_course_without_grades_is_reported(tmp_path, monkeypatch, capsys):
-    assert write(Course(tmp_path), monkeypatch, "--to", str(tmp_path / "out")) == 2
+    assert run_feedback(Course(tmp_path), monkeypatch, "--to", str(tmp_path / "out")) == 2
     assert "There is no feedback to write yet" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 
@@ -512,7 +518,7 @@ def test_pages_of_nbgrader_name_the_function_of_each_score(canvas_course):
     generate.coursedir.student_id = "bjorn"
     generate.start()
     page = (canvas_course.root / "feedback" / "bjorn" / STAGE / f"{TWELVE.name}.html").read_text()
-    head = words(page.partition('<div class="panel-body">')[0])
+    head = page_text(page.partition('<div class="panel-body">')[0])
     assert "match_boxes (Score: 2.25 / 5.0)" in head and "write_up (Score: 7.5 / 10.0)" in head
     assert "Test cell" not in page and "Written response" not in page
     assert "img { max-width: 100%" in page
@@ -537,7 +543,7 @@ def archive(path):
 
 
 def test_the_canvas_zip_contains_feedback_on_each_attachment(canvas_course, tmp_path, monkeypatch):
-    assert write(canvas_course, monkeypatch, "--for", "canvas", "--to", str(tmp_path)) == 0
+    assert run_feedback(canvas_course, monkeypatch, "--for", "canvas", "--to", str(tmp_path)) == 0
     files = archive(tmp_path / f"{STAGE}_canvas.zip")
     answered = {parse_canvas(name): name for name in files}
     numbers = {student: number for student, *_, number in PEOPLE}
@@ -559,7 +565,7 @@ def test_the_canvas_zip_contains_feedback_on_each_attachment(canvas_course, tmp_
 
 
 def test_html_in_a_notebook_is_a_single_markdown_block(canvas_course, tmp_path, monkeypatch):
-    write(canvas_course, monkeypatch, "--for", "canvas", "--to", str(tmp_path))
+    run_feedback(canvas_course, monkeypatch, "--for", "canvas", "--to", str(tmp_path))
     for content in archive(tmp_path / f"{STAGE}_canvas.zip").values():
         for cell in nbformat.reads(content.decode(), as_version=4).cells:
             if cell.source.startswith("<div>"):
@@ -568,16 +574,16 @@ def test_html_in_a_notebook_is_a_single_markdown_block(canvas_course, tmp_path, 
 
 def test_the_zip_is_reproducible(canvas_course, tmp_path, monkeypatch):
     for folder in ("one", "two"):
-        write(canvas_course, monkeypatch, "--for", "canvas", "--to", str(tmp_path / folder))
+        run_feedback(canvas_course, monkeypatch, "--for", "canvas", "--to", str(tmp_path / folder))
     name = f"{STAGE}_canvas.zip"
     assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
 
 
 def test_a_student_who_submitted_a_zip_gets_a_zip(tmp_path, monkeypatch):
-    inner = io.BytesIO(zipped([(f"{lesson.name}.ipynb", data) for lesson, data in WORK["ada"]]))
+    inner = io.BytesIO(make_zip([(f"{lesson.name}.ipynb", data) for lesson, data in WORK["ada"]]))
     files = canvas_files("Lovelace, Ada", "4001", [(8123, "my work.zip", inner.getvalue())])
     course = make_course(tmp_path / "course", files)
-    assert write(course, monkeypatch, "--for", "canvas", "--to", str(tmp_path)) == 0
+    assert run_feedback(course, monkeypatch, "--for", "canvas", "--to", str(tmp_path)) == 0
     ((name, content),) = archive(tmp_path / f"{STAGE}_canvas.zip").items()
     assert parse_canvas(name) == ("4001", 8123) and name.endswith("_my work.zip")
     with zipfile.ZipFile(io.BytesIO(content)) as opened:
@@ -591,8 +597,8 @@ def test_a_team_in_canvas_is_named_and_is_not_an_error(tmp_path, monkeypatch, ca
     files = canvas_files("Team Red", "77", given["ada"])
     files += canvas_files("Yang, Cy", "4003", given["cy"])
     who = {"teamred_77": "ada,bjorn"}
-    course = make_course(tmp_path / "course", files, who=who)
-    assert write(course, monkeypatch, "--for", "canvas", "--to", str(tmp_path)) == 0
+    course = make_course(tmp_path / "course", files, decisions=who)
+    assert run_feedback(course, monkeypatch, "--for", "canvas", "--to", str(tmp_path)) == 0
     told = capsys.readouterr()
     assert "Not in the zip." in told.out and "ada: submitted as teamred_77" in told.out
     assert sorted(path.stem for path in (tmp_path / STAGE).iterdir()) == ["ada", "bjorn", "cy"]
@@ -602,8 +608,8 @@ def test_a_team_in_canvas_is_named_and_is_not_an_error(tmp_path, monkeypatch, ca
 @pytest.mark.end_to_end
 def test_a_class_of_teams_only_in_canvas_is_not_an_error(tmp_path, monkeypatch, capsys):
     files = canvas_files("Team Red", "77", attachments(WORK)["ada"])
-    course = make_course(tmp_path / "course", files, who={"teamred_77": "ada,bjorn"})
-    assert write(course, monkeypatch, "--for", "canvas", "--to", str(tmp_path)) == 0
+    course = make_course(tmp_path / "course", files, decisions={"teamred_77": "ada,bjorn"})
+    assert run_feedback(course, monkeypatch, "--for", "canvas", "--to", str(tmp_path)) == 0
     assert "ada: submitted as teamred_77" in capsys.readouterr().out
     assert sorted(path.name for path in tmp_path.glob("*.zip")) == []
 
@@ -618,19 +624,19 @@ def parse_moodle(name):
     return number, file
 
 
-def moodle_course(root, teams=(), who=None):
+def moodle_course(root, teams=(), decisions=None):
     files, teams = [], dict(teams)
     for number, (student, first, last, *_) in enumerate(PEOPLE[:3], start=51):
         given = [(f"{lesson.name}.ipynb", data) for lesson, data in WORK[student]]
         if student not in list(teams)[1:]:  # a team has only one submission
             files += moodle_files(*teams.get(student, (f"{first} {last}", number)), given)
-    return make_course(root, files, who=who)
+    return make_course(root, files, decisions=decisions)
 
 
 @pytest.mark.end_to_end
 def test_the_moodle_zip_contains_a_page_for_each_student(tmp_path, monkeypatch, capsys):
     course = moodle_course(tmp_path / "course")
-    assert write(course, monkeypatch, "--for", "moodle", "--to", str(tmp_path)) == 0
+    assert run_feedback(course, monkeypatch, "--for", "moodle", "--to", str(tmp_path)) == 0
     files = archive(tmp_path / f"{STAGE}_moodle.zip")
     assert {parse_moodle(name) for name in files} == {
         (str(number), f"{STAGE}_feedback.html") for number in (51, 52, 53)
@@ -653,8 +659,8 @@ def test_a_student_with_two_moodle_assignments_gets_a_page_in_each(
                 owner = ("Team Red", 21)
             files[lesson] += moodle_files(*owner, [(f"{lesson.name}.ipynb", data)])
     who = {"Team Red_21": "ada"} if is_team else None
-    course = make_course(tmp_path / "course", files[TEN], files[TWELVE], who=who)
-    assert write(course, monkeypatch, "--for", "moodle", "--to", str(tmp_path)) == 0
+    course = make_course(tmp_path / "course", files[TEN], files[TWELVE], decisions=who)
+    assert run_feedback(course, monkeypatch, "--for", "moodle", "--to", str(tmp_path)) == 0
     numbers = {parse_moodle(name)[0] for name in archive(tmp_path / f"{STAGE}_moodle.zip")}
     given = {
         str({TEN: 21, TWELVE: 31}[lesson] + place)
@@ -666,7 +672,7 @@ def test_a_student_with_two_moodle_assignments_gets_a_page_in_each(
 
 
 def test_students_not_collected_from_moodle_are_named(canvas_course, tmp_path, monkeypatch, capsys):
-    assert write(canvas_course, monkeypatch, "--for", "moodle", "--to", str(tmp_path)) == 1
+    assert run_feedback(canvas_course, monkeypatch, "--for", "moodle", "--to", str(tmp_path)) == 1
     # Canvas's numbers must not be taken for Moodle's.
     assert not (tmp_path / f"{STAGE}_moodle.zip").exists()
     assert "bjorn: the work was not collected from a Moodle zip" in capsys.readouterr().out
@@ -677,7 +683,7 @@ def test_a_team_is_not_taken_for_a_participant(tmp_path, monkeypatch, capsys):
     answers = {"Team Red_53": "ada,bjorn"}
     teams = {"ada": ("Team Red", 53), "bjorn": ("Team Red", 53)}
     course = moodle_course(tmp_path / "course", teams, answers)
-    assert write(course, monkeypatch, "--for", "moodle", "--to", str(tmp_path)) == 0
+    assert run_feedback(course, monkeypatch, "--for", "moodle", "--to", str(tmp_path)) == 0
     assert [parse_moodle(name)[0] for name in archive(tmp_path / f"{STAGE}_moodle.zip")] == ["53"]
     told = capsys.readouterr()
     assert "bjorn: submitted as Team Red, which may be a team" in told.out

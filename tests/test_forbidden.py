@@ -50,7 +50,7 @@ def public_modules(tops):
                 yield found.name
 '''
 # Runs SWEEP like a notebook, in which some modules may already have been imported.
-IN_A_NOTEBOOK = (
+NOTEBOOK_SWEEP = (
     SWEEP
     + """
 import json
@@ -79,7 +79,7 @@ def import_names(packages):
 
 
 @functools.cache
-def in_the_sandbox(packages, without, forbidden, sandbox):
+def failed_imports_in_sandbox(packages, without, forbidden, sandbox):
     """Return the modules that cannot be imported in the sandbox, and the number of the others."""
     source = f"{SWEEP}\ndef f(tops, without):\n    return failures(tops, without)\n"
     program = Program((source,), ("f",), forbidden=forbidden, packages=packages)
@@ -90,11 +90,14 @@ def in_the_sandbox(packages, without, forbidden, sandbox):
 
 
 @functools.cache
-def in_a_notebook(packages, without, forbidden, first=()):
-    """Like `in_the_sandbox`, but in a notebook during a check; assert that no stand-ins remain."""
+def failed_imports_in_notebook(packages, without, forbidden, first=()):
+    """Like `failed_imports_in_sandbox`, but in a notebook during a check.
+
+    Assert that no stand-ins remain.
+    """
     given = json.dumps([import_names(packages), without, forbidden, first])
     done = subprocess.run(
-        [sys.executable, "-c", IN_A_NOTEBOOK, given],
+        [sys.executable, "-c", NOTEBOOK_SWEEP, given],
         cwd=PROJECT,
         capture_output=True,
         text=True,
@@ -110,13 +113,13 @@ def in_a_notebook(packages, without, forbidden, first=()):
 def test_all_modules_that_a_lesson_allows_can_be_imported(lesson, sandbox):
     """The result is the same in the sandbox, in a checked notebook, and without rules."""
     forbidden = lesson.header.forbidden
-    plain, count = in_a_notebook(PACKAGES, forbidden, ())
+    plain, count = failed_imports_in_notebook(PACKAGES, forbidden, ())
     assert count > 300
-    judged = in_the_sandbox(PACKAGES, forbidden, forbidden, sandbox)
-    assert judged == in_the_sandbox(PACKAGES, forbidden, (), sandbox)
+    judged = failed_imports_in_sandbox(PACKAGES, forbidden, forbidden, sandbox)
+    assert judged == failed_imports_in_sandbox(PACKAGES, forbidden, (), sandbox)
     loaded = tuple(name for name in forbidden if name.partition(".")[0] in import_names(PACKAGES))
     for first in {(), loaded}:
-        assert in_a_notebook(PACKAGES, forbidden, forbidden, first) == (plain, count)
+        assert failed_imports_in_notebook(PACKAGES, forbidden, forbidden, first) == (plain, count)
     # Modules that are missing only in the sandbox belong to packages that no lesson needs.
     visible = {path.stem for path in files_of_packages(PACKAGES)}
     only_there = {name: missing for name, (_, missing) in judged[0].items() if name not in plain}

@@ -55,7 +55,7 @@ nbgrader_plugin.current_verdict = judge_and_replace
 """
 
 
-def answer(*wrong):
+def answered_notebook(*wrong):
     """Return a notebook of lesson 06 with wrong answers to the exercises in `wrong`."""
     return fill_in(
         LESSON,
@@ -70,11 +70,11 @@ def answer(*wrong):
     )
 
 
-def quiet(done, total, what):
+def ignore_progress(done, total, what):
     """Ignore progress reports."""
 
 
-def rehearsed(course, lesson, seed=SEED):
+def record_rehearsal(course, lesson, seed=SEED):
     """Store a record that a lesson's solution has been judged, because judging it is slow."""
     path, key = record_of(course, lesson, seed)
     write_atomically(json.dumps(key), path)
@@ -82,35 +82,35 @@ def rehearsed(course, lesson, seed=SEED):
 
 def make_course(root, lesson, texts, sandbox):
     """Return a rehearsed course of one lesson; `texts` maps students to their notebooks."""
-    made = Course(root)
-    rehearsed(made, lesson)
+    course = Course(root)
+    record_rehearsal(course, lesson)
     for folder in ("solutions", "notebooks"):
         shutil.copytree(
             PROJECT / folder / lesson.stage,
-            made.root / folder / lesson.stage,
+            course.root / folder / lesson.stage,
             ignore=lambda folder, names: [name for name in names if not name.endswith(".ipynb")],
         )
-        for path in (made.root / folder / lesson.stage).glob("*.ipynb"):
+        for path in (course.root / folder / lesson.stage).glob("*.ipynb"):
             if path.stem != lesson.name:
                 path.unlink()
-    (made.root / "nbgrader_config.py").write_text(
+    (course.root / "nbgrader_config.py").write_text(
         CONFIGURATION.format(
-            project=str(PROJECT), root=str(made.root), seed=SEED, sandbox=sandbox.name
+            project=str(PROJECT), root=str(course.root), seed=SEED, sandbox=sandbox.name
         )
     )
     for student, text in texts.items():
-        path = made.submitted / student / lesson.stage / f"{lesson.name}.ipynb"
+        path = course.submitted / student / lesson.stage / f"{lesson.name}.ipynb"
         path.parent.mkdir(parents=True)
         path.write_text(text, "utf-8")
-    return made
+    return course
 
 
 def four_students():
     return {
-        "right": answer(),
-        "half": answer("filter_ground"),
+        "right": answered_notebook(),
+        "half": answered_notebook("filter_ground"),
         "untouched": fill_in(LESSON, {}),
-        "broken": answer()[:5000],
+        "broken": answered_notebook()[:5000],
     }
 
 
@@ -123,11 +123,11 @@ def course(tmp_path, sandbox):
 @pytest.fixture(scope="module")
 def verdicts(tmp_path_factory, sandbox):
     """Judge the four students once; copies of the course can use the same verdicts."""
-    made = make_course(
+    course = make_course(
         tmp_path_factory.mktemp("judged") / "course", LESSON, four_students(), sandbox
     )
-    judge_it(made, sandbox)
-    return made.verdicts
+    judge_course(course, sandbox)
+    return course.verdicts
 
 
 @pytest.fixture
@@ -144,7 +144,7 @@ def scores_by_verdict(judged):
     }
 
 
-def entered(course):
+def entered_scores(course):
     """Return the score of each student, stage and notebook in the gradebook."""
     results = class_results(course).notebooks
     return {
@@ -154,11 +154,13 @@ def entered(course):
     }
 
 
-def judge_it(course, sandbox, workers=2):
-    return grade.judge_class(course, (), SEED, sandbox, EXECUTORS["processes"], workers, quiet)
+def judge_course(course, sandbox, workers=2):
+    return grade.judge_class(
+        course, (), SEED, sandbox, EXECUTORS["processes"], workers, ignore_progress
+    )
 
 
-def nbgrader(course, *words):
+def run_nbgrader(course, *words):
     return subprocess.run(
         [sys.executable, "-m", "nbgrader", *words],
         cwd=course.root,
@@ -170,10 +172,10 @@ def nbgrader(course, *words):
 
 @pytest.mark.slow
 def test_scores_reach_the_gradebook(judged_course, sandbox):
-    judged = judge_it(judged_course, sandbox)
-    enter_verdicts(judged_course, judged, [LESSON.stage], quiet)
+    judged = judge_course(judged_course, sandbox)
+    enter_verdicts(judged_course, judged, [LESSON.stage], ignore_progress)
     expected = scores_by_verdict(judged)
-    assert entered(judged_course) == expected
+    assert entered_scores(judged_course) == expected
     assert expected["right", LESSON.stage, LESSON.name] == 30
     assert 20 <= expected["half", LESSON.stage, LESSON.name] < 30
     assert expected["untouched", LESSON.stage, LESSON.name] == 0
@@ -182,16 +184,16 @@ def test_scores_reach_the_gradebook(judged_course, sandbox):
 
 @pytest.mark.slow
 def test_commands_of_nbgrader_give_the_same_scores_without_hidden_tests(course, sandbox):
-    made = nbgrader(course, "generate_assignment", LESSON.stage, "--force")
+    made = run_nbgrader(course, "generate_assignment", LESSON.stage, "--force")
     assert made.returncode == 0, made.stderr
     assert (
         course.root / "notebooks" / LESSON.stage / f"{LESSON.name}.ipynb"
     ).read_bytes().strip() == LESSON.released.read_bytes().strip()
-    done = nbgrader(course, "autograde", LESSON.stage)
+    done = run_nbgrader(course, "autograde", LESSON.stage)
     assert done.returncode == 0, done.stderr
-    assert entered(course) == scores_by_verdict(judge_it(course, sandbox))
+    assert entered_scores(course) == scores_by_verdict(judge_course(course, sandbox))
 
-    feedback = nbgrader(course, "generate_feedback", LESSON.stage)
+    feedback = run_nbgrader(course, "generate_feedback", LESSON.stage)
     assert feedback.returncode == 0, feedback.stderr
     page = (course.root / "feedback" / "half" / LESSON.stage / f"{LESSON.name}.html").read_text()
     verdict = json.loads(
@@ -232,7 +234,7 @@ def test_reports_wait_for_a_person_and_keep_their_marks(tmp_path, sandbox):
         register_stages(course, book, [lesson.stage])
 
     def autograde():
-        done = nbgrader(course, "autograde", lesson.stage, "--force")
+        done = run_nbgrader(course, "autograde", lesson.stage, "--force")
         assert done.returncode == 0, done.stderr
         assert report in "\n".join(
             "".join(cell["source"])
@@ -252,7 +254,7 @@ def test_reports_wait_for_a_person_and_keep_their_marks(tmp_path, sandbox):
             }
 
     autograde()
-    assert entered(course) == scores_by_verdict(judge_it(course, sandbox))
+    assert entered_scores(course) == scores_by_verdict(judge_course(course, sandbox))
     assert grades("writer") == {
         "test_detect_obstacles": (0, None, False),
         "test_match_boxes": (5, None, False),
@@ -266,16 +268,16 @@ def test_reports_wait_for_a_person_and_keep_their_marks(tmp_path, sandbox):
         book.db.commit()
     autograde()
     assert grades("writer")["second_data_set"][1] == 4
-    assert entered(course)["writer", lesson.stage, lesson.name] == 9
+    assert entered_scores(course)["writer", lesson.stage, lesson.name] == 9
 
 
 @pytest.mark.slow
 def test_second_run_judges_only_changed_submissions(judged_course, sandbox, monkeypatch):
-    judge_it(judged_course, sandbox)
+    judge_course(judged_course, sandbox)
     before = {path: path.stat().st_mtime_ns for path in judged_course.verdicts.rglob("*.json")}
     path = judged_course.submitted / "untouched" / LESSON.stage / f"{LESSON.name}.ipynb"
-    path.write_text(answer(), "utf-8")
-    judged = judge_it(judged_course, sandbox)
+    path.write_text(answered_notebook(), "utf-8")
+    judged = judge_course(judged_course, sandbox)
     changed = {
         path.parent.parent.name for path in before if path.stat().st_mtime_ns != before[path]
     }
@@ -292,7 +294,7 @@ def test_a_verdict_without_a_fingerprint_is_judged_again(judged_course, sandbox)
     path.write_text(json.dumps(verdict), "utf-8")
     (half,) = [item for item in find_submissions(judged_course) if item.student == "half"]
     assert grade.stored_verdict(judged_course, half, SEED) is None
-    judged = {item.student: verdict for item, verdict in judge_it(judged_course, sandbox)}
+    judged = {item.student: verdict for item, verdict in judge_course(judged_course, sandbox)}
     assert json.loads(path.read_text("utf-8"))["fingerprint"] == fingerprint
     assert judged["half"] == grade.stored_verdict(judged_course, half, SEED)
     assert not {"fingerprint", "key"} & judged["half"].as_dict().keys()  # not shown to students
@@ -307,7 +309,7 @@ def test_a_submission_replaced_after_judging_is_not_entered(
 
     def judge_and_replace(*about):
         judged = original(*about)
-        (folder("half") / f"{LESSON.name}.ipynb").write_text(answer(), "utf-8")
+        (folder("half") / f"{LESSON.name}.ipynb").write_text(answered_notebook(), "utf-8")
         (folder("untouched") / "helper.py").write_text("x = 1", "utf-8")
         (folder("broken") / f"{LESSON.name}.ipynb").unlink()
         return judged
@@ -323,12 +325,12 @@ def test_a_submission_replaced_after_judging_is_not_entered(
         )
         assert f"{sentence} after it was judged" in errors
         assert errors.count(f"{student}, {LESSON.stage}") == 1
-    assert [student for student, *_ in entered(judged_course)] == ["right"]
+    assert [student for student, *_ in entered_scores(judged_course)] == ["right"]
     assert [path.name for path in judged_course.autograded.glob("*/*")] == [LESSON.stage]
 
     monkeypatch.setattr(grade, "judge_class", original)
     assert commands.grade_course(*grading) == commands.SUCCESS
-    scores = {student: score for (student, *_), score in entered(judged_course).items()}
+    scores = {student: score for (student, *_), score in entered_scores(judged_course).items()}
     assert scores == {"right": 30, "half": 30, "untouched": 0}
 
 
@@ -338,10 +340,10 @@ def test_nbgrader_does_not_enter_a_submission_replaced_after_judging(judged_cour
         file.write(JUDGE_AND_REPLACE)
     with gradebook.open_gradebook(judged_course) as book:
         register_stages(judged_course, book, [LESSON.stage])
-    done = nbgrader(judged_course, "autograde", LESSON.stage)
+    done = run_nbgrader(judged_course, "autograde", LESSON.stage)
     assert done.returncode == 1
     assert f"half, {LESSON.stage}: {LESSON.name}.ipynb, or a module" in done.stderr
-    scores = {student: score for (student, *_), score in entered(judged_course).items()}
+    scores = {student: score for (student, *_), score in entered_scores(judged_course).items()}
     assert scores["right"] == 30 and not scores.get("half")
     assert not (judged_course.autograded / "half" / LESSON.stage).exists()
 
@@ -352,20 +354,24 @@ def test_copies_of_modules_have_the_judged_text(judged_course, sandbox):
     folder = judged_course.submitted / "half" / LESSON.stage
     (folder / "helper.py").write_bytes(b"x = 'J\xfcrgen'\r\n")
     (folder / "seen.txt").write_bytes(b"\xfc")
-    enter_verdicts(judged_course, judge_it(judged_course, sandbox), [LESSON.stage], quiet)
+    enter_verdicts(
+        judged_course, judge_course(judged_course, sandbox), [LESSON.stage], ignore_progress
+    )
     copies = judged_course.autograded / "half" / LESSON.stage
     assert (copies / "helper.py").read_bytes() == "x = 'J\ufffdrgen'\r\n".encode()
     assert (copies / "seen.txt").read_bytes() == b"\xfc"
 
 
 @pytest.mark.slow
-def test_gradebook_follows_a_new_submission(judged_course, sandbox):
-    enter_verdicts(judged_course, judge_it(judged_course, sandbox), [LESSON.stage], quiet)
+def test_a_new_submission_changes_the_gradebook(judged_course, sandbox):
+    enter_verdicts(
+        judged_course, judge_course(judged_course, sandbox), [LESSON.stage], ignore_progress
+    )
     path = judged_course.submitted / "untouched" / LESSON.stage / f"{LESSON.name}.ipynb"
-    path.write_text(answer(), "utf-8")
-    judged = judge_it(judged_course, sandbox)
-    enter_verdicts(judged_course, judged, [LESSON.stage], quiet)
-    assert entered(judged_course) == scores_by_verdict(judged)
+    path.write_text(answered_notebook(), "utf-8")
+    judged = judge_course(judged_course, sandbox)
+    enter_verdicts(judged_course, judged, [LESSON.stage], ignore_progress)
+    assert entered_scores(judged_course) == scores_by_verdict(judged)
 
 
 @pytest.mark.slow
@@ -383,9 +389,9 @@ def test_tampered_metadata_and_deleted_test_cells_change_nothing(judged_course, 
         if cell["metadata"].get("nbgrader", {}).get("grade_id") != "test_voxel_grid"
     ]
     path.write_text(json.dumps(notebook))
-    judged = judge_it(judged_course, sandbox)
-    enter_verdicts(judged_course, judged, [LESSON.stage], quiet)
-    assert entered(judged_course) == scores_by_verdict(judged)
+    judged = judge_course(judged_course, sandbox)
+    enter_verdicts(judged_course, judged, [LESSON.stage], ignore_progress)
+    assert entered_scores(judged_course) == scores_by_verdict(judged)
 
 
 @pytest.mark.death
@@ -394,7 +400,7 @@ def test_a_run_killed_in_the_middle_loses_nothing(course, sandbox):
     for number in range(8):
         path = course.submitted / f"more{number}" / LESSON.stage / f"{LESSON.name}.ipynb"
         path.parent.mkdir(parents=True)
-        path.write_text(answer(), "utf-8")
+        path.write_text(answered_notebook(), "utf-8")
     code = (
         "from pathlib import Path; from grader.classroom import grade;"
         "from grader.classroom.pool import Pool;"
@@ -410,7 +416,7 @@ def test_a_run_killed_in_the_middle_loses_nothing(course, sandbox):
     running.wait()
     kept = {path: path.stat().st_mtime_ns for path in course.verdicts.rglob("*.json")}
     assert kept
-    judged = judge_it(course, sandbox)
+    judged = judge_course(course, sandbox)
     assert len(judged) == 12
     assert all(path.stat().st_mtime_ns == mtime for path, mtime in kept.items())
 
@@ -422,7 +428,7 @@ def test_plain_nbgrader_still_grades_with_the_visible_checks(course):
     import nbformat
     from nbgrader.utils import determine_grade
 
-    for text, score in ((answer(), 10.0), (answer("filter_ground"), 0.0)):
+    for text, score in ((answered_notebook(), 10.0), (answered_notebook("filter_ground"), 0.0)):
         notebook = nbformat.reads(text, as_version=4)
         notebook.cells = [
             cell
@@ -460,7 +466,7 @@ def test_unusual_files_and_names_do_not_stop_grading(judged_course, sandbox, cap
     pipe = judged_course.submitted / "pipe" / LESSON.stage / f"{LESSON.name}.ipynb"
     pipe.parent.mkdir(parents=True)
     os.mkfifo(pipe)
-    judged = judge_it(judged_course, sandbox)
+    judged = judge_course(judged_course, sandbox)
     by_student = {submission.student: verdict for submission, verdict in judged}
     assert by_student["right"].score == 30
     for student in ("[red]", "pipe"):
@@ -480,7 +486,7 @@ def test_a_failed_verdict_is_judged_again(course, sandbox, monkeypatch):
 
 
 @pytest.mark.slow
-def test_a_problem_is_text_and_not_markup(judged_course, sandbox):
+def test_a_problem_is_shown_as_text_and_not_as_markup(judged_course, sandbox):
     import nbformat
 
     from grader.judging.verdict import Verdict
@@ -488,7 +494,7 @@ def test_a_problem_is_text_and_not_markup(judged_course, sandbox):
 
     notebook = nbformat.reads(LESSON.released.read_text(), as_version=4)
     verdicts_by_student = {
-        submission.student: verdict for submission, verdict in judge_it(judged_course, sandbox)
+        submission.student: verdict for submission, verdict in judge_course(judged_course, sandbox)
     }
     verdict = verdicts_by_student["right"]
     problem = "![](http://example.org) [a](javascript:alert) <script>"
@@ -510,7 +516,7 @@ def test_the_report_escapes_text_of_students(judged_course, sandbox):
         ),
         "utf-8",
     )
-    page = write_report(judged_course, judge_it(judged_course, sandbox)).read_text("utf-8")
+    page = write_report(judged_course, judge_course(judged_course, sandbox)).read_text("utf-8")
     assert "<script>" not in page
     assert "&lt;script&gt;alert(1)" in page
     for words in ("4 students", "right", "Hardest checks", "not valid JSON"):
@@ -530,7 +536,7 @@ def test_demo_grades_its_class(stage, students, sandbox, monkeypatch, tmp_path, 
     output = capsys.readouterr().out
     assert "Report: " in output
     course = Course(tmp_path / "demo")
-    scores = entered(course)
+    scores = entered_scores(course)
     most = sum(
         exercise.points
         for lesson in all_lessons()

@@ -87,7 +87,7 @@ def verdicts(course, earned=EARNED, **more):
     ]
 
 
-def quiet(done, total, student):
+def ignore_progress(done, total, student):
     """Ignore progress reports."""
 
 
@@ -110,16 +110,16 @@ def course(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def entered_once(tmp_path_factory):
-    made = make_course(tmp_path_factory.mktemp("entered") / "course")
-    enter_verdicts(made, verdicts(made), [STAGE], quiet)
-    return made.root
+def entered_root(tmp_path_factory):
+    course = make_course(tmp_path_factory.mktemp("entered") / "course")
+    enter_verdicts(course, verdicts(course), [STAGE], ignore_progress)
+    return course.root
 
 
 @pytest.fixture
-def entered(entered_once, tmp_path):
+def entered_course(entered_root, tmp_path):
     """Return a copy of the course whose two students are in the gradebook."""
-    shutil.copytree(entered_once, tmp_path / "course")
+    shutil.copytree(entered_root, tmp_path / "course")
     paths._folder.cache_clear()
     return Course(tmp_path / "course")
 
@@ -183,44 +183,46 @@ def inode(course, student="ada"):
     return (course.autograded / student / STAGE).stat().st_ino
 
 
-def test_unchanged_marks_are_not_written_again(entered):
-    before = [inode(entered, student) for student in EARNED]
-    enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
-    assert [inode(entered, student) for student in EARNED] == before
+def test_unchanged_marks_are_not_written_again(entered_course):
+    before = [inode(entered_course, student) for student in EARNED]
+    enter_verdicts(entered_course, verdicts(entered_course), [STAGE], ignore_progress)
+    assert [inode(entered_course, student) for student in EARNED] == before
 
 
-def test_a_new_verdict_replaces_the_marks(entered):
-    before = inode(entered, "bob")
-    submit(entered, "ada", GROUND, " ")
+def test_a_new_verdict_replaces_the_marks(entered_course):
+    before = inode(entered_course, "bob")
+    submit(entered_course, "ada", GROUND, " ")
     earned = EARNED | {"ada": {GROUND: (10.0, 0.25), DISTANCE: (11.75, 2.0, 4.5)}}
-    enter_verdicts(entered, verdicts(entered, earned), [STAGE], quiet)
-    assert marks(entered) == expected_marks(earned)
-    assert inode(entered, "bob") == before
+    enter_verdicts(entered_course, verdicts(entered_course, earned), [STAGE], ignore_progress)
+    assert marks(entered_course) == expected_marks(earned)
+    assert inode(entered_course, "bob") == before
 
 
-def test_failed_verdicts_are_not_entered_and_old_marks_stay(entered):
-    judged = verdicts(entered)
+def test_failed_verdicts_are_not_entered_and_old_marks_stay(entered_course):
+    judged = verdicts(entered_course)
     failed = dataclasses.replace(judged[0][1], status=FAILED, score=0.0)
-    submit(entered, "bob", DISTANCE, " ")
+    submit(entered_course, "bob", DISTANCE, " ")
     earned = EARNED | {"bob": {DISTANCE: (7.0, 1.0, 2.0)}}
-    judged = [(judged[0][0], failed), *verdicts(entered, earned)[1:]]
+    judged = [(judged[0][0], failed), *verdicts(entered_course, earned)[1:]]
     with pytest.raises(GradebookError) as trouble:
-        enter_verdicts(entered, judged, [STAGE], quiet)
+        enter_verdicts(entered_course, judged, [STAGE], ignore_progress)
     (sentence,) = str(trouble.value).splitlines()[1:]
-    path = entered.verdicts / "ada" / STAGE / f"{GROUND.name}.json"
+    path = entered_course.verdicts / "ada" / STAGE / f"{GROUND.name}.json"
     assert sentence == (
         f"ada, {STAGE}: not entered, because the judge failed on {GROUND.name}. "
         f"See the reason in {path}"
     )
-    assert marks(entered) == expected_marks(earned)
+    assert marks(entered_course) == expected_marks(earned)
 
 
-def test_a_submission_that_this_machine_cannot_judge_is_named_with_the_reason(entered):
-    judged = verdicts(entered)
+def test_a_submission_that_this_machine_cannot_judge_is_named_with_the_reason(entered_course):
+    judged = verdicts(entered_course)
     problems = ("Code cell 7 needs Python 3.14 or later.",)
     failed = dataclasses.replace(judged[0][1], status=FAILED, problems=problems)
     with pytest.raises(GradebookError) as trouble:
-        enter_verdicts(entered, [(judged[0][0], failed), *judged[1:]], [STAGE], quiet)
+        enter_verdicts(
+            entered_course, [(judged[0][0], failed), *judged[1:]], [STAGE], ignore_progress
+        )
     (sentence,) = str(trouble.value).splitlines()[1:]
     assert sentence == (
         f"ada, {STAGE}: not entered, because {GROUND.name} was not judged. {problems[0]}"
@@ -233,7 +235,7 @@ def test_half_characters_do_not_prevent_entering(course):
     path = course.submitted / "ada" / STAGE / f"{GROUND.name}.ipynb"
     path.write_text(json.dumps(notebook))
     path.rename(path.with_name(f"{GROUND.name} \udce4.ipynb"))
-    enter_verdicts(course, verdicts(course), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course), [STAGE], ignore_progress)
     assert marks(course) == expected_marks()
     (copy,) = course.autograded.glob(f"ada/{STAGE}/{GROUND.name}.ipynb")
     assert "\ufffd half" in copy.read_text("utf-8")
@@ -244,7 +246,7 @@ def test_a_folder_whose_name_is_not_text_does_not_stop_the_class(course):
     shutil.copytree(course.submitted / "ada", folder)
     earned = EARNED | {folder.name: EARNED["ada"]}
     with pytest.raises(GradebookError) as trouble:
-        enter_verdicts(course, verdicts(course, earned), [STAGE], quiet)
+        enter_verdicts(course, verdicts(course, earned), [STAGE], ignore_progress)
     sentences = str(trouble.value).splitlines()[1:]
     assert sentences == [
         f"zo?, {STAGE}: not entered, because the name of the folder in submitted/ is not valid "
@@ -253,15 +255,15 @@ def test_a_folder_whose_name_is_not_text_does_not_stop_the_class(course):
     assert marks(course) == expected_marks()
 
 
-def test_a_submission_replaced_after_judging_is_not_entered(entered):
+def test_a_submission_replaced_after_judging_is_not_entered(entered_course):
     earned = EARNED | {"ada": {GROUND: (0.0, 0.0), DISTANCE: (0.0, 0.0, 0.0)}}
-    judged = verdicts(entered, earned)
-    submit(entered, "ada", GROUND, " ")
+    judged = verdicts(entered_course, earned)
+    submit(entered_course, "ada", GROUND, " ")
     with pytest.raises(GradebookError) as trouble:
-        enter_verdicts(entered, judged, [STAGE], quiet)
+        enter_verdicts(entered_course, judged, [STAGE], ignore_progress)
     (sentence,) = str(trouble.value).splitlines()[1:]
     assert "was replaced after it was judged" in sentence
-    assert marks(entered) == expected_marks()
+    assert marks(entered_course) == expected_marks()
 
 
 def test_an_error_for_one_student_does_not_stop_others_or_leave_partial_marks(course, monkeypatch):
@@ -275,7 +277,7 @@ def test_an_error_for_one_student_does_not_stop_others_or_leave_partial_marks(co
 
     monkeypatch.setattr(gradebook_writer, "_save", fail)
     with pytest.raises(GradebookError) as trouble:
-        enter_verdicts(course, verdicts(course), [STAGE], quiet)
+        enter_verdicts(course, verdicts(course), [STAGE], ignore_progress)
     assert str(trouble.value).splitlines() == [
         "The gradebook is not complete:",
         f"ada, {STAGE}: ValueError: no",
@@ -283,7 +285,7 @@ def test_an_error_for_one_student_does_not_stop_others_or_leave_partial_marks(co
     ]
     assert {student for student, _ in marks(course)} == {"bob"}
     assert not (course.autograded / "ada" / STAGE).exists()
-    enter_verdicts(course, verdicts(course), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course), [STAGE], ignore_progress)
     assert marks(course) == expected_marks()
 
 
@@ -293,7 +295,7 @@ def test_ctrl_c_leaves_no_partial_marks(course, monkeypatch):
 
     monkeypatch.setattr(gradebook_writer, "_save", kill)
     with pytest.raises(KeyboardInterrupt):
-        enter_verdicts(course, verdicts(course), [STAGE], quiet)
+        enter_verdicts(course, verdicts(course), [STAGE], ignore_progress)
     assert marks(course) == {}
 
 
@@ -352,7 +354,7 @@ def set_time(submission):
 
 @pytest.mark.end_to_end
 @pytest.mark.parametrize(
-    ("change", "says"),
+    ("change", "message"),
     [
         (lambda submission: None, None),
         (change_score(1.0), f"{GROUND.name}: test_voxel_grid has 9.5 points instead of 8.5"),
@@ -368,40 +370,40 @@ def set_time(submission):
         (set_time, f"ada, {STAGE}: the gradebook has a different submission time"),
     ],
 )
-def test_every_difference_is_named_and_corrected(entered, change, says):
-    alter(entered, change)
-    found = differences_in(entered)
-    assert len(found) == (says is not None)
-    assert all(sentence.endswith(says) for sentence in found)
-    before = inode(entered)
-    enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
-    assert differences_in(entered) == []
-    assert marks(entered) == {
+def test_every_difference_is_named_and_corrected(entered_course, change, message):
+    alter(entered_course, change)
+    found = differences_in(entered_course)
+    assert len(found) == (message is not None)
+    assert all(sentence.endswith(message) for sentence in found)
+    before = inode(entered_course)
+    enter_verdicts(entered_course, verdicts(entered_course), [STAGE], ignore_progress)
+    assert differences_in(entered_course) == []
+    assert marks(entered_course) == {
         cell: (pytest.approx(score, abs=1e-8), most)
         for cell, (score, most) in expected_marks().items()
     }
     # The maximum of a cell is corrected from the release, without entering students again.
-    assert (inode(entered) == before) == (says is None or "is worth" in says)
+    assert (inode(entered_course) == before) == (message is None or "is worth" in message)
 
 
-def test_points_for_a_missing_notebook_are_a_difference(entered):
-    entry = StageEntry("bob", STAGE, tuple(verdicts(entered)[2:]))
-    assert differences_in(entered, entry) == []
-    with gradebook.open_gradebook(entered) as book:
+def test_points_for_a_missing_notebook_are_a_difference(entered_course):
+    entry = StageEntry("bob", STAGE, tuple(verdicts(entered_course)[2:]))
+    assert differences_in(entered_course, entry) == []
+    with gradebook.open_gradebook(entered_course) as book:
         grade_of(book.find_submission(STAGE, "bob"), "filter_ground").auto_score = 0.5
         book.db.commit()
-    (sentence,) = differences_in(entered, entry)
+    (sentence,) = differences_in(entered_course, entry)
     assert sentence.endswith("test_filter_ground has 0.5 points instead of 0.0")
 
 
-def test_students_who_are_not_in_the_gradebook_are_named(entered):
+def test_students_who_are_not_in_the_gradebook_are_named(entered_course):
     entry = StageEntry("eve", STAGE, ())
-    assert differences_in(entered, entry) == [f"eve, {STAGE}: not in the gradebook"]
-    (submission, verdict), _ = verdicts(entered)[:2]
+    assert differences_in(entered_course, entry) == [f"eve, {STAGE}: not in the gradebook"]
+    (submission, verdict), _ = verdicts(entered_course)[:2]
     later = dataclasses.replace(submission, lesson=STREAM)
     other = dataclasses.replace(verdict, lesson=STREAM.name)
-    judged = (*verdicts(entered)[:2], (later, other))
-    assert differences_in(entered, StageEntry("ada", STAGE, judged)) == [
+    judged = (*verdicts(entered_course)[:2], (later, other))
+    assert differences_in(entered_course, StageEntry("ada", STAGE, judged)) == [
         f"ada, {STAGE}, {STREAM.name}: not in the gradebook"
     ]
 
@@ -410,24 +412,24 @@ def test_students_who_are_not_in_the_gradebook_are_named(entered):
 @pytest.mark.parametrize(
     "content", [None, "{", "[]", "{}", '{"metadata": 7}', '{"metadata": {"verdict_key": "x"}}']
 )
-def test_a_copy_of_another_verdict_is_replaced(entered, content):
-    path = entered.autograded / "ada" / STAGE / f"{DISTANCE.name}.ipynb"
+def test_a_copy_of_another_verdict_is_replaced(entered_course, content):
+    path = entered_course.autograded / "ada" / STAGE / f"{DISTANCE.name}.ipynb"
     path.unlink()
     if content is not None:
         path.write_text(content)
-    (sentence,) = differences_in(entered)
+    (sentence,) = differences_in(entered_course)
     assert (
         sentence == f"ada, {STAGE}, {DISTANCE.name}: the autograded copy belongs to another verdict"
     )
-    enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
-    assert differences_in(entered) == []
+    enter_verdicts(entered_course, verdicts(entered_course), [STAGE], ignore_progress)
+    assert differences_in(entered_course) == []
     assert json.loads(path.read_text())["metadata"]["verdict_key"]
 
 
 # ---- the release --------------------------------------------------------------------------------
 
 
-def registered(course):
+def register(course):
     with gradebook.open_gradebook(course) as book:
         told = []
         register_stages(course, book, [STAGE], told.append)
@@ -435,15 +437,15 @@ def registered(course):
 
 
 def test_only_released_lessons_are_registered(course):
-    assert registered(course) == ([], {GROUND.name, DISTANCE.name})
+    assert register(course) == ([], {GROUND.name, DISTANCE.name})
     shutil.rmtree(course.released)  # without a release, all lessons of the stage are registered
-    _, names = registered(course)
+    _, names = register(course)
     assert len(names) == 4 and "08_bounding_boxes" in names
     assert not (course.root / "notebooks").exists()  # registering does not create a release
 
 
 def test_a_registered_stage_does_not_prevent_registering_another(course):
-    registered(course)
+    register(course)
     with gradebook.open_gradebook(course) as book:
         register_stages(course, book, [STAGE, "stage1_ransac"])
         assert len(book.find_assignment("stage1_ransac").notebooks) == 3
@@ -467,7 +469,7 @@ EXTRA_CELLS = {
     ],
 )
 def test_only_lessons_that_differ_from_the_release_are_registered_again(course, monkeypatch, what):
-    registered(course)
+    register(course)
     saved = []
     original = registration.SaveCells.preprocess
 
@@ -476,7 +478,7 @@ def test_only_lessons_that_differ_from_the_release_are_registered_again(course, 
         return original(self, notebook, about)
 
     monkeypatch.setattr(registration.SaveCells, "preprocess", save)
-    assert registered(course)[0] == saved == []
+    assert register(course)[0] == saved == []
     with gradebook.open_gradebook(course) as book:
         notebook = book.find_notebook(GROUND.name, STAGE)
         cells = {
@@ -496,59 +498,61 @@ def test_only_lessons_that_differ_from_the_release_are_registered_again(course, 
         else:
             notebook.grade_cells[0].max_score += 1
         book.db.commit()
-    assert registered(course)[0] == [] and GROUND.name in saved
+    assert register(course)[0] == [] and GROUND.name in saved
     saved.clear()
-    assert registered(course)[0] == saved == []
+    assert register(course)[0] == saved == []
 
 
 # ---- withdrawn ----------------------------------------------------------------------------------
 
 
-def test_only_withdrawn_work_is_removed(entered):
-    judged = verdicts(entered)
-    enter_verdicts(entered, judged, ["stage1_ransac"], quiet)  # another stage
-    enter_verdicts(entered, judged[:2], [STAGE], quiet)
-    assert {student for student, _ in marks(entered)} == {"ada"}
-    assert not (entered.autograded / "bob" / STAGE).exists()
-    assert (entered.autograded / "ada" / STAGE).is_dir()
-    enter_verdicts(entered, [], [], quiet)  # no exercise was graded by hand
-    assert {student for student, _ in marks(entered)} == {"ada"}
+def test_only_withdrawn_work_is_removed(entered_course):
+    judged = verdicts(entered_course)
+    enter_verdicts(entered_course, judged, ["stage1_ransac"], ignore_progress)  # another stage
+    enter_verdicts(entered_course, judged[:2], [STAGE], ignore_progress)
+    assert {student for student, _ in marks(entered_course)} == {"ada"}
+    assert not (entered_course.autograded / "bob" / STAGE).exists()
+    assert (entered_course.autograded / "ada" / STAGE).is_dir()
+    enter_verdicts(entered_course, [], [], ignore_progress)  # no exercise was graded by hand
+    assert {student for student, _ in marks(entered_course)} == {"ada"}
 
 
-def test_withdrawn_work_is_removed_even_if_its_copies_are_gone(entered):
-    shutil.rmtree(entered.autograded)
-    enter_verdicts(entered, verdicts(entered)[2:], [STAGE], quiet)
-    assert {student for student, _ in marks(entered)} == {"bob"}
+def test_withdrawn_work_is_removed_even_if_its_copies_are_gone(entered_course):
+    shutil.rmtree(entered_course.autograded)
+    enter_verdicts(entered_course, verdicts(entered_course)[2:], [STAGE], ignore_progress)
+    assert {student for student, _ in marks(entered_course)} == {"bob"}
 
 
 @pytest.mark.end_to_end
 @pytest.mark.parametrize(
-    "given", [{"manual_score": 0.0}, {"extra_credit": 5.0}, {"extra_credit": -1.5}, "Well seen."]
+    "manual", [{"manual_score": 0.0}, {"extra_credit": 5.0}, {"extra_credit": -1.5}, "Well seen."]
 )
-def test_manual_marks_and_comments_are_never_removed(entered, given):
-    with gradebook.open_gradebook(entered) as book:
+def test_manual_marks_and_comments_are_never_removed(entered_course, manual):
+    with gradebook.open_gradebook(entered_course) as book:
         for student in EARNED:  # left behind when Formgrader removes a mark
             for notebook in book.find_submission(STAGE, student).notebooks:
                 notebook.grades[0].extra_credit, notebook.comments[0].manual_comment = 0.0, ""
         notebook = book.find_submission_notebook(DISTANCE.name, STAGE, "ada")
-        if isinstance(given, str):
-            notebook.comments[0].manual_comment = given
+        if isinstance(manual, str):
+            notebook.comments[0].manual_comment = manual
         else:
-            for name, points in given.items():
+            for name, points in manual.items():
                 setattr(notebook.grades[-1], name, points)
         book.db.commit()
     with pytest.raises(GradebookError) as trouble:
-        enter_verdicts(entered, [], ["stage1_ransac", STAGE], quiet)
+        enter_verdicts(entered_course, [], ["stage1_ransac", STAGE], ignore_progress)
     (sentence,) = str(trouble.value).splitlines()[1:]
     assert sentence.startswith(f"ada, {STAGE}: the submission is gone")
     assert f"Gradebook.remove_submission('{STAGE}', 'ada')" in sentence
-    assert {student for student, _ in marks(entered)} == {"ada"}  # Bob's submission is removed
-    assert (entered.autograded / "ada" / STAGE).is_dir()
+    assert {student for student, _ in marks(entered_course)} == {
+        "ada"
+    }  # Bob's submission is removed
+    assert (entered_course.autograded / "ada" / STAGE).is_dir()
 
 
 # ---- time ---------------------------------------------------------------------------------------
 
-LATE = """
+LATE_PLUGIN = """
 c = get_config()
 c.AssignLatePenalties.plugin_class = "grader.lms.late.PercentPerDay"
 c.PercentPerDay.percent = 10
@@ -565,34 +569,36 @@ def set_due(course, hour):
     ("seconds", "lost"),
     [(-1, {}), (0, {}), (1, {"ada": pytest.approx(3.0)}), (2400, {"ada": pytest.approx(3.0)})],
 )
-def test_late_students_lose_the_penalty_of_the_course(entered, seconds, lost):
-    (entered.root / "nbgrader_config.py").write_text(LATE)
-    path = entered.submitted / "ada" / STAGE / "timestamp.txt"
+def test_late_students_lose_the_penalty_of_the_course(entered_course, seconds, lost):
+    (entered_course.root / "nbgrader_config.py").write_text(LATE_PLUGIN)
+    path = entered_course.submitted / "ada" / STAGE / "timestamp.txt"
     submitted_at = datetime.datetime(2026, 3, 1, 12) + datetime.timedelta(seconds=seconds)
     path.write_text(f"{submitted_at + datetime.timedelta(hours=1)} CET\n")
-    set_due(entered, "12")
-    enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
-    assert penalties(entered) == lost
-    with gradebook.open_gradebook(entered) as book:
+    set_due(entered_course, "12")
+    enter_verdicts(entered_course, verdicts(entered_course), [STAGE], ignore_progress)
+    assert penalties(entered_course) == lost
+    with gradebook.open_gradebook(entered_course) as book:
         assert book.find_submission(STAGE, "ada").timestamp == submitted_at
         assert book.find_submission(STAGE, "bob").timestamp is None
-    assert differences_in(entered) == []
-    set_due(entered, "14")  # the due date changes
-    assert len(differences_in(entered)) == 2 * len(lost)
-    enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
-    assert penalties(entered) == {}
+    assert differences_in(entered_course) == []
+    set_due(entered_course, "14")  # the due date changes
+    assert len(differences_in(entered_course)) == 2 * len(lost)
+    enter_verdicts(entered_course, verdicts(entered_course), [STAGE], ignore_progress)
+    assert penalties(entered_course) == {}
 
 
 @pytest.mark.end_to_end
 @pytest.mark.parametrize(("hour", "lost"), [("14", {}), ("12", {}), ("11", {"ada": 30.0})])
-def test_a_penalty_without_time_applies_to_late_students(entered, hour, lost):
-    (entered.root / "nbgrader_config.py").write_text(
+def test_a_penalty_without_time_applies_to_late_students(entered_course, hour, lost):
+    (entered_course.root / "nbgrader_config.py").write_text(
         "c = get_config()\nc.LateSubmissionPlugin.penalty_method = 'zero'\n"
     )
-    (entered.submitted / "ada" / STAGE / "timestamp.txt").write_text("2026-03-01 12:00:00 UTC")
-    set_due(entered, hour)
-    enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
-    assert penalties(entered) == lost
+    (entered_course.submitted / "ada" / STAGE / "timestamp.txt").write_text(
+        "2026-03-01 12:00:00 UTC"
+    )
+    set_due(entered_course, hour)
+    enter_verdicts(entered_course, verdicts(entered_course), [STAGE], ignore_progress)
+    assert penalties(entered_course) == lost
 
 
 @pytest.mark.parametrize(
@@ -604,54 +610,56 @@ def test_a_penalty_without_time_applies_to_late_students(entered, hour, lost):
         ("2027-03-27T20:00", "2027-03-28 20:30 Europe/Berlin", 6.0),  # 23.5 hours
     ],
 )
-def test_penalties_count_days_on_the_clock(entered, due, submitted, lost):
-    (entered.root / "nbgrader_config.py").write_text(LATE)
+def test_penalties_count_days_on_the_clock(entered_course, due, submitted, lost):
+    (entered_course.root / "nbgrader_config.py").write_text(LATE_PLUGIN)
     dates = f'timezone = "Europe/Berlin"\n[{STAGE}]\ndue = {due}:00\n'
-    (entered.root / "deadlines.toml").write_text(dates)
-    (entered.submitted / "ada" / STAGE / "timestamp.txt").write_text(submitted)
-    enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
-    assert penalties(entered) == {"ada": pytest.approx(lost)}
-    (stage,) = [one for one in class_results(entered).stages if one.student == "ada"]
+    (entered_course.root / "deadlines.toml").write_text(dates)
+    (entered_course.submitted / "ada" / STAGE / "timestamp.txt").write_text(submitted)
+    enter_verdicts(entered_course, verdicts(entered_course), [STAGE], ignore_progress)
+    assert penalties(entered_course) == {"ada": pytest.approx(lost)}
+    (stage,) = [one for one in class_results(entered_course).stages if one.student == "ada"]
     assert math.ceil(stage.late / datetime.timedelta(days=1)) == lost / 3
-    with gradebook.open_gradebook(entered) as book:
+    with gradebook.open_gradebook(entered_course) as book:
         for notebook in book.find_submission(STAGE, "ada").notebooks:
             notebook.late_submission_penalty = None
         book.db.commit()
     plugin = {"plugin_class": "grader.lms.late.PercentPerDay"}  # now with nbgrader's own command
-    converter = make_converter(Autograde, entered.root, STAGE, AssignLatePenalties=plugin)
+    converter = make_converter(Autograde, entered_course.root, STAGE, AssignLatePenalties=plugin)
     exporter = NotebookExporter(parent=converter, config=converter.config)
     step = LatePenalties(parent=exporter)
     names = {"assignment": STAGE, "student": "ada", "db_url": converter.coursedir.db_url}
     for lesson in (GROUND, DISTANCE):
         step.preprocess(None, {"nbgrader": {**names, "notebook": lesson.name}})
-    assert penalties(entered) == {"ada": pytest.approx(lost)}
+    assert penalties(entered_course) == {"ada": pytest.approx(lost)}
 
 
-def test_without_a_penalty_plugin_late_students_lose_no_points(entered):
-    (entered.submitted / "ada" / STAGE / "timestamp.txt").write_text("2026-03-01 13:00:00 UTC")
-    set_due(entered, "11")
-    enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
-    assert penalties(entered) == {}
+def test_late_students_lose_no_points_without_a_penalty_plugin(entered_course):
+    (entered_course.submitted / "ada" / STAGE / "timestamp.txt").write_text(
+        "2026-03-01 13:00:00 UTC"
+    )
+    set_due(entered_course, "11")
+    enter_verdicts(entered_course, verdicts(entered_course), [STAGE], ignore_progress)
+    assert penalties(entered_course) == {}
 
 
 @pytest.mark.end_to_end
 @pytest.mark.parametrize("text", [b"yesterday", b"\xff\xfe", b"9" * 400, b"", b" \n"])
-def test_lateness_of_an_unreadable_time_is_undecided(entered, text):
-    path = entered.submitted / "ada" / STAGE / "timestamp.txt"
+def test_lateness_of_an_unreadable_time_is_undecided(entered_course, text):
+    path = entered_course.submitted / "ada" / STAGE / "timestamp.txt"
     path.write_bytes(text)
 
     def undecided():
-        enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
-        stages = class_results(entered).stages
+        enter_verdicts(entered_course, verdicts(entered_course), [STAGE], ignore_progress)
+        stages = class_results(entered_course).stages
         return [stage.student for stage in stages if stage.undecided]
 
     assert undecided() == []  # there is no due date
-    set_due(entered, "11")
+    set_due(entered_course, "11")
     assert undecided() == ["ada"]
-    assert marks(entered) == expected_marks() and penalties(entered) == {}
+    assert marks(entered_course) == expected_marks() and penalties(entered_course) == {}
     path.unlink()  # without the file, a time is not required
     assert undecided() == []
-    assert differences_in(entered) == []
+    assert differences_in(entered_course) == []
 
 
 # ---- files --------------------------------------------------------------------------------------
@@ -673,7 +681,7 @@ def test_files_next_to_a_notebook_are_copied(course):
     (course.root / "secret.txt").write_text("secret")
     (folder / "link.txt").symlink_to(course.root / "secret.txt")
     os.mkfifo(folder / "pipe.txt")
-    enter_verdicts(course, verdicts(course), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course), [STAGE], ignore_progress)
     copies = course.autograded / "ada" / STAGE
     files = {str(path.relative_to(copies)): path for path in copies.rglob("*") if path.is_file()}
     assert set(files) == {
@@ -684,17 +692,19 @@ def test_files_next_to_a_notebook_are_copied(course):
     assert files["helper.py"].read_text("utf-8") == "x = 1  # caf\ufffd"  # as judged
     assert {path.name for path in copies.parent.iterdir()} == {STAGE}  # no temporary folders
     (folder / "helper.py").unlink()
-    enter_verdicts(course, verdicts(course, key="another"), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course, key="another"), [STAGE], ignore_progress)
     assert not files["helper.py"].exists() and files[f"{GROUND.name}.ipynb"].exists()
 
 
-def test_folders_of_a_killed_run_are_removed(entered):
+def test_folders_of_a_killed_run_are_removed(entered_course):
     for name in (f".{STAGE}.part", f".{STAGE}.old"):
-        (entered.autograded / "ada" / name).mkdir()
-        (entered.autograded / "ada" / name / "stray.txt").write_text("stray")
-    enter_verdicts(entered, verdicts(entered, key="another"), [STAGE], quiet)
-    assert [path.name for path in (entered.autograded / "ada").iterdir()] == [STAGE]
-    assert not (entered.autograded / "ada" / STAGE / "stray.txt").exists()
+        (entered_course.autograded / "ada" / name).mkdir()
+        (entered_course.autograded / "ada" / name / "stray.txt").write_text("stray")
+    enter_verdicts(
+        entered_course, verdicts(entered_course, key="another"), [STAGE], ignore_progress
+    )
+    assert [path.name for path in (entered_course.autograded / "ada").iterdir()] == [STAGE]
+    assert not (entered_course.autograded / "ada" / STAGE / "stray.txt").exists()
 
 
 # ---- one transaction ----------------------------------------------------------------------------
@@ -743,7 +753,7 @@ def test_an_error_rolls_the_transaction_back(error):
 
 
 @pytest.fixture
-def written(tmp_path):
+def course_with_answer(tmp_path):
     """Return a course of lesson 12 and a function that enters a written answer."""
     course = Course(tmp_path / "course")
     (course.released / STREAM.stage).mkdir(parents=True)
@@ -758,7 +768,7 @@ def written(tmp_path):
         earned = [1.25] * len(STREAM.machine_graded)
         verdict = verdict_on(course, submission, earned)
         verdict = dataclasses.replace(verdict, key=f"of {text}")
-        enter_verdicts(course, [(submission, verdict)], [STREAM.stage], quiet)
+        enter_verdicts(course, [(submission, verdict)], [STREAM.stage], ignore_progress)
 
     return course, enter_answer
 
@@ -777,8 +787,8 @@ def about_answer(course, manual_score=None):
         return grade.manual_score, grade.needs_manual_grade, comment.auto_comment
 
 
-def test_a_changed_answer_must_be_graded_again(written):
-    course, enter_answer = written
+def test_a_changed_answer_must_be_graded_again(course_with_answer):
+    course, enter_answer = course_with_answer
     enter_answer("It finds 14 of 17 cars.")
     assert about_answer(course) == (None, True, None)
     assert class_results(course).notebooks[0].standing == WAITING
@@ -791,8 +801,8 @@ def test_a_changed_answer_must_be_graded_again(written):
 
 
 @pytest.mark.end_to_end
-def test_the_comment_on_a_missing_answer_says_so(written):
-    course, enter_answer = written
+def test_the_comment_on_a_missing_answer_says_that_the_answer_is_missing(course_with_answer):
+    course, enter_answer = course_with_answer
     enter_answer("")
     assert about_answer(course)[2] == "No response."
     assert class_results(course).notebooks[0].score == 1.25 * len(STREAM.machine_graded)
@@ -819,20 +829,20 @@ def test_the_location_of_the_gradebook_hides_the_password(course):
 
 
 @pytest.mark.parametrize(
-    ("url", "says"),
+    ("url", "message"),
     [
         ("sqlite:///nowhere/gradebook.db", "cannot be opened: (sqlite3.OperationalError) unable"),
         ("postgresql+nobody://host/grades", "cannot be opened: "),
         ("postgresql+psycopg2cffi://host/grades", "needs the package psycopg2cffi, which is not"),
     ],
 )
-def test_the_error_about_a_gradebook_that_does_not_open_names_the_setting(course, url, says):
+def test_the_error_about_a_gradebook_that_does_not_open_names_the_setting(course, url, message):
     (course.root / "nbgrader_config.py").write_text(
         f"c = get_config()\nc.CourseDirectory.db_url = {url!r}\n"
     )
     with pytest.raises(GradebookUnavailable) as caught, gradebook.open_gradebook(course):
         pass
-    assert says in str(caught.value) and "\n" not in str(caught.value)
+    assert message in str(caught.value) and "\n" not in str(caught.value)
     assert "c.CourseDirectory.db_url" in str(caught.value)
     assert ".. c.Course" not in str(caught.value)
 
@@ -843,37 +853,37 @@ def use_database(course, address):
     )
 
 
-def test_a_gradebook_of_an_older_nbgrader_is_named_with_the_remedy(entered):
-    connection = sqlite3.connect(entered.root / "gradebook.db")
+def test_a_gradebook_of_an_older_nbgrader_is_named_with_the_remedy(entered_course):
+    connection = sqlite3.connect(entered_course.root / "gradebook.db")
     connection.execute("ALTER TABLE grade DROP COLUMN extra_credit")
     connection.close()
     for use in (
-        lambda: enter_verdicts(entered, verdicts(entered), [STAGE], quiet),
-        lambda: class_results(entered),
-        lambda: FeedbackWriter(entered, STAGE),
+        lambda: enter_verdicts(entered_course, verdicts(entered_course), [STAGE], ignore_progress),
+        lambda: class_results(entered_course),
+        lambda: FeedbackWriter(entered_course, STAGE),
     ):
         with pytest.raises(GradebookUnavailable, match="older .* Run: nbgrader db upgrade"):
             use()
-    (finding,) = check_gradebook(entered)
+    (finding,) = check_gradebook(entered_course)
     assert not finding.good and finding.text.endswith("Run: nbgrader db upgrade")
 
 
 @pytest.mark.parametrize("lock", ["EXCLUSIVE", "IMMEDIATE"])
-def test_a_locked_gradebook_is_named_in_one_sentence(entered, lock, caplog):
-    path = entered.root / "gradebook.db"
-    use_database(entered, f"sqlite:///{path}?timeout=0.01")
+def test_a_locked_gradebook_is_named_in_one_sentence(entered_course, lock, caplog):
+    path = entered_course.root / "gradebook.db"
+    use_database(entered_course, f"sqlite:///{path}?timeout=0.01")
     connection = sqlite3.connect(path, isolation_level=None)
     connection.execute(f"BEGIN {lock}")
     earned = EARNED | {"bob": {DISTANCE: (7.0, 1.0, 2.0)}}
     with pytest.raises(GradebookUnavailable, match="locked, .* same command again in a minute"):
-        enter_verdicts(entered, verdicts(entered, earned), [STAGE], quiet)
-    (entered.root / "roster.csv").write_text("id\nada\nbob\nzoe\n")  # nbgrader adds Zoe
+        enter_verdicts(entered_course, verdicts(entered_course, earned), [STAGE], ignore_progress)
+    (entered_course.root / "roster.csv").write_text("id\nada\nbob\nzoe\n")  # nbgrader adds Zoe
     with pytest.raises(GradebookUnavailable, match="locked, .* same command again in a minute"):
-        enter_verdicts(entered, verdicts(entered), [STAGE], quiet)
+        enter_verdicts(entered_course, verdicts(entered_course), [STAGE], ignore_progress)
     assert caplog.records == []  # nbgrader logs a traceback
     connection.close()
-    enter_verdicts(entered, verdicts(entered, earned), [STAGE], quiet)
-    assert marks(entered) == expected_marks(earned)
+    enter_verdicts(entered_course, verdicts(entered_course, earned), [STAGE], ignore_progress)
+    assert marks(entered_course) == expected_marks(earned)
 
 
 @pytest.mark.parametrize("kind", [StageEntry, GradebookRow])
@@ -881,6 +891,6 @@ def test_entries_and_rows_are_frozen(kind):
     assert kind.__dataclass_params__.frozen
 
 
-def test_a_student_without_work_is_not_in_the_gradebook(entered):
-    with gradebook.open_gradebook(entered) as book, pytest.raises(MissingEntry):
+def test_a_student_without_work_is_not_in_the_gradebook(entered_course):
+    with gradebook.open_gradebook(entered_course) as book, pytest.raises(MissingEntry):
         book.find_submission(STAGE, "eve")

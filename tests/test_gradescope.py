@@ -145,7 +145,7 @@ def test_a_submission_changed_after_judging_gets_no_mark(course, run, change):
     assert "not the one that was judged" in run(exported, "anna", "anna@x.edu")
 
 
-def test_no_student_gets_the_mark_of_another(course, run):
+def test_no_student_gets_the_mark_of_another_student(course, run):
     exported = write(course)
     assert "not the one that was judged" in run(exported, "anna", "bo@x.edu")
     assert "There is no mark for cy@x.edu" in run(exported, "anna", "cy@x.edu")

@@ -21,8 +21,8 @@ from grader.lms.history import read_changes
 from grader.lms.results import MARKED, ClassResults, NotebookResult, StageResult
 from grader.lms.standings import class_results
 from grader.sandbox import SANDBOXES
-from tests.test_faults import Inline
-from tests.test_gradebook import EARNED, GROUND, LATE, STAGE, make_course, submit, verdicts
+from tests.test_faults import InlineExecutor
+from tests.test_gradebook import EARNED, GROUND, LATE_PLUGIN, STAGE, make_course, submit, verdicts
 
 ROSTER = (
     "id,first_name,last_name,section\nada,Ada,Ash,A\nbob,Bob,Bell,B\nidle,Ida,Ling,B\n"
@@ -41,7 +41,7 @@ def course(tmp_path, monkeypatch):
     made = make_course(tmp_path / "course")
     (made.root / "roster.csv").write_text(ROSTER)
     (made.root / "deadlines.toml").write_text(DATES)
-    (made.root / "nbgrader_config.py").write_text(LATE)
+    (made.root / "nbgrader_config.py").write_text(LATE_PLUGIN)
     for student in EARNED:
         path = made.submitted / student / STAGE / "timestamp.txt"
         path.write_text("2026-03-02 15:00:00 UTC")
@@ -93,7 +93,7 @@ def test_the_table_distinguishes_marks_missing_excused_and_unknown_students(cour
     assert f"{people} students and 1 not on the roster, " in page
 
 
-def test_zeros_and_waiting_marks_are_not_dashes(course, capsys, monkeypatch):
+def test_zeros_and_waiting_marks_are_not_shown_as_dashes(course, capsys, monkeypatch):
     grade(course)
     with gradebook.open_gradebook(course) as book:
         notebook = book.find_submission_notebook(GROUND.name, STAGE, "ada")
@@ -119,7 +119,7 @@ def test_long_ids_are_printed_whole(capsys):
     assert all(id in output for id in ids)
 
 
-def test_lateness_names_its_stage_if_there_are_several(capsys):
+def test_lateness_is_shown_with_its_stage_if_there_are_several_stages(capsys):
     late = {"stage1_ransac": timedelta(hours=30), "stage3_obstacles": timedelta(hours=5)}
     stages = [
         StageResult("ada", stage, MARKED, 10.0, 10.0, 2.0, late=lateness)
@@ -142,7 +142,7 @@ def test_lateness_names_its_stage_if_there_are_several(capsys):
 
 
 @pytest.mark.end_to_end
-def test_without_a_roster_the_table_has_students_who_submitted(course, capsys):
+def test_the_table_has_the_students_who_submitted_if_there_is_no_roster(course, capsys):
     for name in ("roster.csv", "deadlines.toml"):
         (course.root / name).unlink()
     assert grade(course) == commands.SUCCESS
@@ -220,7 +220,7 @@ def test_only_the_named_student_is_judged_again(course, monkeypatch):
     monkeypatch.setattr(grading, "stored_verdict", lambda *arguments: stored)
     monkeypatch.setattr(grading, "judge_one", judge_one)
     monkeypatch.setattr(grading.Rehearsals, "passed", lambda *arguments: True)
-    arguments = (course, (), 2**64, WITHOUT_SANDBOX, Inline, 1, lambda *news: None)
+    arguments = (course, (), 2**64, WITHOUT_SANDBOX, InlineExecutor, 1, lambda *news: None)
     done = grading.judge_class(*arguments, student="ada")
     assert {submission.student for submission, _ in done} == {"ada"}
     assert sorted(judged) == [("ada", lesson.name) for lesson in EARNED["ada"]]
@@ -244,7 +244,7 @@ def test_unreadable_settings_are_reported_before_judging(course, capsys, command
 
 def findings(course, monkeypatch):
     monkeypatch.setattr(doctor.Rehearsals, "finish", lambda *about: None)
-    about_grading = doctor.examine(course, 1, WITHOUT_SANDBOX, Inline(1), progress_bar)
+    about_grading = doctor.examine(course, 1, WITHOUT_SANDBOX, InlineExecutor(1), progress_bar)
     found = [*about_grading, *check_gradebook(course)]
     return [(finding.subject, finding.good, finding.text) for finding in found]
 
@@ -306,18 +306,20 @@ def test_the_doctor_names_marks_of_students_who_are_not_on_the_roster(course, mo
 
 
 @pytest.mark.parametrize(
-    ("url", "says"),
+    ("url", "message"),
     [
         ("postgresql://t:s@127.0.0.1:1/x", "needs the package psycopg2, which is not installed."),
         ("postgresql+pg8000://t:s@127.0.0.1:1/x", "cannot be opened: "),
         ("nonsense", "cannot be opened: "),
     ],
 )
-def test_a_gradebook_that_cannot_be_opened_is_reported(course, monkeypatch, capsys, url, says):
+def test_a_gradebook_that_cannot_be_opened_is_reported(course, monkeypatch, capsys, url, message):
     with (course.root / "nbgrader_config.py").open("a") as file:
         file.write(f"c.CourseDirectory.db_url = {url!r}\n")
     assert cli.main(["export"]) == commands.USAGE_ERROR
     text = capsys.readouterr().err
-    assert text.startswith("The gradebook") and says in text and "c.CourseDirectory.db_url" in text
+    assert (
+        text.startswith("The gradebook") and message in text and "c.CourseDirectory.db_url" in text
+    )
     wrong = {subject: text for subject, good, text in findings(course, monkeypatch) if not good}
-    assert says in wrong["gradebook"]
+    assert message in wrong["gradebook"]

@@ -12,11 +12,11 @@ from grader.course import paths
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
 from grader.course.paths import PROJECT, Course
-from tests.archives import canvas_files, moodle_files, worksheet, zipped
+from tests.archives import canvas_files, make_zip, moodle_files, worksheet
 from tests.platforms import Canvas, CanvasStudent, Moodle, MoodleStudent
-from tests.test_course import REPORT, by_hand, with_report
-from tests.test_grade import CONFIGURATION, SEED, answer
-from tests.test_gradebook import LATE
+from tests.test_course import REPORT, enter_manual_mark, with_report
+from tests.test_grade import CONFIGURATION, SEED, answered_notebook
+from tests.test_gradebook import LATE_PLUGIN
 
 SIX, TWELVE = find_lesson("06_filter_ground"), find_lesson("12_streaming_obstacles")
 PEOPLE = (  # ID, first and last name, section, number in Canvas, number in Moodle
@@ -44,23 +44,23 @@ LATE_TIMES = "id,Last modified (submission)\nbjorn,2026-10-14 08:00\ngus,2026-10
 @pytest.fixture
 def course(tmp_path, sandbox, monkeypatch):
     """Return a course with a roster, dates and a penalty, but without submissions."""
-    made = Course(tmp_path / "course")
+    course = Course(tmp_path / "course")
     for kind, lesson in ((f, item) for f in ("solutions", "notebooks") for item in (SIX, TWELVE)):
-        folder = made.root / kind / lesson.stage
+        folder = course.root / kind / lesson.stage
         folder.mkdir(parents=True)
         shutil.copy(PROJECT / kind / lesson.stage / f"{lesson.name}.ipynb", folder)
-    values = {"project": str(PROJECT), "root": str(made.root), "seed": SEED}
-    settings = CONFIGURATION.format(**values, sandbox=sandbox.name) + LATE
-    (made.root / "nbgrader_config.py").write_text(settings)
-    with open(made.root / "roster.csv", "w", encoding="utf-8", newline="") as file:
+    values = {"project": str(PROJECT), "root": str(course.root), "seed": SEED}
+    settings = CONFIGURATION.format(**values, sandbox=sandbox.name) + LATE_PLUGIN
+    (course.root / "nbgrader_config.py").write_text(settings)
+    with open(course.root / "roster.csv", "w", encoding="utf-8", newline="") as file:
         table = csv.writer(file)
         table.writerow(["id", "first_name", "last_name", "section", "lms_id", "email"])
         for id, first, last, section, number, _ in PEOPLE:
             table.writerow([id, first, last, section, number, f"{id}@x.edu"])
-    (made.root / "deadlines.toml").write_text(DATES)
-    monkeypatch.setattr(commands, "Course", lambda: made)
+    (course.root / "deadlines.toml").write_text(DATES)
+    monkeypatch.setattr(commands, "Course", lambda: course)
     paths._folder.cache_clear()
-    return made
+    return course
 
 
 def half_right():
@@ -71,11 +71,11 @@ def half_right():
 
 def from_canvas(again=False):
     """Return Canvas's zip for stage 3, with unusual file names and a student who has left."""
-    right = answer().encode()
+    right = answered_notebook().encode()
     work = {
         "ada": [(f"{SIX.name}.ipynb", half_right())],
         "bjorn": [(f"Übung {SIX.name}.ipynb", right if again else half_right())],
-        "cy": [("homework.zip", zipped([(f"hw/{SIX.name}.ipynb", right)]))],
+        "cy": [("homework.zip", make_zip([(f"hw/{SIX.name}.ipynb", right)]))],
         "dan": [("6.ipynb", right)],
         "gus": [(f"{SIX.name}.ipynb", half_right())],
     }
@@ -83,18 +83,18 @@ def from_canvas(again=False):
     for place, (id, first, last, _, number, _) in enumerate(PEOPLE):
         given = [(100 * (1 + again) + place, *attachment) for attachment in work.get(id, ())]
         files += canvas_files(f"{last}, {first}", number, given, late=id in ("bjorn", "gus"))
-    return zipped(files)
+    return make_zip(files)
 
 
 def from_moodle():
     """Return Moodle's zip for stage 4, with the write-ups of a student and of a team."""
     data = with_report(REPORT).encode()
     files = moodle_files("Ada Ash", 51, [(f"{TWELVE.name}.ipynb", data)])
-    return zipped(files + moodle_files("Team Red", 7, [(f"{TWELVE.name}.ipynb", data)]))
+    return make_zip(files + moodle_files("Team Red", 7, [(f"{TWELVE.name}.ipynb", data)]))
 
 
 @pytest.mark.proof
-def test_a_grading_day_leads_from_two_zips_to_marks_in_two_platforms(course, tmp_path, capsys):
+def test_two_zips_become_marks_on_two_platforms(course, tmp_path, capsys):
     def run(*words):
         capsys.readouterr()
         status = cli.main([str(word) for word in words])
@@ -123,7 +123,7 @@ def test_a_grading_day_leads_from_two_zips_to_marks_in_two_platforms(course, tmp
     status, output = run("grade")
     assert status == 0 and "8 notebooks: 8 judged" in output
     for student, mark in (("ada", 8.0), ("bjorn", 9.0), ("cy", 9.0)):
-        by_hand(course, student, mark)
+        enter_manual_mark(course, student, mark)
     assert "0 judged" in run("grade")[1]
 
     # Export to Canvas, where a mark has changed in the meantime. Bjorn loses 20 % of 30 points, and

@@ -15,7 +15,7 @@ from grader.course.paths import PROJECT
 from tests.prerequisites import without_bubblewrap
 
 SEED = 20_170_405
-JUDGE = """
+JUDGE_PROGRAM = """
 import json, sys
 from pathlib import Path
 from grader.judging.judge import judge
@@ -26,7 +26,7 @@ print(json.dumps(verdict.as_dict()))
 
 
 @pytest.fixture(scope="module")
-def half(tmp_path_factory):
+def half_right_notebook(tmp_path_factory):
     """Return a notebook of lesson 06 that earns some points and loses others."""
     lesson = find_lesson("06_filter_ground")
     wrong = next(variant.source for variant in answers_to("filter_ground") if not variant.right)
@@ -39,7 +39,7 @@ def half(tmp_path_factory):
 def verdict_of(path, sandbox, folder=PROJECT, python=sys.executable, **environment):
     """Judge in a new process; return the verdict without its run time."""
     done = subprocess.run(
-        [python, "-c", JUDGE, str(path), str(SEED), sandbox.name],
+        [python, "-c", JUDGE_PROGRAM, str(path), str(SEED), sandbox.name],
         cwd=folder,
         env={**os.environ, "PYTHONPATH": str(PROJECT), **environment},
         capture_output=True,
@@ -53,9 +53,9 @@ def verdict_of(path, sandbox, folder=PROJECT, python=sys.executable, **environme
 
 
 @pytest.fixture(scope="module")
-def plain(half, sandbox):
+def plain_verdict(half_right_notebook, sandbox):
     """Return the verdict that the judge reaches in an ordinary environment."""
-    verdict = verdict_of(half, sandbox)
+    verdict = verdict_of(half_right_notebook, sandbox)
     assert 0 < verdict["score"] < verdict["max_score"]
     return verdict
 
@@ -79,12 +79,14 @@ def plain(half, sandbox):
     ],
     ids=lambda environment: " ".join(f"{name}={text}" for name, text in environment.items()),
 )
-def test_no_variable_changes_a_verdict(environment, half, plain, sandbox):
-    assert verdict_of(half, sandbox, **environment) == plain
+def test_no_variable_changes_a_verdict(environment, half_right_notebook, plain_verdict, sandbox):
+    assert verdict_of(half_right_notebook, sandbox, **environment) == plain_verdict
 
 
 @pytest.mark.slow
-def test_files_of_pytest_do_not_change_a_verdict(half, plain, sandbox, tmp_path):
+def test_files_of_pytest_do_not_change_a_verdict(
+    half_right_notebook, plain_verdict, sandbox, tmp_path
+):
     """The judge ignores pytest's files in the notebook's folder and in the folders above it."""
     course = tmp_path / "above" / "course"
     course.mkdir(parents=True)
@@ -93,28 +95,30 @@ def test_files_of_pytest_do_not_change_a_verdict(half, plain, sandbox, tmp_path)
         (folder / "pytest.ini").write_text("[pytest]\naddopts = -k visible\n")
         (folder / "sitecustomize.py").write_text("raise SystemExit('read')")
         (folder / "pytest.py").write_text("raise SystemExit('read')")
-    copy = course / half.name
-    copy.write_bytes(half.read_bytes())
+    copy = course / half_right_notebook.name
+    copy.write_bytes(half_right_notebook.read_bytes())
     assert "raise" in (course / "conftest.py").read_text()
     # With `-c`, Python imports from the working folder, so the judge starts in another folder.
-    assert verdict_of(copy, sandbox) == plain
+    assert verdict_of(copy, sandbox) == plain_verdict
 
 
 @pytest.mark.slow
-def test_python_may_have_a_relative_path(half, plain, sandbox, tmp_path):
+def test_python_may_have_a_relative_path(half_right_notebook, plain_verdict, sandbox, tmp_path):
     """The path leads several folders up and down again."""
     python = os.path.relpath(sys.executable, tmp_path)
     assert not os.path.isabs(python)
-    assert verdict_of(half, sandbox, folder=tmp_path, python=python) == plain
+    assert verdict_of(half_right_notebook, sandbox, folder=tmp_path, python=python) == plain_verdict
 
 
 @pytest.mark.slow
-def test_the_working_folder_does_not_change_a_verdict(half, plain, sandbox, tmp_path):
+def test_the_working_folder_does_not_change_a_verdict(
+    half_right_notebook, plain_verdict, sandbox, tmp_path
+):
     folder = tmp_path / "ein Ordner mit \N{LATIN SMALL LETTER U WITH DIAERESIS} [red] $(x) %s"
     folder.mkdir()
-    copy = folder / half.name
-    copy.write_bytes(half.read_bytes())
-    assert verdict_of(copy, sandbox, folder=folder) == plain
+    copy = folder / half_right_notebook.name
+    copy.write_bytes(half_right_notebook.read_bytes())
+    assert verdict_of(copy, sandbox, folder=folder) == plain_verdict
 
 
 # ---- Tests that require a sandbox -------------------------------------------------------------

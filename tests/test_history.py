@@ -15,10 +15,10 @@ from tests.test_gradebook import (
     DISTANCE,
     EARNED,
     GROUND,
-    LATE,
+    LATE_PLUGIN,
     STAGE,
+    ignore_progress,
     make_course,
-    quiet,
     set_due,
     submit,
     verdicts,
@@ -28,15 +28,15 @@ FIRST, SECOND, *_ = (exercise.name for exercise in GROUND.machine_graded)
 
 
 @pytest.fixture(scope="module")
-def entered_once(tmp_path_factory):
-    made = make_course(tmp_path_factory.mktemp("history") / "course")
-    enter_verdicts(made, verdicts(made), [STAGE], quiet)
-    return made.root
+def entered_root(tmp_path_factory):
+    course = make_course(tmp_path_factory.mktemp("history") / "course")
+    enter_verdicts(course, verdicts(course), [STAGE], ignore_progress)
+    return course.root
 
 
 @pytest.fixture
-def course(entered_once, tmp_path):
-    shutil.copytree(entered_once, tmp_path / "course")
+def course(entered_root, tmp_path):
+    shutil.copytree(entered_root, tmp_path / "course")
     paths._folder.cache_clear()
     return Course(tmp_path / "course")
 
@@ -44,14 +44,14 @@ def course(entered_once, tmp_path):
 def enter_again(course, earned=EARNED, **more):
     """Enter the class again; return (student, exercise, before, after, by) for each new change."""
     before = len(list(read_changes(course)))
-    enter_verdicts(course, verdicts(course, earned, **more), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course, earned, **more), [STAGE], ignore_progress)
     return [
         (change.student, change.exercise, change.before, change.after, change.by)
         for change in list(read_changes(course))[before:]
     ]
 
 
-def by_hand(course, student, exercise, **values):
+def enter_manual_mark(course, student, exercise, **values):
     with gradebook.open_gradebook(course) as book:
         grade = book.find_grade(f"test_{exercise}", GROUND.name, STAGE, student)
         for name, value in values.items():
@@ -95,30 +95,30 @@ def test_a_change_names_the_new_verdict(course):
 
 @pytest.mark.end_to_end
 def test_manual_marks_are_logged(course):
-    by_hand(course, "ada", SECOND, manual_score=12.0, needs_manual_grade=False)
+    enter_manual_mark(course, "ada", SECOND, manual_score=12.0, needs_manual_grade=False)
     assert enter_again(course) == [("ada", SECOND, 8.5, 12.0, "a person")]
-    by_hand(course, "ada", SECOND, extra_credit=0.5)
+    enter_manual_mark(course, "ada", SECOND, extra_credit=0.5)
     assert enter_again(course) == [("ada", SECOND, 12.0, 12.5, "a person")]
-    by_hand(course, "ada", SECOND, manual_score=None, extra_credit=None)
+    enter_manual_mark(course, "ada", SECOND, manual_score=None, extra_credit=None)
     assert enter_again(course) == [("ada", SECOND, 12.5, 8.5, "a person")]
 
 
 def test_a_new_verdict_does_not_change_a_manual_mark(course):
-    by_hand(course, "ada", SECOND, manual_score=12.0, needs_manual_grade=False)
+    enter_manual_mark(course, "ada", SECOND, manual_score=12.0, needs_manual_grade=False)
     enter_again(course)
     earned = EARNED | {"ada": EARNED["ada"] | {GROUND: (3.25, 2.0)}}
     assert enter_again(course, earned, key="k2") == []
-    by_hand(course, "ada", SECOND, manual_score=None)
+    enter_manual_mark(course, "ada", SECOND, manual_score=None)
     assert enter_again(course, earned, key="k2") == [("ada", SECOND, 12.0, 2.0, "a person")]
 
 
 def test_a_manual_mark_for_a_missing_notebook_is_logged(course):
-    by_hand(course, "bob", FIRST, manual_score=0.0)
+    enter_manual_mark(course, "bob", FIRST, manual_score=0.0)
     assert enter_again(course) == [("bob", FIRST, None, 0.0, "a person")]
 
 
 def test_a_penalty_is_logged_separately(course):
-    (course.root / "nbgrader_config.py").write_text(LATE)
+    (course.root / "nbgrader_config.py").write_text(LATE_PLUGIN)
     (course.submitted / "bob" / STAGE / "timestamp.txt").write_text("2026-03-01 12:00:00 UTC")
     set_due(course, "11")
     assert enter_again(course) == [
@@ -138,7 +138,7 @@ def test_withdrawn_work_is_logged(course):
     ] * 3
 
 
-def test_changes_of_a_killed_run_are_logged_by_the_next(course, monkeypatch):
+def test_changes_of_a_killed_run_are_logged_by_the_next_run(course, monkeypatch):
     calls = []
     original = gradebook_writer.log_changes
 
@@ -174,19 +174,19 @@ def test_a_damaged_log_is_continued_and_keeps_readable_lines(course, spoil):
     assert enter_again(course) == []
 
 
-def test_grading_one_student_does_not_remove_others(course):
+def test_grading_one_student_does_not_remove_other_students(course):
     judged = [pair for pair in verdicts(course) if pair[0].student == "ada"]
     changed = [
         (submission, dataclasses.replace(verdict, key=f"{verdict.key}, again"))
         for submission, verdict in judged
     ]
-    enter_verdicts(course, changed, [STAGE], quiet, student="ada")
+    enter_verdicts(course, changed, [STAGE], ignore_progress, student="ada")
     with gradebook.open_gradebook(course) as book:
         assert {
             submission.student.id for submission in book.find_assignment(STAGE).submissions
         } == {"ada", "bob"}
     shutil.rmtree(course.submitted / "ada")
-    enter_verdicts(course, [], [STAGE], quiet, student="ada")
+    enter_verdicts(course, [], [STAGE], ignore_progress, student="ada")
     with gradebook.open_gradebook(course) as book:
         assert {
             submission.student.id for submission in book.find_assignment(STAGE).submissions

@@ -33,7 +33,7 @@ from utils.notebooks import slicing
 
 LIMITS = Limits(call_seconds=6)
 # Functions of earlier lessons that lesson 12 uses, and the detector that its hints describe.
-EARLIER = {
+EARLIER_FUNCTIONS = {
     "01_point_clouds": ("drop_invalid",),
     "06_filter_ground": ("filter_ground", "voxel_grid"),
     "07_filter_by_distance": ("crop_region", "remove_ego_returns"),
@@ -134,7 +134,7 @@ def test_solution_earns_everything_on_four_more_seeds(lesson, sandbox):
 @pytest.mark.slow
 def test_a_detector_made_of_the_lessons_functions_earns_everything(sandbox, tmp_path):
     cells = []
-    for name, functions in EARLIER.items():
+    for name, functions in EARLIER_FUNCTIONS.items():
         statements, _ = slicing.parse_notebook([find_lesson(name).source.read_text("utf-8")])
         cells.append(
             "".join(
@@ -187,14 +187,14 @@ def test_untouched_notebook_earns_nothing(lesson, sandbox, tmp_path, monkeypatch
     ],
     ids=["the last cell", "a cell less", "each stub", "a cell at the end", "a cell between"],
 )
-def test_changed_notebooks_are_not_as_released(change):
+def test_changed_notebooks_do_not_count_as_released(change):
     lesson = find_lesson("06_filter_ground")
     released = read_notebook(lesson.released).code
     assert preflight._is_as_released(lesson, ["", *released, " \n"])
     assert not preflight._is_as_released(lesson, change([*released]))
 
 
-def test_every_exercise_has_enough_variants(lesson):
+def test_every_exercise_has_five_right_and_eight_wrong_variants(lesson):
     for exercise in lesson.exercises:
         if not exercise.by_hand:
             right = [variant.right for variant in answers_to(exercise.name)]
@@ -228,7 +228,9 @@ def notebook_of(lesson, variants, folder):
 
 
 @pytest.mark.parametrize("chosen, variants", list(notebooks(right=False, few=1)))
-def test_wrong_variants_lose_the_right_points(chosen, variants, sandbox, tmp_path, monkeypatch):
+def test_wrong_variants_lose_the_checks_in_their_notes(
+    chosen, variants, sandbox, tmp_path, monkeypatch
+):
     monkeypatch.setattr(repair, "ONE_SLIP_KEEPS", 0)  # so only the checks decide
     verdict = judge(notebook_of(chosen, variants, tmp_path), 1, sandbox, limits=LIMITS)
     broken = {answer.name: wrong_notes(answer, verdict) for answer in variants}

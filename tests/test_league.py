@@ -39,7 +39,7 @@ from grader.judging.key import with_imports
 from grader.sandbox import Limits
 from grader.sandbox.program import Program
 from grader.sandbox.student import StudentProxy
-from tests.test_faults import Inline
+from tests.test_faults import InlineExecutor
 from utils.drive import Street, on_time
 from utils.drive.actors import standing
 from utils.drive.loop import drive
@@ -49,11 +49,11 @@ from utils.simulator.traffic import car
 
 SEED = 271_828_182_845_904_523_536
 LESSON = lesson_of_league("stage4_realtime")
-FEW = Sensor(layers(6, -2.0, -9.0), np.radians(2.0), maximum_range=30.0)
-BLINKERED = Sensor(layers(2, 0.0, -1.0), np.radians(90), maximum_range=5.0)
-NOTHING = StreetPlan(parked=np.inf, furniture=np.inf, walkers=np.inf)
-FREE = Street(1, "A made-up street", plan=NOTHING)
-BLOCKED = replace(FREE, actors=(standing(car(), 30.0, EGO_LANE),))
+SPARSE_SENSOR = Sensor(layers(6, -2.0, -9.0), np.radians(2.0), maximum_range=30.0)
+NARROW_SENSOR = Sensor(layers(2, 0.0, -1.0), np.radians(90), maximum_range=5.0)
+EMPTY_PLAN = StreetPlan(parked=np.inf, furniture=np.inf, walkers=np.inf)
+FREE_STREET = Street(1, "A made-up street", plan=EMPTY_PLAN)
+BLOCKED_STREET = replace(FREE_STREET, actors=(standing(car(), 30.0, EGO_LANE),))
 
 IMPORTS = "import numpy as np\n"
 AHEAD = (
@@ -69,16 +69,16 @@ def detect_obstacles(cloud):
 )
 
 
-def returning(expression, before=""):
+def detector_returning(expression, before=""):
     """Return the code of a detector that answers every cloud with `expression`."""
     return f"{IMPORTS}{before}\ndef detect_obstacles(cloud):\n    return {expression}\n"
 
 
-def drive_with(sandbox, source, street=FREE, seconds=2.0, **limits):
+def drive_with(sandbox, source, street=FREE_STREET, seconds=2.0, **limits):
     program = Program((source,), (DETECTOR,))
     limits = Limits(**{"call_seconds": 1.0, "total_seconds": 20.0, **limits})
     with StudentProxy(program, sandbox, limits) as student:
-        return drive_in_sandbox(street, student, "k", seconds=seconds, sensor=BLINKERED)
+        return drive_in_sandbox(street, student, "k", seconds=seconds, sensor=NARROW_SENSOR)
 
 
 # Streets and names --------------------------------------------------------------------------
@@ -116,26 +116,30 @@ def test_a_folder_name_that_is_not_text_has_a_pseudonym():
 def test_a_drive_in_the_sandbox_equals_one_in_this_process(sandbox):
     program = Program((AHEAD,), (DETECTOR,))
     with StudentProxy(program, sandbox) as student:
-        driven = drive_in_sandbox(BLOCKED, student, seconds=5.0, sensor=FEW)
+        driven = drive_in_sandbox(BLOCKED_STREET, student, seconds=5.0, sensor=SPARSE_SENSOR)
     functions = {}
     exec(AHEAD, functions)
-    expected = drive(BLOCKED, functions[DETECTOR], clock=on_time, seconds=5.0, sensor=FEW)
+    expected = drive(
+        BLOCKED_STREET, functions[DETECTOR], clock=on_time, seconds=5.0, sensor=SPARSE_SENSOR
+    )
     assert not driven.collision and not driven.failed
     assert driven.metres == pytest.approx(expected.metres, abs=0.1)
     assert 18 < driven.metres < 28 and driven.needless == (False,)
 
 
 def test_stored_answers_reproduce_the_drive(sandbox):
-    driven = drive_with(sandbox, returning("np.random.rand(3, 8, 3) * 9 - 4"), BLOCKED, 3.0)
+    driven = drive_with(
+        sandbox, detector_returning("np.random.rand(3, 8, 3) * 9 - 4"), BLOCKED_STREET, 3.0
+    )
     assert not driven.stopped
     stored = from_json(driven.as_json())
     assert stored == driven
-    again, report = repeat_drive(stored, BLOCKED, seconds=3.0, sensor=BLINKERED)
+    again, report = repeat_drive(stored, BLOCKED_STREET, seconds=3.0, sensor=NARROW_SENSOR)
     assert (round(again.metres, 1), report.collision) == (driven.metres, driven.collision)
     assert tuple(map(str, report.brakings)) == driven.brakings
 
 
-ODD = {
+ODD_ANSWERS = {
     "a text": "'boxes'",
     "nothing": "None",
     "an object": "type('Box', (), {'__array__': 5, '__len__': 6})()",
@@ -149,16 +153,16 @@ ODD = {
 }
 
 
-@pytest.mark.parametrize("answer", ODD.values(), ids=ODD)
+@pytest.mark.parametrize("answer", ODD_ANSWERS.values(), ids=ODD_ANSWERS)
 def test_a_detector_without_boxes_is_stopped_with_a_fixed_message(answer, sandbox):
-    driven = drive_with(sandbox, returning(answer), seconds=4.0)
+    driven = drive_with(sandbox, detector_returning(answer), seconds=4.0)
     assert driven.failed == MOST_FAILURES and driven.metres == 0
     assert driven.stopped.startswith(f"It returned no boxes for {MOST_FAILURES} scans. ")
     assert driven.failure in driven.stopped
     assert "Secret" not in driven.stopped and "word" not in driven.stopped
 
 
-FINE = {
+ACCEPTED_BOXES = {
     "no box": ("[]", 0),
     "none that is finite": ("np.full((4, 8, 3), np.nan)", 0),
     "infinitely far": ("np.full((4, 8, 3), 1e300)", 0),
@@ -168,16 +172,18 @@ FINE = {
 }
 
 
-@pytest.mark.parametrize(("answer", "count"), FINE.values(), ids=FINE)
+@pytest.mark.parametrize(("answer", "count"), ACCEPTED_BOXES.values(), ids=ACCEPTED_BOXES)
 def test_boxes_that_are_not_finite_are_dropped(answer, count, sandbox):
-    driven = drive_with(sandbox, returning(answer), seconds=0.5)
+    driven = drive_with(sandbox, detector_returning(answer), seconds=0.5)
     assert not driven.stopped and not driven.failed
-    drives, _ = repeat_drive(driven, FREE, seconds=0.5, sensor=BLINKERED)
+    drives, _ = repeat_drive(driven, FREE_STREET, seconds=0.5, sensor=NARROW_SENSOR)
     assert {len(moment.boxes) for moment in drives.moments} == {count}
 
 
 def test_a_few_failed_scans_are_reported_but_do_not_stop_a_drive(sandbox):
-    source = returning("calls.append(0) or ([] if len(calls) % 5 else 1 / 0)", "calls = []")
+    source = detector_returning(
+        "calls.append(0) or ([] if len(calls) % 5 else 1 / 0)", "calls = []"
+    )
     driven = drive_with(sandbox, source, seconds=2.0)
     assert not driven.stopped and driven.failed == 4
     (sentence,) = problem_sentences(driven)
@@ -186,20 +192,20 @@ def test_a_few_failed_scans_are_reported_but_do_not_stop_a_drive(sandbox):
     )
 
 
-ENDS = {
+ENDLESS_DETECTORS = {
     "never ends": ("while True: pass", "loop that never ends"),
     "leaves": ("import os; os._exit(0)", "ended in the middle"),
     "eats memory": ("return bytearray(2**33)", ""),
 }
 
 
-@pytest.mark.parametrize(("line", "words"), ENDS.values(), ids=ENDS)
+@pytest.mark.parametrize(("line", "words"), ENDLESS_DETECTORS.values(), ids=ENDLESS_DETECTORS)
 def test_a_detector_that_never_answers_stops_only_its_own_drive(line, words, sandbox):
     source = f"{IMPORTS}def detect_obstacles(cloud):\n    {line}\n"
     driven = drive_with(sandbox, source, call_seconds=0.5)
     assert driven.stopped and words in driven.stopped and driven.metres == 0
-    assert counted_metres(FREE, driven) == 0
-    assert not drive_with(sandbox, returning("[]"), seconds=0.5).stopped
+    assert counted_metres(FREE_STREET, driven) == 0
+    assert not drive_with(sandbox, detector_returning("[]"), seconds=0.5).stopped
 
 
 def test_the_message_about_an_unreadable_notebook_does_not_quote_it():
@@ -233,16 +239,16 @@ def test_the_key_of_a_drive_covers_the_files_that_decide_it(monkeypatch):
 
 def test_metres_count_beyond_the_stopping_distance():
     free = 30 / 3.6 * 0.5 + (30 / 3.6) ** 2 / 14
-    assert counted_metres(FREE, DriveResult(1, 100.0)) == round(100 - free)
-    assert counted_metres(FREE, DriveResult(1, 100.0, needless=(True, False, True))) == round(
-        80 - free
-    )
-    assert counted_metres(FREE, DriveResult(1, free)) == 0
-    assert counted_metres(FREE, DriveResult(1, 100.0, collision="A sentence.")) == 0
-    assert counted_metres(FREE, DriveResult(1, 100.0, stopped="A sentence.")) == 0
+    assert counted_metres(FREE_STREET, DriveResult(1, 100.0)) == round(100 - free)
+    assert counted_metres(
+        FREE_STREET, DriveResult(1, 100.0, needless=(True, False, True))
+    ) == round(80 - free)
+    assert counted_metres(FREE_STREET, DriveResult(1, free)) == 0
+    assert counted_metres(FREE_STREET, DriveResult(1, 100.0, collision="A sentence.")) == 0
+    assert counted_metres(FREE_STREET, DriveResult(1, 100.0, stopped="A sentence.")) == 0
 
 
-def everywhere():
+def boxes_everywhere():
     x, y = np.mgrid[-4:40:3.0, -6:6:3.0].reshape(2, -1)
     return np.stack([box(*place) for place in zip(x, y, strict=True)])
 
@@ -255,7 +261,7 @@ def box(x, y=0.0, size=2.0):
 
 CHEAP = {
     "no boxes": np.empty((0, 8, 3)),
-    "boxes everywhere": everywhere(),
+    "boxes everywhere": boxes_everywhere(),
     "one around everything": box(-30.0, size=60.0)[None],
     "fixed boxes next to the road": np.stack([box(x, y) for x in (5, 15, 25) for y in (-4, 4)]),
     **{f"one box {x} m ahead": box(2.6 + x)[None] for x in (1, 3, 4, 5, 7, 9, 12)},
@@ -263,7 +269,7 @@ CHEAP = {
 
 
 def cheap_points(street, boxes):
-    result = drive(street, lambda cloud: boxes, clock=on_time, sensor=BLINKERED)
+    result = drive(street, lambda cloud: boxes, clock=on_time, sensor=NARROW_SENSOR)
     return counted_metres(street, drives._summarize_drive(result, ""))
 
 
@@ -289,7 +295,7 @@ def entrant(name, student=True):
 def season_of(drives):
     known = {entrant(TRUE_BOXES, False): {1: DriveResult(1, 120.0)}}
     known |= {entrant(name): {1: driven} for name, driven in drives.items()}
-    return Season(LESSON, (FREE,), (), known)
+    return Season(LESSON, (FREE_STREET,), (), known)
 
 
 def test_places_are_shared_and_references_have_none():
@@ -328,7 +334,7 @@ def course(tmp_path):
 
     course = Course(tmp_path)
     submit("ada")
-    submit("ben", {DETECTOR: returning("[]")})
+    submit("ben", {DETECTOR: detector_returning("[]")})
     return course, submit
 
 
@@ -347,7 +353,7 @@ def jobs(monkeypatch):
 
 
 def drive_the_class(course, sandbox, progress=lambda *about: None, **more):
-    return drive_class(course, LESSON, SEED, sandbox, Inline, 2, progress, **more)
+    return drive_class(course, LESSON, SEED, sandbox, InlineExecutor, 2, progress, **more)
 
 
 def test_one_student_drives_while_others_take_part_with_stored_drives(course, jobs, sandbox):
@@ -356,7 +362,7 @@ def test_one_student_drives_while_others_take_part_with_stored_drives(course, jo
     assert [entrant.name for entrant in only_ada.students] == ["ada"]
     assert len(jobs) == 3 * len(draw_streets(SEED))  # two reference entrants
     jobs.clear()
-    submit("ada", {DETECTOR: returning("None")})
+    submit("ada", {DETECTOR: detector_returning("None")})
     both = drive_the_class(folder, sandbox, students=["ben"])
     assert [entrant.name for entrant in both.students] == ["ben"], "Ada's new work has not driven"
     assert len(jobs) == len(draw_streets(SEED))
@@ -379,7 +385,7 @@ def test_the_command_takes_a_student_and_a_number_of_streets(
     course, jobs, sandbox, monkeypatch, capsys
 ):
     monkeypatch.setattr("extension.league.command.Course", lambda: course[0])
-    monkeypatch.setattr("grader.classroom.executors.EXECUTORS", {"processes": Inline})
+    monkeypatch.setattr("grader.classroom.executors.EXECUTORS", {"processes": InlineExecutor})
     monkeypatch.setattr(page, "_film_best_drive", lambda *about: None)
     call = ["league", LESSON.stage, "--seed", str(SEED), "--sandbox", sandbox.name]
     assert cli.main([*call, "--student", "zoe"]) == 2
@@ -396,7 +402,7 @@ def test_a_class_drives_once_and_new_submissions_drive_again(course, jobs, sandb
     assert [student.name for student in first.students] == ["ada", "ben"]
     jobs.clear()
     assert drive_the_class(course, sandbox).drives.values() and jobs == []
-    submit("ben", {DETECTOR: returning("[[]]")})
+    submit("ben", {DETECTOR: detector_returning("[[]]")})
     drive_the_class(course, sandbox)
     assert [number for _, number in jobs] == [1, 2, 3, 4, 5, 6]
 
@@ -434,7 +440,7 @@ def test_a_drive_that_kills_its_process_twice_is_a_fault(course, jobs, sandbox, 
         return original(submitted_files, lesson, number, seed, sandbox)
 
     course, submit = course
-    submit("eve", {DETECTOR: returning("[[]]")})
+    submit("eve", {DETECTOR: detector_returning("[[]]")})
     monkeypatch.setattr(season, "drive_submission", deadly)
     result = drive_the_class(course, sandbox)
     assert len(tries) == 2
@@ -547,7 +553,7 @@ def test_names_are_in_a_file_separate_from_the_page(league_files):
 
 
 def test_the_film_shows_the_best_detector_in_the_hardest_street(monkeypatch):
-    streets = (FREE, replace(FREE, number=2), replace(FREE, number=3))
+    streets = (FREE_STREET, replace(FREE_STREET, number=2), replace(FREE_STREET, number=3))
     crash = "The drive ends."
     drives = {
         entrant(TRUE_BOXES, False): {n: DriveResult(n, 120.0) for n in (1, 2, 3)},
@@ -580,7 +586,7 @@ def test_a_class_drives_and_right_answers_drive_farther(tmp_path, sandbox, monke
         "right": answers["the functions of the lessons, pasted into separate cells"],
         "blind": answers["returns no boxes"],
         "walls": answers["one box around everything"],
-        "raises": returning("1 / 0"),
+        "raises": detector_returning("1 / 0"),
         "hangs": f"{IMPORTS}def detect_obstacles(cloud):\n    while True: pass\n",
     }
     for student, source in submitted_files.items():

@@ -7,7 +7,7 @@ import time
 import numpy as np
 import pytest
 
-from tests.notebook_runs import children
+from tests.notebook_runs import child_processes
 from tests.prerequisites import PATIENCE
 from utils.checks import check, checks_of, line_hint
 from utils.checks.core import ChecksFailed, run_check
@@ -162,12 +162,12 @@ def test_all_lines_that_can_be_changed_are_named():
     assert [text_of(line) for line in place.lines] == [line.text for line in place.lines]
 
 
-def test_many_possible_lines_give_no_hint(monkeypatch):
+def test_there_is_no_hint_if_too_many_lines_are_possible(monkeypatch):
     monkeypatch.setattr(line_hint, "MOST_LINES", 2)
     assert find_line_hint(turned_twice, CHECKS, failed_checks(turned_twice)) is None
 
 
-def test_two_mistakes_give_no_hint():
+def test_there_is_no_hint_for_two_mistakes():
     assert find_line_hint(wrong_twice, CHECKS, failed_checks(wrong_twice)) is None
 
 
@@ -209,19 +209,19 @@ def test_an_endless_loop_is_stopped_in_time(monkeypatch):
 @pytest.mark.slow
 def test_no_process_is_left(monkeypatch):
     monkeypatch.setattr(line_hint, "SECONDS", 0.5)
-    others = children()
+    others = child_processes()
     find_line_hint(never_ends, CHECKS, CHECKS[:1])
-    assert children() <= others
+    assert child_processes() <= others
 
 
 @pytest.mark.parametrize(
     "function", [len, np.hypot, lambda p, q: (1.0, 0.0, 0.0), type("A", (), {})]
 )
-def test_a_function_without_source_gives_no_hint(function):
+def test_there_is_no_hint_for_a_function_without_source(function):
     assert find_line_hint(function, CHECKS, CHECKS[:1]) is None
 
 
-def test_without_fork_there_is_no_hint(monkeypatch):
+def test_there_is_no_hint_without_fork(monkeypatch):
     monkeypatch.delattr(os, "fork")
     assert find_line_hint(wrong_sign, CHECKS, failed_checks(wrong_sign)) is None
 
@@ -243,7 +243,7 @@ def test_check_shows_the_hint_below_the_first_failure(capsys):
         (HasTheMethod, "parent, depth = getattr(parent, side), depth"),
     ],
 )
-def test_a_method_and_the_function_behind_it_get_a_line(kind, line):
+def test_the_hint_is_in_a_method_or_in_the_function_that_it_calls(kind, line):
     checks = checks_of("insert")
     failed = [each for each in checks if run_check(each, kind).failure]
     assert failed

@@ -21,7 +21,7 @@ from grader.lms.instructor_notes import notes
 from grader.lms.report import write_report
 from grader.lms.results import WAITING
 from grader.lms.standings import class_results
-from tests.test_gradebook import LATE, STREAM, quiet, verdict_on
+from tests.test_gradebook import LATE_PLUGIN, STREAM, ignore_progress, verdict_on
 
 STAGE, LESSON = STREAM.stage, STREAM.name
 MACHINE, *_ = STREAM.machine_graded
@@ -29,21 +29,21 @@ POINTS = 1.25
 
 
 @pytest.fixture(scope="module")
-def entered_once(tmp_path_factory):
+def entered_root(tmp_path_factory):
     course = Course(tmp_path_factory.mktemp("by_hand") / "course")
     (course.released / STAGE).mkdir(parents=True)
     shutil.copy(STREAM.released, course.released / STAGE)
     paths._folder.cache_clear()
     for student in ("ada", "bob"):
         write_answer(course, student, f"{student} finds 14 of 17 cars.")
-    enter(course)
+    enter_class(course)
     return course.root
 
 
 @pytest.fixture
-def course(entered_once, tmp_path):
+def course(entered_root, tmp_path):
     """Return a course whose two students wait for a person to read an answer."""
-    shutil.copytree(entered_once, tmp_path / "course")
+    shutil.copytree(entered_root, tmp_path / "course")
     paths._folder.cache_clear()
     return Course(tmp_path / "course")
 
@@ -54,7 +54,7 @@ def write_answer(course, student, text):
     path.write_text(fill_in(STREAM, {"write_up": text}), "utf-8")
 
 
-def enter(course, **more):
+def enter_class(course, **more):
     """Enter the class, and return the sentences about what was changed."""
     told = []
     judged = []
@@ -62,11 +62,11 @@ def enter(course, **more):
         verdict = verdict_on(course, submission, [POINTS] * len(STREAM.machine_graded))
         key = f"of {verdict.fingerprint}"
         judged.append((submission, dataclasses.replace(verdict, key=key)))
-    enter_verdicts(course, judged, [STAGE], quiet, tell=told.append, **more)
+    enter_verdicts(course, judged, [STAGE], ignore_progress, tell=told.append, **more)
     return told
 
 
-def give(course, student, cell, points=None, comment=None, extra=None):
+def enter_manual_mark(course, student, cell, points=None, comment=None, extra=None):
     """Enter points and a comment, as Formgrader does."""
     with gradebook.open_gradebook(course) as book:
         grade = book.find_grade(cell, LESSON, STAGE, student)
@@ -77,7 +77,7 @@ def give(course, student, cell, points=None, comment=None, extra=None):
         book.db.commit()
 
 
-def given(course, student, cell="write_up"):
+def manual_mark(course, student, cell="write_up"):
     """Return the points, whether they wait for a person, and the comment."""
     with gradebook.open_gradebook(course) as book:
         grade = book.find_grade(cell, LESSON, STAGE, student)
@@ -94,108 +94,111 @@ def wrong_findings(course):
 
 
 def test_marks_and_comments_of_a_lost_gradebook_are_named_and_restored(course):
-    give(course, "ada", "write_up", 7.5, "Which 3 cars?\n“Why?”")
-    give(course, "bob", "write_up", 0.0)
-    give(course, "bob", MACHINE.cell, 2.0, "Nearly.", extra=0.5)
-    assert enter(course) == [] and wrong_findings(course) == []
+    enter_manual_mark(course, "ada", "write_up", 7.5, "Which 3 cars?\n“Why?”")
+    enter_manual_mark(course, "bob", "write_up", 0.0)
+    enter_manual_mark(course, "bob", MACHINE.cell, 2.0, "Nearly.", extra=0.5)
+    assert enter_class(course) == [] and wrong_findings(course) == []
     lose_gradebook(course)
-    says = (
+    message = (
         f"{course.root / 'gradebook.db'} lacks 3 marks by hand and 2 comments from marks.jsonl: "
         f"write_up in {LESSON} of ada, bob; {MACHINE.name} in {LESSON} of bob. "
     )
     (finding,) = wrong_findings(course)  # also before the next run of `grade`
-    assert finding.startswith(says) and "--restore-marks" in finding
+    assert finding.startswith(message) and "--restore-marks" in finding
     for _ in range(2):  # the sentence does not depend on what the first run logs
         with pytest.raises(GradebookError) as trouble:
-            enter(course)
-        assert str(trouble.value).splitlines()[1].startswith(says)
-    assert given(course, "ada") == (None, True, None)
-    (told,) = enter(course, restore=True)
+            enter_class(course)
+        assert str(trouble.value).splitlines()[1].startswith(message)
+    assert manual_mark(course, "ada") == (None, True, None)
+    (told,) = enter_class(course, restore=True)
     assert told.startswith("Restored from marks.jsonl: ")
-    assert given(course, "ada") == (7.5, False, "Which 3 cars?\n“Why?”")
-    assert given(course, "bob") == (0.0, False, None)
-    assert given(course, "bob", MACHINE.cell) == (2.0, False, "Nearly.")
+    assert manual_mark(course, "ada") == (7.5, False, "Which 3 cars?\n“Why?”")
+    assert manual_mark(course, "bob") == (0.0, False, None)
+    assert manual_mark(course, "bob", MACHINE.cell) == (2.0, False, "Nearly.")
     points = POINTS * len(STREAM.machine_graded)
     scores = {result.student: result.score for result in class_results(course).notebooks}
     assert scores == {"ada": 7.5 + points, "bob": 2.5 - POINTS + points}
-    assert enter(course, restore=True) == [] and wrong_findings(course) == []
+    assert enter_class(course, restore=True) == [] and wrong_findings(course) == []
 
 
 def test_a_restored_mark_of_a_changed_answer_waits_for_a_person(course):
-    give(course, "ada", "write_up", 7.5)
-    give(course, "bob", "write_up", 6.5)
-    enter(course)
+    enter_manual_mark(course, "ada", "write_up", 7.5)
+    enter_manual_mark(course, "bob", "write_up", 6.5)
+    enter_class(course)
     write_answer(course, "ada", "ada finds 15 of 17 cars.")
     lose_gradebook(course)
-    restored, waiting = enter(course, restore=True)
+    restored, waiting = enter_class(course, restore=True)
     assert waiting.startswith("Review these marks") and waiting.endswith("of ada.")
-    assert (given(course, "ada"), given(course, "bob")) == ((7.5, True, None), (6.5, False, None))
-    give(course, "ada", "write_up", 7.5)  # the same points for the new answer
-    enter(course)
+    assert (manual_mark(course, "ada"), manual_mark(course, "bob")) == (
+        (7.5, True, None),
+        (6.5, False, None),
+    )
+    enter_manual_mark(course, "ada", "write_up", 7.5)  # the same points for the new answer
+    enter_class(course)
     lose_gradebook(course)
-    assert len(enter(course, restore=True)) == 1
-    assert given(course, "ada") == (7.5, False, None)
+    assert len(enter_class(course, restore=True)) == 1
+    assert manual_mark(course, "ada") == (7.5, False, None)
 
 
-def test_a_mark_whose_log_does_not_say_what_was_graded_waits_for_a_person(course):
-    give(course, "ada", "write_up", 7.5)
-    enter(course)
+def test_a_mark_logged_without_the_graded_answer_waits_for_a_person(course):
+    enter_manual_mark(course, "ada", "write_up", 7.5)
+    enter_class(course)
     path = course.root / "marks.jsonl"
     lines = [json.loads(line) for line in path.read_text("utf-8").splitlines()]
     old = [{name: line[name] for name in line if name != "graded"} for line in lines]
     path.write_text("".join(json.dumps(line) + "\n" for line in old))
     lose_gradebook(course)
-    assert len(enter(course, restore=True)) == 2
-    assert given(course, "ada") == (7.5, True, None)
+    assert len(enter_class(course, restore=True)) == 2
+    assert manual_mark(course, "ada") == (7.5, True, None)
 
 
 def test_marks_that_a_person_removed_are_not_restored(course):
-    give(course, "ada", "write_up", 7.5, "Good.")
-    enter(course)
-    give(course, "ada", "write_up", None, "")
-    enter(course)
+    enter_manual_mark(course, "ada", "write_up", 7.5, "Good.")
+    enter_class(course)
+    enter_manual_mark(course, "ada", "write_up", None, "")
+    enter_class(course)
     lose_gradebook(course)
-    assert enter(course) == [] and wrong_findings(course) == []
+    assert enter_class(course) == [] and wrong_findings(course) == []
 
 
-def test_marks_that_are_already_there_are_not_replaced(course):
-    give(course, "ada", "write_up", 7.5, "Good.")
-    enter(course)
+def test_restoring_does_not_replace_existing_marks(course):
+    enter_manual_mark(course, "ada", "write_up", 7.5, "Good.")
+    enter_class(course)
     lose_gradebook(course)
     with pytest.raises(GradebookError):
-        enter(course)
-    give(course, "ada", "write_up", 3.0)
+        enter_class(course)
+    enter_manual_mark(course, "ada", "write_up", 3.0)
     with pytest.raises(GradebookError, match="1 comment from"):
-        enter(course)
-    enter(course, restore=True)
-    assert given(course, "ada") == (3.0, False, "Good.")
+        enter_class(course)
+    enter_class(course, restore=True)
+    assert manual_mark(course, "ada") == (3.0, False, "Good.")
 
 
 def test_a_restored_mark_has_its_late_penalty(course):
-    (course.root / "nbgrader_config.py").write_text(LATE)
+    (course.root / "nbgrader_config.py").write_text(LATE_PLUGIN)
     (course.root / "deadlines.toml").write_text(
         f'timezone = "UTC"\n[{STAGE}]\ndue = 2026-03-01T12:00:00\n'
     )
     (course.submitted / "ada" / STAGE / "timestamp.txt").write_text("2026-03-01 13:00:00 UTC")
-    give(course, "ada", "write_up", 7.5)
-    enter(course)
+    enter_manual_mark(course, "ada", "write_up", 7.5)
+    enter_class(course)
     lose_gradebook(course)
-    enter(course, restore=True)
+    enter_class(course, restore=True)
     (mark,) = [one for one in class_results(course).notebooks if one.student == "ada"]
     assert mark.penalty == pytest.approx((7.5 + POINTS * len(STREAM.machine_graded)) / 10)
 
 
 def test_comments_are_logged_once(course):
     before = len(list(read_changes(course)))
-    give(course, "ada", "write_up", 7.5, "Good.")
-    enter(course)
-    enter(course)
+    enter_manual_mark(course, "ada", "write_up", 7.5, "Good.")
+    enter_class(course)
+    enter_class(course)
     (change,) = list(read_changes(course))[before:]
     assert (change.exercise, change.after, change.by, change.comment) == (
         *("write_up", 7.5, "a person", "Good."),
     )
-    give(course, "ada", "write_up", 7.5, "Very good.")
-    enter(course)
+    enter_manual_mark(course, "ada", "write_up", 7.5, "Very good.")
+    enter_class(course)
     *_, change = read_changes(course)
     assert (change.before, change.after, change.comment) == (7.5, 7.5, "Very good.")
 
@@ -214,16 +217,16 @@ def forget_cells(course, *names):
 
 def test_an_exercise_that_is_added_in_mid_term_is_entered(course):
     """nbgrader refuses to add cells to a lesson with submissions."""
-    give(course, "ada", "write_up", 7.5, "Good.")
-    enter(course)
+    enter_manual_mark(course, "ada", "write_up", 7.5, "Good.")
+    enter_class(course)
     forget_cells(course, MACHINE.cell, MACHINE.name)
-    (told,) = enter(course)
+    (told,) = enter_class(course)
     assert told.startswith(f"{LESSON}: {MACHINE.name} was added to the gradebook")
-    assert given(course, "ada") == (7.5, False, "Good.")
+    assert manual_mark(course, "ada") == (7.5, False, "Good.")
     points = POINTS * len(STREAM.machine_graded)
     scores = {result.student: result.score for result in class_results(course).notebooks}
     assert scores == {"ada": 7.5 + points, "bob": points}
-    assert enter(course) == []
+    assert enter_class(course) == []
 
 
 def declare_team(course, *ids):
@@ -235,18 +238,18 @@ def test_a_teams_written_answer_is_graded_once(course):
     for student in ("ada", "bob", "cy"):
         write_answer(course, student, "We find 14 of 17 cars.")
     write_answer(course, "dee", "I find 15 of 17 cars.")
-    assert enter(course) == []
+    assert enter_class(course) == []
     declare_team(course, "ada", "bob", "dee")
-    give(course, "ada", "write_up", 7.5, "Which 3 cars?", extra=0.5)
-    (told,) = enter(course)
+    enter_manual_mark(course, "ada", "write_up", 7.5, "Which 3 cars?", extra=0.5)
+    (told,) = enter_class(course)
     assert told == f"Entered a team's mark for its other members: write_up in {LESSON} of bob."
-    assert given(course, "bob") == (7.5, False, "Which 3 cars?")
-    assert given(course, "cy")[:2] == (None, True), "not a member"
-    assert given(course, "dee")[:2] == (None, True), "a member with another answer"
-    assert enter(course) == []
-    give(course, "bob", "write_up", 6.0)  # a member may have another mark
-    assert enter(course) == []
-    assert given(course, "ada")[0] == 7.5 and given(course, "bob")[0] == 6.0
+    assert manual_mark(course, "bob") == (7.5, False, "Which 3 cars?")
+    assert manual_mark(course, "cy")[:2] == (None, True), "not a member"
+    assert manual_mark(course, "dee")[:2] == (None, True), "a member with another answer"
+    assert enter_class(course) == []
+    enter_manual_mark(course, "bob", "write_up", 6.0)  # a member may have another mark
+    assert enter_class(course) == []
+    assert manual_mark(course, "ada")[0] == 7.5 and manual_mark(course, "bob")[0] == 6.0
     scores = {result.student: result.score for result in class_results(course).notebooks}
     points = POINTS * len(STREAM.machine_graded)
     assert scores["ada"] == 8.0 + points and wrong_findings(course) == []
@@ -255,19 +258,19 @@ def test_a_teams_written_answer_is_graded_once(course):
 def test_different_marks_in_a_team_are_not_passed_on(course):
     for student in ("ada", "bob", "cy"):
         write_answer(course, student, "We find 14 of 17 cars.")
-    enter(course)
+    enter_class(course)
     declare_team(course, "ada", "bob", "cy")
-    give(course, "ada", "write_up", 7.5)
-    give(course, "bob", "write_up", 6.0)
-    assert enter(course) == []
-    assert given(course, "cy")[:2] == (None, True)
+    enter_manual_mark(course, "ada", "write_up", 7.5)
+    enter_manual_mark(course, "bob", "write_up", 6.0)
+    assert enter_class(course) == []
+    assert manual_mark(course, "cy")[:2] == (None, True)
 
 
 def test_a_written_answer_that_is_added_in_mid_term_waits_for_a_person(course):
     forget_cells(course, "write_up")
-    assert len(enter(course)) == 1
+    assert len(enter_class(course)) == 1
     assert {result.standing for result in class_results(course).notebooks} == {WAITING}
-    assert given(course, "ada") == given(course, "bob") == (None, True, None)
+    assert manual_mark(course, "ada") == manual_mark(course, "bob") == (None, True, None)
 
 
 def test_a_lesson_that_is_added_in_mid_term_is_entered(course):
@@ -278,12 +281,12 @@ def test_a_lesson_that_is_added_in_mid_term_is_entered(course):
                     book.db.delete(row)
         book.db.commit()
         book.remove_notebook(LESSON, STAGE)
-    enter(course)
+    enter_class(course)
     assert {result.standing for result in class_results(course).notebooks} == {WAITING}
 
 
-def test_an_exercise_that_is_not_in_the_release_any_more_is_removed(course):
-    give(course, "ada", "write_up", 7.5, "Good.")
+def test_an_exercise_that_is_no_longer_in_the_release_is_removed(course):
+    enter_manual_mark(course, "ada", "write_up", 7.5, "Good.")
     with gradebook.open_gradebook(course) as book:
         notebook = book.find_notebook(LESSON, STAGE)
         cells = [
@@ -298,29 +301,31 @@ def test_an_exercise_that_is_not_in_the_release_any_more_is_removed(course):
             book.db.add(Grade(cell_id=cells[0].id, notebook=submitted, manual_score=3.5))
             book.db.add(Comment(cell_id=cells[1].id, notebook=submitted))
         book.db.commit()
-    (told,) = enter(course)
+    (told,) = enter_class(course)
     assert "essay is no longer in the release" in told
     assert "Only marks.jsonl still contains its 2 marks by hand" in told
-    assert given(course, "ada") == (7.5, False, "Good.")
+    assert manual_mark(course, "ada") == (7.5, False, "Good.")
     assert [one.after for one in read_changes(course) if one.exercise == "essay"] == [
         *(3.5, 3.5, None, None),
     ]
-    assert enter(course) == [] and wrong_findings(course) == []
+    assert enter_class(course) == [] and wrong_findings(course) == []
 
 
-def test_other_points_for_an_exercise_with_marks_by_hand_are_named(course):
-    give(course, "ada", "write_up", 9.5)
+def test_a_changed_maximum_of_an_exercise_with_marks_by_hand_is_reported(course):
+    enter_manual_mark(course, "ada", "write_up", 9.5)
     with gradebook.open_gradebook(course) as book:
         book.find_grade_cell("write_up", LESSON, STAGE).max_score = 20.0
         book.db.commit()
-    (told,) = enter(course)
+    (told,) = enter_class(course)
     assert "write_up is now worth 10 points instead of 20, but 1 mark by hand did not" in told
-    assert enter(course) == []
+    assert enter_class(course) == []
 
 
 def test_marks_above_a_reduced_maximum_are_named(course):
-    give(course, "ada", "write_up", 9.5)
-    give(course, "bob", "write_up", 5.0, extra=3.0)  # extra points may exceed the maximum
+    enter_manual_mark(course, "ada", "write_up", 9.5)
+    enter_manual_mark(
+        course, "bob", "write_up", 5.0, extra=3.0
+    )  # extra points may exceed the maximum
     assert class_results(course).excessive == ()
     with gradebook.open_gradebook(course) as book:
         book.find_grade_cell("write_up", LESSON, STAGE).max_score = 5.0

@@ -84,7 +84,7 @@ SEE_PYTHON = "The check in the notebook shows Python's full error message."
 
 
 @pytest.mark.parametrize(
-    ("failure", "says"),
+    ("failure", "expected_message"),
     [
         (CheckFailed("no"), SEE_ANSWER),
         (WrongForm("no array"), SEE_ANSWER),
@@ -95,12 +95,14 @@ SEE_PYTHON = "The check in the notebook shows Python's full error message."
         (NotYet("First"), None),
     ],
 )
-def test_the_pointer_to_the_notebook_occurs_once(failure, says):
+def test_the_pointer_to_the_notebook_occurs_once(failure, expected_message):
     others = [CheckFailed("another"), CheckFailed("a third")]
     outcomes = [Outcome(SHOWN, failed) for failed in (failure, *others)]
     messages = messages_of(summarise(outcomes))
     ends = [message.text.rsplit("\n", 1)[-1] for message in messages.values()]
-    assert [end for end in ends if end in (SEE_ANSWER, SEE_PYTHON)] == [says or SEE_ANSWER]
+    assert [end for end in ends if end in (SEE_ANSWER, SEE_PYTHON)] == [
+        expected_message or SEE_ANSWER
+    ]
     hidden = messages_of(summarise([Outcome(HIDDEN, failure)]))
     assert "in the notebook" not in "".join(message.text for message in hidden.values())
 
@@ -141,7 +143,7 @@ REFUSED = "is not allowed in this lesson: it does the exercise for you"
 
 
 @pytest.mark.parametrize(
-    ("kind", "message", "line", "says"),
+    ("kind", "message", "line", "expected_message"),
     [
         ("NameError", MISSING, "return clod[mask]", f"NameError: {MISSING}"),
         ("NameError", MISSING, "return cloddy[mask]", "NameError"),
@@ -205,10 +207,10 @@ REFUSED = "is not allowed in this lesson: it does the exercise for you"
         ("StopIteration", "17", "next(rows)", "StopIteration"),
     ],
 )
-def test_a_word_is_quoted_only_if_it_is_in_the_line(kind, message, line, says):
+def test_a_word_is_quoted_only_if_it_is_in_the_line(kind, message, line, expected_message):
     error = raised(kind, message, line=line, forbidden=("sklearn.cluster", "scipy.cluster"))
     quoted = f": `{line}`" if line else ""
-    assert describe_error(error) == f"f raised {says} (code cell 3, line 2{quoted})."
+    assert describe_error(error) == f"f raised {expected_message} (code cell 3, line 2{quoted})."
 
 
 def test_long_lines_are_cut():
@@ -217,7 +219,7 @@ def test_long_lines_are_cut():
     assert sentence == f"f raised NameError (code cell 3, line 2: `{line[:LONGEST_LINE]}…`)."
 
 
-def test_a_message_may_have_no_place():
+def test_a_message_without_a_place_is_complete():
     error = raised("NameError", MISSING, line="", place=None)
     assert describe_error(error) == "f raised NameError."
     assert describe_failed_cell(error) == "A cell failed: NameError."
@@ -236,31 +238,31 @@ def test_a_known_exception_is_explained(visible):
 
 
 @pytest.mark.parametrize(
-    ("inside", "says"), [("", "f is not started"), ("g", "f calls g, which is not written yet")]
+    ("inside", "message"), [("", "f is not started"), ("g", "f calls g, which is not written yet")]
 )
 @pytest.mark.parametrize("visible", [True, False])
-def test_a_stub_is_not_started(inside, says, visible):
+def test_a_stub_is_not_started(inside, message, visible):
     # `join` creates a new string, because a text from a pipe is not identical to a literal.
     error = raised("".join(("NotImplemented", "Error")), inside=inside)
     failure = shareable_failure(Outcome(HIDDEN, error), visible)
-    assert isinstance(failure, NotStarted) and failure.message.startswith(says)
+    assert isinstance(failure, NotStarted) and failure.message.startswith(message)
 
 
 @pytest.mark.parametrize("visible", [True, False])
 @pytest.mark.parametrize(
-    ("error", "kind", "says"),
+    ("error", "kind", "message"),
     [
         (StudentStopped("It did not answer."), Stopped, "It did not answer."),
         (JudgeTimeout(), WrongForm, "Comparing the answer took longer"),
         (KeyError(17), WrongForm, "could not be compared with the right one (KeyError)"),
     ],
 )
-def test_other_errors_have_fixed_messages(error, kind, says, visible):
+def test_other_errors_have_fixed_messages(error, kind, message, visible):
     failure = shareable_failure(Outcome(HIDDEN, error), visible)
-    assert type(failure) is kind and says in failure.message and "17" not in failure.message
+    assert type(failure) is kind and message in failure.message and "17" not in failure.message
 
 
-def test_one_cause_is_shown_once_and_others_in_full():
+def test_a_shared_cause_is_shown_once_and_other_failures_in_full():
     outcomes = [
         Outcome(SHOWN, None),
         Outcome(Check("1", "f", "First", "One."), WrongForm("no array")),
@@ -296,7 +298,7 @@ def test_a_message_has_a_kind_and_a_subject(failure, kind, subject):
     assert (message.kind, message.subject, message.hint) == (kind, subject, "")
 
 
-def test_a_call_that_takes_too_long_is_marked():
+def test_a_failure_records_whether_the_call_took_too_long():
     for out_of_time in (False, True):
         error = StudentStopped("f did not come back.", "slow", out_of_time)
         assert shareable_failure(Outcome(HIDDEN, error), False).out_of_time is out_of_time

@@ -25,7 +25,7 @@ USES = {
     "from concurrent import interpreters": "concurrent.interpreters",
     "import heapq\ntry:\n    heapq.heappush_max(a, 1)\nfinally:\n    pass": "heapq.heappush_max",
 }
-PROVE_NOTHING = [
+UNCERTAIN_USES = [
     "import itertools\nitertools.chain(a)",
     "from .itertools import batched",
     "itertools.batched(a, 2)",
@@ -70,7 +70,7 @@ def test_a_newer_name_is_found_however_it_is_imported(source, name):
     assert reasons(source) == {f"uses {name}, which needs Python {version} or later"}
 
 
-@pytest.mark.parametrize("source", PROVE_NOTHING)
+@pytest.mark.parametrize("source", UNCERTAIN_USES)
 def test_code_that_may_work_without_the_name_is_not_reported(source):
     assert reasons(source) == set()
 

@@ -8,7 +8,7 @@ import nbformat
 import pytest
 
 from grader.course import recorded_answers
-from tests.notebook_runs import errors_of, errors_outside_checks, outputs_of, run, written
+from tests.notebook_runs import errors_of, errors_outside_checks, outputs_of, printed_text, run
 
 pytestmark = pytest.mark.slow
 
@@ -18,7 +18,7 @@ def test_a_solved_notebook_runs_and_agrees_with_the_stored_answers(lesson, tmp_p
     recorded_answers.add_recorder(notebook, lesson, tmp_path / "answers.json")
     run(notebook, lesson.released.parent)
     assert errors_of(notebook) == []
-    assert written(notebook, "stderr") == ""
+    assert printed_text(notebook, "stderr") == ""
     pictures = [
         output.data["image/png"]
         for _, output in outputs_of(notebook)
@@ -35,6 +35,6 @@ def test_a_solved_notebook_runs_and_agrees_with_the_stored_answers(lesson, tmp_p
 def test_an_untouched_notebook_runs_to_the_end(lesson):
     notebook = run(nbformat.read(lesson.released, as_version=4), lesson.released.parent)
     assert errors_outside_checks(notebook) == []
-    assert written(notebook, "stderr") == ""
+    assert printed_text(notebook, "stderr") == ""
     code = [cell for cell in notebook.cells if cell.cell_type == "code" and cell.source.strip()]
     assert all(cell.execution_count for cell in code)

@@ -28,13 +28,13 @@ def notes_on(exercise, function):
         ("remove_ego_returns", "leaves_an_array"),
     ],
 )
-def test_a_list_is_a_note(exercise, note):
+def test_a_list_instead_of_an_array_gets_a_note(exercise, note):
     right = right_answer(exercise)
     assert notes_on(exercise, lambda *given, **named: right(*given, **named)) == set()
     assert notes_on(exercise, lambda *given, **named: list(right(*given, **named))) == {note}
 
 
-def test_a_list_of_centroids_and_rounding_up_are_notes():
+def test_a_list_of_centroids_and_rounding_up_get_notes():
     right = right_answer("voxel_grid")
 
     def as_list(cloud, voxel_size=0.2):
@@ -50,7 +50,7 @@ def test_a_list_of_centroids_and_rounding_up_are_notes():
     assert notes_on("voxel_grid", rounded_up) == {"rounds_down"}
 
 
-def test_clusters_in_another_order_are_a_note():
+def test_clusters_in_another_order_get_a_note():
     right = right_answer("euclidean_clustering")
 
     def backwards(cloud, threshold=0.5):

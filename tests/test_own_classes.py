@@ -15,7 +15,7 @@ RIGHT = {
     name: next(answer.source for answer in answers_to(name) if answer.right)
     for name in ("insert", "search", "median_order")
 }
-GIVEN = "class KdTree:"  # a line of the cell with the lesson's classes
+CLASS_LINE = "class KdTree:"  # a line of the cell with the lesson's classes
 NOTHING = "# see the class"
 
 NODE = """
@@ -64,7 +64,7 @@ def begin_with(action, method):
     return f"{head}\n        {action}\n{rest}\n"
 
 
-OWN = {
+OWN_CLASSES = {
     "private helpers that call each other": """
 class KdTree:
     def __init__(self):
@@ -348,7 +348,7 @@ def notebook(own, place, answers=()):
         answers["insert"] = own
     text = json.loads(fill_in(LESSON, {"median_order": RIGHT["median_order"]} | answers))
     if place != "in the cell of the answer":
-        index = next(n for n, cell in enumerate(text["cells"]) if GIVEN in source_of(cell))
+        index = next(n for n, cell in enumerate(text["cells"]) if CLASS_LINE in source_of(cell))
         cells = own.split(ANOTHER_CELL)
         if "class KdTree(KdTree)" in own:
             cells.insert(0, source_of(text["cells"][index]))
@@ -385,9 +385,9 @@ def load_class(text):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("place", PLACES)
-@pytest.mark.parametrize("style", OWN)
+@pytest.mark.parametrize("style", OWN_CLASSES)
 def test_right_classes_earn_everything_in_the_judge(style, place, sandbox, tmp_path):
-    results, verdict = judge_text(notebook(OWN[style], place), sandbox, tmp_path)
+    results, verdict = judge_text(notebook(OWN_CLASSES[style], place), sandbox, tmp_path)
     assert [
         (result.name, t.message)
         for result in results.values()
@@ -399,8 +399,8 @@ def test_right_classes_earn_everything_in_the_judge(style, place, sandbox, tmp_p
 
 @pytest.mark.slow
 @pytest.mark.parametrize("place", PLACES[:2])
-@pytest.mark.parametrize("style", OWN)
+@pytest.mark.parametrize("style", OWN_CLASSES)
 def test_right_classes_pass_in_the_notebook(style, place):
-    KdTree = load_class(notebook(OWN[style], place))
+    KdTree = load_class(notebook(OWN_CLASSES[style], place))
     for exercise in ("insert", "search"):
         check(KdTree, exercise=exercise)

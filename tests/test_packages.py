@@ -52,7 +52,7 @@ ANSWERS["09_filter_clusters"] = ("filter_clusters", PROGRESS_BAR.format(module="
 ANSWERS["07_filter_by_distance"] = ("filter_by_distance", DISTANCES)
 
 
-def judged(lesson_name, answers, folder, sandbox):
+def judge_answers(lesson_name, answers, folder, sandbox):
     lesson = find_lesson(lesson_name)
     path = folder / f"{lesson.name}.ipynb"
     path.write_text(fill_in(lesson, answers), "utf-8")
@@ -68,18 +68,18 @@ def test_check_and_judge_accept_a_right_answer_that_uses_an_installed_package(
     namespace = {"__name__": "__main__"}
     exec(source, namespace)
     check(namespace[name])
-    _, results = judged(lesson_name, {name: source}, tmp_path, sandbox)
+    _, results = judge_answers(lesson_name, {name: source}, tmp_path, sandbox)
     assert results[name].score == results[name].max_score
 
 
 def test_a_progress_bar_for_notebooks_needs_no_widgets_in_the_judge(tmp_path, sandbox):
     answers = {"filter_clusters": PROGRESS_BAR.format(module="notebook")}
-    _, results = judged("09_filter_clusters", answers, tmp_path, sandbox)
+    _, results = judge_answers("09_filter_clusters", answers, tmp_path, sandbox)
     assert results["filter_clusters"].score == results["filter_clusters"].max_score
 
 
 @pytest.fixture
-def foreign(tmp_path, monkeypatch):
+def foreign_package(tmp_path, monkeypatch):
     """Make a package importable that the judge does not have."""
     folder = tmp_path / "site-packages"
     folder.mkdir()
@@ -114,7 +114,7 @@ def defined(source, monkeypatch):
 
 @pytest.mark.parametrize("source", [IMPORTED, INSIDE, BY_NAME])
 def test_check_names_a_package_that_the_judge_lacks_before_any_row(
-    source, foreign, monkeypatch, capsys
+    source, foreign_package, monkeypatch, capsys
 ):
     with pytest.raises(ChecksFailed):
         check(defined(source, monkeypatch))
@@ -125,15 +125,15 @@ def test_check_names_a_package_that_the_judge_lacks_before_any_row(
 
 @pytest.mark.parametrize("source", [FALLBACK, NOT_NEEDED])
 def test_an_import_with_a_fallback_or_without_a_use_costs_nothing(
-    source, foreign, monkeypatch, tmp_path, sandbox
+    source, foreign_package, monkeypatch, tmp_path, sandbox
 ):
     check(defined(source.replace("bar = list", "bar = lambda rows: rows"), monkeypatch))
     source = source.replace("bar = list", "bar = lambda rows: rows")
-    _, results = judged("06_filter_ground", {"filter_ground": source}, tmp_path, sandbox)
+    _, results = judge_answers("06_filter_ground", {"filter_ground": source}, tmp_path, sandbox)
     assert results["filter_ground"].score == 10
 
 
-def test_a_module_of_the_student_is_submitted_with_the_notebook(tmp_path, monkeypatch):
+def test_check_accepts_an_import_of_the_students_own_module(tmp_path, monkeypatch):
     (tmp_path / "my_bars.py").write_text("def bar(values):\n    return values\n")
     monkeypatch.syspath_prepend(tmp_path)
     check(defined(IMPORTED.replace("foreign_bars", "my_bars"), monkeypatch))
@@ -151,7 +151,9 @@ def filter_ground(cloud, ground_level=-1.2):
 
 @pytest.mark.parametrize("source", [IMPORTED, BY_NAME, DECORATED])
 def test_the_judge_names_the_missing_module_as_the_cause(source, tmp_path, sandbox):
-    verdict, results = judged("06_filter_ground", {"filter_ground": source}, tmp_path, sandbox)
+    verdict, results = judge_answers(
+        "06_filter_ground", {"filter_ground": source}, tmp_path, sandbox
+    )
     result = results["filter_ground"]
     assert result.score in (0, 6), "a call that can be deleted is one slip"
     assert "ModuleNotFoundError" in result.cause and ABSENT in result.cause
@@ -160,7 +162,7 @@ def test_the_judge_names_the_missing_module_as_the_cause(source, tmp_path, sandb
 
 
 def test_a_missing_progress_bar_is_one_edit_away_from_a_right_answer(tmp_path, sandbox):
-    _, results = judged("06_filter_ground", {"filter_ground": IMPORTED}, tmp_path, sandbox)
+    _, results = judge_answers("06_filter_ground", {"filter_ground": IMPORTED}, tmp_path, sandbox)
     result = results["filter_ground"]
     assert (result.score, result.slip is not None) == (6, True)
 

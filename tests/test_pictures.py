@@ -28,35 +28,35 @@ JPEG, GIF, WEBP, SVG = (
 )
 
 
-def attached(name, data=PNG, mime_type="image/png"):
+def attachment(name, data=PNG, mime_type="image/png"):
     return {name: {mime_type: data}}
 
 
 SHOWN = {
-    "a plain name": ("![a](attachment:a.png)", attached("a.png")),
-    "a title": ('![a](attachment:a.png "title")', attached("a.png")),
-    "a picture in a link": ("[![a](attachment:a.png)](https://x.org)", attached("a.png")),
-    "an umlaut": ("![a](attachment:Übung.png)", attached("Übung.png")),
+    "a plain name": ("![a](attachment:a.png)", attachment("a.png")),
+    "a title": ('![a](attachment:a.png "title")', attachment("a.png")),
+    "a picture in a link": ("[![a](attachment:a.png)](https://x.org)", attachment("a.png")),
+    "an umlaut": ("![a](attachment:Übung.png)", attachment("Übung.png")),
     "the data of Colab": (f"![image.png](data:image/png;base64,{PNG})", {}),
     "data in angle brackets": (f"![](<data:image/png;base64,{PNG}>)", {}),
-    "a space that is encoded in the link": ("![](attachment:a%20b.png)", attached("a b.png")),
-    "a name that is encoded twice": ("![](attachment:a%20b.png)", attached("a%20b.png")),
-    "a space in angle brackets": ("![](<attachment:a b.png>)", attached("a b.png")),
-    "a space": ("![](attachment:a b.png)", attached("a b.png")),
-    "brackets in the name": ("![](attachment:a%20(1).png)", attached("a (1).png")),
-    "a quote in the name": ("![](attachment:Bo's.png 'title')", attached("Bo's.png")),
-    "brackets in the words": ("![[1] a](attachment:a.png)", attached("a.png")),
-    "a reference": ("![a][Fig 1]\n\n[fig  1]: attachment:a.png", attached("a.png")),
+    "a space that is encoded in the link": ("![](attachment:a%20b.png)", attachment("a b.png")),
+    "a name that is encoded twice": ("![](attachment:a%20b.png)", attachment("a%20b.png")),
+    "a space in angle brackets": ("![](<attachment:a b.png>)", attachment("a b.png")),
+    "a space": ("![](attachment:a b.png)", attachment("a b.png")),
+    "brackets in the name": ("![](attachment:a%20(1).png)", attachment("a (1).png")),
+    "a quote in the name": ("![](attachment:Bo's.png 'title')", attachment("Bo's.png")),
+    "brackets in the words": ("![[1] a](attachment:a.png)", attachment("a.png")),
+    "a reference": ("![a][Fig 1]\n\n[fig  1]: attachment:a.png", attachment("a.png")),
     "a short reference": (f"![a]\n\n[a]: data:image/png;base64,{PNG}", {}),
-    "an empty reference": ("![a][]\n\n[a]: <attachment:a.png>", attached("a.png")),
-    "a tag": ('<img src="attachment:a.png" width="200">', attached("a.png")),
+    "an empty reference": ("![a][]\n\n[a]: <attachment:a.png>", attachment("a.png")),
+    "a tag": ('<img src="attachment:a.png" width="200">', attachment("a.png")),
     "a tag with data": (f"<IMG width=9 src='data:image/png;base64,{PNG}' />", {}),
-    "a tag without quotes": ("<img src=attachment:a.png>", attached("a.png")),
-    "an entity": ("![](attachment:a&amp;b.png)", attached("a&b.png")),
-    "data in lines": ("![](attachment:a.png)", attached("a.png", [PNG[:40] + "\n", PNG[40:]])),
-    "a wrong type": ("![](attachment:a.jpg)", attached("a.jpg", JPEG, "image/jpg")),
-    "GIF": ("![](attachment:a.gif)", attached("a.gif", GIF, "image/gif")),
-    "WebP": ("![](attachment:a.webp)", attached("a.webp", WEBP, "image/webp")),
+    "a tag without quotes": ("<img src=attachment:a.png>", attachment("a.png")),
+    "an entity": ("![](attachment:a&amp;b.png)", attachment("a&b.png")),
+    "data in lines": ("![](attachment:a.png)", attachment("a.png", [PNG[:40] + "\n", PNG[40:]])),
+    "a wrong type": ("![](attachment:a.jpg)", attachment("a.jpg", JPEG, "image/jpg")),
+    "GIF": ("![](attachment:a.gif)", attachment("a.gif", GIF, "image/gif")),
+    "WebP": ("![](attachment:a.webp)", attachment("a.webp", WEBP, "image/webp")),
 }
 NOT_SHOWN = {
     "a file next to the notebook": ("![](figure.png)", {}, "figure.png is not inside the notebook"),
@@ -74,12 +74,12 @@ NOT_SHOWN = {
     ),
     "an attachment that is gone": (
         "![](attachment:a.png)",
-        attached("b.png"),
+        attachment("b.png"),
         "a.png is missing from the notebook",
     ),
     "an attachment of another kind": (
         "![](attachment:a.svg)",
-        attached("a.svg", SVG, "image/svg+xml"),
+        attachment("a.svg", SVG, "image/svg+xml"),
         "a.svg is not a PNG, JPEG, GIF or WebP picture",
     ),
     "a page that claims to be a picture": (
@@ -99,13 +99,13 @@ NOT_SHOWN = {
     ),
     "a large picture": (
         "![](attachment:a.png)",
-        attached("a.png", "A" * (LARGEST_PICTURE * 3 // 2)),
+        attachment("a.png", "A" * (LARGEST_PICTURE * 3 // 2)),
         "a.png is larger than 5 MB",
     ),
 }
 
 
-def illustrated(source, attachments):
+def illustrate_cell(source, attachments):
     return illustrate([Cell("markdown", source, "", attachments)])
 
 
@@ -148,7 +148,7 @@ def test_a_picture_is_shown_in_the_grading_page_and_in_feedback(source, attachme
 
 
 @pytest.mark.parametrize(("source", "attachments", "reason"), NOT_SHOWN.values(), ids=NOT_SHOWN)
-def test_a_picture_that_cannot_be_shown_is_named_in_its_place_and_to_the_student(
+def test_a_picture_that_cannot_be_shown_is_named_in_the_answer_and_in_a_note(
     source, attachments, reason
 ):
     copy, notes = copy_of(f"Before.\n\n{source}\n\nAfter.", attachments)
@@ -160,7 +160,7 @@ def test_a_picture_that_cannot_be_shown_is_named_in_its_place_and_to_the_student
     assert shown_pictures(markdown_page(cell.source, cell.get("attachments", {}))) == []
 
 
-def test_many_pictures_make_one_sentence():
+def test_a_note_on_many_pictures_names_five_and_counts_the_rest():
     _, notes = copy_of("".join(f"![](p{number}.png)" for number in range(30)), {})
     (note,) = [note for note in notes if "picture" in note]
     assert "p4.png" in note and "p5.png" not in note and "and 25 more" in note
@@ -169,7 +169,7 @@ def test_many_pictures_make_one_sentence():
 def test_an_answer_with_plain_names_is_unchanged():
     """Otherwise, marks by hand for such answers would wait again."""
     text = "A ![plot](attachment:plot_1.png), [a link](b.md) and ![a word] in `![x]`.\n[b]: c"
-    shown = illustrated(text, attached("plot_1.png"))
+    shown = illustrate_cell(text, attachment("plot_1.png"))
     assert (shown.text, list(shown.attachments), shown.not_shown) == (text, ["plot_1.png"], ())
 
 

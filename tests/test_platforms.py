@@ -20,12 +20,12 @@ BJÖRN = Person("björn", "Björn", "Müller", "bm@x.edu", "A", "9002")
 MARY = Person("mary jane", "Mary Jane", "O'Neil, Jr", "mj@x.edu", "B", "9003")
 FORMULA = Person("cmd", "", "=cmd|' /C calc'!A0", "c@x.edu", "B", "9004")
 NOSHOW = Person("noshow", "Noah", "Show", "ns@x.edu", "B", "9005")
-ILL = Person("ill", "Ilse", "Krank", "ik@x.edu", "B", "9006")
-PEOPLE = (ANNA, BJÖRN, MARY, FORMULA, NOSHOW, ILL)
+EXCUSED_PERSON = Person("ill", "Ilse", "Krank", "ik@x.edu", "B", "9006")
+PEOPLE = (ANNA, BJÖRN, MARY, FORMULA, NOSHOW, EXCUSED_PERSON)
 POINTS = {"anna": 8.5, "björn": 31.25, "mary jane": 100.0, "cmd": 0.0}
 
 
-def marks(points=POINTS, people=PEOPLE, most=100.0, excused=(ILL,)):
+def marks(points=POINTS, people=PEOPLE, most=100.0, excused=(EXCUSED_PERSON,)):
     """Return the results of a class in a stage that consists of one lesson."""
     notebooks, stages = [], []
     for person in people:
@@ -38,7 +38,7 @@ def marks(points=POINTS, people=PEOPLE, most=100.0, excused=(ILL,)):
 
 
 @pytest.fixture
-def fill(tmp_path):
+def fill_file(tmp_path):
     """Return a function that enters results in a platform's file."""
 
     def fill_in(platform, results, **order):
@@ -78,11 +78,11 @@ SETTINGS = [
 
 
 @pytest.mark.parametrize("settings", SETTINGS)
-def test_canvas_gets_each_mark_and_no_other_mark_changes(fill, settings):
+def test_canvas_gets_each_mark_and_no_other_mark_changes(fill_file, settings):
     course = canvas_course(**settings)
     if settings.get("first_and_last"):
         course.students[0].name = "=cmd, Cid"
-    exported = fill(course, marks())
+    exported = fill_file(course, marks())
     # After the download, other marks and the points of the essay change in Canvas.
     course.scores |= {(9001, 41): 19.0, (9002, 41): 11.0, (9005, 42): 60.0}
     course.assignments[41][1] = 25.0
@@ -107,9 +107,9 @@ def test_canvas_gets_each_mark_and_no_other_mark_changes(fill, settings):
     assert (exported.placed, exported.lost) == (4, ())
 
 
-def test_a_file_for_canvas_has_the_format_of_the_site(fill):
+def test_a_file_for_canvas_has_the_format_of_the_site(fill_file):
     course = canvas_course(separator=";", decimal_mark=",", marked=True)
-    text = fill(course, marks()).content.decode()
+    text = fill_file(course, marks()).content.decode()
     assert text.startswith(
         "\ufeffStudent;ID;SIS User ID;SIS Login ID;Section;Stage 3: Obstacles (42)\n"
     )
@@ -120,7 +120,7 @@ def test_a_file_for_canvas_has_the_format_of_the_site(fill):
 
 
 @pytest.mark.parametrize("roster", ["lms_id", "login", "email", "sis"])
-def test_canvas_rows_are_found_by_any_key_of_the_roster(fill, roster):
+def test_canvas_rows_are_found_by_any_key_of_the_roster(fill_file, roster):
     course = canvas_course()
     people = [
         dataclasses.replace(person, lms_id="", first_name="", last_name="") for person in PEOPLE
@@ -132,7 +132,7 @@ def test_canvas_rows_are_found_by_any_key_of_the_roster(fill, roster):
         ]
     elif roster == "email":
         for student, person in zip(
-            course.students, (FORMULA, ILL, BJÖRN, MARY, ANNA, NOSHOW), strict=False
+            course.students, (FORMULA, EXCUSED_PERSON, BJÖRN, MARY, ANNA, NOSHOW), strict=False
         ):
             student.login = person.email.upper()
         people = [
@@ -146,7 +146,7 @@ def test_canvas_rows_are_found_by_any_key_of_the_roster(fill, roster):
         for student in course.students:
             student.login = f"login{student.id}"
     points = dict(zip([person.id for person in people], POINTS.values(), strict=False))
-    exported = fill(course, marks(points, people, excused=()))
+    exported = fill_file(course, marks(points, people, excused=()))
     course.import_(exported.content)
     scores = {id: score for (id, assignment), score in course.scores.items() if assignment == 42}
     if roster == "login":  # the student called cmd has another login
@@ -156,14 +156,14 @@ def test_canvas_rows_are_found_by_any_key_of_the_roster(fill, roster):
     assert scores == {9001: 8.5, 9002: 31.25, 9003: 100.0, 9005: 44.0, 9100: 3.0}
 
 
-def test_canvas_rows_found_only_by_name_are_noted(fill):
+def test_canvas_rows_found_only_by_name_are_noted(fill_file):
     course = canvas_course()
     people = [
         dataclasses.replace(person, lms_id="", email="", id=f"s{person.lms_id}")
         for person in PEOPLE
     ]
     points = dict(zip([person.id for person in people], POINTS.values(), strict=False))
-    exported = fill(course, marks(points, people, excused=()))
+    exported = fill_file(course, marks(points, people, excused=()))
     course.import_(exported.content)
     assert (exported.lost, course.scores[9002, 42]) == ((), 31.25)
     assert any(
@@ -172,13 +172,13 @@ def test_canvas_rows_found_only_by_name_are_noted(fill):
     )
 
 
-def test_ambiguous_students_are_named_and_get_no_mark(fill):
+def test_ambiguous_students_are_named_and_get_no_mark(fill_file):
     course = canvas_course()
     course.students.append(CanvasStudent(9200, "Schmidt, Anna", "sis9", "as9"))
     other = Person("anna2", "Anna", "Schmidt")
     without_number = dataclasses.replace(ANNA, lms_id="", id="as", email="")
     given = marks({"as": 5.0, "anna2": 6.0}, (without_number, other), excused=())
-    exported = fill(course, given)
+    exported = fill_file(course, given)
     assert exported.placed == 0
     assert exported.lost == (
         "as (Anna Schmidt), 5 points: Schmidt, Anna or Schmidt, Anna may be anna2 or as.",
@@ -186,46 +186,46 @@ def test_ambiguous_students_are_named_and_get_no_mark(fill):
     )
 
 
-def test_a_row_that_matches_two_people_gets_no_mark(fill):
+def test_a_row_that_matches_two_people_gets_no_mark(fill_file):
     course = canvas_course()
     other = Person("sis1", "Thea", "Dieb")  # Thea's ID equals Anna's SIS ID
-    exported = fill(course, marks({"anna": 8.5, "sis1": 1.0}, (ANNA, other), excused=()))
+    exported = fill_file(course, marks({"anna": 8.5, "sis1": 1.0}, (ANNA, other), excused=()))
     assert exported.placed == 0 and len(exported.lost) == 2
     assert "Schmidt, Anna may be anna or sis1" in exported.lost[0]
 
 
-def test_a_canvas_number_takes_precedence_over_an_equal_id(fill):
+def test_a_canvas_number_takes_precedence_over_an_equal_id(fill_file):
     course = canvas_course()
     other = Person("9001", "Zoe", "", "z@x.edu", "A", "9100")
-    exported = fill(course, marks({"anna": 8.5, "9001": 1.0}, (ANNA, other), excused=()))
+    exported = fill_file(course, marks({"anna": 8.5, "9001": 1.0}, (ANNA, other), excused=()))
     course.import_(exported.content)
     assert course.scores[9001, 42] == 8.5
 
 
-def test_an_id_that_equals_a_canvas_number_needs_the_same_name(fill):
+def test_an_id_that_equals_a_canvas_number_needs_the_same_name(fill_file):
     """IDs may be Canvas's numbers, but such a match does not count if the names differ."""
     course = canvas_course(sis=False)
     same, other = Person("9001", "Anna", "Schmidt"), Person("9002", "Zoe", "Zahn")
     nameless = Person("9003")
     points = {"9001": 1.0, "9002": 2.0, "9003": 3.0}
-    exported = fill(course, marks(points, (same, other, nameless), excused=()))
+    exported = fill_file(course, marks(points, (same, other, nameless), excused=()))
     course.import_(exported.content)
     assert (course.scores[9001, 42], course.scores[9003, 42]) == (1.0, 3.0)
     assert course.scores[9002, 42] == 12.0
     assert exported.lost == ("9002 (Zoe Zahn), 2 points: the file has no row for this student.",)
 
 
-def test_another_name_with_the_same_number_is_noted(fill):
+def test_another_name_with_the_same_number_is_noted(fill_file):
     course = canvas_course()
     course.students[4].name = "Schmidt-Meier, Anna"
-    exported = fill(course, marks())
+    exported = fill_file(course, marks())
     assert exported.lost == ()
     note = "Under another name in the file: Schmidt-Meier, Anna for anna (Anna Schmidt)."
     assert note in exported.notes
-    assert not any("another name" in note for note in fill(canvas_course(), marks()).notes)
+    assert not any("another name" in note for note in fill_file(canvas_course(), marks()).notes)
 
 
-def test_numbers_that_two_systems_give_to_different_people_give_no_mark(fill):
+def test_a_number_that_two_systems_give_to_different_people_leads_to_no_mark(fill_file):
     """The ID of each student is the other student's SIS ID, and the names fit the IDs."""
     course = canvas_course()
     course.students = [
@@ -233,26 +233,26 @@ def test_numbers_that_two_systems_give_to_different_people_give_no_mark(fill):
         CanvasStudent(200, "Bäcker, Bo", "100", "bbo"),
     ]
     people = (Person("100", "Anna", "Ash"), Person("200", "Bo", "Bäcker"))
-    exported = fill(course, marks({"100": 12.5, "200": 31.25}, people, excused=()))
+    exported = fill_file(course, marks({"100": 12.5, "200": 31.25}, people, excused=()))
     assert (exported.placed, b"12.5" in exported.content) == (0, False)
     assert exported.lost == (
         "100 (Anna Ash), 12.5 points: Ash, Anna or Bäcker, Bo may be 100 or 200.",
         "200 (Bo Bäcker), 31.25 points: Ash, Anna or Bäcker, Bo may be 100 or 200.",
     )
     nameless = tuple(Person(person.id) for person in people)
-    exported = fill(course, marks({"100": 12.5, "200": 31.25}, nameless, excused=()))
+    exported = fill_file(course, marks({"100": 12.5, "200": 31.25}, nameless, excused=()))
     assert (exported.placed, len(exported.lost)) == (0, 2)
 
 
 @pytest.mark.parametrize("platform", ["canvas", "moodle"])
-def test_a_key_of_one_student_with_the_name_of_another_gives_no_mark(fill, platform):
+def test_a_key_of_one_student_with_the_name_of_another_leads_to_no_mark(fill_file, platform):
     if platform == "canvas":
         course = canvas_course()
         course.students[2].name, course.students[4].name = "Schmidt, Anna", "Müller, Björn"
     else:
         course = moodle_course()
         course.students[1].name, course.students[0].name = "Anna Schmidt", "Björn Müller"
-    exported = fill(course, marks())
+    exported = fill_file(course, marks())
     assert exported.placed == 2
     assert [sentence.partition(",")[0] for sentence in exported.lost] == [
         "anna (Anna Schmidt)",
@@ -261,11 +261,11 @@ def test_a_key_of_one_student_with_the_name_of_another_gives_no_mark(fill, platf
     assert all("may be anna or björn" in sentence for sentence in exported.lost)
 
 
-def test_a_namesake_with_another_number_gets_no_mark(fill):
+def test_a_namesake_with_another_number_gets_no_mark(fill_file):
     course = canvas_course()
     anna = next(student for student in course.students if student.id == 9001)
     anna.id, anna.sis_id, anna.login = 7777, "sis7", "a.schmidt"
-    exported = fill(course, marks())
+    exported = fill_file(course, marks())
     course.import_(exported.content)
     assert (7777, 42) not in course.scores
     assert exported.lost == (
@@ -274,24 +274,24 @@ def test_a_namesake_with_another_number_gets_no_mark(fill):
     assert not any("by name" in note for note in exported.notes)
     # If the file contains both rows, Anna's row gets the mark.
     course.students.append(CanvasStudent(9001, "Schmidt, Anna", "sis1", "anna"))
-    exported = fill(course, marks())
+    exported = fill_file(course, marks())
     course.import_(exported.content)
     assert (course.scores.get((7777, 42)), course.scores[9001, 42]) == (None, 8.5)
     assert exported.lost == ()
     assert "In the file but not on the roster: Schmidt, Anna." in exported.notes
 
 
-def test_numbers_of_another_kind_are_ignored(fill):
+def test_numbers_of_another_kind_are_ignored(fill_file):
     people = [
         dataclasses.replace(person, id=f"x{n}", email="", lms_id=f"M{n}")
         for n, person in enumerate(PEOPLE)
     ]
-    exported = fill(canvas_course(), marks({"x0": 8.5}, people, excused=()))
+    exported = fill_file(canvas_course(), marks({"x0": 8.5}, people, excused=()))
     assert (exported.placed, exported.lost) == (1, ())
 
 
 @pytest.mark.parametrize(
-    ("there", "said"),
+    ("existing", "changes"),
     [
         (85.0, "björn (Björn Müller) from 12.00 to 31.25; ill (Ilse Krank) from 85.00 to EX"),
         (0.0, "björn (Björn Müller) from 12.00 to 31.25; ill (Ilse Krank) from 0.00 to EX"),
@@ -299,45 +299,45 @@ def test_numbers_of_another_kind_are_ignored(fill):
         (None, "björn (Björn Müller) from 12.00 to 31.25"),
     ],
 )
-def test_a_mark_that_an_excuse_replaces_is_named(fill, there, said):
+def test_a_mark_that_an_excuse_replaces_is_named(fill_file, existing, changes):
     course = canvas_course()
-    if there is not None:
-        course.scores[9006, 42] = there
-    exported = fill(course, marks())
+    if existing is not None:
+        course.scores[9006, 42] = existing
+    exported = fill_file(course, marks())
     course.import_(exported.content)
     assert course.scores[9006, 42] == "EX"
-    assert f"Marks changed in the file: {said}." in exported.notes
+    assert f"Marks changed in the file: {changes}." in exported.notes
 
 
-def test_an_excuse_that_a_mark_replaces_is_named(fill):
+def test_an_excuse_that_a_mark_replaces_is_named(fill_file):
     course = canvas_course()
     course.scores[9001, 42] = "EX"
     replaced = "anna (Anna Schmidt) from EX to 8.5; björn (Björn Müller) from 12.00 to 31.25"
-    exported = fill(course, marks())
+    exported = fill_file(course, marks())
     assert f"Marks changed in the file: {replaced}." in exported.notes
 
 
-def test_excused_students_without_the_assignment_are_named(fill):
-    exported = fill(canvas_course(assigned={42: {9001, 9002, 9003, 9004}}), marks())
+def test_excused_students_without_the_assignment_are_named(fill_file):
+    exported = fill_file(canvas_course(assigned={42: {9001, 9002, 9003, 9004}}), marks())
     assert (exported.placed, exported.lost) == (4, ())
     assert b"EX" not in exported.content
     (note,) = [note for note in exported.notes if note.startswith("Excused, but not marked")]
     assert "ill (Ilse Krank): Canvas would ignore the mark" in note and "(N/A)" in note
 
 
-def test_a_mark_for_an_unassigned_student_is_reported(fill):
+def test_a_mark_for_an_unassigned_student_is_reported(fill_file):
     course = canvas_course(assigned={42: {9002, 9003, 9004}})
-    exported = fill(course, marks())
+    exported = fill_file(course, marks())
     assert exported.placed == 3
     (lost,) = exported.lost
     assert lost.startswith("anna (Anna Schmidt), 8.5 points: Canvas would ignore the mark")
 
 
-def test_students_missing_in_the_file_or_on_the_roster_are_named(fill):
+def test_students_missing_in_the_file_or_on_the_roster_are_named(fill_file):
     course = canvas_course()
     course.students = [student for student in course.students if student.id not in (9001, 9005)]
     course.students.append(CanvasStudent(9300, "Gast, Gerd", "sis8", "gg"))
-    exported = fill(course, marks())
+    exported = fill_file(course, marks())
     assert exported.lost == (
         "anna (Anna Schmidt), 8.5 points: the file has no row for this student.",
     )
@@ -346,23 +346,23 @@ def test_students_missing_in_the_file_or_on_the_roster_are_named(fill):
     assert absent in exported.notes
 
 
-def test_other_maximum_points_are_refused_or_scaled(fill):
+def test_other_maximum_points_are_refused_or_scaled(fill_file):
     course = canvas_course()
     course.assignments[42][1] = 10.0
     with pytest.raises(
         ExportError,
         match=r"\(06_filter_ground 100\), but 'Stage 3: Obstacles \(42\)' is worth 10 on",
     ):
-        fill(course, marks())
-    course.import_(fill(course, marks(), scale=True).content)
+        fill_file(course, marks())
+    course.import_(fill_file(course, marks(), scale=True).content)
     assert course.scores[9001, 42] == 0.85 and course.scores[9003, 42] == 10.0
     assert course.assignments[42][1] == 10.0
     course.assignments[42][1] = 0.0
     with pytest.raises(ExportError, match="Set 100 points there"):
-        fill(course, marks(), scale=True)
+        fill_file(course, marks(), scale=True)
 
 
-def test_other_maximum_points_of_a_stage_suggest_to_list_its_lessons(fill):
+def test_other_maximum_points_of_a_stage_suggest_to_list_its_lessons(fill_file):
     results, course = marks(most=60.0), canvas_course()
     more = [
         dataclasses.replace(result, lesson="07_filter_by_distance") for result in results.notebooks
@@ -370,40 +370,40 @@ def test_other_maximum_points_of_a_stage_suggest_to_list_its_lessons(fill):
     results = dataclasses.replace(results, notebooks=(*results.notebooks, *more))
     course.assignments[42][1] = 60.0
     with pytest.raises(ExportError, match=r'below \[stage3_obstacles\] .* lessons = \["06", …\]'):
-        fill(course, results)
+        fill_file(course, results)
 
 
-def test_an_ambiguous_column_must_be_named(fill):
+def test_an_ambiguous_column_must_be_named(fill_file):
     course = canvas_course()
     course.assignments = {42: ["Obstacles", 100.0], 43: ["Essay", 100.0]}
     with pytest.raises(
         ExportError, match=r"has no column .* --column; the columns are: 'Obstacles \(42\)', 'Essay"
     ):
-        fill(course, marks())
+        fill_file(course, marks())
     for title in ("Obstacles", "Obstacles (42)"):
         other = canvas_course()
         other.assignments = dict(course.assignments)
-        other.import_(fill(other, marks(), column=title).content)
+        other.import_(fill_file(other, marks(), column=title).content)
         assert other.scores[9001, 42] == 8.5
     course.assignments = {
         42: ["Stage 3 (obstacles)", 100.0],
         43: ["Stage 3: Obstacles, again", 1.0],
     }
     with pytest.raises(ExportError, match="more than one column"):
-        fill(course, marks())
+        fill_file(course, marks())
     with pytest.raises(ExportError, match="has no column 'Final Score'"):
-        fill(course, marks(), column="Final Score")
+        fill_file(course, marks(), column="Final Score")
 
 
-def test_a_title_that_canvas_never_imports_is_named(fill):
+def test_a_title_that_canvas_never_imports_is_named(fill_file):
     course = canvas_course()
     course.assignments = {42: ["Stage 3 obstacles: Final Score", 100.0]}
     remedy = r"never imports 'Stage 3 obstacles: Final Score \(42\)', .* Rename the assignment"
     for column in (None, "Stage 3 obstacles: Final Score"):
         with pytest.raises(ExportError, match=remedy):
-            fill(course, marks(), column=column)
+            fill_file(course, marks(), column=column)
     course.assignments[43] = ["Stage 3 obstacles", 100.0]
-    course.import_(fill(course, marks()).content)
+    course.import_(fill_file(course, marks()).content)
     assert course.scores[9001, 43] == 8.5
 
 
@@ -428,9 +428,9 @@ def moodle_course(**settings):
     "settings",
     [{}, {"words": GERMAN, "decimal_mark": ","}, {"workflow": True}],
 )
-def test_moodle_gets_each_mark_and_no_other_mark_changes(fill, settings):
+def test_moodle_gets_each_mark_and_no_other_mark_changes(fill_file, settings):
     course = moodle_course(**settings)
-    exported = fill(course, marks())
+    exported = fill_file(course, marks())
     # Noah is graded again after the download. The upload may overwrite such newer records.
     course.grades[315], course.graded_at[315], course.comments[315] = 60.0, 90, "graded again"
     course.import_(exported.content, ignore_modified=True)
@@ -442,9 +442,9 @@ def test_moodle_gets_each_mark_and_no_other_mark_changes(fill, settings):
     assert f"Marks changed in the file: {replaced}." in exported.notes
 
 
-def test_a_worksheet_keeps_its_format(fill):
+def test_a_worksheet_keeps_its_format(fill_file):
     course = moodle_course(words=GERMAN, decimal_mark=",")
-    text = fill(course, marks()).content.decode()
+    text = fill_file(course, marks()).content.decode()
     assert text.startswith("\ufeffID,Vollständiger Name,E-Mail-Adresse,ID-Nummer,Status,Bewertung,")
     assert (
         '\nTeilnehmer/in311,Anna Schmidt,as@x.edu,anna,Submitted for grading,"8,5","100,00",Ja,'
@@ -453,9 +453,9 @@ def test_a_worksheet_keeps_its_format(fill):
     assert "=cmd|' /C calc'!A0" in text  # not escaped, because Moodle compares names with its own
 
 
-def test_marks_that_moodle_would_skip_are_named(fill):
+def test_marks_that_moodle_would_skip_are_named(fill_file):
     course = moodle_course(locked={311}, words=GERMAN, decimal_mark=",")
-    exported = fill(course, marks({**POINTS, "mary jane": 101.0}))
+    exported = fill_file(course, marks({**POINTS, "mary jane": 101.0}))
     assert exported.placed == 2
     locked, above = exported.lost
     assert locked.startswith("anna (Anna Schmidt), 8.5 points: the grade is locked in Moodle")
@@ -466,21 +466,21 @@ def test_marks_that_moodle_would_skip_are_named(fill):
     assert not course.skipped
 
 
-def test_a_lock_is_found_with_the_marking_workflow(fill):
-    exported = fill(moodle_course(locked={312}, workflow=True), marks())
+def test_a_lock_is_found_with_the_marking_workflow(fill_file):
+    exported = fill_file(moodle_course(locked={312}, workflow=True), marks())
     assert exported.placed == 3 and exported.lost[0].startswith("björn")
 
 
-def test_a_blind_worksheet_is_matched_by_number_only(fill):
+def test_a_blind_worksheet_is_matched_by_number_only(fill_file):
     course = moodle_course(blind=True)
     people = [
         dataclasses.replace(person, lms_id=f"Participant {311 + n}")
         for n, person in enumerate(PEOPLE)
     ]
-    exported = fill(course, marks(people=people, excused=people[5:]))
+    exported = fill_file(course, marks(people=people, excused=people[5:]))
     course.import_(exported.content)
     assert exported.lost == () and course.grades[311] == 8.5 and course.grades[314] == 0.0
-    plain = fill(moodle_course(blind=True), marks())
+    plain = fill_file(moodle_course(blind=True), marks())
     assert plain.placed == 0 and len(plain.lost) == 4
 
 
@@ -495,12 +495,12 @@ def collect_from(course, student, owner, number):
 
 
 @pytest.mark.parametrize("words", [ENGLISH, GERMAN])
-def test_anonymous_submissions_are_joined_by_their_label(fill, tmp_path, words):
+def test_anonymous_submissions_are_joined_by_their_label(fill_file, tmp_path, words):
     """The archive has Participant_312, and the worksheet Participant 312 and no names."""
     moodle_site = moodle_course(blind=True, words=words)
     word = words["hiddenuser"].strip().replace("/", "")
     ids = [f"{word}_{number}" for number in (311, 312, 313)]
-    exported = fill(
+    exported = fill_file(
         moodle_site,
         marks(dict(zip(ids, (8.5, 31.25, 0.0), strict=True)), tuple(map(Person, ids)), excused=()),
     )
@@ -509,7 +509,7 @@ def test_anonymous_submissions_are_joined_by_their_label(fill, tmp_path, words):
     assert moodle_site.grades == {311: 8.5, 312: 31.25, 313: 0.0, 315: 44.0}
 
 
-def test_anonymous_submissions_of_the_roster_are_joined_by_the_archive(fill, tmp_path):
+def test_anonymous_submissions_of_the_roster_are_joined_by_the_archive(fill_file, tmp_path):
     course = Course(tmp_path)
     paths._folder.cache_clear()
     collect_from(course, "anna", "Participant_312", "312")
@@ -517,48 +517,48 @@ def test_anonymous_submissions_of_the_roster_are_joined_by_the_archive(fill, tmp
     for student in ("mary jane", "cmd"):  # a team has no participant number of its own
         collect_from(course, student, "Participant_313", "313")
     moodle_site = moodle_course(blind=True)
-    exported = fill(moodle_site, marks())
+    exported = fill_file(moodle_site, marks())
     moodle_site.import_(exported.content, ignore_modified=True)
     assert moodle_site.grades == {311: 31.25, 312: 8.5, 315: 44.0}
     assert [sentence.partition(" (")[0] for sentence in exported.lost] == ["mary jane", "cmd"]
 
 
-def test_a_participant_number_is_not_taken_for_an_lms_id(fill):
+def test_a_participant_number_is_not_taken_for_an_lms_id(fill_file):
     """Participant numbers differ between assignments, so an lms_id may match one by chance."""
     other = Person("x", "Xaver", "Unbekannt", lms_id="311")
-    exported = fill(moodle_course(), marks({"x": 50.0}, (other,), excused=()))
+    exported = fill_file(moodle_course(), marks({"x": 50.0}, (other,), excused=()))
     assert exported.placed == 0
     assert exported.lost == (
         "x (Xaver Unbekannt), 50 points: the file has no row for this student.",
     )
 
 
-def test_the_maximum_grade_of_moodle_is_kept(fill):
+def test_the_maximum_grade_of_moodle_is_kept(fill_file):
     course = moodle_course()
     course.most, course.grades = 10.0, {}
     with pytest.raises(ExportError, match="'Grade' is worth 10 on the platform"):
-        fill(course, marks())
-    course.import_(fill(course, marks(), scale=True).content)
+        fill_file(course, marks())
+    course.import_(fill_file(course, marks(), scale=True).content)
     assert course.grades == {311: 0.85, 312: 3.12, 313: 10.0, 314: 0.0}
 
 
-def test_an_ambiguous_grade_column_must_be_named(fill):
+def test_an_ambiguous_grade_column_must_be_named(fill_file):
     """If no status is set and all grades are equal, the grades look like a column of maxima."""
     course = moodle_course()
     course.grades = dict.fromkeys(range(311, 317), 10.0)
     for student in course.students:
         student.status = ""
     with pytest.raises(ExportError, match="with --column; the columns are: 'Status', 'Grade'"):
-        fill(course, marks())
-    course.import_(fill(course, marks(), column="Grade").content, ignore_modified=True)
+        fill_file(course, marks())
+    course.import_(fill_file(course, marks(), column="Grade").content, ignore_modified=True)
     assert course.grades == {311: 8.5, 312: 31.25, 313: 100.0, 314: 0.0, 315: 10.0, 316: 10.0}
 
 
-def test_a_site_without_fractions_gets_readable_points(fill):
+def test_a_site_without_fractions_gets_readable_points(fill_file):
     course = moodle_course(words=GERMAN, decimal_mark=",")
     course.grades = {}
     course.number = lambda value: "" if value is None else f"{value:.0f}"
-    course.import_(fill(course, marks()).content)
+    course.import_(fill_file(course, marks()).content)
     assert course.grades[311] == 8.5
 
 
@@ -566,7 +566,7 @@ def test_a_site_without_fractions_gets_readable_points(fill):
 
 
 @pytest.mark.parametrize(
-    ("content", "says"),
+    ("content", "message"),
     [
         (b"", "does not contain a table of students"),
         (b"PK\x03\x04\xff\xfe", "is not a CSV file in UTF-8"),
@@ -576,20 +576,20 @@ def test_a_site_without_fractions_gets_readable_points(fill):
         (b"Student,ID,Section,T (1)\n    Points Possible,,,1\n,,,,,,,5\n", "has 8 cells"),
     ],
 )
-def test_a_file_of_another_kind_is_refused_with_a_suggestion(tmp_path, content, says):
+def test_a_file_of_another_kind_is_refused_with_a_suggestion(tmp_path, content, message):
     path = tmp_path / "x.csv"
     path.write_bytes(content)
     order = ExportOptions(Course(tmp_path), marks(), STAGE, into=path, column="T")
-    with pytest.raises(ExportError, match=says):
+    with pytest.raises(ExportError, match=message):
         canvas(order)
-    if says == "is not ":
+    if message == "is not ":
         with pytest.raises(ExportError, match="not an offline grading worksheet"):
             moodle(order)
 
 
-def test_a_long_text_in_a_worksheet_is_read(fill):
+def test_a_long_text_in_a_worksheet_is_read(fill_file):
     course = moodle_course()
     course.comments[311] = "x" * 200_000
-    exported = fill(course, marks())
+    exported = fill_file(course, marks())
     course.import_(exported.content)
     assert len(course.comments[311]) == 200_000

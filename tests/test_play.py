@@ -74,14 +74,14 @@ def test_bags_are_opened_with_their_topic(monkeypatch):
     assert seen == [(Path("drive.bag"), "/points")]
 
 
-def test_without_a_screen_the_film_is_saved_under_the_scenarios_name(tmp_path, capsys):
+def test_the_film_is_saved_under_the_scenarios_name_without_a_screen(tmp_path, capsys):
     pytest.importorskip("imageio_ffmpeg", reason=FFMPEG)
     assert play.main(["highway", "--frames", "2", *SMALL]) == 0
     assert (tmp_path / "highway.mp4").stat().st_size > 0
     assert "Writing the film to highway.mp4" in capsys.readouterr().out
 
 
-def test_without_ffmpeg_the_film_is_a_gif(monkeypatch, tmp_path, capsys):
+def test_the_film_is_a_gif_without_ffmpeg(monkeypatch, tmp_path, capsys):
     # Other packages can be found, because the result of the search for PyVista is cached.
     find_spec = importlib.util.find_spec
     hidden = {"imageio_ffmpeg"}
@@ -210,7 +210,7 @@ class FakeWindow:
         self.open = False
 
 
-def test_with_a_screen_frames_are_played_until_the_window_is_closed(monkeypatch, tmp_path):
+def test_frames_are_played_on_a_screen_until_the_window_is_closed(monkeypatch, tmp_path):
     monkeypatch.setattr(play, "has_screen", lambda: True)
     monkeypatch.setattr(with_pyvista, "Window", FakeWindow)
     assert play.main(["highway", "--frames", "5"]) == 0

@@ -370,7 +370,7 @@ def test_limits_are_accepted_in_both_notations():
         assert (*axes.get_xlim(), *axes.get_ylim()) == (-5, 10, -2, 3)
 
 
-def test_figures_can_be_drawn_over_each_other():
+def test_boxes_can_be_drawn_over_another_figure():
     axes = plots.from_above(street(500), limits=(-20, 20, -10, 10), title="Scan")
     plots.boxes(BOX[None] + 50, axes=axes, label="yours")
     plots.boxes(BOX[None], axes=axes, label="true", reference=True)
@@ -403,7 +403,7 @@ def test_edges_of_a_box_are_found_in_any_order_of_corners():
     assert all(np.count_nonzero(length) == 1 for length in lengths)
 
 
-def test_the_line_and_its_band_are_where_they_should_be():
+def test_the_line_and_its_band_agree_with_the_equation():
     axes = plots.line_model(QUIZ, (3, 4, 5), None, 0.5)
     line = next(line for line in axes.lines if line.get_label() == "line")
     across, up = line.get_data()
@@ -464,7 +464,7 @@ def test_invalid_trees_are_drawn():
         png(plots.kd_splits(QUIZ, root))
 
 
-def test_worst_ignores_how_clusters_are_numbered():
+def test_worst_ignores_the_numbering_of_clusters():
     expected = np.repeat([1, 2, 3], [4, 3, 4])
     panels = plots.worst(QUIZ, 10 - expected, expected)
     assert "differ: 0" in legend(panels[0])

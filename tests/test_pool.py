@@ -108,7 +108,7 @@ def test_an_exception_keeps_its_traceback(kind, comes):
         assert judges.submit(size_of, b"abc").result(PATIENCE)[0] == 3
 
 
-def test_a_process_is_idle_only_once_it_is_no_longer_busy():
+def test_a_process_leaves_the_busy_set_before_it_is_listed_as_idle():
     """Otherwise, a thread could take the process and then see it removed from the busy set."""
     with Pool(2) as judges:
 

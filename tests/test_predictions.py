@@ -79,7 +79,7 @@ def no_widgets(monkeypatch):
     static_widgets.stand_in()
 
 
-def test_without_widgets_sliders_are_static_and_no_guess_is_requested(no_widgets, capsys):
+def test_sliders_are_static_and_no_guess_is_requested_without_widgets(no_widgets, capsys):
     from ipywidgets import IntSlider, SelectionSlider, interact
 
     seen = []

@@ -33,8 +33,8 @@ from tests.students import answers_in
 from utils.notebooks.reading import UnreadableNotebook
 
 LESSON = find_lesson("06_filter_ground")
-THREE = find_lesson("07_filter_by_distance")
-WRITTEN = find_lesson("12_streaming_obstacles")
+OTHER_LESSON = find_lesson("07_filter_by_distance")
+WRITTEN_LESSON = find_lesson("12_streaming_obstacles")
 EXERCISES = ("filter_ground", "voxel_grid")
 LFS_POINTER = (
     b"version https://git-lfs.github.com/spec/v1\n"
@@ -43,18 +43,18 @@ LFS_POINTER = (
 REPORT = "I widened the region to 18.5 m, because the lorry *stands* at 17 m."
 
 
-def right(exercise):
+def right_answer(exercise):
     return next(variant.source for variant in answers_to(exercise) if variant.right)
 
 
 def right_notebook():
     """Return a notebook of lesson 06 with right answers, as JSON."""
-    return json.loads(fill_in(LESSON, {name: right(name) for name in EXERCISES}))
+    return json.loads(fill_in(LESSON, {name: right_answer(name) for name in EXERCISES}))
 
 
 def with_report():
     """Return a notebook of lesson 12 with a written answer, as JSON."""
-    return json.loads(fill_in(WRITTEN, {"write_up": REPORT}))
+    return json.loads(fill_in(WRITTEN_LESSON, {"write_up": REPORT}))
 
 
 def cell_of(notebook, grade_id):
@@ -79,7 +79,7 @@ def text(source, **metadata):
     return {"cell_type": "markdown", "metadata": metadata, "source": source}
 
 
-def changed(change):
+def changed_notebook(change):
     """Return the bytes of the right notebook after a change.
 
     `change` may edit the notebook in place, or return another notebook, text or bytes.
@@ -92,7 +92,7 @@ def changed(change):
     return result if isinstance(result, bytes) else result.encode("utf-8", "surrogatepass")
 
 
-def each_cell(edit):
+def change_each_cell(edit):
     def change(notebook):
         for cell in notebook["cells"]:
             edit(cell)
@@ -110,14 +110,14 @@ def retype(kind):
     return change
 
 
-def split(notebook):
+def split_cell(notebook):
     cells = notebook["cells"]
     index = cells.index(cell_of(notebook, "voxel_grid"))
     cells.insert(index, code("import numpy as np"))
     cells[index + 1]["metadata"] = {}
 
 
-def merged(notebook):
+def merge_cells(notebook):
     first, second = (cell_of(notebook, name) for name in EXERCISES)
     first["source"] = "".join(first["source"]) + "\n\n" + "".join(second["source"])
     notebook["cells"].remove(second)
@@ -188,7 +188,7 @@ def nested_output(notebook):
 def half_characters(notebook):
     cell = cell_of(notebook, "voxel_grid")
     cell["source"] = "".join(cell["source"]) + "\n# \ud83d half of \U0001f600"
-    notebook["cells"].append(tagged(text("\ude00"), "\ud83d"))
+    notebook["cells"].append(with_grade_id(text("\ude00"), "\ud83d"))
     notebook["metadata"]["lidar_obstacle_lab"] = {"lesson": "\ud83d"}
 
 
@@ -225,20 +225,20 @@ EARNS_EVERYTHING = {
     ),
     "metadata missing": (lambda notebook: notebook.pop("metadata") and None, ""),
     "metadata null": (update_notebook(metadata=None), ""),
-    "no cell has metadata": (each_cell(lambda cell: cell.pop("metadata")), ""),
-    "metadata of cells null": (each_cell(lambda cell: cell.update(metadata=None)), ""),
-    "metadata of cells a list": (each_cell(lambda cell: cell.update(metadata=[])), ""),
-    "no ids": (each_cell(lambda cell: cell.pop("id", None)), ""),
-    "all ids the same": (each_cell(lambda cell: cell.update(id="a")), ""),
-    "ids that are numbers": (each_cell(lambda cell: cell.update(id=7)), ""),
+    "no cell has metadata": (change_each_cell(lambda cell: cell.pop("metadata")), ""),
+    "metadata of cells null": (change_each_cell(lambda cell: cell.update(metadata=None)), ""),
+    "metadata of cells a list": (change_each_cell(lambda cell: cell.update(metadata=[])), ""),
+    "no ids": (change_each_cell(lambda cell: cell.pop("id", None)), ""),
+    "all ids the same": (change_each_cell(lambda cell: cell.update(id="a")), ""),
+    "ids that are numbers": (change_each_cell(lambda cell: cell.update(id=7)), ""),
     "ids in an older format": (update_notebook(nbformat_minor=4), ""),
     "a format from the future": (update_notebook(nbformat=5), ""),
     "an old format": (old_format, ""),
-    "outputs in text cells": (each_cell(lambda cell: cell.update(outputs=[])), ""),
-    "no outputs at all": (each_cell(lambda cell: cell.pop("outputs", None)), ""),
-    "no execution counts": (each_cell(lambda cell: cell.pop("execution_count", None)), ""),
-    "tags twice": (each_cell(lambda cell: cell["metadata"].update(tags=["a", "a"])), ""),
-    "attachments that are null": (each_cell(lambda cell: cell.update(attachments=None)), ""),
+    "outputs in text cells": (change_each_cell(lambda cell: cell.update(outputs=[])), ""),
+    "no outputs at all": (change_each_cell(lambda cell: cell.pop("outputs", None)), ""),
+    "no execution counts": (change_each_cell(lambda cell: cell.pop("execution_count", None)), ""),
+    "tags twice": (change_each_cell(lambda cell: cell["metadata"].update(tags=["a", "a"])), ""),
+    "attachments that are null": (change_each_cell(lambda cell: cell.update(attachments=None)), ""),
     "widgets without state": (
         lambda notebook: notebook["metadata"].update(widgets={"application/x": {}}),
         "",
@@ -256,7 +256,7 @@ EARNS_EVERYTHING = {
     "answers in raw cells": (retype("raw"), "a raw cell"),
     "answers in text cells without metadata": (
         lambda notebook: (
-            retype("markdown")(notebook) or each_cell(lambda c: c.pop("metadata"))(notebook)
+            retype("markdown")(notebook) or change_each_cell(lambda c: c.pop("metadata"))(notebook)
         ),
         "press Y",
     ),
@@ -264,8 +264,8 @@ EARNS_EVERYTHING = {
         lambda notebook: notebook["cells"].sort(key=lambda cell: cell["cell_type"] != "code"),
         "",
     ),
-    "a cell split": (split, ""),
-    "two cells merged": (merged, ""),
+    "a cell split": (split_cell, ""),
+    "two cells merged": (merge_cells, ""),
     "an answer twice": (
         lambda notebook: notebook["cells"].append(copy.deepcopy(cell_of(notebook, "voxel_grid"))),
         "",
@@ -350,16 +350,16 @@ EARNS_EVERYTHING = {
 }
 
 
-@pytest.mark.parametrize("change, says", EARNS_EVERYTHING.values(), ids=EARNS_EVERYTHING)
-def test_damage_to_a_file_costs_no_points(change, says):
+@pytest.mark.parametrize("change, message", EARNS_EVERYTHING.values(), ids=EARNS_EVERYTHING)
+def test_damage_to_a_file_costs_no_points(change, message):
     """All code is found, the graded copy is complete and valid, and a note reports each repair."""
-    prepared = prepare(SubmittedFiles("06_filter_ground.ipynb", changed(change)), LESSON)
+    prepared = prepare(SubmittedFiles("06_filter_ground.ipynb", changed_notebook(change)), LESSON)
     answers = answers_in(LESSON, prepared.code)
     cloud = np.array([[0.0, 0, -2, 1], [1, 1, 1, 1], [1.01, 1, 1, 0]])
     assert len(answers["filter_ground"](cloud)) == 2
     assert len(answers["voxel_grid"](cloud, 0.5)) == 2
     notes = " ".join(prepared.notes)
-    assert (says in notes) if says else notes == ""
+    assert (message in notes) if message else notes == ""
     json.dumps(dataclasses.asdict(prepared), default=str, ensure_ascii=False).encode()
     graded_copy = build_copy(prepared)
     nbformat.validate(graded_copy)
@@ -375,22 +375,27 @@ def test_damage_to_a_file_costs_no_points(change, says):
         )
 
 
-SOME = ("cut off after the answers", "answers in text cells", "an old format", "huge outputs")
+SELECTED_CHANGES = (
+    "cut off after the answers",
+    "answers in text cells",
+    "an old format",
+    "huge outputs",
+)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", SOME)
+@pytest.mark.parametrize("name", SELECTED_CHANGES)
 def test_the_judge_gives_full_marks_to_a_damaged_file_with_right_answers(name, sandbox):
-    change, says = EARNS_EVERYTHING[name]
+    change, message = EARNS_EVERYTHING[name]
     verdict = judge_files(
-        SubmittedFiles("06_filter_ground.ipynb", changed(change)), 1, sandbox, LESSON
+        SubmittedFiles("06_filter_ground.ipynb", changed_notebook(change)), 1, sandbox, LESSON
     )
     assert verdict.score == 30
-    assert says in " ".join(verdict.problems)
+    assert message in " ".join(verdict.problems)
 
 
 @pytest.mark.parametrize(
-    "change, says",
+    "change, message",
     [
         (lambda notebook: b"\x89PNG\r\n\x1a\n\x00\xff\xfe", "it is not text"),
         (lambda notebook: "", "is empty"),
@@ -415,9 +420,9 @@ def test_the_judge_gives_full_marks_to_a_damaged_file_with_right_answers(name, s
         (lambda notebook: gzip.compress(bytes(65 * 2**20)), "unpacks to more than 64 MB"),
     ],
 )
-def test_an_unreadable_file_is_shown_as_released(change, says):
-    submission = SubmittedFiles("06_filter_ground.ipynb", changed(change))
-    with pytest.raises(UnreadableNotebook, match=says):
+def test_an_unreadable_file_is_shown_as_released(change, message):
+    submission = SubmittedFiles("06_filter_ground.ipynb", changed_notebook(change))
+    with pytest.raises(UnreadableNotebook, match=message):
         prepare(submission, LESSON)
     graded_copy = build_copy(prepare_to_show(submission, LESSON))
     nbformat.validate(graded_copy)
@@ -426,7 +431,7 @@ def test_an_unreadable_file_is_shown_as_released(change, says):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "notebook, says",
+    "notebook, message",
     [
         (
             lambda: json.loads(find_lesson("05_euclidean_clustering").released.read_text()),
@@ -436,11 +441,11 @@ def test_an_unreadable_file_is_shown_as_released(change, says):
         (lambda: {"cells": [text("# my essay")], "nbformat": 4}, " contains no code."),
     ],
 )
-def test_a_submission_without_code_of_this_lesson_gets_a_message(notebook, says, sandbox):
+def test_a_submission_without_code_of_this_lesson_gets_a_message(notebook, message, sandbox):
     data = json.dumps(notebook()).encode()
     verdict = judge_files(SubmittedFiles("06_filter_ground.ipynb", data), 1, sandbox, LESSON)
     assert verdict.score == 0
-    assert says in " ".join(verdict.problems)
+    assert message in " ".join(verdict.problems)
 
 
 def test_several_versions_are_reported_only_if_points_are_lost(sandbox):
@@ -501,7 +506,7 @@ def test_a_cut_off_file_keeps_the_complete_answer():
     assert "cut off" in prepared.notes[0]
 
 
-def test_nothing_is_concluded_from_a_part_of_a_file():
+def test_an_incomplete_file_never_counts_as_untouched():
     released = LESSON.released.read_bytes()
     assert contents.content_of(released, "a.ipynb").untouched
     assert not contents.content_of(released[:-9], "a.ipynb").untouched
@@ -515,15 +520,15 @@ def test_nothing_is_concluded_from_a_part_of_a_file():
     assert not preflight.prepare_to_judge(whole, LESSON).is_as_released
 
     only_text = json.dumps({"cells": [text("a"), text("b")]})
-    for data, says in ((only_text, "contains no code"), (only_text[:-9], "cut off after 1")):
+    for data, message in ((only_text, "contains no code"), (only_text[:-9], "cut off after 1")):
         (note,) = prepare(SubmittedFiles("06_filter_ground.ipynb", data.encode()), LESSON).notes
-        assert says in note
+        assert message in note
 
 
 def test_a_written_answer_that_may_be_cut_off_waits_for_a_grader():
     data = json.dumps(with_report()).encode()
     cut = SubmittedFiles("12_streaming_obstacles.ipynb", data[: data.index(b"I widened")])
-    prepared = prepare(cut, WRITTEN)
+    prepared = prepare(cut, WRITTEN_LESSON)
     assert "Look for the answer in the file" in prepared.answers["write_up"].text
     assert "A grader will look for it." in prepared.notes[-1]
 
@@ -547,7 +552,7 @@ def from_cells(*cells, lesson=LESSON, modules=None, name="", lesson_name=""):
     )
 
 
-def tagged(cell, grade_id):
+def with_grade_id(cell, grade_id):
     """Return a copy of a cell with an nbgrader grade ID."""
     return {**cell, "metadata": {"nbgrader": {"grade_id": grade_id}}}
 
@@ -569,22 +574,25 @@ def test_prepared_notebooks_are_immutable():
     [
         # A text cell that quotes code remains text, even if it is an exercise's cell.
         ([text("```\n" + GROUND + "\n```")], ["markdown"]),
-        ([tagged(text("Like this:\n```\n" + GROUND + "\n```"), "filter_ground")], ["markdown"]),
+        (
+            [with_grade_id(text("Like this:\n```\n" + GROUND + "\n```"), "filter_ground")],
+            ["markdown"],
+        ),
         ([text("Above: def filter_ground(cloud)")], ["markdown"]),
         ([text(GROUND), code(VOXELS)], ["code", "code"]),
         # If a code cell also defines the function, the text cell is taken for an old version.
         ([text(GROUND), code(GROUND)], ["markdown", "code"]),
         ([code(GROUND), text(GROUND)], ["code", "markdown"]),
-        ([tagged(text(GROUND), "filter_ground"), code(GROUND)], ["markdown", "code"]),
-        ([tagged(text(GROUND), "voxel_grid"), code(GROUND)], ["markdown", "code"]),
-        ([code(GROUND), tagged(text(GROUND), "voxel_grid")], ["code", "markdown"]),
+        ([with_grade_id(text(GROUND), "filter_ground"), code(GROUND)], ["markdown", "code"]),
+        ([with_grade_id(text(GROUND), "voxel_grid"), code(GROUND)], ["markdown", "code"]),
+        ([code(GROUND), with_grade_id(text(GROUND), "voxel_grid")], ["code", "markdown"]),
         (
-            [code(GROUND), tagged(text(GROUND), "filter_ground"), code(GROUND)],
+            [code(GROUND), with_grade_id(text(GROUND), "filter_ground"), code(GROUND)],
             ["code", "markdown", "code"],
         ),
         # A text cell with the exercise's ID is the answer, and code above it was an attempt.
-        ([code(GROUND), tagged(text(GROUND), "filter_ground")], ["code", "code"]),
-        ([tagged(text("My answer."), "filter_ground")], ["markdown"]),
+        ([code(GROUND), with_grade_id(text(GROUND), "filter_ground")], ["code", "code"]),
+        ([with_grade_id(text("My answer."), "filter_ground")], ["markdown"]),
         # Of several text cells, the first counts.
         ([text(GROUND), text(GROUND)], ["code", "markdown"]),
         ([text(GROUND + "\n" + VOXELS), text(VOXELS)], ["code", "markdown"]),
@@ -601,13 +609,13 @@ def test_only_text_cells_with_needed_answers_are_treated_as_code(cells, kinds):
     assert len(notes) == converted and all(note.split()[0] in EXERCISES for note in notes)
 
 
-def returned_by(made, name):
+def returned_text(prepared, name):
     """Return the text after `return` in the last code cell that defines a function."""
-    last = next(source for source in reversed(made.code) if f"def {name}" in source)
+    last = next(source for source in reversed(prepared.code) if f"def {name}" in source)
     return last.split(f"def {name}(cloud):\n    return ")[1].split("\n")[0]
 
 
-TWO = GROUND.format(1) + "\n" + VOXELS.format(2)
+BOTH_FUNCTIONS = GROUND.format(1) + "\n" + VOXELS.format(2)
 
 
 @pytest.mark.parametrize("is_reversed", [False, True])
@@ -615,23 +623,39 @@ TWO = GROUND.format(1) + "\n" + VOXELS.format(2)
     ("cells", "ground", "voxels"),
     [
         # Functions in code cells take precedence at any position; the text cell adds the others.
-        ([text(TWO), code(GROUND.format(3))], "3", "2"),
-        ([code(GROUND.format(3)), text(TWO)], "3", "2"),
-        ([code(GROUND.format(4)), code(GROUND.format(3)), text("Mine."), text(TWO)], "3", "2"),
-        ([code(VOXELS.format(3)), text(TWO)], "1", "3"),
-        ([text(TWO), code(VOXELS.format(3))], "1", "3"),
-        ([code(GROUND.format(3)), tagged(text(TWO), "voxel_grid")], "3", "2"),
+        ([text(BOTH_FUNCTIONS), code(GROUND.format(3))], "3", "2"),
+        ([code(GROUND.format(3)), text(BOTH_FUNCTIONS)], "3", "2"),
+        (
+            [code(GROUND.format(4)), code(GROUND.format(3)), text("Mine."), text(BOTH_FUNCTIONS)],
+            "3",
+            "2",
+        ),
+        ([code(VOXELS.format(3)), text(BOTH_FUNCTIONS)], "1", "3"),
+        ([text(BOTH_FUNCTIONS), code(VOXELS.format(3))], "1", "3"),
+        ([code(GROUND.format(3)), with_grade_id(text(BOTH_FUNCTIONS), "voxel_grid")], "3", "2"),
         # The first of two text cells also takes precedence over the second.
-        ([text(GROUND.format(3)), text(TWO)], "3", "2"),
-        ([code(GROUND.format(3)), text(TWO), tagged(text(TWO), "voxel_grid")], "3", "2"),
+        ([text(GROUND.format(3)), text(BOTH_FUNCTIONS)], "3", "2"),
+        (
+            [
+                code(GROUND.format(3)),
+                text(BOTH_FUNCTIONS),
+                with_grade_id(text(BOTH_FUNCTIONS), "voxel_grid"),
+            ],
+            "3",
+            "2",
+        ),
     ],
 )
-def test_another_cells_definition_counts_before_a_text_cells(cells, ground, voxels, is_reversed):
+def test_a_definition_in_another_cell_takes_precedence_over_a_text_cell(
+    cells, ground, voxels, is_reversed
+):
     if is_reversed:  # the order of definitions within a cell does not matter
         swapped = VOXELS.format(2) + "\n" + GROUND.format(1)
-        cells = [{**cell, "source": cell["source"].replace(TWO, swapped)} for cell in cells]
+        cells = [
+            {**cell, "source": cell["source"].replace(BOTH_FUNCTIONS, swapped)} for cell in cells
+        ]
     made = from_cells(code("import numpy as np"), *cells)
-    assert (returned_by(made, "filter_ground"), returned_by(made, "voxel_grid")) == (
+    assert (returned_text(made, "filter_ground"), returned_text(made, "voxel_grid")) == (
         ground,
         voxels,
     )
@@ -651,9 +675,15 @@ def test_another_cells_definition_counts_before_a_text_cells(cells, ground, voxe
     ("cells", "order"),
     [
         # The text cell moves to just above the code that counts, below cells that it may need.
-        (["x = 1", "y = 2", GROUND, text(TWO)], ["x = 1", "y = 2", TWO, GROUND]),
+        (
+            ["x = 1", "y = 2", GROUND, text(BOTH_FUNCTIONS)],
+            ["x = 1", "y = 2", BOTH_FUNCTIONS, GROUND],
+        ),
         # A text cell that is already above the code stays, because cells in between may call it.
-        (["x = 1", text(TWO), "voxel_grid(x)", GROUND], ["x = 1", TWO, "voxel_grid(x)", GROUND]),
+        (
+            ["x = 1", text(BOTH_FUNCTIONS), "voxel_grid(x)", GROUND],
+            ["x = 1", BOTH_FUNCTIONS, "voxel_grid(x)", GROUND],
+        ),
     ],
 )
 def test_a_text_cell_is_moved_above_the_code_that_defines_its_function(cells, order):
@@ -670,12 +700,12 @@ def test_a_text_cell_is_judged_for_the_only_function_not_defined_elsewhere():
     def cell(number, *names):
         return text("\n".join(f"def {name}(cloud):\n    return {number}" for name in names))
 
-    distance, crop, ego = (exercise.name for exercise in THREE.machine_graded)
+    distance, crop, ego = (exercise.name for exercise in OTHER_LESSON.machine_graded)
     above = code(cell(1, distance)["source"])
-    prepared = from_cells(above, cell(2, distance, crop), cell(3, crop, ego), lesson=THREE)
-    assert [returned_by(prepared, name) for name in (distance, crop, ego)] == ["1", "2", "3"]
-    prepared = from_cells(above, cell(2, crop), cell(3, distance, crop, ego), lesson=THREE)
-    assert [returned_by(prepared, name) for name in (distance, crop, ego)] == ["1", "2", "3"]
+    prepared = from_cells(above, cell(2, distance, crop), cell(3, crop, ego), lesson=OTHER_LESSON)
+    assert [returned_text(prepared, name) for name in (distance, crop, ego)] == ["1", "2", "3"]
+    prepared = from_cells(above, cell(2, crop), cell(3, distance, crop, ego), lesson=OTHER_LESSON)
+    assert [returned_text(prepared, name) for name in (distance, crop, ego)] == ["1", "2", "3"]
     assert prepared.notes[1] == (
         f"{ego} was in a text cell, which Jupyter does not run. The grader judged it as code. "
         f"For {distance} and {crop}, it judged the code in another cell. In Jupyter, select the "
@@ -685,8 +715,8 @@ def test_a_text_cell_is_judged_for_the_only_function_not_defined_elsewhere():
 
 
 def test_a_text_cell_with_all_functions_is_judged_as_code():
-    prepared = from_cells(text(TWO))
-    assert prepared.code == (TWO,)
+    prepared = from_cells(text(BOTH_FUNCTIONS))
+    assert prepared.code == (BOTH_FUNCTIONS,)
     assert prepared.notes == (
         "filter_ground and voxel_grid were in a text cell, which Jupyter does not run. The grader "
         "judged them as code. In Jupyter, select the cell and press Y to make it a code cell "
@@ -694,12 +724,15 @@ def test_a_text_cell_with_all_functions_is_judged_as_code():
     )
 
 
-def test_an_answer_in_a_text_cell_counts_more_than_the_stub():
-    for cells in ([stub_of("filter_ground"), text(TWO)], [text(TWO), stub_of("filter_ground")]):
+def test_an_answer_in_a_text_cell_takes_precedence_over_the_stub():
+    for cells in (
+        [stub_of("filter_ground"), text(BOTH_FUNCTIONS)],
+        [text(BOTH_FUNCTIONS), stub_of("filter_ground")],
+    ):
         prepared = from_cells(*cells)
         assert (
-            returned_by(prepared, "filter_ground") == "1"
-            and returned_by(prepared, "voxel_grid") == "2"
+            returned_text(prepared, "filter_ground") == "1"
+            and returned_text(prepared, "voxel_grid") == "2"
         )
         assert "filter_ground and voxel_grid were in a text cell" in prepared.notes[0]
 
@@ -731,22 +764,30 @@ def test_stubs_are_omitted_only_below_an_answer():
         assert not last.startswith(left) and "filter_ground" in last
 
 
-def test_the_cell_that_counts_is_shown_for_an_exercise():
+def test_the_cell_that_counts_is_linked_to_its_exercise():
     other = code("x = 1")
     for cells, index in (
         ([code(GROUND), other, code(GROUND), other], 2),
-        ([tagged(code(GROUND), "filter_ground"), other, code(GROUND)], 0),
-        ([tagged(other, "filter_ground"), code(GROUND), other], 1),
-        ([other, tagged(other, "filter_ground"), tagged(other, "filter_ground"), other], 2),
-        ([tagged(code(GROUND), "filter_ground")] * 2 + [other], 1),
-        ([other, tagged(text("Some text."), "filter_ground")], None),
-        ([other, tagged(other, "voxel_grid")], None),
+        ([with_grade_id(code(GROUND), "filter_ground"), other, code(GROUND)], 0),
+        ([with_grade_id(other, "filter_ground"), code(GROUND), other], 1),
+        (
+            [
+                other,
+                with_grade_id(other, "filter_ground"),
+                with_grade_id(other, "filter_ground"),
+                other,
+            ],
+            2,
+        ),
+        ([with_grade_id(code(GROUND), "filter_ground")] * 2 + [other], 1),
+        ([other, with_grade_id(text("Some text."), "filter_ground")], None),
+        ([other, with_grade_id(other, "voxel_grid")], None),
     ):
         assert from_cells(*cells).graded.get("filter_ground") == index
 
 
 @pytest.mark.parametrize(
-    ("source", "written"),
+    ("source", "is_written"),
     [
         ("def filter_ground(cloud): pass", True),
         ("x = 1\ndef  filter_ground (cloud): pass", True),
@@ -758,8 +799,8 @@ def test_the_cell_that_counts_is_shown_for_an_exercise():
         ("filter_ground(cloud)", False),
     ],
 )
-def test_only_a_top_level_definition_of_its_name_answers_an_exercise(source, written):
-    assert ("filter_ground" in from_cells(code(source)).graded) == written
+def test_only_a_top_level_definition_of_its_name_answers_an_exercise(source, is_written):
+    assert ("filter_ground" in from_cells(code(source)).graded) == is_written
 
 
 def test_another_lessons_notebook_is_reported_if_this_lesson_is_missing():
@@ -821,7 +862,7 @@ def test_notes_name_the_modules_that_are_used(source, used):
         ("%%timeit", None),
     ],
 )
-def test_only_cells_that_write_a_module_make_one(command, name):
+def test_only_cells_that_write_a_python_file_create_a_module(command, name):
     written = code(f"{command}\nx = 1"), text("%%writefile no.py\nx = 1")
     made = from_cells(*written, code("import helpers"))
     assert made.modules == ({name: "x = 1"} if name else {})
@@ -899,7 +940,9 @@ def test_a_written_answer_is_copied(change):
     notebook = with_report()
     change(notebook)
     data = json.dumps(notebook).encode()
-    graded_copy = build_copy(prepare(SubmittedFiles("12_streaming_obstacles.ipynb", data), WRITTEN))
+    graded_copy = build_copy(
+        prepare(SubmittedFiles("12_streaming_obstacles.ipynb", data), WRITTEN_LESSON)
+    )
     nbformat.validate(graded_copy)
     (cell,) = [c for c in graded_cells(graded_copy) if c.metadata.nbgrader.grade_id == "write_up"]
     assert cell.cell_type == "markdown"
@@ -915,7 +958,7 @@ def test_text_that_may_be_the_answer_is_left_to_the_grader():
     cells = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
     notebook["cells"] = [*cells, text(REPORT)]
     data = json.dumps(notebook).encode()
-    prepared = prepare(SubmittedFiles("12_streaming_obstacles.ipynb", data), WRITTEN)
+    prepared = prepare(SubmittedFiles("12_streaming_obstacles.ipynb", data), WRITTEN_LESSON)
     assert "A grader will look for it" in " ".join(prepared.notes)
     graded_copy = build_copy(prepared)
     (cell,) = [c for c in graded_cells(graded_copy) if c.metadata.nbgrader.grade_id == "write_up"]
@@ -925,12 +968,12 @@ def test_text_that_may_be_the_answer_is_left_to_the_grader():
 
 def released_text_cell(number):
     """Return a text cell of lesson 12 as it was released."""
-    cells = json.loads(WRITTEN.released.read_text())["cells"]
+    cells = json.loads(WRITTEN_LESSON.released.read_text())["cells"]
     return text("".join(cells[number]["source"]))
 
 
 def index_of(grade_id):
-    cells = json.loads(WRITTEN.released.read_text())["cells"]
+    cells = json.loads(WRITTEN_LESSON.released.read_text())["cells"]
     return cells.index(cell_of({"cells": cells}, grade_id))
 
 
@@ -943,7 +986,7 @@ def write_up(*cells):
         The text, whether it is certain, the sources of all cells after the first, the source of the
         write-up's own cell or None, and the notes about the write-up.
     """
-    prepared = from_cells(code("def match_boxes(a, b, c): return a"), *cells, lesson=WRITTEN)
+    prepared = from_cells(code("def match_boxes(a, b, c): return a"), *cells, lesson=WRITTEN_LESSON)
     answer, index = prepared.answers["write_up"], prepared.graded.get("write_up")
     own = None if index is None else prepared.cells[index].source
     notes = [note for note in prepared.notes if "write_up" in note]
@@ -951,7 +994,7 @@ def write_up(*cells):
 
 
 STUB = text("YOUR ANSWER HERE")
-OWN = tagged(STUB, "write_up")
+OWN = with_grade_id(STUB, "write_up")
 
 
 def prompt():
@@ -960,31 +1003,31 @@ def prompt():
 
 
 def test_an_answer_in_its_own_cell_ignores_text_below():
-    answer = tagged(text("It finds 14 of 17."), "write_up")
+    answer = with_grade_id(text("It finds 14 of 17."), "write_up")
     assert write_up(answer, text("A remark."))[:2] == ("It finds 14 of 17.", True)
     # An editor may copy the cell with its ID. The copy is appended, unless it is empty.
-    more = tagged(text("And 3 more."), "write_up")
+    more = with_grade_id(text("And 3 more."), "write_up")
     written, certain, cells, own, notes = write_up(OWN, answer, more, text("A remark."))
     assert (written, certain, own) == ("It finds 14 of 17.\n\nAnd 3 more.", True, answer["source"])
     assert cells == ["YOUR ANSWER HERE", "It finds 14 of 17.", "A remark."] and notes == []
-    empty = tagged(text("  "), "write_up")
+    empty = with_grade_id(text("  "), "write_up")
     assert write_up(empty)[:2] == ("", True)
 
 
 @pytest.mark.parametrize(
-    ("written", "shown"),
+    ("source", "shown_text"),
     [
         ("It finds 14 of 17.", "It finds 14 of 17."),
         ("# It finds 14\n\n#of 17.\n## That is all.", "It finds 14\n\nof 17.\nThat is all."),
         ("# Results\nIt finds 14 of 17.", "# Results\nIt finds 14 of 17."),
     ],
 )
-def test_an_answer_in_a_code_cell_is_read_as_text_with_a_note(written, shown):
+def test_an_answer_in_a_code_cell_is_read_as_text_with_a_note(source, shown_text):
     """Comment signs are removed from a code cell, but a text cell keeps its heading."""
-    answer, certain, _, own, notes = write_up(code(written, **OWN["metadata"]))
-    assert (answer, certain, own) == (shown, True, written)
+    answer, certain, _, own, notes = write_up(code(source, **OWN["metadata"]))
+    assert (answer, certain, own) == (shown_text, True, source)
     assert len(notes) == 1 and "write_up was in a code cell" in notes[0]
-    assert write_up(tagged(text(written), "write_up"))[::4] == (written, [])
+    assert write_up(with_grade_id(text(source), "write_up"))[::4] == (source, [])
     # The released text in a code cell is an empty answer and needs no note.
     assert write_up(code("YOUR ANSWER HERE", **OWN["metadata"]))[::4] == ("", [])
 
@@ -999,7 +1042,9 @@ def test_an_answer_below_its_cell_ends_at_the_next_cell_of_the_course():
     ]
     assert len(notes) == 1 and "was in 2 new cells below the cell" in notes[0]
     assert write_up(OWN, text("First."), OWN)[0] == "First."
-    stopped = write_up(OWN, text("First."), tagged(text("Other."), "test_x"), text("Second."))
+    stopped = write_up(
+        OWN, text("First."), with_grade_id(text("Other."), "test_x"), text("Second.")
+    )
     assert stopped[0] == "First." and "in a new cell below the cell" in stopped[4][0]
     assert write_up(OWN, code("x = 1"), text(" "))[:3] == (
         "",
@@ -1036,7 +1081,7 @@ def test_pictures_of_all_parts_of_an_answer_are_kept():
         }
         for picture in pictures
     ]
-    answer = from_cells(code("x = 1"), OWN, *parts, lesson=WRITTEN).answers["write_up"]
+    answer = from_cells(code("x = 1"), OWN, *parts, lesson=WRITTEN_LESSON).answers["write_up"]
     names = re.findall(r"attachment:(\S+)\)", answer.text)
     assert [answer.attachments[name] for name in names] == [
         {"image/png": picture} for picture in pictures
@@ -1045,12 +1090,12 @@ def test_pictures_of_all_parts_of_an_answer_are_kept():
 
 def test_cells_are_found_after_an_answer_of_several_cells():
     match = code("def match_boxes(a, b, c): return a")
-    prepared = from_cells(OWN, text("First."), text("Second."), match, lesson=WRITTEN)
+    prepared = from_cells(OWN, text("First."), text("Second."), match, lesson=WRITTEN_LESSON)
     assert prepared.cells[prepared.graded["match_boxes"]].source.startswith("def match_boxes")
     assert len(prepared.cells) == 2
 
 
-def test_only_pictures_remain_of_the_attachments():
+def test_only_pictures_are_kept_as_attachments():
     notebook = with_report()
     picture = base64.b64encode(b"\x89PNG").decode()
     cell_of(notebook, "write_up").update(
@@ -1066,7 +1111,9 @@ def test_only_pictures_remain_of_the_attachments():
         },
     )
     data = json.dumps(notebook).encode()
-    graded_copy = build_copy(prepare(SubmittedFiles("12_streaming_obstacles.ipynb", data), WRITTEN))
+    graded_copy = build_copy(
+        prepare(SubmittedFiles("12_streaming_obstacles.ipynb", data), WRITTEN_LESSON)
+    )
     (cell,) = [c for c in graded_cells(graded_copy) if c.metadata.nbgrader.grade_id == "write_up"]
     assert "a.png" in cell.attachments
     assert list(cell.attachments.values()) == [{"image/png": picture}] * 2
@@ -1075,11 +1122,13 @@ def test_only_pictures_remain_of_the_attachments():
 @pytest.mark.end_to_end
 def test_a_missing_picture_does_not_prevent_the_feedback_page():
     text_with_pictures = "![](attachment:gone.png) [a]: attachment:b%20c.png <x attachment:>"
-    notebook = json.loads(fill_in(WRITTEN, {"write_up": text_with_pictures}))
+    notebook = json.loads(fill_in(WRITTEN_LESSON, {"write_up": text_with_pictures}))
     picture = {"b c.png": {"image/png": base64.b64encode(b"png").decode()}}
     notebook["cells"].append({**text(text_with_pictures), "attachments": picture})
     data = json.dumps(notebook).encode()
-    graded_copy = build_copy(prepare(SubmittedFiles("12_streaming_obstacles.ipynb", data), WRITTEN))
+    graded_copy = build_copy(
+        prepare(SubmittedFiles("12_streaming_obstacles.ipynb", data), WRITTEN_LESSON)
+    )
     page, _ = HTMLExporter().from_notebook_node(graded_copy)
     assert "gone.png" in page
 
@@ -1098,7 +1147,11 @@ def test_a_copy_of_a_copy_is_the_same():
     notebook["cells"].append(text("<b>x</b> [a](javascript:b) $\\href{x}{y}$"))
     notebook["cells"].append({"cell_type": "raw", "metadata": {}, "source": "```\n<script>"})
     data = json.dumps(notebook).encode()
-    first = build_copy(prepare(SubmittedFiles("12_streaming_obstacles.ipynb", data), WRITTEN))
+    first = build_copy(
+        prepare(SubmittedFiles("12_streaming_obstacles.ipynb", data), WRITTEN_LESSON)
+    )
     again = SubmittedFiles("12_streaming_obstacles.ipynb", nbformat.writes(first).encode())
-    for copied, cell in zip(build_copy(prepare(again, WRITTEN)).cells, first.cells, strict=True):
+    for copied, cell in zip(
+        build_copy(prepare(again, WRITTEN_LESSON)).cells, first.cells, strict=True
+    ):
         assert copied == cell

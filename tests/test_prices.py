@@ -17,7 +17,7 @@ def test_the_page_has_every_slip_of_every_exercise():
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_a_price_on_the_page_is_fair(case):
+def test_each_price_on_the_page_suits_the_harm_of_the_slip(case):
     exercise, slip = CASES[case]
     price = PRICES[exercise][slip.title]
     assert price.checks <= price.kept < 1

@@ -15,7 +15,7 @@ from grader.lms import gradebook
 from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.history import read_changes
 from grader.lms.standings import class_results
-from tests.test_gradebook import GROUND, STAGE, make_course, quiet, submit, verdicts
+from tests.test_gradebook import GROUND, STAGE, ignore_progress, make_course, submit, verdicts
 
 NEEDLE = "Needle-Eyre"  # a last name that occurs nowhere else
 
@@ -47,7 +47,7 @@ def course(tmp_path):
     (course.root / "deadlines.toml").write_text(
         f"[{STAGE}]\ndue = 2026-10-12T23:59:00\n[{STAGE}.students]\nada = 'excused'\n"
     )
-    enter_verdicts(course, verdicts(course), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course), [STAGE], ignore_progress)
     for file in (
         *(f"{folder}/ada/x.html" for folder in ("feedback", "verdicts", "submitted", "autograded")),
         *("handed_back/x/ada.html", f"handed_back/{STAGE}_canvas.zip", "report/index.html"),
@@ -111,7 +111,9 @@ def test_deleting_a_student_removes_all_traces_and_keeps_the_other_students(
     assert files_containing(course, "/ada/", "ada.html", '"ada"') == []
     with gradebook.open_gradebook(course) as book:
         assert [student.id for student in book.students] == ["bob"]
-    enter_verdicts(course, verdicts(course), [STAGE], quiet)  # must not restore the student
+    enter_verdicts(
+        course, verdicts(course), [STAGE], ignore_progress
+    )  # must not restore the student
     assert b"ada" not in (course.root / "marks.jsonl").read_bytes()
     assert {notebook.student for notebook in class_results(course).notebooks} == {"bob"}
     assert (course.root / "handed_back" / "x" / "bob.html").exists()
@@ -134,7 +136,7 @@ def test_ids_with_special_characters_are_deleted(tmp_path, monkeypatch, id):
     shutil.copy(GROUND.released, course.released / STAGE)
     paths._folder.cache_clear()
     earned = {student: {GROUND: (3.25, 8.5)} for student in (id, "ada")}
-    enter_verdicts(course, verdicts(course, earned), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course, earned), [STAGE], ignore_progress)
     assert forget(course, monkeypatch, "--delete", "--", id) == 0
     assert {change.student for change in read_changes(course)} == {"ada"}
     with gradebook.open_gradebook(course) as book:

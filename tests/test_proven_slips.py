@@ -53,7 +53,7 @@ FAILED = outcomes_of("line_through", FAIL)
 
 
 @pytest.fixture
-def tried(monkeypatch):
+def repair_calls(monkeypatch):
     """Replace `find_repair` with a function that finds nothing; return a list of its calls."""
     found = []
 
@@ -67,38 +67,38 @@ def tried(monkeypatch):
     return found
 
 
-def test_an_exercise_that_lost_points_is_tried_with_its_failed_checks(tried):
+def test_an_exercise_that_lost_points_is_tried_with_its_failed_checks(repair_calls):
     run = RunResults(
         (*outcomes_of("line_through", None, FAIL, FAIL), *outcomes_of("ransac_line", None))
     )
     assert repair.find_slips(SETTING, SUBMITTED, run, {}) == {}
-    assert tried == [(SUBMITTED, "line_through", ["line_through 1", "line_through 2"])]
+    assert repair_calls == [(SUBMITTED, "line_through", ["line_through 1", "line_through 2"])]
 
 
-def test_a_function_that_calls_a_wrong_one_is_tried_with_a_right_one(tried):
+def test_a_function_that_calls_a_wrong_one_is_tried_with_a_right_one(repair_calls):
     run = RunResults(outcomes_of("ransac_line", FAIL, FAIL, FAIL))
     carried = {
         "ransac_line": CarriedForward(outcomes_of("ransac_line", None, FAIL, None), "", REPAIRED)
     }
     repair.find_slips(SETTING, SUBMITTED, run, carried)
-    assert tried == [(REPAIRED, "ransac_line", ["ransac_line 1"])]
+    assert repair_calls == [(REPAIRED, "ransac_line", ["ransac_line 1"])]
     right = {
         "ransac_line": CarriedForward(outcomes_of("ransac_line", None, None, None), "", REPAIRED)
     }
     repair.find_slips(SETTING, SUBMITTED, run, right)
-    assert len(tried) == 1
+    assert len(repair_calls) == 1
 
 
 @pytest.mark.parametrize("name", ["NotImplementedError", "ImportError"])
-def test_stubs_and_forbidden_imports_are_not_tried(tried, name):
+def test_stubs_and_forbidden_imports_are_not_tried(repair_calls, name):
     stub = StudentError("line_through", name)
     repair.find_slips(
         SETTING, SUBMITTED, RunResults(outcomes_of("line_through", None, stub, FAIL)), {}
     )
-    assert tried == []
+    assert repair_calls == []
     wrong = StudentError("line_through", "KeyError")
     repair.find_slips(SETTING, SUBMITTED, RunResults(outcomes_of("line_through", wrong, FAIL)), {})
-    assert len(tried) == 1
+    assert len(repair_calls) == 1
 
 
 def slip(*about, **more):
@@ -106,22 +106,22 @@ def slip(*about, **more):
 
 
 @pytest.mark.parametrize("kind", ["is_cheap", "is_the_task"])
-def test_some_mistakes_are_slips_only_if_an_edit_proves_them(tried, monkeypatch, kind):
+def test_some_mistakes_are_slips_only_if_an_edit_proves_them(repair_calls, monkeypatch, kind):
     monkeypatch.setattr(repair, "mistake_explains", lambda *about: True)
     named, cheap = slip(), slip(**{kind: True})
     outcomes = (*outcomes_of("line_through", FAIL), *outcomes_of("ransac_line", FAIL))
     run = RunResults(outcomes, mistakes={"line_through": cheap, "ransac_line": named})
     assert repair.find_slips(SETTING, SUBMITTED, run, {}) == {"ransac_line": named}
-    assert [exercise for _, exercise, _ in tried] == ["line_through", "ransac_line"]
+    assert [exercise for _, exercise, _ in repair_calls] == ["line_through", "ransac_line"]
 
 
-def test_a_course_may_switch_slips_off(tried, monkeypatch):
+def test_a_course_may_switch_slips_off(repair_calls, monkeypatch):
     monkeypatch.setattr(repair, "ONE_SLIP_KEEPS", 0)
     repair.find_slips(SETTING, SUBMITTED, RunResults(outcomes_of("line_through", FAIL)), {})
-    assert tried == []
+    assert repair_calls == []
 
 
-def test_a_named_mistake_may_explain_an_answer_that_no_edit_repairs(tried, monkeypatch):
+def test_a_named_mistake_may_explain_an_answer_that_no_edit_repairs(repair_calls, monkeypatch):
     calls = []
 
     def explains(setting, program, exercise, mistake, lost):
@@ -224,12 +224,12 @@ class EditedStudent:
 
 
 @pytest.fixture
-def passing(monkeypatch):
+def passing_edits(monkeypatch):
     """Return a function that returns the numbers of the edits after which a student passes."""
 
     def passing(
         student,
-        shown="ab",
+        visible_checks="ab",
         limits=None,
         failed=FAILED,
         clock=lambda: 100.0,
@@ -238,7 +238,7 @@ def passing(monkeypatch):
         likeliest=repair.LIKELIEST_EDITS,
     ):
         monkeypatch.setattr(repair, "StudentProxy", student)
-        monkeypatch.setattr(repair, "visible_calls", lambda *about: student.calls(shown))
+        monkeypatch.setattr(repair, "visible_calls", lambda *about: student.calls(visible_checks))
         monkeypatch.setattr(repair, "hidden_calls", student.hidden)
         # The judge's own process appears to use as much processor time as the student's.
         monkeypatch.setattr(repair.time, "process_time", lambda: 50.0 + student.cpu_seconds)
@@ -254,40 +254,42 @@ def passing(monkeypatch):
     return passing
 
 
-def test_an_edit_passes_if_all_failed_visible_and_hidden_checks_pass(passing):
+def test_an_edit_passes_if_all_failed_visible_and_hidden_checks_pass(passing_edits):
     student = EditedStudent(["abxy", "e", "a", "b", "x", "y", "", "abxy"])
-    assert passing(student) == [5]
+    assert passing_edits(student) == [5]
     assert student.hidden_made == 1 and student.tried == 7
     assert (student.program, student.counted_as) == (SUBMITTED, "line_through")
     # Hanging calls of an edited answer must not shorten the limits of the unedited answer.
     assert student.exercise not in ("line_through", "")
-    assert passing(EditedStudent(["xy", "x", ""]), shown="") == [1]
+    assert passing_edits(EditedStudent(["xy", "x", ""]), visible_checks="") == [1]
 
 
-def test_hidden_tests_are_made_only_if_visible_checks_pass(passing):
+def test_hidden_tests_are_made_only_if_visible_checks_pass(passing_edits):
     student = EditedStudent(["abxy", "a", "b", "e"])
-    assert passing(student) == [] and student.hidden_made == 0
+    assert passing_edits(student) == [] and student.hidden_made == 0
 
 
-def test_an_edit_that_hangs_in_a_hidden_test_is_judged(passing):
+def test_an_edit_that_hangs_in_a_hidden_test_is_judged(passing_edits):
     student = EditedStudent(["abxy", "B", "x", "X", "y", "Y", ""])
-    assert passing(student) == [2, 4, 5]
+    assert passing_edits(student) == [2, 4, 5]
 
 
-def test_an_answer_that_passes_when_repeated_gets_no_edits(passing):
+def test_an_answer_that_passes_when_repeated_gets_no_edits(passing_edits):
     student = EditedStudent(["bxy", "", ""])
-    assert passing(student) == [] and student.tried == 0
-    assert passing(EditedStudent(["axy", ""])) == [0]  # because only the first check is repeated
+    assert passing_edits(student) == [] and student.tried == 0
+    assert passing_edits(EditedStudent(["axy", ""])) == [
+        0
+    ]  # because only the first check is repeated
 
 
-def test_an_answer_gets_no_edits_if_its_first_hidden_test_passes_when_repeated(passing):
+def test_an_answer_gets_no_edits_if_its_first_hidden_test_passes_when_repeated(passing_edits):
     student = EditedStudent(["y", "", ""])
-    assert passing(student, shown="") == [] and student.tried == 0
+    assert passing_edits(student, visible_checks="") == [] and student.tried == 0
 
 
-def test_after_a_hang_in_the_first_check_other_edits_get_less_time_for_it(passing):
+def test_other_edits_get_less_time_for_the_first_check_after_a_hang(passing_edits):
     student = EditedStudent(["abxy", "a", "bx", "A", "b", "A", ""])
-    assert passing(student) == [5]
+    assert passing_edits(student) == [5]
     long, short = repair.SECONDS_OF_A_CALL, repair.SECONDS_OF_A_FIRST_CALL
     assert short < long / 5
     first_times = [seconds for letter, seconds in student.given if letter == "a"]
@@ -296,11 +298,11 @@ def test_after_a_hang_in_the_first_check_other_edits_get_less_time_for_it(passin
     assert {seconds for letter, seconds in student.given if letter in "bxy"} == {long}
     # If the answer itself hangs, so do most of its edits, so all edits have short limits.
     student = EditedStudent(["Abxy", "A", ""])
-    assert passing(student) == [1]
+    assert passing_edits(student) == [1]
     assert [seconds for letter, seconds in student.given if letter == "a"] == [long, short, short]
 
 
-def test_cached_results_of_one_edit_are_not_used_for_the_next(passing, monkeypatch):
+def test_cached_results_of_one_edit_are_not_used_for_the_next(passing_edits, monkeypatch):
     student = EditedStudent(["abxy", "a", "b", "b", ""])
 
     @once
@@ -310,7 +312,7 @@ def test_cached_results_of_one_edit_are_not_used_for_the_next(passing, monkeypat
 
     monkeypatch.setattr(student, "calls", lambda letters: [lambda: passes_b(student)])
     student.__name__ = "line_through"
-    assert passing(student) == [0, 3]
+    assert passing_edits(student) == [0, 3]
 
 
 def test_interrupted_calls_count_as_hanging_and_raised_exceptions_do_not():
@@ -334,22 +336,22 @@ def test_a_hang_is_recognised_inside_a_checks_own_failure():
     assert list(map(repair._was_stopped, failures)) == [True, False]
 
 
-def test_only_three_passing_edits_are_judged(passing):
+def test_only_three_passing_edits_are_judged(passing_edits):
     student = EditedStudent(["abxy", "", "a", "", "", "", ""])
-    assert passing(student) == [0, 2, 3] and student.tried == 4
+    assert passing_edits(student) == [0, 2, 3] and student.tried == 4
 
 
-def test_an_unchanged_released_cell_is_not_edited(passing, monkeypatch):
+def test_an_unchanged_released_cell_is_not_edited(passing_edits, monkeypatch):
     given = next(cell for cell in cells_as_released(LINE) if cell.kind == "code")
     monkeypatch.setitem(globals(), "SUBMITTED", Program((given.source, "x = 1"), ()))
     student = EditedStudent(["abxy", "", "", ""])
     student.edits = [(cell, number, number, "") for number, cell in enumerate((1, 2, 1))]
-    assert passing(student) == [1] and student.tried == 1
+    assert passing_edits(student) == [1] and student.tried == 1
 
 
-def test_an_edit_of_a_line_that_raised_is_tried_first(passing):
+def test_an_edit_of_a_line_that_raised_is_tried_first(passing_edits):
     student = EditedStudent(["abxy", "", "", "", "", ""])
-    assert passing(student, failed=outcomes_of("line_through", *RAISED)) == [3, 0, 1]
+    assert passing_edits(student, failed=outcomes_of("line_through", *RAISED)) == [3, 0, 1]
 
 
 def test_raising_lines_include_the_line_of_the_call():
@@ -371,14 +373,14 @@ def test_raising_lines_include_the_line_of_the_call():
         (0.05, 176),  # 160 edits take 16 s; the time is checked after 16 more
     ],
 )
-def test_edits_are_tried_until_the_time_is_over(passing, seconds, tried):
+def test_edits_are_tried_until_the_time_is_over(passing_edits, seconds, tried):
     student = EditedStudent(["abxy"] * 401, seconds)  # the judge takes as long again
-    assert passing(student) == [] and student.tried == tried
+    assert passing_edits(student) == [] and student.tried == tried
 
 
-def test_the_search_is_shorter_if_the_mark_cannot_change(passing, monkeypatch):
+def test_the_search_is_shorter_if_the_mark_cannot_change(passing_edits, monkeypatch):
     student = EditedStudent(["abxy"] * 401, 0.01)
-    passing(student, likeliest=0)
+    passing_edits(student, likeliest=0)
     assert student.tried == 112  # 100 edits take 2 s; the time is checked after 12 more
     given = []
     monkeypatch.setattr(repair, "find_repair", lambda *about: given.append(about[-1]))
@@ -388,25 +390,27 @@ def test_the_search_is_shorter_if_the_mark_cannot_change(passing, monkeypatch):
     assert given == [repair.LIKELIEST_EDITS, 0]
 
 
-def test_the_time_is_checked_after_each_slow_edit(passing):
+def test_the_time_is_checked_after_each_slow_edit(passing_edits):
     seconds = itertools.count(100.0)
     student = EditedStudent(["abxy"] * 200, 1.3)  # the judge takes as long again
-    assert passing(student, clock=lambda: next(seconds)) == [] and student.tried == 7
+    assert passing_edits(student, clock=lambda: next(seconds)) == [] and student.tried == 7
 
 
-def test_calls_are_limited_to_the_time_of_a_right_answer(passing):
+def test_calls_are_limited_to_the_time_of_a_right_answer(passing_edits):
     student = EditedStudent(["abxy", ""])
-    passing(student)
+    passing_edits(student)
     limits = Limits(call_seconds=2 * repair.SECONDS_OF_A_CALL, restarts=repair.MOST_RESTARTS)
     assert student.limits == limits and 0.1 < limits.call_seconds < 1
-    passing(student, limits=Limits(call_seconds=0.1, memory=7))
+    passing_edits(student, limits=Limits(call_seconds=0.1, memory=7))
     assert (student.limits.call_seconds, student.limits.memory) == (0.1, 7)
 
 
-def test_edits_use_the_notebooks_remaining_time(passing):
+def test_edits_use_the_notebooks_remaining_time(passing_edits):
     budget = Budget(Limits())
     student = EditedStudent(["abxy"] * 100, slept=0.56)  # nine seconds pass between two time checks
-    assert passing(student, budget=budget) == [] and student.tried == 2 * repair.EDITS_PER_LOOK
+    assert (
+        passing_edits(student, budget=budget) == [] and student.tried == 2 * repair.EDITS_PER_LOOK
+    )
     assert student.budget is budget
     assert budget.seconds == pytest.approx(180 - 0.56 * 2 * repair.EDITS_PER_LOOK)
     # Time between edits does not count, for example the time for judging an edit completely.
@@ -415,34 +419,36 @@ def test_edits_use_the_notebooks_remaining_time(passing):
     def judge_it():
         budget.seconds -= 5
 
-    passes = passing(student, clock=itertools.count(1).__next__, budget=budget, meanwhile=judge_it)
+    passes = passing_edits(
+        student, clock=itertools.count(1).__next__, budget=budget, meanwhile=judge_it
+    )
     assert passes == [0, 2, 4]
 
 
-def test_wall_clock_time_ends_the_search_in_any_case(passing):
+def test_wall_clock_time_ends_the_search_in_any_case(passing_edits):
     clock = itertools.count(100.0)
     student = EditedStudent(["abxy"] * 500)
-    assert passing(student, clock=lambda: next(clock)) == []
+    assert passing_edits(student, clock=lambda: next(clock)) == []
     assert 10 < student.tried < repair.MOST_SECONDS
 
 
-def test_time_lost_by_one_edit_does_not_count_for_the_next(passing):
+def test_time_lost_by_one_edit_does_not_count_for_the_next(passing_edits):
     student = EditedStudent(["abxy", "x", "e", "x", "a", ""])
-    assert passing(student) == [4] and student.failed_seconds == [0.0]
+    assert passing_edits(student) == [4] and student.failed_seconds == [0.0]
 
 
-def test_a_notebook_whose_cells_never_end_is_not_started_again(tried):
+def test_a_notebook_whose_cells_never_end_is_not_started_again(repair_calls):
     run = RunResults(outcomes_of("line_through", FAIL))
     budget = Budget(Limits())
     setting = Setting(LINE, 1, None, None, budget)
     repair.find_slips(setting, SUBMITTED, run, {})
-    assert len(tried) == 1
+    assert len(repair_calls) == 1
     budget.cells_finish = False
-    assert repair.find_slips(setting, SUBMITTED, run, {}) == {} and len(tried) == 1
+    assert repair.find_slips(setting, SUBMITTED, run, {}) == {} and len(repair_calls) == 1
 
 
-def test_a_notebook_that_does_not_start_has_no_edits(passing):
-    assert passing(EditedStudent(["abxy", ""], stops=True)) == []
+def test_a_notebook_that_does_not_start_has_no_edits(passing_edits):
+    assert passing_edits(EditedStudent(["abxy", ""], stops=True)) == []
 
 
 def test_edits_that_end_a_loop_come_first_after_a_hang():
@@ -480,7 +486,7 @@ PROGRAM = Program(("import numpy", CELL, "fifth\nsixth"), ("line_through",))
 
 
 @pytest.fixture
-def judged_as(monkeypatch):
+def find_repair_with(monkeypatch):
     """Return a function that searches for a repair; each run with an edit has a given result.
 
     The function returns the repair and a list of the runs.
@@ -507,20 +513,20 @@ def judged_as(monkeypatch):
 RIGHT, WRONG = (RunResults(outcomes_of("line_through", None, failure)) for failure in (None, FAIL))
 
 
-def test_the_first_edit_that_loses_nothing_is_the_repair(judged_as):
-    found, runs = judged_as(RIGHT)
+def test_the_first_edit_that_loses_nothing_is_the_repair(find_repair_with):
+    found, runs = find_repair_with(RIGHT)
     assert found == repair.Repair(2, 2, "second\nthird", "fixed")
     cells_after = ("import numpy", "first\nfixed\nfourth", "fifth\nsixth")
     assert runs == [(cells_after, ["line_through"])]
-    found, runs = judged_as(WRONG, RIGHT)
+    found, runs = find_repair_with(WRONG, RIGHT)
     assert found == repair.Repair(2, 1, "first", "1st\nhalf")
     assert [cells[1] for cells, _ in runs] == [cells_after[1], CELL.replace("first", "1st\nhalf")]
-    assert judged_as(WRONG, WRONG, RIGHT)[0] == repair.Repair(2, 4, "fourth", "4th")
-    assert judged_as(WRONG, WRONG, WRONG, RIGHT)[0] == repair.Repair(3, 2, "sixth", "6th")
+    assert find_repair_with(WRONG, WRONG, RIGHT)[0] == repair.Repair(2, 4, "fourth", "4th")
+    assert find_repair_with(WRONG, WRONG, WRONG, RIGHT)[0] == repair.Repair(3, 2, "sixth", "6th")
 
 
-def test_a_run_with_a_fault_proves_nothing(judged_as):
-    found, _ = judged_as(RunResults((), fault="pytest ran 0 of 9 tests"), *[WRONG] * 3)
+def test_a_run_with_a_fault_proves_nothing(find_repair_with):
+    found, _ = find_repair_with(RunResults((), fault="pytest ran 0 of 9 tests"), *[WRONG] * 3)
     assert found is None
 
 
@@ -616,7 +622,7 @@ def right(number, scale):
     return number * scale
 
 
-def nearly(first, second):
+def is_close(first, second):
     """Return whether two numbers are close, even if a check would distinguish them."""
     return abs(first - second) < 20
 
@@ -624,13 +630,13 @@ def nearly(first, second):
 @pytest.mark.parametrize("function", [right, doubled])
 def test_the_answer_must_lose_the_same_checks_when_repeated(explains, function):
     assert not explains(function, without_sign, lost=[2])
-    assert not explains(function, without_sign, lost=[2], same=nearly)
+    assert not explains(function, without_sign, lost=[2], same=is_close)
 
 
 @pytest.mark.parametrize("mistaken", [right, doubled])
 def test_the_mistake_alone_must_lose_the_same_checks(explains, mistaken):
-    assert explains(without_sign, without_sign, lost=[2], same=nearly)
-    assert not explains(without_sign, mistaken, lost=[2], same=nearly)
+    assert explains(without_sign, without_sign, lost=[2], same=is_close)
+    assert not explains(without_sign, mistaken, lost=[2], same=is_close)
 
 
 def test_a_mistake_without_a_player_explains_nothing(explains):
@@ -675,7 +681,7 @@ def test_an_imitation_gives_the_answers_that_its_mistake_predicts(exercise):
             assert imitation.same(imitation.call(*case), expected), mistake.says
 
 
-def test_an_imitation_also_returns_none_where_the_solution_does():
+def test_an_imitation_returns_none_if_the_solution_returns_none():
     checks_of("line_through")
     solution = mistake_diagnosis._load_solution(LINE, "line_through")
     imitation = imitation_of("line_through", known_mistakes("line_through")[0], solution)
@@ -684,7 +690,7 @@ def test_an_imitation_also_returns_none_where_the_solution_does():
     assert not imitation.same((1.0, 0.0, -1.0), answer)
 
 
-def test_the_solution_is_the_lessons_own_and_is_loaded_once():
+def test_a_lessons_solution_is_loaded_once():
     line_through = mistake_diagnosis._load_solution(LINE, "line_through")
     a, b, c = line_through(np.array([1.0, 2.0]), np.array([4.0, 6.0]))
     np.testing.assert_allclose([a + 2 * b + c, 4 * a + 6 * b + c], 0, atol=1e-12)

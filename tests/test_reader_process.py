@@ -13,7 +13,7 @@ import pytest
 
 from grader.classroom import pool
 from grader.intake import reader_process
-from tests.notebook_runs import children
+from tests.notebook_runs import child_processes
 from utils.notebooks.reading import UnreadableNotebook
 
 
@@ -65,7 +65,7 @@ def short_limits(monkeypatch):
 
 @pytest.mark.end_to_end
 @pytest.mark.parametrize(
-    ("work", "says"),
+    ("work", "message"),
     [
         (loop_forever, "more than 1 seconds"),
         (match_slow_pattern, "more than 1 seconds"),
@@ -73,10 +73,10 @@ def short_limits(monkeypatch):
         (return_long_answer, "more than 128 MB of memory"),
     ],
 )
-def test_too_costly_files_get_a_message_with_the_limit(work, says, short_limits):
+def test_files_that_are_too_costly_get_a_message_with_the_limit(work, message, short_limits):
     with pytest.raises(reader_process.TooCostly) as caught:
         reader_process.run_in_child("file.ipynb", work)
-    assert f"Reading file.ipynb takes {says}" in str(caught.value)
+    assert f"Reading file.ipynb takes {message}" in str(caught.value)
     assert "submit it again" in str(caught.value)
 
 
@@ -104,7 +104,7 @@ def test_text_arrives_unchanged():
         assert reader_process.run_in_child("file.ipynb", lambda text=text: text) == text
 
 
-def test_without_fork_the_result_is_the_same(monkeypatch):
+def test_the_result_is_the_same_without_fork(monkeypatch):
     monkeypatch.delattr(os, "fork")
     assert reader_process.run_in_child("file.ipynb", lambda: (1, "a")) == [1, "a"]
 
@@ -114,12 +114,12 @@ def test_no_open_files_or_processes_are_left(short_limits):
         return sorted(os.listdir("/dev/fd"))
 
     short_limits()
-    before, children_before = open_files(), children()
+    before, children_before = open_files(), child_processes()
     for work in (sleep_long, end_own_process, return_long_answer):
         with pytest.raises((reader_process.TooCostly, reader_process.ReadingFailed)):
             reader_process.run_in_child("file.ipynb", work)
     assert open_files() == before
-    assert children() <= children_before
+    assert child_processes() <= children_before
 
 
 def test_the_child_has_no_files_of_the_judge_open():
@@ -190,12 +190,12 @@ def test_the_reply_limit_fits_the_largest_file_and_the_memory():
     assert 64 * 2**20 < reader_process.LARGEST_REPLY < reader_process.MEGABYTES * 2**20
 
 
-def test_a_busy_machine_has_enough_time():
+def test_the_longest_wait_is_long_enough_for_a_busy_machine():
     """The wait is long, because six seconds of work once took two minutes on a busy machine."""
     assert 50 * reader_process.CPU_SECONDS < reader_process.LONGEST_WAIT < pool.LONGEST_JOB
 
 
-def test_exit_codes_of_exceeded_limits_mean_too_costly():
+def test_the_exceeded_limit_follows_from_the_exit_code():
     for code in (0, 1, signal.SIGXCPU, -signal.SIGKILL, -signal.SIGSYS, 76, 78):
         assert reader_process._excess(code, b"") == ""
     assert reader_process._excess(-signal.SIGXCPU, b"") == "more than 10 seconds"

@@ -12,8 +12,8 @@ from tests.students import answers_in
 from utils.checks import check
 from utils.checks.core import ChecksFailed
 
-FIVE = ("05_euclidean_clustering", "euclidean_clustering")
-TEN = ("10_accelerated_clustering", "euclidean_clustering_accelerated")
+LESSON_05 = ("05_euclidean_clustering", "euclidean_clustering")
+LESSON_10 = ("10_accelerated_clustering", "euclidean_clustering_accelerated")
 # Answers to lesson 05 in which a library does the clustering, written in several ways.
 CLUSTERING_LIBRARIES = {
     "scikit-learn": """
@@ -193,63 +193,65 @@ def score_of(lesson_name, name, source, sandbox, tmp_path):
 
 
 @pytest.mark.parametrize("way", CLUSTERING_LIBRARIES | GRAPH_COMPONENTS)
-def test_a_library_that_does_the_clustering_is_refused_in_05(way, sandbox, tmp_path, capsys):
+def test_a_library_that_does_the_clustering_is_refused_in_lesson_05(way, sandbox, tmp_path, capsys):
     source = (CLUSTERING_LIBRARIES | GRAPH_COMPONENTS)[way]
-    output = check_output(FIVE[1], source, capsys)
+    output = check_output(LESSON_05[1], source, capsys)
     assert "not allowed in this lesson" in output and "[passed]" not in output
-    score, reasons = score_of(*FIVE, source, sandbox, tmp_path)
+    score, reasons = score_of(*LESSON_05, source, sandbox, tmp_path)
     assert score == 0 and "not allowed in this lesson" in reasons
     assert "spelt" not in reasons, "a refused name is not a typing mistake"
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("way", SEARCHES)
-def test_a_search_for_neighbours_earns_everything_in_05(way, sandbox, tmp_path, capsys):
-    output = check_output(FIVE[1], SEARCHES[way], capsys)
+def test_a_search_for_neighbours_earns_everything_in_lesson_05(way, sandbox, tmp_path, capsys):
+    output = check_output(LESSON_05[1], SEARCHES[way], capsys)
     assert "[passed]" in output and "[failed]" not in output
-    assert score_of(*FIVE, SEARCHES[way], sandbox, tmp_path) == (40, "()['']")
+    assert score_of(*LESSON_05, SEARCHES[way], sandbox, tmp_path) == (40, "()['']")
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("way", INDIRECT_IMPORTS)
-def test_a_forbidden_module_inside_a_library_is_refused_in_05(way, sandbox, tmp_path, capsys):
+def test_a_forbidden_module_inside_a_library_is_refused_in_lesson_05(
+    way, sandbox, tmp_path, capsys
+):
     """The second `check` also refuses the answer, although the libraries are already imported."""
     source, module = INDIRECT_IMPORTS[way]
     sentence = "not allowed in this lesson: it does the exercise for you"
     for _ in range(2):
-        output = check_output(FIVE[1], source, capsys)
+        output = check_output(LESSON_05[1], source, capsys)
         assert f"{module}, which is {sentence}" in output and "[passed]" not in output
-    score, reasons = score_of(*FIVE, source, sandbox, tmp_path)
+    score, reasons = score_of(*LESSON_05, source, sandbox, tmp_path)
     assert score == 0 and f"{module} is {sentence}" in reasons
 
 
 @pytest.mark.parametrize("way", CLUSTERING_LIBRARIES)
-def test_a_library_that_does_the_clustering_is_refused_in_10(way, sandbox, tmp_path, capsys):
+def test_a_library_that_does_the_clustering_is_refused_in_lesson_10(way, sandbox, tmp_path, capsys):
     source = CLUSTERING_LIBRARIES[way]
-    output = check_output(TEN[1], source, capsys)
+    output = check_output(LESSON_10[1], source, capsys)
     assert "not allowed in this lesson" in output and "[passed]" not in output
-    score, reasons = score_of(*TEN, source, sandbox, tmp_path)
+    score, reasons = score_of(*LESSON_10, source, sandbox, tmp_path)
     assert score == 0 and "not allowed in this lesson" in reasons
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("way", GRAPH_COMPONENTS)
-def test_connected_components_are_allowed_in_10(way, sandbox, tmp_path, capsys):
+def test_connected_components_are_allowed_in_lesson_10(way, sandbox, tmp_path, capsys):
     """Answers that list all pairs take too long and lose points, but they are not refused."""
-    output = check_output(TEN[1], GRAPH_COMPONENTS[way], capsys)
+    output = check_output(LESSON_10[1], GRAPH_COMPONENTS[way], capsys)
     assert "not allowed" not in output
     assert "[passed] Finds the only close pair of points in two crowded cells" in output
-    score, reasons = score_of(*TEN, GRAPH_COMPONENTS[way], sandbox, tmp_path)
+    score, reasons = score_of(*LESSON_10, GRAPH_COMPONENTS[way], sandbox, tmp_path)
     assert score > 10 and "not allowed" not in reasons
 
 
-def test_the_lessons_own_tools_pass_all_checks_of_10(tmp_path, capsys):
+def test_answers_with_the_lessons_own_tools_pass_all_checks_of_lesson_10(tmp_path, capsys):
     """A right answer may call `components`, which a cell above the exercise defines."""
-    lesson = find_lesson(TEN[0])
-    plan = next(answer.source for answer in answers_to(TEN[1]) if answer.right)
+    lesson = find_lesson(LESSON_10[0])
+    plan = next(answer.source for answer in answers_to(LESSON_10[1]) if answer.right)
     path = tmp_path / f"{lesson.name}.ipynb"
-    path.write_text(fill_in(lesson, {TEN[1]: plan}), "utf-8")
-    function = answers_in(lesson, read_notebook(path).code)[TEN[1]]
+    path.write_text(fill_in(lesson, {LESSON_10[1]: plan}), "utf-8")
+    function = answers_in(lesson, read_notebook(path).code)[LESSON_10[1]]
     assert "connected_components" in function.__globals__["components"].__code__.co_names
     check(function)
     assert "failed" not in capsys.readouterr().out
@@ -276,9 +278,9 @@ NOTED_CHANGES = {
 }
 
 
-@pytest.mark.parametrize("lesson_name, name", [FIVE, TEN])
+@pytest.mark.parametrize("lesson_name, name", [LESSON_05, LESSON_10])
 @pytest.mark.parametrize("change", NOTED_CHANGES)
-def test_deviations_that_cost_no_points_are_notes(lesson_name, name, change, capsys):
+def test_deviations_that_cost_no_points_get_notes(lesson_name, name, change, capsys):
     source, titles = NOTED_CHANGES[change]
     space = {"right": getattr(load_reference(lesson_name), name), "__name__": "__main__"}
     exec(source.replace("NAME", name), space)

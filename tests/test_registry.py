@@ -269,7 +269,7 @@ def test_a_valid_course_has_no_faults(registry):
 
 
 @pytest.mark.parametrize(
-    ("sources", "said"),
+    ("sources", "message"),
     [
         (
             {"extra/14_toy/lesson.py": ""},
@@ -290,9 +290,9 @@ def test_a_valid_course_has_no_faults(registry):
         ),
     ],
 )
-def test_ignored_and_colliding_lessons_are_reported(registry, sources, said):
+def test_ignored_and_colliding_lessons_are_reported(registry, sources, message):
     (fault,) = registry(sources)
-    assert said in fault
+    assert message in fault
 
 
 def test_a_course_with_faults_is_not_built(monkeypatch, capsys):
@@ -322,7 +322,7 @@ def test_two_lessons_cannot_declare_checks_for_the_same_exercise(monkeypatch):
     assert len(core.checks_of("filter_ground")) == 2
 
 
-def test_every_answer_claims_existing_checks(lesson):
+def test_kept_answers_name_only_existing_checks(lesson):
     """Otherwise, a misspelt check in an answer's claims would be noticed only during judging."""
     hidden = set(re.findall(r"^def (test_\w+)", lesson.tests.read_text("utf-8"), re.M))
     for exercise in lesson.machine_graded:
@@ -344,7 +344,7 @@ def test_every_lesson_has_its_files(lesson):
         assert lesson_of(exercise.name) == lesson
 
 
-def test_no_list_names_a_lesson():
+def test_grader_and_utils_contain_no_lesson_names():
     """No other file of `grader` and `utils` contains a lesson's name as a string."""
     names = {lesson.name for lesson in all_lessons()}
     own = ("lesson_", "test_0", "test_1")

@@ -154,7 +154,7 @@ def exchange(root, folder):
 
 
 @pytest.fixture
-def fetched(tmp_path, monkeypatch):
+def fetched_stage(tmp_path, monkeypatch):
     """Return the folder of a fetched stage, to which the instructor has added a notebook."""
     course, student = tmp_path / "course", tmp_path / "student"
     source = course / "notebooks" / STAGE
@@ -169,20 +169,20 @@ def fetched(tmp_path, monkeypatch):
     return student / STAGE
 
 
-def test_a_fetched_notebook_needs_no_other_files(fetched, tmp_path):
-    assert sorted(path.name for path in fetched.iterdir()) == [
+def test_a_fetched_notebook_needs_no_other_files(fetched_stage, tmp_path):
+    assert sorted(path.name for path in fetched_stage.iterdir()) == [
         LESSON.released.name, "survey.ipynb",
     ]  # fmt: skip
-    cell = first_cells(fetched / LESSON.released.name, 1).cells[0].source
+    cell = first_cells(fetched_stage / LESSON.released.name, 1).cells[0].source
     done = subprocess.run(
-        [sys.executable, "-"], input=cell, cwd=fetched, capture_output=True, text=True
+        [sys.executable, "-"], input=cell, cwd=fetched_stage, capture_output=True, text=True
     )
     assert done.returncode == 0, done.stderr
     assert "Everything this notebook needs is here." in done.stdout
 
 
-def test_only_badge_and_setup_cells_differ_from_the_released_notebook(fetched):
-    fetched_cells = json.loads((fetched / LESSON.released.name).read_text("utf-8"))["cells"]
+def test_only_badge_and_setup_cells_differ_from_the_released_notebook(fetched_stage):
+    fetched_cells = json.loads((fetched_stage / LESSON.released.name).read_text("utf-8"))["cells"]
     released = json.loads(LESSON.released.read_text("utf-8"))["cells"]
     changed = [
         cell["metadata"].get("tags", [])
@@ -191,7 +191,7 @@ def test_only_badge_and_setup_cells_differ_from_the_released_notebook(fetched):
         != "".join(cell["source"])
     ]
     assert changed == [["badge"], ["setup"]]
-    survey = nbformat.read(fetched / "survey.ipynb", as_version=4)
+    survey = nbformat.read(fetched_stage / "survey.ipynb", as_version=4)
     assert survey.cells == []
 
 
@@ -267,18 +267,18 @@ def write_extension(folder, until):
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         ("", ""),
         ('lessons = ["06"]\n', "according to deadlines.toml: 07_filter_by_distance, 08_bound"),
         ('lessons = ["06", "07", "08", "09"]\n', ""),
     ],
 )
-def test_released_lessons_that_do_not_count_are_named(course, capsys, text, said):
+def test_released_lessons_that_do_not_count_are_named(course, capsys, text, message):
     (course / "deadlines.toml").write_text(f"[{STAGE}]\n{text}", "utf-8")
     assert cli.main(["release", STAGE, "--to", str(course / "out")]) == 0
     output = capsys.readouterr().out
-    assert said in output and ("deadlines" in output) == bool(said)
+    assert message in output and ("deadlines" in output) == bool(message)
 
 
 def test_solutions_wait_for_an_extension_unless_forced(course, capsys):
@@ -292,7 +292,7 @@ def test_solutions_wait_for_an_extension_unless_forced(course, capsys):
     assert [path.name for path in (course / "out").iterdir()] == [f"{STAGE}_solutions.zip"]
 
 
-def test_after_the_last_extension_solutions_are_notebooks_and_pages(course, capsys):
+def test_solutions_are_released_as_notebooks_and_pages_after_the_last_extension(course, capsys):
     write_extension(course, "2026-02-07T12:00:00")
     assert cli.main(["release", "--solutions", STAGE, "--to", str(course / "out")]) == 0
     names = names_in(course / "out" / f"{STAGE}_solutions.zip")
@@ -302,7 +302,7 @@ def test_after_the_last_extension_solutions_are_notebooks_and_pages(course, caps
 
 
 @pytest.mark.parametrize("dates", ["", f'[{STAGE}.students]\nanna = "excused"\n'])
-def test_without_a_date_solutions_wait_unless_forced(course, capsys, dates):
+def test_solutions_without_a_due_date_wait_unless_forced(course, capsys, dates):
     (course / "deadlines.toml").write_text(dates, "utf-8")
     call = ["release", "--solutions", STAGE, "--to", str(course / "out")]
     assert cli.main(call) == 1
@@ -385,18 +385,18 @@ def test_a_solution_that_fails_is_reported(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("error", "says"),
+    ("error", "message"),
     [
         (nbclient.exceptions.CellTimeoutError("slow"), r"tiny: .* more than 300 seconds"),
         (nbclient.exceptions.DeadKernelError("gone"), r"tiny: .* Python ended"),
     ],
 )
-def test_a_solution_that_hangs_or_dies_is_reported(tmp_path, monkeypatch, error, says):
+def test_a_solution_that_hangs_or_dies_is_reported(tmp_path, monkeypatch, error, message):
     def execute(client):
         raise error
 
     monkeypatch.setattr(nbclient.NotebookClient, "execute", execute)
-    with pytest.raises(standalone.ReleaseError, match=says):
+    with pytest.raises(standalone.ReleaseError, match=message):
         solutions.executed_notebook(tiny_lesson(tmp_path, monkeypatch, "1"), tmp_path / "kept", "")
     assert not (tmp_path / "kept").exists()
 

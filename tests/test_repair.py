@@ -165,7 +165,7 @@ def test_a_named_mistake_that_explains_every_answer_is_one_slip(sandbox):
 
 
 @pytest.mark.parametrize("otherwise", ["a, b, a * p[0] + b * p[1]", "None", "b, a, 0"])
-def test_a_random_answer_earns_no_more_than_its_wrong_half(sandbox, otherwise):
+def test_a_random_answer_earns_no_more_than_its_wrong_version(sandbox, otherwise):
     """An answer that is right or wrong at random earns no more than its wrong half alone.
 
     Each edit that repairs the random answer also repairs the wrong half.

@@ -115,8 +115,8 @@ def test_watching_does_not_change_the_answer(exercise):
 
 
 def test_the_queue_matches_the_table_in_the_lesson():
-    says = [step.says for step in run_of("euclidean_clustering").steps]
-    assert says[1:7] == [
+    texts = [step.says for step in run_of("euclidean_clustering").steps]
+    assert texts[1:7] == [
         "Point 0 gets label 1. In the queue: 0.",
         "Point 0 is visited. Points 2 and 4 get label 1. In the queue: 2, 4.",
         "Point 2 is visited. Point 5 gets label 1. In the queue: 4, 5.",
@@ -124,7 +124,7 @@ def test_the_queue_matches_the_table_in_the_lesson():
         "Point 5 is visited. No point gets a label. In the queue: no point.",
         "Point 1 gets label 2. In the queue: 1.",
     ]
-    assert len(says) == 1 + len(GROUPS) + len(POINTS)
+    assert len(texts) == 1 + len(GROUPS) + len(POINTS)
 
 
 CLASS_WITH_A_STACK = """
@@ -156,10 +156,10 @@ def euclidean_clustering(cloud, threshold=0.5):
 
 def test_a_class_with_a_stack_and_blank_labels_is_followed():
     run = run_of("euclidean_clustering", source=CLASS_WITH_A_STACK)
-    says = [step.says for step in run.steps]
+    texts = [step.says for step in run.steps]
     assert run.wrong is None
-    assert "Point 0 is visited. Points 2 and 4 get label 1. In the queue: 2, 4." in says
-    assert "Point 4 is visited. Point 5 gets label 1. In the queue: 2, 5." in says
+    assert "Point 0 is visited. Points 2 and 4 get label 1. In the queue: 2, 4." in texts
+    assert "Point 4 is visited. Point 5 gets label 1. In the queue: 2, 5." in texts
 
 
 def test_rounds_show_the_samples_of_the_generator():
@@ -254,7 +254,7 @@ WRONG = {
     ("exercise", "name"),
     [(exercise, name) for exercise in RUNS for name in answer_names(exercise, right=False)],
 )
-def test_a_wrong_answer_stops_where_it_goes_wrong(exercise, name, monkeypatch):
+def test_the_replay_of_a_wrong_answer_marks_the_wrong_step(exercise, name, monkeypatch):
     monkeypatch.setattr(tracer, "SECONDS", 1)
     run = run_of(exercise, name)
     step_text, reason = WRONG[exercise].get(name, (None, None))
@@ -412,19 +412,19 @@ SEARCHES = [
 ]
 
 
-@pytest.mark.parametrize("one", SEARCHES, ids=lambda one: one.name)
-def test_a_search_stops_where_it_goes_wrong(one):
+@pytest.mark.parametrize("answer", SEARCHES, ids=lambda one: one.name)
+def test_the_replay_of_a_search_marks_the_wrong_step(answer):
     try:
-        run = walk_search(function_of("search", one.source))
+        run = walk_search(function_of("search", answer.source))
     except TypeError:
-        assert one.name == "works on arrays only"
+        assert answer.name == "works on arrays only"
         return
-    if one.name in WRONG_SEARCHES:
-        step, reason = WRONG_SEARCHES[one.name]
+    if answer.name in WRONG_SEARCHES:
+        step, reason = WRONG_SEARCHES[answer.name]
         assert (run.wrong.step, reason in run.wrong.why) == (step, True), run.wrong
     else:
         assert run.wrong is None
-    assert one.right <= (len(run.steps) == 10)
+    assert answer.right <= (len(run.steps) == 10)
 
 
 def test_a_wrong_tree_is_not_blamed_on_the_search():
@@ -438,7 +438,7 @@ def test_a_wrong_tree_is_not_blamed_on_the_search():
 
 
 @pytest.fixture
-def shown(monkeypatch):
+def shown_texts(monkeypatch):
     """Return a list that collects the player's texts, and "figure" for each figure."""
     seen = []
     monkeypatch.setattr(player, "show", lambda html, text: seen.append(text))
@@ -463,39 +463,39 @@ def replace_interact(monkeypatch):
 
 
 @pytest.mark.slow
-def test_the_player_starts_at_the_first_wrong_step_and_has_buttons(shown, monkeypatch):
+def test_the_player_starts_at_the_first_wrong_step_and_has_buttons(shown_texts, monkeypatch):
     sliders = replace_interact(monkeypatch)
     play(run_of("euclidean_clustering", "forgets the height"))
-    assert shown[0] == "figure" and "✗ Wrong here." in shown[1]
+    assert shown_texts[0] == "figure" and "✗ Wrong here." in shown_texts[1]
     (steps,) = sliders
     _, back, forward = steps.children
     start = steps.value
     back.click()
-    assert steps.value == start - 1 and "✗" not in shown[-1]
+    assert steps.value == start - 1 and "✗" not in shown_texts[-1]
     steps.value = steps.max - 1
     for _ in range(3):
         forward.click()
-    assert steps.value == steps.max and shown.count("figure") == 4
+    assert steps.value == steps.max and shown_texts.count("figure") == 4
 
 
-def test_a_right_run_starts_at_its_first_step(shown, monkeypatch):
+def test_a_right_run_starts_at_its_first_step(shown_texts, monkeypatch):
     sliders = replace_interact(monkeypatch)
     play(run_of("ransac_plane"))
-    assert sliders[0].value == 1 and not any("✗" in text for text in shown)
+    assert sliders[0].value == 1 and not any("✗" in text for text in shown_texts)
 
 
 @pytest.mark.slow
-def test_without_widgets_a_few_figures_lead_to_the_wrong_step(shown, monkeypatch):
+def test_replays_without_widgets_show_a_few_figures(shown_texts, monkeypatch):
     monkeypatch.setitem(sys.modules, "ipywidgets", None)
     del sys.modules["ipywidgets"]
     monkeypatch.setattr(static_widgets.util, "find_spec", lambda name: None)
     static_widgets.stand_in()
     try:
         play(run_of("ransac_line", "the tolerance is squared"))
-        assert shown.count("figure") == 1 and "✗" in shown[-1]
-        shown.clear()
+        assert shown_texts.count("figure") == 1 and "✗" in shown_texts[-1]
+        shown_texts.clear()
         play(run_of("ransac_line"))
-        assert shown.count("figure") == player.STILL and "Your answer" in shown[-1]
+        assert shown_texts.count("figure") == player.STILL and "Your answer" in shown_texts[-1]
     finally:
         del sys.modules["ipywidgets"]
 

@@ -131,7 +131,7 @@ def test_students_missing_from_the_roster_are_counted_separately(tmp_path):
     assert "1 students" not in page
 
 
-def test_without_a_roster_the_page_says_that_it_lists_only_submissions(tmp_path):
+def test_the_page_says_that_only_submissions_are_listed_if_there_is_no_roster(tmp_path):
     results = class_of([result("ada", MARKED, 1.0)], unlisted=("zoe",))
     note = "There is no roster.csv, so only students with a submission are listed."
     assert note in report(tmp_path, [], results)
@@ -194,7 +194,7 @@ def test_a_duration_has_two_units(time, words):
     assert duration(time) == words
 
 
-def test_a_mean_says_which_scores_it_includes():
+def test_the_text_about_a_mean_lists_the_included_scores():
     results = class_of(
         [
             result("a", MARKED, 30.0, penalty=10.0),
@@ -343,18 +343,29 @@ def test_the_page_links_to_the_other_files_of_the_course(tmp_path):
     assert len(links) == 4
 
 
-EVIL = "<script>alert(1)</script><img src=x onerror=alert(2)>"
+HOSTILE_MARKUP = "<script>alert(1)</script><img src=x onerror=alert(2)>"
 
 
 def test_only_the_reports_own_script_runs(tmp_path):
     bad = dataclasses.replace(
-        verdict(EVIL, [check(False, title=EVIL, message=f"`{EVIL}`")], f"{EVIL} `{EVIL}`"),
-        problems=(EVIL,),
+        verdict(
+            HOSTILE_MARKUP,
+            [check(False, title=HOSTILE_MARKUP, message=f"`{HOSTILE_MARKUP}`")],
+            f"{HOSTILE_MARKUP} `{HOSTILE_MARKUP}`",
+        ),
+        problems=(HOSTILE_MARKUP,),
     )
     results = class_of(
-        [result("ada", MARKED, 1.0)], people=(Person("ada", EVIL, EVIL, section=EVIL),)
+        [result("ada", MARKED, 1.0)],
+        people=(Person("ada", HOSTILE_MARKUP, HOSTILE_MARKUP, section=HOSTILE_MARKUP),),
     )
-    page = report(tmp_path, [bad], results, warning=EVIL, left=[(Path(EVIL), EVIL)])
+    page = report(
+        tmp_path,
+        [bad],
+        results,
+        warning=HOSTILE_MARKUP,
+        left=[(Path(HOSTILE_MARKUP), HOSTILE_MARKUP)],
+    )
     ((kind, script),) = re.findall(r"<script([^>]*)>(.*?)</script>", page, re.DOTALL)
     assert kind == ' type="module"'
     assert not re.search(r"<img|alert\(1\)</script>", page)

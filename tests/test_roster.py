@@ -29,7 +29,7 @@ def read(course, text):
     return read_roster(course)
 
 
-def test_without_a_file_there_is_no_roster(course):
+def test_there_is_no_roster_without_a_file(course):
     assert read_roster(course) is None
 
 
@@ -50,7 +50,7 @@ def test_each_person_is_read_in_the_order_of_the_file(course):
 
 
 @pytest.mark.parametrize(
-    ("written", "people"),
+    ("text", "people"),
     [
         ("id\nb\na\n", [Person("b"), Person("a")]),
         ("email;ID;Last Name\nq@x;b;Yip, Jr\n", [Person("b", "", "Yip, Jr", "q@x")]),
@@ -70,12 +70,12 @@ def test_each_person_is_read_in_the_order_of_the_file(course):
         ("id,first_name\nanna,Anna,\nbo,Bo,,\n", [Person("anna", "Anna"), Person("bo", "Bo")]),
     ],
 )
-def test_tables_from_spreadsheets_and_nbgrader_are_read(course, written, people):
-    assert list(read(course, written).people) == people
+def test_tables_from_spreadsheets_and_nbgrader_are_read(course, text, people):
+    assert list(read(course, text).people) == people
 
 
 @pytest.mark.parametrize(
-    ("written", "says"),
+    ("text", "message"),
     [
         ("", "the first line must name the columns, each once, such as id,first_name,"),
         ("name,email\nb,c\n", "Only id is required."),
@@ -99,10 +99,10 @@ def test_tables_from_spreadsheets_and_nbgrader_are_read(course, written, people)
         ),
     ],
 )
-def test_an_invalid_roster_is_reported_with_line_and_remedy(course, written, says):
+def test_an_invalid_roster_is_reported_with_line_and_remedy(course, text, message):
     with pytest.raises(RosterError) as trouble:
-        read(course, written)
-    assert says in str(trouble.value) and str(trouble.value).startswith("roster.csv")
+        read(course, text)
+    assert message in str(trouble.value) and str(trouble.value).startswith("roster.csv")
 
 
 def test_two_ids_may_differ_only_in_case(course):

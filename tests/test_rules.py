@@ -38,7 +38,7 @@ from utils.simulator.pose import Pose
 LINE = find_lesson("02_ransac_line")
 FILTER = find_lesson("06_filter_ground")
 WRITTEN = find_lesson("12_streaming_obstacles")
-NO = CheckFailed("no")
+FAILURE = CheckFailed("no")
 
 
 # ---- error carried forward -----------------------------------------------------------------------
@@ -46,7 +46,7 @@ NO = CheckFailed("no")
 
 def outcomes_of(exercise, *passes):
     return [
-        Outcome(Check(f"check {number}", exercise, "a title", "a hint"), None if good else NO)
+        Outcome(Check(f"check {number}", exercise, "a title", "a hint"), None if good else FAILURE)
         for number, good in enumerate(passes)
     ]
 
@@ -106,14 +106,14 @@ STOP = StudentStopped("it did not answer")
 @pytest.mark.parametrize(
     ("first", "once_more", "with_right", "counts"),
     [
-        (None, None, NO, None),
-        (None, NO, None, NO),
-        (NO, None, None, NO),
-        (NO, NO, None, None),
-        (NO, NO, NO, NO),
-        (None, STOP, NO, None),  # a stopped process does not count as an answer
-        (NO, STOP, None, NO),
-        (STOP, NO, None, STOP),
+        (None, None, FAILURE, None),
+        (None, FAILURE, None, FAILURE),
+        (FAILURE, None, None, FAILURE),
+        (FAILURE, FAILURE, None, None),
+        (FAILURE, FAILURE, FAILURE, FAILURE),
+        (None, STOP, FAILURE, None),  # a stopped process does not count as an answer
+        (FAILURE, STOP, None, FAILURE),
+        (STOP, FAILURE, None, STOP),
         (STOP, STOP, None, None),
     ],
 )
@@ -130,7 +130,7 @@ def test_a_random_answer_gains_nothing_from_a_wrong_helper(chance, stops):
     (check,) = (outcome.check for outcome in outcomes_of("ransac_line", True))
     for where in itertools.product([False, True], repeat=3):
         expected = 0.0
-        for tries in itertools.product([None, NO, STOP], repeat=3):
+        for tries in itertools.product([None, FAILURE, STOP], repeat=3):
             likely = 1.0
             for failure, may_stop in zip(tries, where, strict=True):
                 stop = stops if may_stop else 0.0

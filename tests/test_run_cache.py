@@ -7,7 +7,7 @@ from utils.checks.failures import CheckFailed
 from utils.checks.run_cache import answer_to, cached_run, once
 
 
-def counted(outcomes):
+def counted_assertion(outcomes):
     """Return an assertion with given outcomes, one for each call, and a list of its calls."""
     calls = []
 
@@ -30,14 +30,14 @@ def g():
 
 
 def test_an_assertion_runs_once_per_run():
-    assertion, calls = counted([None])
+    assertion, calls = counted_assertion([None])
     with cached_run():
         assertion(f), assertion(f), assertion(g)
     assert calls == [f, g]
 
 
 def test_a_cached_failure_is_raised_each_time():
-    assertion, calls = counted([CheckFailed("wrong"), None])
+    assertion, calls = counted_assertion([CheckFailed("wrong"), None])
     with cached_run():
         for _ in range(3):
             with pytest.raises(CheckFailed, match="wrong"):
@@ -46,7 +46,7 @@ def test_a_cached_failure_is_raised_each_time():
 
 
 def test_the_next_run_starts_with_an_empty_cache():
-    assertion, calls = counted([CheckFailed("wrong"), None])
+    assertion, calls = counted_assertion([CheckFailed("wrong"), None])
     with cached_run(), pytest.raises(CheckFailed):
         assertion(f)
     with cached_run():
@@ -59,7 +59,7 @@ def test_the_next_run_starts_with_an_empty_cache():
 
 def test_other_exceptions_are_not_cached():
     """Only check failures are cached, because a process that was stopped may answer next time."""
-    assertion, calls = counted([OSError("stopped"), None])
+    assertion, calls = counted_assertion([OSError("stopped"), None])
     with cached_run():
         with pytest.raises(OSError):
             assertion(f)
@@ -68,7 +68,7 @@ def test_other_exceptions_are_not_cached():
 
 
 def test_nothing_is_cached_outside_a_run():
-    assertion, calls = counted([None])
+    assertion, calls = counted_assertion([None])
     assertion(f), assertion(f)
     assert len(calls) == 2
 

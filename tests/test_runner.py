@@ -28,7 +28,7 @@ from utils.checks.size_limits import MOST_NUMBERS
 
 FILTER = find_lesson("06_filter_ground")
 SEED = 20_170_405
-NO = CheckFailed("no")
+FAILURE = CheckFailed("no")
 
 HEAD = """
 import os, time
@@ -40,7 +40,7 @@ about = dict(title="A title", hint="A hint")
 
 
 @pytest.fixture
-def made(tmp_path, monkeypatch):
+def make_lesson(tmp_path, monkeypatch):
     """Return a function that creates a lesson with exercises f and g from the given checks."""
 
     def make(hidden="", shown=()):
@@ -75,7 +75,7 @@ class RecordingStudent(SimpleNamespace):
         self.closed += 1
 
 
-def shown(name, exercise, run):
+def visible_check(name, exercise, run):
     return Check(name, exercise, "a title", "a hint", run=run)
 
 
@@ -83,7 +83,7 @@ def failures(outcomes):
     return {outcome.check.name: type(outcome.failure) for outcome in outcomes if outcome.failure}
 
 
-TWO = """
+TWO_TESTS = """
 @hidden("g", **about)
 def test_second(student):
     student.g("second")
@@ -95,13 +95,13 @@ def test_first(student):
 """
 
 
-def test_visible_checks_run_first_and_each_on_its_own_exercise(made):
+def test_visible_checks_run_first_and_each_on_its_own_exercise(make_lesson):
     student = RecordingStudent()
     checks = [
-        shown("passes", "g", lambda function: function("shown")),
-        shown("fails", "f", lambda function: 1 / 0),
+        visible_check("passes", "g", lambda function: function("shown")),
+        visible_check("fails", "f", lambda function: 1 / 0),
     ]
-    outcomes = run_checks(made(TWO, checks), student, SEED)
+    outcomes = run_checks(make_lesson(TWO_TESTS, checks), student, SEED)
     assert [outcome.check.name for outcome in outcomes] == [
         "fails",
         "passes",
@@ -115,9 +115,9 @@ def test_visible_checks_run_first_and_each_on_its_own_exercise(made):
     assert student.closed == 0
 
 
-def test_folders_above_a_lesson_are_not_scanned(made, monkeypatch):
+def test_folders_above_a_lesson_are_not_scanned(make_lesson, monkeypatch):
     """Otherwise, judging would be slower in a home directory with many folders."""
-    lesson, listed, scandir = made(TWO), [], os.scandir
+    lesson, listed, scandir = make_lesson(TWO_TESTS), [], os.scandir
 
     def noted(path="."):
         listed.append(os.fspath(path))
@@ -129,36 +129,41 @@ def test_folders_above_a_lesson_are_not_scanned(made, monkeypatch):
     assert above.intersection(listed) == set()
 
 
-def test_only_selected_checks_run(made):
+def test_only_selected_checks_run(make_lesson):
     student = RecordingStudent()
-    checks = [shown("one", "f", lambda function: function()), shown("other", "g", print)]
-    outcomes = run_checks(made(TWO, checks), student, SEED, lambda check: check.exercise == "f")
+    checks = [
+        visible_check("one", "f", lambda function: function()),
+        visible_check("other", "g", print),
+    ]
+    outcomes = run_checks(
+        make_lesson(TWO_TESTS, checks), student, SEED, lambda check: check.exercise == "f"
+    )
     assert [outcome.check.name for outcome in outcomes] == ["one", "test_first"]
     assert [exercise for exercise, *_ in student.calls] == ["f", "f"]
-    assert run_checks(made(TWO), student, SEED, lambda check: False) == []
+    assert run_checks(make_lesson(TWO_TESTS), student, SEED, lambda check: False) == []
 
 
-def test_the_rest_is_skipped_if_one_failure_decides(made):
+def test_the_remaining_checks_are_skipped_if_one_failure_decides(make_lesson):
     """Skipping saves time, because each call of a slow answer may take seconds."""
     student, hidden = (
         RecordingStudent(),
-        TWO.replace('student.g("second")', 'student.g("second"); 1 / 0'),
+        TWO_TESTS.replace('student.g("second")', 'student.g("second"); 1 / 0'),
     )
-    checks = [shown("passes", "g", lambda function: function("shown"))]
-    outcomes = run_checks(made(hidden, checks), student, SEED, keep_going=False)
+    checks = [visible_check("passes", "g", lambda function: function("shown"))]
+    outcomes = run_checks(make_lesson(hidden, checks), student, SEED, keep_going=False)
     assert failures(outcomes) == {"test_second": ZeroDivisionError, "test_first": StudentStopped}
     assert student.calls == [("g", "g", "shown"), ("g", "g", "second")]
-    checks[:0] = [shown("fails", "f", lambda function: 1 / 0)]
+    checks[:0] = [visible_check("fails", "f", lambda function: 1 / 0)]
     student.calls.clear()
-    outcomes = run_checks(made(hidden, checks), student, SEED, keep_going=False)
+    outcomes = run_checks(make_lesson(hidden, checks), student, SEED, keep_going=False)
     assert [outcome.check.name for outcome in outcomes if not outcome.failure] == []
     assert student.calls == []
 
 
-def test_some_checks_can_be_run_again_later(made):
-    student, lesson = RecordingStudent(), made(TWO)
+def test_selected_checks_can_be_run_again_later(make_lesson):
+    student, lesson = RecordingStudent(), make_lesson(TWO_TESTS)
     checks = [
-        shown("passes", "g", lambda function: function("shown")),
+        visible_check("passes", "g", lambda function: function("shown")),
         *(Check(name, "f", "", "") for name in ("test_first", "test_of_another_lesson")),
     ]
     (hidden,) = runner.hidden_calls(lesson, student, SEED, checks)
@@ -175,37 +180,39 @@ def test_some_checks_can_be_run_again_later(made):
 
 
 @pytest.mark.parametrize(
-    ("hidden", "says"),
+    ("hidden", "message"),
     [
         ("", "pytest ran 0 of 0 tests in 06_made_here/hidden_tests.py (exit code 5)"),
         ("import nothing_of_this_name", "No module named 'nothing_of_this_name'"),
-        (TWO + "\nopen('there is no such file')", "there is no such file"),
+        (TWO_TESTS + "\nopen('there is no such file')", "there is no such file"),
     ],
 )
-def test_a_broken_file_of_hidden_tests_is_a_judge_fault(made, hidden, says):
+def test_a_broken_file_of_hidden_tests_is_a_judge_fault(make_lesson, hidden, message):
     before = dict(os.environ)
     with pytest.raises(JudgeFault) as fault:
-        run_checks(made(hidden), RecordingStudent(), SEED)
-    assert says in str(fault.value) and "Run pytest on this file" in str(fault.value)
+        run_checks(make_lesson(hidden), RecordingStudent(), SEED)
+    assert message in str(fault.value) and "Run pytest on this file" in str(fault.value)
     assert dict(os.environ) == before
 
 
-def test_a_collected_test_that_never_ran_is_a_judge_fault(made, monkeypatch):
+def test_a_collected_test_that_never_ran_is_a_judge_fault(make_lesson, monkeypatch):
     monkeypatch.setattr(runner, "_OPTIONS", (*runner._OPTIONS, "--maxfail=1"))
-    failing = TWO.replace('student.g("second")', 'raise CheckFailed("no")')
-    three = failing + TWO[: TWO.index("@hidden", 5)].replace("test_second", "test_third")
+    failing = TWO_TESTS.replace('student.g("second")', 'raise CheckFailed("no")')
+    three = failing + TWO_TESTS[: TWO_TESTS.index("@hidden", 5)].replace(
+        "test_second", "test_third"
+    )
     with pytest.raises(JudgeFault, match="pytest ran 1 of 3 tests in 06_made_here/hidden_tests.py"):
-        run_checks(made(three), RecordingStudent(), SEED)
+        run_checks(make_lesson(three), RecordingStudent(), SEED)
 
 
-def test_a_missing_file_of_hidden_tests_is_a_judge_fault(made):
-    lesson = made()
+def test_a_missing_file_of_hidden_tests_is_a_judge_fault(make_lesson):
+    lesson = make_lesson()
     lesson.tests.unlink()
     with pytest.raises(JudgeFault, match="pytest ran 0 of 0 tests"):
         run_checks(lesson, RecordingStudent(), SEED)
 
 
-def test_a_test_without_its_fixture_and_a_skipped_test_fail(made):
+def test_a_test_with_a_missing_fixture_and_a_skipped_test_fail(make_lesson):
     hidden = """
 @hidden("f", **about)
 def test_one(student, what_nobody_made):
@@ -215,7 +222,7 @@ def test_one(student, what_nobody_made):
 def test_other(student):
     pytest.skip("not today")
 """
-    outcomes = run_checks(made(hidden), RecordingStudent(), SEED)
+    outcomes = run_checks(make_lesson(hidden), RecordingStudent(), SEED)
     assert [outcome.check.name for outcome in outcomes if outcome.failure] == [
         "test_one",
         "test_other",
@@ -223,7 +230,7 @@ def test_other(student):
 
 
 @pytest.mark.parametrize("where", ["shown", "hidden"])
-def test_a_lost_sandbox_is_reported(made, where):
+def test_a_lost_sandbox_is_reported(make_lesson, where):
     class Lost(RecordingStudent):
         def __getattr__(self, name):
             def ask(*arguments):
@@ -232,38 +239,40 @@ def test_a_lost_sandbox_is_reported(made, where):
             return ask if name in "fg" else super().__getattr__(name)
 
     if where == "hidden":
-        lesson = made(TWO)
+        lesson = make_lesson(TWO_TESTS)
     else:
-        checks = [shown("one", "f", lambda function: function())]
-        lesson = made('@hidden("g", **about)\ndef test_nothing(student): pass', checks)
+        checks = [visible_check("one", "f", lambda function: function())]
+        lesson = make_lesson('@hidden("g", **about)\ndef test_nothing(student): pass', checks)
     with pytest.raises(SandboxUnavailable, match="it is gone"):
         run_checks(lesson, Lost(), SEED)
 
 
-def test_an_interrupt_in_a_hidden_test_ends_the_run(made):
-    hidden = TWO.replace('student.g("second")', "raise KeyboardInterrupt")
+def test_an_interrupt_in_a_hidden_test_ends_the_run(make_lesson):
+    hidden = TWO_TESTS.replace('student.g("second")', "raise KeyboardInterrupt")
     with pytest.raises(KeyboardInterrupt):
-        run_checks(made(hidden), RecordingStudent(), SEED)
+        run_checks(make_lesson(hidden), RecordingStudent(), SEED)
 
 
 # ---- time and size -------------------------------------------------------------------------------
 
 
-def test_a_slow_comparison_is_interrupted_and_the_timer_restored(made, monkeypatch):
+def test_a_slow_comparison_is_interrupted_and_the_timer_restored(make_lesson, monkeypatch):
     monkeypatch.setattr(runner, "SECONDS_OF_A_TEST", 0.05)
-    hidden = TWO.replace('student.g("second")', "for _ in range(10**8): pass")  # would take seconds
+    hidden = TWO_TESTS.replace(
+        'student.g("second")', "for _ in range(10**8): pass"
+    )  # would take seconds
     student, before = RecordingStudent(), signal.getsignal(signal.SIGPROF)
-    outcomes = run_checks(made(hidden), student, SEED)
+    outcomes = run_checks(make_lesson(hidden), student, SEED)
     assert failures(outcomes) == {"test_second": JudgeTimeout, "test_first": CheckFailed}
     assert student.closed == 1  # closed, because its process may have been sending a reply
     assert signal.getitimer(signal.ITIMER_PROF) == (0.0, 0.0)
     assert signal.getsignal(signal.SIGPROF) is before
 
 
-def test_waiting_for_student_code_does_not_count_as_work_of_the_judge(made, monkeypatch):
+def test_waiting_for_student_code_does_not_count_as_work_of_the_judge(make_lesson, monkeypatch):
     monkeypatch.setattr(runner, "SECONDS_OF_A_TEST", 0.2)
-    hidden = TWO.replace('student.g("second")', "time.sleep(0.4)")
-    assert "test_second" not in failures(run_checks(made(hidden), RecordingStudent(), SEED))
+    hidden = TWO_TESTS.replace('student.g("second")', "time.sleep(0.4)")
+    assert "test_second" not in failures(run_checks(make_lesson(hidden), RecordingStudent(), SEED))
 
 
 def test_a_test_may_compute_for_seconds():
@@ -272,9 +281,9 @@ def test_a_test_may_compute_for_seconds():
     )  # the slowest test of a right answer takes two seconds
 
 
-def test_in_another_thread_there_is_no_time_limit(made):
+def test_there_is_no_time_limit_in_another_thread(make_lesson):
     found = []
-    lesson = made(TWO)
+    lesson = make_lesson(TWO_TESTS)
     thread = threading.Thread(
         target=lambda: found.extend(run_checks(lesson, RecordingStudent(), SEED))
     )
@@ -283,7 +292,7 @@ def test_in_another_thread_there_is_no_time_limit(made):
     assert failures(found) == {"test_first": CheckFailed}
 
 
-def test_an_exercise_is_given_up_after_five_huge_answers(made):
+def test_an_exercise_is_given_up_after_five_huge_answers(make_lesson):
     def much(function):
         function()
         raise FarTooMuch("a million boxes")
@@ -292,12 +301,12 @@ def test_an_exercise_is_given_up_after_five_huge_answers(made):
         raise WrongForm("no box")
 
     checks = [
-        *(shown(f"wrong {number}", "f", wrong) for number in range(9)),
-        *(shown(f"f{number}", "f", much) for number in range(7)),
-        *(shown(f"g{number}", "g", much) for number in range(4)),
+        *(visible_check(f"wrong {number}", "f", wrong) for number in range(9)),
+        *(visible_check(f"f{number}", "f", much) for number in range(7)),
+        *(visible_check(f"g{number}", "g", much) for number in range(4)),
     ]
     student = RecordingStudent()
-    found = failures(run_checks(made(TWO, checks), student, SEED))
+    found = failures(run_checks(make_lesson(TWO_TESTS, checks), student, SEED))
     tried = [name for name, failure in found.items() if failure is FarTooMuch]
     assert tried == ["f0", "f1", "f2", "f3", "f4", "g0", "g1", "g2", "g3"]
     assert [name for name, failure in found.items() if failure is StudentStopped] == [
@@ -307,16 +316,18 @@ def test_an_exercise_is_given_up_after_five_huge_answers(made):
     assert len(student.calls) == 9 + 1
 
 
-def test_giving_up_an_exercise_names_the_number_of_huge_answers(made):
+def test_giving_up_an_exercise_names_the_number_of_huge_answers(make_lesson):
     def much(function):
         raise FarTooMuch("a million boxes")
 
-    checks = [shown(f"f{number}", "f", much) for number in range(6)]
-    *_, last = run_checks(made(TWO, checks), RecordingStudent(), SEED, lambda check: check.is_shown)
+    checks = [visible_check(f"f{number}", "f", much) for number in range(6)]
+    *_, last = run_checks(
+        make_lesson(TWO_TESTS, checks), RecordingStudent(), SEED, lambda check: check.is_shown
+    )
     assert str(last.failure).startswith("Not run: 5 answers of this exercise were far larger")
 
 
-def test_slow_comparisons_of_wrong_answers_have_one_limit(made, monkeypatch):
+def test_slow_comparisons_of_wrong_answers_have_one_limit(make_lesson, monkeypatch):
     monkeypatch.setattr(runner, "SECONDS_OF_A_TEST", 0.05)
 
     def compute(function):
@@ -329,10 +340,12 @@ def test_slow_comparisons_of_wrong_answers_have_one_limit(made, monkeypatch):
         compute(function)
         raise CheckFailed("no")
 
-    right = [shown(f"right {number}", "g", compute) for number in range(6)]
-    wrong = [shown(f"wrong {number}", "f", compute_and_fail) for number in range(6)]
+    right = [visible_check(f"right {number}", "g", compute) for number in range(6)]
+    wrong = [visible_check(f"wrong {number}", "f", compute_and_fail) for number in range(6)]
     student = RecordingStudent()
-    outcomes = run_checks(made(TWO, [*right, *wrong]), student, SEED, lambda check: check.is_shown)
+    outcomes = run_checks(
+        make_lesson(TWO_TESTS, [*right, *wrong]), student, SEED, lambda check: check.is_shown
+    )
     assert [*failures(outcomes).values()] == 3 * [CheckFailed] + 3 * [StudentStopped]
     (last,) = (outcome.failure for outcome in outcomes if outcome.check.name == "wrong 5")
     assert str(last).startswith("Not run: comparing earlier answers")
@@ -346,7 +359,7 @@ class Answer:
 
 
 @pytest.mark.parametrize("how", ["CheckFailed('no')", "ZeroDivisionError", "WrongForm('no')"])
-def test_no_answer_outlives_its_check(made, how):
+def test_no_answer_outlives_its_check(make_lesson, how):
     """Outcomes, cached preconditions and pytest do not keep the frames of a failure."""
     answers = weakref.WeakSet()
 
@@ -369,7 +382,11 @@ def test_no_answer_outlives_its_check(made, how):
         except KeyError:
             raise CheckFailed("no")  # noqa: B904, as its context is the first exception
 
-    checks = [shown("one", "f", require), shown("two", "f", require), shown("three", "f", check)]
+    checks = [
+        visible_check("one", "f", require),
+        visible_check("two", "f", require),
+        visible_check("three", "f", check),
+    ]
     hidden = f"""
 from utils.checks.failures import WrongForm
 @hidden("g", **about)
@@ -384,14 +401,14 @@ def test_second(student):
 
     student = Answering()
     with cached_run():
-        outcomes = run_checks(made(hidden, checks), student, SEED)
+        outcomes = run_checks(make_lesson(hidden, checks), student, SEED)
         gc.collect()
         assert len(failures(outcomes)) == 4 and len(answers) == 0
 
 
-def test_the_traceback_of_a_fault_is_kept_as_text(made):
+def test_the_traceback_of_a_fault_is_kept_as_text(make_lesson):
     (outcome,) = run_checks(
-        made('@hidden("f", **about)\ndef test_first(student):\n    1 / 0\n'),
+        make_lesson('@hidden("f", **about)\ndef test_first(student):\n    1 / 0\n'),
         RecordingStudent(),
         SEED,
     )
@@ -415,13 +432,13 @@ def test_an_answer_larger_than_any_right_one_is_not_cached():
 # ---- independence from the environment -----------------------------------------------------------
 
 
-def test_each_lesson_has_its_own_seed_of_120_bits(made):
+def test_each_lesson_has_its_own_seed_of_120_bits(make_lesson):
     hidden = """
 @hidden("f", **about)
 def test_seed(student, seed):
     student.f(seed)
 """
-    student, lesson = RecordingStudent(), made(hidden)
+    student, lesson = RecordingStudent(), make_lesson(hidden)
     run_checks(lesson, student, SEED)
     run_checks(lesson, student, SEED + 1)
     run_checks(lesson, student, SEED)
@@ -430,7 +447,7 @@ def test_seed(student, seed):
     assert seeds[0] == seeds[2] == int(digest[:30], 16) != seeds[1]
 
 
-def test_settings_and_neighbouring_files_have_no_influence(made, monkeypatch):
+def test_pytest_settings_and_neighbouring_files_have_no_effect(make_lesson, monkeypatch):
     settings = {
         "PYTEST_ADDOPTS": "-k nothing",
         "PYTEST_PLUGINS": "no_such_plugin",
@@ -439,7 +456,7 @@ def test_settings_and_neighbouring_files_have_no_influence(made, monkeypatch):
     for name, value in settings.items():
         monkeypatch.setenv(name, value)
     before = dict(os.environ)
-    lesson = made(TWO)
+    lesson = make_lesson(TWO_TESTS)
     (lesson.tests.parent / "conftest.py").write_text("raise SystemError('read')")
     assert len(run_checks(lesson, RecordingStudent(), SEED)) == 2
     assert dict(os.environ) == before
@@ -488,9 +505,9 @@ def run_once(monkeypatch):
 ENDED = [
     Outcome(Check("a", "f", "", ""), None),
     Outcome(Check("b", "f", "", ""), WrongForm("no")),
-    Outcome(Check("c", "f", "", ""), NO),
+    Outcome(Check("c", "f", "", ""), FAILURE),
     Outcome(Check("d", "g", "", ""), StudentStopped("It did not answer.")),
-    Outcome(Check("e", "h", "", ""), NO),
+    Outcome(Check("e", "h", "", ""), FAILURE),
 ]
 
 
@@ -508,7 +525,7 @@ def test_each_wrong_exercise_is_explained_once(run_once):
 
 def test_outcomes_of_an_exercise_are_found_by_an_equal_name():
     """Names are compared by value: a notebook's and a test's may be different objects."""
-    outcomes = [Outcome(Check("a", "voxel_grid", "", ""), NO)]
+    outcomes = [Outcome(Check("a", "voxel_grid", "", ""), FAILURE)]
     results = program_run.RunResults(tuple(outcomes))
     assert results.outcomes_of("".join(("voxel", "_grid"))) == outcomes
     assert not results.starved and results.fault == ""

@@ -16,7 +16,7 @@ from grader.judging.hidden_tests import cached_by_content, generator_for_student
 
 
 @pytest.fixture
-def counted():
+def counted_oracle():
     """Return a cached oracle, and a list of its calls."""
     calls = []
 
@@ -29,8 +29,8 @@ def counted():
     return doubled, calls
 
 
-def test_an_oracle_runs_once_for_each_content(counted):
-    doubled, calls = counted
+def test_an_oracle_runs_once_for_each_content(counted_oracle):
+    doubled, calls = counted_oracle
     cloud = np.arange(12.0).reshape(4, 3)
     first = doubled(cloud, 0.5)
     assert np.array_equal(first, 2 * cloud) and doubled.__doc__ == "Return twice the cloud."
@@ -47,10 +47,10 @@ def test_an_oracle_runs_once_for_each_content(counted):
     assert doubled(cloud, 0.5) is first
 
 
-def test_the_cache_of_an_oracle_is_bounded(counted, monkeypatch):
+def test_the_cache_of_an_oracle_is_bounded(counted_oracle, monkeypatch):
     assert 100 <= hidden_tests.MOST_CACHED <= 1000
     monkeypatch.setattr(hidden_tests, "MOST_CACHED", 3)
-    doubled, calls = counted
+    doubled, calls = counted_oracle
     clouds = [np.full((2, 3), float(number)) for number in range(4)]
     for cloud in clouds[:3] * 2:
         doubled(cloud)

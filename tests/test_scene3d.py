@@ -120,7 +120,7 @@ def test_a_box_has_the_same_edges_whatever_the_order_of_its_corners():
         np.testing.assert_allclose(lengths(BOX[list(order)]), [1.7] * 4 + [2] * 4 + [4] * 4)
 
 
-def test_a_block_car_fills_its_box_and_is_short_above():
+def test_a_block_car_fills_its_box_and_has_a_shorter_roof():
     lower, upper = solids.block_car(solids.ordered(BOX[None])[0])
     np.testing.assert_allclose([lower.min(axis=0), upper.max(axis=0)], [(4, 1, -1.7), (7, 3, 0)])
     assert np.ptp(upper[:, 0]) == pytest.approx(2)
@@ -233,7 +233,7 @@ def test_names_must_match_the_boxes():
 
 
 @pytest.mark.parametrize("camera", CAMERAS)
-def test_a_point_is_drawn_where_the_camera_puts_it(renderer, camera):
+def test_a_point_is_drawn_at_its_projected_position(renderer, camera):
     place = np.array([[2.0, 1.0, -1.0]])
     scene = Scene().add_cloud(place, colour="#FF0000", size=5).only("data_points")
     image = scene.picture(camera, size=(320, 180), renderer=renderer).astype(int)
@@ -244,7 +244,7 @@ def test_a_point_is_drawn_where_the_camera_puts_it(renderer, camera):
     np.testing.assert_allclose((across.mean() + 0.5, down.mean() + 0.5), expected, atol=1.6)
 
 
-def test_everything_is_drawn_by_every_camera(renderer, street):
+def test_a_scene_with_all_layers_is_drawn_by_every_camera(renderer, street):
     scene = everything(street)
     pictures = [scene.picture(name, size=SIZE, renderer=renderer) for name in CAMERAS]
     for image in pictures:
@@ -270,7 +270,7 @@ def test_an_empty_scene_and_tiny_clouds_are_drawn(renderer, street, rows):
     assert Scene().picture(size=SIZE, renderer=renderer).min() == 255
 
 
-def test_both_renderers_draw_the_same(street):
+def test_both_renderers_draw_the_same_picture(street):
     if opengl.problem():
         pytest.skip(opengl.problem())
     scene = Scene().add_cloud(street, size=4).only("data_points")

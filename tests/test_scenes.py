@@ -94,7 +94,7 @@ class TestTruth:
             excess = np.abs(inside) - np.array(box.size) / 2 - (0, 0, sink)
             assert excess.max() <= slack, (box, excess.max(axis=0))
 
-    def test_boxes_count_their_returns_and_carry_the_class_of_them(self, name, frame):
+    def test_boxes_have_the_number_and_the_class_of_their_returns(self, name, frame):
         identities = [box.identity for box in frame.boxes]
         assert len(set(identities)) == len(identities) and min(identities) > 0
         assert set(np.unique(frame.scan.objects)) == {0, *identities}
@@ -235,7 +235,7 @@ def test_a_difficulty_out_of_range_is_refused(difficulty):
 # The lesson's cloud
 
 
-def test_the_simulator_makes_the_lesson_cloud_on_disk(tmp_path):
+def test_the_simulator_reproduces_the_lesson_cloud_on_disk(tmp_path):
     write_lesson_cloud(tmp_path)
     assert (tmp_path / "cloud.txt").read_bytes() == (DATA / "cloud.txt").read_bytes()
     with np.load(tmp_path / "cloud_truth.npz") as new, np.load(DATA / "cloud_truth.npz") as old:

@@ -24,7 +24,7 @@ def frame_of(*boxes, cloud=None, objects=None):
     return SimpleNamespace(boxes=boxes, cloud=cloud, scan=SimpleNamespace(objects=objects))
 
 
-def shifted(box, by):
+def shifted_corners(box, by):
     """Return the corners of a box moved by `by` metres along x.
 
     The IoU of a car 4 m long with its moved box is (4 - by) / (4 + by).
@@ -35,7 +35,14 @@ def shifted(box, by):
 def test_hits_are_counted_at_three_overlaps_and_by_distance():
     near, middling, far = car(5), car(15, 9), car(30, -9)
     # Three boxes with overlaps of 0.78, 0.6 and 0.33, and one that does not overlap any object.
-    found = np.array([shifted(near, 0.5), shifted(middling, 1), shifted(far, 2), shifted(far, 12)])
+    found = np.array(
+        [
+            shifted_corners(near, 0.5),
+            shifted_corners(middling, 1),
+            shifted_corners(far, 2),
+            shifted_corners(far, 12),
+        ]
+    )
     card = score_card([found], [frame_of(near, middling, far)], EVERYWHERE, "Three cars")
     assert card["recall"].values == pytest.approx((1, 2 / 3, 1 / 3))
     assert card["precision"].values == pytest.approx((3 / 4, 2 / 4, 1 / 4))
@@ -61,8 +68,8 @@ def test_the_card_agrees_with_score_boxes_on_a_street():
         for boxes, frame in zip(found, frames, strict=True):
             truth = np.array([box.corners for box in counted(frame, region)])
             total += score_boxes(boxes[within(boxes, region)], truth, least)
-        said = [card[name].values[place] for name in ("precision", "recall", "F1")]
-        assert said == pytest.approx([total.precision, total.recall, total.f1])
+        values = [card[name].values[place] for name in ("precision", "recall", "F1")]
+        assert values == pytest.approx([total.precision, total.recall, total.f1])
     assert card["recall"].count == sum(row.count for row in card.rows[3:6])
     assert card["recall"].count == sum(row.count for row in card.rows[6:])
 

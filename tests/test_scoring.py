@@ -43,7 +43,7 @@ def sides(polygon):
     return zip(polygon, polygon[1:] + polygon[:1], strict=True)
 
 
-def clipped(polygon, start, end):
+def clip(polygon, start, end):
     """Return the part of a polygon to the left of a line (Sutherland and Hodgman, 1974)."""
     along = end[0] - start[0], end[1] - start[1]
     kept = []
@@ -63,7 +63,7 @@ def clipped_iou(box, other, space):
     first, second = box[:4, :2].tolist(), other[:4, :2].tolist()
     common = first
     for start, end in sides(second):
-        common = clipped(common, start, end)
+        common = clip(common, start, end)
     shared, sizes = area(common), [area(first), area(second)]
     if space:
         low, high = max(box[0, 2], other[0, 2]), min(box[4, 2], other[4, 2])
@@ -88,7 +88,7 @@ def test_overlap_agrees_with_polygon_clipping(overlap):
     st.sampled_from([0.0, 1e-9, np.pi / 4, np.pi / 2, np.pi / 2 + 1e-12, 0.3]),
     st.sampled_from([0.0, 1.0, 1e5]),
 )
-def test_overlap_survives_shared_edges_corners_and_rounding(shift, size, yaw, far):
+def test_overlap_is_accurate_despite_shared_edges_corners_and_rounding(shift, size, yaw, far):
     one = corners(far, far, yaw=yaw)[None]
     other = corners(far + shift[0], far + shift[1], 0.0, *size, yaw=0.0)[None]
     local_one, local_other = one - (far, far, 0), other - (far, far, 0)
@@ -147,7 +147,7 @@ def test_a_box_that_is_not_finite_has_no_overlap(overlap, bad):
 
 
 @pytest.mark.parametrize("shape", [(8, 3), (2, 4, 2), (2, 3, 8)])
-def test_other_arrays_than_boxes_are_refused(shape):
+def test_arrays_that_are_not_boxes_are_refused(shape):
     with pytest.raises(ValueError, match=r"\(N, 8, 3\)"):
         plane_iou(np.ones(shape), np.ones((1, 8, 3)))
 
@@ -197,7 +197,7 @@ def test_the_true_boxes_of_a_street_score_full_marks():
     assert score_boxes(boxes, boxes[::-1], 0.99, space_iou) == Score(len(boxes))
 
 
-def tracked(truth, found):
+def tracked_frame(truth, found):
     """Return a frame; `truth` and `found` map labels to the x of the boxes."""
     return TrackedFrame(
         np.array([corners(x) for x in found.values()]),
@@ -207,28 +207,30 @@ def tracked(truth, found):
     )
 
 
-def test_a_faithful_tracker_never_switches():
-    frames = [tracked({1: t, 2: 20 - t}, {7: 20 - t, 8: t + 0.1}) for t in range(8)]
+def test_a_faithful_tracker_never_switches_labels():
+    frames = [tracked_frame({1: t, 2: 20 - t}, {7: 20 - t, 8: t + 0.1}) for t in range(8)]
     assert score_stream(frames) == Score(16, 0, 0, 0)
 
 
 def test_each_change_of_label_is_one_switch():
     frames = [
-        tracked({1: 0, 2: 10}, {7: 0, 8: 10}),
-        tracked({1: 0, 2: 10}, {8: 0, 7: 10}),  # both labels are swapped
-        tracked({1: 0, 2: 10}, {8: 0}),  # one object is missed
-        tracked({1: 0, 2: 10}, {8: 0, 9: 10}),  # the object is found again, under a new label
+        tracked_frame({1: 0, 2: 10}, {7: 0, 8: 10}),
+        tracked_frame({1: 0, 2: 10}, {8: 0, 7: 10}),  # both labels are swapped
+        tracked_frame({1: 0, 2: 10}, {8: 0}),  # one object is missed
+        tracked_frame({1: 0, 2: 10}, {8: 0, 9: 10}),  # the object is found again, under a new label
     ]
     assert score_stream(frames) == Score(7, 0, 1, 3)
 
 
 def test_a_label_that_can_be_kept_is_kept():
     # Label 8 overlaps more, but label 7 was on the object before and still matches.
-    frames = [tracked({1: 0}, {7: 0}), tracked({1: 0}, {7: 0.4, 8: 0.1})]
+    frames = [tracked_frame({1: 0}, {7: 0}), tracked_frame({1: 0}, {7: 0.4, 8: 0.1})]
     assert score_stream(frames) == Score(2, 1, 0, 0)
 
 
 def test_empty_streams_have_scores():
     assert score_stream([]) == Score()
     empty = TrackedFrame(np.zeros((0, 8, 3)), (), np.zeros((0, 8, 3)), ())
-    assert score_stream([empty, tracked({1: 0}, {}), tracked({}, {3: 0})]) == Score(0, 1, 1)
+    assert score_stream([empty, tracked_frame({1: 0}, {}), tracked_frame({}, {3: 0})]) == Score(
+        0, 1, 1
+    )

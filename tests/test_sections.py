@@ -14,7 +14,7 @@ from grader.judging.verdict import write_verdict
 from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.standings import class_results
 from tests.platforms import Canvas, CanvasStudent
-from tests.test_gradebook import DISTANCE, GROUND, STAGE, make_course, quiet, verdicts
+from tests.test_gradebook import DISTANCE, GROUND, STAGE, ignore_progress, make_course, verdicts
 
 ROSTER = (
     "id,first_name,last_name,section,lms_id\n"
@@ -23,31 +23,31 @@ ROSTER = (
 
 
 @pytest.fixture(scope="module")
-def graded_once(tmp_path_factory):
-    made = make_course(tmp_path_factory.mktemp("sections") / "course")
-    (made.root / "roster.csv").write_text(ROSTER)
-    judged = verdicts(made)
+def graded_root(tmp_path_factory):
+    course = make_course(tmp_path_factory.mktemp("sections") / "course")
+    (course.root / "roster.csv").write_text(ROSTER)
+    judged = verdicts(course)
     for submission, verdict in judged:
-        write_verdict(verdict, submission.verdict_path(made))
-    enter_verdicts(made, judged, [STAGE], quiet)
-    return made.root
+        write_verdict(verdict, submission.verdict_path(course))
+    enter_verdicts(course, judged, [STAGE], ignore_progress)
+    return course.root
 
 
 @pytest.fixture
-def course(graded_once, tmp_path, monkeypatch):
+def course(graded_root, tmp_path, monkeypatch):
     """Return a course in which Ada and Ida are in section A/1, and Bob is in section B."""
-    shutil.copytree(graded_once, tmp_path / "course")
+    shutil.copytree(graded_root, tmp_path / "course")
     paths._folder.cache_clear()
-    made = Course(tmp_path / "course")
-    monkeypatch.setattr(commands, "Course", lambda: made)
-    return made
+    course = Course(tmp_path / "course")
+    monkeypatch.setattr(commands, "Course", lambda: course)
+    return course
 
 
 def run(*options):
     return cli.main([str(option) for option in options])
 
 
-def test_a_section_is_named_as_on_the_roster(course):
+def test_only_sections_on_the_roster_are_found(course):
     assert [person.id for person in find_section(course, " a/1")] == ["ada", "idle"]
     assert in_file_name("A/1 ü.b") == "A_1_ü_b"
     with pytest.raises(UnknownStudent, match="in section 'C'. The sections are: A/1, B, a/1."):
@@ -70,7 +70,7 @@ def test_an_unknown_section_is_refused(course, capsys, command):
     assert not written.get(command, course.root / "handed_back").exists()
 
 
-def test_results_of_a_section_contain_nothing_about_others(course):
+def test_results_of_a_section_contain_nothing_about_other_sections(course):
     (course.root / "deadlines.toml").write_text(f'[{STAGE}]\nlessons = ["06"]\n')
     whole = class_results(course)
     part = whole.of_people(find_section(course, "B"))
@@ -113,7 +113,7 @@ def canvas_file(course, *students):
     return canvas, path
 
 
-def fill(course, given, section):
+def fill_canvas_file(course, given, section):
     call = ("export", "--format", "canvas", "--assignment", STAGE, "--into", given)
     status = run(*call, "--section", section)
     return status, course.root / f"scores.{STAGE}.{in_file_name(section)}.canvas.csv"
@@ -126,7 +126,7 @@ def test_marks_of_other_sections_on_the_platform_do_not_change(course, capsys):
         CanvasStudent(3, "Ling, Ida", "", "idle"),
     ]
     canvas, given = canvas_file(course, *students)
-    status, path = fill(course, given, "A/1")
+    status, path = fill_canvas_file(course, given, "A/1")
     assert status == commands.SUCCESS
     canvas.import_(path.read_bytes())
     assert canvas.scores == {(1, 7): 30.0, (2, 7): 5.0}
@@ -139,7 +139,7 @@ def test_a_namesake_in_another_section_gets_no_mark(course, capsys):
     roster = "id,first_name,last_name,section\nada,Ada,Ash,A\nbob,Ada,Ash,B\nidle,Ida,Ling,A\n"
     (course.root / "roster.csv").write_text(roster)
     canvas, given = canvas_file(course, CanvasStudent(2, "Ash, Ada", "", "?"))
-    status, path = fill(course, given, "A")
+    status, path = fill_canvas_file(course, given, "A")
     assert status == commands.FAULT
     canvas.import_(path.read_bytes())
     assert canvas.scores == {(2, 7): 5.0}

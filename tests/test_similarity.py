@@ -33,7 +33,7 @@ def answer(exercise, source):
     return found.get(exercise)
 
 
-def written(exercise, right=None):
+def written_answers(exercise, right=None):
     """Return the kept answers to an exercise by name; each name stands for a student."""
     found = {
         variant.name: answer(exercise, variant.source)
@@ -43,7 +43,7 @@ def written(exercise, right=None):
     return {name: one for name, one in found.items() if one}
 
 
-def compared(exercise, answers, kept=()):
+def compare_answers(exercise, answers, kept=()):
     return compare(exercise, answers, kept, suggested_answers(lesson_of(exercise))[exercise])
 
 
@@ -60,11 +60,11 @@ def test_independent_answers_are_not_flagged(exercise, monkeypatch):
     """Right answers, which were written independently, are not flagged even at lower thresholds."""
     monkeypatch.setattr(comparison, "LEAST_SHARE", comparison.LEAST_SHARE - 0.1)
     monkeypatch.setattr(comparison, "LEAST_BITS", comparison.LEAST_BITS - 3)
-    assert compared(exercise, written(exercise, right=True)).pairs == ()
+    assert compare_answers(exercise, written_answers(exercise, right=True)).pairs == ()
 
 
 # Pairs of answers, at least one of them wrong, in which one is an edited version of the other.
-CHANGED = {
+CHANGED_PAIRS = {
     "ransac_line": [("does not test for None", "the two points in one array")],
     "get_bounding_boxes": [("minimum and maximum with elif", "elif, the maximum first")],
     "filter_clusters": [
@@ -86,16 +86,16 @@ CHANGED = {
 @pytest.mark.slow
 @pytest.mark.parametrize("exercise", ALL)
 def test_wrong_answers_are_flagged_only_if_one_is_an_edit_of_the_other(exercise):
-    found = names_of(compared(exercise, written(exercise)))
-    assert found <= set(map(frozenset, CHANGED.get(exercise, [])))
+    found = names_of(compare_answers(exercise, written_answers(exercise)))
+    assert found <= set(map(frozenset, CHANGED_PAIRS.get(exercise, [])))
 
 
 def test_answers_that_follow_the_hints_are_not_flagged():
-    answers = written("euclidean_clustering", right=True)
+    answers = written_answers("euclidean_clustering", right=True)
     hints = answers["the hints followed to the letter"]
     assert len(hints.steps) > 10
     class_ = {**answers, "bo": hints}
-    assert compared("euclidean_clustering", class_).pairs == ()
+    assert compare_answers("euclidean_clustering", class_).pairs == ()
     assert names_of(compare("euclidean_clustering", class_)), (
         "an answer that the lesson does not suggest is flagged"
     )
@@ -103,8 +103,8 @@ def test_answers_that_follow_the_hints_are_not_flagged():
 
 def test_short_answers_are_never_flagged():
     class_ = {f"student {number}": answer("filter_ground", SHORT) for number in range(3)}
-    others = written("filter_ground")
-    comparison = compared("filter_ground", {**class_, **others})
+    others = written_answers("filter_ground")
+    comparison = compare_answers("filter_ground", {**class_, **others})
     assert not any(name.startswith("student") for pair in names_of(comparison) for name in pair)
 
 
@@ -114,14 +114,14 @@ SHORT = (
 
 
 def test_an_answer_that_many_write_is_not_flagged():
-    answers = written("get_bounding_boxes", right=True)
+    answers = written_answers("get_bounding_boxes", right=True)
     original = answers["a dictionary of running extremes, printing and warning"]
     few = {**answers, "copy": original}
     many = {**few, **{f"copy {number}": original for number in range(6)}}
-    assert names_of(compared("get_bounding_boxes", few)) == {
+    assert names_of(compare_answers("get_bounding_boxes", few)) == {
         frozenset({"copy", "a dictionary of running extremes, printing and warning"})
     }
-    assert compared("get_bounding_boxes", many).pairs == ()
+    assert compare_answers("get_bounding_boxes", many).pairs == ()
 
 
 # Copies that are flagged.
@@ -270,17 +270,19 @@ def get_bounding_boxes(c, n):
 
 
 @pytest.mark.parametrize("disguise", DISGUISED)
-def test_a_copy_is_found(disguise):
-    class_ = written("get_bounding_boxes", right=True)
+def test_a_disguised_copy_is_found(disguise):
+    class_ = written_answers("get_bounding_boxes", right=True)
     class_.pop("a dictionary of running extremes, printing and warning")  # similar to ORIGINAL
     class_ |= {
         "first": answer("get_bounding_boxes", ORIGINAL),
         "second": answer("get_bounding_boxes", DISGUISED[disguise]),
     }
-    assert names_of(compared("get_bounding_boxes", class_)) == {frozenset({"first", "second"})}
+    assert names_of(compare_answers("get_bounding_boxes", class_)) == {
+        frozenset({"first", "second"})
+    }
 
 
-def renamed(source):
+def rename_variables(source):
     """Return the source with other variable names and another layout."""
     trees = [ast.parse(cell) for cell in source.split(ANOTHER_CELL)]
     nodes = [node for tree in trees for node in ast.walk(tree) if isinstance(node, ast.Name)]
@@ -304,14 +306,14 @@ AS_TAUGHT = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("exercise", ALL)
-def test_a_copy_of_any_long_answer_is_the_only_one_found(exercise):
-    class_ = written(exercise, right=True)
+def test_a_copy_of_any_long_answer_is_found_and_no_other_pair(exercise):
+    class_ = written_answers(exercise, right=True)
     missed = set()
     for variant in answers_to(exercise):
         if not variant.right or re.search("^%", variant.source, re.MULTILINE):
             continue
-        copy = answer(exercise, renamed(variant.source))
-        found = names_of(compared(exercise, {**class_, "copy": copy}))
+        copy = answer(exercise, rename_variables(variant.source))
+        found = names_of(compare_answers(exercise, {**class_, "copy": copy}))
         assert found <= {frozenset({variant.name, "copy"})}
         if not found and statements_in(variant.source) >= 8 and not variant.follows_hints:
             missed.add(variant.name)
@@ -433,10 +435,10 @@ def test_a_class_is_compared_with_an_earlier_course(course, folder, tmp_path, mo
     monkeypatch.setattr(commands, "Course", lambda: course)
     options = ["similarity", LESSON.stage, "--earlier", str(last.root / folder)]
     assert cli.main(options) == 0
-    said = capsys.readouterr().out
+    output = capsys.readouterr().out
     one = sorted(path.name for path in course.submitted.iterdir())[-1]
-    assert f"{one} and course-2025/anna" in said and f"{one} and course-2025/bea" in said
-    assert "anna and" not in said and "identical" not in said
+    assert f"{one} and course-2025/anna" in output and f"{one} and course-2025/bea" in output
+    assert "anna and" not in output and "identical" not in output
     page = (course.report / f"similarity_{LESSON.stage}.html").read_text("utf-8")
     assert "students and 2 of earlier courses" in page
     assert {path.name for path in course.submitted.iterdir()}.isdisjoint({"anna", "bea"})
@@ -447,9 +449,9 @@ def test_a_class_is_compared_with_an_earlier_course(course, folder, tmp_path, mo
 def test_the_command_prints_similar_answers(course, monkeypatch, capsys):
     monkeypatch.setattr(commands, "Course", lambda: course)
     assert cli.main(["similarity", LESSON.stage]) == 0
-    said = capsys.readouterr().out
-    assert " and ".join(last_two(course)) in said
-    assert str(course.report / f"similarity_{LESSON.stage}.html") in said
+    output = capsys.readouterr().out
+    assert " and ".join(last_two(course)) in output
+    assert str(course.report / f"similarity_{LESSON.stage}.html") in output
 
 
 @pytest.mark.parametrize(

@@ -33,7 +33,7 @@ EXACT = Sensor(
 ORIGIN = Pose()
 
 
-def thing(*solids, kind="car", identity=1, pose=ORIGIN, speed=0.0, turn_rate=0.0):
+def obstacle(*solids, kind="car", identity=1, pose=ORIGIN, speed=0.0, turn_rate=0.0):
     return Obstacle(kind, (1.0, 1.0, 1.0), solids, pose, identity, speed, turn_rate)
 
 
@@ -71,7 +71,7 @@ def contains(solid, points):
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_a_ray_enters_a_solid_where_marching_along_it_does(seed):
+def test_the_entry_of_a_ray_into_a_solid_agrees_with_marching(seed):
     rng = np.random.default_rng(seed)
     (solid,) = random_solids(rng, 1)
     aims = rng.normal(size=(150, 3)) * 2
@@ -199,7 +199,7 @@ def test_the_ground_under_a_vehicle_has_height_zero():
 def test_trying_only_the_rays_that_may_hit_changes_nothing(seed, monkeypatch):
     rng = np.random.default_rng(seed)
     obstacles = tuple(
-        thing(solid, identity=i) for i, solid in enumerate(random_solids(rng, 25), start=1)
+        obstacle(solid, identity=i) for i, solid in enumerate(random_solids(rng, 25), start=1)
     )
     world = World(Ground(slope=0.02), obstacles)
     quick = scan(world, EXACT, seed)
@@ -212,8 +212,8 @@ def test_trying_only_the_rays_that_may_hit_changes_nothing(seed, monkeypatch):
 
 
 def test_the_nearest_of_two_walls_is_seen():
-    far = thing(box(1, 40, 6, (12.5, 0, 3)), kind="wall", identity=7)
-    near = thing(box(1, 2, 6, (6.5, 0, 3)), kind="truck", identity=9)
+    far = obstacle(box(1, 40, 6, (12.5, 0, 3)), kind="wall", identity=7)
+    near = obstacle(box(1, 2, 6, (6.5, 0, 3)), kind="truck", identity=9)
     for order in ((far, near), (near, far)):
         swept = scan(World(Ground(), order), EXACT, 0)
         x, y = swept.cloud[swept.objects == 9, :2].T
@@ -226,7 +226,7 @@ def test_the_nearest_of_two_walls_is_seen():
 
 
 def test_every_return_of_an_exact_scan_is_on_its_ray_and_a_surface():
-    world = World(Ground(), (thing(box(4, 2, 2, (8, 1, 1))),))
+    world = World(Ground(), (obstacle(box(4, 2, 2, (8, 1, 1))),))
     swept = scan(world, EXACT, 0)
     rays = ray_directions(EXACT)
     firings = np.rint(swept.times * EXACT.rotation_rate * EXACT.firings).astype(int)
@@ -251,14 +251,14 @@ def test_a_scan_without_ground_and_obstacles_in_range_is_empty():
 @pytest.mark.parametrize("elevation", [0.0, -0.1])
 def test_a_sensor_may_have_a_single_beam_and_firing(elevation):
     sensor = replace(EXACT, elevations=(elevation,), azimuth_step=2 * math.pi)
-    swept = scan(World(Ground(), (thing(box(1, 4, 4, (5.5, 0, 2))),)), sensor, 0)
+    swept = scan(World(Ground(), (obstacle(box(1, 4, 4, (5.5, 0, 2))),)), sensor, 0)
     assert swept.objects.tolist() == [1]
     assert_allclose(swept.cloud[0, :3], [5.0, 0.0, 5 * math.tan(elevation)], atol=1e-6)
 
 
 def test_an_obstacle_around_the_sensor_is_not_seen_from_inside():
     solids = (box(6, 6, 6), sphere(5, (0, 0, 1.73)), cylinder(4, 9, (0, 0, -1)))
-    swept = scan(World(Ground(), (thing(*solids),)), EXACT, 0)
+    swept = scan(World(Ground(), (obstacle(*solids),)), EXACT, 0)
     assert not swept.objects.any()
     assert len(swept.cloud) > 1000
 
@@ -268,8 +268,8 @@ def test_an_object_below_the_minimum_range_hides_others_and_is_not_reported():
     world = World(
         Ground(),
         (
-            thing(box(0.1, 9, 9, (2.0, 0, 0)), identity=1),
-            thing(box(0.1, 9, 9, (8.0, 0, 0)), identity=2),
+            obstacle(box(0.1, 9, 9, (2.0, 0, 0)), identity=1),
+            obstacle(box(0.1, 9, 9, (8.0, 0, 0)), identity=2),
         ),
     )
     swept = scan(world, sensor, 0)
@@ -306,7 +306,7 @@ def share_seen(distance, material, weakest_signal):
     sensor = replace(EXACT, azimuth_step=math.radians(0.2), elevations=layers(40, 1.0, -1.0))
 
     def returns(material, weakest_signal):
-        wall = thing(box(1, 8, 4, (distance + 0.5, 0, 2), material), kind="wall")
+        wall = obstacle(box(1, 8, 4, (distance + 0.5, 0, 2), material), kind="wall")
         tuned = replace(sensor, weakest_signal=weakest_signal)
         return np.count_nonzero(scan(World(Ground(), (wall,)), tuned, 0).objects)
 
@@ -340,8 +340,8 @@ def test_the_road_fades_at_grazing_incidence():
 
 
 def test_rays_end_inside_foliage_at_random_depths_or_pass():
-    bush = thing(box(2, 6, 6, (9, 0, 0), Material(0.3, depth=0.5)), kind="foliage", identity=1)
-    wall = thing(box(1, 60, 60, (20.5, 0, 0)), kind="wall", identity=2)
+    bush = obstacle(box(2, 6, 6, (9, 0, 0), Material(0.3, depth=0.5)), kind="foliage", identity=1)
+    wall = obstacle(box(1, 60, 60, (20.5, 0, 0)), kind="wall", identity=2)
     sensor = replace(EXACT, elevations=layers(60, 1.0, -1.0))
     swept = scan(World(Ground(), (bush, wall)), sensor, 0)
     aimed = np.abs(swept.cloud[:, 1]) < 0.25 * swept.cloud[:, 0]
@@ -358,7 +358,7 @@ def test_rays_end_inside_foliage_at_random_depths_or_pass():
 
 def test_intensity_follows_material_and_incidence():
     def brightness(material, yaw):
-        wall = thing(box(0.5, 6, 6, (0, 0, 0), material), pose=Pose(8, 0, 0, yaw))
+        wall = obstacle(box(0.5, 6, 6, (0, 0, 0), material), pose=Pose(8, 0, 0, yaw))
         swept = scan(World(Ground(), (wall,)), EXACT, 0)
         return swept.cloud[swept.objects == 1, 3].mean()
 
@@ -377,8 +377,8 @@ def test_invalid_returns_are_at_the_origin_and_belong_to_no_object():
     assert np.all(np.linalg.norm(swept.cloud[~blank, :3], axis=1) >= hdl64().minimum_range - 1e-5)
 
 
-def test_the_same_seed_gives_the_same_bytes_and_another_seed_others():
-    world = World(Ground(), (thing(box(4, 2, 2, (8, 1, 1))),))
+def test_equal_seeds_give_the_same_bytes_and_different_seeds_do_not():
+    world = World(Ground(), (obstacle(box(4, 2, 2, (8, 1, 1))),))
     first, again, other = (scan(world, hdl64(), seed) for seed in (4, 4, 5))
     assert first.cloud.tobytes() == again.cloud.tobytes()
     assert first.cloud.tobytes() != other.cloud.tobytes()
@@ -411,19 +411,19 @@ def test_a_sensor_without_rays_is_refused(change, words):
 
 
 def test_an_obstacle_drives_along_a_circle():
-    start = thing(pose=Pose(2.0, 3.0, 0.0, 0.5), speed=4.0, turn_rate=0.8)
+    start = obstacle(pose=Pose(2.0, 3.0, 0.0, 0.5), speed=4.0, turn_rate=0.8)
     radius = 4.0 / 0.8
     centre = np.array([2.0 - radius * math.sin(0.5), 3.0 + radius * math.cos(0.5)])
     for time in (0.0, 0.3, 2.0, 5.0):
         pose = start.at(time).pose
         assert_allclose(np.hypot(*(np.array([pose.x, pose.y]) - centre)), radius)
         assert_allclose(pose.yaw, 0.5 + 0.8 * time)
-    straight = thing(pose=Pose(0, 0, 0, math.pi / 2), speed=2.0).at(3.0).pose
+    straight = obstacle(pose=Pose(0, 0, 0, math.pi / 2), speed=2.0).at(3.0).pose
     assert_allclose([straight.x, straight.y], [0, 6], atol=1e-12)
 
 
 def test_a_world_seen_from_a_moving_vehicle_is_the_same_world():
-    world = World(Ground(slope=0.03), (thing(pose=Pose(10, 2, 0, 1.0), speed=3.0),))
+    world = World(Ground(slope=0.03), (obstacle(pose=Pose(10, 2, 0, 1.0), speed=3.0),))
     vehicle = Pose(4.0, -1.0, 0.0, 0.6)
     seen = world.seen_from(vehicle, 2.0)
     moved = world.obstacles[0].at(2.0)

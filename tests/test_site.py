@@ -49,17 +49,17 @@ def picture(colour, kind="PNG"):
     return base64.b64encode(buffer.getvalue()).decode()
 
 
-def displayed(data, about=None):
+def displayed_output(data, about=None):
     return new_output("display_data", data=data, metadata=about or {})
 
 
 def positions():
     """Yield the outputs of a slider at its initial value and at two other values."""
-    yield displayed({widget_states.POSITION: {"all": [["level (m)", "-1.2"]]}})
-    yield displayed({"image/png": picture("red")}, {"image/png": {"alt": 'In "red"'}})
+    yield displayed_output({widget_states.POSITION: {"all": [["level (m)", "-1.2"]]}})
+    yield displayed_output({"image/png": picture("red")}, {"image/png": {"alt": 'In "red"'}})
     for value, colour in (("-2.2", "green"), ("0.6", "blue")):
-        yield displayed({widget_states.POSITION: {"slider": "level (m)", "value": value}})
-        yield displayed({"image/png": picture(colour)})
+        yield displayed_output({widget_states.POSITION: {"slider": "level (m)", "value": value}})
+        yield displayed_output({"image/png": picture(colour)})
         yield new_output("stream", name="stdout", text=f"at {value} <m>\n")
 
 
@@ -79,10 +79,10 @@ def solved_notebooks():
     code = [cell for cell in ran[LESSON].cells if cell.cell_type == "code"]
     code[0].outputs = [new_output("stream", name="stdout", text="Ready: this machine\n")]
     code[1].outputs = [new_output("stream", name="stdout", text="0 of 2\r1 of 2\r2 of 2\n")]
-    code[2].outputs = [displayed({"image/gif": picture("red", "GIF")})]
-    code[3].outputs = [displayed({widget_states.QUESTION: QUESTION})]
+    code[2].outputs = [displayed_output({"image/gif": picture("red", "GIF")})]
+    code[3].outputs = [displayed_output({widget_states.QUESTION: QUESTION})]
     code[4].outputs = [*positions()]
-    code[5].outputs = [displayed({widget_states.ANSWER: ANSWER}), displayed(scene())]
+    code[5].outputs = [displayed_output({widget_states.ANSWER: ANSWER}), displayed_output(scene())]
     return {lesson: nbformat.writes(notebook).encode() for lesson, notebook in ran.items()}
 
 
@@ -122,7 +122,7 @@ def test_several_sliders_share_one_choice():
         {widget_states.POSITION: {"slider": title, "value": value}}
         for title, value in (("beams", "4"), ("step", "2.4"), ("step", "6"))
     ]
-    (one,) = page_outputs([displayed(data) for data in (own, *moved)], Pictures())
+    (one,) = page_outputs([displayed_output(data) for data in (own, *moved)], Pictures())
     page = one.data["text/html"]
     assert re.findall(r"<label [^>]*>(.+?)</label>", page) == ["as in this lesson", "4", "2.4", "6"]
     assert len(set(re.findall(r'name="(\w+)"', page))) == 1
@@ -131,21 +131,21 @@ def test_several_sliders_share_one_choice():
 
 
 def test_a_question_becomes_a_field_with_a_folded_answer():
-    question = html_of(displayed({widget_states.QUESTION: QUESTION}), Pictures())
-    answer = html_of(displayed({widget_states.ANSWER: ANSWER}), Pictures())
+    question = html_of(displayed_output({widget_states.QUESTION: QUESTION}), Pictures())
+    answer = html_of(displayed_output({widget_states.ANSWER: ANSWER}), Pictures())
     assert '<input type="range" min="0" max="10" step="1"' in question
     key = f'data-question="{key_of("How many?")}"'
     assert key in question and key in answer, "the page can connect the guess with the answer"
     assert answer.startswith("<details") and " open" not in answer.partition(">")[0]
     assert "Because 3 &lt; 4." in answer
     choices = QUESTION | {"choices": ["a < b", "b < a"]}
-    radio = html_of(displayed({widget_states.QUESTION: choices}), Pictures())
+    radio = html_of(displayed_output({widget_states.QUESTION: choices}), Pictures())
     assert radio.count('type="radio"') == 2 and "a &lt; b" in radio
 
 
 def test_a_scene_becomes_a_separate_page_that_loads_lazily():
     pictures = Pictures()
-    page = html_of(displayed(scene()), pictures)
+    page = html_of(displayed_output(scene()), pictures)
     assert "srcdoc" not in page and "base64" not in page
     assert re.search(r'<iframe class="scene" src="\.\./_static/shown/\w+\.html" title="A ', page)
     assert 'loading="lazy"' in page
@@ -198,10 +198,10 @@ def test_the_description_of_a_figure_has_its_titles_axes_and_legend():
     axes.set_title("Left", loc="left")
     axes.set_xlabel("x, forward (m)")
     axes.legend()
-    said = widget_states.describe_figure(figure)
+    message = widget_states.describe_figure(figure)
     plt.close(figure)
-    assert all(word in said for word in ("Left", "x, forward (m)", "n²: n^2"))
-    assert "$" not in said
+    assert all(word in message for word in ("Left", "x, forward (m)", "n²: n^2"))
+    assert "$" not in message
 
 
 @pytest.mark.slow
@@ -303,8 +303,8 @@ def test_an_optional_lesson_runs_if_its_packages_are_installed(
     monkeypatch.setattr(builder, "write_site", lambda *_: None)
     assert cli.main(["site", "--to", str(tmp_path)]) == 0
     assert tuple(run_lessons) == (all_lessons() if missing else every_lesson())
-    said = "The page for 13_compiled_loops shows no outputs. To add outputs, install numba"
-    assert (said in capsys.readouterr().out) == bool(missing)
+    message = "The page for 13_compiled_loops shows no outputs. To add outputs, install numba"
+    assert (message in capsys.readouterr().out) == bool(missing)
 
 
 # ---- secrets and links ---------------------------------------------------------------------------
@@ -379,7 +379,7 @@ def test_a_line_of_a_solution_is_found_in_any_notation(tmp_path, suffix):
 
 
 @pytest.mark.parametrize(
-    ("page", "said"),
+    ("page", "message"),
     [
         ('<script src="https://cdn.example.org/a.js"></script>', "from another host"),
         ('<link rel="stylesheet" href="//fonts.example.org/a.css">', "from another host"),
@@ -390,10 +390,10 @@ def test_a_line_of_a_solution_is_found_in_any_notation(tmp_path, suffix):
         ('<a href="https://example.org/">out</a> <a id="x" href="page.html#x">here</a>', ""),
     ],
 )
-def test_broken_links_and_requests_to_other_hosts_are_found(tmp_path, page, said):
+def test_broken_links_and_requests_to_other_hosts_are_found(tmp_path, page, message):
     (tmp_path / "page.html").write_text(page, "utf-8")
     found = site_checks.faults(tmp_path)
-    assert [said in fault for fault in found] == [True] * bool(said)
+    assert [message in fault for fault in found] == [True] * bool(message)
 
 
 def test_styles_that_load_from_another_host_are_found(tmp_path):

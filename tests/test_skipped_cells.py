@@ -20,7 +20,7 @@ NEWER += "        return cloud\n"
 CALLS_NEWER = "def filter_ground(cloud, ground_level=-1.2):\n    return keep(cloud, ground_level)\n"
 
 
-def judged(sandbox, *cells, python=None, modules=None, filled=None, limits=None):
+def judge_cells(sandbox, *cells, python=None, modules=None, filled=None, limits=None):
     """Return the verdict on a notebook with some cells at its end, and its first message."""
     notebook = json.loads(fill_in(LESSON, filled or {}))
     notebook["cells"] += [
@@ -37,7 +37,7 @@ def judged(sandbox, *cells, python=None, modules=None, filled=None, limits=None)
 
 @pytest.mark.parametrize("python", [None, "3.14.2"])
 def test_code_for_a_newer_python_gets_no_mark(sandbox, python):
-    verdict, _ = judged(sandbox, NEWER, CALLS_NEWER, python=python)
+    verdict, _ = judge_cells(sandbox, NEWER, CALLS_NEWER, python=python)
     assert verdict.status == FAILED and verdict.score == 0
     assert "needs Python 3.14 or later, and this judge has Python 3." in verdict.reason
     assert verdict.reason.endswith("No points were given or taken away.")
@@ -46,7 +46,7 @@ def test_code_for_a_newer_python_gets_no_mark(sandbox, python):
 
 def test_a_submitted_module_for_a_newer_python_gets_no_mark(sandbox):
     cell = f"from helpers import keep\n{CALLS_NEWER}"
-    verdict, _ = judged(sandbox, cell, modules={"helpers": NEWER, "unused": "x = = 3"})
+    verdict, _ = judge_cells(sandbox, cell, modules={"helpers": NEWER, "unused": "x = = 3"})
     assert verdict.status == FAILED and verdict.reason.startswith("helpers.py needs Python 3.14")
 
 
@@ -58,7 +58,7 @@ LIBRARY = "from operator import is_not_none\n" + RIGHT.replace(
 
 @pytest.mark.parametrize("python", [None, "3.14.2"])
 def test_a_function_that_only_a_newer_library_has_gets_no_mark(sandbox, python):
-    verdict, _ = judged(sandbox, LIBRARY, python=python)
+    verdict, _ = judge_cells(sandbox, LIBRARY, python=python)
     assert verdict.status == FAILED and verdict.score == 0
     assert (
         " uses operator.is_not_none, which needs Python 3.14 or later, and this" in verdict.reason
@@ -67,35 +67,35 @@ def test_a_function_that_only_a_newer_library_has_gets_no_mark(sandbox, python):
 
 def test_a_module_that_needs_a_newer_library_gets_no_mark(sandbox):
     cell = "from helpers import filter_ground"
-    verdict, _ = judged(sandbox, cell, modules={"helpers": LIBRARY})
+    verdict, _ = judge_cells(sandbox, cell, modules={"helpers": LIBRARY})
     assert verdict.status == FAILED and verdict.reason.startswith("helpers.py uses operator.is_not")
 
 
-def test_a_newer_library_does_not_matter_where_the_code_works_without_it(sandbox):
+def test_a_newer_library_does_not_matter_if_the_code_works_without_it(sandbox):
     guarded = "try:\n    from operator import is_not_none\nexcept ImportError:\n    pass\n" + RIGHT
-    verdict, _ = judged(sandbox, guarded.replace(">=", "<"))
+    verdict, _ = judge_cells(sandbox, guarded.replace(">=", "<"))
     assert verdict.status == JUDGED and verdict.exercises[0].score < 10
-    verdict, _ = judged(sandbox, LIBRARY.replace("filter_ground", "other"), RIGHT)
+    verdict, _ = judge_cells(sandbox, LIBRARY.replace("filter_ground", "other"), RIGHT)
     assert verdict.status == JUDGED and verdict.exercises[0].score == 10
 
 
 def test_a_name_that_the_students_own_python_lacked_is_judged(sandbox):
-    verdict, check = judged(sandbox, LIBRARY, python="3.12.1")
+    verdict, check = judge_cells(sandbox, LIBRARY, python="3.12.1")
     assert verdict.status == JUDGED and not check.passed
 
 
 def test_invalid_code_of_a_version_with_unknown_syntax_gets_no_mark(sandbox):
-    verdict, _ = judged(sandbox, RIGHT.replace("return", "return = ="), python="3.99.0")
+    verdict, _ = judge_cells(sandbox, RIGHT.replace("return", "return = ="), python="3.99.0")
     assert verdict.status == FAILED and "needs Python 3.99 or later" in verdict.reason
 
 
-def test_code_for_a_newer_python_does_not_matter_where_nothing_needs_it(sandbox):
-    verdict, _ = judged(sandbox, NEWER, RIGHT)
+def test_unused_code_for_a_newer_python_does_not_matter(sandbox):
+    verdict, _ = judge_cells(sandbox, NEWER, RIGHT)
     assert verdict.status == JUDGED and verdict.exercises[0].score == 10
 
 
 def test_code_that_the_students_own_python_refused_is_judged(sandbox):
-    verdict, check = judged(sandbox, NEWER.replace("keep", "filter_ground"), python="3.12.1")
+    verdict, check = judge_cells(sandbox, NEWER.replace("keep", "filter_ground"), python="3.12.1")
     assert verdict.status == JUDGED and not check.passed
     assert "filter_ground is in code cell" in check.message
 
@@ -110,13 +110,13 @@ def test_code_that_the_students_own_python_refused_is_judged(sandbox):
 )
 def test_a_function_in_a_skipped_cell_is_neither_missing_nor_a_stub(sandbox, source, reason):
     """The stub of the exercise is still above."""
-    verdict, check = judged(sandbox, source)
+    verdict, check = judge_cells(sandbox, source)
     assert verdict.status == JUDGED and verdict.exercises[0].score == 0
     assert check.kind == MessageKind.OWN
     assert reason in check.message and "which was skipped" in check.message
     hidden = [test for test in verdict.exercises[0].tests if not test.visible]
     assert {test.kind for test in hidden} == {MessageKind.SAME_REASON}
-    filled, check = judged(sandbox, filled={"filter_ground": source})
+    filled, check = judge_cells(sandbox, filled={"filter_ground": source})
     assert filled.exercises[0].score == 0 and reason in check.message
 
 
@@ -124,7 +124,7 @@ def test_more_cells_than_can_be_read_in_time_are_the_reason_for_a_zero(sandbox):
     """Reading takes longer than a millisecond on every machine."""
     cells = [f"x{number} = {number}" for number in range(3000)]
     limits = Limits(start_seconds=0.001)
-    verdict, check = judged(sandbox, *cells, RIGHT, limits=limits)
+    verdict, check = judge_cells(sandbox, *cells, RIGHT, limits=limits)
     assert verdict.score == 0
     assert "could not read the notebook's 3,0" in check.message
     assert "Delete the cells that the exercises do not need." in check.message

@@ -14,7 +14,7 @@ def notebook(text):
     return [textwrap.dedent(cell) for cell in textwrap.dedent(text).split("---\n")]
 
 
-def sliced(text, *names):
+def run_slice(text, *names):
     """Run the slice of a notebook; return the namespace, its source and the invalid cells."""
     statements, skipped = slicing.parse_notebook(notebook(text))
     kept, namespace = slicing.slice_for(names or ("f",), statements), {"__name__": "__main__"}
@@ -110,7 +110,7 @@ class StandIn:
 )
 def test_a_slice_keeps_statements_that_the_function_needs(text, monkeypatch):
     monkeypatch.setattr(builtins, "get_ipython", StandIn, raising=False)
-    namespace, _, _ = sliced(text)
+    namespace, _, _ = run_slice(text)
     assert namespace["f"]() == 42
 
 
@@ -150,7 +150,7 @@ def test_a_slice_omits_statements_that_the_function_does_not_need(line):
         f"import sys\nimport numpy as np\nimport this_is_not_needed\n---\n{line}\n---\n"
         "def f(): return np.int64(42)\n---\ndef slow_experiment(): raise SystemExit"
     )
-    namespace, source, problems = sliced(text)
+    namespace, source, problems = run_slice(text)
     assert namespace["f"]() == 42 and not problems
     assert "slow" not in source and "this_is_not_needed" not in source and len(source) < 90
 
@@ -167,20 +167,20 @@ def test_a_slice_omits_statements_that_the_function_does_not_need(line):
 )
 def test_variables_of_a_comprehension_are_local(comprehension):
     text = f"n = k = row = 42\n---\nothers = {comprehension}\n---\ndef f(): return n + k - row"
-    namespace, source, problems = sliced(text)
+    namespace, source, problems = run_slice(text)
     assert namespace["f"]() == 42 and not problems
     assert "slow" not in source
     needs = f"others = {comprehension}\n---\nn = k = row = 0\n---\ndef f(): return others"
-    assert "row = 0" not in sliced(needs.replace("slow_experiment()", "[]"))[1]
+    assert "row = 0" not in run_slice(needs.replace("slow_experiment()", "[]"))[1]
 
 
 def test_the_last_definition_wins_as_it_does_in_a_notebook():
-    namespace, _, _ = sliced("def f(): return 1\n---\ndef f(): return 2\n---\nf = f or None")
+    namespace, _, _ = run_slice("def f(): return 1\n---\ndef f(): return 2\n---\nf = f or None")
     assert namespace["f"]() == 2
 
 
-def test_a_cell_with_a_syntax_error_is_named_and_the_others_stay():
-    namespace, _, skipped = sliced("x = 1\n---\ndef g(:\n    pass\n---\ndef f(): return x")
+def test_a_cell_with_a_syntax_error_is_named_and_other_cells_are_kept():
+    namespace, _, skipped = run_slice("x = 1\n---\ndef g(:\n    pass\n---\ndef f(): return x")
     assert namespace["f"]() == 1
     (cell,) = skipped
     assert cell.sentence.startswith("Code cell 2 is not valid Python, so it was skipped: ")
@@ -218,7 +218,7 @@ def test_a_cell_that_runs_in_the_notebook_is_not_skipped(source):
 
 
 def test_a_missing_function_keeps_no_statements():
-    assert sliced("x = 1\n---\nprint(x)", "f", "g")[1] == ""
+    assert run_slice("x = 1\n---\nprint(x)", "f", "g")[1] == ""
 
 
 @pytest.mark.parametrize(
@@ -268,7 +268,7 @@ def test_magics_leave_every_line_in_its_place(above):
 
 
 def test_magics_do_nothing_and_return_none():
-    namespace, source, _ = sliced(
+    namespace, source, _ = run_slice(
         "x = %sx ls\ny = %who\nz = get_ipython().user_ns_of(1)\ndef f(): return x, y, z", "f"
     )
     assert namespace["f"]() == (None, None, None)
@@ -296,7 +296,7 @@ check(g)
 ---
 def late(point): return point + 2
 """
-    space, _, problems = sliced(text, "f", "g")
+    space, _, problems = run_slice(text, "f", "g")
     assert problems == []
     assert (space["f"](1), space["g"](1)) == (2, 3)
 
@@ -310,5 +310,5 @@ check(f)
 LEVEL = 5
 def f(): return LEVEL
 """
-    space, _, _ = sliced(text, "f")
+    space, _, _ = run_slice(text, "f")
     assert space["f"]() == 5

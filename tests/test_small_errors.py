@@ -11,7 +11,7 @@ CENTIMETRE = 0.01
 DEGREE = np.radians(1.0)
 
 
-def turned(model):
+def rotate_normal(model):
     """Return a line or plane with its normal rotated by one degree."""
     if model is None:
         return None
@@ -22,45 +22,45 @@ def turned(model):
     return (*(np.cos(DEGREE) * normal + np.sin(DEGREE) * aside), offset)
 
 
-def axes_turned(axes):
+def rotate_axes(axes):
     cosine, sine = np.cos(3 * DEGREE), np.sin(3 * DEGREE)
     return axes @ np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]])
 
 
-def shifted(answer):
+def shift(answer):
     return np.asarray(answer, dtype=float) + CENTIMETRE
 
 
-def grown(boxes):
+def enlarge(boxes):
     """Return the boxes, each enlarged by one centimetre on all sides."""
     boxes = np.array(boxes, dtype=float)
     return boxes + CENTIMETRE * np.sign(boxes - boxes.mean(axis=1, keepdims=True))
 
 
-def shrunk(boxes):
+def shrink(boxes):
     boxes = np.array(boxes, dtype=float)
     return boxes - CENTIMETRE * np.sign(boxes - boxes.mean(axis=1, keepdims=True))
 
 
-def model_turned(result):
+def rotate_model(result):
     """Return a RANSAC result with its model rotated by one degree and the same inliers."""
     model, inliers = result
-    return turned(model), inliers
+    return rotate_normal(model), inliers
 
 
-OFF = {
-    "horizontal_distance": shifted,
-    "line_through": turned,
-    "point_line_distance": shifted,
-    "ransac_line": model_turned,
-    "plane_through": turned,
-    "point_plane_distance": shifted,
-    "ransac_plane": model_turned,
-    "fit_plane": turned,
-    "voxel_grid": shifted,
-    "get_bounding_boxes": grown,
-    "principal_axes": axes_turned,
-    "get_oriented_boxes": shrunk,
+SMALL_ERRORS = {
+    "horizontal_distance": shift,
+    "line_through": rotate_normal,
+    "point_line_distance": shift,
+    "ransac_line": rotate_model,
+    "plane_through": rotate_normal,
+    "point_plane_distance": shift,
+    "ransac_plane": rotate_model,
+    "fit_plane": rotate_normal,
+    "voxel_grid": shift,
+    "get_bounding_boxes": enlarge,
+    "principal_axes": rotate_axes,
+    "get_oriented_boxes": shrink,
 }
 
 
@@ -70,7 +70,7 @@ LARGEST_SHARES = {"ransac_line": 0.9, "ransac_plane": 0.9, "voxel_grid": 0.7}
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("exercise", OFF)
+@pytest.mark.parametrize("exercise", SMALL_ERRORS)
 @pytest.mark.parametrize("seed", [3, 44])
 def test_slightly_wrong_answers_lose_points(exercise, seed):
     """A slightly wrong answer earns at most a third, or its share in `LARGEST_SHARES`.
@@ -79,7 +79,7 @@ def test_slightly_wrong_answers_lose_points(exercise, seed):
     """
     lesson = lesson_of(exercise)
     reference = load_reference(lesson.name)
-    right, spoil = getattr(reference, exercise), OFF[exercise]
+    right, spoil = getattr(reference, exercise), SMALL_ERRORS[exercise]
 
     def nearly(*arguments, **keywords):
         return spoil(right(*arguments, **keywords))

@@ -30,13 +30,13 @@ LESSON = find_lesson("06_filter_ground")
 
 
 @pytest.fixture(scope="module")
-def written(tmp_path_factory):
+def written_folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("standalone")
     assert cli.main(["release", "--standalone", "--to", str(folder)]) == 0
     return folder
 
 
-def unpacked(notebook):
+def unpacked_files(notebook):
     """Return the files in the setup cell of a notebook, by name."""
     (cell,) = [
         "".join(cell["source"])
@@ -50,25 +50,25 @@ def unpacked(notebook):
         }
 
 
-def test_each_lesson_has_one_small_notebook(written):
-    assert [path.stem for path in sorted(written.iterdir())] == [
+def test_each_lesson_has_one_small_notebook(written_folder):
+    assert [path.stem for path in sorted(written_folder.iterdir())] == [
         lesson.name for lesson in all_lessons()
     ]
-    for path in written.iterdir():
+    for path in written_folder.iterdir():
         assert path.stat().st_size < 450_000
         nbformat.validate(nbformat.read(path, as_version=4))
 
 
-def test_notebooks_written_again_have_the_same_bytes(written, tmp_path):
+def test_notebooks_written_again_have_the_same_bytes(written_folder, tmp_path):
     standalone.setup_cell.cache_clear()
     standalone.write_standalone(tmp_path, [LESSON.stage])
     for path in tmp_path.iterdir():
-        assert path.read_bytes() == (written / path.name).read_bytes()
+        assert path.read_bytes() == (written_folder / path.name).read_bytes()
 
 
-def test_each_notebook_has_the_checks_and_rules_of_its_lesson(written):
-    for path in written.iterdir():
-        names = unpacked(path.read_bytes())
+def test_each_notebook_has_the_checks_and_rules_of_its_lesson(written_folder):
+    for path in written_folder.iterdir():
+        names = unpacked_files(path.read_bytes())
         mine = {name for name in names if name.startswith("utils/checks/lesson_")}
         own = (PROJECT / "utils" / "checks").rglob("*.py")
         own = {one.relative_to(PROJECT).as_posix() for one in own}
@@ -76,8 +76,8 @@ def test_each_notebook_has_the_checks_and_rules_of_its_lesson(written):
         assert "utils/checks/forbidden.json" in names
 
 
-def test_a_notebook_contains_no_solution_and_no_part_of_the_grader(written):
-    found = unpacked((written / "06_filter_ground.ipynb").read_bytes())
+def test_a_notebook_contains_no_solution_and_no_part_of_the_grader(written_folder):
+    found = unpacked_files((written_folder / "06_filter_ground.ipynb").read_bytes())
     assert found["utils/__init__.py"] == (PROJECT / "utils" / "__init__.py").read_bytes()
     for name, content in found.items():
         assert name.startswith("utils/") and "test" not in name.split("/")[-1]
@@ -109,8 +109,8 @@ def run_python(folder, program):
 def test_the_setup_cell_needs_no_other_file_and_makes_the_same_cloud(tmp_path):
     done = run_setup(tmp_path, standalone.setup_cell(LESSON.name))
     assert done.returncode == 0, done.stderr
-    said, ready, folder, place, digest = done.stdout.strip().splitlines()
-    assert said == "Everything this notebook needs is here." and ready.startswith("Ready: ")
+    message, ready, folder, place, digest = done.stdout.strip().splitlines()
+    assert message == "Everything this notebook needs is here." and ready.startswith("Ready: ")
     assert place.startswith(folder)
     assert digest == hashlib.sha256((PROJECT / "data" / "cloud.txt").read_bytes()).hexdigest()
     assert list(tmp_path.iterdir()) == []
@@ -187,8 +187,8 @@ def test_functions_of_a_neighbouring_standalone_notebook_load(tmp_path):
     assert "Upload your 07_filter_by_distance.ipynb next to this notebook" in done.stdout
 
 
-def test_a_notebook_begins_with_the_lesson(written):
-    for path in written.iterdir():
+def test_a_notebook_begins_with_the_lesson(written_folder):
+    for path in written_folder.iterdir():
         cells = json.loads(path.read_text())["cells"]
         assert cells[0]["cell_type"] == "markdown"
         (setup,) = [c for c in cells if "".join(c["source"]).startswith(standalone.TITLE)]

@@ -29,10 +29,10 @@ from grader.lms.standings import class_results
 from tests.test_gradebook import (
     DISTANCE,
     GROUND,
-    LATE,
+    LATE_PLUGIN,
     STAGE,
+    ignore_progress,
     make_course,
-    quiet,
     submit,
     verdicts,
 )
@@ -57,16 +57,16 @@ ZERO = {"ada": {GROUND: (0.0, 0.0), DISTANCE: (11.75, 2.0, 4.5)}, "bob": {DISTAN
 
 
 @pytest.fixture(scope="module")
-def entered_once(tmp_path_factory):
-    made = make_course(tmp_path_factory.mktemp("standing") / "course")
-    enter_verdicts(made, verdicts(made, ZERO), [STAGE], quiet)
-    return made.root
+def entered_root(tmp_path_factory):
+    course = make_course(tmp_path_factory.mktemp("standing") / "course")
+    enter_verdicts(course, verdicts(course, ZERO), [STAGE], ignore_progress)
+    return course.root
 
 
 @pytest.fixture
-def course(entered_once, tmp_path):
+def course(entered_root, tmp_path):
     """Return a course to which Ada submitted two lessons, one worth 0 points, and Bob one."""
-    shutil.copytree(entered_once, tmp_path / "course")
+    shutil.copytree(entered_root, tmp_path / "course")
     paths._folder.cache_clear()
     return Course(tmp_path / "course")
 
@@ -88,7 +88,7 @@ def change(course, student, lesson, **values):
         book.db.commit()
 
 
-def test_without_a_roster_the_class_is_everyone_who_submitted(course):
+def test_the_class_consists_of_all_students_who_submitted_if_there_is_no_roster(course):
     with gradebook.open_gradebook(course) as book:
         book.update_or_create_student("ada", first_name="Ada", last_name="Ash", lms_user_id="8")
         book.update_or_create_student("idle", first_name="Ida")
@@ -103,7 +103,7 @@ def test_without_a_roster_the_class_is_everyone_who_submitted(course):
     assert results.unlisted == ()
 
 
-def test_with_a_roster_the_class_is_the_roster_in_its_order(course):
+def test_the_class_has_the_students_and_the_order_of_the_roster(course):
     (course.root / "roster.csv").write_text(ROSTER)
     (course.root / "deadlines.toml").write_text(DATES)
     results = class_results(course)
@@ -184,11 +184,11 @@ def test_a_manual_change_of_points_is_a_mark_and_a_comment_is_not(course):
     assert standing(course)["ada", "06"] == (MISSING, None)
 
 
-def test_the_maximum_does_not_depend_on_what_the_most_eager_student_submitted(course):
+def test_the_maximum_does_not_depend_on_the_submissions_of_other_students(course):
     """Bob submitted only lesson 07; Ada's lesson 06 must not lower his share."""
     before = class_results(course).stage("bob", STAGE)
     shutil.rmtree(course.submitted / "ada" / STAGE)
-    enter_verdicts(course, verdicts(course, ZERO), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course, ZERO), [STAGE], ignore_progress)
     assert standing(course) == {("bob", "06"): (MISSING, None), ("bob", "07"): (MARKED, 20.5)}
     assert class_results(course).stage("bob", STAGE) == before
     assert before.max_score == 60
@@ -276,12 +276,12 @@ def test_excused_work_does_not_count_in_means_and_missing_work_is_not_a_0(course
 
 
 def test_a_stage_has_times_and_late_penalties(course):
-    (course.root / "nbgrader_config.py").write_text(LATE)
+    (course.root / "nbgrader_config.py").write_text(LATE_PLUGIN)
     (course.root / "roster.csv").write_text(ROSTER)
     (course.submitted / "ada" / STAGE / "timestamp.txt").write_text("2026-03-02 13:30:00 CET")
     with gradebook.open_gradebook(course) as book:
         book.update_or_create_assignment(STAGE, duedate="2026-03-01 12:00:00")
-    enter_verdicts(course, verdicts(course, ZERO), [STAGE], quiet)
+    enter_verdicts(course, verdicts(course, ZERO), [STAGE], ignore_progress)
     stage = class_results(course).stage("ada", STAGE)
     assert stage == StageResult(
         "ada",

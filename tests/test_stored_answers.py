@@ -133,7 +133,7 @@ def written(cloud, level=0.0):
     return cloud[cloud[:, 2] >= level]
 
 
-def recorded(functions, calls, experiments=()):
+def record_answers(functions, calls, experiments=()):
     names = [name for name in functions if name not in experiments]
     recorder = lent.Recorder(names, list(experiments), functions)
     recorder.wrap_stubs()
@@ -145,7 +145,7 @@ def recorded(functions, calls, experiments=()):
 
 
 def test_a_stub_answers_the_calls_of_the_notebook(capsys):
-    stored = recorded({"keep": written}, [("keep", (CLOUD,)), ("keep", (CLOUD, 1.0))])
+    stored = record_answers({"keep": written}, [("keep", (CLOUD,)), ("keep", (CLOUD, 1.0))])
     namespace = {"keep": stub}
     lent.Lender(stored, namespace).wrap_stubs()
     assert np.array_equal(namespace["keep"](CLOUD, 1.0), written(CLOUD, 1.0))
@@ -155,7 +155,7 @@ def test_a_stub_answers_the_calls_of_the_notebook(capsys):
 
 
 def test_a_written_function_is_not_replaced():
-    stored = recorded({"keep": written}, [("keep", (CLOUD,))])
+    stored = record_answers({"keep": written}, [("keep", (CLOUD,))])
     mine = types.FunctionType(written.__code__, {}, "keep")
     namespace = {"keep": mine}
     lent.Lender(stored, namespace).wrap_stubs()
@@ -168,15 +168,15 @@ def test_a_stored_experiment_replaces_one_that_a_stub_stops(capsys):
 
     namespace = {"keep": written, "experiment": experiment}
     calls = [("experiment", (CLOUD,))]
-    stored = recorded(namespace, calls, ["experiment"])
+    stored = record_answers(namespace, calls, ["experiment"])
     assert stored["exercises"]["keep"] == {}
     expected = [int((CLOUD[:, 2] >= level).sum()) for level in (0, 1, 2)]
 
     namespace = {"keep": stub, "experiment": experiment}
     lent.Lender(stored, namespace).wrap_stubs()
     assert namespace["experiment"](CLOUD) == expected
-    said = capsys.readouterr().out
-    assert "experiment: this is the course's answer; stub is not written yet." in said
+    output = capsys.readouterr().out
+    assert "experiment: this is the course's answer; stub is not written yet." in output
     namespace["keep"] = lambda cloud, level: cloud[:0]
     assert namespace["experiment"](CLOUD) == [0, 0, 0]
 
@@ -185,7 +185,7 @@ def test_a_generator_continues_as_after_the_real_call():
     def shuffled(rng):
         return rng.permutation(6)
 
-    stored = recorded({"shuffled": shuffled}, [("shuffled", (np.random.default_rng(5),))])
+    stored = record_answers({"shuffled": shuffled}, [("shuffled", (np.random.default_rng(5),))])
     namespace = {"shuffled": stub}
     lent.Lender(stored, namespace).wrap_stubs()
     mine, other = np.random.default_rng(5), np.random.default_rng(5)
@@ -226,7 +226,7 @@ def test_calls_of_a_check_are_not_recorded():
     assert len(json.loads(recorder.text())["exercises"]["keep"]) == 1
 
 
-def test_stubs_are_known():
+def test_stubs_are_distinguished_from_written_functions():
     assert not lent.is_written(stub)
     assert lent.is_written(written) and lent.is_written(len)
 
@@ -246,7 +246,7 @@ def test_stubs_are_known():
     assert not lent.is_written(namespace["keep"])
 
 
-def test_without_a_notebook_nothing_happens():
+def test_lending_answers_without_a_notebook_does_nothing():
     lent.lend_answers("06")
 
 
@@ -275,11 +275,11 @@ def test_a_changed_experiment_is_recorded_again():
 def test_an_experiment_is_recorded_again_although_it_is_stored():
     namespace = {"experiment": len}
     lent.Lender({"experiments": {"experiment": {}}}, namespace).wrap_stubs()
-    stored = recorded(namespace, [("experiment", ([1, 2],))], ["experiment"])
+    stored = record_answers(namespace, [("experiment", ([1, 2],))], ["experiment"])
     assert [one["answer"] for one in stored["experiments"]["experiment"].values()] == [2]
 
 
-def stored(**answers):
+def stored_answers(**answers):
     """Return stored answers, with one call for each function."""
     functions = {name: {"key": {"answer": answer}} for name, answer in answers.items()}
     return json.dumps({"functions": functions}).encode()
@@ -287,11 +287,14 @@ def stored(**answers):
 
 def test_changed_answers_are_named():
     cloud = encoding.encode(CLOUD[:3])
-    before = stored(box=[1.0, [2, None]], mask=cloud, count=7)
+    before = stored_answers(box=[1.0, [2, None]], mask=cloud, count=7)
     assert changed_answers(before, before) == []
-    assert changed_answers(before, stored(box=[1.01, [2, None]], mask=cloud, count=7)) == []
-    now = stored(box=[1.2, [2, None]], mask=encoding.encode(CLOUD[:2]), count=8)
+    assert changed_answers(before, stored_answers(box=[1.01, [2, None]], mask=cloud, count=7)) == []
+    now = stored_answers(box=[1.2, [2, None]], mask=encoding.encode(CLOUD[:2]), count=8)
     assert changed_answers(before, now) == ["box", "count", "mask"]
-    assert changed_answers(before, stored(box=[1.0, 2], mask=None, count=7)) == ["box", "mask"]
-    assert changed_answers(before, stored(count=7)) == ["box", "mask"]
+    assert changed_answers(before, stored_answers(box=[1.0, 2], mask=None, count=7)) == [
+        "box",
+        "mask",
+    ]
+    assert changed_answers(before, stored_answers(count=7)) == ["box", "mask"]
     assert changed_answers(b"{}", before) == ["box", "count", "mask"]

@@ -86,7 +86,7 @@ def test_a_thousand_calls_are_quick(student):
     assert tree.count == 1000
 
 
-def test_sequences_cross_as_lists(sandbox):
+def test_sequences_are_transferred_as_lists(sandbox):
     source = (
         "from collections import deque\nimport array\n"
         "def f(kind): return {'range': range(3), 'deque': deque([0, 1, 2]),"
@@ -156,7 +156,7 @@ def test_calls_and_attribute_paths_work_on_local_objects():
     assert get_attribute_path(local, ["note", "__func__", "__name__"]) == "note"
 
 
-def test_walking_a_cycle_is_up_to_the_caller(sandbox):
+def test_a_cycle_of_objects_can_be_walked_without_end(sandbox):
     source = """class Ring:
     def __init__(self): self.next, self.name = self, 1"""
     with StudentProxy(Program((source,), ("Ring",)), sandbox) as proxy:

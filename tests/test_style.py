@@ -78,7 +78,7 @@ def constructions_in(text):
         ("It may also be empty. Add two, too many.", 0),
     ],
 )
-def test_the_constructions_are_found(text, count):
+def test_forbidden_constructions_are_found(text, count):
     assert len(constructions_in(text)) == count
 
 

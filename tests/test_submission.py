@@ -31,7 +31,7 @@ def test_a_module_cannot_continue_a_notebook():
 
 # Short texts of few letters, so different fields often join to the same text.
 TEXTS = st.text("a\0 1", max_size=2)
-HANDED_IN = st.builds(
+SUBMISSIONS = st.builds(
     SubmittedFiles,
     TEXTS,
     TEXTS.map(str.encode),
@@ -41,9 +41,9 @@ HANDED_IN = st.builds(
 )
 
 
-@given(HANDED_IN, HANDED_IN)
-def test_different_submissions_have_different_fingerprints(one, other):
-    assert (one.fingerprint() == other.fingerprint()) == (one == other)
+@given(SUBMISSIONS, SUBMISSIONS)
+def test_different_submissions_have_different_fingerprints(first, second):
+    assert (first.fingerprint() == second.fingerprint()) == (first == second)
 
 
 @given(TEXTS, TEXTS, TEXTS, TEXTS)
@@ -127,8 +127,8 @@ def test_only_a_regular_file_is_opened(tmp_path):
     link = "link.ipynb cannot be opened: it is a link to another file."
     assert refusal(tmp_path / "link.ipynb") == link
     os.mkfifo(tmp_path / "pipe.ipynb")  # reading a pipe would block forever
-    said = "is not an ordinary file. Submit the .ipynb file itself."
-    assert refusal(tmp_path / "pipe.ipynb") == f"pipe.ipynb {said}"
+    message = "is not an ordinary file. Submit the .ipynb file itself."
+    assert refusal(tmp_path / "pipe.ipynb") == f"pipe.ipynb {message}"
     (tmp_path / "folder.ipynb").mkdir()
     folder = "folder.ipynb cannot be opened: Is a directory."
     assert refusal(tmp_path / "folder.ipynb") == folder
@@ -140,5 +140,5 @@ def test_the_reason_for_an_unreadable_file_comes_from_the_system(tmp_path, monke
         raise OSError(number, os.strerror(number))
 
     monkeypatch.setattr(os, "open", fail)
-    said = f"06.ipynb cannot be opened: {os.strerror(number)}."
-    assert refusal(tmp_path / "06.ipynb") == said
+    message = f"06.ipynb cannot be opened: {os.strerror(number)}."
+    assert refusal(tmp_path / "06.ipynb") == message

@@ -36,14 +36,14 @@ def exercise(monkeypatch):
     return "double"
 
 
-def declared(title, exercise="double", weight=1, **more):
+def declare(title, exercise="double", weight=1, **more):
     """Declare a check; the decorated function gets the student's function."""
     return visible(
         exercise, title=title, why="It matters.", hint=f"Hint of {title}.", weight=weight, **more
     )
 
 
-def shown_by(function, capsys, **options):
+def output_of(function, capsys, **options):
     """Return the output of a `check` that fails."""
     with pytest.raises(ChecksFailed):
         check(function, "double", **options)
@@ -52,35 +52,35 @@ def shown_by(function, capsys, **options):
 
 def test_a_stub_prints_one_line_and_raises(exercise, capsys):
     for title in ("one", "two", "three"):
-        declared(title)(lambda double: double(1))
+        declare(title)(lambda double: double(1))
 
     def double(number):
         raise NotImplementedError
 
-    shown = shown_by(double, capsys)
+    shown = output_of(double, capsys)
     assert shown.count("\n") == 1 and shown.startswith("[not started] double is not")
     assert "Hint" not in shown
 
 
 def test_a_stub_is_named_and_not_its_caller(exercise, capsys):
-    declared("one")(lambda double: double(1))
+    declare("one")(lambda double: double(1))
     namespace = {}
     exec(
         "def half(number):\n    raise NotImplementedError\n"
         "def double(number):\n    return 4 * half(number)\n",
         namespace,
     )
-    assert "double calls half, which is not written yet" in shown_by(namespace["double"], capsys)
+    assert "double calls half, which is not written yet" in output_of(namespace["double"], capsys)
 
 
 def test_one_cause_is_shown_once_without_hints(exercise, capsys):
     for title in ("one", "two", "three"):
-        declared(title)(lambda double: double(1))
+        declare(title)(lambda double: double(1))
 
     def double(number):
         return number.shape
 
-    shown = shown_by(double, capsys)
+    shown = output_of(double, capsys)
     assert shown.count("'int' object has no attribute 'shape'") == 1
     assert shown.count("for the same reason") == 2
     assert "return number.shape" in shown, "the student's line"
@@ -88,37 +88,37 @@ def test_one_cause_is_shown_once_without_hints(exercise, capsys):
 
 
 def test_a_second_cause_is_shown_without_its_hint(exercise, capsys):
-    @declared("one")
+    @declare("one")
     def one(double):
         raise CheckFailed("The first is wrong.")
 
-    @declared("two")
+    @declare("two")
     def two(double):
         raise CheckFailed("The second is wrong.")
 
-    declared("three")(lambda double: None)
-    shown = shown_by(lambda number: 0, capsys)
+    declare("three")(lambda double: None)
+    shown = output_of(lambda number: 0, capsys)
     assert "Hint of one." in shown and "Hint of two." not in shown
     assert "The second is wrong." in shown and "[passed] three" in shown
     assert shown.index("The first") < shown.index("The second") < shown.index("three")
 
 
-def test_a_check_that_needs_a_failed_one_waits(exercise, capsys):
-    @declared("doubles")
+def test_a_check_that_needs_a_failed_check_waits(exercise, capsys):
+    @declare("doubles")
     def doubles(double):
         if double(2) != 4:
             raise CheckFailed("2 does not give 4.")
 
-    @declared("also doubles halves")
+    @declare("also doubles halves")
     def halves(double):
         with precondition("whole numbers are doubled"):
             doubles(double)
         if double(0.5) != 1:
             raise CheckFailed("A half does not give 1.")
 
-    shown = shown_by(lambda number: 3, capsys)
+    shown = output_of(lambda number: 3, capsys)
     assert "[waiting] also doubles halves" in shown and "A half" not in shown
-    shown = shown_by(lambda number: int(number) * 2, capsys)
+    shown = output_of(lambda number: int(number) * 2, capsys)
     assert "A half" in shown and "waiting" not in shown
 
 
@@ -128,7 +128,7 @@ def test_a_wrong_form_does_not_make_other_checks_wait():
 
 
 def test_notes_cost_no_points_and_are_shown_after_success(exercise, capsys):
-    declared("one")(lambda double: None)
+    declare("one")(lambda double: None)
 
     @noted("double", title="Whole numbers stay whole", why="Later cells count with them.")
     def whole(double):
@@ -179,11 +179,11 @@ def test_a_mistake_does_not_explain_an_exception(exercise, capsys):
         right=lambda x: 2 * x,
     )
 
-    @declared("nothing")
+    @declare("nothing")
     def nothing(double):
         double(np.array([]))
 
-    @declared("doubles")
+    @declare("doubles")
     def doubles(double):
         raise CheckFailed("1 does not give 2.")
 
@@ -191,7 +191,7 @@ def test_a_mistake_does_not_explain_an_exception(exercise, capsys):
         return x**2 if len(x) else x[0]
 
     assert diagnose("double", double).says == "It is squared."
-    shown = shown_by(double, capsys)
+    shown = output_of(double, capsys)
     assert "IndexError" in shown and "squared" not in shown
 
 
@@ -208,7 +208,7 @@ def test_a_function_that_changes_its_arguments_does_not_change_cases(exercise):
         assert diagnose("double", double).says == "Zero."
 
 
-def test_a_mistake_is_shown_where_the_hint_was(exercise, capsys):
+def test_a_mistake_is_shown_in_place_of_the_hint(exercise, capsys):
     declare_mistakes(
         "double",
         Mistake("It is squared.", lambda right, x: x**2, "Multiply by 2."),
@@ -216,12 +216,12 @@ def test_a_mistake_is_shown_where_the_hint_was(exercise, capsys):
         right=lambda x: 2 * x,
     )
 
-    @declared("doubles")
+    @declare("doubles")
     def doubles(double):
         if (double(np.array([1.0, 3.0])) != [2, 6]).any():
             raise CheckFailed("1 and 3 do not give 2 and 6.")
 
-    shown = shown_by(lambda x: x**2, capsys)
+    shown = output_of(lambda x: x**2, capsys)
     assert "What your code does: It is squared." in shown and "Hint: Multiply by 2." in shown
     assert "Hint of doubles" not in shown
 
@@ -291,9 +291,9 @@ def deaf(x):
 @pytest.mark.parametrize("function", [endless, deaf])
 def test_a_loop_in_a_check_is_stopped(exercise, capsys, monkeypatch, function):
     monkeypatch.setattr(core, "SECONDS", 1)
-    declared("one")(lambda double: None)
-    declared("two")(lambda double: double(0) if function is endless else brief_deaf())
-    declared("three")(lambda double: None)
+    declare("one")(lambda double: None)
+    declare("two")(lambda double: double(0) if function is endless else brief_deaf())
+    declare("three")(lambda double: None)
 
     def brief_deaf():
         """Catch the first two interrupts, but not the third."""
@@ -303,7 +303,7 @@ def test_a_loop_in_a_check_is_stopped(exercise, capsys, monkeypatch, function):
         endless(0)
 
     begin = time.monotonic()
-    shown = shown_by(function, capsys)
+    shown = output_of(function, capsys)
     assert time.monotonic() - begin < PATIENCE
     assert "did not return within 1 s. It was in the loop in line" in shown
     assert "[passed] one" in shown and "[waiting] three" in shown
@@ -327,10 +327,10 @@ def test_the_time_limit_works_without_interrupts(handler):
         signal.signal(signal.SIGINT, before)
 
 
-def test_a_check_may_ask_about_a_timeout(exercise, capsys, monkeypatch):
+def test_a_check_may_have_its_own_question_about_a_timeout(exercise, capsys, monkeypatch):
     monkeypatch.setattr(core, "SECONDS", 1)
-    declared("one", slow="is every point visited twice?")(lambda double: double(0))
-    shown = shown_by(endless, capsys)
+    declare("one", slow="is every point visited twice?")(lambda double: double(0))
+    shown = output_of(endless, capsys)
     assert "`. Is every point visited twice? If" in shown and "never ends" not in shown
 
 
@@ -360,7 +360,7 @@ def busy_for(seconds):
         pass
 
 
-def test_without_threads_an_endless_loop_is_still_stopped(monkeypatch):
+def test_an_endless_loop_is_stopped_even_without_threads(monkeypatch):
     monkeypatch.setattr(threading.Thread, "start", fail_to_start)
     start = time.monotonic()
     with pytest.raises(TimeUp), limit_resources(0.1):
@@ -371,16 +371,16 @@ def test_without_threads_an_endless_loop_is_still_stopped(monkeypatch):
     assert sys.gettrace() is None
 
 
-def test_without_threads_a_check_prints_the_same(exercise, capsys, monkeypatch):
+def test_a_check_prints_the_same_text_without_threads(exercise, capsys, monkeypatch):
     monkeypatch.setattr(core, "SECONDS", 0.5)
     monkeypatch.setattr(threading.Thread, "start", fail_to_start)
-    declared("one")(lambda double: double(0))
-    assert "was in the loop in line" in shown_by(endless, capsys)
+    declare("one")(lambda double: double(0))
+    assert "was in the loop in line" in output_of(endless, capsys)
     check(lambda x: x, "double")
     assert "[passed] one" in capsys.readouterr().out
 
 
-def test_in_another_thread_nothing_is_limited():
+def test_nothing_is_limited_in_another_thread():
     found = []
 
     def work():
@@ -459,7 +459,7 @@ def test_allowed_modules_are_accepted(name):
     assert not refused_modules(function_in(FREE[name]), "lesson_05")
 
 
-def test_a_refused_module_is_the_only_message(capsys):
+def test_a_refused_module_hides_all_other_messages(capsys):
     function = function_in(USES["a class"])
     with pytest.raises(ChecksFailed):
         check(function, "euclidean_clustering")

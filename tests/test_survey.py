@@ -8,7 +8,7 @@ import pytest
 
 from tests.survey import (
     EXERCISES,
-    MOST,
+    LARGEST_LOSS,
     SOLUTION,
     answers_in_notebooks,
     losses_of,
@@ -150,5 +150,5 @@ def test_few_answers_lose_more_than_three_fifths_for_one_edit(sandbox):
     """In a sample of each solution's edits, fewer than a tenth lose more than three fifths."""
     lost = [loss for exercise in EXERCISES for loss in losses_of(exercise, sandbox)]
     assert len(lost) > 5 * len(EXERCISES)
-    severe = [(one.before, one.after) for share, one in lost if share > MOST]
+    severe = [(one.before, one.after) for share, one in lost if share > LARGEST_LOSS]
     assert len(severe) < len(lost) / 10, severe

@@ -50,7 +50,7 @@ def total(results, rules):
     return term.points, term.max_score, [lesson[:2] for lesson in term.dropped]
 
 
-def test_without_rules_everything_counts():
+def test_everything_counts_without_rules():
     term = term_result(notebooks(10.0, 20.0, None, 0.0), TermRules())
     assert (term.points, term.max_score, term.dropped) == (30.0, 130.0, ())
     assert (term.waiting, term.passed) == (False, None)
@@ -88,7 +88,7 @@ def test_a_late_penalty_may_make_a_lesson_the_lowest():
     assert total(late, DROP) == (59.0, 80.0, ["03"])
 
 
-def test_one_lesson_always_remains():
+def test_at_least_one_lesson_is_never_dropped():
     """Lessons that are released later cannot be dropped yet."""
     rules = TermRules(drop_lowest=3)
     assert total(notebooks(7.0), rules) == (7.0, 10.0, [])
@@ -209,13 +209,13 @@ def test_marks_of_single_assignments_follow_no_rule_of_the_term():
     assert collect_marks(options[0]).marks == collect_marks(options[1]).marks
 
 
-def test_without_rules_scores_csv_has_no_new_column():
+def test_scores_csv_has_no_new_column_without_rules():
     rows = scores(class_with(TermRules()))
     assert "Passed" not in rows["ada"]
     assert (rows["ada"]["Total"], rows["ada"]["Out of"]) == ("53", "130")
 
 
-def test_the_report_shows_totals_and_who_passes():
+def test_the_report_shows_totals_and_pass_marks():
     results = class_with(RULES)
     lessons = [find_lesson(lesson) for lesson in LESSONS]
     table = marks_table(lessons, results, {})

@@ -33,12 +33,12 @@ from grader.lms.standings import class_results
 from tests.test_gradebook import (
     DISTANCE,
     GROUND,
-    LATE,
+    LATE_PLUGIN,
     STAGE,
     STREAM,
+    ignore_progress,
     make_course,
     penalties,
-    quiet,
     submit,
     verdicts,
 )
@@ -47,21 +47,21 @@ from tests.test_gradebook import (
 ROSTER = "id,section,role,Matriculation\nada,A,,007\nbob,B,,=8\nidle,B,,9\naud,A,auditor,10\n"
 DUE = f"[{STAGE}]\ndue = 2026-03-01T12:00:00\n"
 UTC_DUE = f'timezone = "UTC"\n{DUE}'
-OFF = 'without = ["voxel_grid"]\n'  # 20 of the 30 points of lesson 06
+SWITCHED_OFF = 'without = ["voxel_grid"]\n'  # 20 of the 30 points of lesson 06
 
 
 @pytest.fixture(scope="module")
-def entered_once(tmp_path_factory):
-    made = make_course(tmp_path_factory.mktemp("rules") / "course")
-    (made.root / "nbgrader_config.py").write_text(LATE)  # 10 % for each day
-    (made.root / "roster.csv").write_text(ROSTER)
-    grade(made)
-    return made.root
+def entered_root(tmp_path_factory):
+    course = make_course(tmp_path_factory.mktemp("rules") / "course")
+    (course.root / "nbgrader_config.py").write_text(LATE_PLUGIN)  # 10 % for each day
+    (course.root / "roster.csv").write_text(ROSTER)
+    grade(course)
+    return course.root
 
 
 @pytest.fixture
-def course(entered_once, tmp_path):
-    shutil.copytree(entered_once, tmp_path / "course")
+def course(entered_root, tmp_path):
+    shutil.copytree(entered_root, tmp_path / "course")
     paths._folder.cache_clear()
     return Course(tmp_path / "course")
 
@@ -76,7 +76,7 @@ def grade(course, text=None):
     judged = verdicts(course)
     for submission, verdict in judged:
         write_verdict(verdict, submission.verdict_path(course))
-    enter_verdicts(course, judged, [STAGE], quiet)
+    enter_verdicts(course, judged, [STAGE], ignore_progress)
 
 
 def result(course, student, lesson=GROUND):
@@ -101,9 +101,9 @@ def table(course, format="exercises", assignment=None, **options):
 # ---- exercises that are switched off ------------------------------------------------------------
 
 
-def test_an_exercise_that_is_switched_off_leaves_scores_and_maxima(course):
+def test_an_exercise_that_is_switched_off_counts_in_neither_scores_nor_maxima(course):
     before = class_results(course)
-    settings(course, f"[{STAGE}]\n{OFF}")
+    settings(course, f"[{STAGE}]\n{SWITCHED_OFF}")
     after = class_results(course)
     assert [
         (one.score, one.max_score) for one in (result(course, "ada"), result(course, "bob"))
@@ -126,7 +126,7 @@ def test_an_exercise_that_is_switched_off_leaves_scores_and_maxima(course):
 def test_switching_off_an_exercise_changes_nothing_in_the_gradebook(course):
     change(course, "ada", GROUND, "voxel_grid", manual_score=20.0)
     marks = (course.root / "marks.jsonl").read_text()
-    grade(course, f"[{STAGE}]\n{OFF}")
+    grade(course, f"[{STAGE}]\n{SWITCHED_OFF}")
     with gradebook.open_gradebook(course) as book:
         row = book.find_grade("test_voxel_grid", GROUND.name, STAGE, "ada")
         assert (row.manual_score, row.score, row.max_score) == (20.0, 20.0, 20.0)
@@ -139,17 +139,17 @@ def test_marks_by_hand_and_waiting_answers_do_not_count_in_an_exercise_that_is_o
     change(course, "ada", GROUND, "voxel_grid", manual_score=25.0, needs_manual_grade=True)
     assert result(course, "ada").standing == WAITING
     assert len(list(excessive_notes(class_results(course)))) == 1
-    settings(course, f"[{STAGE}]\n{OFF}")
+    settings(course, f"[{STAGE}]\n{SWITCHED_OFF}")
     assert (result(course, "ada").standing, result(course, "ada").score) == (MARKED, 3.25)
     assert list(excessive_notes(class_results(course))) == []
     change(course, "ada", GROUND, "filter_ground", manual_score=9.0, needs_manual_grade=True)
     assert (result(course, "ada").standing, result(course, "ada").score) == (WAITING, 9.0)
 
 
-def test_a_mark_by_hand_for_an_exercise_that_is_off_is_no_mark_for_absent_work(course):
+def test_a_mark_by_hand_for_an_exercise_that_is_off_is_not_a_mark_for_missing_work(course):
     change(course, "bob", GROUND, "voxel_grid", manual_score=12.0)
     assert result(course, "bob").standing == MARKED
-    settings(course, f"[{STAGE}]\n{OFF}")
+    settings(course, f"[{STAGE}]\n{SWITCHED_OFF}")
     assert (result(course, "bob").standing, result(course, "bob").score) == (MISSING, None)
 
 
@@ -159,7 +159,7 @@ def test_late_penalties_ignore_exercises_that_are_off(course):
         path.write_text("2026-03-01 13:00:00 UTC")
     grade(course, UTC_DUE)
     assert penalties(course) == {"ada": pytest.approx(3.0), "bob": pytest.approx(2.075)}
-    grade(course, UTC_DUE + OFF)
+    grade(course, UTC_DUE + SWITCHED_OFF)
     assert penalties(course) == {"ada": pytest.approx(0.325 + 1.825), "bob": pytest.approx(2.075)}
     marks = collect_marks(ExportOptions(course, class_results(course), GROUND.name)).marks
     assert [(mark.person.id, mark.points) for mark in marks] == [("ada", pytest.approx(2.925))]
@@ -168,17 +168,17 @@ def test_late_penalties_ignore_exercises_that_are_off(course):
 
 
 def test_a_penalty_is_never_more_than_the_points_that_count(course):
-    everything = LATE.replace("percent = 10", "percent = 100")
-    assert everything != LATE
+    everything = LATE_PLUGIN.replace("percent = 10", "percent = 100")
+    assert everything != LATE_PLUGIN
     (course.root / "nbgrader_config.py").write_text(everything)
     (course.submitted / "ada" / STAGE / "timestamp.txt").write_text("2026-03-01 13:00:00 UTC")
-    grade(course, UTC_DUE + OFF)
+    grade(course, UTC_DUE + SWITCHED_OFF)
     assert result(course, "ada").penalty == 3.25 and result(course, "ada").points == 0
 
 
-def test_excused_students_and_auditors_stay_so(course):
+def test_excused_students_and_auditors_keep_their_status(course):
     submit(course, "aud", GROUND)
-    settings(course, f'[{STAGE}]\n{OFF}[{STAGE}.students]\nada = "excused"\n')
+    settings(course, f'[{STAGE}]\n{SWITCHED_OFF}[{STAGE}.students]\nada = "excused"\n')
     assert [result(course, id).standing for id in ("ada", "bob", "idle", "aud")] == [
         EXCUSED,
         MISSING,
@@ -188,7 +188,7 @@ def test_excused_students_and_auditors_stay_so(course):
 
 
 def test_feedback_says_that_an_exercise_does_not_count(course):
-    settings(course, f"[{STAGE}]\n{OFF}")
+    settings(course, f"[{STAGE}]\n{SWITCHED_OFF}")
     writer = FeedbackWriter(course, STAGE)
     (ada,) = writer.people(["ada"])
     page = feedback_page(writer.feedback(ada))
@@ -199,7 +199,7 @@ def test_feedback_says_that_an_exercise_does_not_count(course):
 
 def test_the_report_shows_the_settings_in_its_head(course):
     text = f"drop_lowest = 1\npass_mark = 40\n{UTC_DUE}"
-    settings(course, text.replace('timezone = "UTC"\n', "") + OFF)
+    settings(course, text.replace('timezone = "UTC"\n', "") + SWITCHED_OFF)
     page = write_report(course, verdicts(course), class_results(course)).read_text("utf-8")
     head = page[: page.index("<table")]
     for phrase in (
@@ -215,7 +215,7 @@ def test_the_report_shows_the_settings_in_its_head(course):
 
 def test_the_judges_points_leave_out_an_exercise_that_is_switched_off(course, capsys):
     """Ada earns 8.5 of 20 points in `voxel_grid`, and 3.25 of the other 10 points."""
-    settings(course, f"[{STAGE}]\n{OFF}")
+    settings(course, f"[{STAGE}]\n{SWITCHED_OFF}")
     judged, results = verdicts(course), class_results(course)
     check = CheckResult("a", "Keeps all points", True, 8.5, 20.0, "", False)
     judged = [
@@ -257,9 +257,11 @@ def test_marks_by_exercise_have_one_row_for_each_student_and_one_column_for_each
     assert [rows[id]["Matriculation"] for id in ("ada", "bob")] == ["007", "'=8"]
 
 
-def test_marks_by_exercise_leave_out_what_does_not_count(course):
+def test_marks_by_exercise_omit_lessons_and_exercises_that_do_not_count(course):
     submit(course, "aud", GROUND)
-    settings(course, f'[{STAGE}]\nlessons = ["06"]\n{OFF}[{STAGE}.students]\nbob = "excused"\n')
+    settings(
+        course, f'[{STAGE}]\nlessons = ["06"]\n{SWITCHED_OFF}[{STAGE}.students]\nbob = "excused"\n'
+    )
     rows = table(course)
     assert [list(row)[-1] for row in rows.values()] == ["06 filter_ground"] * 5
     assert not any("07" in title or "voxel" in title for title in rows["ada"])
@@ -277,7 +279,7 @@ def test_additional_roster_columns_pass_through_to_scores_csv(course):
 
 # ---- due dates of lessons -----------------------------------------------------------------------
 
-OWN = f"[{GROUND.name}]\ndue = 2026-02-22T12:00:00\n"
+LESSON_DATE = f"[{GROUND.name}]\ndue = 2026-02-22T12:00:00\n"
 
 
 def submitted_at(course, student, by_hand="", **times):
@@ -294,7 +296,7 @@ def submitted_at(course, student, by_hand="", **times):
     (folder / "timestamp.txt").write_text(text)
 
 
-def lost(course, text):
+def lost_percentages(course, text):
     """Grade with the settings, and return the share that each lesson loses, in per cent."""
     grade(course, text)
     return {
@@ -307,54 +309,54 @@ def lost(course, text):
 def test_each_lesson_is_late_by_its_own_date_and_time(course):
     submitted_at(course, "ada", ground="2026-02-22T11:00:00", distance="2026-03-02T13:00:00")
     submitted_at(course, "bob", distance="2026-03-01T11:00:00")
-    assert lost(course, UTC_DUE) == {("ada", "06"): 20, ("ada", "07"): 20}
-    assert lost(course, UTC_DUE + OWN) == {("ada", "07"): 20}
+    assert lost_percentages(course, UTC_DUE) == {("ada", "06"): 20, ("ada", "07"): 20}
+    assert lost_percentages(course, UTC_DUE + LESSON_DATE) == {("ada", "07"): 20}
     stage = class_results(course).stage("ada", STAGE)
     assert (stage.late, stage.penalty) == (timedelta(hours=25), pytest.approx(3.65))
     assert result(course, "ada").submitted_at == datetime(2026, 2, 22, 11, tzinfo=UTC)
     assert result(course, "ada").due == datetime(2026, 2, 22, 12, tzinfo=UTC)
     submitted_at(course, "ada", ground="2026-02-22T12:00:01", distance="2026-02-28T13:00:00")
-    assert lost(course, UTC_DUE + OWN) == {("ada", "06"): 10}
+    assert lost_percentages(course, UTC_DUE + LESSON_DATE) == {("ada", "06"): 10}
     assert class_results(course).stage("ada", STAGE).late == timedelta(seconds=1)
     assert list(notes(course, class_results(course), read_deadlines(course))) == []
 
 
 def test_a_lesson_with_a_later_date_does_not_make_the_others_late(course):
     submitted_at(course, "ada", ground="2026-03-08T11:00:00", distance="2026-02-28T13:00:00")
-    later = OWN.replace("2026-02-22", "2026-03-08")
-    assert lost(course, UTC_DUE) == {("ada", "06"): 70, ("ada", "07"): 70}
-    assert lost(course, UTC_DUE + later) == {}
+    later = LESSON_DATE.replace("2026-02-22", "2026-03-08")
+    assert lost_percentages(course, UTC_DUE) == {("ada", "06"): 70, ("ada", "07"): 70}
+    assert lost_percentages(course, UTC_DUE + later) == {}
 
 
 def test_a_lesson_may_be_due_in_a_stage_without_a_date(course):
     submitted_at(course, "ada", ground="2026-02-23T11:00:00", distance="2026-03-02T13:00:00")
-    assert lost(course, f'timezone = "UTC"\n{OWN}') == {("ada", "06"): 10}
-    assert lost(course, "") == {}
+    assert lost_percentages(course, f'timezone = "UTC"\n{LESSON_DATE}') == {("ada", "06"): 10}
+    assert lost_percentages(course, "") == {}
 
 
 def test_an_extension_also_applies_to_lessons(course):
     submitted_at(course, "ada", ground="2026-02-23T11:00:00", distance="2026-02-24T13:00:00")
     extension = f"[{STAGE}.students]\nada = 2026-03-03T12:00:00\n"
-    assert lost(course, UTC_DUE + OWN) == {("ada", "06"): 10}
-    assert lost(course, UTC_DUE + extension + OWN) == {}
+    assert lost_percentages(course, UTC_DUE + LESSON_DATE) == {("ada", "06"): 10}
+    assert lost_percentages(course, UTC_DUE + extension + LESSON_DATE) == {}
     own = f"[{GROUND.name}.students]\nada = 2026-02-23T11:00:00\n"
-    assert lost(course, UTC_DUE + OWN + own) == {}
+    assert lost_percentages(course, UTC_DUE + LESSON_DATE + own) == {}
     section = f"[{GROUND.name}.sections]\nA = 2026-02-23T10:00:00\n"
-    assert lost(course, UTC_DUE + OWN + section) == {("ada", "06"): 10}
+    assert lost_percentages(course, UTC_DUE + LESSON_DATE + section) == {("ada", "06"): 10}
     with gradebook.open_gradebook(course) as book:
         book.grant_extension(STAGE, "ada", days=1)
-    assert lost(course, UTC_DUE + OWN) == {}
+    assert lost_percentages(course, UTC_DUE + LESSON_DATE) == {}
 
 
 def test_an_extension_of_a_date_that_is_only_in_the_gradebook_applies_to_lessons(course):
     submitted_at(course, "ada", ground="2026-02-23T11:00:00", distance="2026-02-24T13:00:00")
     with gradebook.open_gradebook(course) as book:
         book.update_or_create_assignment(STAGE, duedate="2026-02-22 12:00:00")
-    own = f'timezone = "UTC"\n{OWN}'
-    assert lost(course, own) == {("ada", "06"): 10, ("ada", "07"): 30}
+    own = f'timezone = "UTC"\n{LESSON_DATE}'
+    assert lost_percentages(course, own) == {("ada", "06"): 10, ("ada", "07"): 30}
     with gradebook.open_gradebook(course) as book:
         book.grant_extension(STAGE, "ada", days=3)
-    assert lost(course, own) == {}
+    assert lost_percentages(course, own) == {}
     assert result(course, "ada").due == datetime(2026, 2, 25, 12, tzinfo=UTC)
 
 
@@ -366,37 +368,37 @@ def test_a_time_written_by_hand_applies_to_all_lessons_and_is_named(course):
         ground="2026-02-22T11:00:00",
         distance="2026-02-28T13:00:00",
     )
-    assert lost(course, UTC_DUE + OWN) == {("ada", "06"): 30}
+    assert lost_percentages(course, UTC_DUE + LESSON_DATE) == {("ada", "06"): 30}
     (note,) = notes(course, class_results(course), read_deadlines(course))
     assert note.startswith(f"{STAGE}: lessons have their own due dates, but only the time of the")
     assert "known for ada, so" in note
     assert file_time(course.submitted / "ada" / STAGE / f"{GROUND.name}.ipynb") is None
 
 
-def test_an_unknown_time_subtracts_nothing(course):
+def test_an_unknown_time_costs_no_points(course):
     submitted_at(course, "ada", ground="2026-02-23T11:00:00", distance="2026-03-02T13:00:00")
     (course.submitted / "ada" / STAGE / "timestamp.txt").write_text("Tuesday")
-    assert lost(course, UTC_DUE + OWN) == {}
+    assert lost_percentages(course, UTC_DUE + LESSON_DATE) == {}
     assert "Tuesday" in class_results(course).stage("ada", STAGE).undecided
-    grade(course, f'timezone = "UTC"\n{OWN}')
+    grade(course, f'timezone = "UTC"\n{LESSON_DATE}')
     assert "Tuesday" in class_results(course).stage("ada", STAGE).undecided
 
 
 def test_a_missing_lesson_and_an_excused_student_are_not_late(course):
     submitted_at(course, "bob", distance="2026-02-28T13:00:00")
-    assert lost(course, UTC_DUE + OWN) == {}
+    assert lost_percentages(course, UTC_DUE + LESSON_DATE) == {}
     assert (
         result(course, "bob").late == timedelta() == class_results(course).stage("bob", STAGE).late
     )
     submitted_at(course, "ada", ground="2026-02-23T11:00:00", distance="2026-02-23T11:00:00")
     excused = f'[{STAGE}.students]\nada = "excused"\n'
-    grade(course, UTC_DUE + excused + OWN)
+    grade(course, UTC_DUE + excused + LESSON_DATE)
     assert not result(course, "ada").counts
 
 
 def test_feedback_names_the_date_of_each_lesson(course):
     submitted_at(course, "ada", ground="2026-02-23T11:00:00", distance="2026-02-28T13:00:00")
-    grade(course, UTC_DUE + OWN)
+    grade(course, UTC_DUE + LESSON_DATE)
     writer = FeedbackWriter(course, STAGE)
     page = feedback_page(writer.feedback(writer.people(["ada"])[0]))
     assert (
@@ -408,7 +410,10 @@ def test_feedback_names_the_date_of_each_lesson(course):
 
 def test_nbgrader_subtracts_the_same_penalty(course):
     submitted_at(course, "ada", ground="2026-02-23T11:00:00", distance="2026-03-02T13:00:00")
-    assert lost(course, UTC_DUE + OFF + OWN) == {("ada", "06"): 10, ("ada", "07"): 20}
+    assert lost_percentages(course, UTC_DUE + SWITCHED_OFF + LESSON_DATE) == {
+        ("ada", "06"): 10,
+        ("ada", "07"): 20,
+    }
     before = penalties(course)
     with gradebook.open_gradebook(course) as book:
         for lesson in (GROUND, DISTANCE):

@@ -48,7 +48,7 @@ def loop_without_a_line(cloud):
     return sum(0 for _ in iter(int, 1))
 
 
-def after(function, monkeypatch, slow=""):
+def message_after(function, monkeypatch, slow=""):
     """Run a function that hangs as an answer, and return the message about it."""
     monkeypatch.setattr(core, "SECONDS", 0.2)
     name = function.__name__
@@ -75,7 +75,7 @@ def line_of(text):
 )
 def test_the_loop_is_named_with_a_question(function, text, question, monkeypatch):
     name = function.__name__
-    assert after(function, monkeypatch) == (
+    assert message_after(function, monkeypatch) == (
         f"{name} did not return within 0.2 s. It was in the loop in line {line_of(text)} of the "
         f"cell of {name}, `{text}`. {question}"
         + (", or are there far too many items?" if function is list_that_grows else "")
@@ -84,27 +84,30 @@ def test_the_loop_is_named_with_a_question(function, text, question, monkeypatch
 
 
 def test_nested_loops_are_both_named(monkeypatch):
-    said = after(loop_in_a_loop, monkeypatch)
+    message = message_after(loop_in_a_loop, monkeypatch)
     outer = f"line {line_of('while left > 0:')} of the cell of loop_in_a_loop, `while left > 0:`"
-    assert f"{outer}. " in said and ("Which of the two loops" in said) == ("`while place" in said)
+    assert f"{outer}. " in message and ("Which of the two loops" in message) == (
+        "`while place" in message
+    )
 
 
 def test_a_loop_in_a_called_function_is_named(monkeypatch):
-    said = after(calls_another, monkeypatch)
-    assert said.startswith("calls_another did not return within")
-    assert "of the cell of no_way_out, `while True:`. Does the loop ever" in said
+    message = message_after(calls_another, monkeypatch)
+    assert message.startswith("calls_another did not return within")
+    assert "of the cell of no_way_out, `while True:`. Does the loop ever" in message
 
 
-def test_without_a_visible_loop_the_message_asks_for_one(monkeypatch):
-    assert "within 0.2 s: is there a loop that never ends, or one that is far too slow?" in after(
-        loop_without_a_line, monkeypatch
+def test_the_message_asks_about_a_loop_if_no_loop_is_found(monkeypatch):
+    assert (
+        "within 0.2 s: is there a loop that never ends, or one that is far too slow?"
+        in message_after(loop_without_a_line, monkeypatch)
     )
 
 
 def test_a_check_may_have_its_own_question(monkeypatch):
-    said = after(no_way_out, monkeypatch, slow="does the walk end?")
-    assert "of the cell of no_way_out, `while True:`. Does the walk end? If" in said
-    assert "s: does the walk end? If" in after(
+    message = message_after(no_way_out, monkeypatch, slow="does the walk end?")
+    assert "of the cell of no_way_out, `while True:`. Does the walk end? If" in message
+    assert "s: does the walk end? If" in message_after(
         loop_without_a_line, monkeypatch, "does the walk end?"
     )
 

@@ -24,6 +24,6 @@ def test_unfinished_figures_stay_only_if_they_are_not_empty():
     assert plt.get_fignums() == [half_drawn.number, written.number]
 
 
-def test_without_matplotlib_no_figure_is_closed(monkeypatch):
+def test_no_figure_is_closed_without_matplotlib(monkeypatch):
     monkeypatch.delitem(tracebacks.sys.modules, "matplotlib.pyplot")
     tracebacks._close_empty_figures()

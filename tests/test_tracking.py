@@ -14,7 +14,7 @@ def boxes_at(*centres):
     return np.array([unit + np.append(centre, 0.0) for centre in centres]).reshape(-1, 8, 3)
 
 
-def nearest(previous, current, limit):
+def match_nearest(previous, current, limit):
     """Match each box with the nearest previous box, or -1. This works if objects are far apart."""
     partners = []
     for box in current:
@@ -23,21 +23,21 @@ def nearest(previous, current, limit):
     return partners
 
 
-def moved(boxes, velocities, seconds):
+def move(boxes, velocities, seconds):
     return [[corner + seconds * way for corner in box] for box, way in zip(boxes, velocities)]  # noqa: B905
 
 
-def halfway(expected, velocities, found, gain, seconds):
+def correct_halfway(expected, velocities, found, gain, seconds):
     return expected + gain * (found - expected), velocities + 1.0
 
 
-def waiting(missed, partners, patience):
+def keep_waiting(missed, partners, patience):
     counted = [0 if row in partners else before + 1 for row, before in enumerate(missed)]
     return counted, [count <= patience for count in counted]
 
 
 def test_a_track_id_is_constant_and_never_reused():
-    tracker = Tracker(nearest)
+    tracker = Tracker(match_nearest)
     assert tracker.update(boxes_at((0, 0), (9, 0))).tolist() == [1, 2]
     assert tracker.update(boxes_at((9, 1), (30, 0), (0, 1))).tolist() == [2, 3, 1]
     assert tracker.update(boxes_at()).tolist() == []
@@ -45,10 +45,10 @@ def test_a_track_id_is_constant_and_never_reused():
     assert tracker.tracks.age.tolist() == [1]
 
 
-def test_without_a_prediction_the_last_position_counts():
+def test_the_last_position_counts_without_a_prediction():
     ways = {
-        "stays": Tracker(nearest),
-        "comes": Tracker(nearest, predict=moved, newcomer=(-9, 0, 0)),
+        "stays": Tracker(match_nearest),
+        "comes": Tracker(match_nearest, predict=move, newcomer=(-9, 0, 0)),
     }
     for way, tracker in ways.items():
         names = [tracker.update(boxes_at((x, 0)), 0.2).tolist() for x in (20, 18.2, 16.4)]
@@ -56,7 +56,9 @@ def test_without_a_prediction_the_last_position_counts():
 
 
 def test_a_track_has_its_corrected_state():
-    tracker = Tracker(nearest, predict=moved, correct=halfway, gain=0.25, newcomer=(-2, 0, 0))
+    tracker = Tracker(
+        match_nearest, predict=move, correct=correct_halfway, gain=0.25, newcomer=(-2, 0, 0)
+    )
     tracker.update(boxes_at((10, 0)), 0.5)
     tracker.update(boxes_at((9.4, 0), (40, 0)), 0.5)  # the first box was expected at 9
     centres = tracker.tracks.boxes.mean(axis=1)[:, 0]
@@ -70,7 +72,7 @@ def test_a_track_has_its_corrected_state():
 )
 def test_a_track_without_a_box_coasts_for_a_while(patience, names):
     tracker = Tracker(
-        nearest, predict=moved, coast=waiting, patience=patience, newcomer=(-10, 0, 0)
+        match_nearest, predict=move, coast=keep_waiting, patience=patience, newcomer=(-10, 0, 0)
     )
     tracker.update(boxes_at((20, 0), (50, 0)))
     for x in (49, 48):
@@ -84,7 +86,7 @@ def test_a_track_without_a_box_coasts_for_a_while(patience, names):
 
 
 def test_a_new_track_moves_like_most_others():
-    tracker = Tracker(nearest, correct=lambda expected, velocities, found, *_: (
+    tracker = Tracker(match_nearest, correct=lambda expected, velocities, found, *_: (
         found, np.array([[-5.0, 0, 0], [-5, 0, 0], [7, 1, 0]])))  # fmt: skip
     for _ in range(2):
         tracker.update(boxes_at((0, 0), (9, 0), (18, 0)))
@@ -93,7 +95,7 @@ def test_a_new_track_moves_like_most_others():
 
 
 def test_the_tracker_does_not_change_its_input():
-    tracker, found = Tracker(nearest, correct=halfway), boxes_at((0, 0))
+    tracker, found = Tracker(match_nearest, correct=correct_halfway), boxes_at((0, 0))
     before = found.copy()
     tracker.update(found)
     tracker.update(found + 0.1)
@@ -101,7 +103,7 @@ def test_the_tracker_does_not_change_its_input():
 
 
 def test_an_invalid_partner_starts_a_new_track():
-    tracker = Tracker(lambda previous, current, limit: [7] * len(current), coast=waiting)
+    tracker = Tracker(lambda previous, current, limit: [7] * len(current), coast=keep_waiting)
     tracker.update(boxes_at((0, 0)))
     assert tracker.update(boxes_at((0, 0))).tolist() == [2]
 
@@ -111,7 +113,7 @@ def test_functions_that_are_still_stubs_are_not_called():
         raise NotImplementedError
 
     coast.is_stub = True
-    functions = SimpleNamespace(match_boxes=nearest, predict_boxes=moved, coast=coast)
+    functions = SimpleNamespace(match_boxes=match_nearest, predict_boxes=move, coast=coast)
     tracker = tracker_from(functions, newcomer=(-10, 0, 0))
     tracker.update(boxes_at((20, 0)))
     assert tracker.update(boxes_at((18, 0)), 0.2).tolist() == [1]

@@ -79,7 +79,7 @@ def test_equal_parts_of_verdicts_share_memory():
     assert verdict_module._intern.cache_info().maxsize > 5000  # room for all checks and outcomes
 
 
-def test_a_valid_verdict_is_not_starved_and_immutable():
+def test_a_valid_verdict_is_immutable_and_not_starved():
     verdict = full_verdict()
     assert verdict.without_starved() == dataclasses.replace(verdict, starved=False) != verdict
     plain = Verdict("06", "ada", JUDGED, 0.0, 30.0, (), (), 0.0, "")
@@ -92,7 +92,7 @@ def test_a_valid_verdict_is_not_starved_and_immutable():
 
 
 @pytest.mark.parametrize(
-    ("before", "shown"),
+    ("before", "score_text"),
     [
         ("    keep = z < level", "keep = z < level"),
         ("keep = (\n    z < level)", "keep = ("),
@@ -100,9 +100,9 @@ def test_a_valid_verdict_is_not_starved_and_immutable():
     ],
 )
 @pytest.mark.parametrize("score", [0.0, 1.5])
-def test_the_sentence_about_a_slip_has_its_place_and_its_score(before, shown, score):
+def test_the_sentence_about_a_slip_has_its_place_and_its_score(before, score_text, score):
     slip = Slip(3, 7, before, "keep = z >= level", score)
-    where = f"One change in code cell 3, line 7 (`{shown}`) would correct this exercise."
+    where = f"One change in code cell 3, line 7 (`{score_text}`) would correct this exercise."
     assert slip.sentence.startswith(where)
     assert ("keeps these points" in slip.sentence) == (score > 0)
     assert slip.__dataclass_params__.frozen

@@ -56,12 +56,12 @@ print(json.dumps({"heard": sorted(heard), "faults": faults}))
 """
 
 
-def solved(lesson):
+def solved_notebook(lesson):
     """Return a notebook with the lesson's own answers, so that all checks run."""
     return lesson.solved.read_text("utf-8")
 
 
-def mistaken(lesson):
+def mistaken_notebook(lesson):
     """Return a notebook with a mistake in every answer, if possible a known mistake."""
     answers = {
         exercise.name: max(
@@ -73,7 +73,7 @@ def mistaken(lesson):
     return fill_in(lesson, answers)
 
 
-def entangled(lesson):
+def entangled_notebook(lesson):
     """Return a notebook in which each answer is wrong and uses all earlier answers."""
     names = [exercise.name for exercise in lesson.machine_graded]
     answers = {
@@ -99,9 +99,9 @@ def read_while_judging(lesson, notebooks, folder, sandbox):
         text=True,
     )
     assert done.returncode == 0, done.stderr
-    said = json.loads(done.stdout.splitlines()[-1])
-    assert said["faults"] == []
-    return {file for name in said["heard"] for file in files_of_project(Path(name))}
+    result = json.loads(done.stdout.splitlines()[-1])
+    assert result["faults"] == []
+    return {file for name in result["heard"] for file in files_of_project(Path(name))}
 
 
 def files_of_project(path):
@@ -135,13 +135,15 @@ def assert_covered(lesson, notebooks, folder, sandbox):
 
 @pytest.mark.slow
 def test_every_file_that_is_read_while_judging_is_in_the_key(lesson, sandbox, tmp_path):
-    assert_covered(lesson, (solved, mistaken, entangled), tmp_path, sandbox)
+    assert_covered(
+        lesson, (solved_notebook, mistaken_notebook, entangled_notebook), tmp_path, sandbox
+    )
 
 
 @pytest.mark.slow
 def test_every_source_of_right_helpers_is_in_the_key(sandbox, tmp_path):
     """Judge only the fastest lesson; the test above covers all lessons."""
-    assert_covered(find_lesson("01_point_clouds"), (entangled,), tmp_path, sandbox)
+    assert_covered(find_lesson("01_point_clouds"), (entangled_notebook,), tmp_path, sandbox)
 
 
 @pytest.mark.slow
@@ -226,7 +228,7 @@ def later():
     "notebooks/06.ipynb": "c",
     "tests/test_06.py": "import utils.clouds",
 }
-DECIDE = {
+DECIDING_FILES = {
     *("grader/__init__.py", "grader/judging/__init__.py", "grader/intake/__init__.py"),
     *("grader/judging/judge.py", "grader/judging/points.py", "grader/judging/verdict.py"),
     *("grader/intake/files.py", "grader/sandbox/fork_server.py"),
@@ -250,7 +252,7 @@ class ArtificialLesson:
     tests = property(lambda self: self.root / "tests" / "test_06.py")
 
 
-def forget():
+def clear_caches():
     for remembered in (key._imported_files, key._find_module_file, key._digest_of, key.rules_key):
         remembered.cache_clear()
 
@@ -266,24 +268,24 @@ def artificial_lesson(tmp_path, monkeypatch):
     monkeypatch.setattr(key, "ENTRY_MODULES", tuple(tmp_path / name for name in entries))
     monkeypatch.setattr(key, "ARRAYS", (tmp_path / "data" / "truth.npz",))
     monkeypatch.setattr(key, "SHOWN", (tmp_path / "inside", tmp_path / "data" / "cloud.txt"))
-    forget()
+    clear_caches()
     yield ArtificialLesson(tmp_path)
-    forget()
+    clear_caches()
 
 
-def test_files_that_decide_are_those_that_the_entries_import(artificial_lesson):
+def test_the_files_that_decide_are_the_files_that_the_entries_import(artificial_lesson):
     found = key.files_that_decide(artificial_lesson)
-    assert {file.relative_to(artificial_lesson.root).as_posix() for file in found} == DECIDE
+    assert {file.relative_to(artificial_lesson.root).as_posix() for file in found} == DECIDING_FILES
 
 
 def test_the_key_changes_only_with_files_that_decide(artificial_lesson):
     right = key.rules_key(artificial_lesson)
     for name, text in FILES.items():
         (artificial_lesson.root / name).write_text(f"{text}\n# A remark.\n")
-        forget()
-        assert (key.rules_key(artificial_lesson) != right) == (name in DECIDE), name
+        clear_caches()
+        assert (key.rules_key(artificial_lesson) != right) == (name in DECIDING_FILES), name
         (artificial_lesson.root / name).write_text(text)
-    forget()
+    clear_caches()
     assert key.rules_key(artificial_lesson) == right
 
 
@@ -294,16 +296,16 @@ def test_the_key_changes_with_the_names_of_files_and_lesson_and_with_versions(
     assert key.rules_key(ArtificialLesson(artificial_lesson.root, "07")) != right
     folder = artificial_lesson.root / "inside"
     (folder / "worker.py").rename(folder / "walker.py")
-    forget()
+    clear_caches()
     assert key.rules_key(artificial_lesson) != right
     (folder / "walker.py").rename(folder / "worker.py")
     versions = key.versions()
     for name in versions:
         monkeypatch.setattr(key, "versions", lambda name=name: versions | {name: "0.1"})
-        forget()
+        clear_caches()
         assert key.rules_key(artificial_lesson) != right
     monkeypatch.setattr(key, "versions", lambda: dict(versions))
-    forget()
+    clear_caches()
     assert key.rules_key(artificial_lesson) == right
 
 
@@ -345,7 +347,7 @@ ALL = tuple(lesson.number for lesson in all_lessons())
 
 
 @pytest.fixture(scope="module")
-def copy(tmp_path_factory):
+def project_copy(tmp_path_factory):
     """Return a copy of the project, and its keys."""
     root = tmp_path_factory.mktemp("project") / "lab"
     for folder in ("grader", "utils", "solutions", "notebooks", "data"):
@@ -363,7 +365,7 @@ def keys_in(root):
 
 
 @contextlib.contextmanager
-def changed(path):
+def change_temporarily(path):
     """Append a comment to a file, and restore the file at the end of the context."""
     content = path.read_bytes()
     path.write_bytes(content + b"\n# A remark.\n")
@@ -372,8 +374,8 @@ def changed(path):
 
 
 @pytest.mark.slow
-def test_a_comment_in_a_plotting_module_keeps_all_verdicts_valid(copy):
-    root, before = copy
+def test_a_comment_in_a_plotting_module_keeps_all_verdicts_valid(project_copy):
+    root, before = project_copy
     elsewhere = (
         "utils/plots/__init__.py",
         "utils/plots/style.py",
@@ -389,7 +391,7 @@ def test_a_comment_in_a_plotting_module_keeps_all_verdicts_valid(copy):
     )
     with contextlib.ExitStack() as stack:
         for name in elsewhere:
-            stack.enter_context(changed(root / name))
+            stack.enter_context(change_temporarily(root / name))
         assert keys_in(root) == before
 
 
@@ -408,8 +410,8 @@ def test_a_comment_in_a_plotting_module_keeps_all_verdicts_valid(copy):
         ("utils/checks/clusters.py", ("05", "10")),
     ],
 )
-def test_a_change_invalidates_only_the_verdicts_that_depend_on_it(copy, name, lessons):
-    root, before = copy
-    with changed(root / name):
+def test_a_change_invalidates_only_the_verdicts_that_depend_on_it(project_copy, name, lessons):
+    root, before = project_copy
+    with change_temporarily(root / name):
         after = keys_in(root)
     assert tuple(number for number in ALL if after[number] != before[number]) == lessons

@@ -31,14 +31,14 @@ from utils.checks.failures import CheckFailed
 from utils.checks.outcomes import Outcome
 
 FILTER = find_lesson("06_filter_ground")
-NO = CheckFailed("no")
+FAILURE = CheckFailed("no")
 # One function is written, because the checks of an untouched notebook would not run at all.
 WRITTEN = {"filter_ground": "def filter_ground(cloud, ground_level=-1.2):\n    return cloud"}
 PROGRAM = Program(("pass",), ())
 FEW = Limits(total_seconds=20.0)
 
 
-def ended(filter_ground=(None, None), voxel_grid=(None, None), **more):
+def run_results(filter_ground=(None, None), voxel_grid=(None, None), **more):
     """Return results for lesson 06 with given outcomes of each exercise's checks."""
     about = {"filter_ground": filter_ground, "voxel_grid": voxel_grid}
     outcomes = [
@@ -91,7 +91,7 @@ def scores(verdict):
 def test_a_right_notebook_runs_once_and_earns_everything(judge_with, monkeypatch):
     clock = iter([100.0, 103.25678])
     monkeypatch.setattr(judging.time, "perf_counter", lambda: next(clock))
-    verdict, (runs,) = judge_with(ended(problems=("A cell is broken.",)))
+    verdict, (runs,) = judge_with(run_results(problems=("A cell is broken.",)))
     assert scores(verdict) == {exercise.name: exercise.points for exercise in FILTER.machine_graded}
     assert (verdict.score, verdict.max_score, verdict.status) == (30.0, 30.0, JUDGED)
     assert (verdict.lesson, verdict.student) == (FILTER.name, "ada")
@@ -127,7 +127,7 @@ ODD = OSError("once")
 
 
 def test_only_suspicious_failures_are_retried(judge_with):
-    verdict, runs = judge_with(ended((NO, ODD), (None, ODD)), ended())
+    verdict, runs = judge_with(run_results((FAILURE, ODD), (None, ODD)), run_results())
     assert [len(one.names) for one in runs] == [4, 2] and not runs[1].explain
     assert runs[1].names == ["filter_ground 1", "voxel_grid 1"]
     assert runs[0].program == runs[1].program
@@ -137,10 +137,10 @@ def test_only_suspicious_failures_are_retried(judge_with):
 
 
 @pytest.mark.parametrize(
-    "failure", [None, NO, StudentError("f", "KeyError"), StudentStopped("no"), JudgeTimeout()]
+    "failure", [None, FAILURE, StudentError("f", "KeyError"), StudentStopped("no"), JudgeTimeout()]
 )
 def test_ordinary_failures_are_not_retried(judge_with, failure):
-    verdict, runs = judge_with(ended((failure, None)), complaints=("not used",))
+    verdict, runs = judge_with(run_results((failure, None)), complaints=("not used",))
     assert len(runs) == 1 and verdict.status == JUDGED
     assert (verdict.score == 30) == (failure is None)
 
@@ -148,8 +148,11 @@ def test_ordinary_failures_are_not_retried(judge_with, failure):
 @pytest.mark.parametrize(
     "tries",
     [
-        (ended((NO, ODD), (None, ODD)), ended((None, ODD), (None, ZeroDivisionError("oracle")))),
-        (ended((NO, ODD), (None, ODD)), RunResults((), fault="pytest ran 0 of 2 tests")),
+        (
+            run_results((FAILURE, ODD), (None, ODD)),
+            run_results((None, ODD), (None, ZeroDivisionError("oracle"))),
+        ),
+        (run_results((FAILURE, ODD), (None, ODD)), RunResults((), fault="pytest ran 0 of 2 tests")),
     ],
 )
 def test_a_repeated_failure_counts_if_the_solution_passes(judge_with, tries):
@@ -173,14 +176,16 @@ def test_an_incomplete_run_gives_no_score(judge_with):
 @pytest.mark.parametrize("first", [False, True])
 @pytest.mark.parametrize("second", [False, True])
 @pytest.mark.parametrize("late", [False, True])
-def test_a_verdict_is_starved_if_any_run_was(judge_with, first, second, late):
-    tries = (ended((ODD, NO), starved=first), ended(starved=second))
+def test_a_verdict_is_starved_if_any_run_was_starved(judge_with, first, second, late):
+    tries = (run_results((ODD, FAILURE), starved=first), run_results(starved=second))
     verdict, _ = judge_with(*tries, late=late)
     assert verdict.starved == (first or second or late)
 
 
 def test_a_starved_run_without_losses_is_final(judge_with):
-    verdict, _ = judge_with(ended((ODD, None), starved=True), ended(starved=True), late=True)
+    verdict, _ = judge_with(
+        run_results((ODD, None), starved=True), run_results(starved=True), late=True
+    )
     assert (verdict.score, verdict.starved) == (30, False)
 
 
@@ -190,10 +195,12 @@ def test_a_second_definition_is_reported_if_points_are_lost(judge_with):
         for number in (1, 2):
             source = f"def {name}(cloud):\n    return {number}"
             twice["cells"].append({"cell_type": "code", "metadata": {}, "source": source})
-    others = tuple(ended().outcomes_of("voxel_grid"))
+    others = tuple(run_results().outcomes_of("voxel_grid"))
     better = {"voxel_grid": CarriedForward(others, "A helper is wrong.", PROGRAM)}
     about = {"text": json.dumps(twice), "better": better}
-    verdict, _ = judge_with(ended((NO, None), (NO, None), problems=("A cell.",)), **about)
+    verdict, _ = judge_with(
+        run_results((FAILURE, None), (FAILURE, None), problems=("A cell.",)), **about
+    )
     *problems, last = verdict.problems
     assert problems == ["A cell.", "A helper is wrong."]
     assert last.startswith("filter_ground is defined 3 times")
@@ -212,19 +219,19 @@ def reference(monkeypatch):
 
 
 def test_a_faulty_test_fails_the_solution_twice(reference):
-    broken = ended((NO, None), problems=("A cell.",))
-    said = ("filter_ground, filter_ground 0: CheckFailed: no", "A cell.")
-    assert reference(ended()) == ((), 0)
-    assert reference(broken, ended()) == ((), 0)
-    assert reference(broken, broken) == (said, 0)
+    broken = run_results((FAILURE, None), problems=("A cell.",))
+    complaints = ("filter_ground, filter_ground 0: CheckFailed: no", "A cell.")
+    assert reference(run_results()) == ((), 0)
+    assert reference(broken, run_results()) == ((), 0)
+    assert reference(broken, broken) == (complaints, 0)
     fault = RunResults((), fault="pytest ran 3 of 9 tests", problems=("A cell.",))
     assert reference(broken, fault) == (("pytest ran 3 of 9 tests",), 0)
 
 
 def test_a_notebook_of_an_unknown_lesson_is_refused():
     nameless = b'{"cells": [], "metadata": {}}'
-    for data, says in ((nameless, "cannot be matched with a lesson"), (b"", "is empty")):
-        with pytest.raises(judging.UnknownLesson, match=says):
+    for data, message in ((nameless, "cannot be matched with a lesson"), (b"", "is empty")):
+        with pytest.raises(judging.UnknownLesson, match=message):
             judging.judge_files(SubmittedFiles("my homework.ipynb", data), 7, None)
     verdict = judging.judge_files(SubmittedFiles("06_filter_ground.ipynb", b""), 7, None)
     assert (verdict.status, verdict.score, verdict.max_score) == (JUDGED, 0.0, 30.0)
@@ -262,34 +269,36 @@ FLIPPED = Mistake("It is upside down.", predicts=np.flip)
 
 
 def test_a_verdict_has_the_outcome_of_each_check():
-    runs = ended((None, NO), mistakes={"filter_ground": FLIPPED})
+    runs = run_results((None, FAILURE), mistakes={"filter_ground": FLIPPED})
     exercise = FILTER.machine_graded[0]
     result = result_of(exercise, runs, None)
-    half, said = exercise.points / 2, "It is upside down.\nno"
-    more = f"{said}\nThe check in the notebook shows your answer next to the right one."
+    half, message = exercise.points / 2, "It is upside down.\nno"
+    more = f"{message}\nThe check in the notebook shows your answer next to the right one."
     assert result.tests == (
         CheckResult("filter_ground 0", "title 0", True, half, half, "", True),
         CheckResult("filter_ground 1", "title 1", False, 0.0, half, more, True),
     )
     assert (result.name, result.score, result.max_score) == ("filter_ground", half, 2 * half)
-    assert (result.cause, result.first) == (said, "filter_ground 1")
-    right = result_of(exercise, ended(), None)
+    assert (result.cause, result.first) == (message, "filter_ground 1")
+    right = result_of(exercise, run_results(), None)
     assert (right.cause, right.first, right.score) == ("", "", 2 * half)
 
 
 def test_a_stub_has_no_failed_check():
     stub = StudentError("filter_ground", "NotImplementedError")
-    result = result_of(FILTER.machine_graded[0], ended((stub, stub)), None)
+    result = result_of(FILTER.machine_graded[0], run_results((stub, stub)), None)
     assert result.first == "" and "is not started" in result.cause
 
 
 def test_messages_of_a_run_with_right_helpers_are_shortened():
     better = CarriedForward(
-        tuple(ended((None, CheckFailed("4 of 9 rows", yours="9"))).outcomes_of("filter_ground")),
+        tuple(
+            run_results((None, CheckFailed("4 of 9 rows", yours="9"))).outcomes_of("filter_ground")
+        ),
         "A helper is wrong.",
         PROGRAM,
     )
-    runs = ended((NO, NO), mistakes={"filter_ground": FLIPPED})
+    runs = run_results((FAILURE, FAILURE), mistakes={"filter_ground": FLIPPED})
     result = result_of(FILTER.machine_graded[0], runs, better)
     assert result.score == FILTER.machine_graded[0].points / 2
     assert result.cause == "A helper is wrong.\n… of … rows\nHint: a hint"

@@ -46,23 +46,25 @@ def parts(message):
     return message[8 : 8 + tree_size], message[8 + tree_size :]
 
 
-def there_and_back(value):
+def round_trip(value):
     return wire_format.decode(*parts(wire_format.encode(value)))
 
 
-def same(one, other):
+def is_same(first, second):
     """Return whether two values have the same type and are equal; NaN equals NaN."""
-    if type(one) is not type(other):
+    if type(first) is not type(second):
         return False
-    if isinstance(one, np.ndarray):
-        return one.dtype == other.dtype and np.array_equal(one, other, equal_nan=True)
-    if isinstance(one, (list, tuple)):
-        return len(one) == len(other) and all(map(same, one, other))
-    if isinstance(one, dict):
-        return same(list(one.items()), list(other.items()))
-    if isinstance(one, set):
-        return sorted(map(repr, one)) == sorted(map(repr, other))
-    return one == other or (isinstance(one, float) and math.isnan(one) and math.isnan(other))
+    if isinstance(first, np.ndarray):
+        return first.dtype == second.dtype and np.array_equal(first, second, equal_nan=True)
+    if isinstance(first, (list, tuple)):
+        return len(first) == len(second) and all(map(is_same, first, second))
+    if isinstance(first, dict):
+        return is_same(list(first.items()), list(second.items()))
+    if isinstance(first, set):
+        return sorted(map(repr, first)) == sorted(map(repr, second))
+    return first == second or (
+        isinstance(first, float) and math.isnan(first) and math.isnan(second)
+    )
 
 
 def is_plain(value):
@@ -78,8 +80,8 @@ def is_plain(value):
 
 
 @given(VALUES)
-def test_plain_data_crosses_unchanged(value):
-    assert same(there_and_back(value), value)
+def test_plain_data_is_transferred_unchanged(value):
+    assert is_same(round_trip(value), value)
 
 
 @pytest.mark.parametrize(
@@ -99,7 +101,7 @@ def test_plain_data_crosses_unchanged(value):
     ids=str,
 )
 def test_arrays_of_any_layout_arrive_writable(array):
-    back = there_and_back(array)
+    back = round_trip(array)
     assert back.shape == array.shape and back.flags.writeable and back.flags.aligned
     assert np.array_equal(back, np.asarray(array), equal_nan=True)
 
@@ -117,17 +119,17 @@ def test_arrays_of_any_layout_arrive_writable(array):
         [2**63, 1],
     ],
 )
-def test_homogeneous_and_mixed_lists_cross_alike(value):
+def test_lists_of_one_type_and_mixed_lists_are_transferred_unchanged(value):
     """Lists of a single plain type are checked as a whole, which must not let other values pass."""
-    assert there_and_back(value) == type(value)(there_and_back(item) for item in value)
+    assert round_trip(value) == type(value)(round_trip(item) for item in value)
 
 
 @pytest.mark.slow
-def test_a_list_of_many_rows_is_quick():
+def test_a_list_of_many_rows_is_transferred_quickly():
     """Encoding and decoding take linear time; quadratic time would be minutes."""
     rows = list(np.random.default_rng(1).normal(size=(60_000, 4)))
     begin = time.process_time()
-    assert np.array_equal(there_and_back(rows), rows)
+    assert np.array_equal(round_trip(rows), rows)
     assert time.process_time() - begin < 10.0
 
 
@@ -146,8 +148,8 @@ def test_a_list_of_many_rows_is_quick():
         (np.ma.masked_array([1.0, 2.0], [True, False]), "MaskedArray"),
     ],
 )
-def test_other_objects_arrive_as_the_name_of_their_type(value, name):
-    back = there_and_back([value, 1, np.ones(2)])
+def test_objects_that_are_not_plain_data_arrive_as_the_name_of_their_type(value, name):
+    back = round_trip([value, 1, np.ones(2)])
     assert isinstance(back[0], Opaque) and name in back[0].type_name
     assert back[1] == 1 and np.array_equal(back[2], [1, 1])
 
@@ -155,7 +157,7 @@ def test_other_objects_arrive_as_the_name_of_their_type(value, name):
 def test_deep_and_endless_nesting_is_replaced_with_a_text():
     endless = []
     endless.append(endless)
-    assert "deeply nested" in str(there_and_back(endless))
+    assert "deeply nested" in str(round_trip(endless))
 
 
 @pytest.mark.parametrize(
@@ -164,17 +166,17 @@ def test_deep_and_endless_nesting_is_replaced_with_a_text():
 )
 def test_a_value_that_is_too_large_is_refused_before_it_is_sent(value):
     if getattr(value, "size", 1) == 0:
-        assert isinstance(there_and_back(value), Opaque)
+        assert isinstance(round_trip(value), Opaque)
         return
     with pytest.raises(TooLarge):
         wire_format.encode(value)
 
 
-def test_commas_in_texts_do_not_count(monkeypatch):
+def test_commas_in_texts_do_not_count_as_values(monkeypatch):
     monkeypatch.setattr(wire_format, "MAXIMUM_COMMAS", 1000)
     monkeypatch.setattr(wire_format, "MAXIMUM_BRACKETS", 500)
     cells = ["pasted = [" + "1," * 1100 + "]", "[" * 600, '"\\' * 1100]
-    assert there_and_back({"cells": cells}) == {"cells": cells}
+    assert round_trip({"cells": cells}) == {"cells": cells}
     values = [[1]] * 600
     with pytest.raises(TooLarge):
         wire_format.encode(values)
@@ -319,16 +321,16 @@ def test_many_small_values_are_refused_before_memory_is_allocated(unit):
 
 def test_the_number_of_generators_is_limited():
     generators = [np.random.default_rng(seed) for seed in range(101)]
-    assert len(there_and_back(generators[:100])) == 100
+    assert len(round_trip(generators[:100])) == 100
     with pytest.raises(WireError, match="generators"):
-        there_and_back(generators)
+        round_trip(generators)
 
 
 @pytest.mark.slow
-def test_the_largest_cloud_crosses_as_a_list_of_rows():
+def test_the_largest_cloud_is_transferred_as_a_list_of_rows():
     cloud = np.random.default_rng(1).integers(-(2**9), 2**9, (120_000, 4)) / 4
-    assert there_and_back(cloud.tolist()) == cloud.tolist()
-    assert np.array_equal(there_and_back(list(cloud)), cloud)
+    assert round_trip(cloud.tolist()) == cloud.tolist()
+    assert np.array_equal(round_trip(list(cloud)), cloud)
 
 
 def test_keys_that_collide_are_refused():
@@ -355,17 +357,17 @@ def test_lone_surrogates_are_replaced():
     ],
     ids=["a number", "a long one", "a command to the terminal", "the name of a field"],
 )
-def test_the_name_of_a_students_class_does_not_cross(value):
+def test_the_name_of_a_students_class_is_not_transferred(value):
     """Only a general description is sent, because the name could contain hidden input."""
-    assert there_and_back([value])[0].type_name in (
+    assert round_trip([value])[0].type_name in (
         "an object of a custom class",
         "an array of void",
     )
 
 
 @pytest.mark.parametrize("value", [(n for n in ()), {}.keys(), zip(), print, 1j, np, type])
-def test_the_name_of_a_python_type_crosses(value):
-    assert there_and_back([value])[0].type_name == type(value).__name__
+def test_the_name_of_a_python_type_is_transferred(value):
+    assert round_trip([value])[0].type_name == type(value).__name__
 
 
 # ---- On a pipe ----------------------------------------------------------------------------
@@ -382,11 +384,11 @@ def pipe():
         os.close(end)
 
 
-def soon():
+def short_time_limit():
     return wire.start_time_limit(0.3)
 
 
-def test_large_messages_pass_a_small_pipe(pipe):
+def test_large_messages_are_sent_through_a_small_pipe(pipe):
     value = np.random.default_rng(1).normal(size=(120_000, 4))
     sender = threading.Thread(target=wire.send, args=(pipe[1], value, wire.start_time_limit(20)))
     sender.start()
@@ -396,15 +398,15 @@ def test_large_messages_pass_a_small_pipe(pipe):
 
 def test_a_silent_and_a_full_pipe_time_out(pipe):
     with pytest.raises(WireTimeout):
-        wire.receive(pipe[0], soon())
+        wire.receive(pipe[0], short_time_limit())
     with pytest.raises(WireTimeout):
-        wire.send(pipe[1], np.zeros(2**20), soon())
+        wire.send(pipe[1], np.zeros(2**20), short_time_limit())
 
 
-def test_half_a_message_times_out(pipe):
+def test_an_incomplete_message_times_out(pipe):
     os.write(pipe[1], wire_format.encode(np.zeros(3))[:-1])
     with pytest.raises(WireTimeout):
-        wire.receive(pipe[0], soon())
+        wire.receive(pipe[0], short_time_limit())
 
 
 def test_the_time_limit_applies_while_data_trickles_in(pipe):
@@ -425,7 +427,7 @@ def test_withdrawn_data_does_not_block_the_reader(pipe, monkeypatch):
 
     monkeypatch.setattr(wire, "_wait", hasty)
     with pytest.raises(WireTimeout):
-        wire.receive(pipe[0], soon())
+        wire.receive(pipe[0], short_time_limit())
     assert len(calls) == 2
 
 
@@ -433,7 +435,7 @@ def test_withdrawn_data_does_not_block_the_reader(pipe, monkeypatch):
 def test_a_message_that_is_too_large_is_refused_unread(pipe, header):
     os.write(pipe[1], wire_format.HEADER.pack(*header))
     with pytest.raises(WireError):
-        wire.receive(pipe[0], soon())
+        wire.receive(pipe[0], short_time_limit())
 
 
 def test_a_closed_pipe_is_reported():

@@ -178,7 +178,7 @@ def test_the_number_of_processes_is_limited():
     assert outcome_of("import os\n" + function(body)) < Limits().processes
 
 
-def test_memory_of_orphaned_processes_counts():
+def test_memory_of_orphaned_processes_counts_towards_the_limit():
     """The memory of an orphaned process counts, because it is still a descendant of the jailer."""
     body = (
         "import os, time, numpy as np\n"

@@ -17,11 +17,11 @@ from tests.archives import (
     canvas_files,
     gradescope_files,
     ilias_files,
+    make_zip,
     moodle_files,
     notebook,
     prairielearn_files,
     sakai_files,
-    zipped,
 )
 
 STAGE = "stage3_obstacles"
@@ -31,24 +31,24 @@ PEOPLE = (
     ("bjorn", "Björn", "Müller", "bjorn@x.edu", "4002"),
     ("cy", "Cy", "Neil", "cy@x.edu", "4003"),
 )
-NUMBERED = {"Björn": 12, "Cy": 13}
+SUBMISSION_NUMBERS = {"Björn": 12, "Cy": 13}
 
 # Each function returns a person's files as the platform names them in the download of a class.
 PLATFORMS = {
     "Moodle": lambda id, first, last, mail, files: moodle_files(
-        f"{first} {last}", NUMBERED[first], files
+        f"{first} {last}", SUBMISSION_NUMBERS[first], files
     ),
     "Moodle without folders": lambda id, first, last, mail, files: moodle_files(
-        f"{first} {last}", NUMBERED[first], files, folders=False
+        f"{first} {last}", SUBMISSION_NUMBERS[first], files, folders=False
     ),
     "Canvas": lambda id, first, last, mail, files: canvas_files(
         f"{last}, {first}",
         {"bjorn": 4002, "cy": 4003}[id],
-        [(NUMBERED[first] * 100 + n, *file) for n, file in enumerate(files)],
+        [(SUBMISSION_NUMBERS[first] * 100 + n, *file) for n, file in enumerate(files)],
     ),
     "Blackboard": lambda id, first, last, mail, files: blackboard_files(id, TIME, files),
     "Brightspace": lambda id, first, last, mail, files: brightspace_files(
-        f"{first} {last}", NUMBERED[first], WRITTEN_TIME, files
+        f"{first} {last}", SUBMISSION_NUMBERS[first], WRITTEN_TIME, files
     ),
     "Sakai": lambda id, first, last, mail, files: sakai_files(f"{last}, {first}", id, files),
     "Sakai without folders": lambda id, first, last, mail, files: sakai_files(
@@ -56,12 +56,12 @@ PLATFORMS = {
     ),
     "PrairieLearn": lambda id, first, last, mail, files: prairielearn_files(mail, 3, files),
     "ILIAS": lambda id, first, last, mail, files: ilias_files(
-        last, first, id, NUMBERED[first], files
+        last, first, id, SUBMISSION_NUMBERS[first], files
     ),
 }
 
 # Names that a platform would write for Ada. A platform removes folders from a file's name.
-IN_ADAS_NAME = {
+NAMES_FOR_ADA = {
     "Moodle": f"Ada Lovelace_5_assignsubmission_file_{SIX}{{}}.ipynb",
     "Canvas": f"lovelaceada_4001_77_{SIX}{{}}.ipynb",
     "Blackboard": f"_ada_attempt_{TIME}_{SIX}{{}}.ipynb",
@@ -73,13 +73,13 @@ IN_ADAS_NAME = {
 
 @pytest.fixture
 def course(tmp_path):
-    made = Course(tmp_path / "course")
-    made.root.mkdir()
-    with open(made.root / "roster.csv", "w", encoding="utf-8", newline="") as file:
+    course = Course(tmp_path / "course")
+    course.root.mkdir()
+    with open(course.root / "roster.csv", "w", encoding="utf-8", newline="") as file:
         csv.writer(file).writerows(
             [["id", "first_name", "last_name", "email", "lms_id"], *PEOPLE],
         )
-    return made
+    return course
 
 
 def collect(course, path):
@@ -88,20 +88,22 @@ def collect(course, path):
 
 def archive(course, files):
     path = course.root / "class.zip"
-    path.write_bytes(zipped(files))
+    path.write_bytes(make_zip(files))
     return path
 
 
-@pytest.mark.parametrize("forged", IN_ADAS_NAME)
+@pytest.mark.parametrize("forged", NAMES_FOR_ADA)
 @pytest.mark.parametrize("platform", PLATFORMS)
-def test_a_name_of_another_platform_changes_neither_owner_nor_format(course, platform, forged):
+def test_a_file_name_in_another_platforms_style_changes_neither_owner_nor_format(
+    course, platform, forged
+):
     """One such name used to decide the format of a whole Canvas download.
 
     Ada then got Cy's notebook, and the other students' files had no owner.
     """
     _, bjorn, cy = PEOPLE
     honest, cheeky = notebook(text="by bjorn"), notebook(text="by cy")
-    names = [IN_ADAS_NAME[forged].format(suffix) for suffix in ("", " (1)")]
+    names = [NAMES_FOR_ADA[forged].format(suffix) for suffix in ("", " (1)")]
     in_class = PLATFORMS[platform]
     files = [
         *in_class(*bjorn[:4], [(f"{SIX}.ipynb", honest)]),
@@ -114,17 +116,17 @@ def test_a_name_of_another_platform_changes_neither_owner_nor_format(course, pla
     assert placed.read_bytes() == honest
 
 
-@pytest.mark.parametrize("forged", IN_ADAS_NAME)
-def test_no_name_in_a_gradescope_export_changes_its_owner(course, forged):
+@pytest.mark.parametrize("forged", NAMES_FOR_ADA)
+def test_no_file_name_in_a_gradescope_export_changes_the_owner(course, forged):
     """Also if the class has a single submission, so that all its names are a student's."""
-    name = IN_ADAS_NAME[forged].format("")
+    name = NAMES_FOR_ADA[forged].format("")
     mine = [(1, [("Cy Neil", "", "cy@x.edu")], "2026-10-12 21:10:00 Z", [(name, notebook())])]
     outcome = collect(course, archive(course, gradescope_files(mine)))
     assert set(outcome.states) == {"cy"}
 
 
 @pytest.mark.parametrize("platform", ["Moodle", "Brightspace", "ILIAS"])
-def test_a_student_alone_in_an_archive_cannot_forge_the_list_of_gradescope(course, platform):
+def test_the_only_student_in_an_archive_cannot_forge_the_gradescope_list(course, platform):
     """All files are in this student's folder, so the list looks like the platform's."""
     exported = gradescope_files(
         [(1, [("Ada", "", "ada@x.edu")], "", [(f"{SIX}.ipynb", notebook())])], root=""
@@ -155,11 +157,11 @@ def test_a_submodule_named_like_a_repository_belongs_to_the_student_who_added_it
 @pytest.mark.parametrize(
     "name", [".collected.json", "timestamp.txt", f".older/{SIX}.ipynb", "submission_secret.txt"]
 )
-def test_no_submitted_file_replaces_one_of_the_grader(course, name, within):
+def test_submitted_files_do_not_replace_files_of_the_grader(course, name, within):
     """These files state the time, the owner and the earlier work of a student."""
     files = [(name, b'{"files": {}, "others": "x"}'), (f"{SIX}.ipynb", notebook())]
     if within == "a zip":
-        files = [("work.zip", zipped(files))]
+        files = [("work.zip", make_zip(files))]
     else:
         files = [(f"{within}{path}", data) for path, data in files]
     collect(course, archive(course, [(f"cy/{path}", data) for path, data in files]))
@@ -169,7 +171,7 @@ def test_no_submitted_file_replaces_one_of_the_grader(course, name, within):
 
 
 @pytest.fixture
-def bottomless(tmp_path):
+def make_bottomless_folder(tmp_path):
     """Return a function that makes a bottomless folder, which pytest could not remove."""
     made = []
 
@@ -188,22 +190,26 @@ def bottomless(tmp_path):
     subprocess.run(["rm", "-rf", *made], check=True)
 
 
-def test_a_bottomless_folder_in_a_repository_stops_no_other_student(course, tmp_path, bottomless):
+def test_a_bottomless_folder_in_a_repository_does_not_affect_other_students(
+    course, tmp_path, make_bottomless_folder
+):
     """Before Python 3.12, `os.walk` reaches the recursion limit."""
     for login in ("ada", "cy"):
         path = tmp_path / "hw" / f"hw-3-{login}"
         (path / ".git").mkdir(parents=True)
         (path / f"{SIX}.ipynb").write_bytes(notebook(text=f"by {login}"))
-    bottomless(tmp_path / "hw" / "hw-3-cy" / "x")
+    make_bottomless_folder(tmp_path / "hw" / "hw-3-cy" / "x")
     outcome = collect(course, tmp_path / "hw")
     assert outcome.states.keys() == {"ada", "cy"}
 
 
-def test_a_bottomless_folder_in_a_submission_stops_no_other_student(course, bottomless):
+def test_a_bottomless_folder_in_a_submission_does_not_affect_other_students(
+    course, make_bottomless_folder
+):
     for student in ("ada", "cy"):
         path = course.submitted / student / STAGE / f"{SIX}.ipynb"
         path.parent.mkdir(parents=True)
         path.write_bytes(notebook(text=f"by {student}"))
-    bottomless(course.submitted / "cy" / STAGE / "x")
+    make_bottomless_folder(course.submitted / "cy" / STAGE / "x")
     assert [submission.student for submission in find_submissions(course)] == ["ada", "cy"]
     assert unaccounted_files(course) == []

@@ -24,10 +24,12 @@ from grader.lms.sanitizer import as_code, sanitize_markdown
 from utils.notebooks.reading import UnreadableNotebook, decode_notebook
 
 LESSON = find_lesson("12_streaming_obstacles")
-MOST = 2.5  # permitted ratio of processor times when the text doubles in length
+LARGEST_RATIO = 2.5  # permitted ratio of processor times when the text doubles in length
 TRIES = 3
-SHORTEST = 0.04  # seconds; shorter times cannot be measured reliably
-LARGEST = 400_000  # characters; a text of this length that takes less than SHORTEST is fast enough
+SHORTEST_TIME = 0.04  # seconds; shorter times cannot be measured reliably
+LARGEST_SIZE = (
+    400_000  # characters; a text of this length that takes less than SHORTEST is fast enough
+)
 
 ALPHABETS = {
     "brackets": "](",
@@ -111,16 +113,18 @@ def assert_linear(material, work, size=12_500):
         return processor_seconds(lambda: material(length), work, times)
 
     seconds = seconds_for(size, 1)
-    while seconds < SHORTEST and size < LARGEST:
+    while seconds < SHORTEST_TIME and size < LARGEST_SIZE:
         size *= 2
         seconds = seconds_for(size, 1)
-    if seconds >= SHORTEST:
+    if seconds >= SHORTEST_TIME:
         # A busy machine may spoil one measurement, but quadratic work fails every time.
         found = [(seconds_for(size), seconds_for(2 * size))]
-        while found[-1][1] >= MOST * found[-1][0] and len(found) < TRIES:
+        while found[-1][1] >= LARGEST_RATIO * found[-1][0] and len(found) < TRIES:
             found.append((seconds_for(size), seconds_for(2 * size)))
         once, twice = found[-1]
-        assert twice < MOST * once, f"{once:.3f} s for {size}, {twice:.3f} s for twice that"
+        assert twice < LARGEST_RATIO * once, (
+            f"{once:.3f} s for {size}, {twice:.3f} s for twice that"
+        )
 
 
 def text(letters, size):

@@ -221,7 +221,7 @@ return arguments[0]
             assert re.search("did not answer|own channel|ended", str(stopped))
 
 
-def test_a_forged_answer_is_checked_like_any_other():
+def test_a_forged_answer_is_checked_like_any_other_answer():
     """An answer that was sent before the call is still compared with the expected answer."""
     source = PIPES + function("say(ANSWER % (2, b'\"forged\"'))\nreturn 'honest'")
     with (
@@ -267,7 +267,7 @@ def test_calls_are_skipped_when_restarts_run_out():
                 student.f()
 
 
-def test_an_exercise_that_exits_does_not_affect_the_others():
+def test_an_exercise_that_exits_does_not_affect_other_exercises():
     cells = ("import os\ndef f(): os._exit(3)\ndef g(): return 1",)
     with StudentProxy(Program(cells, ("f", "g")), SANDBOX, Limits(**SHORT)) as student:
         for _ in range(4):

@@ -17,7 +17,7 @@ from utils.drive.film import film
 from utils.simulator.sensor import Sensor, layers
 
 SEED = 2**70 + 1
-BLINKERED = Sensor(layers(2, 0.0, -1.0), np.radians(90), maximum_range=5.0)
+NARROW_SENSOR = Sensor(layers(2, 0.0, -1.0), np.radians(90), maximum_range=5.0)
 
 SNOOPING = """
 import os, sys
@@ -43,7 +43,7 @@ def detect_obstacles(cloud):
 def answers_of(sandbox, source):
     with StudentProxy(Program((source,), (DETECTOR,)), sandbox, Limits(**SHORT)) as student:
         street = draw_streets(SEED)[0]
-        driven = drive_in_sandbox(street, student, seconds=0.5, sensor=BLINKERED)
+        driven = drive_in_sandbox(street, student, seconds=0.5, sensor=NARROW_SENSOR)
     assert not driven.stopped and not driven.failed
     return {float(boxes.max()) / 1000 for boxes in _unpack(driven.answers)}
 
@@ -84,7 +84,7 @@ def test_answers_that_take_long_to_read_end_the_drive(monkeypatch):
     monkeypatch.setattr(drives, "READING_SECONDS", 0.1)
     street = draw_streets(SEED)[0]
     with StudentProxy(Program((EMPTY_LISTS,), (DETECTOR,)), SANDBOX, Limits(**SHORT)) as student:
-        driven = drive_in_sandbox(street, student, seconds=0.5, sensor=BLINKERED)
+        driven = drive_in_sandbox(street, student, seconds=0.5, sensor=NARROW_SENSOR)
     assert driven.stopped.startswith("Its answers were so large")
 
 
@@ -130,13 +130,15 @@ RANDOM = np.random.default_rng(29)
         "in another container": lambda: cuboid((9, 0, -1), 1.0)[None].astype(str).tolist(),
     },
 )
-def test_no_boxes_make_the_grader_fail(boxes, tmp_path):
+def test_strange_boxes_do_not_make_the_grader_fail(boxes, tmp_path):
     """A failure of the grader would stop the league for the whole class, in each of its runs."""
     street = draw_streets(SEED)[0]
-    driven = drive_in_sandbox(street, Decoded(lambda cloud: boxes()), seconds=0.9, sensor=BLINKERED)
+    driven = drive_in_sandbox(
+        street, Decoded(lambda cloud: boxes()), seconds=0.9, sensor=NARROW_SENSOR
+    )
     assert not driven.fault and not driven.stopped
     assert all(sentence.isprintable() for sentence in problem_sentences(driven))
-    repeated, report = repeat_drive(driven, street, seconds=0.9, sensor=BLINKERED)
+    repeated, report = repeat_drive(driven, street, seconds=0.9, sensor=NARROW_SENSOR)
     assert report.metres == pytest.approx(driven.metres, abs=0.05)
     film(repeated, report, tmp_path / "last.png", size=(64, 36), renderer="matplotlib")
 
@@ -153,5 +155,5 @@ def test_results_contain_only_numbers_and_fixed_sentences():
     street = draw_streets(SEED)[0]
     for answer in answers.values():
         detector = Decoded(lambda cloud, answer=answer: answer())
-        driven = drive_in_sandbox(street, detector, seconds=0.3, sensor=BLINKERED)
+        driven = drive_in_sandbox(street, detector, seconds=0.3, sensor=NARROW_SENSOR)
         assert driven.failed and "script" not in driven.as_json()

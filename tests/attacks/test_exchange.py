@@ -14,7 +14,7 @@ from grader.course.nbgrader_settings import configure
 from grader.lms import exchange_collection
 
 STAGE, NOTEBOOK = "stage3_obstacles", "06_filter_ground.ipynb"
-ME = getpass.getuser()
+USER = getpass.getuser()
 TIME = "2026-01-10 10:00:00.000000 UTC"
 LATER = "2026-01-11 10:00:00.000000 UTC"
 
@@ -59,7 +59,7 @@ def collect(tmp_path, inbound, caplog):
     return collect
 
 
-def submit(inbound, files, student=ME, time=TIME, links=()):
+def submit(inbound, files, student=USER, time=TIME, links=()):
     """Create the folder of a submission and return its path."""
     folder = inbound / f"{student}+{STAGE}+{time}+secret"
     folder.mkdir()
@@ -76,7 +76,7 @@ def test_notebooks_and_modules_are_collected_with_their_time(inbound, collect):
     files = {NOTEBOOK: "{}", "helper.py": "x = 1", "timestamp.txt": TIME, "parts/more.py": "y = 2"}
     submit(inbound, {**files, ".ipynb_checkpoints/old.ipynb": "{}"})
     collected, _ = collect()
-    assert collected == {f"{ME}/{STAGE}/{name}": text for name, text in files.items()}
+    assert collected == {f"{USER}/{STAGE}/{name}": text for name, text in files.items()}
 
 
 def test_links_are_not_followed(inbound, collect, tmp_path):
@@ -88,8 +88,8 @@ def test_links_are_not_followed(inbound, collect, tmp_path):
     os.mkfifo(folder / "pipe.ipynb")
     collected, warnings = collect()
     assert sorted(collected) == [
-        f"{ME}/{STAGE}/07_filter_by_distance.ipynb",
-        f"{ME}/{STAGE}/timestamp.txt",
+        f"{USER}/{STAGE}/07_filter_by_distance.ipynb",
+        f"{USER}/{STAGE}/timestamp.txt",
     ]
     left_out = [text for text in warnings if text.startswith("Left out: ")]
     assert len(left_out) == 4 and any(f"/{NOTEBOOK} is a link" in text for text in left_out)
@@ -99,7 +99,7 @@ def test_a_folder_that_is_a_link_is_not_collected(inbound, collect, tmp_path):
     other = tmp_path / "other"
     other.mkdir()
     (other / NOTEBOOK).write_text("a neighbour's answer")
-    (inbound / f"{ME}+{STAGE}+{TIME}+secret").symlink_to(other)
+    (inbound / f"{USER}+{STAGE}+{TIME}+secret").symlink_to(other)
     collected, warnings = collect()
     assert collected == {} and "Not collected: " in warnings[0]
 
@@ -107,19 +107,21 @@ def test_a_folder_that_is_a_link_is_not_collected(inbound, collect, tmp_path):
 @pytest.mark.parametrize(
     "name", [f"x+{STAGE}+yesterday", f"+{STAGE}+{TIME}+s", f"a\nb+{STAGE}+{TIME}+s"]
 )
-def test_one_bad_folder_does_not_stop_the_class(name, inbound, collect, tmp_path):
+def test_a_misnamed_folder_does_not_prevent_collecting_other_folders(
+    name, inbound, collect, tmp_path
+):
     submit(inbound, {NOTEBOOK: "{}"})
     (inbound / name).mkdir()
     (inbound / name / NOTEBOOK).write_text("{}")
     collected, warnings = collect(check_owner=False)
-    assert {path.split("/")[0] for path in collected} == {ME}
+    assert {path.split("/")[0] for path in collected} == {USER}
     assert [text for text in warnings if text.startswith("Not collected: ")]
     assert all("\n" not in text for text in warnings)
     assert not (tmp_path / "course" / STAGE).exists()
 
 
 @pytest.mark.parametrize("student", ["..", ".", ".league"])
-def test_hidden_names_lead_to_no_other_folder(student, inbound, collect, tmp_path):
+def test_hidden_names_do_not_lead_to_other_folders(student, inbound, collect, tmp_path):
     """nbgrader does not list hidden folders, even without checking their owners."""
     submit(inbound, {NOTEBOOK: "{}"}, student=student)
     assert collect(check_owner=False)[0] == {}
@@ -129,7 +131,7 @@ def test_hidden_names_lead_to_no_other_folder(student, inbound, collect, tmp_pat
 def test_another_students_name_is_refused(inbound, collect):
     submit(inbound, {NOTEBOOK: "{}"}, student="alice")
     collected, warnings = collect()
-    assert collected == {} and f"but the folder belongs to {ME}" in warnings[0]
+    assert collected == {} and f"but the folder belongs to {USER}" in warnings[0]
     collected, _ = collect(check_owner=False)
     assert f"alice/{STAGE}/{NOTEBOOK}" in collected
 
@@ -139,28 +141,30 @@ def test_hidden_files_are_not_collected(name, inbound, collect):
     """The record of `collect` states the owner and the time of each file."""
     submit(inbound, {NOTEBOOK: "{}", name: '{"files": {}, "others": "no time"}'})
     collected, _ = collect()
-    assert sorted(collected) == [f"{ME}/{STAGE}/{NOTEBOOK}", f"{ME}/{STAGE}/timestamp.txt"]
+    assert sorted(collected) == [f"{USER}/{STAGE}/{NOTEBOOK}", f"{USER}/{STAGE}/timestamp.txt"]
 
 
-def test_a_time_that_the_student_set_is_named(inbound, collect):
+def test_a_submission_time_set_by_the_student_is_reported(inbound, collect):
     """The folder's time replaces the one in `timestamp.txt` and is checked for plausibility."""
     submit(inbound, {NOTEBOOK: "{}", "timestamp.txt": "1999-01-01 00:00:00 UTC"})
     collected, warnings = collect()
-    assert collected[f"{ME}/{STAGE}/timestamp.txt"] == TIME
+    assert collected[f"{USER}/{STAGE}/timestamp.txt"] == TIME
     assert "the time in the name is 2026-01-10 10:00, but the folder was changed at" in warnings[0]
 
 
-def test_too_much_is_refused_and_the_earlier_submission_stays(inbound, collect, monkeypatch):
+def test_a_submission_that_is_too_large_does_not_replace_the_earlier_submission(
+    inbound, collect, monkeypatch
+):
     submit(inbound, {NOTEBOOK: "first"})
-    assert collect()[0][f"{ME}/{STAGE}/{NOTEBOOK}"] == "first"
+    assert collect()[0][f"{USER}/{STAGE}/{NOTEBOOK}"] == "first"
     submit(inbound, {NOTEBOOK: "second" * 100}, time=LATER)
     monkeypatch.setattr(exchange_collection, "MOST_BYTES_OF_A_STUDENT", 100)
     collected, warnings = collect(update=True)
-    assert collected[f"{ME}/{STAGE}/{NOTEBOOK}"] == "first"
+    assert collected[f"{USER}/{STAGE}/{NOTEBOOK}"] == "first"
     assert any("is larger than the remaining" in text for text in warnings)
     monkeypatch.undo()
-    assert collect()[0][f"{ME}/{STAGE}/{NOTEBOOK}"] == "first"
-    assert collect(update=True)[0][f"{ME}/{STAGE}/{NOTEBOOK}"] == "second" * 100
+    assert collect()[0][f"{USER}/{STAGE}/{NOTEBOOK}"] == "first"
+    assert collect(update=True)[0][f"{USER}/{STAGE}/{NOTEBOOK}"] == "second" * 100
 
 
 def test_only_the_first_entries_of_a_bottomless_folder_are_read(inbound, collect):
@@ -169,6 +173,6 @@ def test_only_the_first_entries_of_a_bottomless_folder_are_read(inbound, collect
     (folder / "/".join("z" * 300)).mkdir(parents=True)
     submit(inbound, {NOTEBOOK: "{}"}, student="zoe")
     collected, warnings = collect(check_owner=False)
-    assert {f"{ME}/{STAGE}/{NOTEBOOK}", f"zoe/{STAGE}/{NOTEBOOK}"} <= collected.keys()
-    assert f"{ME}/{STAGE}/parts/more.py" in collected
+    assert {f"{USER}/{STAGE}/{NOTEBOOK}", f"zoe/{STAGE}/{NOTEBOOK}"} <= collected.keys()
+    assert f"{USER}/{STAGE}/parts/more.py" in collected
     assert [text for text in warnings if text.endswith("has too many files or folders")]

@@ -248,7 +248,7 @@ def test_deeply_nested_metadata_gets_a_verdict(submit, filter_lesson):
         *("importing", "syscalls", "os", "json", "__main__", "encodings", "Numpy", "NUMPY"),
     ],
 )
-def test_a_submitted_module_hides_no_other_module(name):
+def test_a_submitted_module_does_not_hide_other_modules(name):
     """A submitted module does not replace a worker's or lesson's module of the same name."""
     body = "import numpy, utils, os, json\ndef f():\n    return numpy.arange(3) + 1\n"
     with attack(body, modules={name: "raise SystemExit('in the way')"}) as student:

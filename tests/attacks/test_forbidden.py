@@ -6,9 +6,9 @@ from grader.course.lessons import all_lessons, find_lesson
 from grader.sandbox.program import PACKAGES
 from tests.attacks.attack import attack, function, with_attacks
 
-FORBIDDING = {lesson.name: lesson for lesson in all_lessons() if lesson.header.forbidden}
+FORBIDDING_LESSONS = {lesson.name: lesson for lesson in all_lessons() if lesson.header.forbidden}
 # These libraries import modules that some lessons forbid.
-HUNGRY = """
+IMPORT_LIBRARIES = """
 import importlib
 def feed():
     for name in ("scipy.interpolate", "scipy.stats.qmc", "scipy.signal", "scipy.optimize",
@@ -29,12 +29,12 @@ def attack_on(lesson, source):
 
 
 @pytest.mark.slow
-@with_attacks("forbidding", FORBIDDING)
+@with_attacks("forbidding", FORBIDDING_LESSONS)
 def test_forbidden_code_is_not_in_memory_after_libraries_import_it(forbidding):
     """Memory contains stand-ins, but no code, classes or functions of forbidden modules."""
     source = (
         "# scipy is named here, so it may have been imported.\n"
-        + HUNGRY
+        + IMPORT_LIBRARIES
         + """
 import gc, sys, types
 def f(forbidden):
@@ -67,7 +67,7 @@ def f(forbidden):
 
 # Each attempt assigns a function to `had`. The test calls it with the adjacency matrix of two
 # close points.
-ROADS = {
+NOTICED_ATTEMPTS = {
     "imports the module": "import scipy.sparse.csgraph as g\nhad = g.NAME",
     "imports the function": "from scipy.sparse.csgraph import NAME as had",
     "imports the module from the package": "from scipy.sparse import csgraph\nhad = csgraph.NAME",
@@ -98,7 +98,7 @@ ROADS = {
     "    return 1, [0, 0]",
 }
 # These attempts end with an ordinary Python error, without the lesson's message.
-QUIET_ROADS = {
+SILENT_ATTEMPTS = {
     "also removes the importer": "sys.modules.pop('scipy.sparse.csgraph')\n"
     "sys.meta_path[:] = [importlib.machinery.PathFinder]\n"
     "had = get('scipy.sparse.csgraph').NAME",
@@ -126,25 +126,25 @@ QUIET_ROADS = {
     "had = lambda near: (1, list(os.read(read, 99)) or [][0])",
 }
 # These attempts misuse the stand-in, so they do not work in a lesson that allows the module.
-ABOUT_STAND_INS = {
+STAND_IN_ATTEMPTS = {
     "creates a stand-in with its metaclass": "had = lambda near: type.__call__(one)(near)",
     "creates a stand-in without a call": "had = lambda near: one.__new__(one)(near)",
     "a subclass of a stand-in": "class Mine(one): pass\nhad = Mine",
     "inspects the stand-in": "had = one.real",
 }
-ALL_ROADS = ROADS | QUIET_ROADS | ABOUT_STAND_INS
+ALL_ATTEMPTS = NOTICED_ATTEMPTS | SILENT_ATTEMPTS | STAND_IN_ATTEMPTS
 # Each attempt runs in a separate process, because some of them would break later ones.
-TRAVEL = """
+RUN_ATTEMPT = """
 import importlib, importlib.machinery, importlib.util, os, sys
 import numpy as np, scipy.sparse, sklearn.manifold
 from importlib import import_module as get
 NEAR = np.array([[0, 1], [0, 0]])
-ROADS = {}
+ATTEMPTS = {}
 def f(name):
     read, write = os.pipe()
     if os.fork() == 0:
         try:
-            said = "components: %s" % list(map(int, ROADS[name]()(NEAR)[1]))
+            said = "components: %s" % list(map(int, ATTEMPTS[name]()(NEAR)[1]))
         except BaseException as error:
             said = f"{type(error).__name__}: {error}"
         os.write(write, said.encode())
@@ -156,34 +156,34 @@ def f(name):
 SENTENCE = "scipy.sparse.csgraph is not allowed in this lesson: it does the exercise for you"
 
 
-def ends_of(roads, lesson_name):
+def results_of(attempts, lesson_name):
     """Return the result of each attempt: the components that it found, or its exception."""
-    source = TRAVEL
-    for number, road in enumerate(roads.values()):
-        lines = ["one = sklearn.manifold._isomap.NAME", *road.split("\n"), "return had"]
-        source += function("\n".join(lines), f"road_{number}", "")
-        source += f"ROADS[{list(roads)[number]!r}] = road_{number}\n"
+    source = RUN_ATTEMPT
+    for number, attempt in enumerate(attempts.values()):
+        lines = ["one = sklearn.manifold._isomap.NAME", *attempt.split("\n"), "return had"]
+        source += function("\n".join(lines), f"attempt_{number}", "")
+        source += f"ATTEMPTS[{list(attempts)[number]!r}] = attempt_{number}\n"
     source = source.replace("NAME", "connected_components")
     with attack_on(find_lesson(lesson_name), source) as student:
-        return {name: student.f(name) for name in roads}
+        return {name: student.f(name) for name in attempts}
 
 
 @pytest.mark.slow
 def test_every_noticed_attempt_gets_the_same_message():
-    ends = ends_of(ROADS, "05_euclidean_clustering")
-    assert ends == dict.fromkeys(ROADS, f"ImportError: {SENTENCE}")
+    ends = results_of(NOTICED_ATTEMPTS, "05_euclidean_clustering")
+    assert ends == dict.fromkeys(NOTICED_ATTEMPTS, f"ImportError: {SENTENCE}")
 
 
 @pytest.mark.slow
 def test_no_attempt_reaches_the_forbidden_function():
-    ends = ends_of(ALL_ROADS, "05_euclidean_clustering")
-    assert len(ends) == len(ALL_ROADS)
+    ends = results_of(ALL_ATTEMPTS, "05_euclidean_clustering")
+    assert len(ends) == len(ALL_ATTEMPTS)
     assert {name: end for name, end in ends.items() if "Error: " not in end} == {}
 
 
 @pytest.mark.slow
 def test_every_attempt_works_if_the_lesson_allows_the_module():
     """These attempts reach an allowed module; otherwise, the tests above could not fail."""
-    roads = ROADS | QUIET_ROADS
-    ends = ends_of(roads, "10_accelerated_clustering")
-    assert ends == dict.fromkeys(roads, "components: [0, 0]")
+    attempts = NOTICED_ATTEMPTS | SILENT_ATTEMPTS
+    ends = results_of(attempts, "10_accelerated_clustering")
+    assert ends == dict.fromkeys(attempts, "components: [0, 0]")

@@ -19,7 +19,7 @@ from grader.sandbox.usage import process_tree
 from tests.attacks.attack import SANDBOX, attack, function, outcome_of
 from tests.prerequisites import PATIENCE, skip_or_fail
 
-LOOK = """
+INSPECT_WORKER = """
 import gc, os, resource, signal, sys
 
 def f():
@@ -46,22 +46,22 @@ def f():
 
 
 @pytest.fixture(autouse=True)
-def forked():
+def require_fork():
     """Skip these tests if workers cannot be forked."""
     if not bubblewrap._can_join_namespaces():
         skip_or_fail("the permission to enter namespaces; run: sudo make test")
 
 
-def looked(monkeypatch, forks):
+def inspect_worker(monkeypatch, can_fork):
     with monkeypatch.context() as patch:
-        if not forks:
+        if not can_fork:
             patch.setattr(bubblewrap, "_can_join_namespaces", lambda: False)
-        return outcome_of(LOOK)
+        return outcome_of(INSPECT_WORKER)
 
 
 def test_a_forked_worker_has_no_more_rights_than_one_started_in_the_sandbox(monkeypatch):
     """Both have the same open files, privileges, groups, limits, signals, paths and variables."""
-    forked, started = looked(monkeypatch, True), looked(monkeypatch, False)
+    forked, started = inspect_worker(monkeypatch, True), inspect_worker(monkeypatch, False)
     # The forked worker's parent is outside the sandbox, so its ID appears as 0. The other worker's
     # parent is process 1.
     assert (forked.pop("parent"), started.pop("parent")) == (0, 1)
@@ -175,14 +175,14 @@ def test_a_killed_fork_server_is_started_again():
     """The kernel may kill the server when memory is short, but the notebook is still judged."""
     with attack(function("return 3")) as student:
         assert student.f() == 3
-        [server] = parents(student._worker.forked.pid)
+        [server] = parent_process(student._worker.forked.pid)
         os.kill(server, signal.SIGKILL)
         assert student.f() == 3
         with attack(function("return 4")) as other:
             assert other.f() == 4
 
 
-def parents(pid):
+def parent_process(pid):
     """Return a list with the ID of the process that forked a worker's parent."""
     for _ in range(2):
         with open(f"/proc/{pid}/stat") as stat:
@@ -215,7 +215,9 @@ def test_a_killed_judge_leaves_no_processes(tmp_path):
         [sys.executable, "-c", program], cwd=PROJECT, stdout=subprocess.PIPE, text=True
     )
     numbers = [int(word) for word in judge.stdout.readline().split()]
-    numbers += [number for pid in numbers for number in process_tree(pid)] + parents(numbers[-1])
+    numbers += [number for pid in numbers for number in process_tree(pid)] + parent_process(
+        numbers[-1]
+    )
     judge.kill()
     judge.wait()
     judge.stdout.close()
@@ -248,7 +250,7 @@ def test_a_judge_killed_while_building_a_sandbox_leaves_no_processes(tmp_path):
     )
     subprocess.run([sys.executable, "-c", program, str(tmp_path)], cwd=PROJECT, check=True)
     deadline = time.monotonic() + PATIENCE
-    while left := started_with(str(tmp_path)):
+    while left := processes_with(str(tmp_path)):
         if time.monotonic() > deadline:
             for number in left:
                 os.kill(number, signal.SIGKILL)
@@ -256,7 +258,7 @@ def test_a_judge_killed_while_building_a_sandbox_leaves_no_processes(tmp_path):
         time.sleep(0.05)
 
 
-def started_with(mark):
+def processes_with(mark):
     """Return the IDs of processes whose environment contains the text `mark`."""
     found = []
     for number in filter(str.isdigit, os.listdir("/proc")):

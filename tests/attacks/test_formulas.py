@@ -14,8 +14,8 @@ from tests.attacks.attack import with_attacks
 from tests.prerequisites import MATHJAX
 
 # The host named in the hostile commands, which a page must not contact.
-EVIL = "evil.example"
-ORDERS = {
+HOSTILE_HOST = "evil.example"
+HOSTILE_COMMANDS = {
     "a link": r"$\href{javascript:alert(1)}{x}$",
     "a link in a displayed formula": r"$$\href{javascript:alert(1)}{x}$$",
     "a link in brackets": r"\\[\href{javascript:alert(1)}{x}\\]",
@@ -35,21 +35,21 @@ ORDERS = {
     "a new operator": r"$\DeclareMathOperator{\x}{\href{javascript:alert(1)}{y}}\x$",
     "a composed name": r"$\csname href\endcsname{javascript:alert(1)}{x}$",
     "an element": r'$\mmlToken{mi}[href="javascript:alert(1)"]{x}$',
-    "a style": rf"$\style{{background:url(http://{EVIL}/style)}}{{x}}$",
+    "a style": rf"$\style{{background:url(http://{HOSTILE_HOST}/style)}}{{x}}$",
     "a class": r"$\class{grade-correct}{x}$",
     "an ID": r"$\cssId{score}{x}$",
-    "a box": rf"$\bbox[background:url(http://{EVIL}/box)]{{x}}$",
-    "a colour": rf"$\color{{red;background:url(http://{EVIL}/color)}}{{x}}$",
-    "a background": rf"$\colorbox{{url(http://{EVIL}/colorbox)}}{{x}}$",
+    "a box": rf"$\bbox[background:url(http://{HOSTILE_HOST}/box)]{{x}}$",
+    "a colour": rf"$\color{{red;background:url(http://{HOSTILE_HOST}/color)}}{{x}}$",
+    "a background": rf"$\colorbox{{url(http://{HOSTILE_HOST}/colorbox)}}{{x}}$",
     "a character code": r"$\unicode[url(x)]{x3c}$",
     "data": r"$\data{x=y}{z}$",
     "a custom environment": r"\begin{html}x\end{html}",
-    "more commands": rf"$\require{{[http]//{EVIL}/require}}$",
+    "more commands": rf"$\require{{[http]//{HOSTILE_HOST}/require}}$",
     "a reference": r"$x\label{y}$ $\ref{y}$ $\eqref{y}$",
     "a black page": r"$\rule{99em}{99em}$",
     "a large distance": r"$\hspace{-99em}x$",
 }
-FINE = {
+HARMLESS_FORMULAS = {
     "fractions": r"$\frac{a}{b} < \dfrac12$ and $$\sqrt[3]{x}$$",
     "a matrix": "$$\n\\begin{bmatrix} 1 & 2 \\\\ 3 & 4 \\end{bmatrix}\n$$",
     "rows that begin with letters": r"$\begin{matrix} ab \\ cd & ef \end{matrix}$",
@@ -63,7 +63,7 @@ FINE = {
 }
 
 
-@with_attacks("text", ORDERS)
+@with_attacks("text", HOSTILE_COMMANDS)
 def test_unsafe_commands_are_removed(text):
     shown = sanitize_markdown(text)
     known = {*COMMANDS, "begin", "end", "color", "hspace"}
@@ -72,7 +72,9 @@ def test_unsafe_commands_are_removed(text):
     assert sanitize_markdown(shown) == shown
 
 
-@with_attacks("text", {name: text for name, text in ORDERS.items() if "entity" not in name})
+@with_attacks(
+    "text", {name: text for name, text in HOSTILE_COMMANDS.items() if "entity" not in name}
+)
 def test_the_text_of_a_command_is_kept(text):
     shown = sanitize_markdown(text).replace(ZERO_WIDTH_SPACE, "")
     assert shown.replace("`", "").replace(" ", "") == text.replace(" ", "")
@@ -81,11 +83,13 @@ def test_the_text_of_a_command_is_kept(text):
 def test_unsafe_formulas_are_shown_as_code():
     """Unsafe formulas become code, unless programs disagree on where the formula ends."""
     differ = ("a link in a text", "a link after a backslash", "a link in a formula without an end")
-    for name in ORDERS.keys() - differ - {name for name in ORDERS if "entity" in name}:
-        assert "`" in sanitize_markdown(ORDERS[name]), name
+    for name in (
+        HOSTILE_COMMANDS.keys() - differ - {name for name in HOSTILE_COMMANDS if "entity" in name}
+    ):
+        assert "`" in sanitize_markdown(HOSTILE_COMMANDS[name]), name
 
 
-@with_attacks("text", FINE)
+@with_attacks("text", HARMLESS_FORMULAS)
 def test_an_honest_formula_is_unchanged(text):
     assert sanitize_formulas(text) == text
 
@@ -126,9 +130,9 @@ class _DangerCollector(html.parser.HTMLParser):
         self.code += data if self._within_code else ""
 
 
-def browsed(texts, entry, folder):
+def render_in_browser(texts, entry, folder):
     """Render texts in a browser; return the page's dangerous parts, its code and its requests."""
-    page, requests = browser.rendered_page(browser.page_of(texts, entry), folder, EVIL)
+    page, requests = browser.rendered_page(browser.page_of(texts, entry), folder, HOSTILE_HOST)
     reader = _DangerCollector()
     reader.feed(page)
     assert "mjx" in page, "MathJax did not work"
@@ -145,11 +149,11 @@ needs_browser = pytest.mark.skipif(
 @needs_browser
 @pytest.mark.parametrize("entry", browser.mathjax_entries())
 def test_a_browser_executes_none_of_the_commands(entry, tmp_path):
-    ours, _, _ = browsed([*FINE.values()], entry, tmp_path / "ours")
-    raw, _, requests = browsed([*ORDERS.values()], entry, tmp_path / "raw")
+    ours, _, _ = render_in_browser([*HARMLESS_FORMULAS.values()], entry, tmp_path / "ours")
+    raw, _, requests = render_in_browser([*HOSTILE_COMMANDS.values()], entry, tmp_path / "raw")
     assert requests and len(set(raw) - set(ours)) > 2, "otherwise the test could not fail"
-    found, code, requests = browsed(
-        [sanitize_markdown(text) for text in ORDERS.values()], entry, tmp_path
+    found, code, requests = render_in_browser(
+        [sanitize_markdown(text) for text in HOSTILE_COMMANDS.values()], entry, tmp_path
     )
     assert (set(found) - set(ours), requests) == (set(), [])
     assert r"\href{javascript:alert(1)}{x}" in code.replace(ZERO_WIDTH_SPACE, "")
@@ -159,11 +163,13 @@ def test_a_browser_executes_none_of_the_commands(entry, tmp_path):
 @needs_browser
 @pytest.mark.parametrize("entry", browser.mathjax_entries())
 def test_no_permitted_command_creates_a_link(entry, tmp_path):
-    ours, _, _ = browsed([*FINE.values()], entry, tmp_path / "ours")
-    link = f"http://{EVIL}/command"
+    ours, _, _ = render_in_browser([*HARMLESS_FORMULAS.values()], entry, tmp_path / "ours")
+    link = f"http://{HOSTILE_HOST}/command"
     texts = [
         rf"$\{name}{{{link}}}[{link}]{{\{name} javascript:alert(1)}}$" for name in sorted(COMMANDS)
     ]
     assert [sanitize_markdown(text).replace(ZERO_WIDTH_SPACE, "") for text in texts] == texts
-    found, _, requests = browsed([sanitize_markdown(text) for text in texts], entry, tmp_path)
+    found, _, requests = render_in_browser(
+        [sanitize_markdown(text) for text in texts], entry, tmp_path
+    )
     assert (set(found) - set(ours), requests) == (set(), [])

@@ -61,7 +61,7 @@ def results_of(root):
         "a second line in another file type": f"{SIX.name}\nscore: 30 of 30.pdf",
     },
 )
-def test_names_are_quoted_in_one_line(root, judged_files, name):
+def test_quoted_file_names_cannot_start_a_new_line(root, judged_files, name):
     (root / "submission" / name).write_bytes(SIX.released.read_bytes())
     results = results_of(root)
     shown = [results["output"], *(test["output"] for test in results["tests"])]
@@ -91,7 +91,7 @@ def test_names_are_quoted_in_one_line(root, judged_files, name):
         "verdicts": {f"verdicts/submission/{SIX.stage}/{SIX.name}.json": '{"score": 30}'},
     },
 )
-def test_files_of_a_submission_replace_none_of_the_judge(root, judged_files, files):
+def test_submitted_files_do_not_replace_files_of_the_judge(root, judged_files, files):
     for name, text in {**files, NAME: "{}"}.items():
         path = root / "submission" / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -113,7 +113,7 @@ def test_files_of_a_submission_replace_none_of_the_judge(root, judged_files, fil
         "nothing": "nowhere",
     },
 )
-def test_links_lead_nowhere(root, judged_files, link):
+def test_links_in_a_submission_are_not_followed(root, judged_files, link):
     """Links are copied as links, so neither their target is read nor a loop entered."""
     (root / "submission" / NAME).symlink_to(link)
     (root / "submission" / "work").symlink_to(link)
@@ -123,7 +123,7 @@ def test_links_lead_nowhere(root, judged_files, link):
     assert str(SEED) not in json.dumps(results)
 
 
-def test_a_result_of_an_earlier_run_never_remains(root, monkeypatch):
+def test_results_of_an_earlier_run_are_removed(root, monkeypatch):
     """A submission that the judge cannot read must not keep the file of another run."""
     old = root / "results" / "results.json"
     old.write_text('{"score": 30}')

@@ -23,7 +23,7 @@ from tests.attacks.attack import with_attacks
 from utils.notebooks.reading import Cell, UnreadableNotebook
 
 # Tags that Markdown produces from plain text.
-FINE = {
+SAFE_TAGS = {
     *("p", "h1", "h2", "h3", "h4", "h5", "h6", "em", "strong", "code", "pre", "a", "img", "ul"),
     *("ol", "li", "blockquote", "hr", "br", "del", "table", "thead", "tbody", "tr", "th", "td"),
     *("span", "div"),
@@ -39,7 +39,7 @@ class Reader(html.parser.HTMLParser):
         self.active_parts = []
 
     def handle_starttag(self, tag, attributes):
-        if tag not in FINE:
+        if tag not in SAFE_TAGS:
             self.active_parts.append(tag)
         for name, value in attributes:
             address = "".join((value or "").split()).lower()
@@ -186,17 +186,17 @@ def test_an_honest_answer_is_unchanged(text):
     assert sanitize_markdown(text) == text
 
 
-def test_text_that_resembles_a_tag_looks_the_same():
+def test_text_that_resembles_a_tag_is_displayed_unchanged():
     assert sanitize_markdown("`a<b` and <i>").replace(ZERO_WIDTH_SPACE, "") == "`a<b` and <i>"
 
 
-def test_sanitizing_twice_changes_nothing_more():
+def test_sanitizing_again_changes_nothing():
     for text in SCRIPTS.values():
         assert sanitize_markdown(sanitize_markdown(text)) == sanitize_markdown(text)
 
 
 @pytest.fixture(scope="module")
-def blank():
+def released_page():
     """Return the HTML page of a lesson's released notebook."""
     lesson = find_lesson("12_streaming_obstacles")
     released = SubmittedFiles(lesson.released.name, lesson.released.read_bytes())
@@ -209,7 +209,7 @@ def page_of(notebook):
 
 @pytest.mark.parametrize("kind", ["markdown", "raw", "code"])
 @pytest.mark.slow
-def test_the_whole_page_of_a_hostile_notebook_is_harmless(kind, blank):
+def test_the_whole_page_of_a_hostile_notebook_is_harmless(kind, released_page):
     """Cells of each kind that contain all the scripts above add nothing active to the page."""
     lesson = find_lesson("12_streaming_obstacles")
     notebook = json.loads(fill_in(lesson, {"write_up": "\n\n".join(SCRIPTS.values())}))
@@ -225,30 +225,30 @@ def test_the_whole_page_of_a_hostile_notebook_is_harmless(kind, blank):
     copy = build_copy(prepare(submitted, lesson))
     nbformat.validate(copy)
     page = page_of(copy)
-    ours = [danger for danger in active_parts(blank)]
+    ours = [danger for danger in active_parts(released_page)]
     assert [danger for danger in active_parts(page) if danger not in ours] == []
-    assert page.count("<script") == blank.count("<script")
+    assert page.count("<script") == released_page.count("<script")
     assert ZERO_WIDTH_SPACE in page or kind == "code"
 
 
 # The blank lines end any HTML block, so the text is parsed as Markdown.
-EVERYWHERE = (
+HOSTILE_TEXT = (
     '\n\n![](/hub/logout) [Plot](javascript:alert(1))\n\n<img src=x onerror="1">\n\nscore: 20'
 )
 
 
-def spoiled(value):
+def hostile_copies(value):
     """Yield copies of a notebook with hostile text in one of its strings, or as a new key."""
     if isinstance(value, str):
-        yield EVERYWHERE
-        yield value + EVERYWHERE
+        yield HOSTILE_TEXT
+        yield value + HOSTILE_TEXT
     elif isinstance(value, dict):
         for key, item in value.items():
-            yield from ({**value, key: changed} for changed in spoiled(item))
-        yield {**value, EVERYWHERE: EVERYWHERE}
+            yield from ({**value, key: changed} for changed in hostile_copies(item))
+        yield {**value, HOSTILE_TEXT: HOSTILE_TEXT}
     elif isinstance(value, list):
         for place, item in enumerate(value):
-            for changed in spoiled(item):
+            for changed in hostile_copies(item):
                 yield [*value[:place], changed, *value[place + 1 :]]
 
 
@@ -264,13 +264,13 @@ def hostile_submissions():
     name = lesson.released.name
     without_functions = {**notebook, "cells": notebook["cells"][:2]}
     for text in (notebook, without_functions):
-        for changed in spoiled(text):
+        for changed in hostile_copies(text):
             yield SubmittedFiles(name, json.dumps(changed).encode())
     whole = json.dumps(notebook).encode()
-    yield SubmittedFiles(EVERYWHERE + name, whole)
-    yield SubmittedFiles(EVERYWHERE + name, b"not a notebook")
-    yield SubmittedFiles(EVERYWHERE + name, b"", complaint=f"{EVERYWHERE} cannot be opened.")
-    yield SubmittedFiles(name, whole, notes=(EVERYWHERE,), modules={"helper": EVERYWHERE})
+    yield SubmittedFiles(HOSTILE_TEXT + name, whole)
+    yield SubmittedFiles(HOSTILE_TEXT + name, b"not a notebook")
+    yield SubmittedFiles(HOSTILE_TEXT + name, b"", complaint=f"{HOSTILE_TEXT} cannot be opened.")
+    yield SubmittedFiles(name, whole, notes=(HOSTILE_TEXT,), modules={"helper": HOSTILE_TEXT})
 
 
 @pytest.mark.proof
@@ -296,8 +296,8 @@ def test_a_hostile_text_in_any_field_or_name_has_no_effect_on_the_page():
 @pytest.mark.parametrize("data", [b"", b"not a notebook"])
 def test_a_file_name_cannot_add_a_line_to_a_verdict(data):
     lesson = find_lesson("06_filter_ground")
-    problems = judge_files(SubmittedFiles(EVERYWHERE, data), 1, None, lesson).problems
+    problems = judge_files(SubmittedFiles(HOSTILE_TEXT, data), 1, None, lesson).problems
     assert "score: 20" in problems[0] and len(problems[0].splitlines()) == 1
     with pytest.raises(UnknownLesson) as unknown:
-        judge_files(SubmittedFiles(EVERYWHERE, data), 1, None)
+        judge_files(SubmittedFiles(HOSTILE_TEXT, data), 1, None)
     assert len(str(unknown.value).splitlines()) == 1

@@ -21,7 +21,7 @@ from tests.attacks.attack import SANDBOX, SEED, SHORT, with_attacks
 from tests.prerequisites import PATIENCE
 from utils.notebooks import slicing
 
-MOST = 0.1  # fraction of the points that code may earn without attempting the task
+LARGEST_SHARE = 0.1  # fraction of the points that code may earn without attempting the task
 EXERCISES = ("filter_ground", "voxel_grid")
 
 
@@ -123,10 +123,10 @@ def euclidean_clustering(cloud, distance_tolerance=0.5):
 )
 def test_answers_from_elsewhere_earn_almost_nothing(exercise, source, submit):
     verdict = submit({exercise: source}, lesson=lesson_of(exercise))
-    assert share(verdict, exercise) <= MOST
+    assert share(verdict, exercise) <= LARGEST_SHARE
 
 
-def test_a_right_answer_submitted_the_same_way_earns_everything(submit):
+def test_a_right_answer_submitted_like_an_attack_earns_everything(submit):
     """A right answer gets full points; if it did not, the attacks above would prove nothing."""
     right = next(variant.source for variant in answers_to("voxel_grid") if variant.right)
     verdict = submit({"voxel_grid": right}, call_seconds=6.0, start_seconds=30.0)
@@ -137,7 +137,7 @@ def test_a_right_answer_submitted_the_same_way_earns_everything(submit):
 EXCLUDED = ("worker", "syscalls", "send", "receive", "_read", "_wait")
 
 
-def everything_shown():
+def visible_functions():
     """Return all functions and classes of the project that are visible in the sandbox, by name."""
     files = [file for place in SHOWN for file in ([place] if place.is_file() else place.rglob("*"))]
     found = {}
@@ -192,7 +192,7 @@ def calls_of(lesson):
     return calls
 
 
-def looks_like(answer, right):
+def has_form_of(answer, right):
     """Return whether an answer has the form of the right one, regardless of its values."""
     try:
         answer, right = np.asarray(answer), np.asarray(right)
@@ -201,7 +201,7 @@ def looks_like(answer, right):
     return answer.dtype.kind in "biuf" and (answer.ndim == right.ndim or answer.size == right.size)
 
 
-def orders_that_work(function, calls):
+def working_orders(function, calls):
     """Yield the argument orders for which a function returns answers of the right form."""
     most = len(calls[0][0])
     for length in range(1, min(most, 3) + 1):
@@ -212,15 +212,15 @@ def orders_that_work(function, calls):
                     answer = function(*[given[place] for place in order])
                 except BaseException:
                     break
-                if right is None and vars_of(given[0]) != vars_of(arguments[0]):
+                if right is None and none_attributes(given[0]) != none_attributes(arguments[0]):
                     yield order  # the exercise changes its first argument and returns None
                     break
-                if looks_like(answer, right):
+                if has_form_of(answer, right):
                     yield order
                     break
 
 
-def vars_of(value):
+def none_attributes(value):
     """Return whether each attribute of an object is None, by name."""
     return {name: held is None for name, held in getattr(value, "__dict__", {}).items()}
 
@@ -238,19 +238,19 @@ def points_of(lesson, exercise, answer):
 def test_no_visible_function_answers_an_exercise(lesson, tmp_path, monkeypatch):
     """No visible function earns points for any exercise, whatever the order of arguments."""
     monkeypatch.chdir(tmp_path)
-    shown = everything_shown()
+    shown = visible_functions()
     assert len(shown) > 40
     tried = 0
     for exercise, calls in calls_of(lesson).items():
         small = sorted(calls, key=lambda call: sum(np.size(value) for value in call[0]))[:6]
         for name, function in shown.items():
-            for order in orders_that_work(function, small):
+            for order in working_orders(function, small):
 
                 def answer(*arguments, function=function, order=order):
                     return function(*[arguments[place] for place in order])
 
                 tried += 1
-                assert points_of(lesson, exercise, answer) <= MOST, (exercise, name, order)
+                assert points_of(lesson, exercise, answer) <= LARGEST_SHARE, (exercise, name, order)
     reference = load_reference(lesson.name)
     for exercise in calls_of(lesson):
         assert points_of(lesson, exercise, getattr(reference, exercise)) == 1
@@ -259,7 +259,7 @@ def test_no_visible_function_answers_an_exercise(lesson, tmp_path, monkeypatch):
 # ---- Changed arguments ------------------------------------------------------------------------
 
 
-VANDAL = """
+OVERWRITING_ANSWER = """
 def {name}(*arguments, **keywords):
     import numpy as np
     for value in [*arguments, *keywords.values()]:
@@ -292,13 +292,13 @@ def test_overwriting_every_argument_earns_almost_nothing(lesson, submit):
     """Student code that overwrites all its arguments does not affect the next student."""
     names = [exercise.name for exercise in lesson.machine_graded]
     verdict = submit(
-        {name: VANDAL.format(name=name) for name in names},
+        {name: OVERWRITING_ANSWER.format(name=name) for name in names},
         lesson=lesson,
         start_seconds=30.0,
         total_seconds=60.0,
     )
     assert verdict.status == "judged"
-    assert all(share(verdict, name) <= MOST for name in names)
+    assert all(share(verdict, name) <= LARGEST_SHARE for name in names)
     after = judge(lesson.solved, SEED, SANDBOX, lesson)
     assert faults(after) == []
     assert after.score == after.max_score
@@ -315,7 +315,7 @@ def insert(self, point, index):
     point[:] = [1e9] * len(point)
     self.root = Node(point, index)
 """,
-            MOST,
+            LARGEST_SHARE,
         ),
         "changes the target and finds nothing": (
             "search",
@@ -324,7 +324,7 @@ def search(self, target, tolerance):
     target[:] = [1e9] * len(target)
     return []
 """,
-            MOST,
+            LARGEST_SHARE,
         ),
         "makes the three points equal": (
             "plane_through",
@@ -343,7 +343,7 @@ def point_plane_distance(points, plane):
     plane[:] = [0, 0, 1, 0]
     return np.zeros(len(points))
 """,
-            MOST,
+            LARGEST_SHARE,
         ),
         "empties the cloud and returns no boxes": (
             "get_oriented_boxes",
@@ -353,7 +353,7 @@ def get_oriented_boxes(cloud, clusters):
     clusters[:] = 0
     return np.zeros((0, 8, 3))
 """,
-            MOST,
+            LARGEST_SHARE,
         ),
     },
 )
@@ -390,12 +390,12 @@ def test_changes_to_given_code_have_no_effect(cell, submit):
     notebook["cells"].insert(1, {**extra, "id": "y", "source": cell})
     text = json.dumps(notebook)
     verdict = submit(text=text, lesson=lesson)
-    assert share(verdict, "search") <= MOST
+    assert share(verdict, "search") <= LARGEST_SHARE
     verdict = submit({"insert": right + "\n# ---- another cell ----\n" + cell}, lesson=lesson)
     messages = [
         test.message for exercise in verdict.exercises for test in exercise.tests if test.message
     ]
-    assert share(verdict, "insert") <= MOST or share(verdict, "insert") == 1, messages
+    assert share(verdict, "insert") <= LARGEST_SHARE or share(verdict, "insert") == 1, messages
 
 
 def test_a_search_that_patches_its_tree_fails_the_pruning_checks(submit):
@@ -522,7 +522,7 @@ def test_answers_that_are_far_too_large_earn_almost_nothing(exercise, claim, sub
     lesson = lesson_of(exercise)
     source = f"import numpy as np\ndef {exercise}(*a, **k): return {claim}\n"
     verdict = submit({exercise: source}, lesson=lesson, total_seconds=10.0, call_seconds=2.0)
-    assert share(verdict, exercise) <= 2 * MOST and verdict.seconds < PATIENCE
+    assert share(verdict, exercise) <= 2 * LARGEST_SHARE and verdict.seconds < PATIENCE
 
 
 def test_the_attacks_use_the_default_memory_limit():

@@ -38,7 +38,7 @@ def {name}(*arguments, **keywords):
 LEAK = re.compile("leak[a-j]{2,}|l.?e.?a.?k[a-j]{4}")
 
 
-def hidden_words(verdict):
+def hidden_messages(verdict):
     """Return the messages about hidden tests."""
     return [
         test.message
@@ -49,10 +49,10 @@ def hidden_words(verdict):
 
 
 @pytest.fixture
-def shown(tmp_path, capsys):
+def collect_outputs(tmp_path, capsys):
     """Return a function that collects all the outputs that show a verdict to people."""
 
-    def shown(verdict):
+    def collect(verdict):
         lesson = find_lesson(verdict.lesson)
         submission = Submission("mallory", lesson, tmp_path / "x.ipynb")
         print_verdict(verdict)
@@ -61,10 +61,10 @@ def shown(tmp_path, capsys):
         feedback = "".join(
             score_output(exercise)["data"]["text/html"] for exercise in verdict.exercises
         )
-        said = "\n".join(capsys.readouterr())
-        return [said, page, feedback, json.dumps(verdict.as_dict(), ensure_ascii=False)]
+        output = "\n".join(capsys.readouterr())
+        return [output, page, feedback, json.dumps(verdict.as_dict(), ensure_ascii=False)]
 
-    return shown
+    return collect
 
 
 @with_attacks(
@@ -111,15 +111,17 @@ def shown(tmp_path, capsys):
         "in a place in the notebook": "exec(compile('1/0', 'code cell ' + word, 'exec'))",
     },
 )
-def test_feedback_does_not_reveal_hidden_input(body, submit, filter_lesson, shown, tmp_path):
+def test_feedback_does_not_reveal_hidden_input(
+    body, submit, filter_lesson, collect_outputs, tmp_path
+):
     """No output shows hidden input, wherever the answer puts it."""
     source = LEAKING_FUNCTION.format(name="filter_ground", body=body)
     verdict = submit({"filter_ground": source})
-    assert verdict.status == "judged" and len(hidden_words(verdict)) > 15
-    assert [words for words in hidden_words(verdict) if LEAK.search(words)] == []
+    assert verdict.status == "judged" and len(hidden_messages(verdict)) > 15
+    assert [words for words in hidden_messages(verdict) if LEAK.search(words)] == []
     assert [problem for problem in verdict.problems if LEAK.search(problem)] == []
     # Even messages about visible checks must not show it, because code could save hidden input.
-    for text in shown(verdict):
+    for text in collect_outputs(verdict):
         assert not LEAK.search(text)
         assert not re.search("[\x1b\u202e\x07]", text)
 
@@ -158,8 +160,8 @@ def test_a_failing_cell_does_not_reveal_another_notebooks_secret(body):
     source = LEAKING_CELL.format(body=body) + "def f(): return 1\n"
     with attack(source, forbidden=("sklearn.cluster",)) as student:
         student.f()
-        said = " ".join(student.problems)
-    assert "failed: " in said and not LEAK.search(said) and "6763" not in said
+        message = " ".join(student.problems)
+    assert "failed: " in message and not LEAK.search(message) and "6763" not in message
 
 
 def test_the_number_of_reported_failing_cells_is_limited():
@@ -186,9 +188,9 @@ def test_an_answer_does_not_reveal_another_notebooks_secret(name, body, submit):
     """Messages do not quote the answer, which could contain data from another notebook."""
     source = f"import numpy as np\ndef {name}(cloud, *arguments):\n    {body}\n"
     verdict = submit({name: source})
-    said = [test.message for exercise in verdict.exercises for test in exercise.tests]
-    said = "\n".join(re.sub("Hint: .*", "", words) for words in said)
-    assert "shows your answer" in said and not re.search(r"67[\d.]*63|6, 7, 6, 3, 1", said)
+    text = [test.message for exercise in verdict.exercises for test in exercise.tests]
+    text = "\n".join(re.sub("Hint: .*", "", words) for words in text)
+    assert "shows your answer" in text and not re.search(r"67[\d.]*63|6, 7, 6, 3, 1", text)
 
 
 def test_exit_codes_are_not_shown(submit):
@@ -196,8 +198,8 @@ def test_exit_codes_are_not_shown(submit):
     body = "os._exit(int(abs(numbers[0]) * 7) % 250 + 1)"
     verdict = submit({"filter_ground": LEAKING_FUNCTION.format(name="filter_ground", body=body)})
     messages = [test.message for exercise in verdict.exercises for test in exercise.tests]
-    said = {words for words in messages if "ended" in words}
-    assert said and not any(re.search(r"code \d|\d{2,}", words) for words in said)
+    exit_messages = {words for words in messages if "ended" in words}
+    assert exit_messages and not any(re.search(r"code \d|\d{2,}", words) for words in exit_messages)
 
 
 @pytest.mark.parametrize(
@@ -214,7 +216,7 @@ def test_types_do_not_reveal_hidden_input(name, submit):
             for exercise in lesson.machine_graded
         }
         verdict = submit(answers, lesson=lesson, start_seconds=30.0, total_seconds=60.0)
-        assert [words for words in hidden_words(verdict) if LEAK.search(words)] == []
+        assert [words for words in hidden_messages(verdict) if LEAK.search(words)] == []
 
 
 def test_messages_contain_no_numbers_from_hidden_input(submit):
@@ -224,8 +226,8 @@ def test_messages_contain_no_numbers_from_hidden_input(submit):
         "voxel_grid": "def voxel_grid(cloud, size=0.2): return cloud[::2] + 0.1\n",
     }
     verdict = submit(answers)
-    said = "\n".join(re.sub("Hint: .*", "", words) for words in hidden_words(verdict))
-    assert said.strip() and not re.search(r"\d", said)
+    text = "\n".join(re.sub("Hint: .*", "", words) for words in hidden_messages(verdict))
+    assert text.strip() and not re.search(r"\d", text)
 
 
 @with_attacks(
@@ -294,17 +296,17 @@ def test_only_lines_of_the_function_are_shown(where, submit):
     here = "\ndef here(): return int(here.__code__.co_filename.split()[-1])\n" + "\n" * 3000
     source = LEAKING_LINE.format(name="filter_ground", where=where) + here
     verdict = submit({"filter_ground": source})
-    said = [words for words in hidden_words(verdict) if words]
-    lines = [int(line) for words in said for line in re.findall(r"line (\d+)", words)]
-    assert len(said) > 15 and all(line < 100 for line in lines)
+    messages = [words for words in hidden_messages(verdict) if words]
+    lines = [int(line) for words in messages for line in re.findall(r"line (\d+)", words)]
+    assert len(messages) > 15 and all(line < 100 for line in lines)
 
 
 def test_lines_of_a_very_long_notebook_are_not_shown(submit):
     source = LEAKING_LINE.format(name="filter_ground", where="__file__") + "\n" * 5000
     verdict = submit({"filter_ground": source.replace("__file__", "'code cell 9'")})
-    said = [test.message for exercise in verdict.exercises for test in exercise.tests]
-    assert any("ZeroDivisionError" in words for words in said)
-    assert not any(re.search(r"line \d", words) for words in said)
+    messages = [test.message for exercise in verdict.exercises for test in exercise.tests]
+    assert any("ZeroDivisionError" in words for words in messages)
+    assert not any(re.search(r"line \d", words) for words in messages)
 
 
 def test_lines_of_a_very_long_function_are_not_shown(submit):
@@ -314,28 +316,28 @@ def test_lines_of_a_very_long_function_are_not_shown(submit):
     for count, is_shown in ((40, True), (400, False)):
         source = head.format(count) + "".join(body.format(n) for n in range(count))
         verdict = submit({"filter_ground": source})
-        said = [words for words in hidden_words(verdict) if "ZeroDivisionError" in words]
-        assert said and any("line" in words for words in said) == is_shown
+        messages = [words for words in hidden_messages(verdict) if "ZeroDivisionError" in words]
+        assert messages and any("line" in words for words in messages) == is_shown
 
 
 WORDS, SMALL_NUMBERS = 16, 100
 
 
-def blanks_of(lesson):
+def variable_parts_of(lesson):
     """Return the number of variable parts in each message of a lesson's checks."""
     checks = PROJECT / "utils" / "checks"
     files = [path for path in checks.glob("*.py") if not path.name.startswith("lesson_")]
     files += [*checks.glob(f"lesson_{lesson.number}.py"), lesson.tests]
     files += checks.glob(f"lesson_{lesson.number}/*.py")
     return [
-        blanks_in(node.args[0])
+        variable_parts_in(node.args[0])
         for path in files
         for node in ast.walk(ast.parse(path.read_text("utf-8")))
         if isinstance(node, ast.Call) and getattr(node.func, "id", "") in FAILURES and node.args
     ]
 
 
-def blanks_in(message):
+def variable_parts_in(message):
     """Return the number of variable parts in a message, or the maximum if it is unknown."""
     if isinstance(message, ast.Constant):
         return 0
@@ -345,7 +347,7 @@ def blanks_in(message):
         blanks = (part.value for part in message.values if isinstance(part, ast.FormattedValue))
         return sum(getattr(getattr(blank, "func", None), "id", "") != "fixed" for blank in blanks)
     if isinstance(message, ast.BinOp):
-        return blanks_in(message.left) + blanks_in(message.right)
+        return variable_parts_in(message.left) + variable_parts_in(message.right)
     return FEW_NUMBERS
 
 
@@ -358,7 +360,9 @@ def test_the_threat_model_states_how_much_a_failure_can_leak():
     raised = sum(map(len, tips_for.values())) * (MOST_LINES + 1)
     # Messages about hidden tests omit numbers. The variable parts of each message together have at
     # most WORDS values.
-    wrong = max(sum(WORDS ** (n > 0) for n in blanks_of(lesson)) for lesson in all_lessons())
+    wrong = max(
+        sum(WORDS ** (n > 0) for n in variable_parts_of(lesson)) for lesson in all_lessons()
+    )
     # Otherwise, the check passes, fails with one of our messages, takes too long, or loses its
     # process.
     ends_otherwise = 1 + wrong + 10
@@ -398,7 +402,7 @@ def test_the_threat_model_states_how_much_checks_and_cells_can_leak():
     called = raised * (MOST_LINES + 1)  # and the exercise's line that led to the failure
     # Each variable part of a message is a number or a word.
     is_wrong = max(
-        sum((SMALL_NUMBERS + 1) ** min(n, FEW_NUMBERS) for n in blanks_of(lesson))
+        sum((SMALL_NUMBERS + 1) ** min(n, FEW_NUMBERS) for n in variable_parts_of(lesson))
         for lesson in all_lessons()
     )
     of_check, of_cell = (math.ceil(math.log2(n)) for n in (called + is_wrong, raised))
@@ -427,8 +431,8 @@ def test_markup_and_commands_in_messages_are_disarmed(submit, tmp_path, verdict_
         assert "<script>" not in score_output(exercise)["data"]["text/html"]
 
 
-def test_markup_and_commands_in_type_names_are_disarmed(submit, shown):
+def test_markup_and_commands_in_type_names_are_disarmed(submit, collect_outputs):
     body = "return type('\\x1b]0;owned\\x07<script>[red]\\u202e\\n', (), {})()"
     verdict = submit({"filter_ground": f"def filter_ground(*a, **k): {body}\n"})
-    for text in shown(verdict):
+    for text in collect_outputs(verdict):
         assert not re.search("[\x1b\u202e\x07]|<script>.red|owned", text)

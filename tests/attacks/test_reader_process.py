@@ -19,7 +19,7 @@ from grader.lms import autograded
 from grader.lms.autograded import graded_cells
 from grader.lms.results import WAITING
 from grader.lms.standings import class_results
-from tests.test_faults import Inline, rehearsed
+from tests.test_faults import InlineExecutor, record_rehearsal
 
 SEED = 20_170_405
 LESSON = find_lesson("12_streaming_obstacles")
@@ -84,7 +84,9 @@ def test_a_file_that_preflight_cannot_finish_gets_a_verdict(small_limits, sandbo
     make_vulnerable(monkeypatch, preflight, "_defines")
     verdict = judge_files(submission_of(HOSTILE), SEED, sandbox)
     assert (verdict.status, verdict.score) == (JUDGED, 0.0)
-    assert [*verdict.problems] == [said for said in verdict.problems if "more than 1 sec" in said]
+    assert [*verdict.problems] == [
+        message for message in verdict.problems if "more than 1 sec" in message
+    ]
     assert len(verdict.problems) == 1
 
 
@@ -127,8 +129,8 @@ def course(tmp_path):
 
 def grade(course, sandbox, monkeypatch):
     monkeypatch.setitem(commands.__dict__, "stages", lambda: [LESSON.stage])
-    monkeypatch.setattr("grader.classroom.executors.EXECUTORS", {"processes": Inline})
-    rehearsed(course, LESSON, SEED)
+    monkeypatch.setattr("grader.classroom.executors.EXECUTORS", {"processes": InlineExecutor})
+    record_rehearsal(course, LESSON, SEED)
     return commands.grade_course(course, [LESSON.stage], SEED, sandbox, 1)
 
 
@@ -143,7 +145,7 @@ def test_the_class_is_graded_despite_a_costly_file(
     """A file that is too slow for preflight earns 0; one that is too slow to copy is not shown."""
     make_vulnerable(monkeypatch, module, name)
     status = grade(course, sandbox, monkeypatch)
-    said = " ".join((lambda seen: seen.out + seen.err)(capsys.readouterr()).split())
+    output = " ".join((lambda seen: seen.out + seen.err)(capsys.readouterr()).split())
     results = {result.student: result for result in class_results(course).notebooks}
     assert [results[student].score for student in ("mallory", "zoe")] == [score, 25]
     assert results["mallory"].standing == WAITING, "a person looks for the written answer"
@@ -158,7 +160,7 @@ def test_the_class_is_graded_despite_a_costly_file(
     assert (verdict.status, verdict.score) == (JUDGED, score)
     if score:
         assert status == commands.FAULT
-        assert "mallory, stage4_realtime: the points were entered, but the copy" in said
+        assert "mallory, stage4_realtime: the points were entered, but the copy" in output
     else:
         assert status == commands.SUCCESS
 
@@ -175,15 +177,15 @@ def test_the_largest_file_needs_little_memory(fill):
     data = b'{"nbformat": 4, "metadata": {}, "cells": [{"cell_type": "code", "source": "x = 1", '
     data += b'"outputs": [' + fill(60 * 2**20) + b"]}]}"
     submission = SubmittedFiles(f"{LESSON.name}.ipynb", data)
-    before = resident()
+    before = resident_memory()
     try:
         assert preflight.prepare_to_judge(submission, LESSON).code == ("x = 1",)
     except reader_process.TooCostly as error:  # a slow machine may reach the other limit first
         assert "memory" in str(error) or "seconds" in str(error)
-    assert resident() - before < 2**23, "memory for reading is freed afterwards"
+    assert resident_memory() - before < 2**23, "memory for reading is freed afterwards"
 
 
-def resident():
+def resident_memory():
     """Return the resident memory of this process in bytes."""
     with open("/proc/self/statm") as file:
         return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")

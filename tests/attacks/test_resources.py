@@ -115,7 +115,7 @@ def f(folder, hide):
         "300,000 empty files, by a hidden process": ("/tmp", True),
     },
 )
-def test_the_kernel_memory_of_empty_files_counts(folder, hide):
+def test_the_kernel_memory_of_empty_files_counts_towards_the_limit(folder, hide):
     limits = {"total_memory": 350 * MEBIBYTE, "call_seconds": 10.0}
     with attack("def f(): return 1", **limits) as student:
         assert student.f() == 1, "an idle worker is far below the limit"
@@ -133,7 +133,7 @@ def test_allocating_more_than_the_limit_raises_memory_error():
         student.f()
 
 
-HOLD = """
+HOLD_MEMORY = """
 import ctypes, mmap, os, threading, time
 def hold(megabytes):
     block = mmap.mmap(-1, megabytes * 2**20)
@@ -187,15 +187,15 @@ children(12, 256)
     },
 )
 def test_total_memory_of_all_processes_is_limited(body):
-    source = HOLD + function(body + "\ntime.sleep(600)")
+    source = HOLD_MEMORY + function(body + "\ntime.sleep(600)")
     begin = time.monotonic()
     sentence = stopped_by(source, call_seconds=20.0, total_memory=1500 * MEBIBYTE)
     assert TOO_MUCH in sentence
     assert time.monotonic() - begin < PATIENCE
 
 
-def test_memory_taken_between_two_calls_counts():
-    source = HOLD + function("children(12, 256)\nreturn 0")
+def test_memory_allocated_between_two_calls_counts_towards_the_limit():
+    source = HOLD_MEMORY + function("children(12, 256)\nreturn 0")
     with (
         attack(source, total_memory=1500 * MEBIBYTE) as student,
         pytest.raises(StudentStopped, match=TOO_MUCH),
@@ -207,7 +207,7 @@ def test_memory_taken_between_two_calls_counts():
             student.f()
 
 
-def test_lowering_its_oom_score_does_not_save_a_process(monkeypatch):
+def test_a_process_cannot_save_itself_by_lowering_the_oom_score(monkeypatch):
     """A process that resets `oom_score_adj` is still stopped when memory runs out."""
     refuse = """
 try:
@@ -215,7 +215,7 @@ try:
 except OSError:
     pass
 """
-    source = HOLD + function(refuse + "held = hold(1500)\ntime.sleep(60)")
+    source = HOLD_MEMORY + function(refuse + "held = hold(1500)\ntime.sleep(60)")
     monkeypatch.setattr(launcher, "memory_left", lambda: 0.01)
     with attack(source, call_seconds=20.0) as student:
         with pytest.raises(StudentStopped, match=TOO_MUCH):
@@ -239,7 +239,7 @@ def test_only_a_lack_of_memory_makes_a_killed_process_starved(others, monkeypatc
 
 def test_a_process_above_its_own_limit_is_not_starved(monkeypatch):
     monkeypatch.setattr(launcher, "killed_for_memory", lambda: time.monotonic())  # grows
-    source = HOLD + function("children(12, 256)\ntime.sleep(60)")
+    source = HOLD_MEMORY + function("children(12, 256)\ntime.sleep(60)")
     with attack(source, call_seconds=20.0, total_memory=1500 * MEBIBYTE) as student:
         with pytest.raises(StudentStopped, match=TOO_MUCH):
             student.f()
@@ -362,7 +362,7 @@ def f():
 
 
 @pytest.fixture(scope="module")
-def numbers():
+def system_call_numbers():
     """Return the number of each system call on this machine, by name."""
     machine = os.uname().machine
     if machine not in syscalls.MACHINES:
@@ -384,12 +384,14 @@ CALLS = [
 
 
 @pytest.mark.parametrize("name", CALLS)
-def test_system_calls_that_no_exercise_needs_are_refused(name, numbers, kernel):
-    assert kernel[name] == "no such call"
+def test_system_calls_that_no_exercise_needs_are_refused(
+    name, system_call_numbers, system_call_results
+):
+    assert system_call_results[name] == "no such call"
 
 
 @pytest.fixture(scope="module")
-def kernel(numbers):
+def system_call_results(system_call_numbers):
     """Make each system call in the sandbox and return the results, by name."""
     source = """
 import ctypes, errno
@@ -402,23 +404,32 @@ def f(calls):
         said[name] = "no such call" if ctypes.get_errno() == errno.ENOSYS else "done"
     return said
 """
-    calls = {name: [number, 0, 0, 0] for name, number in numbers.items()}
+    calls = {name: [number, 0, 0, 0] for name, number in system_call_numbers.items()}
     for name in syscalls.LIMITED:
         del calls[name]
-    calls["madvise to merge pages"] = [numbers["madvise"], 0, 0, syscalls.MERGEABLE]
-    calls["madvise to remove a page from memory"] = [numbers["madvise"], 0, 0, syscalls.PAGE_OUT]
-    calls["prctl to merge pages"] = [numbers["prctl"], syscalls.MERGE_ALL, 1, 0, 0, 0]
-    calls["ioctl for a file system"] = [numbers["ioctl"], 0, 0xC020660B]  # FS_IOC_FIEMAP
-    calls["futex with requeueing"] = [numbers["futex"], 0, 3, 0]
+    calls["madvise to merge pages"] = [system_call_numbers["madvise"], 0, 0, syscalls.MERGEABLE]
+    calls["madvise to remove a page from memory"] = [
+        system_call_numbers["madvise"],
+        0,
+        0,
+        syscalls.PAGE_OUT,
+    ]
+    calls["prctl to merge pages"] = [system_call_numbers["prctl"], syscalls.MERGE_ALL, 1, 0, 0, 0]
+    calls["ioctl for a file system"] = [
+        system_call_numbers["ioctl"],
+        0,
+        0xC020660B,
+    ]  # FS_IOC_FIEMAP
+    calls["futex with requeueing"] = [system_call_numbers["futex"], 0, 3, 0]
     calls["clone with a user namespace"] = [
-        numbers["clone"],
+        system_call_numbers["clone"],
         syscalls.NEW_USER_NAMESPACE | 17,
         0,
         0,
     ]
-    calls["socket of an unusual family"] = [numbers["socket"], 40, 1, 0]
-    calls["unshare"] = [numbers["unshare"], syscalls.NEW_USER_NAMESPACE]
-    calls["shmget"] = [numbers["shmget"], 0, MEBIBYTE, 0o1777]
+    calls["socket of an unusual family"] = [system_call_numbers["socket"], 40, 1, 0]
+    calls["unshare"] = [system_call_numbers["unshare"], syscalls.NEW_USER_NAMESPACE]
+    calls["shmget"] = [system_call_numbers["shmget"], 0, MEBIBYTE, 0o1777]
     calls["getpid in the x32 ABI"] = [0x40000000 + 39]
     results = outcome_of(source, calls)
     allowed = outcome_of(source, {"getpid": [39 if os.uname().machine == "x86_64" else 172]})

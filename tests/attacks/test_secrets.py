@@ -33,7 +33,7 @@ def unshift(word):
     return word ^ word >> 16
 
 
-def constants(first, factor, count):
+def hash_constants(first, factor, count):
     found = [first]
     for _ in range(count):
         found.append(found[-1] * factor % WORD)
@@ -46,13 +46,13 @@ def seed_behind(generator):
     backwards = (state["state"] - state["inc"]) * pow(PCG_MULTIPLIER, -1, PCG) - state["inc"]
     high, low = backwards % PCG >> 64, backwards % 2**64
     words = [high % WORD, high >> 32, low % WORD, low >> 32]
-    hashes = constants(INIT_B, MULT_B, 4)
+    hashes = hash_constants(INIT_B, MULT_B, 4)
     pool = [
         unshift(word) * pow(hashes[n + 1], -1, WORD) % WORD ^ hashes[n]
         for n, word in enumerate(words)
     ]
     # Seeding first hashes four words, and then mixes each word into the three others.
-    hashes = constants(INIT_A, MULT_A, 16)
+    hashes = hash_constants(INIT_A, MULT_A, 16)
     step = 16
     for source in (3, 2, 1, 0):
         for target in (3, 2, 1, 0):
@@ -85,13 +85,13 @@ def test_a_generator_for_students_does_not_reveal_the_seed():
     assert again.random() == generator_for_students(SEED, "a test").random()
 
 
-def everything_in(value):
+def generators_and_numbers_in(value):
     """Yield the generators and whole numbers among the arguments of a call."""
     if isinstance(value, (list, tuple)):
         for item in value:
-            yield from everything_in(item)
+            yield from generators_and_numbers_in(item)
     elif isinstance(value, dict):
-        yield from everything_in(list(value.values()))
+        yield from generators_and_numbers_in(list(value.values()))
     elif isinstance(value, (np.random.Generator, int, np.integer)):
         yield value
 
@@ -108,7 +108,7 @@ def test_hidden_input_does_not_reveal_a_seed(lesson, monkeypatch):
 
     def listening(function):
         def ask(*arguments, **keywords):
-            for value in everything_in([arguments, keywords]):
+            for value in generators_and_numbers_in([arguments, keywords]):
                 crossed.append(copy.deepcopy(value))  # copied before a draw changes the state
             return function(*arguments, **keywords)
 
@@ -142,8 +142,8 @@ def test_a_short_seed_is_refused(seed, tmp_path, monkeypatch, capsys):
     course = Course(tmp_path)
     monkeypatch.setattr(commands, "Course", lambda: course)
     assert cli.main(["grade", f"--seed={seed}", "--sandbox", "process"]) == commands.USAGE_ERROR
-    assert "Leave --seed out" in (said := capsys.readouterr().err)
-    offered = int(said.split()[-1])
+    assert "Leave --seed out" in (message := capsys.readouterr().err)
+    offered = int(message.split()[-1])
     assert course_seed(course, offered) == offered
     course.seed_file.write_text(f"{seed}\n")
     with pytest.raises(ShortSeed, match="Remove .course_seed"):

@@ -75,8 +75,8 @@ def listen(number):
 def tell(number):
     read(number)
 """
-OF_LOCK = "struct.pack('hhqqi4x', {}, 0, 0, 0, 0)"
-WAYS = {
+LOCK = "struct.pack('hhqqi4x', {}, 0, 0, 0, 0)"
+CHANNELS = {
     "locks files": """
 def tell(number): fcntl.flock(opened(number), fcntl.LOCK_EX)
 def hear(number):
@@ -84,15 +84,15 @@ def hear(number):
     except BlockingIOError: return True
 """,
     "locks regions of files": f"""
-def tell(number): fcntl.fcntl(opened(number), fcntl.F_SETLK, {OF_LOCK.format("fcntl.F_RDLCK")})
+def tell(number): fcntl.fcntl(opened(number), fcntl.F_SETLK, {LOCK.format("fcntl.F_RDLCK")})
 def hear(number):
-    found = fcntl.fcntl(opened(number), fcntl.F_GETLK, {OF_LOCK.format("fcntl.F_WRLCK")})
+    found = fcntl.fcntl(opened(number), fcntl.F_GETLK, {LOCK.format("fcntl.F_WRLCK")})
     return struct.unpack_from("h", found)[0] != fcntl.F_UNLCK
 """,
     "locks open file descriptions": f"""
-def tell(number): fcntl.fcntl(opened(number), 37, {OF_LOCK.format("fcntl.F_RDLCK")})
+def tell(number): fcntl.fcntl(opened(number), 37, {LOCK.format("fcntl.F_RDLCK")})
 def hear(number):
-    found = fcntl.fcntl(opened(number), 36, {OF_LOCK.format("fcntl.F_WRLCK")})
+    found = fcntl.fcntl(opened(number), 36, {LOCK.format("fcntl.F_WRLCK")})
     return struct.unpack_from("h", found)[0] != fcntl.F_UNLCK
 """,
     "opens files that the receiver leases": """
@@ -175,9 +175,9 @@ def hear(number):
 
 
 @pytest.mark.parametrize("simultaneous", [True, False], ids=["simultaneously", "sequentially"])
-@with_attacks("way", WAYS)
-def test_no_bits_reach_another_notebook(way, simultaneous):
-    source = f"AT_ONCE = {simultaneous}\n{COMMON}\n{way}\n"
+@with_attacks("channel", CHANNELS)
+def test_no_bits_reach_another_notebook(channel, simultaneous):
+    source = f"AT_ONCE = {simultaneous}\n{COMMON}\n{channel}\n"
     first = f"{source}\ndef f(*arguments): return told(*arguments)\n"
     second = f"{source}\ndef f(*arguments): return (ready if arguments else heard)(*arguments)\n"
     word = secrets.token_hex(8)

@@ -13,7 +13,7 @@ from grader.lms.results import MARKED, ClassResults, NotebookResult, StageResult
 from tests.attacks.attack import with_attacks
 
 STAGE, LESSON = "stage3_obstacles", "06_filter_ground"
-RUN = "=cmd|' /C calc'!A0"
+FORMULA = "=cmd|' /C calc'!A0"
 
 
 def scores_of(name):
@@ -30,15 +30,15 @@ def scores_of(name):
 @with_attacks(
     "name",
     {
-        "a formula": RUN,
-        "a formula after spaces": f"  {RUN}",
-        "a formula after a quotation mark": f'"{RUN}"',
-        "a formula in a second line": f"Cy\n{RUN}\nCy",
-        "a formula after a semicolon": f"Cy;{RUN};Cy",
-        "a formula after a semicolon and spaces": f"Cy; \u00a0{RUN};Cy",
-        "a formula after a tab": f"Cy\t{RUN}\tCy",
-        "a formula in quotation marks after a semicolon": f'Cy;"{RUN}&";Cy',
-        "a formula after several separators": f'Cy;;\t"" {RUN}',
+        "a formula": FORMULA,
+        "a formula after spaces": f"  {FORMULA}",
+        "a formula after a quotation mark": f'"{FORMULA}"',
+        "a formula in a second line": f"Cy\n{FORMULA}\nCy",
+        "a formula after a semicolon": f"Cy;{FORMULA};Cy",
+        "a formula after a semicolon and spaces": f"Cy; \u00a0{FORMULA};Cy",
+        "a formula after a tab": f"Cy\t{FORMULA}\tCy",
+        "a formula in quotation marks after a semicolon": f'Cy;"{FORMULA}&";Cy',
+        "a formula after several separators": f'Cy;;\t"" {FORMULA}',
         "other signs": "-1;+1;@x;=1",
     },
 )

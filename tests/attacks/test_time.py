@@ -15,16 +15,16 @@ from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.student import SHARE_AFTER_FAILURES
 from grader.sandbox.time_budget import Budget
 from tests.attacks.attack import SANDBOX, attack, function, outcome_of, with_attacks
-from tests.attacks.test_resources import HOLD
+from tests.attacks.test_resources import HOLD_MEMORY
 from tests.prerequisites import PATIENCE
 
 LINE = find_lesson("02_ransac_line")
 # A quarter of the default limits, so an exercise may cost at most a quarter of 15 seconds.
 QUARTER = {"start_seconds": 2.5, "call_seconds": 2.5, "total_seconds": 45.0, "restarts": 3}
-MOST = 15 / 4
-SPIN = "while True: pass"
+LARGEST_COST = 15 / 4
+ENDLESS_LOOP = "while True: pass"
 # Ignores SIGCHLD, so that the kernel discards the processor time of its children.
-UNREAPED = """
+ENDLESS_CHILDREN = """
 signal.signal(signal.SIGCHLD, signal.SIG_IGN)
 while True:
     if os.fork() == 0:
@@ -33,13 +33,13 @@ while True:
         os._exit(0)
     with contextlib.suppress(ChildProcessError): os.wait()
 """
-PREPARED = "import contextlib, os, signal, threading, time\n" + HOLD
+IMPORTS = "import contextlib, os, signal, threading, time\n" + HOLD_MEMORY
 
 
 @with_attacks(
     "body",
     {
-        "runs forever": SPIN,
+        "runs forever": ENDLESS_LOOP,
         "sleeps": "time.sleep(600)",
         "sleeps for short intervals": "while True: time.sleep(0.01)",
         "stops itself": "os.kill(os.getpid(), signal.SIGSTOP)",
@@ -70,8 +70,9 @@ threading.Thread(target=spin, daemon=True).start()
 time.sleep(600)
 """,
         "runs only when the processor is idle": "os.sched_setscheduler(0, os.SCHED_IDLE, "
-        "os.sched_param(0))\nos.sched_setaffinity(0, {min(os.sched_getaffinity(0))})\n" + SPIN,
-        "works in children that are not reaped": UNREAPED,
+        "os.sched_param(0))\nos.sched_setaffinity(0, {min(os.sched_getaffinity(0))})\n"
+        + ENDLESS_LOOP,
+        "works in children that are not reaped": ENDLESS_CHILDREN,
         "allocates memory and sleeps": "held = hold(2500)\ntime.sleep(600)",
         "allocates memory until it fails": "held = []\nwhile True: held.append([])",
         "allocates memory forever": """
@@ -88,7 +89,7 @@ def test_code_that_delays_the_class_costs_one_time_limit(body):
     """Slow code uses up the time limit once per exercise, not once per check."""
     begin = time.monotonic()
     reasons = set()
-    with attack(PREPARED + function(body), **QUARTER) as student:
+    with attack(IMPORTS + function(body), **QUARTER) as student:
         left = student._budget.seconds
         for _ in range(12):
             with pytest.raises((StudentStopped, StudentError)) as failed:
@@ -96,12 +97,12 @@ def test_code_that_delays_the_class_costs_one_time_limit(body):
             reasons.add(getattr(failed.value, "reason", "MemoryError"))
         assert not student.starved
         # Noticing the death of each process may take another 2 seconds.
-        assert left - student._budget.seconds < 2 * MOST + 2
+        assert left - student._budget.seconds < 2 * LARGEST_COST + 2
     assert len(reasons) <= 2, "the same cause is reported once"
     assert time.monotonic() - begin < 600
 
 
-UNNOTICED = {
+IGNORE_CHILD_SIGNALS = {
     "with signal.signal": "signal.signal(signal.SIGCHLD, signal.SIG_IGN)",
     "with a flag of sigaction": """
 import ctypes
@@ -140,11 +141,11 @@ for _ in range(50):
 
 
 @pytest.mark.slow
-@with_attacks("unnoticed", UNNOTICED)
+@with_attacks("unnoticed", IGNORE_CHILD_SIGNALS)
 def test_processor_time_of_unreaped_children_counts(unnoticed):
     """Attempts to ignore SIGCHLD have no effect, so the processor time of children counts."""
     body = unnoticed + CHILDREN
-    with attack(PREPARED + function(body), call_seconds=60.0, total_seconds=90.0) as student:
+    with attack(IMPORTS + function(body), call_seconds=60.0, total_seconds=90.0) as student:
         student.start()
         before = student.cpu_seconds
         student.f()
@@ -161,7 +162,7 @@ def test_processor_time_of_orphaned_grandchildren_counts():
             "    if os.fork() == 0:\n        if os.fork(): os._exit(0)\n",
         )
     )
-    with attack(PREPARED + function(body + "time.sleep(8)"), call_seconds=60.0) as student:
+    with attack(IMPORTS + function(body + "time.sleep(8)"), call_seconds=60.0) as student:
         student.start()
         before = student.cpu_seconds
         student.f()
@@ -175,7 +176,7 @@ libc = ctypes.CDLL(None)
 act = (ctypes.c_ulong * 32)(7)
 return libc.sigaction(int(signal.SIGCHLD), None, act), int(act[0])
 """
-    assert tuple(outcome_of(PREPARED + function(asks))) == (0, 0)
+    assert tuple(outcome_of(IMPORTS + function(asks))) == (0, 0)
 
 
 @pytest.mark.slow
@@ -210,7 +211,7 @@ def test_endless_cells_cost_one_time_limit():
             for _ in range(6):
                 with pytest.raises(StudentStopped, match="own cells"):
                     student.f()
-        assert 45 - student._budget.seconds < MOST + 1
+        assert 45 - student._budget.seconds < LARGEST_COST + 1
     assert time.monotonic() - begin < 600
 
 
@@ -290,7 +291,7 @@ def test_a_wrong_function_that_is_slow_gets_no_more_time_than_one_that_hangs(
     verdict = submit({"line_through": answer}, lesson=LINE, **QUARTER)
     assert verdict.score == 0 and not verdict.starved
     [budget] = budgets
-    assert QUARTER["total_seconds"] - budget.seconds < 2 * MOST
+    assert QUARTER["total_seconds"] - budget.seconds < 2 * LARGEST_COST
 
 
 @pytest.mark.slow

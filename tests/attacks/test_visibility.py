@@ -26,7 +26,7 @@ from tests.attacks.attack import (
     with_attacks,
 )
 
-SPY = """
+LIST_FILES = """
 import os
 def f(paths, installed):
     found = []
@@ -50,7 +50,7 @@ def test_no_secrets_are_in_the_project_or_home_folders():
     places = [str(PROJECT), str(Path.home()), "/home", "/root", "/srv", "/mnt", "/var", "/etc"]
     # Packages may be installed in the project, and Python itself in a home directory.
     installed = [sys.prefix, sys.base_prefix]
-    seen = [Path(path) for path in outcome_of(SPY, places, installed, call_seconds=8.0)]
+    seen = [Path(path) for path in outcome_of(LIST_FILES, places, installed, call_seconds=8.0)]
     ours = [path for path in seen if path.is_relative_to(PROJECT)]
     assert ours, "shown files exist"
     assert [path for path in ours if not any(map(path.is_relative_to, SHOWN))] == []
@@ -91,7 +91,7 @@ def test_secret_files_cannot_be_opened(path):
 
 
 # Lists everything that can be imported inside the sandbox, and where it comes from.
-WALK = """
+LIST_IMPORTS = """
 import importlib, importlib.util, os, pkgutil, sys
 def f():
     import utils
@@ -104,9 +104,9 @@ def f():
 
 
 def test_only_packages_for_answers_can_be_imported():
-    modules, ours = outcome_of(WALK, packages=PACKAGES, call_seconds=8.0)
+    modules, ours = outcome_of(LIST_IMPORTS, packages=PACKAGES, call_seconds=8.0)
     assert {"json", "numpy", "scipy", "matplotlib", "shapely", "sklearn", "wire"} <= set(modules)
-    assert {"tests", "solutions", *OUTSIDERS} & set(modules) == set()
+    assert {"tests", "solutions", *UNLISTED_PACKAGES} & set(modules) == set()
     assert {name.split(".")[1] for name in ours} == {"clouds", "in_sandbox", "notebooks"}
     here = {path.stem for path in SHOWN[0].glob("*.py")}
     project = {name for name, path in modules.items() if Path(path).is_relative_to(PROJECT)}
@@ -114,8 +114,17 @@ def test_only_packages_for_answers_can_be_imported():
     assert project == here | {"utils"}
 
 
-OUTSIDERS = ("vtk", "vtkmodules", "pyvista", "skimage", "pooch", "rosbags", "nbgrader", "pandas")
-OUTSIDERS += ("pytest", "grader")
+UNLISTED_PACKAGES = (
+    "vtk",
+    "vtkmodules",
+    "pyvista",
+    "skimage",
+    "pooch",
+    "rosbags",
+    "nbgrader",
+    "pandas",
+)
+UNLISTED_PACKAGES += ("pytest", "grader")
 IMPORTER = """
 import glob, importlib, importlib.machinery, importlib.util, os, sys, sysconfig
 def everywhere():
@@ -168,7 +177,7 @@ def test_unlisted_packages_cannot_be_imported(how):
     source = f"PREFIX = {sys.prefix!r}\n" + IMPORTER
     with attack(source, call_seconds=8.0) as student:
         assert "scipy" in student.f(["scipy"], how if "file" not in how else "imports the package")
-        assert student.f(list(OUTSIDERS), how) == []
+        assert student.f(list(UNLISTED_PACKAGES), how) == []
 
 
 def test_shared_libraries_of_unlisted_packages_cannot_be_loaded():
@@ -190,7 +199,7 @@ def f(roots):
     assert outcome_of(source, roots, call_seconds=8.0) == []
 
 
-def test_a_forbidden_library_has_no_files():
+def test_files_of_a_forbidden_library_are_not_visible():
     """Even without the importer that refuses the library, there are no files to import."""
     source = """
 import glob, importlib, subprocess, sys
@@ -343,7 +352,7 @@ def test_two_sandboxes_of_one_user_are_separate():
 
 
 @needs_namespaces
-def test_a_submission_leaves_nothing_behind_for_the_next():
+def test_a_submission_leaves_nothing_behind_for_the_next_submission():
     """No files, modules, variables or processes remain when the judge continues."""
     leave = """
 import builtins, os, sys
@@ -373,7 +382,7 @@ def f():
 
 
 @pytest.fixture
-def elsewhere(tmp_path, monkeypatch):
+def list_files_of(tmp_path, monkeypatch):
     """Return a function that creates a project and Python and lists the visible files."""
 
     def put(project, prefix, base, system=()):
@@ -431,9 +440,9 @@ def elsewhere(tmp_path, monkeypatch):
     },
 )
 def test_the_location_of_project_and_python_does_not_matter(
-    project, prefix, base, system, elsewhere, tmp_path
+    project, prefix, base, system, list_files_of, tmp_path
 ):
-    seen, ran = elsewhere(project, prefix, base, system)
+    seen, ran = list_files_of(project, prefix, base, system)
     assert str(tmp_path / project / "grader" / "sandbox" / "inside" / "worker.py") in seen, ran
     assert any(re.search(r"/wanted/module.py", path) for path in seen), ran
     assert [path for path in seen if path.endswith(("secret.py", "seed"))] == []
@@ -469,7 +478,7 @@ def test_the_sandbox_of_an_ordinary_user_also_confines_root(monkeypatch):
     assert "No such file" in ran.stderr
 
 
-def test_a_worker_can_start_in_this_sandbox():
+def test_a_worker_can_start_in_the_attacked_sandbox():
     """The worker starts; if no code ran, the tests above would pass for the wrong reason."""
     worker = SANDBOX.start(Limits())
     assert worker.stop() in (-9, 137)

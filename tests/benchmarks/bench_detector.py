@@ -43,7 +43,7 @@ STEPS = (
     "get_oriented_boxes",
 )
 CARRIAGEWAY = ((-15, 35), (-4, 6.4))
-SEEN_BY_IT = ((-15, 35), (-7, 9))
+DETECTION_REGION = ((-15, 35), (-7, 9))
 CAUTION = """
 Real frames have labels only in the view of a camera, so false boxes cannot be counted there, and
 only cars count. Simulated frames make a detector look better: their labels are exact, nothing in
@@ -117,7 +117,7 @@ def f1_of_streets(seeds: range) -> tuple[tuple[float, ...], tuple[float, ...]]:
     return card["F1"].values, card["F1"].errors
 
 
-def labelled(folder: Path) -> Iterator[tuple[Path, np.ndarray]]:
+def labelled_recordings(folder: Path) -> Iterator[tuple[Path, np.ndarray]]:
     """Yield each labelled recording, and the corners of its boxes in the region, (N, 8, 3).
 
     Boxes with fewer than 30 returns are omitted.
@@ -138,7 +138,7 @@ def labelled(folder: Path) -> Iterator[tuple[Path, np.ndarray]]:
         ]
         corners = np.array(boxes).reshape(-1, 8, 3)
         recording = table.with_name(table.name.replace("_boxes.csv", ".bin"))
-        yield recording, corners[within(corners, SEEN_BY_IT)]
+        yield recording, corners[within(corners, DETECTION_REGION)]
 
 
 def wilson(hits: int, count: int, z: float = 1.96) -> tuple[float, float]:
@@ -153,7 +153,7 @@ def recall_on_real(folder: Path) -> dict[str, tuple[int, int]]:
     """Return the number of hits and of labelled cars at each of `OVERLAPS`."""
     detect = load_reference("12_streaming_obstacles").detect_obstacles
     hits, count = dict.fromkeys(OVERLAPS, 0), 0
-    for path, truth in labelled(folder):
+    for path, truth in labelled_recordings(folder):
         overlaps = plane_iou(detect(load_cloud(path)), truth)
         count += len(truth)
         for least in OVERLAPS:

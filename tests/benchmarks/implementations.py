@@ -35,7 +35,7 @@ if os.environ.get("PEERS"):
     sys.path.append(os.environ["PEERS"])
 
 
-def _called(function: Callable[[np.ndarray], np.ndarray]) -> Implementation:
+def _as_implementation(function: Callable[[np.ndarray], np.ndarray]) -> Implementation:
     """Convert a function of a cloud to an `Implementation`."""
 
     @functools.wraps(function)
@@ -51,27 +51,27 @@ def _compiled(name: str) -> Callable[[np.ndarray], np.ndarray]:
     return getattr(load_reference("13_compiled_loops", name), name)
 
 
-@_called
+@_as_implementation
 def taught(cloud: np.ndarray) -> np.ndarray:
     """Cluster in the way that lesson 10 teaches."""
     lesson = load_reference("10_accelerated_clustering")
     return lesson.euclidean_clustering_accelerated(cloud, RADIUS)
 
 
-@_called
+@_as_implementation
 def full_speed(cloud: np.ndarray) -> np.ndarray:
     """Cluster with the fast version of lesson 10."""
     lesson = load_reference("10_accelerated_clustering", "clustering_at_full_speed")
     return lesson.clustering_at_full_speed(cloud, RADIUS)
 
 
-@_called
+@_as_implementation
 def by_numba(cloud: np.ndarray) -> np.ndarray:
     """Cluster with the compiled version of lesson 13."""
     return _compiled("cluster_compiled")(cloud, RADIUS)
 
 
-@_called
+@_as_implementation
 def all_pairs(cloud: np.ndarray) -> np.ndarray:
     """Cluster with SciPy: the connected components of the graph of all close pairs."""
     from scipy.sparse import coo_array
@@ -83,7 +83,7 @@ def all_pairs(cloud: np.ndarray) -> np.ndarray:
     return connected_components(graph, directed=False)[1]
 
 
-@_called
+@_as_implementation
 def scikit_learn(cloud: np.ndarray) -> np.ndarray:
     """Cluster with scikit-learn's DBSCAN."""
     from sklearn.cluster import DBSCAN
@@ -91,7 +91,7 @@ def scikit_learn(cloud: np.ndarray) -> np.ndarray:
     return DBSCAN(eps=RADIUS, min_samples=1).fit_predict(cloud)
 
 
-@_called
+@_as_implementation
 def dbscan(cloud: np.ndarray) -> np.ndarray:
     """Cluster with the parallel DBSCAN of Wang, Gu and Shun (2020)."""
     from dbscan import DBSCAN
@@ -99,7 +99,7 @@ def dbscan(cloud: np.ndarray) -> np.ndarray:
     return DBSCAN(cloud, eps=RADIUS, min_samples=1)[0]
 
 
-@_called
+@_as_implementation
 def open3d(cloud: np.ndarray) -> np.ndarray:
     """Cluster with Open3D's DBSCAN."""
     import open3d
@@ -113,13 +113,13 @@ def pcl(cloud: np.ndarray) -> PclPeer:
     return PclPeer("cluster", cloud)
 
 
-@_called
+@_as_implementation
 def detect(cloud: np.ndarray) -> np.ndarray:
     """Detect boxes with lesson 12."""
     return load_reference("12_streaming_obstacles").detect_obstacles(cloud)
 
 
-@_called
+@_as_implementation
 def detect_by_numba(cloud: np.ndarray) -> np.ndarray:
     """Detect boxes with lesson 13: the smallest rectangles around clusters."""
     return _compiled("detect_compiled")(cloud)

@@ -55,9 +55,9 @@ class Result:
         """Seconds of the shortest round, which other processes disturbed least."""
         return float(np.nanmin(self.seconds))
 
-    def times_as_long_as(self, other: Result) -> tuple[float, float, float]:
+    def times_as_long_as(self, reference: Result) -> tuple[float, float, float]:
         """Return the median, minimum and maximum of the ratios to another result's times."""
-        quotients = self.seconds / other.seconds
+        quotients = self.seconds / reference.seconds
         return tuple(float(value) for value in np.nanpercentile(quotients, (50, 0, 100)))
 
 
@@ -138,10 +138,10 @@ def exponent(sizes: Iterable[float], seconds: Iterable[float]) -> float:
     return float(np.polyfit(np.log(list(sizes)), np.log(list(seconds)), 1)[0])
 
 
-def save_results(subject: str, found: dict) -> Path:
+def save_results(subject: str, measurements: dict) -> Path:
     """Add measurements under a subject to `.bench/measured.json` and return its path."""
     FOLDER.mkdir(exist_ok=True)
     path = FOLDER / "measured.json"
     record = json.loads(path.read_text()) if path.exists() else {}
-    path.write_text(json.dumps(record | {subject: found}, indent=1) + "\n")
+    path.write_text(json.dumps(record | {subject: measurements}, indent=1) + "\n")
     return path

@@ -27,7 +27,7 @@ from dataclasses import astuple, dataclass, fields
 
 import numpy as np
 
-from tests.benchmarks.bench_detector import CARRIAGEWAY, SEEN_BY_IT, detector_with
+from tests.benchmarks.bench_detector import CARRIAGEWAY, DETECTION_REGION, detector_with
 from utils import scenes
 from utils.boxes import Box, plane_iou
 from utils.scoring.card import OVERLAPS, counted, with_error, within
@@ -61,8 +61,8 @@ class Setting:
     tolerance: float = 0.2
 
 
-TODAY = Setting()
-FINER = Setting(
+CURRENT_SETTING = Setting()
+FINER_SETTING = Setting(
     least=30, voxel=0.1
 )  # with these voxels, an object keeps three times as many points
 # Values are drawn uniformly on a logarithmic scale between these limits.
@@ -75,7 +75,7 @@ RANGES = {
 }
 
 
-def drawn(rng: np.random.Generator) -> Setting:
+def draw_setting(rng: np.random.Generator) -> Setting:
     """Draw a random setting."""
     values = {name: float(np.exp(rng.uniform(*np.log(ends)))) for name, ends in RANGES.items()}
     return Setting(**values | {"least": round(values["least"])})
@@ -109,7 +109,7 @@ def counts(boxes: np.ndarray, frame: Frame) -> list[int]:
     """Count hits at each overlap, detected plus true boxes, detected people, and all people."""
     near = boxes[within(boxes, CARRIAGEWAY)]
     truth = corners_of(counted(frame, CARRIAGEWAY))
-    people = corners_of([box for box in counted(frame, SEEN_BY_IT) if box.kind in PEOPLE])
+    people = corners_of([box for box in counted(frame, DETECTION_REGION) if box.kind in PEOPLE])
     overlaps = plane_iou(near, truth)
     hits = [np.count_nonzero(match(overlaps, least) >= 0) for least in OVERLAPS]
     met = np.count_nonzero(match(plane_iou(boxes, people), OVERLAPS[0]) >= 0)
@@ -155,20 +155,20 @@ def first_frames(seeds: range) -> list[Frame]:
 def main() -> None:
     """Search, test the best settings on held-back streets and print a table in Markdown."""
     rng = np.random.default_rng(0)
-    settings = [TODAY, FINER, *(drawn(rng) for _ in range(SETTINGS))]
+    settings = [CURRENT_SETTING, FINER_SETTING, *(draw_setting(rng) for _ in range(SETTINGS))]
     frames = first_frames(SEARCHED)
     searched = {setting: quality(counts_of(setting, frames).sum(axis=0)) for setting in settings}
     ranks = sorted(settings[2:], key=searched.get, reverse=True)
-    better = sum(searched[rank] > searched[TODAY] for rank in ranks)
+    better = sum(searched[rank] > searched[CURRENT_SETTING] for rank in ranks)
     print(f"{better} of {SETTINGS} settings are better than today's on {len(frames)} streets.")
     print(f"On {len(HELD_BACK)} streets held back:\n")
     names = [field.name.replace("_", " ") for field in fields(Setting)]
     head = [*names, "searched", "held back", "gain over today", "F1", "recall of people", "ms"]
     print(f"| | {' | '.join(head)} |\n|---|{'---:|' * len(head)}")
     frames = first_frames(HELD_BACK)
-    today = counts_of(TODAY, frames)
+    today = counts_of(CURRENT_SETTING, frames)
     places = {f"number {place}": setting for place, setting in enumerate(ranks[:BEST], start=1)}
-    for name, setting in {"today": TODAY, "finer": FINER, **places}.items():
+    for name, setting in {"today": CURRENT_SETTING, "finer": FINER_SETTING, **places}.items():
         row = counts_of(setting, frames)
         whole, boxes, people = (with_error(row, metric) for metric in (quality, f1, recall))
         gain = with_error(np.hstack([row, today]), lambda s: quality(s[:6]) - quality(s[6:]))

@@ -8,14 +8,14 @@ from scipy.cluster.hierarchy import cophenet, linkage
 from scipy.spatial.distance import squareform
 from sklearn.cluster import DBSCAN
 
-from tests.lesson_texts import names_of, taught
+from tests.lesson_texts import names_of, taught_function
 
 LESSON = "05_euclidean_clustering"
 
 
 @pytest.fixture(scope="module")
 def cluster():
-    return taught("euclidean_clustering")
+    return taught_function("euclidean_clustering")
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from sklearn.cluster import DBSCAN
 
-from tests.lesson_texts import names_of, taught
+from tests.lesson_texts import names_of, taught_function
 from utils.drive import STREETS
 
 LESSON = "06_filter_ground"
@@ -21,7 +21,7 @@ def street():
 
 @pytest.fixture(scope="module")
 def filter_ground():
-    return taught("filter_ground")
+    return taught_function("filter_ground")
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.lesson_texts import names_of, taught
+from tests.lesson_texts import names_of, taught_function
 from utils import load_cloud
 from utils.datasets import DATA
 from utils.drive import STREETS
@@ -16,9 +16,9 @@ REGION = (-10, -5, -2), (30, 6, 1)
 EGO_BOX = (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)
 
 
-filter_by_distance = taught("filter_by_distance")
-crop_region = taught("crop_region")
-remove_ego_returns = taught("remove_ego_returns")
+filter_by_distance = taught_function("filter_by_distance")
+crop_region = taught_function("crop_region")
+remove_ego_returns = taught_function("remove_ego_returns")
 
 CLOUD = load_cloud("cloud.txt")
 TRUTH = np.load(DATA / "cloud_truth.npz")

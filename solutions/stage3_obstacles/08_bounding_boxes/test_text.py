@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from grader.course.lessons import find_lesson
-from tests.lesson_texts import FOLLOWED, names_of, source_of, taught
+from tests.lesson_texts import FOLLOWS_HINTS, names_of, source_of, taught_function
 from utils import load_cloud
 from utils.datasets import DATA
 from utils.drive import askew, chain, drive_street, on_time
@@ -17,7 +17,7 @@ from utils.plots import corners
 LOOPS = "corners from three nested loops, as the text suggests"
 
 
-get_bounding_boxes = taught("get_bounding_boxes")
+get_bounding_boxes = taught_function("get_bounding_boxes")
 
 CLOUD = load_cloud("cloud.txt")
 TRUTH = np.load(DATA / "cloud_truth.npz")
@@ -94,12 +94,12 @@ def test_the_box_of_seven_points_is_right():
     assert box[0, [0, 7]].tolist() == [[-2, -1.5, -1.2], [3, 2.5, 0.8]]
 
 
-@pytest.mark.parametrize("name", [FOLLOWED, LOOPS])
+@pytest.mark.parametrize("name", [FOLLOWS_HINTS, LOOPS])
 def test_corners_match_the_table(name):
     """Compare the corners with the table in the lesson's text."""
     text = find_lesson("08_bounding_boxes").source.read_text()
     corner = np.array([[1.0, 2, 3], [4, 5, 6]])
-    box = taught("get_bounding_boxes", name)(corner, np.array([1, 1]))[0]
+    box = taught_function("get_bounding_boxes", name)(corner, np.array([1, 1]))[0]
     for axis, letter in enumerate("xyz"):
         row = re.search(rf"^# \| {letter} \|(.+)\|$", text, re.M)[1].replace("*", "").split("|")
         expected = [corner[int(word.strip() == "max"), axis] for word in row]
