@@ -222,7 +222,7 @@ def test_common_mistakes_look_as_described():
 def test_the_child_runs_out_at_the_stated_time():
     (street,) = (candidate for candidate in STREETS if candidate.number == 2)
     (running,) = street.actors
-    assert int(running.begins / street.limit) == 5
+    assert int(running.start_position / street.limit) == 5
 
 
 def test_no_cloud_contains_nan():

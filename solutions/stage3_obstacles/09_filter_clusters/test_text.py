@@ -135,7 +135,7 @@ def test_the_cyclist_meets_the_car_at_the_stated_time():
     (street,) = (candidate for candidate in STREETS if candidate.number == 3)
     (cyclist,) = street.actors
     ((_, pace),) = cyclist.speeds
-    meeting = cyclist.begins / street.limit + abs(cyclist.obstacle.pose.y - EGO_LANE) / pace
+    meeting = cyclist.start_position / street.limit + abs(cyclist.obstacle.pose.y - EGO_LANE) / pace
     assert round(meeting) == 9
 
 
@@ -148,4 +148,4 @@ def test_the_largest_minimum_that_spares_the_cyclist_is_40(taught, minimum, hits
     if hits:
         assert "a cyclist in our lane, 3 m ahead" in str(trip)
     else:
-        assert trip.report.closest == pytest.approx(2, abs=0.2)
+        assert trip.report.closest_distance == pytest.approx(2, abs=0.2)

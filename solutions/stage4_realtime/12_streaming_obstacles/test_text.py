@@ -20,7 +20,7 @@ from utils.checks.failures import NotYet
 from utils.checks.run_cache import cached_run
 from utils.checks.scans import walk
 from utils.drive import drive_street, on_time
-from utils.drive.standards import DRIVERS, standards
+from utils.drive.standards import DRIVERS, reference_results
 from utils.notebooks import slicing
 from utils.scoring import counted, holders, name_mistakes
 from utils.scoring.card import hidden_shares
@@ -597,7 +597,7 @@ def test_the_lesson_takes_two_sittings_of_the_stated_minutes():
 
 
 def test_the_bar_to_beat_is_the_result_of_the_stored_drives():
-    results = standards(range(1, 21))
+    results = reference_results(range(1, 21))
     course, squares = (results[name] for name in DRIVERS[1:])
     assert f"with squares of a metre the car drives {squares.metres:.0f} m in all" in TEXT
     assert f"it drives {course.metres:,.0f} m without a collision, and brakes once" in TEXT
