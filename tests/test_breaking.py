@@ -84,7 +84,7 @@ EACH = [(exercise, letter) for exercise, puzzle in PUZZLES.items() for letter in
 @pytest.mark.parametrize(("exercise", "letter"), EACH)
 def test_the_smallest_cloud_shows_the_mistake_and_no_smaller_one_does(exercise, letter):
     function, cloud = function_of(exercise), np.array(TELLING[exercise][letter], dtype=float)
-    smallest = PUZZLES[exercise].versions[letter].smallest
+    smallest = PUZZLES[exercise].versions[letter].smallest_row_count
     assert len(cloud) == smallest and differs(exercise, letter, function, cloud)
     rng = np.random.default_rng(1)
     for count in range(1, smallest):
@@ -165,7 +165,7 @@ def test_failing_unwritten_and_unknown_functions_get_a_message(capsys):
 
 
 def test_an_endless_loop_is_stopped(capsys, monkeypatch):
-    monkeypatch.setattr(breaking, "SECONDS", 0.3)
+    monkeypatch.setattr(breaking, "TIME_LIMIT", 0.3)
 
     def euclidean_clustering(cloud, threshold=0.5):
         while True:

@@ -50,8 +50,8 @@ def test_built_in_scenarios_are_played(name, frames, tmp_path, capsys):
 
 
 def test_a_whole_stream_comes_from_the_cache(tmp_path):
-    programme = play.open_programme("highway")
-    assert len(programme.frames) == 30 and programme.on_highway
+    programme = play.open_playback("highway")
+    assert len(programme.frames) == 30 and programme.is_highway
     assert list((tmp_path / "cache").rglob("*.npz"))
 
 
@@ -70,7 +70,7 @@ def test_folders_and_single_clouds_are_played(tmp_path, suffix, capsys):
 def test_bags_are_opened_with_their_topic(monkeypatch):
     seen = []
     monkeypatch.setattr("utils.recordings.read_bag", lambda *given: seen.append(given) or [])
-    play.open_programme("drive.bag", topic="/points")
+    play.open_playback("drive.bag", topic="/points")
     assert seen == [(Path("drive.bag"), "/points")]
 
 

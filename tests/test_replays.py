@@ -19,7 +19,7 @@ from scipy.spatial.distance import cdist, pdist
 from grader.course.kept_answers import answers_to
 from tests.lesson_texts import source_of
 from utils import replay, static_widgets
-from utils.geometry import grown
+from utils.geometry import grow_tree
 from utils.replays import clustering, play, player, ransac, tracer, walk
 from utils.replays.clustering.points import GROUPS, POINTS, THRESHOLD
 from utils.replays.ransac.tasks import LINE, PLANE, ROUNDS
@@ -398,7 +398,9 @@ WRONG_SEARCHES = {
 
 
 def walk_search(search, points=TREE_POINTS, goes_left=None):
-    tree = SimpleNamespace(root=grown(points, **({"goes_left": goes_left} if goes_left else {})))
+    tree = SimpleNamespace(
+        root=grow_tree(points, **({"goes_left": goes_left} if goes_left else {}))
+    )
     with watched(tree) as visited, contextlib.redirect_stdout(io.StringIO()):
         found = search(tree, [2, -1], 4)
     return walk(tree.root, [2, -1], 4, visited, [] if found is None else sorted(found))
@@ -489,7 +491,7 @@ def test_without_widgets_a_few_figures_lead_to_the_wrong_step(shown, monkeypatch
     monkeypatch.setitem(sys.modules, "ipywidgets", None)
     del sys.modules["ipywidgets"]
     monkeypatch.setattr(static_widgets.util, "find_spec", lambda name: None)
-    static_widgets.stand_in()
+    static_widgets.install_stand_in()
     try:
         play(run_of("ransac_line", "the tolerance is squared"))
         assert shown.count("figure") == 1 and "✗" in shown[-1]

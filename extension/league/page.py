@@ -32,7 +32,7 @@ from utils.drive.film import make_film
 from utils.drive.metrics import NEAR_MISS_GAP, NEAR_MISS_SPEED
 from utils.drive.rules import stopping_distance
 from utils.drive.streets import Street
-from utils.films.writers import suffix_of_films
+from utils.films.writers import best_film_suffix
 
 FILM_SIZE = (720, 404)
 """Size of the film in pixels; at this size, the page takes a few megabytes."""
@@ -177,8 +177,8 @@ def _film_best_drive(
     )
     drive, report = repeat_drive(result, street)
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, f"best{suffix_of_films()}")
-        description = make_film(drive, report, path, size=FILM_SIZE).seen
+        path = Path(folder, f"best{best_film_suffix()}")
+        description = make_film(drive, report, path, size=FILM_SIZE).description
         data = base64.b64encode(path.read_bytes()).decode()
     return LeagueFilm(
         display_name(best), street, comparison, description, data, path.suffix == ".mp4"

@@ -25,7 +25,7 @@ from utils.checks.assertions import assert_untouched
 from utils.checks.core import visible
 from utils.checks.failures import CheckFailed
 from utils.checks.limits import TimeUp
-from utils.remote_objects import Remote, RemoteError
+from utils.remote_objects import RemoteError, RemoteObject
 
 _FIRST_LINE = "Keep the first line of the function as it was given"
 
@@ -226,7 +226,7 @@ def promise_untouched(
         assert_untouched(function, *case.given.values())
         if not is_more:
             return
-        own = RemoteError if isinstance(function, Remote) else Exception
+        own = RemoteError if isinstance(function, RemoteObject) else Exception
         try:
             assert_untouched(function, *full.values())
         except (CheckFailed, TimeUp):

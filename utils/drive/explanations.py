@@ -148,11 +148,8 @@ def returns_in_box(drive: Drive, number: int, cause: TrackedBox) -> tuple[np.nda
     """
     moment = drive.moments[number]
     scan = drive.frame(moment.latest_scan or 0).scan
-    corners = cause.corners + (
-        moment.position - drive.moments[moment.latest_scan or 0].position,
-        0,
-        0,
-    )
+    start = drive.moments[moment.latest_scan or 0].position
+    corners = cause.corners + (moment.position - start, 0, 0)
     floor, xyz = corners[np.argsort(corners[:, 2], kind="stable")[:4], :2], scan.cloud[:, :3]
     middle = floor.mean(axis=0)
     around = np.argsort(np.arctan2(*(floor - middle).T[::-1]))

@@ -12,7 +12,7 @@ from PIL import Image, ImageDraw, ImageFont
 from utils.drive.loop import Drive, Moment
 from utils.drive.metrics import Report
 from utils.drive.rules import BUMPER, CORRIDOR, HALF_WIDTH, STANDSTILL_GAP, TAIL, stopping_distance
-from utils.films.film import SIZE, picture_taker
+from utils.films.film import SIZE, open_renderer
 from utils.films.writers import Film, write_film
 from utils.plots.style import GREEN, INK, PAPER, VERMILION
 from utils.progress import progress
@@ -58,7 +58,7 @@ def make_film(
         numbers = (numbers if path.suffix != ".png" else []) + [len(drive.moments) - 1]
 
     def images() -> Iterator[np.ndarray]:
-        with picture_taker(size, BEHIND, renderer) as take:
+        with open_renderer(size, BEHIND, renderer) as take:
             for number in progress(numbers, f"Recording {path.name}"):
                 picture = draw_dashboard(
                     take(scene_of(drive, report, number)), drive.moments[number]
@@ -68,7 +68,7 @@ def make_film(
                 yield from [draw_end_frame(picture)] * PICTURES_OF_COLLISION
 
     write_film(path, images(), 10.0 / MOMENTS_PER_PICTURE)
-    return Film(path, len(numbers), seen=summary(drive, report))
+    return Film(path, len(numbers), description=summary(drive, report))
 
 
 def summary(drive: Drive, report: Report) -> str:

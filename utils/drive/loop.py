@@ -18,7 +18,7 @@ from utils.drive.planner import Decision, Planner
 from utils.drive.rules import JERK, TICK
 from utils.drive.streets import SCANNER, Street
 from utils.drive.weather import with_dirt, with_rain
-from utils.films.film import checked_boxes
+from utils.films.film import as_boxes
 from utils.progress import progress
 from utils.remote_objects import RemoteStopped
 from utils.simulator.frames import Frame, observe
@@ -235,7 +235,7 @@ class _TimedDetector:
             if not self._has_answered:  # the first call may load libraries and is not timed
                 self._detect(frame.cloud.copy())
             found, seconds = self._clock(lambda: self._detect(frame.cloud.copy()))
-            boxes = checked_boxes(found)
+            boxes = as_boxes(found)
         except RemoteStopped:  # the process has ended, so every later scan would fail
             raise
         except Exception as error:

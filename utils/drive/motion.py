@@ -138,7 +138,7 @@ class TrackerMotion:
         track_ids = self._tracker.update(boxes, seconds).tolist()
         tracks = self._tracker.tracks
         self._places = {
-            track_id: self._places.get(track_id, ()) for track_id in tracks.names.tolist()
+            track_id: self._places.get(track_id, ()) for track_id in tracks.ids.tolist()
         }
         for track_id, box in dict(
             zip(track_ids, boxes, strict=True)
@@ -148,14 +148,14 @@ class TrackerMotion:
         speeds = tracks.velocities[:, :2] + (distance / seconds, 0.0)
         speeds[:, 1] = [
             _speed_nearest_to_zero(speed, *_side_speeds(self._places[track_id]))
-            for track_id, speed in zip(tracks.names.tolist(), speeds[:, 1].tolist(), strict=True)
+            for track_id, speed in zip(tracks.ids.tolist(), speeds[:, 1].tolist(), strict=True)
         ]
         speeds = np.where((np.abs(speeds) < SMALLEST_SPEED) | ~np.isfinite(speeds), 0.0, speeds)
         speeds[tracks.age < FEWEST_PLACES] = 0.0
         return [
             TrackedBox(box, tuple(speed), missed == 0, track_id)
             for box, speed, missed, track_id in zip(
-                tracks.boxes, speeds.tolist(), tracks.missed, tracks.names.tolist(), strict=True
+                tracks.boxes, speeds.tolist(), tracks.missed, tracks.ids.tolist(), strict=True
             )
         ]
 

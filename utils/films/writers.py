@@ -33,7 +33,7 @@ class Film:
         Number of boxes found in each frame.
     problems : tuple of str
         One sentence for each frame in which the detector failed.
-    seen : str
+    description : str
         Description of the picture, for readers who cannot see it.
     """
 
@@ -42,12 +42,12 @@ class Film:
     seconds: tuple[float, ...] = ()
     boxes: tuple[int, ...] = ()
     problems: tuple[str, ...] = ()
-    seen: str = "A film of a street, drawn from the points of a scanner."
+    description: str = "A film of a street, drawn from the points of a scanner."
 
     @property
     def recap(self) -> str:
         """Description of the film in words."""
-        words = [self.seen, f"{self.frames} frame{'' if self.frames == 1 else 's'}."]
+        words = [self.description, f"{self.frames} frame{'' if self.frames == 1 else 's'}."]
         if self.boxes:
             low, high = min(self.boxes), max(self.boxes)
             number = f"{low}" if low == high else f"{low} to {high}"
@@ -102,7 +102,7 @@ def write_mp4(path: Path, images: Iterator[np.ndarray], frames_per_second: float
         writer.close()  # also after Ctrl-C or an error, when `with` would not close the writer
 
 
-def suffix_of_films() -> str:
+def best_film_suffix() -> str:
     """Return the suffix of the best film format available here: ".mp4", or else ".gif"."""
     return ".mp4" if importlib.util.find_spec("imageio_ffmpeg") else ".gif"
 

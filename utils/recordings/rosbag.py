@@ -17,7 +17,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
-from utils.clouds.errors import CloudFileError, excerpt, file_error, listing, missing_file
+from utils.clouds.errors import CloudFileError, excerpt, file_error, listing, missing_file_error
 from utils.clouds.pcd_header import cloud_fields
 
 if TYPE_CHECKING:
@@ -112,7 +112,7 @@ def read_bag(path: str | os.PathLike, topic: str | None = None) -> Bag:
     """
     path = Path(path)
     if not path.exists():
-        raise missing_file(path.name, [path.parent], SUFFIXES)
+        raise missing_file_error(path.name, [path.parent], SUFFIXES)
     with _opened(path) as reader:
         topics = sorted(
             {connection.topic for connection in reader.connections if connection.msgtype == MESSAGE}

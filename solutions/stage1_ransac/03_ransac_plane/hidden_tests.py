@@ -55,7 +55,7 @@ from utils.checks.lesson_03.results import (
     assert_nearest_are_inliers,
     assert_nothing_found,
 )
-from utils.geometry import gaps_from
+from utils.geometry import distances_from_plane
 
 
 def random_plane(rng):
@@ -285,7 +285,10 @@ def street_with_best_plane(name, seed, run, tolerance):
 
 def assert_marks(answer, points, tolerance):
     """Check that the mask marks most of the points near the plane, and few others."""
-    near, mask = gaps_from(points, as_model(answer)) <= tolerance, as_mask(answer, len(points))
+    near, mask = (
+        distances_from_plane(points, as_model(answer)) <= tolerance,
+        as_mask(answer, len(points)),
+    )
     if np.sum(near & mask) < 0.8 * max(np.sum(near), np.sum(mask)):
         raise CheckFailed(
             "The plane is found, but the mask does not mark the points near it.",
@@ -307,7 +310,7 @@ def test_finds_the_road(student, seed, name):
     for run in range(3):
         points, most, iterations = street_with_best_plane(name, seed, run, 0.2)
         answer = student.ransac_plane(points.copy(), iterations, 0.2, np.random.default_rng(run))
-        found = np.count_nonzero(gaps_from(points, as_model(answer)) <= 0.2)
+        found = np.count_nonzero(distances_from_plane(points, as_model(answer)) <= 0.2)
         if found < 0.82 * most:
             raise CheckFailed(
                 "There is a plane with many more points near it.",

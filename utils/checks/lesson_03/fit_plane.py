@@ -22,8 +22,14 @@ from utils.checks.lesson_03.planes import (
     same_plane,
     scattered_plane,
 )
-from utils.geometry import best_plane, gaps_from, plane_at, spread_of, with_unit_normal
-from utils.remote_objects import Remote
+from utils.geometry import (
+    best_plane,
+    distances_from_plane,
+    plane_through_point,
+    principal_components,
+    with_unit_normal,
+)
+from utils.remote_objects import RemoteObject
 
 # The uneven floor of the notebook, 4 m by 2 m, with corners 10 cm too high or too low.
 _FLOOR = frozen(np.array([[0.0, 0.0, -1.6], [4.0, 0.0, -1.8], [0.0, 2.0, -1.8], [4.0, 2.0, -1.6]]))
@@ -42,7 +48,9 @@ def assert_direction(answer: object, points: np.ndarray, given: str | None = Non
     plane = as_plane(answer)
     best, least = best_plane(points)
     centre = np.asarray(points, dtype=float)[:, :3].mean(axis=0)
-    yours = math.sqrt(np.mean(gaps_from(points, plane_at(centre, plane[:3])) ** 2))
+    yours = math.sqrt(
+        np.mean(distances_from_plane(points, plane_through_point(centre, plane[:3])) ** 2)
+    )
     if yours > 1.001 * least + 1e-3:
         raise CheckFailed(
             "Another plane through the mean of these points is closer to them than the one with "
@@ -64,7 +72,7 @@ def assert_through_the_mean(answer: object, points: np.ndarray) -> None:
     """
     plane = as_plane(answer)
     centre = np.asarray(points, dtype=float)[:, :3].mean(axis=0)
-    gap = gaps_from(centre[None], plane)[0]
+    gap = distances_from_plane(centre[None], plane)[0]
     if gap > 5e-3:
         best = best_plane(points)[0]
         raise CheckFailed(
@@ -201,7 +209,7 @@ def fits_three_points(fit_plane: Callable) -> None:
 def fits_many_points(fit_plane: Callable) -> None:
     require_direction(fit_plane)
     # The judge limits memory. A notebook only measures it, so it uses a smaller cloud.
-    n = 25_000 if isinstance(fit_plane, Remote) else 3_000
+    n = 25_000 if isinstance(fit_plane, RemoteObject) else 3_000
     points, _ = scattered_plane(6, n, 0, noise=0.05)
     try:
         with _peak_memory() as used:
@@ -263,7 +271,7 @@ common_checks.promise_names(
 
 
 def _through_the_mean(points: np.ndarray, normal: np.ndarray) -> np.ndarray:
-    return plane_at(points[:, :3].mean(axis=0), normal)
+    return plane_through_point(points[:, :3].mean(axis=0), normal)
 
 
 def _column_of_the_svd(points: np.ndarray) -> np.ndarray:
@@ -287,13 +295,13 @@ declare_mistakes(
     ),
     Mistake(
         "The normal is the direction of largest spread; it must be the direction of least spread.",
-        lambda right, points: _through_the_mean(points, spread_of(points)[2][:, 2]),
+        lambda right, points: _through_the_mean(points, principal_components(points)[2][:, 2]),
         "The directions are sorted from largest to least spread: take the last row.",
     ),
     Mistake(
         "The normal is the direction of second largest spread; it must be the direction of "
         "least spread.",
-        lambda right, points: _through_the_mean(points, spread_of(points)[2][:, 1]),
+        lambda right, points: _through_the_mean(points, principal_components(points)[2][:, 1]),
         "The directions are sorted from largest to least spread: take the last row.",
     ),
     Mistake(

@@ -28,7 +28,7 @@ from utils.checks.lesson_03.planes import (
     same_plane,
     triangle_text,
 )
-from utils.geometry import best_plane, gaps_from, plane_at
+from utils.geometry import best_plane, distances_from_plane, plane_through_point
 
 _TINY = frozen(np.array([[3.0, 1.0, -1.7], [3.1, 1.0, -1.7], [3.0, 1.08, -1.68]]))
 _LINES = frozen(
@@ -103,8 +103,8 @@ def assert_contains_points(answer: object, triangle: np.ndarray) -> None:
     triangle : numpy.ndarray, shape (3, 3)
     """
     plane = as_plane_of_triangle(answer, triangle)
-    worst = triangle[np.argmax(gaps_from(triangle, plane))]
-    if gaps_from(worst[None], plane)[0] > 2e-3:
+    worst = triangle[np.argmax(distances_from_plane(triangle, plane))]
+    if distances_from_plane(worst[None], plane)[0] > 2e-3:
         raise CheckFailed(
             f"The points do not lie on the plane: at {point_text(worst)}, for example, "
             f"a x + b y + c z + d is {worst @ plane[:3] + plane[3]:.3g}, {fixed('not 0')}.",
@@ -298,7 +298,7 @@ declare_mistakes(
     *(
         Mistake(
             f"The cross product is computed from the points {names} themselves, not from sides.",
-            lambda right, *points, pair=pair: plane_at(
+            lambda right, *points, pair=pair: plane_through_point(
                 points[0], best_plane(np.array([0 * points[0], *(points[k] for k in pair)]))[0][:3]
             ),
             "Use the sides of the triangle, q - p and r - p. They lie in the plane; the points as "
@@ -308,7 +308,9 @@ declare_mistakes(
     ),
     Mistake(
         "p is subtracted from q, but not from r.",
-        lambda right, p, q, r: plane_at(p, best_plane(np.array([0 * p, q - p, r]))[0][:3]),
+        lambda right, p, q, r: plane_through_point(
+            p, best_plane(np.array([0 * p, q - p, r]))[0][:3]
+        ),
         "Both sides start at p: q - p and r - p.",
     ),
     Mistake(

@@ -33,7 +33,7 @@ from utils.checks.lesson_03.results import (
     assert_nothing_found,
 )
 from utils.checks.run_cache import once
-from utils.geometry import gaps_from
+from utils.geometry import distances_from_plane
 
 # The small example of the notebook: five points on a floor and two above it.
 _SEVEN_POINTS = frozen(
@@ -233,7 +233,7 @@ def draws_no_more_samples(ransac_plane: Callable) -> None:
     points, on_plane = scattered_plane(32, 20, 40)
     generators = map(np.random.default_rng, range(48))
     found = sum(
-        np.count_nonzero(on_plane & (gaps_from(points, plane) <= 0.2)) > 17
+        np.count_nonzero(on_plane & (distances_from_plane(points, plane) <= 0.2)) > 17
         for plane in _quick_planes(ransac_plane, points, 1, 0.2, generators)
         if plane is not None
     )
@@ -384,7 +384,7 @@ def draws_from_all_rows(ransac_plane: Callable) -> None:
     for plane in planes_from_two_rounds(ransac_plane, _FIVE_POINTS):
         if plane is not None:
             planes.append(plane)
-            rows = np.flatnonzero(gaps_from(_FIVE_POINTS, plane) < 2e-3)
+            rows = np.flatnonzero(distances_from_plane(_FIVE_POINTS, plane) < 2e-3)
             drawn[rows] = True
             has_distant_rows |= frozenset(rows) not in neighbours
         if drawn.all() and has_distant_rows:

@@ -6,7 +6,7 @@ import numpy as np
 
 from utils.checks.assertions import CheckFailed, WrongForm, as_array, as_shape, brief_text
 from utils.checks.lesson_03.planes import as_plane, draw_edge_on
-from utils.geometry import best_plane, gaps_from
+from utils.geometry import best_plane, distances_from_plane
 
 
 def as_pair(answer: object) -> Sequence:
@@ -112,7 +112,7 @@ def assert_finds_plane(
         The input of the function, for the message.
     """
     plane = as_model(answer, given)
-    near = gaps_from(points, plane) <= distance_tolerance
+    near = distances_from_plane(points, plane) <= distance_tolerance
     found, total = np.count_nonzero(near & on_plane), np.count_nonzero(on_plane)
     if found < share * total:
         subject = f"{total} of the" if total < len(points) else "all"
@@ -137,7 +137,7 @@ def assert_nearest_are_inliers(answer: object, points: np.ndarray) -> None:
     points : numpy.ndarray, shape (n, 3) or (n, 4)
     """
     plane, mask = as_model(answer), as_mask(answer, len(points))
-    gaps = gaps_from(points, plane)
+    gaps = distances_from_plane(points, plane)
     if not mask.any():
         raise CheckFailed(
             "The function returned a model, but its mask does not mark any points.",
@@ -169,7 +169,7 @@ def assert_inliers_within_tolerance(
         Largest distance of an inlier, in metres.
     """
     plane, mask = as_model(answer), as_mask(answer, len(points))
-    gaps = gaps_from(points, plane)
+    gaps = distances_from_plane(points, plane)
     clear = np.abs(gaps - distance_tolerance) > 1e-4
     wrong = np.flatnonzero((mask != (gaps <= distance_tolerance)) & clear)
     if len(wrong):

@@ -28,7 +28,7 @@ from utils.checks.lesson_04.trees import (
     error_names,
 )
 from utils.checks.run_cache import once
-from utils.geometry import grown, places_of
+from utils.geometry import grow_tree, nodes_by_path
 
 # Comparing y at the root would put the second and third points on the wrong sides.
 _TWO_LEVELS = frozen(np.array([[5.0, 5.0], [2.0, 8.0], [8.0, 3.0]]))
@@ -275,7 +275,7 @@ def _student_indices_by_path(KdTree: Callable, points: np.ndarray) -> dict[str, 
 
 def _indices_by_path(points: np.ndarray, **rule: Callable) -> dict[str, int]:
     """Return the indices of a tree built by a right or wrong rule, keyed by path."""
-    return {path: node.index for path, node in places_of(grown(points, **rule)).items()}
+    return {path: node.index for path, node in nodes_by_path(grow_tree(points, **rule)).items()}
 
 
 def _replace_children_of_root(right: dict[str, int], points: np.ndarray) -> dict[str, int]:

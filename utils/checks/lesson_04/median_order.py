@@ -21,7 +21,7 @@ from utils.checks.failures import fixed
 from utils.checks.lesson_04.cases import ELEVEN_POINTS, distinct_points
 from utils.checks.lesson_04.trees import few_points_text
 from utils.checks.run_cache import once
-from utils.geometry import grown, in_turn, places_of
+from utils.geometry import alternating_axis, grow_tree, nodes_by_path
 
 _SHORT_HINT = (
     "Put the rows before the median and the rows after it on the list of parts, and process every "
@@ -78,8 +78,8 @@ def assert_minimal_depth(answer: object, points: np.ndarray) -> None:
     points : numpy.ndarray, shape (n, 2) or (n, 3)
     """
     order = _order_of(answer, points)
-    root = grown(points[order], order.tolist())
-    depth, least = max(map(len, places_of(root)), default=-1) + 1, len(points).bit_length()
+    root = grow_tree(points[order], order.tolist())
+    depth, least = max(map(len, nodes_by_path(root)), default=-1) + 1, len(points).bit_length()
     if depth > least:
         raise CheckFailed(
             f"Inserted in this order, {len(points)} points make a tree of {depth} levels; "
@@ -121,7 +121,7 @@ def assert_lower_medians(answer: object, points: np.ndarray) -> None:
 def _wrong_parts(
     points: np.ndarray,
     order: np.ndarray,
-    axis_at: Callable[[int, int], int] = in_turn,
+    axis_at: Callable[[int, int], int] = alternating_axis,
     place: Callable[[int], int] = lambda m: (m - 1) // 2,
     growths: tuple[int, int] = (1, 1),
 ) -> Iterator[tuple]:
@@ -162,7 +162,7 @@ def _wrong_parts(
 
 # The correct sequence of axes, and wrong ones that still allow a function to halve every part.
 _AXIS_RULES = (
-    in_turn,
+    alternating_axis,
     lambda depth, k: 0,
     lambda depth, k: 1,
     lambda depth, k: (depth + 1) % k,
@@ -188,7 +188,7 @@ def _list_text(values: np.ndarray) -> str:
 
 
 def _draw_tree(order: np.ndarray, points: np.ndarray) -> Callable:
-    root = grown(points[order], order.tolist())
+    root = grow_tree(points[order], order.tolist())
     return lambda: utils.plots.kd_tree(root, title="The tree that your order makes")
 
 

@@ -27,7 +27,7 @@ from utils.checks.lesson_04.search_results import (
 )
 from utils.checks.lesson_04.trees import build_tree
 from utils.checks.run_cache import once
-from utils.geometry import SIDES, TreeNode, grown, in_turn, places_of
+from utils.geometry import SIDES, TreeNode, alternating_axis, grow_tree, nodes_by_path
 
 # Distances of the splits from the target, from 8 times the radius down to a tenth of it.
 _SIZES = frozen(np.concatenate([np.geomspace(8, 1.2, 15), np.geomspace(0.9, 0.1, 12)]))
@@ -50,7 +50,7 @@ def _assert_at_target(KdTree: Callable) -> None:
     "decide for each side whether to search there.",
 )
 def finds_the_target(KdTree: Callable) -> None:
-    root = grown(_SCATTERED_POINTS)
+    root = grow_tree(_SCATTERED_POINTS)
     tree = build_tree(KdTree, root)
     for point in _SCATTERED_POINTS:
         assert_found(tree, root, point + [0.03, -0.02], 0.1)
@@ -67,7 +67,7 @@ def finds_the_target(KdTree: Callable) -> None:
 )
 def searches_both_sides(KdTree: Callable) -> None:
     # The root is far from the target, but its split is between two neighbours of the target.
-    root = grown([[0.0, 3.0], [-0.5, 0.0], [0.5, 0.1]])
+    root = grow_tree([[0.0, 3.0], [-0.5, 0.0], [0.5, 0.1]])
     for x in (0.1, -0.1):
         assert_found(build_tree(KdTree, root), root, np.array([x, 0.0]), 1.0)
     for target, tolerance in (([-6.0, 7.0], 3.0), ([-6.5, 7.5], 2.5)):
@@ -90,7 +90,7 @@ def measures_a_circle(KdTree: Callable) -> None:
     points = nested_points(
         np.random.default_rng(3), np.geomspace(0.96, 0.5, 8), 2, is_off_circle, -1
     )
-    root = grown(points)
+    root = grow_tree(points)
     assert_found(build_tree(KdTree, root), root, np.zeros(2), 1.0)
 
 
@@ -107,7 +107,7 @@ def follows_the_tolerance(KdTree: Callable) -> None:
         np.random.default_rng(4), [2.2, 1.6, 1.3, 0.9, 0.8, 0.7, 0.6, 0.3], 2, is_off_corners, -1
     )
     for tolerance in (0.3, 1.0, 3.0):
-        root = grown(points * tolerance)
+        root = grow_tree(points * tolerance)
         assert_found(build_tree(KdTree, root), root, np.zeros(2), tolerance)
 
 
@@ -119,7 +119,7 @@ def follows_the_tolerance(KdTree: Callable) -> None:
 )
 def includes_the_border(KdTree: Callable) -> None:
     points = np.array([[0.0, 2.0], [1.0, 1.0], [2.0, 2.0], [1.0, 3.0], [1.2, 2.5]])
-    root = grown(points)
+    root = grow_tree(points)
     assert_found(build_tree(KdTree, root), root, np.array([1.0, 2.0]), 1.0)
 
 
@@ -149,7 +149,7 @@ def reaches_the_split(KdTree: Callable) -> None:
     if not finds_the_border(KdTree):
         return
     points = np.array([[2.0, 9.0], [-3.0, 3.0], [2.0, 2.0], [1.0, 3.0], [1.2, 2.5]])
-    root = grown(points)
+    root = grow_tree(points)
     assert_found(build_tree(KdTree, root), root, np.array([1.0, 2.0]), 1.0)
 
 
@@ -165,7 +165,7 @@ def searches_space(KdTree: Callable) -> None:
     points = nested_points(np.random.default_rng(5), _SIZES, 3, is_off_corners)
     # Seen from above, all three are near the target; two of them are far above or below it.
     above = np.array([[0.3, 0.2, 5.0], [0.1, 0.4, 0.2], [0.6, -0.3, -4.0]])
-    for root in (grown(points), grown(above)):
+    for root in (grow_tree(points), grow_tree(above)):
         assert_found(build_tree(KdTree, root), root, np.zeros(3), 1.0)
 
 
@@ -198,7 +198,7 @@ def skips_regions(KdTree: Callable) -> None:
 def handles_an_empty_tree(KdTree: Callable) -> None:
     _assert_at_target(KdTree)
     assert_found(build_tree(KdTree, None), None, np.zeros(2), 1.0)
-    root = grown([[1.0, 2.0]])
+    root = grow_tree([[1.0, 2.0]])
     assert_found(build_tree(KdTree, root), root, np.array([1.1, 2.0]), 0.5)
     assert_found(build_tree(KdTree, root), root, np.array([5.0, 5.0]), 1.0)
 
@@ -235,7 +235,7 @@ def _indices_text(indices: list[int]) -> str:
     hint="math.dist(p, q) works for all of them; p - q needs an array: np.asarray(p) - q.",
 )
 def accepts_any_sequence(KdTree: Callable) -> None:
-    root = grown(
+    root = grow_tree(
         nested_points(np.random.default_rng(6), [3.0, 2.0, 0.8, 0.5, 0.3], 2, is_off_corners, -1)
     )
     for as_lists, target in ((True, [0.0, 0.0]), (True, np.zeros(2)), (False, (0.0, 0.0))):
@@ -296,11 +296,11 @@ def _visited_indices(
     target: np.ndarray,
     tolerance: float,
     rule: Callable[[_Split], bool],
-    axis_at: Callable[[int, int], int] = in_turn,
+    axis_at: Callable[[int, int], int] = alternating_axis,
     depth_of: Callable[[str], int] = len,
 ) -> set[int]:
     """Return the indices of the nodes that a search with this rule visits, near or not."""
-    places = places_of(grown(points))
+    places = nodes_by_path(grow_tree(points))
 
     def passes(path: str, depth: int) -> bool:
         axis = axis_at(depth_of(path[:depth]), len(target))
@@ -326,7 +326,7 @@ def _reaches_side(node: _Split) -> bool:
 
 
 def _prediction_from_rule(
-    rule: Callable, axis_at: Callable = in_turn, depth_of: Callable = len
+    rule: Callable, axis_at: Callable = alternating_axis, depth_of: Callable = len
 ) -> Callable:
     """Return a function that predicts the near points visited by a search with this rule."""
     return lambda right, points, target, tolerance: (
@@ -338,11 +338,11 @@ def _predict_stop_at_first_gap(
     right: set, points: np.ndarray, target: np.ndarray, tolerance: float
 ) -> set:
     """Predict the result of a level-by-level search that ends at the first missing child."""
-    places, found, pending = places_of(grown(points)), set(), [""]
+    places, found, pending = nodes_by_path(grow_tree(points)), set(), [""]
     for path in pending:  # the list grows inside the loop
         if path not in places:
             break
-        node, axis = places[path], in_turn(len(path), len(target))
+        node, axis = places[path], alternating_axis(len(path), len(target))
         found.add(node.index)
         pending += [
             path + letter
@@ -368,7 +368,7 @@ def _prediction_from_distance(is_near: Callable) -> Callable:
     """
 
     def predict(right: set, points: np.ndarray, target: np.ndarray, tolerance: float) -> set:
-        depths = {node.index: len(path) for path, node in places_of(grown(points)).items()}
+        depths = {node.index: len(path) for path, node in nodes_by_path(grow_tree(points)).items()}
         return {
             index
             for index in _visited_indices(points, target, tolerance, _reaches_side)
@@ -549,7 +549,7 @@ declare_mistakes(
         index for index, point in enumerate(points) if math.dist(point, target) <= tolerance
     },
     is_same=_same_indices,
-    call=lambda KdTree, points, target, tolerance: build_tree(KdTree, grown(points)).search(
+    call=lambda KdTree, points, target, tolerance: build_tree(KdTree, grow_tree(points)).search(
         target, tolerance
     ),
     class_name="KdTree",
