@@ -193,12 +193,12 @@ class FakeWindow:
     opened = []
 
     def __init__(self, size, camera):
-        self.shown, self.open, self.paused, self.stayed = [], True, False, False
+        self.shown, self.is_open, self.is_paused, self.stayed = [], True, False, False
         self.opened.append(self)
 
     def show_scene(self, scene):
         self.shown.append(scene.caption)
-        self.open = len(self.shown) < 2
+        self.is_open = len(self.shown) < 2
 
     def refresh(self):
         pass
@@ -207,7 +207,7 @@ class FakeWindow:
         self.stayed = True
 
     def close(self):
-        self.open = False
+        self.is_open = False
 
 
 def test_with_a_screen_frames_are_played_until_the_window_is_closed(monkeypatch, tmp_path):

@@ -207,11 +207,13 @@ def play(
     print("F1 to F4: cameras · space: pause · q: quit")
     start, paused_for = time.monotonic(), 0.0
     for frame in watch(playback.frames, detect, tracker):
-        if not window.open:
+        if not window.is_open:
             break
         window.show_scene(playback.compose(frame))
-        while window.open and (window.paused or time.monotonic() - start - paused_for < frame.time):
-            paused_for += 0.02 if window.paused else 0.0
+        while window.is_open and (
+            window.is_paused or time.monotonic() - start - paused_for < frame.time
+        ):
+            paused_for += 0.02 if window.is_paused else 0.0
             time.sleep(0.02)
             window.refresh()
     window.wait_until_closed()

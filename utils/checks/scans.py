@@ -111,17 +111,17 @@ def climb(seed: int) -> Frame:
     """
     from utils.simulator.frames import observe
     from utils.simulator.ground import Ground
-    from utils.simulator.streets import placed, some_car, some_walker, world_of
+    from utils.simulator.streets import placed, random_car, random_pedestrian, world_of
     from utils.simulator.traffic import truck
 
     rng = np.random.default_rng((seed, 34))
     side = rng.choice([-1, 1])
-    first, second = some_car(rng), some_car(rng)
+    first, second = random_car(rng), random_car(rng)
     x, y = rng.uniform(1.5, 2.5), 4.9 * side
     gap = (first.size[0] + second.size[0]) / 2 + GAP
     person = (rng.uniform(3.2, 3.4), -side * rng.uniform(2.15, 2.35))
     obstacles = [
-        placed(some_walker(rng), *person),
+        placed(random_pedestrian(rng), *person),
         placed(truck(rng.uniform(11.5, 12.5)), rng.uniform(5.0, 6.0), -5.2 * side, 0.0),
         placed(first, x, y, 0.0),
         placed(second, x + gap, y, 0.0),
@@ -138,7 +138,7 @@ def car_across(frame: Frame) -> Box:
 
 
 def _random_square(seed: Sequence[int], cars: int, people: int) -> Frame:
-    from utils.simulator.streets import placed, some_car, some_walker
+    from utils.simulator.streets import placed, random_car, random_pedestrian
 
     rng = np.random.default_rng(seed)
     obstacles = []
@@ -147,7 +147,9 @@ def _random_square(seed: Sequence[int], cars: int, people: int) -> Frame:
         # the ego car.
         yaw = np.radians(45 + 90 * rng.integers(4) + rng.uniform(-12, 12))
         x, y = rng.uniform((-7.2, -3.6), (7.2, 3.6))
-        obstacle = placed(some_car(rng) if len(obstacles) < cars else some_walker(rng), x, y, yaw)
+        obstacle = placed(
+            random_car(rng) if len(obstacles) < cars else random_pedestrian(rng), x, y, yaw
+        )
         if len(obstacles) < cars + people and _has_room(obstacle, obstacles):
             obstacles.append(obstacle)
     return _scan_square(obstacles, rng, seed)
@@ -159,10 +161,10 @@ def _scan_square(
     """Return a scan of obstacles around the sensor, two walking pedestrians and houses."""
     from utils.simulator.frames import observe
     from utils.simulator.ground import Ground
-    from utils.simulator.streets import StreetPlan, placed, some_walker, street, world_of
+    from utils.simulator.streets import StreetPlan, placed, random_pedestrian, street, world_of
 
     obstacles = list(obstacles)
-    obstacles += [placed(some_walker(rng), x, 0.0, speed=1.3) for x in (-12.0, 12.0)]
+    obstacles += [placed(random_pedestrian(rng), x, 0.0, speed=1.3) for x in (-12.0, 12.0)]
     empty = float("inf")
     houses = StreetPlan(
         ((-40.0, 40.0),), parked=empty, furniture=empty, driving=empty, walkers=15.0

@@ -16,7 +16,7 @@ from utils.films.writers import Film, write_film
 from utils.progress import progress
 from utils.scene3d import Scene
 from utils.scene3d.cameras import Camera, as_camera
-from utils.scene3d.output import picture_of, renderer_for
+from utils.scene3d.output import choose_renderer, picture_of
 from utils.tracking import Tracker
 
 SIZE = (960, 540)
@@ -237,7 +237,7 @@ def open_renderer(
     size: tuple[int, int], camera: Camera, renderer: str | None
 ) -> Iterator[Callable[[Scene], np.ndarray]]:
     """Yield a function that draws scenes; with PyVista, all pictures share one `Studio`."""
-    if renderer_for(renderer) == "matplotlib":
+    if choose_renderer(renderer) == "matplotlib":
         yield lambda scene: picture_of(scene, camera, size, "matplotlib")
         return
     from utils.scene3d.with_pyvista import Studio

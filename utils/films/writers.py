@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from utils.scene3d.output import encoded, in_few_colours
+from utils.scene3d.output import encode_image, reduce_colours
 
 COLOURS_OF_A_GIF = 128
 MOST_EMBEDDED = 30_000_000  # bytes; a notebook with a larger film opens slowly
@@ -109,8 +109,8 @@ def best_film_suffix() -> str:
 
 def write_gif(path: Path, images: Iterator[np.ndarray], frames_per_second: float) -> None:
     """Write images with one shared palette, so that unchanged areas take almost no space."""
-    first = in_few_colours(next(images), COLOURS_OF_A_GIF)
-    others = (in_few_colours(image, COLOURS_OF_A_GIF, like=first) for image in images)
+    first = reduce_colours(next(images), COLOURS_OF_A_GIF)
+    others = (reduce_colours(image, COLOURS_OF_A_GIF, like=first) for image in images)
     duration = 1000 / frames_per_second
     first.save(path, save_all=True, append_images=others, loop=0, optimize=False, duration=duration)
 
@@ -118,7 +118,7 @@ def write_gif(path: Path, images: Iterator[np.ndarray], frames_per_second: float
 def write_png(path: Path, images: Iterator[np.ndarray], frames_per_second: float) -> None:
     """Write the last image."""
     for image in images:
-        path.write_bytes(encoded(image, "PNG"))
+        path.write_bytes(encode_image(image, "PNG"))
 
 
 WRITERS = {".mp4": write_mp4, ".gif": write_gif, ".png": write_png}

@@ -8,7 +8,7 @@ from utils.remote_objects import ENDLESS_LOOP_HINT
 from utils.replays.tracer import Ending
 
 
-def how_it_ended(ending: Ending, function: Callable) -> str:
+def describe_ending(ending: Ending, function: Callable) -> str:
     """Describe the returned value, or the reason why there is none.
 
     Parameters

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from utils.replays.player import Fault, first_of
+from utils.replays.player import Fault, earliest_fault
 from utils.replays.ransac.observer import Round, as_mask, as_model, gaps_from
 from utils.replays.ransac.tasks import HAIR, ROUNDS, Task
 
@@ -89,13 +89,18 @@ class Rounds:
         return next((name for name, mask in self.winner.masks.items() if mask == wanted), None)
 
     @property
-    def wrong(self) -> Fault | None:
+    def fault(self) -> Fault | None:
         """The first mistake, or None."""
-        found = [_own_mistake(round_) for round_ in self.rounds]
+        found = [_find_mistake_in_round(round_) for round_ in self.rounds]
         if self.answer is not None:
-            found += [self._without_a_model(), self._mask(), self._length(), self._not_the_best()]
-        found.append(self._extra_sample())
-        return first_of([wrong for wrong in found if wrong])
+            found += [
+                self._find_missing_model(),
+                self._find_wrong_mask(),
+                self._find_wrong_normal_length(),
+                self._find_better_round(),
+            ]
+        found.append(self._find_extra_sample())
+        return earliest_fault([fault for fault in found if fault])
 
     @property
     def _last(self) -> int:
@@ -177,7 +182,7 @@ class Rounds:
         return None
 
 
-def _own_mistake(round_: Round) -> Fault | None:
+def _find_mistake_in_round(round_: Round) -> Fault | None:
     """Return the mistake in a round's own sample or model, if any."""
     task, step, rows = round_.task, round_.number - 1, round_.rows
     if rows is not None and len(set(rows)) < task.size:
