@@ -51,7 +51,7 @@ def positional_only(right, made):
 
 def without_defaults(right, made):
     def function(*arguments, **named):
-        if len(arguments) + len(named) < len(made.case.given):
+        if len(arguments) + len(named) < len(made.case.arguments):
             raise TypeError("missing 1 required positional argument")
         return right(*arguments, **named)
 
@@ -184,7 +184,7 @@ UNTOUCHED = [
     parameter(made, argument)
     for made in common_checks.all_promises()
     if made.kind == "untouched"
-    for argument, value in made.case.given.items()
+    for argument, value in made.case.arguments.items()
     if isinstance(value, np.ndarray)
 ]
 
@@ -192,7 +192,7 @@ UNTOUCHED = [
 @pytest.mark.parametrize("made, argument", UNTOUCHED)
 def test_changing_an_argument_fails_only_that_check(made, argument):
     exercise = made.case.exercise
-    wrong = changing_argument(right(exercise), made.case.given, argument)
+    wrong = changing_argument(right(exercise), made.case.arguments, argument)
     assert made.name in failed_checks(exercise, wrong)
     assert failed_checks(exercise, wrong) <= {made.name, *also_about_writing(exercise)}
 
@@ -256,5 +256,5 @@ def test_a_line_through_the_origin_is_moved_away_from_it():
 
 def test_cases_are_read_only():
     for made in common_checks.all_promises():
-        for value in (*made.case.given.values(), made.case.expected):
+        for value in (*made.case.arguments.values(), made.case.expected):
             assert not isinstance(value, np.ndarray) or not value.flags.writeable, made

@@ -55,7 +55,7 @@ def test_a_passed_check_has_no_message():
 
 WRONG = CheckFailed(
     "3 of 17 rows are wrong, for example (1.5, -2): row 4",
-    given="(1, 2)",
+    input_text="(1, 2)",
     yours="3",
     expected="4",
     tip="A tip.",

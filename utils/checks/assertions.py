@@ -369,7 +369,7 @@ def assert_positions(
     cloud: np.ndarray,
     keep: np.ndarray,
     view: str = "side",
-    given: str | None = None,
+    input_text: str | None = None,
     points_to_text: Callable[[np.ndarray], str] | None = None,
 ) -> None:
     """Assert that the answer contains the points of ``cloud[keep]``, in any order.
@@ -385,7 +385,7 @@ def assert_positions(
         The rows that a right answer keeps.
     view : {"side", "above"}
         Viewpoint of the picture.
-    given : str, optional
+    input_text : str, optional
         The arguments of the call, for the message.
     points_to_text : callable, optional
         Takes points, shape (m, 3), and returns a short text. By default, the text is their number.
@@ -402,7 +402,7 @@ def assert_positions(
     except CheckFailed as failure:
         if points_to_text and len(yours) <= len(cloud):
             failure.yours, failure.expected = points_to_text(yours), points_to_text(expected)
-        failure.given = given
+        failure.input_text = input_text
         raise
 
 

@@ -97,7 +97,7 @@ def assert_clusters(
     except CheckFailed as failure:
         if failure.is_about_the_check and len(cloud) <= _MOST_COMPARED:
             yours = as_labels(answer, len(cloud))
-            failure.given = _nearest_wrong_pair(yours, expected, cloud, threshold)
+            failure.input_text = _nearest_wrong_pair(yours, expected, cloud, threshold)
             failure.yours, failure.expected = _labels_text(yours), _labels_text(expected)
         raise
 

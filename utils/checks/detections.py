@@ -141,7 +141,7 @@ def assert_contained(answer: object, obstacle: Box, frame: Frame) -> None:
     ):
         raise CheckFailed(
             f"No box contains the {name} at {point_text(obstacle.centre[:2])}.",
-            given=_visible_part(obstacle, frame),
+            input_text=_visible_part(obstacle, frame),
             yours=f"{len(boxes)} boxes in that scan",
             expected=f"a box around that {name}",
             draw=lambda: _draw_boxes(frame, boxes, [obstacle.corners], "missed"),
@@ -183,7 +183,7 @@ def assert_no_boxes_on_road(answer: object, frame: Frame) -> None:
         raise CheckFailed(
             f"{len(ghosts)} boxes contain mostly road or nothing at all, for example at "
             f"{point_text(ghosts[0][:, :2].mean(axis=0))}.",
-            given="a road that climbs",
+            input_text="a road that climbs",
             yours=f"{len(boxes)} boxes in that scan",
             expected="boxes around cars, a lorry and a person",
             draw=lambda: _draw_boxes(frame, boxes, ghosts, "road"),
@@ -384,7 +384,7 @@ def _assert_found(
         f"{len(missed)} of {count} isolated {noun} near the sensor "
         f"{'have' if len(missed) > 1 else 'has'} no separate box, for example "
         f"{point_text(obstacle.centre[:2])}: {how}.",
-        given=_visible_part(obstacle, frame),
+        input_text=_visible_part(obstacle, frame),
         yours=f"{len(boxes)} boxes in that scan",
         expected="for each, a box around most of its returns and little else",
         draw=lambda: _draw_boxes(

@@ -57,7 +57,7 @@ def assert_distances(answer: object, cloud: np.ndarray, expected: np.ndarray) ->
         mine, right = distinct_texts(metres_text, yours[wrong[0]], expected[wrong[0]])
         raise CheckFailed(
             f"{len(wrong)} of {len(cloud)} distances {verb} wrong.",
-            given=f"a point at {point_text(cloud[wrong[0]])}",
+            input_text=f"a point at {point_text(cloud[wrong[0]])}",
             yours=mine,
             expected=right,
         )

@@ -130,7 +130,7 @@ def assert_no_line(line_through: Callable, point: ArrayLike) -> None:
     if answer is not None:
         raise CheckFailed(
             "Infinitely many lines pass through two equal points, so the answer must be None.",
-            given=f"the point {point_text(point)} twice",
+            input_text=f"the point {point_text(point)} twice",
             yours=brief_text(answer),
             expected="None",
         )
@@ -184,7 +184,7 @@ def finds_axis_parallel_lines(line_through: Callable) -> None:
         if answer is None:
             raise CheckFailed(
                 "The answer is None although the points differ.",
-                given=f"{point_text(p)} and {point_text(q)}",
+                input_text=f"{point_text(p)} and {point_text(q)}",
                 yours="None",
                 expected="three numbers (a, b, c)",
             )
@@ -217,7 +217,7 @@ def finds_lines_through_close_points(line_through: Callable) -> None:
         if line_through(np.array(p), np.array(q)) is None:
             raise CheckFailed(
                 "The answer is None although the points differ.",
-                given=f"two points {np.hypot(q[0] - p[0], q[1] - p[1]):.3f} m apart",
+                input_text=f"two points {np.hypot(q[0] - p[0], q[1] - p[1]):.3f} m apart",
                 yours="None",
                 expected="three numbers (a, b, c)",
             )
@@ -337,7 +337,7 @@ def assert_line_distances(
         mine, right = distinct_texts(metres_text, yours[wrong[0]], expected[wrong[0]])
         raise CheckFailed(
             f"{len(wrong)} of {len(points)} distances {verb} wrong.",
-            given=f"the line {brief_text(np.asarray(line))} and the point "
+            input_text=f"the line {brief_text(np.asarray(line))} and the point "
             f"{point_text(points[wrong[0]])}",
             yours=mine,
             expected=right,
@@ -960,7 +960,7 @@ def assert_threshold_is_inclusive(ransac_line: Callable, points: np.ndarray) -> 
         if not mask[2]:
             raise CheckFailed(
                 "A point at exactly distance_tolerance from the line is not marked.",
-                given=f"distance_tolerance=1.0, the line {brief_text(line)} and the point "
+                input_text=f"distance_tolerance=1.0, the line {brief_text(line)} and the point "
                 f"{point_text(points[2])}",
                 yours="False",
                 expected="True",
@@ -1051,7 +1051,7 @@ def draws_different_points(ransac_line: Callable) -> None:
         raise CheckFailed(
             "The three points differ, so any two of them define a line. In some runs no line "
             "was found.",
-            given="three points and max_iterations=2",
+            input_text="three points and max_iterations=2",
             yours=f"no line in {n_without_line} of {len(runs)} runs",
             expected="a line in every run",
         )
@@ -1105,7 +1105,7 @@ def draws_from_all_points(ransac_line: Callable) -> None:
     if drawn.all():
         raise CheckFailed(
             "Only neighbouring rows are drawn together.",
-            given="four points and max_iterations=2",
+            input_text="four points and max_iterations=2",
             yours=f"no line through rows 0 and 2 or through rows 1 and 3 in {len(lines)} runs",
             expected="one of these lines in about a third of the runs",
             hint="Draw two different rows, independently of each other: "
@@ -1114,7 +1114,7 @@ def draws_from_all_points(ransac_line: Callable) -> None:
     row = int(np.flatnonzero(~drawn)[0])
     raise CheckFailed(
         f"Row {row} of the four points was never drawn.",
-        given="four points and max_iterations=2",
+        input_text="four points and max_iterations=2",
         yours=f"no line through row {row} in {len(lines)} runs",
         expected="a line through each row in about half of the runs",
     )
@@ -1165,7 +1165,7 @@ def assert_repeats(ransac_line: Callable, as_rng: Callable) -> None:
         if not (_lines_equal(first[0], again[0]) and np.array_equal(first[1], again[1])):
             raise CheckFailed(
                 "The same seed gave two different answers.",
-                given=f"the seed {seed} twice, with max_iterations=2",
+                input_text=f"the seed {seed} twice, with max_iterations=2",
                 yours=f"first the line {_line_text(first[0])}, then {_line_text(again[0])}",
                 expected="the same line and mask both times",
             )
@@ -1201,7 +1201,7 @@ def differs_with_other_seeds(ransac_line: Callable) -> None:
         raise NotYet("two rounds find a line")
     raise CheckFailed(
         fixed("20 different seeds all gave the same line."),
-        given="max_iterations=2",
+        input_text="max_iterations=2",
         yours=f"always {lines.pop()}",
         expected="nearly 20 different lines",
     )
@@ -1226,7 +1226,7 @@ def continues_after_equal_points(ransac_line: Callable) -> None:
     if n_without_line:
         raise CheckFailed(
             "Not all points are equal, but in some runs no line was found.",
-            given="28 equal points, 12 others and max_iterations=40",
+            input_text="28 equal points, 12 others and max_iterations=40",
             yours=f"no line in {n_without_line} of 24 runs",
             expected="a line in every run",
         )
@@ -1278,7 +1278,7 @@ def assert_two_points_are_enough(ransac_line: Callable, pair: np.ndarray) -> Non
             return
     raise CheckFailed(
         "Two different points define a line, but no line is found with any seed.",
-        given="two points and max_iterations=10",
+        input_text="two points and max_iterations=10",
         yours="None",
         expected="three numbers (a, b, c)",
         hint="Two points are enough for a sample. Return early only if len(points) < 2.",

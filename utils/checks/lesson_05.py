@@ -122,7 +122,7 @@ def counts_from_one(euclidean_clustering: Callable) -> None:
         assert_labels_from_one(answer, len(cloud))
     except CheckFailed as failure:
         if failure.is_about_the_check:
-            failure.given = "an isolated point, then three groups, then another isolated point"
+            failure.input_text = "an isolated point, then three groups, then another isolated point"
             failure.yours, failure.expected = (
                 brief_text(as_labels(answer, len(cloud))),
                 _LABELS_WITH_SINGLES,
@@ -188,7 +188,8 @@ def measures_all_directions_alike(euclidean_clustering: Callable) -> None:
             ]
             raise CheckFailed(
                 f"Points {gap:.2f} m apart are close along {parts[0]} but not along {parts[1]}.",
-                given=f"pairs of points, {gap:.2f} m apart, in different directions; threshold 1 m",
+                input_text=f"pairs of points, {gap:.2f} m apart, in different directions; "
+                "threshold 1 m",
             )
 
 

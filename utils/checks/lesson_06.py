@@ -54,7 +54,7 @@ def assert_no_ground_left(
         answer,
         cloud,
         keep,
-        given=f"{_heights_text(cloud)}, ground_level {level:g}" if is_small else None,
+        input_text=f"{_heights_text(cloud)}, ground_level {level:g}" if is_small else None,
         points_to_text=_heights_text if is_small else None,
     )
 
@@ -122,9 +122,13 @@ _GROUND_CASE = Case(
 def keeps_the_default(filter_ground: Callable) -> None:
     cloud = np.array([[5, 1, z, 0.5] for z in (-1.23, -1.17, -1.02, -1.4)])
     keep = np.array([False, True, True, False])
-    given = f"{_heights_text(cloud)}, ground_level not given"
+    input_text = f"{_heights_text(cloud)}, ground_level not given"
     assert_positions(
-        filter_ground(cloud.copy()), cloud, keep, given=given, points_to_text=_heights_text
+        filter_ground(cloud.copy()),
+        cloud,
+        keep,
+        input_text=input_text,
+        points_to_text=_heights_text,
     )
 
 
@@ -272,7 +276,7 @@ def assert_row_per_cell(answer: object, cloud: np.ndarray, number: int, size: fl
     if len(yours) != number:
         raise CheckFailed(
             f"There are {'fewer' if len(yours) < number else 'more'} rows than occupied cells.",
-            given=_call_text(cloud, size),
+            input_text=_call_text(cloud, size),
             yours=_row_count_text(len(yours)),
             expected=_row_count_text(number),
         )
@@ -300,7 +304,7 @@ def assert_centroids(answer: object, cloud: np.ndarray, expected: np.ndarray, si
             if is_single
             else "The number of rows is right, but some rows are not the mean of the points in "
             "their cell.",
-            given=_call_text(cloud, size),
+            input_text=_call_text(cloud, size),
             yours=mine,
             expected=expected_text,
         )
@@ -389,7 +393,7 @@ def averages_the_intensity(voxel_grid: Callable) -> None:
     if abs(yours[0, 3] - 0.1) > TOLERANCE:
         raise CheckFailed(
             "The intensity is not the mean of the intensities in the cell.",
-            given="intensities 0.02, 0.16 and 0.12 in one cell",
+            input_text="intensities 0.02, 0.16 and 0.12 in one cell",
             yours=f"intensity {yours[0, 3]:.2f}",
             expected="intensity 0.10",
         )
@@ -412,7 +416,7 @@ def ignores_the_intensity(voxel_grid: Callable) -> None:
             assert_row_per_cell(voxel_grid(cloud.copy(), 0.2), cloud, 2, 0.2)
         except CheckFailed as failure:
             pairs = "intensities {:g} and {:g} at one place, {:g} and {:g} at another"
-            failure.given = pairs.format(*intensities)
+            failure.input_text = pairs.format(*intensities)
             raise
 
 
@@ -489,7 +493,7 @@ def never_merges_cells(voxel_grid: Callable) -> None:
         if rows != 2:
             raise CheckFailed(
                 f"The cells {pair[0]} and {pair[1]} are merged into one.",
-                given="one point in each of the two cells, voxel_size=0.2",
+                input_text="one point in each of the two cells, voxel_size=0.2",
                 yours=f"{rows} row{'s' * (rows != 1)}",
                 expected="2 rows",
             )

@@ -96,7 +96,7 @@ def _assert_any_corner_type(function: Callable, kind: Callable) -> None:
         raise CheckFailed(
             "The function returns different rows when the same corners are passed as "
             f"{'lists' if kind is list else 'arrays'} instead of tuples.",
-            given=f"six points on a line, and corners {brief_text(kind(_CUBE[0]))} and "
+            input_text=f"six points on a line, and corners {brief_text(kind(_CUBE[0]))} and "
             f"{brief_text(kind(_CUBE[1]))}",
             yours=f"{len(with_kind)} rows",
             expected=f"{len(with_tuples)} rows, as your function returns with tuples",
@@ -142,9 +142,9 @@ def _assert_remaining(
 ) -> None:
     """Call `assert_positions`; draw the border into its picture and describe a small cloud."""
     is_small = len(cloud) <= 8
-    given = f"points {points_text(cloud)}, {settings}" if is_small else None
+    input_text = f"points {points_text(cloud)}, {settings}" if is_small else None
     try:
-        assert_positions(answer, cloud, keep, view, given, points_text if is_small else None)
+        assert_positions(answer, cloud, keep, view, input_text, points_text if is_small else None)
     except CheckFailed as failure:
         if difference := failure.draw:
             failure.draw = lambda: outline(difference())
@@ -270,8 +270,8 @@ def ignores_intensity(filter_by_distance: Callable) -> None:
     try:
         assert_points_left(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near)
     except CheckFailed as failure:
-        if failure.given:
-            failure.given += ", intensities 255, 0, 40, 3"
+        if failure.input_text:
+            failure.input_text += ", intensities 255, 0, 40, 3"
         raise
 
 
@@ -309,8 +309,10 @@ _NEAR_CASE = Case(
 def keeps_the_default(filter_by_distance: Callable) -> None:
     cloud = np.array([[x, 0.1, -0.2, 0.3] for x in (9.8, 10.2, 7.0, 13.0)])
     near = np.array([True, False, True, False])
-    given = f"points {points_text(cloud)}, distance not given"
-    assert_positions(filter_by_distance(cloud.copy()), cloud, near, "above", given, points_text)
+    input_text = f"points {points_text(cloud)}, distance not given"
+    assert_positions(
+        filter_by_distance(cloud.copy()), cloud, near, "above", input_text, points_text
+    )
 
 
 common_checks.promise_names(

@@ -59,7 +59,9 @@ def assert_right_clusters_left(
     show = _summary_text if _summary_text(yours) != _summary_text(expected) else brief_text
     raise CheckFailed(
         f"{text[0].upper()}{text[1:]}." if text else NOISE_MESSAGE,
-        given=_call_text(labels, minimum) if len(labels) <= 20 or minimum is not None else None,
+        input_text=_call_text(labels, minimum)
+        if len(labels) <= 20 or minimum is not None
+        else None,
         yours=show(yours),
         expected=show(expected),
         draw=lambda: _draw_clusters(labels, yours, expected),
@@ -76,7 +78,9 @@ def _assert_different_labels(yours: np.ndarray, labels: np.ndarray, minimum: int
         raise CheckFailed(
             f"Clusters {merged[0]} and {merged[1]} now have the same label, so two obstacles "
             "became one.",
-            given=_call_text(labels, minimum) if len(labels) <= 20 or minimum is not None else None,
+            input_text=_call_text(labels, minimum)
+            if len(labels) <= 20 or minimum is not None
+            else None,
             yours=brief_text(yours),
         )
 
@@ -292,7 +296,7 @@ def keeps_the_default(filter_clusters: Callable) -> None:
             fixed(
                 "filter_clusters(labels) and filter_clusters(labels, 100) keep different clusters."
             ),
-            given=_call_text(labels, None),
+            input_text=_call_text(labels, None),
             yours=f"{np.count_nonzero(without_minimum)} points kept",
             expected=f"{np.count_nonzero(with_minimum)} points kept, as with a minimum of 100",
         )
@@ -336,7 +340,7 @@ def keeps_label_zero(filter_clusters: Callable) -> None:
     if (yours[labels == 0] > 0).any():
         raise CheckFailed(
             NOISE_MESSAGE,
-            given=f"labels {brief_text(labels)}, minimum 3",
+            input_text=f"labels {brief_text(labels)}, minimum 3",
             yours=brief_text(yours),
             expected=brief_text(np.where(labels == 2, 2, 0)),
         )

@@ -90,7 +90,7 @@ def as_axes(answer: object) -> np.ndarray:
     return axes.astype(float)
 
 
-def assert_directions(answer: object, expected: np.ndarray, given: str | None = None) -> None:
+def assert_directions(answer: object, expected: np.ndarray, input_text: str | None = None) -> None:
     """Assert that each expected axis is parallel to some column, whatever its sign and length.
 
     Parameters
@@ -98,7 +98,7 @@ def assert_directions(answer: object, expected: np.ndarray, given: str | None = 
     answer : object
     expected : numpy.ndarray, shape (3, k)
         The first k axes, in columns by decreasing spread. The spreads must differ clearly.
-    given : str, optional
+    input_text : str, optional
         The input of the function, for the message.
     """
     axes = as_axes(answer)
@@ -112,20 +112,22 @@ def assert_directions(answer: object, expected: np.ndarray, given: str | None = 
     angle = np.degrees(np.arccos(min(cosines[axis, nearest], 1)))
     raise CheckFailed(
         f"No column runs along the {_NAMES[axis]} direction of the points.",
-        given=given,
+        input_text=input_text,
         yours=f"the closest column, {_axis_text(axes[:, nearest])}, is {angle:.0f}° off",
         expected=f"a column {_axis_text(expected[:, axis])}, or its negative",
     )
 
 
-def assert_sorted_by_spread(answer: object, points: np.ndarray, given: str | None = None) -> None:
+def assert_sorted_by_spread(
+    answer: object, points: np.ndarray, input_text: str | None = None
+) -> None:
     """Assert that the spread of the points along the columns decreases from left to right.
 
     Parameters
     ----------
     answer : object
     points : numpy.ndarray, shape (n, 3)
-    given : str, optional
+    input_text : str, optional
         The input of the function, for the message.
     """
     axes = as_axes(answer)
@@ -133,7 +135,7 @@ def assert_sorted_by_spread(answer: object, points: np.ndarray, given: str | Non
     if (np.diff(spread) > 1e-3 * spread.max()).any():
         raise CheckFailed(
             "The columns are not sorted by the spread of the points along them.",
-            given=given,
+            input_text=input_text,
             yours=f"standard deviations {brief_text(spread)}",
             expected=f"the largest first, {brief_text(np.sort(spread)[::-1])}",
         )
@@ -357,7 +359,7 @@ def _vehicles() -> tuple[tuple[str, np.ndarray, np.ndarray], ...]:
     return tuple(vehicles)
 
 
-def assert_axes(answer: object, expected: np.ndarray, given: str | None = None) -> None:
+def assert_axes(answer: object, expected: np.ndarray, input_text: str | None = None) -> None:
     """Assert that each column is parallel to the expected axis in that column, up to the sign.
 
     Parameters
@@ -365,7 +367,7 @@ def assert_axes(answer: object, expected: np.ndarray, given: str | None = None) 
     answer : object
     expected : numpy.ndarray, shape (3, 3)
         Axes in columns, by decreasing spread.
-    given : str, optional
+    input_text : str, optional
         The input of the function, for the message.
     """
     axes = as_axes(answer)
@@ -377,7 +379,7 @@ def assert_axes(answer: object, expected: np.ndarray, given: str | None = None) 
         angle = np.degrees(np.arccos(min(cosines[column], 1)))
         raise CheckFailed(
             f"Column {column} does not run along the {_NAMES[column]} direction of the points.",
-            given=given,
+            input_text=input_text,
             yours=f"{_axis_text(axes[:, column])}, {angle:.0f}° off",
             expected=f"{_axis_text(expected[:, column])}, or its negative",
         )
@@ -704,8 +706,8 @@ def finds_heading_from_above(get_oriented_boxes: Callable) -> None:
         leaning = upright + np.outer(upright[:, 2], [0.04, 0.04, 0.0])
         points, labels = _turn(leaning, heading) + place, np.ones(len(leaning), dtype=int)
         answer = get_oriented_boxes(points.copy(), labels.copy())
-        given = f"{_block_text(size, heading)}, leaning by 5 cm per metre"
-        assert_headings(answer, points, labels, (heading,), given)
+        input_text = f"{_block_text(size, heading)}, leaning by 5 cm per metre"
+        assert_headings(answer, points, labels, (heading,), input_text)
 
 
 _BOXES_CASE = Case(

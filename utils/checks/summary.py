@@ -143,7 +143,7 @@ def failure_texts(
         ("What happened", failure.message),
         *([("Where", _location_text(failure))] if isinstance(failure, Raised) else []),
         ("In plain words", failure.tip),
-        ("Given", failure.given),
+        ("Given", failure.input_text),
         *comparison,
         ("Hint", hint_for(outcome, mistake)),
     ]

@@ -75,7 +75,7 @@ def test_kept_answers_pass_or_fail_as_claimed(name, variant, monkeypatch):
         failed = dict([*failed.items()][:1])
     assert set(variant.loses) <= set(failed), sorted(failed)
     assert not variant.loses_only or set(failed) <= set(variant.loses), sorted(failed)
-    messages = " ".join(f"{one.check.title} {one.failure.message} {one.failure.given} "
+    messages = " ".join(f"{one.check.title} {one.failure.message} {one.failure.input_text} "
                     f"{one.failure.hint} {one.check.hint}" for one in failed.values())  # fmt: skip
     assert variant.says in messages, messages
     mistake = None if "did not return within" in variant.says else diagnose(name, function)

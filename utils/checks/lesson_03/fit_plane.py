@@ -35,14 +35,14 @@ from utils.remote_objects import RemoteObject
 _FLOOR = frozen(np.array([[0.0, 0.0, -1.6], [4.0, 0.0, -1.8], [0.0, 2.0, -1.8], [4.0, 2.0, -1.6]]))
 
 
-def assert_direction(answer: object, points: np.ndarray, given: str | None = None) -> None:
+def assert_direction(answer: object, points: np.ndarray, input_text: str | None = None) -> None:
     """Assert that no other normal fits better; ignore the length of the normal and d.
 
     Parameters
     ----------
     answer : object
     points : numpy.ndarray, shape (n, 3) or (n, 4)
-    given : str, optional
+    input_text : str, optional
         The input of the function, for the message.
     """
     plane = as_plane(answer)
@@ -55,7 +55,7 @@ def assert_direction(answer: object, points: np.ndarray, given: str | None = Non
         raise CheckFailed(
             "Another plane through the mean of these points is closer to them than the one with "
             "your (a, b, c).",
-            given=given,
+            input_text=input_text,
             yours=f"{plane_text(plane)}, root mean square distance {yours:.4f} m",
             expected=f"{expected_text(plane, best)}, root mean square distance {least:.4f} m",
             draw=lambda: draw_edge_on(np.asarray(points), plane, None, None, best),
@@ -101,8 +101,8 @@ def require_direction(fit_plane: Callable) -> None:
     "of its third result.",
 )
 def fits_a_road(fit_plane: Callable) -> None:
-    given = f"four points: {', '.join(map(point_text, _FLOOR))}"
-    assert_direction(fit_plane(_FLOOR.copy()), _FLOOR, given)
+    input_text = f"four points: {', '.join(map(point_text, _FLOOR))}"
+    assert_direction(fit_plane(_FLOOR.copy()), _FLOOR, input_text)
     for seed, noise in ((1, 0.0), (2, 0.05)):
         points, _ = scattered_plane(seed, 80, 0, noise=noise)
         assert_direction(fit_plane(points.copy()), points)

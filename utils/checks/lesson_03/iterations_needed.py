@@ -44,7 +44,7 @@ def assert_nearly_right(answer: object, expected: int, *case: object) -> None:
     if not abs(float(number) - expected) <= 1:
         raise CheckFailed(
             "This is not the number of samples that you need.",
-            given=_call_text(case),
+            input_text=_call_text(case),
             yours=f"{number:g}",
             expected=str(expected),
         )
@@ -61,7 +61,7 @@ def assert_iterations(answer: object, expected: int, *case: object) -> None:
         The arguments of the call, for the message.
     """
     number = assert_number(answer)
-    sides = {"given": _call_text(case), "yours": f"{number:g}", "expected": str(expected)}
+    sides = {"input_text": _call_text(case), "yours": f"{number:g}", "expected": str(expected)}
     if number != np.round(number):
         raise CheckFailed("A number of rounds must be whole: round up.", **sides)
     if number != expected:
@@ -81,7 +81,7 @@ def assert_infinite(answer: object) -> None:
         return
     raise CheckFailed(
         "Without inliers, no number of samples is enough.",
-        given=_call_text((0.0, 3, 0.99)),
+        input_text=_call_text((0.0, 3, 0.99)),
         yours=brief_text(answer),
         expected="math.inf",
     )
@@ -179,7 +179,7 @@ def returns_one_without_outliers(iterations_needed: Callable) -> None:
         if assert_number(answer) != 1:
             raise CheckFailed(
                 "Every sample is good here, so you need exactly one.",
-                given=_call_text((ratio, size, confidence)),
+                input_text=_call_text((ratio, size, confidence)),
                 yours=brief_text(answer),
                 expected="1",
             )

@@ -63,7 +63,7 @@ def as_plane_of_triangle(answer: object, triangle: np.ndarray) -> np.ndarray:
     if answer is None:
         raise CheckFailed(
             "The function returned None for three points that define a plane.",
-            given=triangle_text(triangle),
+            input_text=triangle_text(triangle),
             yours="None",
             expected="four numbers (a, b, c, d)",
             hint="Return None only for points on one line. Does every other path through the "
@@ -88,7 +88,7 @@ def assert_perpendicular(answer: object, triangle: np.ndarray) -> None:
     if angle > 0.1:
         raise CheckFailed(
             f"(a, b, c) is not perpendicular to the triangle: it is off by {angle:.1f} degrees.",
-            given=triangle_text(triangle),
+            input_text=triangle_text(triangle),
             yours=plane_text(plane),
             expected=expected_text(plane, best_plane(triangle)[0]),
         )
@@ -108,7 +108,7 @@ def assert_contains_points(answer: object, triangle: np.ndarray) -> None:
         raise CheckFailed(
             f"The points do not lie on the plane: at {point_text(worst)}, for example, "
             f"a x + b y + c z + d is {worst @ plane[:3] + plane[3]:.3g}, {fixed('not 0')}.",
-            given=triangle_text(triangle),
+            input_text=triangle_text(triangle),
             yours=plane_text(plane),
             expected=expected_text(plane, best_plane(triangle)[0]),
         )
@@ -127,7 +127,7 @@ def assert_no_plane(answer: object, line: np.ndarray, nearly: str = "") -> None:
     if answer is not None:
         raise CheckFailed(
             f"These three points lie on one line{nearly}: infinitely many planes contain them.",
-            given=triangle_text(line),
+            input_text=triangle_text(line),
             yours=brief_text(as_array(answer, description="None, or four numbers")),
             expected="None",
         )
@@ -235,7 +235,7 @@ def finds_small_triangles(plane_through: Callable) -> None:
             fixed(
                 "These points are 8 and 10 cm apart and not on one line, so they define a plane."
             ),
-            given=triangle_text(_TINY),
+            input_text=triangle_text(_TINY),
             yours="None",
             expected=plane_text(best_plane(_TINY)[0]),
         )

@@ -84,7 +84,7 @@ def assert_distances(answer: object, points: np.ndarray, plane: ArrayLike) -> No
         count = f"{len(wrong)} of {len(expected)} distances {'is' if len(wrong) == 1 else 'are'}"
         raise CheckFailed(
             f"{count if len(expected) > 1 else 'The distance is'} wrong.",
-            given=f"point {point_text(points[first])}, "
+            input_text=f"point {point_text(points[first])}, "
             f"plane {brief_text(np.asarray(plane, float))}",
             yours=f"{yours[first]:.4g} m",
             expected=f"{expected[first]:.4g} m",
@@ -114,7 +114,7 @@ def assert_ignores_intensity(
     if not np.abs(yours - plain).max() <= 1e-3:
         raise CheckFailed(
             "With the intensity in a fourth column, the distances differ from those without it.",
-            given=f"a plane with d = {plane[3]:.3g}",
+            input_text=f"a plane with d = {plane[3]:.3g}",
             yours=brief_text(yours),
             expected=brief_text(plain),
         )

@@ -121,7 +121,7 @@ def finds_the_plane(ransac_plane: Callable) -> None:
         _SEVEN_POINTS,
         0.1,
         on_floor,
-        given="seven points, five of them on a floor at z = -1.7",
+        input_text="seven points, five of them on a floor at z = -1.7",
     )
     for seed in (1, 2, 3):
         points, on_plane = scattered_plane(seed, 60, 30, noise=0.02)
@@ -264,13 +264,13 @@ def continues_after_degenerate_samples(ransac_plane: Callable) -> None:
             ramp_with_collinear_points(np.random.default_rng(seed)),
             _half_equal_points(40 + seed),
         )
-        for (points, on_plane), given in (
+        for (points, on_plane), input_text in (
             (ramp, "48 points on one plane, 40 of them on one line"),
             (half_equal, "40 points on one plane, 20 of them equal"),
         ):
             # Four samples in ten are good, so 40 rounds fail with a probability of 0.58^40 < 1e-9.
             answer = ransac_plane(points.copy(), 40, 0.2, np.random.default_rng(seed))
-            assert_finds_plane(answer, points, 0.2, on_plane, given=given)
+            assert_finds_plane(answer, points, 0.2, on_plane, input_text=input_text)
 
 
 @visible(
@@ -299,7 +299,7 @@ def assert_three_points_are_enough(ransac_plane: Callable, triangle: np.ndarray)
     raise CheckFailed(
         "Three points that are not on one line define a plane, but no plane is found with any "
         "seed.",
-        given="three points and max_iterations=10",
+        input_text="three points and max_iterations=10",
         yours="None",
         expected="four numbers (a, b, c, d)",
         hint="Three points are enough for a sample. Return early only if len(points) < 3.",
@@ -340,7 +340,7 @@ def assert_rows_differ(ransac_plane: Callable, points: np.ndarray) -> None:
     if n_without_plane:
         raise CheckFailed(
             "Any three of these points define a plane. In some runs no plane was found.",
-            given=f"{len(points)} points and max_iterations=2",
+            input_text=f"{len(points)} points and max_iterations=2",
             yours=f"None in {n_without_plane} of {len(planes)} runs",
             expected="a plane in every run",
         )
@@ -394,7 +394,7 @@ def draws_from_all_rows(ransac_plane: Callable) -> None:
     if drawn.all():
         raise CheckFailed(
             "Only neighbouring rows are drawn together.",
-            given="five points and max_iterations=2",
+            input_text="five points and max_iterations=2",
             yours=f"every plane passes through three neighbouring rows in {len(planes)} runs",
             expected="planes through any three rows",
             hint="Draw three different rows, independently of each other: "
@@ -403,7 +403,7 @@ def draws_from_all_rows(ransac_plane: Callable) -> None:
     row = int(np.flatnonzero(~drawn)[0])
     raise CheckFailed(
         f"Row {row} of the five points was never drawn.",
-        given="five points and max_iterations=2",
+        input_text="five points and max_iterations=2",
         yours=f"no plane through row {row} in {len(planes)} runs",
         expected="a plane through each row in more than half of the runs",
     )
@@ -443,7 +443,7 @@ def assert_threshold_is_inclusive(ransac_plane: Callable, points: np.ndarray) ->
         if not as_mask(answer, 4)[3]:
             raise CheckFailed(
                 "A point at exactly distance_tolerance from the plane is not marked.",
-                given=f"distance_tolerance=1.0, the plane {plane_text(plane)} and the point "
+                input_text=f"distance_tolerance=1.0, the plane {plane_text(plane)} and the point "
                 f"{point_text(points[3])}",
                 yours="False",
                 expected="True",
@@ -513,7 +513,7 @@ def depends_only_on_rng(ransac_plane: Callable) -> None:
         if not _planes_equal(first, again):
             raise CheckFailed(
                 "The same seed gave two different planes: not all random numbers come from rng.",
-                given="the same points, max_iterations=2 and "
+                input_text="the same points, max_iterations=2 and "
                 f"rng=np.random.default_rng({seed}), twice",
                 yours=f"{plane_text(first)} and {plane_text(again)}",
                 expected="the same plane twice",

@@ -26,13 +26,13 @@ def as_pair(answer: object) -> Sequence:
     return answer
 
 
-def as_model(answer: object, given: str | None = None) -> np.ndarray:
+def as_model(answer: object, input_text: str | None = None) -> np.ndarray:
     """Return the model of an answer for points that contain a plane; ignore the mask.
 
     Parameters
     ----------
     answer : object
-    given : str, optional
+    input_text : str, optional
         The input of the function, for the message.
 
     Returns
@@ -49,7 +49,7 @@ def as_model(answer: object, given: str | None = None) -> np.ndarray:
     if model is None:
         raise CheckFailed(
             "The model is None, although the points contain a plane.",
-            given=given,
+            input_text=input_text,
             yours="None",
             expected="four numbers (a, b, c, d)",
         )
@@ -94,7 +94,7 @@ def assert_finds_plane(
     distance_tolerance: float,
     on_plane: np.ndarray,
     share: float = 0.9,
-    given: str | None = None,
+    input_text: str | None = None,
 ) -> None:
     """Assert that most points of the right plane are near the model; ignore the mask.
 
@@ -108,10 +108,10 @@ def assert_finds_plane(
         True for the points of the right plane.
     share : float
         Share of these points that must be near the model.
-    given : str, optional
+    input_text : str, optional
         The input of the function, for the message.
     """
-    plane = as_model(answer, given)
+    plane = as_model(answer, input_text)
     near = distances_from_plane(points, plane) <= distance_tolerance
     found, total = np.count_nonzero(near & on_plane), np.count_nonzero(on_plane)
     if found < share * total:
@@ -119,7 +119,7 @@ def assert_finds_plane(
         raise CheckFailed(
             f"There is a plane with many more points near it: {subject} {len(points)} points "
             "lie on it.",
-            given=given,
+            input_text=input_text,
             yours=f"{np.count_nonzero(near)} points within {distance_tolerance:g} m",
             expected=f"about {total}",
             draw=lambda: draw_edge_on(

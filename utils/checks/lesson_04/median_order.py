@@ -84,7 +84,7 @@ def assert_minimal_depth(answer: object, points: np.ndarray) -> None:
         raise CheckFailed(
             f"Inserted in this order, {len(points)} points make a tree of {depth} levels; "
             f"with medians first, {least} levels are enough.",
-            given=few_points_text(points),
+            input_text=few_points_text(points),
             yours=f"{depth} levels",
             expected=f"{least} levels",
             draw=_draw_tree(order, points),
@@ -111,7 +111,7 @@ def assert_lower_medians(answer: object, points: np.ndarray) -> None:
     raise CheckFailed(
         f"{point} is not the {'lower ' * (len(values) % 2 == 0)}median of the {len(values)} points "
         f"along {letter}.",
-        given=f"{letter} of these points, sorted: {_list_text(np.sort(values))}",
+        input_text=f"{letter} of these points, sorted: {_list_text(np.sort(values))}",
         yours=f"{letter} = {values[0]:g}",
         expected=f"{letter} = {median:g}",
         draw=_draw_tree(order, points),
@@ -236,7 +236,8 @@ def starts_with_the_median(median_order: Callable) -> None:
         if x != median:
             raise CheckFailed(
                 "The first point of the order is not the median along x.",
-                given=f"x of the {len(points)} points, sorted: {_list_text(np.sort(points[:, 0]))}",
+                input_text=f"x of the {len(points)} points, sorted: "
+                f"{_list_text(np.sort(points[:, 0]))}",
                 yours=f"x = {x:g}",
                 expected=f"x = {median:g}",
             )

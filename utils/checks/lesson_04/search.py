@@ -217,7 +217,7 @@ def returns_each_once(KdTree: Callable) -> None:
     if repeated:
         raise CheckFailed(
             f"Index {repeated[0]} is returned {yours.count(repeated[0])} times.",
-            given="target (-6, 7), tolerance 3 m",
+            input_text="target (-6, 7), tolerance 3 m",
             yours=_indices_text(yours),
             expected="each index once",
         )

@@ -62,7 +62,7 @@ def assert_found(
         )
     raise CheckFailed(
         f"{'. '.join(parts)}.",
-        given=f"target {exact_text(target)}, tolerance {tolerance:g} m",
+        input_text=f"target {exact_text(target)}, tolerance {tolerance:g} m",
         yours=_indices_text(yours),
         expected=_indices_text(expected),
         draw=_make_search_drawing(
@@ -148,7 +148,7 @@ def assert_pruned(
     if trap in answer:
         raise CheckFailed(
             "search visited a region in which every point is farther away than the tolerance.",
-            given=f"target {exact_text(target)}, tolerance {tolerance:g} m",
+            input_text=f"target {exact_text(target)}, tolerance {tolerance:g} m",
             yours=f"visits node {trap}",
             expected="skips the whole region of this node",
             draw=_make_search_drawing(

@@ -220,7 +220,7 @@ def assert_tree(
     if message:
         raise CheckFailed(
             message[0].upper() + message[1:],
-            given=few_points_text(points),
+            input_text=few_points_text(points),
             hint=hint,
             draw=_draw_two_trees(tree, root),
         )
@@ -251,7 +251,7 @@ def assert_indices(tree: object, points: ArrayLike, indices: Sequence[int]) -> N
             raise CheckFailed(
                 f"The node of the point {exact_text(node.point)} does not have the index that was "
                 "inserted with it.",
-                given=few_points_text(points),
+                input_text=few_points_text(points),
                 yours=f"index {brief_text(index)}",
                 expected=f"index {node.index}",
             )

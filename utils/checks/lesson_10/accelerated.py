@@ -389,7 +389,7 @@ def assert_in_time(
         raise CheckFailed(
             f"The clusters are right, but computing them took {ceil(best / allowed * times)} "
             "times as long as finding the nearest neighbour of every point.",
-            given=f"{len(cloud)} points; threshold 0.5 m",
+            input_text=f"{len(cloud)} points; threshold 0.5 m",
             yours=f"{best:.2f} s of processor time",
             expected=f"less than {times:.0f} times as long, {allowed:.2f} s",
         )

@@ -59,14 +59,14 @@ def _results(answer: object, names: Sequence[str]) -> tuple:
     return tuple(answer)
 
 
-def _assert_same_pieces(answer: object, expected: np.ndarray, given: str) -> None:
+def _assert_same_pieces(answer: object, expected: np.ndarray, input_text: str) -> None:
     """Assert that the cells are joined into the expected pieces, whatever their labels."""
     yours = as_labels(answer, len(expected), noun="cells")
     shared, number_yours, number_expected = count_overlaps(yours, expected)
     if not shared == number_yours == number_expected:
         raise CheckFailed(
             "The cells are not joined into the right pieces.",
-            given=given,
+            input_text=input_text,
             yours=f"pieces {_pieces_text(yours)}",
             expected=f"pieces {_pieces_text(expected)}",
         )
@@ -80,7 +80,7 @@ def _pieces_text(label: np.ndarray) -> str:
 # ---- step 1 ------------------------------------------------------------------------------------
 
 
-def _assert_cells(answer: object, points: np.ndarray, threshold: float, given: str) -> None:
+def _assert_cells(answer: object, points: np.ndarray, threshold: float, input_text: str) -> None:
     cells, first, cell_of_point = _results(answer, ("cells", "first", "cell_of_point"))
     cells = as_array(
         cells, columns=3, description="cells with three numbers each", row_noun="cell"
@@ -93,7 +93,7 @@ def _assert_cells(answer: object, points: np.ndarray, threshold: float, given: s
     if len(cells) != n_cells or cell_rows.min() < 0 or cell_rows.max() >= len(cells):
         raise CheckFailed(
             f"The points are in {n_cells} different cells, {fixed('numbered from 0')}.",
-            given=given,
+            input_text=input_text,
             yours=f"{len(cells)} cells; cell_of_point is {brief_text(cell_rows)}",
             expected=f"{n_cells} cells",
         )
@@ -102,7 +102,7 @@ def _assert_cells(answer: object, points: np.ndarray, threshold: float, given: s
         row = wrong[0]
         raise CheckFailed(
             f"The cell of point {row}, at {brief_text(points[row])}, is wrong.",
-            given=given,
+            input_text=input_text,
             yours=f"cell {brief_text(cells[cell_rows[row]])}",
             expected=f"cell {brief_text(right[row])}",
         )
@@ -118,7 +118,7 @@ def _assert_cells(answer: object, points: np.ndarray, threshold: float, given: s
         cell = misplaced[0]
         raise CheckFailed(
             f"The representative of cell {cell} is in another cell.",
-            given=given,
+            input_text=input_text,
             yours=f"row {rows[cell]:g}",
             expected=f"one of the rows {brief_text(np.flatnonzero(cell_rows == cell))}",
         )
@@ -155,9 +155,9 @@ def scales_with_the_threshold(points_in_cells: Callable) -> None:
             _GIVEN,
         )
     for threshold in (0.5, 2.5):
-        given = f"the seven points, threshold {threshold:g} m"
+        input_text = f"the seven points, threshold {threshold:g} m"
         _assert_cells(
-            points_in_cells(SEVEN_POINTS.copy(), threshold), SEVEN_POINTS, threshold, given
+            points_in_cells(SEVEN_POINTS.copy(), threshold), SEVEN_POINTS, threshold, input_text
         )
 
 
@@ -203,7 +203,7 @@ def finds_the_neighbours(join_cheaply: Callable) -> None:
         raise CheckFailed(
             "pairs must contain every pair of cells that are at most two steps apart, and each "
             "pair only once.",
-            given=_GIVEN,
+            input_text=_GIVEN,
             yours=brief_text(yours.tolist()),
             expected=brief_text(_PAIRS.tolist()),
         )
@@ -230,9 +230,9 @@ def joins_close_representatives(join_cheaply: Callable) -> None:
 def measures_representatives(join_cheaply: Callable) -> None:
     arguments = _HEAP.copy(), _HEAP_CELLS.copy(), _HEAP_FIRST.copy(), WIDE_THRESHOLD
     _, label = _results(join_cheaply(*arguments), ("pairs", "label"))
-    given = "six points in cell (0, 0, 0), then one in each of (2, 0, 0), (2, 2, 0), (2, 2, 2)"
+    input_text = "six points in cell (0, 0, 0), then one in each of (2, 0, 0), (2, 2, 0), (2, 2, 2)"
     _assert_same_pieces(
-        label, np.arange(4), f"{given}; neighbouring cells are about 2 m apart, threshold √3 m"
+        label, np.arange(4), f"{input_text}; neighbouring cells are about 2 m apart, threshold √3 m"
     )
 
 
@@ -299,8 +299,8 @@ def keeps_the_labels_unchanged(join_exactly: Callable) -> None:
 def joins_a_row_of_pieces(join_exactly: Callable) -> None:
     label = np.array([3, 0, 4, 1, 2])
     answer = join_exactly(_ROW.copy(), _ROW_CELLS.copy(), _ROW_PAIRS.copy(), label, WIDE_THRESHOLD)
-    given = (
+    input_text = (
         "five cells in a row, each a separate piece with three or four points; the closest points "
         "of neighbouring cells are 1.2 m apart up to the fourth cell, threshold √3 m"
     )
-    _assert_same_pieces(answer, np.array([0, 0, 0, 0, 1]), given)
+    _assert_same_pieces(answer, np.array([0, 0, 0, 0, 1]), input_text)

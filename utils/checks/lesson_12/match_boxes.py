@@ -104,7 +104,7 @@ def assert_matched(
     previous: np.ndarray,
     current: np.ndarray,
     compared_rows: ArrayLike | slice = slice(None),
-    given: str | None = None,
+    input_text: str | None = None,
 ) -> None:
     """Assert that the answer contains the index of the right previous box for each current box.
 
@@ -116,7 +116,7 @@ def assert_matched(
     previous, current : numpy.ndarray, shape (N, 8, 3)
     compared_rows : array_like or slice
         Rows of the current boxes to compare; by default all.
-    given : str, optional
+    input_text : str, optional
         Other arguments of the function as text, for the message.
     """
     expected = np.asarray(expected, dtype=int).ravel()
@@ -137,7 +137,7 @@ def assert_matched(
         message = f"Current box {first} was previous box {expected[first]}."
     raise CheckFailed(
         message,
-        given=_centres_text(previous, current, given),
+        input_text=_centres_text(previous, current, input_text),
         yours=brief_text(yours),
         expected=brief_text(expected),
         hint=_SWAPPED_HINT if _is_inverse(yours, expected) else "",
@@ -161,7 +161,7 @@ def _is_inverse(yours: np.ndarray, expected: np.ndarray) -> bool:
 
 
 def assert_one_to_one(
-    answer: object, previous: np.ndarray, current: np.ndarray, given: str | None = None
+    answer: object, previous: np.ndarray, current: np.ndarray, input_text: str | None = None
 ) -> None:
     """Assert that no previous box has two partners, whether they are right or wrong.
 
@@ -169,7 +169,7 @@ def assert_one_to_one(
     ----------
     answer : object
     previous, current : numpy.ndarray, shape (N, 8, 3)
-    given : str, optional
+    input_text : str, optional
         Other arguments of the function as text, for the message.
     """
     yours = as_indices(answer, previous, current)
@@ -180,7 +180,7 @@ def assert_one_to_one(
         raise CheckFailed(
             f"Previous box {shared:.0f} is the partner of several current boxes, for example of "
             f"{owners[0]} and {owners[1]}.",
-            given=_centres_text(previous, current, given),
+            input_text=_centres_text(previous, current, input_text),
             yours=brief_text(yours),
             draw=functools.partial(_draw_matches, previous, current, yours, np.empty(0)),
         )
@@ -222,7 +222,7 @@ def assert_limit_respected(
     raise CheckFailed(
         f"Current box {first} is {gap:.2f} m from the nearest previous box, and max_distance is "
         f"{max_distance:g} m, so {text}.",
-        given=_centres_text(previous, current, f"max_distance {max_distance:g}"),
+        input_text=_centres_text(previous, current, f"max_distance {max_distance:g}"),
         yours=brief_text(yours),
         expected=brief_text(expected),
         draw=functools.partial(_draw_matches, previous, current, yours, expected),
@@ -259,7 +259,7 @@ def _centres_text(previous: np.ndarray, current: np.ndarray, more: str | None = 
 )
 def finds_again(match_boxes: Callable) -> None:
     answer = match_boxes(_BEFORE.copy(), _AFTER.copy(), 1.5)
-    assert_matched(answer, _ORDER, _BEFORE, _AFTER, given="max_distance 1.5")
+    assert_matched(answer, _ORDER, _BEFORE, _AFTER, input_text="max_distance 1.5")
 
 
 @visible(
@@ -351,7 +351,7 @@ def prefers_the_nearer_previous_box(match_boxes: Callable) -> None:
     require_matching(match_boxes)
     previous, current = cubes([[6.3, 0.4], [5, 0]]), cubes([[5.2, 0]])
     answer = match_boxes(previous.copy(), current.copy(), 2.0)
-    assert_matched(answer, [1], previous, current, given="max_distance 2")
+    assert_matched(answer, [1], previous, current, input_text="max_distance 2")
 
 
 @visible(
@@ -366,7 +366,7 @@ def compares_centres(match_boxes: Callable) -> None:
     previous = cubes([[4, 1], [15, 2], [-8, -4]], 2.0)
     current = cubes([[15.2, 2], [-8, -4.3], [4.1, 1]], 2.0, turn=2)
     answer = match_boxes(previous.copy(), current.copy(), 1.0)
-    assert_matched(answer, [1, 2, 0], previous, current, given="max_distance 1")
+    assert_matched(answer, [1, 2, 0], previous, current, input_text="max_distance 1")
 
 
 @visible(
@@ -393,7 +393,7 @@ def works_without_boxes(match_boxes: Callable) -> None:
                     "Without previous boxes, every current box is new, but not all are marked "
                     "with -1."
                 ),
-                given=f"{len(previous)} previous and {len(current)} current boxes",
+                input_text=f"{len(previous)} previous and {len(current)} current boxes",
                 yours=brief_text(yours),
                 expected=brief_text(np.full(len(current), -1)),
             )

@@ -89,20 +89,20 @@ def _assert_moved(
     if not len(wrong):
         return
     row = wrong[0]
-    given = (
+    input_text = (
         f"a box at {brief_text(_centres(boxes)[row])}, velocity {brief_text(velocities[row])} m/s, "
         f"{seconds:g} s"
     )
     if np.allclose(_centres(yours)[row], _centres(right)[row], atol=1e-3):
         raise CheckFailed(
             f"Box {row} has the right centre but wrong corners.",
-            given=given,
+            input_text=input_text,
             yours=f"corner 0 at {brief_text(yours[row, 0])}",
             expected=f"corner 0 at {brief_text(right[row, 0])}",
         )
     raise CheckFailed(
         f"Box {row} has not moved by its velocity times the time.",
-        given=given,
+        input_text=input_text,
         yours=f"centre at {brief_text(_centres(yours)[row])}",
         expected=f"centre at {brief_text(_centres(right)[row])}",
     )
@@ -270,7 +270,7 @@ def _assert_placed(correct_boxes: Callable, gain: float, seconds: float) -> None
         raise CheckFailed(
             f"The centre of box {row} is not at the expected centre plus gain times the offset to "
             "the found centre.",
-            given=_given_text(row, gain, seconds),
+            input_text=_given_text(row, gain, seconds),
             yours=f"centre at {brief_text(_centres(yours)[row])}",
             expected=f"centre at {brief_text(_centres(right)[row])}",
         )
@@ -306,8 +306,8 @@ def keeps_the_shape(correct_boxes: Callable) -> None:
         row = wrong[0]
         raise CheckFailed(
             f"Box {row} does not have the size and corners of the found box.",
-            given="a found box that is twice as large as the expected box and starts with another "
-            "corner",
+            input_text="a found box that is twice as large as the expected box and starts with "
+            "another corner",
             yours=f"corners 0 and 1 at {brief_text(yours[row, 0])} and {brief_text(yours[row, 1])}",
             expected=f"corners 0 and 1 at {brief_text(right[row, 0])} and "
             f"{brief_text(right[row, 1])}",
@@ -331,7 +331,7 @@ def corrects_the_velocity(correct_boxes: Callable) -> None:
             row = wrong[0]
             raise CheckFailed(
                 f"The velocity of track {row} is wrong.",
-                given=_given_text(row, gain, seconds),
+                input_text=_given_text(row, gain, seconds),
                 yours=f"{brief_text(yours[row])} m/s",
                 expected=f"{brief_text(right[row])} m/s",
             )
@@ -352,7 +352,7 @@ def uses_extreme_gains(correct_boxes: Callable) -> None:
     if not np.allclose(yours, _VELOCITIES, atol=1e-3):
         raise CheckFailed(
             fixed("With a gain of 0 a velocity must not change."),
-            given=_given_text(0, 0.0, 0.1),
+            input_text=_given_text(0, 0.0, 0.1),
             yours=brief_text(yours[0]),
             expected=brief_text(_VELOCITIES[0]),
         )
@@ -509,7 +509,7 @@ def counts_missed_frames(coast: Callable) -> None:
         state = "has a box" if row in _PARTNERS else "has no box"
         raise CheckFailed(
             f"Track {row} {state}, but its count is wrong.",
-            given=_GIVEN,
+            input_text=_GIVEN,
             yours=f"missed {brief_text(yours)}",
             expected=f"missed {brief_text(_RIGHT_COUNTS)}",
         )
@@ -533,7 +533,7 @@ def drops_tracks_after_patience(coast: Callable) -> None:
                 f"Track {row} has missed {_RIGHT_COUNTS[row]} frames in a row and should be {verb}."
                 if _RIGHT_COUNTS[row]
                 else f"Track {row} has a box and should be kept.",
-                given=_GIVEN.replace("patience 3", f"patience {patience}"),
+                input_text=_GIVEN.replace("patience 3", f"patience {patience}"),
                 yours=f"kept {brief_text(yours)}",
                 expected=f"kept {brief_text(right)}",
             )
@@ -553,7 +553,8 @@ def works_on_empty_frames(coast: Callable) -> None:
         if not (same_array(counts, right_counts) and same_array(kept, right_kept)):
             raise CheckFailed(
                 "In a frame without boxes, every track misses one more frame.",
-                given=f"missed {brief_text(missed)}, partners {brief_text(partners)}, patience 10",
+                input_text=f"missed {brief_text(missed)}, partners {brief_text(partners)}, "
+                "patience 10",
                 yours=f"missed {brief_text(counts)}, kept {brief_text(kept)}",
                 expected=f"missed {brief_text(right_counts)}, kept {brief_text(right_kept)}",
             )

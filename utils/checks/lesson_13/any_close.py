@@ -69,7 +69,7 @@ def _assert_answer(any_close: Callable, points: np.ndarray, cells: tuple, distan
             "Two of these points are closer than the limit."
             if right
             else "No two of these points are closer than the limit.",
-            given=f"rows {a} to {a_end - 1}: {points_text(points[a:a_end])}; rows {b} to "
+            input_text=f"rows {a} to {a_end - 1}: {points_text(points[a:a_end])}; rows {b} to "
             f"{b_end - 1}: {points_text(points[b:b_end])}; limit {distance:g}² = {distance**2:.3g}",
             yours=str(yours),
             expected=str(bool(right)),
@@ -136,7 +136,7 @@ def is_strict(any_close: Callable) -> None:
     if _as_bool(any_close(points, 0, 1, 1, 2, 0.25)):
         raise CheckFailed(
             "The two points are exactly at the limit, not closer.",
-            given=fixed("two points 0.5 m apart, limit 0.5² = 0.25"),
+            input_text=fixed("two points 0.5 m apart, limit 0.5² = 0.25"),
             yours="True",
             expected="False",
         )
@@ -165,7 +165,7 @@ def stops_at_the_first_close_pair(any_close: Callable) -> None:
     if not _as_bool(any_close(points.view(CountingArray), 0, n, n, 2 * n, 0.1)) or reads > n:
         raise CheckFailed(
             "The function continues although the answer is already known.",
-            given=f"two cells of {n} points, whose first points are at the same position",
+            input_text=f"two cells of {n} points, whose first points are at the same position",
             yours=f"{reads} values read from points",
             expected="6 values",
         )

@@ -39,7 +39,7 @@ def _assert_counts(
     if yours != expected:
         raise CheckFailed(
             "The number of points within the tolerance is wrong.",
-            given=f"points {brief_text(offsets)} m off the plane, tolerance {tolerance:g} m",
+            input_text=f"points {brief_text(offsets)} m off the plane, tolerance {tolerance:g} m",
             yours=brief_text(yours[()]),
             expected=str(expected),
         )
@@ -74,7 +74,7 @@ def counts_points_at_the_tolerance(count_near: Callable) -> None:
     if yours != 2:
         raise CheckFailed(
             "Two of these points are exactly at the tolerance.",
-            given="points 0.25, -0.25 and 0.5 m above a level plane, tolerance 0.25 m",
+            input_text="points 0.25, -0.25 and 0.5 m above a level plane, tolerance 0.25 m",
             yours=brief_text(yours[()]),
             expected="2",
         )

@@ -61,7 +61,7 @@ def _assert_finds_turn(snuggest_turn: Callable, turn: int, x: float = 0.0, y: fl
         area = _area(points)
         raise CheckFailed(
             "The rectangle at this angle is not the smallest.",
-            given=f"a rectangle of 4 by 2 m around ({x:g}, {y:g}), turned by {turn}°",
+            input_text=f"a rectangle of 4 by 2 m around ({x:g}, {y:g}), turned by {turn}°",
             yours=f"{yours}, with {area[yours]:.2f} m²",
             expected=f"{turn % 90}, with {area[turn % 90]:.2f} m²",
         )
@@ -117,7 +117,8 @@ def finds_the_smallest_area(snuggest_turn: Callable) -> None:
         if area[yours] > area.min() * (1 + 1e-9):
             raise CheckFailed(
                 "The rectangle is smaller at another angle.",
-                given=f"nine points, x {brief_text(points[:, 0])}, y {brief_text(points[:, 1])}",
+                input_text=f"nine points, x {brief_text(points[:, 0])}, "
+                f"y {brief_text(points[:, 1])}",
                 yours=f"{yours}, with {area[yours]:.2f} m²",
                 expected=f"{area.argmin()}, with {area.min():.2f} m²",
             )

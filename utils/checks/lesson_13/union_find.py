@@ -28,7 +28,7 @@ def _path(parent: np.ndarray, cell: int) -> list[int] | None:
     return path
 
 
-def _roots(parent: np.ndarray, given: str) -> np.ndarray:
+def _roots(parent: np.ndarray, input_text: str) -> np.ndarray:
     """Return the root of each cell after a call to the student's function.
 
     Raises
@@ -39,7 +39,7 @@ def _roots(parent: np.ndarray, given: str) -> np.ndarray:
     if not ((parent >= 0) & (parent < len(parent))).all():
         raise CheckFailed(
             "An entry of parent is not the number of a cell.",
-            given=given,
+            input_text=input_text,
             yours=f"parent {brief_text(parent)}",
             expected=f"numbers from 0 to {len(parent) - 1}",
         )
@@ -47,7 +47,7 @@ def _roots(parent: np.ndarray, given: str) -> np.ndarray:
     if None in paths:
         raise CheckFailed(
             f"The parents of cell {paths.index(None)} form a cycle and never lead to a root.",
-            given=given,
+            input_text=input_text,
             yours=f"parent {brief_text(parent)}",
         )
     return np.array([path[-1] for path in paths])
@@ -71,7 +71,7 @@ def finds_the_root(root_of: Callable) -> None:
             path = " → ".join(map(str, _path(_PARENT, cell)))
             raise CheckFailed(
                 f"This is not the root of cell {cell}.",
-                given=f"{_GIVEN}, so the path is {path}",
+                input_text=f"{_GIVEN}, so the path is {path}",
                 yours=brief_text(yours[()]),
                 expected=str(_ROOTS[cell]),
             )
@@ -90,7 +90,7 @@ def stays_at_a_root(root_of: Callable) -> None:
         if yours != cell:
             raise CheckFailed(
                 f"Cell {cell} is its own parent.",
-                given=_GIVEN,
+                input_text=_GIVEN,
                 yours=brief_text(yours[()]),
                 expected=str(cell),
             )
@@ -107,13 +107,13 @@ def keeps_the_pieces(root_of: Callable) -> None:
     for cell in (9, 6, 8, 5):
         parent = _PARENT.copy()
         root_of(parent, cell)
-        given = f"{_GIVEN}, after root_of(parent, {cell})"
-        yours = _roots(parent, given)
+        input_text = f"{_GIVEN}, after root_of(parent, {cell})"
+        yours = _roots(parent, input_text)
         wrong = np.flatnonzero(yours != _ROOTS)
         if len(wrong):
             raise CheckFailed(
                 f"The root of cell {wrong[0]} has changed.",
-                given=given,
+                input_text=input_text,
                 yours=f"root {yours[wrong[0]]}; parent {brief_text(parent)}",
                 expected=f"root {_ROOTS[wrong[0]]}",
             )
@@ -134,13 +134,13 @@ def shortens_the_path(root_of: Callable) -> None:
     n = 9  # a line in which each cell points at the cell before it
     parent = np.maximum(np.arange(n) - 1, 0)
     root_of(parent, n - 1)
-    given = f"each of {n} cells points at the cell before it, after root_of(parent, {n - 1})"
-    _roots(parent, given)
+    input_text = f"each of {n} cells points at the cell before it, after root_of(parent, {n - 1})"
+    _roots(parent, input_text)
     steps = len(_path(parent, n - 1)) - 1
     if steps > n // 2:
         raise CheckFailed(
             f"The path from cell {n - 1} is still too long.",
-            given=given,
+            input_text=input_text,
             yours=f"{steps} steps; parent {brief_text(parent)}",
             expected=f"at most {n // 2} steps",
         )
@@ -209,8 +209,8 @@ def _roots_after_unite(unite: Callable, a: int, b: int) -> tuple[np.ndarray, str
     """Return the roots after a call, and its arguments as text."""
     parent = _PARENT.copy()
     unite(parent, a, b)
-    given = f"{_GIVEN}, after unite(parent, {a}, {b})"
-    return _roots(parent, given), given
+    input_text = f"{_GIVEN}, after unite(parent, {a}, {b})"
+    return _roots(parent, input_text), input_text
 
 
 def _groups(roots: np.ndarray) -> list[list[int]]:
@@ -218,12 +218,12 @@ def _groups(roots: np.ndarray) -> list[list[int]]:
 
 
 def _assert_joined(unite: Callable, a: int, b: int) -> None:
-    yours, given = _roots_after_unite(unite, a, b)
+    yours, input_text = _roots_after_unite(unite, a, b)
     right = _groups(_joined_roots(a, b))
     if _groups(yours) != right:
         raise CheckFailed(
             "The cells are not joined into the right pieces.",
-            given=given,
+            input_text=input_text,
             yours=f"pieces {brief_text(_groups(yours))}",
             expected=f"pieces {brief_text(right)}",
         )
@@ -266,12 +266,12 @@ def points_at_the_smaller_root(unite: Callable) -> None:
     with precondition("all cells of both pieces are joined"):
         joins_the_pieces(unite)
     for a, b in ((6, 9), (9, 6), (5, 8), (2, 5)):
-        yours, given = _roots_after_unite(unite, a, b)
+        yours, input_text = _roots_after_unite(unite, a, b)
         right = _joined_roots(a, b)
         if not np.array_equal(yours, right):
             raise CheckFailed(
                 "The pieces are joined under the larger root instead of the smaller.",
-                given=given,
+                input_text=input_text,
                 yours=f"root {yours[a]}",
                 expected=f"root {right[a]}",
             )
