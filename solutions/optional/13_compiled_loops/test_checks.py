@@ -29,8 +29,8 @@ def namespace_of(decorator=lambda function: function):
     """Return the names that an answer can use, with `decorator` in place of `njit`."""
     turns = np.radians(np.arange(90))
     names = {"np": np, "njit": decorator, "cosines": np.cos(turns), "sines": np.sin(turns)}
-    (taught,) = (answer for answer in answers_to("root_of") if answer.follows_hints)
-    exec(f"@njit\n{taught.source}", names)
+    (right_answer,) = (answer for answer in answers_to("root_of") if answer.follows_hints)
+    exec(f"@njit\n{right_answer.source}", names)
     return names
 
 

@@ -40,7 +40,7 @@ from utils.checks.lesson_04.trees import assert_indices, assert_tree, build_tree
 from utils.geometry import grow_tree, nodes_by_path, regions_by_index
 
 
-def order_of_medians(points):
+def median_order_of(points):
     """Return the rows of points in an order whose insertion gives a balanced tree."""
 
     def parts(rows, axis):
@@ -54,9 +54,9 @@ def order_of_medians(points):
     return list(parts(range(len(points)), 0))
 
 
-def balanced(points):
+def balanced_tree(points):
     """Build a correct tree with the fewest levels."""
-    order = order_of_medians(points)
+    order = median_order_of(points)
     return grow_tree(np.asarray(points)[order], order)
 
 
@@ -183,7 +183,7 @@ def test_point(student, seed):
 RINGS = frozen(np.concatenate([np.geomspace(8, 1.2, 15), np.geomspace(0.9, 0.1, 12)]))
 
 
-def with_targets(rng, points, number):
+def draw_targets(rng, points, number):
     """Draw targets near points, and drop points on a target's circle or in its box's corners."""
     targets = points[rng.choice(len(points), number, replace=False)]
     targets = targets + rng.normal(0, 0.3, targets.shape)
@@ -220,8 +220,8 @@ def test_search_plane(student, seed):
 @functools.cache
 def plane_scenes(seed):
     rng = np.random.default_rng(seed)
-    scenes = [with_targets(rng, rng.uniform(-width, width, (250, 2)), 8) for width in (4, 12)]
-    return [(targets, balanced(points)) for points, targets in scenes]
+    scenes = [draw_targets(rng, rng.uniform(-width, width, (250, 2)), 8) for width in (4, 12)]
+    return [(targets, balanced_tree(points)) for points, targets in scenes]
 
 
 @hidden(
@@ -240,8 +240,8 @@ def test_search_street(student, seed):
 def street_scenes(seed):
     rng = np.random.default_rng(seed)
     street = samples.obstacles_of_street(seed, 300)[:, :3].astype(float)
-    scenes = [with_targets(rng, street * scale, 8) for scale in (1.0, 0.4)]
-    return [(targets, balanced(points)) for points, targets in scenes]
+    scenes = [draw_targets(rng, street * scale, 8) for scale in (1.0, 0.4)]
+    return [(targets, balanced_tree(points)) for points, targets in scenes]
 
 
 @hidden(
@@ -253,9 +253,9 @@ def street_scenes(seed):
 )
 def test_search_unbalanced(student, seed):
     rng = np.random.default_rng(seed)
-    points, targets = with_targets(rng, rng.integers(-6, 7, (120, 2)) / 2, 8)
+    points, targets = draw_targets(rng, rng.integers(-6, 7, (120, 2)) / 2, 8)
     assert_searches(student, targets, grow_tree(points))
-    points, targets = with_targets(rng, np.sort(rng.uniform(-10, 10, (150, 2)), axis=0), 8)
+    points, targets = draw_targets(rng, np.sort(rng.uniform(-10, 10, (150, 2)), axis=0), 8)
     assert_searches(student, targets, grow_tree(points))
 
 
@@ -329,7 +329,7 @@ def traps_and_decoys(seed):
     rng = np.random.default_rng(seed)
     cases = []
     while len(cases) < 6:
-        root = balanced(rng.uniform(-10, 10, (50, 2)))
+        root = balanced_tree(rng.uniform(-10, 10, (50, 2)))
         regions = {leaf: np.clip(region, -12, 12) for leaf, region in leaves_of(root).items()}
         decoy = sorted(regions)[rng.integers(len(regions))]
         low, high = regions[decoy]

@@ -5,7 +5,7 @@ import pytest
 
 from grader.course.kept_answers import answers_to
 from grader.course.lessons import find_lesson, load_reference
-from tests.lesson_texts import names_of
+from tests.lesson_texts import run_statements_for
 from utils.checks import checks_of
 from utils.checks.core import run_check
 from utils.checks.diagnosis import diagnose, known_mistakes
@@ -75,7 +75,7 @@ def steady_state_gains(wobble, acceleration, seconds):
     ("wobble", "acceleration", "seconds"), [(0.085, 2.0, 0.1), (0.02, 3.0, 0.1), (0.3, 0.7, 0.25)]
 )
 def test_the_gains_are_those_of_a_steady_state_kalman_filter(wobble, acceleration, seconds):
-    lesson = names_of(LESSON.name, "gain_for", "correct_boxes")
+    lesson = run_statements_for(LESSON.name, "gain_for", "correct_boxes")
     alpha, beta_per_second = steady_state_gains(wobble, acceleration, seconds)
     gain = lesson["gain_for"](wobble, acceleration, seconds)
     assert gain == pytest.approx(alpha, rel=1e-6)
