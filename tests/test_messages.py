@@ -36,7 +36,7 @@ from utils.in_sandbox import ABSENT
 
 SHOWN = Check("shown", "f", "It works", "Look at it.", run=print)
 HIDDEN = Check("test_hidden", "f", "It works elsewhere", "Look there.")
-UPSIDE_DOWN = Mistake("It is upside down.", predicts=print, hint="Turn it round.")
+UPSIDE_DOWN = Mistake("It is upside down.", predict=print, hint="Turn it round.")
 
 
 def message_lines(check, failure, open_to_all=True):

@@ -658,7 +658,7 @@ def test_every_imitation_runs_within_seconds(exercise):
         student = student_with(lesson, {**right, exercise: imitation.call})
         run_checks(lesson, student, 1, lambda check: check.exercise == exercise)
         # In seconds; the slowest takes 4, and faulty ones have taken 45 or more.
-        assert time.process_time() - start < 20, mistake.says
+        assert time.process_time() - start < 20, mistake.description
 
 
 @pytest.mark.parametrize("exercise", EXERCISES)
@@ -671,8 +671,8 @@ def test_an_imitation_gives_the_answers_that_its_mistake_predicts(exercise):
         if (imitation := imitation_of(exercise, mistake, solution)) is None:
             continue
         for case in known.cases:
-            expected = mistake.predicts(known.right(*copy.deepcopy(case)), *copy.deepcopy(case))
-            assert imitation.same(imitation.call(*case), expected), mistake.says
+            expected = mistake.predict(known.right(*copy.deepcopy(case)), *copy.deepcopy(case))
+            assert imitation.same(imitation.call(*case), expected), mistake.description
 
 
 def test_an_imitation_also_returns_none_where_the_solution_does():

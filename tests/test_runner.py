@@ -496,7 +496,7 @@ ENDED = [
 
 def test_each_wrong_exercise_is_explained_once(run_once):
     run_with, seen = run_once
-    mistake = Mistake("It is upside down.", predicts=np.flip)
+    mistake = Mistake("It is upside down.", predict=np.flip)
     results = run_with(ENDED, mistake, explain=True)
     assert results.outcomes == tuple(ENDED) and results.mistakes == {"f": mistake, "h": mistake}
     assert seen.looked == [(name, f"the student's {name}", name) for name in "fh"]

@@ -93,7 +93,7 @@ def message_of(outcome: Outcome, mistake: Mistake | None = None, hinted: bool = 
     failure = outcome.failure
     hint = hint_for(outcome, mistake) if hinted else ""
     hint = hint and f"Hint: {hint}"
-    lines = [mistake.says if mistake else "", failure.message, failure.tip, hint]
+    lines = [mistake.description if mistake else "", failure.message, failure.tip, hint]
     kind, subject = _kind_and_subject(failure)
     return Message("\n".join(line for line in lines if line), kind, subject, hint)
 

@@ -22,7 +22,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from utils.checks.assertions import assert_untouched
-from utils.checks.core import visible
+from utils.checks.core import visible_check
 from utils.checks.failures import CheckFailed
 from utils.checks.limits import TimeUp
 from utils.remote_objects import RemoteError, RemoteObject
@@ -137,7 +137,7 @@ def promise(kind: str, case: Case, name: str, **words: object) -> Callable:
     name : str
         Name of the check, unique within the exercise.
     **words : object
-        Title, why, hint and weight, as for `visible`.
+        Title, why, hint and weight, as for `visible_check`.
 
     Returns
     -------
@@ -149,7 +149,7 @@ def promise(kind: str, case: Case, name: str, **words: object) -> Callable:
     def declare(run: Callable) -> Callable:
         run.__name__, run.__module__ = name, case.lesson
         _PROMISES.append(Promise(kind, case, name))
-        return visible(case.exercise, **words)(run)
+        return visible_check(case.exercise, **words)(run)
 
     return declare
 

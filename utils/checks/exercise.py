@@ -9,8 +9,8 @@ Each example is a call and its right answer::
     total.example("adds_nothing", {"numbers": []}, 0.0, title="...", why="...", hint="...")
     total.promise("untouched", why="Later cells use the same numbers.")
 
-The lessons of the course write most checks by hand, with `utils.checks.core.visible`, because such
-checks say more about a wrong answer. An exercise can have both kinds.
+The lessons of the course write most checks by hand, with `utils.checks.core.visible_check`.
+Such checks say more about a wrong answer. An exercise can have both kinds.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ import numpy as np
 from utils.checks import common_checks
 from utils.checks.assertions import as_array, as_shape, assert_close, brief_text, precondition
 from utils.checks.common_checks import Case
-from utils.checks.core import visible
+from utils.checks.core import visible_check
 from utils.checks.failures import CheckFailed, WrongForm
 
 TOLERANCE = 1e-6
@@ -64,7 +64,7 @@ class Exercise:
     expected : object
         The right answer of that call.
     **words : object
-        Title, why, hint and weight of the check; see `utils.checks.core.visible`.
+        Title, why, hint and weight of the check; see `utils.checks.core.visible_check`.
     """
 
     def __init__(
@@ -135,7 +135,7 @@ class Exercise:
             run(function)
 
         check.__name__, check.__module__ = name, self._case.lesson
-        visible(self._case.exercise, **words)(check)
+        visible_check(self._case.exercise, **words)(check)
 
 
 def assert_answer(answer: object, expected: object, input_text: str | None = None) -> None:

@@ -22,7 +22,7 @@ from utils.checks.assertions import (
     precondition,
 )
 from utils.checks.common_checks import Case
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes, same_array
 from utils.checks.failures import NotYet, fixed
 from utils.checks.run_cache import once
@@ -136,7 +136,7 @@ def assert_no_line(line_through: Callable, point: ArrayLike) -> None:
         )
 
 
-@visible(
+@visible_check(
     "line_through",
     weight=4,
     title="Returns a line through both points",
@@ -149,7 +149,7 @@ def passes_through_both(line_through: Callable) -> None:
         assert_on_line(line_through(np.array(p), np.array(q)), p, q)
 
 
-@visible(
+@visible_check(
     "line_through",
     weight=3,
     title="The normal has length 1",
@@ -163,7 +163,7 @@ def has_a_unit_normal(line_through: Callable) -> None:
         assert_unit_normal(line_through(np.array(p), np.array(q)))
 
 
-@visible(
+@visible_check(
     "line_through",
     weight=2,
     title="Works for lines parallel to an axis",
@@ -191,7 +191,7 @@ def finds_axis_parallel_lines(line_through: Callable) -> None:
         assert_on_line(answer, p, q)
 
 
-@visible(
+@visible_check(
     "line_through",
     weight=2,
     title="Returns None for equal points",
@@ -204,7 +204,7 @@ def returns_none_for_equal_points(line_through: Callable) -> None:
         assert_no_line(line_through, point)
 
 
-@visible(
+@visible_check(
     "line_through",
     weight=1,
     title="Finds a line through points that are close together",
@@ -366,7 +366,7 @@ def require_plain_distances(point_line_distance: Callable) -> None:
         assert_line_distances(answer, _POSITIVE_SIDE, _SLANTED, _DISTANCES)
 
 
-@visible(
+@visible_check(
     "point_line_distance",
     weight=4,
     title="Measures the perpendicular distance from the line",
@@ -378,7 +378,7 @@ def measures_perpendicular_distances(point_line_distance: Callable) -> None:
     assert_line_distances(answer, _POSITIVE_SIDE, _SLANTED, _DISTANCES)
 
 
-@visible(
+@visible_check(
     "point_line_distance",
     weight=5,
     title="Returns no negative distances on either side of the line",
@@ -392,7 +392,7 @@ def measures_on_both_sides(point_line_distance: Callable) -> None:
     assert_line_distances(answer, points, _SLANTED, np.tile(_DISTANCES, 2))
 
 
-@visible(
+@visible_check(
     "point_line_distance",
     weight=5,
     title="Works for lines that do not pass through (0, 0)",
@@ -410,7 +410,7 @@ def adds_c(point_line_distance: Callable) -> None:
         assert_line_distances(answer, points, line, np.array(expected))
 
 
-@visible(
+@visible_check(
     "point_line_distance",
     weight=7,
     title="Works on both sides of lines that do not pass through (0, 0)",
@@ -430,7 +430,7 @@ def measures_on_both_sides_of_any_line(point_line_distance: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "point_line_distance",
     weight=2,
     title="Works for lines parallel to an axis",
@@ -446,7 +446,7 @@ def measures_from_axis_parallel_lines(point_line_distance: Callable) -> None:
         assert_line_distances(answer, points, line, points[:, column])
 
 
-@visible(
+@visible_check(
     "point_line_distance",
     weight=1,
     title="Accepts the line as a tuple, a list or an array",
@@ -476,7 +476,7 @@ common_checks.promise_few_points(
 )
 
 
-@visible(
+@visible_check(
     "point_line_distance",
     weight=1,
     title="Returns a NumPy array",
@@ -876,7 +876,7 @@ def require_line_among_outliers(ransac_line: Callable) -> None:
         assert_finds_line(ransac_line, _CLOUDS, 8, 30, 0.4)
 
 
-@visible(
+@visible_check(
     "ransac_line",
     weight=5,
     title="Finds the line among outliers",
@@ -910,7 +910,7 @@ common_checks.promise_untouched(
 )
 
 
-@visible(
+@visible_check(
     "ransac_line",
     weight=6,
     title="Returns the mask that belongs to the line, for any threshold",
@@ -927,7 +927,7 @@ def mask_belongs_to_line(ransac_line: Callable) -> None:
         assert_mask_matches_line(ransac_line(points.copy(), 30, tolerance, rng), points, tolerance)
 
 
-@noted(
+@note_check(
     "ransac_line",
     title="Counts a point at exactly distance_tolerance as an inlier",
     why="In the docstring, distance_tolerance is the largest distance of an inlier: write <=. "
@@ -970,7 +970,7 @@ def assert_threshold_is_inclusive(ransac_line: Callable, points: np.ndarray) -> 
             return
 
 
-@visible(
+@visible_check(
     "ransac_line",
     weight=2,
     title="Draws as many samples as max_iterations allows",
@@ -1012,7 +1012,7 @@ def assert_no_round_is_missing(ransac_line: Callable) -> None:
     )
 
 
-@visible(
+@visible_check(
     "ransac_line",
     weight=1,
     title="Draws no more samples than max_iterations allows",
@@ -1036,7 +1036,7 @@ def draws_no_more_samples(ransac_line: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "ransac_line",
     weight=1,
     title="Draws two different points for each sample",
@@ -1080,7 +1080,7 @@ def lines_from_two_rounds(ransac_line: Callable, points: np.ndarray) -> list[np.
     return lines
 
 
-@visible(
+@visible_check(
     "ransac_line",
     weight=2,
     title="Draws from all points, including the first and the last",
@@ -1120,7 +1120,7 @@ def draws_from_all_points(ransac_line: Callable) -> None:
     )
 
 
-@visible(
+@visible_check(
     "ransac_line",
     weight=1,
     title="Finds walls parallel to an axis",
@@ -1135,7 +1135,7 @@ def finds_axis_parallel_lines_among_outliers(ransac_line: Callable) -> None:
         assert_finds_line(ransac_line, [(points, np.arange(30) < 20)] * 6, 3, 80, 0.2)
 
 
-@visible(
+@visible_check(
     "ransac_line",
     weight=2,
     title="Returns the same answer for the same seed",
@@ -1181,7 +1181,7 @@ def _line_text(line: np.ndarray | None) -> str:
     return "None" if line is None else brief_text(line)
 
 
-@visible(
+@visible_check(
     "ransac_line",
     weight=2,
     title="Draws different samples for different seeds",
@@ -1207,7 +1207,7 @@ def differs_with_other_seeds(ransac_line: Callable) -> None:
     )
 
 
-@visible(
+@visible_check(
     "ransac_line",
     weight=2,
     title="Continues after a sample of equal points",
@@ -1232,7 +1232,7 @@ def continues_after_equal_points(ransac_line: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "ransac_line",
     weight=1,
     title="Returns an answer if all points are equal",
@@ -1254,7 +1254,7 @@ def returns_for_equal_points(ransac_line: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "ransac_line",
     weight=1,
     title="Works on two points and returns (None, all False) for fewer",
@@ -1298,7 +1298,7 @@ def assert_nothing_found(answer: object, n: int) -> None:
         )
 
 
-@visible(
+@visible_check(
     "ransac_line",
     weight=2,
     title="Accepts an integer seed as rng",
@@ -1334,7 +1334,7 @@ common_checks.promise_names(
 )
 
 
-@noted(
+@note_check(
     "ransac_line",
     title="Returns a mask of True and False",
     why="The last cells use points[mask] and invert the mask with ~. With the numbers 0 and 1, "

@@ -22,7 +22,7 @@ from utils.checks.assertions import (
     precondition,
 )
 from utils.checks.common_checks import Case
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes, same_array
 from utils.checks.failures import fixed
 from utils.checks.run_cache import once
@@ -73,7 +73,7 @@ def require_ground_removed(filter_ground: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "filter_ground",
     weight=4,
     title="Keeps points above the ground level and removes the road",
@@ -86,7 +86,7 @@ def keeps_points_above_the_level(filter_ground: Callable) -> None:
     assert_no_ground_left(filter_ground(_GROUND_CLOUD.copy(), -1.2), _GROUND_CLOUD, _IS_ABOVE, -1.2)
 
 
-@visible(
+@visible_check(
     "filter_ground",
     weight=3,
     title="Uses ground_level as the threshold",
@@ -153,7 +153,7 @@ common_row_checks.promise_empty_table(
 common_row_checks.promise_untouched(_GROUND_CASE, "leaves_its_input", weight=2)
 
 
-@noted(
+@note_check(
     "filter_ground",
     title="Keeps points exactly at the ground level",
     why='The docstring says z >= ground_level, "at or above". The scan in this lesson has no '
@@ -343,7 +343,7 @@ def _row_count_text(number: int) -> str:
     return f"{number} row{'s' if number != 1 else ''}"
 
 
-@visible(
+@visible_check(
     "voxel_grid",
     weight=4,
     title="Returns one point per occupied cell",
@@ -356,7 +356,7 @@ def returns_one_point_per_cell(voxel_grid: Callable) -> None:
     assert_row_per_cell(voxel_grid(_CELLS.copy(), 0.2), _CELLS, len(_CENTROIDS), 0.2)
 
 
-@visible(
+@visible_check(
     "voxel_grid",
     weight=34,
     title="Returns the mean of the points in each cell",
@@ -371,7 +371,7 @@ def averages_each_cell(voxel_grid: Callable) -> None:
     assert_centroids(voxel_grid(_CELLS.copy(), 0.2), _CELLS, _CENTROIDS, 0.2)
 
 
-@visible(
+@visible_check(
     "voxel_grid",
     weight=3,
     title="Averages all columns, including the intensity",
@@ -399,7 +399,7 @@ def averages_the_intensity(voxel_grid: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "voxel_grid",
     weight=4,
     title="Ignores the intensity when assigning points to cells",
@@ -420,7 +420,7 @@ def ignores_the_intensity(voxel_grid: Callable) -> None:
             raise
 
 
-@visible(
+@visible_check(
     "voxel_grid",
     weight=2,
     title="Uses x, y and z to assign points to cells",
@@ -435,7 +435,7 @@ def uses_all_three_coordinates(voxel_grid: Callable) -> None:
         assert_row_per_cell(voxel_grid(cloud.copy(), 0.2), cloud, 3, 0.2)
 
 
-@visible(
+@visible_check(
     "voxel_grid",
     weight=3,
     title="Makes the cells next to zero as large as all others",
@@ -477,7 +477,7 @@ _CONFUSABLE = (
 )
 
 
-@visible(
+@visible_check(
     "voxel_grid",
     weight=4,
     title="Never merges points from different cells",
@@ -499,7 +499,7 @@ def never_merges_cells(voxel_grid: Callable) -> None:
             )
 
 
-@visible(
+@visible_check(
     "voxel_grid",
     weight=2,
     title="Starts cells at multiples of voxel_size",
@@ -515,7 +515,7 @@ def starts_cells_at_multiples(voxel_grid: Callable) -> None:
     assert_row_per_cell(voxel_grid(cloud.copy(), 0.2), cloud, 2, 0.2)
 
 
-@visible(
+@visible_check(
     "voxel_grid",
     weight=9,
     title="Uses voxel_size as the size of the cells",
@@ -569,7 +569,7 @@ common_checks.promise_three_columns(
 )
 
 
-@visible(
+@visible_check(
     "voxel_grid",
     weight=4,
     title="Works on an empty cloud and on a single point",
@@ -598,7 +598,7 @@ common_checks.promise_untouched(
 common_row_checks.note_array(_GRID_CASE, "gives_an_array")
 
 
-@noted(
+@note_check(
     "voxel_grid",
     title="Puts points on a cell border into the upper cell",
     why="The docstring says floor(xyz / voxel_size), and np.ceil puts such points into the lower "

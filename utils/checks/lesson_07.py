@@ -24,7 +24,7 @@ from utils.checks.assertions import (
     precondition,
 )
 from utils.checks.common_checks import Case
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes, same_array
 from utils.checks.run_cache import once
 
@@ -202,7 +202,7 @@ def require_ego_removed(remove_ego_returns: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "filter_by_distance",
     weight=4,
     title="Keeps near points and removes far ones",
@@ -214,7 +214,7 @@ def keeps_near_points(filter_by_distance: Callable) -> None:
     assert_points_left(filter_by_distance(_SCATTERED.copy(), 10.0), _SCATTERED, 10.0, _NEAR)
 
 
-@visible(
+@visible_check(
     "filter_by_distance",
     weight=3,
     title="Works in all directions: ahead, behind, left and right",
@@ -229,7 +229,7 @@ def works_in_all_directions(filter_by_distance: Callable) -> None:
     assert_points_left(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near)
 
 
-@visible(
+@visible_check(
     "filter_by_distance",
     weight=3,
     title="Keeps the points inside a circle",
@@ -242,7 +242,7 @@ def keeps_a_circle(filter_by_distance: Callable) -> None:
     assert_points_left(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near)
 
 
-@visible(
+@visible_check(
     "filter_by_distance",
     weight=4,
     title="Ignores the height",
@@ -256,7 +256,7 @@ def ignores_height(filter_by_distance: Callable) -> None:
     assert_points_left(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near, "side")
 
 
-@visible(
+@visible_check(
     "filter_by_distance",
     weight=3,
     title="Ignores the intensity",
@@ -275,7 +275,7 @@ def ignores_intensity(filter_by_distance: Callable) -> None:
         raise
 
 
-@visible(
+@visible_check(
     "filter_by_distance",
     weight=5,
     title="Uses the parameter distance as the limit",
@@ -334,7 +334,7 @@ common_row_checks.promise_empty_table(
 common_row_checks.promise_untouched(_NEAR_CASE, "leaves_its_input", weight=2)
 
 
-@noted(
+@note_check(
     "filter_by_distance",
     title="Keeps points exactly at the distance",
     why='The docstring says "at most", which is <=. Hardly any point of a scan is exactly at the '
@@ -348,7 +348,7 @@ def keeps_points_at_the_distance(filter_by_distance: Callable) -> None:
 common_row_checks.note_array(_NEAR_CASE, "returns_an_array")
 
 
-@visible(
+@visible_check(
     "crop_region",
     weight=4,
     title="Keeps points inside the box and removes points outside",
@@ -361,7 +361,7 @@ def keeps_points_inside(crop_region: Callable) -> None:
     assert_points_left_by_box(answer, _CROP_CLOUD, _MINIMUM, _MAXIMUM, _INSIDE)
 
 
-@visible(
+@visible_check(
     "crop_region",
     weight=9,
     title="Removes points that are outside in x only or in y only",
@@ -376,7 +376,7 @@ def removes_points_outside_in_x_or_y(crop_region: Callable) -> None:
     )
 
 
-@visible(
+@visible_check(
     "crop_region",
     weight=5,
     title="Removes points below or above the box",
@@ -390,7 +390,7 @@ def removes_points_below_or_above(crop_region: Callable) -> None:
     assert_points_left_by_box(answer, cloud, _MINIMUM, _MAXIMUM, keep, "side")
 
 
-@noted(
+@note_check(
     "crop_region",
     title="Keeps points on the faces of the box",
     why="Two adjacent boxes must not leave a gap between them: write >= minimum and <= maximum. "
@@ -404,7 +404,7 @@ def keeps_points_on_faces(crop_region: Callable) -> None:
     assert_points_left_by_box(answer, on_faces, _MINIMUM, _MAXIMUM, np.full(6, True))
 
 
-@visible(
+@visible_check(
     "crop_region",
     weight=3,
     title="Uses minimum and maximum as the corners of the box",
@@ -420,7 +420,7 @@ def uses_the_corners(crop_region: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "crop_region",
     weight=1,
     title="Accepts corners as tuples, lists or arrays",
@@ -463,7 +463,7 @@ common_row_checks.promise_untouched(_CROP_CASE, "crop_leaves_its_input")
 common_row_checks.note_array(_CROP_CASE, "gives_an_array")
 
 
-@visible(
+@visible_check(
     "remove_ego_returns",
     weight=4,
     title="Removes points inside the box and keeps points outside",
@@ -477,7 +477,7 @@ def removes_points_inside(remove_ego_returns: Callable) -> None:
     )
 
 
-@visible(
+@visible_check(
     "remove_ego_returns",
     weight=10,
     title="Keeps points that are outside in x only or in y only",
@@ -494,7 +494,7 @@ def keeps_points_outside_in_x_or_y(remove_ego_returns: Callable) -> None:
     assert_points_left_by_box(remove_ego_returns(cloud.copy(), *_EGO_BOX), cloud, *_EGO_BOX, keep)
 
 
-@visible(
+@visible_check(
     "remove_ego_returns",
     weight=4,
     title="Keeps points above or below the box",
@@ -509,7 +509,7 @@ def keeps_points_above_or_below(remove_ego_returns: Callable) -> None:
     )
 
 
-@noted(
+@note_check(
     "remove_ego_returns",
     title="Removes points on the faces of the box",
     why="remove_ego_returns should remove exactly what crop_region keeps, so outside means < "
@@ -528,7 +528,7 @@ def removes_points_on_faces(remove_ego_returns: Callable) -> None:
     )
 
 
-@visible(
+@visible_check(
     "remove_ego_returns",
     weight=3,
     title="Uses minimum and maximum as the corners of the box",
@@ -545,7 +545,7 @@ def uses_the_ego_box(remove_ego_returns: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "remove_ego_returns",
     weight=1,
     title="Accepts corners as tuples, lists or arrays",

@@ -17,7 +17,7 @@ from utils.checks.assertions import (
     precondition,
 )
 from utils.checks.common_checks import Case
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.failures import NotYet, fixed
 from utils.checks.run_cache import once
@@ -174,7 +174,7 @@ def _summary_text(labels: np.ndarray) -> str:
     return f"clusters: {names or 'none'}; noise points: {noise}"
 
 
-@visible(
+@visible_check(
     "filter_clusters",
     weight=6,
     title="Removes clusters with too few points and keeps the others",
@@ -187,7 +187,7 @@ def removes_small_clusters(filter_clusters: Callable) -> None:
     assert_right_clusters_left(filter_clusters(_LABELS.copy(), 3), _LABELS, _KEPT, 3)
 
 
-@visible(
+@visible_check(
     "filter_clusters",
     weight=3,
     title="Keeps the labels of the remaining clusters",
@@ -199,7 +199,7 @@ def keeps_the_labels(filter_clusters: Callable) -> None:
     assert_labels_kept(filter_clusters(_LABELS.copy(), 3), _LABELS, _KEPT)
 
 
-@visible(
+@visible_check(
     "filter_clusters",
     weight=3,
     title="Gives the points of removed clusters the label 0",
@@ -217,7 +217,7 @@ def writes_zeros(filter_clusters: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "filter_clusters",
     weight=3,
     title="Removes every small cluster, even several in a row",
@@ -236,7 +236,7 @@ def removes_consecutive_clusters(filter_clusters: Callable) -> None:
     )
 
 
-@visible(
+@visible_check(
     "filter_clusters",
     weight=3,
     title="Keeps clusters of exactly min_num_points points",
@@ -251,7 +251,7 @@ def keeps_clusters_of_the_minimum_size(filter_clusters: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "filter_clusters",
     weight=3,
     title="Uses min_num_points as the minimum",
@@ -309,7 +309,7 @@ common_checks.promise_names(
 )
 
 
-@visible(
+@visible_check(
     "filter_clusters",
     weight=5,
     title="Keeps large clusters, however large they are",
@@ -326,7 +326,7 @@ def keeps_large_clusters(filter_clusters: Callable) -> None:
     )
 
 
-@visible(
+@visible_check(
     "filter_clusters",
     weight=3,
     title="Keeps label 0, however many points have it",
@@ -346,7 +346,7 @@ def keeps_label_zero(filter_clusters: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "filter_clusters",
     weight=2,
     title="Works when labels have gaps",
@@ -361,7 +361,7 @@ def allows_gaps(filter_clusters: Callable) -> None:
     )
 
 
-@visible(
+@visible_check(
     "filter_clusters",
     weight=3,
     title="Works on no points, on one point, and on a single cluster",
@@ -392,7 +392,7 @@ common_checks.promise_untouched(
 )
 
 
-@visible(
+@visible_check(
     "filter_clusters",
     weight=1,
     title="Returns a new array, even if nothing is removed",
@@ -404,7 +404,7 @@ def returns_a_new_array(filter_clusters: Callable) -> None:
     assert_new_array(filter_clusters, _LABELS, 0)
 
 
-@noted(
+@note_check(
     "filter_clusters",
     title="Returns the labels as an array",
     why="The next cells compute filtered > 0, which fails for a list. End with np.array(...).",
@@ -417,7 +417,7 @@ def returns_an_array(filter_clusters: Callable) -> None:
         )
 
 
-@noted(
+@note_check(
     "filter_clusters",
     title="Returns whole numbers",
     why="The next cells pass the labels to np.bincount and use them as indices, which fails for "

@@ -25,7 +25,7 @@ from utils.checks.boxes import (
     same_corners,
 )
 from utils.checks.common_checks import Case
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.failures import fixed
 from utils.checks.run_cache import once
@@ -209,7 +209,7 @@ def require_directions(principal_axes: Callable) -> None:
             assert_directions(principal_axes(block), _axes_of(sides, 25))
 
 
-@visible(
+@visible_check(
     "principal_axes",
     weight=4,
     title="Returns columns along the length, width and height of a block",
@@ -231,7 +231,7 @@ def finds_the_directions(principal_axes: Callable) -> None:
             )
 
 
-@visible(
+@visible_check(
     "principal_axes",
     weight=4,
     title="Returns columns along the sides of a block that leans",
@@ -264,7 +264,7 @@ def _flipped_row(answer: object, expected: np.ndarray) -> int | None:
     return None
 
 
-@visible(
+@visible_check(
     "principal_axes",
     weight=7,
     title="Sorts the axes from the largest spread to the smallest",
@@ -282,7 +282,7 @@ def orders_by_spread(principal_axes: Callable) -> None:
             )
 
 
-@visible(
+@visible_check(
     "principal_axes",
     weight=10,
     title="Returns right-handed axes for every heading",
@@ -299,7 +299,7 @@ def stays_right_handed(principal_axes: Callable) -> None:
             assert_right_handed(principal_axes(block[:, [2, 0, 1]] if index % 2 else block))
 
 
-@visible(
+@visible_check(
     "principal_axes",
     weight=6,
     title="Returns axes of length 1 at right angles to each other",
@@ -313,7 +313,7 @@ def has_unit_length(principal_axes: Callable) -> None:
         assert_orthonormal(principal_axes(_turn(_grid(*sides), 65)))
 
 
-@visible(
+@visible_check(
     "principal_axes",
     weight=7,
     title="Does not depend on the position of the cluster",
@@ -385,7 +385,7 @@ def assert_axes(answer: object, expected: np.ndarray, input_text: str | None = N
         )
 
 
-@visible(
+@visible_check(
     "principal_axes",
     weight=26,
     title="Returns the right axes for the vehicles of the lesson's street",
@@ -419,7 +419,7 @@ common_checks.promise_fourth_column(
 )
 
 
-@visible(
+@visible_check(
     "principal_axes",
     weight=2,
     title="Works on two points, one point or none",
@@ -452,7 +452,7 @@ common_checks.promise_untouched(
 )
 
 
-@noted(
+@note_check(
     "principal_axes",
     title="Returns an array, not a list",
     why="The next cells take principal_axes(car)[:, 0], which does not work on a list.",
@@ -581,7 +581,7 @@ def _two_blocks_text(*headings: float) -> str:
     return f"label 1: a block of {blocks[0]}; label 2: {blocks[1]}"
 
 
-@visible(
+@visible_check(
     "get_oriented_boxes",
     weight=11,
     title="Returns boxes that contain every point of their clusters",
@@ -608,7 +608,7 @@ def contains_all_points(get_oriented_boxes: Callable) -> None:
         assert_contains_points(answer, street, labels, _two_blocks_text(heading, heading))
 
 
-@visible(
+@visible_check(
     "get_oriented_boxes",
     weight=9,
     title="Turns each box with its cluster",
@@ -641,7 +641,7 @@ def turns_with_the_cluster(get_oriented_boxes: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "get_oriented_boxes",
     weight=5,
     title="Returns boxes that cover little more ground than their clusters",
@@ -656,7 +656,7 @@ def is_no_larger_than_needed(get_oriented_boxes: Callable) -> None:
         assert_snug(answer, street, _LABELS, _AREAS, _two_blocks_text(heading, heading))
 
 
-@visible(
+@visible_check(
     "get_oriented_boxes",
     weight=2,
     title="Returns upright boxes with a level floor and roof",
@@ -673,7 +673,7 @@ def keeps_boxes_upright(get_oriented_boxes: Callable) -> None:
     assert_upright(get_oriented_boxes(leaning.copy(), _LABELS.copy()), leaning, _LABELS)
 
 
-@visible(
+@visible_check(
     "get_oriented_boxes",
     weight=2,
     title="Puts the floor at the lowest point and the roof at the highest",
@@ -687,7 +687,7 @@ def reaches_floor_and_roof(get_oriented_boxes: Callable) -> None:
     assert_heights(answer, _STRAIGHT, _LABELS)
 
 
-@visible(
+@visible_check(
     "get_oriented_boxes",
     weight=8,
     title="Finds the heading of an object that is taller than it is long",
@@ -728,7 +728,7 @@ common_box_checks.promise_label_order(_BOXES_CASE, "follows_the_labels", [2, 1])
 common_box_checks.promise_no_box_for_noise(_BOXES_CASE, "leaves_noise_alone", weight=6)
 
 
-@visible(
+@visible_check(
     "get_oriented_boxes",
     weight=1,
     title="Works on clusters of one point, of equal points and of points on a line",
@@ -765,7 +765,7 @@ common_box_checks.promise_untouched(
 )
 
 
-@noted(
+@note_check(
     "get_oriented_boxes",
     title="Returns the four floor corners in order around the box, then the roof corners above "
     "them",
@@ -787,7 +787,7 @@ def orders_the_corners(get_oriented_boxes: Callable) -> None:
         )
 
 
-@noted(
+@note_check(
     "get_oriented_boxes",
     title="Returns the boxes as an array, not as a list",
     why="floor_area, a few cells below, subtracts one corner from another, which does not work "

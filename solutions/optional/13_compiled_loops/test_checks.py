@@ -80,14 +80,14 @@ def test_kept_answers_pass_or_fail_as_claimed(name, variant, monkeypatch):
     assert variant.says in messages, messages
     mistake = None if "did not return within" in variant.says else diagnose(name, function)
     assert bool(mistake) == bool(variant.told), mistake
-    assert variant.told in (mistake.says if mistake else "")
+    assert variant.told in (mistake.description if mistake else "")
 
 
 def test_every_known_mistake_has_a_kept_answer():
     for name in LESSON.steps:
         claims = [variant.told for step, variant in ANSWERS if step == name and variant.told]
         for mistake in known_mistakes(name):
-            assert any(words in mistake.says for words in claims), mistake.says
+            assert any(words in mistake.description for words in claims), mistake.description
 
 
 class Compiled:

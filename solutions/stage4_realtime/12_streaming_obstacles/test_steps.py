@@ -49,14 +49,14 @@ def test_kept_answers_pass_or_fail_as_claimed(name, variant):
     assert variant.says in messages, messages
     mistake = diagnose(name, function)
     assert bool(mistake) == bool(variant.told), mistake
-    assert variant.told in (mistake.says if mistake else "")
+    assert variant.told in (mistake.description if mistake else "")
 
 
 def test_every_known_mistake_has_a_kept_answer():
     for name in STEPS:
         claims = [variant.told for step, variant in ANSWERS if step == name and variant.told]
         for mistake in known_mistakes(name):
-            assert any(words in mistake.says for words in claims), mistake.says
+            assert any(words in mistake.description for words in claims), mistake.description
 
 
 def steady_state_gains(wobble, acceleration, seconds):

@@ -10,7 +10,7 @@ import numpy as np
 from utils.checks import common_checks
 from utils.checks.assertions import CheckFailed, assert_untouched, frozen, point_text, precondition
 from utils.checks.common_checks import Case
-from utils.checks.core import visible
+from utils.checks.core import visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.lesson_03.planes import (
     TRIANGLES,
@@ -91,7 +91,7 @@ def require_direction(fit_plane: Callable) -> None:
         assert_direction(fit_plane(points.copy()), points)
 
 
-@visible(
+@visible_check(
     "fit_plane",
     weight=3,
     title="Finds the direction of least spread, with and without noise",
@@ -108,7 +108,7 @@ def fits_a_road(fit_plane: Callable) -> None:
         assert_direction(fit_plane(points.copy()), points)
 
 
-@visible(
+@visible_check(
     "fit_plane",
     weight=16,
     title="Returns a plane through the mean of the points",
@@ -124,7 +124,7 @@ def goes_through_the_mean(fit_plane: Callable) -> None:
         assert_through_the_mean(fit_plane(cloud.copy()), cloud)
 
 
-@visible(
+@visible_check(
     "fit_plane",
     weight=1,
     title="The normal has length 1",
@@ -138,7 +138,7 @@ def fit_has_a_unit_normal(fit_plane: Callable) -> None:
     assert_unit_normal(fit_plane(points.copy()))
 
 
-@visible(
+@visible_check(
     "fit_plane",
     weight=4,
     title="Fits a wall as well as a road",
@@ -152,7 +152,7 @@ def fits_a_wall(fit_plane: Callable) -> None:
         assert_direction(fit_plane(points.copy()), points)
 
 
-@visible(
+@visible_check(
     "fit_plane",
     weight=1,
     title="Works far from the sensor",
@@ -167,7 +167,7 @@ def fits_far_away(fit_plane: Callable) -> None:
     assert_direction(fit_plane(points.copy()), points)
 
 
-@visible(
+@visible_check(
     "fit_plane",
     weight=4,
     title="Ignores the fourth column, whether it varies much or little",
@@ -182,7 +182,7 @@ def ignores_intensity(fit_plane: Callable) -> None:
         assert_direction(fit_plane(cloud.copy()), cloud)
 
 
-@visible(
+@visible_check(
     "fit_plane",
     weight=1,
     title="Works on three points",
@@ -197,7 +197,7 @@ def fits_three_points(fit_plane: Callable) -> None:
         assert_direction(fit_plane(triangle.copy()), triangle)
 
 
-@visible(
+@visible_check(
     "fit_plane",
     weight=2,
     title="Works on thousands of points without a table of all their pairs",
@@ -242,7 +242,7 @@ def _peak_memory() -> Iterator[Callable[[], int]]:
             tracemalloc.stop()
 
 
-@visible(
+@visible_check(
     "fit_plane",
     weight=1,
     title="Leaves its input untouched",

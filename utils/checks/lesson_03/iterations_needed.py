@@ -9,7 +9,7 @@ import numpy as np
 from utils.checks import common_checks
 from utils.checks.assertions import CheckFailed, WrongForm, as_array, brief_text, precondition
 from utils.checks.common_checks import Case
-from utils.checks.core import visible
+from utils.checks.core import visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
 
 
@@ -109,7 +109,7 @@ def require_decreasing_numbers(iterations_needed: Callable) -> None:
             raise CheckFailed("The number does not decrease as the share of inliers increases.")
 
 
-@visible(
+@visible_check(
     "iterations_needed",
     weight=3,
     title="Finds the number of samples for a plane, to within one",
@@ -122,7 +122,7 @@ def computes_the_number(iterations_needed: Callable) -> None:
         assert_nearly_right(answer, expected, ratio, 3, 0.99)
 
 
-@visible(
+@visible_check(
     "iterations_needed",
     weight=2,
     title="Returns the smallest whole number that reaches the confidence",
@@ -135,7 +135,7 @@ def rounds_up(iterations_needed: Callable) -> None:
         assert_iterations(iterations_needed(ratio, 3, 0.99), expected, ratio, 3, 0.99)
 
 
-@visible(
+@visible_check(
     "iterations_needed",
     weight=2,
     title="Works for any sample_size",
@@ -149,7 +149,7 @@ def uses_the_sample_size(iterations_needed: Callable) -> None:
         assert_nearly_right(iterations_needed(0.5, size, 0.99), expected, 0.5, size, 0.99)
 
 
-@visible(
+@visible_check(
     "iterations_needed",
     weight=1,
     title="Works for any confidence",
@@ -165,7 +165,7 @@ def uses_the_confidence(iterations_needed: Callable) -> None:
     assert_nearly_right(iterations_needed(0.7, 4, 0.6), 4, 0.7, 4, 0.6)
 
 
-@visible(
+@visible_check(
     "iterations_needed",
     weight=2,
     title="Returns 1 if all points are inliers",
@@ -185,7 +185,7 @@ def returns_one_without_outliers(iterations_needed: Callable) -> None:
             )
 
 
-@visible(
+@visible_check(
     "iterations_needed",
     weight=2,
     title="Returns infinity if there are no inliers",

@@ -15,7 +15,7 @@ from utils.checks.assertions import (
     precondition,
 )
 from utils.checks.common_checks import Case
-from utils.checks.core import visible
+from utils.checks.core import visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.failures import fixed
 from utils.checks.lesson_03.planes import (
@@ -147,7 +147,7 @@ def require_planes(plane_through: Callable) -> None:
             as_plane_of_triangle(plane_through(*triangle.copy()), triangle)
 
 
-@visible(
+@visible_check(
     "plane_through",
     weight=3,
     title="(a, b, c) is perpendicular to the triangle",
@@ -160,7 +160,7 @@ def normal_is_perpendicular(plane_through: Callable) -> None:
         assert_perpendicular(plane_through(*triangle.copy()), triangle)
 
 
-@visible(
+@visible_check(
     "plane_through",
     weight=18,
     title="The three points lie on the plane",
@@ -174,7 +174,7 @@ def contains_its_points(plane_through: Callable) -> None:
             assert_contains_points(plane_through(*points.copy()), points)
 
 
-@visible(
+@visible_check(
     "plane_through",
     weight=5,
     title="The normal has length 1",
@@ -187,7 +187,7 @@ def has_a_unit_normal(plane_through: Callable) -> None:
         assert_unit_normal(as_plane_of_triangle(plane_through(*triangle.copy()), triangle))
 
 
-@visible(
+@visible_check(
     "plane_through",
     weight=4,
     title="Returns None for points on one line",
@@ -201,7 +201,7 @@ def returns_none_for_a_line(plane_through: Callable) -> None:
         assert_no_plane(plane_through(*line.copy()), line)
 
 
-@visible(
+@visible_check(
     "plane_through",
     weight=2,
     title="Returns None for points on a line in spite of rounding errors",
@@ -220,7 +220,7 @@ def allows_for_rounding_errors(plane_through: Callable) -> None:
     assert_no_plane(plane_through(*line.copy()), line, nearly)
 
 
-@visible(
+@visible_check(
     "plane_through",
     weight=2,
     title="Finds the plane of a small triangle",

@@ -14,7 +14,7 @@ from utils.checks.assertions import (
     precondition,
 )
 from utils.checks.common_checks import Case
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.failures import NotYet, fixed
 from utils.checks.lesson_03.planes import (
     TRIANGLES,
@@ -104,7 +104,7 @@ def _half_equal_points(seed: int) -> tuple[np.ndarray, np.ndarray]:
     return np.random.default_rng(seed).permutation(points), on_plane
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=5,
     title="Finds the plane among outliers",
@@ -130,7 +130,7 @@ def finds_the_plane(ransac_plane: Callable) -> None:
         assert_finds_plane(ransac_plane(points.copy(), 90, 0.2, rng), points, 0.2, on_plane)
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=14,
     title="Returns a model and the mask that belongs to it",
@@ -143,7 +143,7 @@ def mask_belongs_to_model(ransac_plane: Callable) -> None:
     _assert_masks_belong_to_models(ransac_plane)
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=4,
     title="Marks the points within distance_tolerance as inliers",
@@ -161,7 +161,7 @@ def uses_the_tolerance(ransac_plane: Callable) -> None:
         assert_inliers_within_tolerance(answer, points, tolerance)
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=1,
     title="Returns a model whose normal has length 1",
@@ -176,7 +176,7 @@ def model_has_a_unit_normal(ransac_plane: Callable) -> None:
     assert_unit_normal(answer[0])
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=2,
     title="Draws as many samples as max_iterations allows",
@@ -221,7 +221,7 @@ def assert_no_round_is_missing(ransac_plane: Callable) -> None:
     )
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=1,
     title="Draws no more samples than max_iterations allows",
@@ -249,7 +249,7 @@ def draws_no_more_samples(ransac_plane: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=3,
     title="Continues after samples that do not define a plane",
@@ -273,7 +273,7 @@ def continues_after_degenerate_samples(ransac_plane: Callable) -> None:
             assert_finds_plane(answer, points, 0.2, on_plane, input_text=input_text)
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=2,
     title="Works on three points and returns (None, all False) for fewer",
@@ -306,7 +306,7 @@ def assert_three_points_are_enough(ransac_plane: Callable, triangle: np.ndarray)
     )
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=1,
     title="Returns (None, all False) if all points lie on one line",
@@ -321,7 +321,7 @@ def returns_none_for_points_on_a_line(ransac_plane: Callable) -> None:
     assert_nothing_found(ransac_plane(line.copy(), 20, 0.2, np.random.default_rng(8)), 12)
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=2,
     title="Draws three different rows for each sample",
@@ -370,7 +370,7 @@ def planes_from_two_rounds(ransac_plane: Callable, points: np.ndarray) -> list[n
     return planes
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=2,
     title="Draws from all points, including the first and the last",
@@ -409,7 +409,7 @@ def draws_from_all_rows(ransac_plane: Callable) -> None:
     )
 
 
-@noted(
+@note_check(
     "ransac_plane",
     title="Counts a point at exactly distance_tolerance as an inlier",
     why="In the docstring, distance_tolerance is the largest distance of an inlier: write <=. "
@@ -453,7 +453,7 @@ def assert_threshold_is_inclusive(ransac_plane: Callable, points: np.ndarray) ->
             return
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=3,
     title="Ignores the fourth column",
@@ -467,7 +467,7 @@ def ignores_intensity(ransac_plane: Callable) -> None:
     assert_finds_plane(ransac_plane(points.copy(), 90, 0.2, rng), points, 0.2, on_plane)
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=2,
     title="Finds a wall as well as a road",
@@ -481,7 +481,7 @@ def finds_a_wall(ransac_plane: Callable) -> None:
     assert_finds_plane(ransac_plane(points.copy(), 90, 0.2, rng), points, 0.2, on_plane)
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=1,
     title="Leaves its input untouched",
@@ -495,7 +495,7 @@ def leaves_the_cloud(ransac_plane: Callable) -> None:
     assert_untouched(ransac_plane, points, 50, 0.2, np.random.default_rng(12))
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=3,
     title="Returns the same plane for the same seed, and other planes for other seeds",
@@ -551,7 +551,7 @@ def _planes_equal(first: np.ndarray | None, second: np.ndarray | None) -> bool:
     return np.allclose(first, second, atol=1e-6) or np.allclose(first, -second, atol=1e-6)
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=3,
     title="Accepts an integer seed as rng",
@@ -602,7 +602,7 @@ common_checks.promise_names(
 )
 
 
-@noted(
+@note_check(
     "ransac_plane",
     title="Returns the mask as a NumPy array",
     why="The next cells select the remaining points with ~inliers, which does not work with a "

@@ -15,7 +15,7 @@ from utils.checks.assertions import (
     precondition,
 )
 from utils.checks.common_checks import Case
-from utils.checks.core import visible
+from utils.checks.core import visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.failures import fixed
 from utils.checks.lesson_04.cases import ELEVEN_POINTS, distinct_points
@@ -204,7 +204,7 @@ def _assert_halves(median_order: Callable) -> None:
         assert_halves(median_order(_SEVEN_POINTS.copy()), _SEVEN_POINTS)
 
 
-@visible(
+@visible_check(
     "median_order",
     weight=2,
     title="Returns every row number exactly once",
@@ -217,7 +217,7 @@ def returns_every_row(median_order: Callable) -> None:
         as_order(median_order(points.copy()), len(points))
 
 
-@visible(
+@visible_check(
     "median_order",
     weight=3,
     title="Starts with the median along x",
@@ -243,7 +243,7 @@ def starts_with_the_median(median_order: Callable) -> None:
             )
 
 
-@visible(
+@visible_check(
     "median_order",
     weight=4,
     title="Puts the median first in every part, before both halves",
@@ -258,7 +258,7 @@ def halves_every_part(median_order: Callable) -> None:
         assert_halves(median_order(points.copy()), points)
 
 
-@visible(
+@visible_check(
     "median_order",
     weight=3,
     title="Takes the median along x first, then along y, then along x again",
@@ -273,7 +273,7 @@ def alternates_axes(median_order: Callable) -> None:
         assert_lower_medians(median_order(points.copy()), points)
 
 
-@visible(
+@visible_check(
     "median_order",
     weight=2,
     title="Takes the lower of two middle points",
@@ -289,7 +289,7 @@ def takes_the_lower_median(median_order: Callable) -> None:
         assert_lower_medians(median_order(points.copy()), points)
 
 
-@visible(
+@visible_check(
     "median_order",
     weight=2,
     title="Works on points with three coordinates: takes x, y, z and then x again",
@@ -302,7 +302,7 @@ def handles_three_coordinates(median_order: Callable) -> None:
     assert_lower_medians(median_order(points.copy()), points)
 
 
-@visible(
+@visible_check(
     "median_order",
     weight=3,
     title="Gives a tree with the fewest possible levels",
@@ -318,7 +318,7 @@ def gives_minimal_depth(median_order: Callable) -> None:
         assert_minimal_depth(median_order(points.copy()), points)
 
 
-@visible(
+@visible_check(
     "median_order",
     weight=1,
     title="Works on an empty cloud and on a single point",
@@ -331,7 +331,7 @@ def takes_the_smallest(median_order: Callable) -> None:
     as_order(median_order(np.array([[1.0, 2.0, 3.0]])), 1)
 
 
-@visible(
+@visible_check(
     "median_order",
     weight=1,
     title="Works on points with equal coordinates",

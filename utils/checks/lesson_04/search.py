@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from utils.checks.assertions import CheckFailed, assert_untouched, frozen, precondition
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.lesson_04.cases import (
     BALANCED_ORDER,
@@ -41,7 +41,7 @@ def _assert_at_target(KdTree: Callable) -> None:
         finds_the_target(KdTree)
 
 
-@visible(
+@visible_check(
     "search",
     weight=3,
     title="Finds the point at the target, wherever it is in the tree",
@@ -56,7 +56,7 @@ def finds_the_target(KdTree: Callable) -> None:
         assert_found(tree, root, point + [0.03, -0.02], 0.1)
 
 
-@visible(
+@visible_check(
     "search",
     weight=5,
     title="Searches both sides if the circle crosses the split",
@@ -76,7 +76,7 @@ def searches_both_sides(KdTree: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "search",
     weight=3,
     title="Finds points in the circle only, not in the corners of the box",
@@ -94,7 +94,7 @@ def measures_a_circle(KdTree: Callable) -> None:
     assert_found(build_tree(KdTree, root), root, np.zeros(2), 1.0)
 
 
-@visible(
+@visible_check(
     "search",
     weight=6,
     title="Uses the tolerance as the radius, whether small or large",
@@ -111,7 +111,7 @@ def follows_the_tolerance(KdTree: Callable) -> None:
         assert_found(build_tree(KdTree, root), root, np.zeros(2), tolerance)
 
 
-@noted(
+@note_check(
     "search",
     title="Finds a point at exactly the tolerance",
     why="A distance equal to the tolerance is still within it, so write <=. Measured points are "
@@ -135,7 +135,7 @@ def finds_the_border(KdTree: Callable) -> bool:
     return True
 
 
-@visible(
+@visible_check(
     "search",
     weight=2,
     title="Searches the right side even if the box ends exactly at the split",
@@ -153,7 +153,7 @@ def reaches_the_split(KdTree: Callable) -> None:
     assert_found(build_tree(KdTree, root), root, np.array([1.0, 2.0]), 1.0)
 
 
-@visible(
+@visible_check(
     "search",
     weight=6,
     title="Works on points with three coordinates",
@@ -169,7 +169,7 @@ def searches_space(KdTree: Callable) -> None:
         assert_found(build_tree(KdTree, root), root, np.zeros(3), 1.0)
 
 
-@visible(
+@visible_check(
     "search",
     weight=8,
     title="Skips regions that cannot contain a neighbour",
@@ -187,7 +187,7 @@ def skips_regions(KdTree: Callable) -> None:
             assert_pruned(KdTree, balanced_tree(), np.array(target), 1.0, trap, decoy, place)
 
 
-@visible(
+@visible_check(
     "search",
     weight=1,
     title="Works on an empty tree and on a tree with a single node",
@@ -203,7 +203,7 @@ def handles_an_empty_tree(KdTree: Callable) -> None:
     assert_found(build_tree(KdTree, root), root, np.array([5.0, 5.0]), 1.0)
 
 
-@visible(
+@visible_check(
     "search",
     weight=1,
     title="Returns each index once",
@@ -227,7 +227,7 @@ def _indices_text(indices: list[int]) -> str:
     return f"{indices}" if len(indices) <= 12 else f"{len(indices)} indices"
 
 
-@visible(
+@visible_check(
     "search",
     weight=1,
     title="Accepts targets and points that are lists, tuples or arrays",
@@ -242,7 +242,7 @@ def accepts_any_sequence(KdTree: Callable) -> None:
         assert_found(build_tree(KdTree, root, as_lists), root, target, 1.0)
 
 
-@visible(
+@visible_check(
     "search",
     weight=1,
     title="Does not change the tree or the target",
@@ -257,7 +257,7 @@ def leaves_the_tree(KdTree: Callable) -> None:
     assert_same_tree(tree, ELEVEN_POINTS[order], order)
 
 
-@noted(
+@note_check(
     "search",
     title="Works on a tree with more than a thousand levels",
     why="The last part of this lesson searches the tree of a sorted wall. A function that calls "

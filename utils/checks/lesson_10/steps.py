@@ -21,7 +21,7 @@ from utils.checks.assertions import (
     observe,
     precondition,
 )
-from utils.checks.core import visible
+from utils.checks.core import visible_check
 from utils.checks.failures import fixed
 
 # At this threshold a cell is 1 m wide.
@@ -124,7 +124,7 @@ def _assert_cells(answer: object, points: np.ndarray, threshold: float, input_te
         )
 
 
-@visible(
+@visible_check(
     "points_in_cells",
     title="Finds the six cells of the seven points",
     why="Points that share a cell are joined without measuring. A wrong cell joins points that "
@@ -139,7 +139,7 @@ def finds_the_cells(points_in_cells: Callable) -> None:
     )
 
 
-@visible(
+@visible_check(
     "points_in_cells",
     title="Makes cells that are threshold / √3 wide for any threshold",
     why="Two points in a larger cell may be too far apart to be neighbours. Smaller cells only "
@@ -161,7 +161,7 @@ def scales_with_the_threshold(points_in_cells: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "points_in_cells",
     title="Does not change the points",
     why="Step 2 uses the same points. If step 1 changes them, step 2 measures wrong distances, "
@@ -188,7 +188,7 @@ def _join_seven(join_cheaply: Callable) -> tuple:
     return _results(join_cheaply(*arguments), ("pairs", "label"))
 
 
-@visible(
+@visible_check(
     "join_cheaply",
     title="Finds all seven pairs of neighbouring cells",
     why="A pair that is missing here is never measured, so one object can become two clusters.",
@@ -209,7 +209,7 @@ def finds_the_neighbours(join_cheaply: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "join_cheaply",
     title="Joins neighbours whose representatives are close",
     why="One distance between representatives can replace thousands of distances between points.",
@@ -220,7 +220,7 @@ def joins_close_representatives(join_cheaply: Callable) -> None:
     _assert_same_pieces(_join_seven(join_cheaply)[1], _PIECES, _GIVEN)
 
 
-@visible(
+@visible_check(
     "join_cheaply",
     title="Measures distances between representatives",
     why="Cell 3 is not point 3. Code that confuses the two joins objects that are far apart.",
@@ -254,7 +254,7 @@ def _exact_arguments(label: np.ndarray) -> tuple:
     return SEVEN_POINTS, _CELL_OF_POINT, _PAIRS, label, WIDE_THRESHOLD
 
 
-@visible(
+@visible_check(
     "join_exactly",
     title="Joins all cells of both pieces that points 3 and 4 connect",
     why="If only one cell of a piece gets the new label, the rest of a car keeps the old one.",
@@ -273,7 +273,7 @@ def joins_exactly(join_exactly: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "join_exactly",
     title="Does not change the labels of step 2",
     why="If you run the cell below a second time, it must start from the pieces of step 2, not "
@@ -288,7 +288,7 @@ def keeps_the_labels_unchanged(join_exactly: Callable) -> None:
     )
 
 
-@visible(
+@visible_check(
     "join_exactly",
     title="Joins neighbouring pieces in a row, and stops at the first gap",
     why="After step 2, a wall may consist of dozens of pieces, each of them close only to the "

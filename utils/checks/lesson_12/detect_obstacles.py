@@ -14,7 +14,7 @@ from utils.checks.assertions import (
     observe,
     precondition,
 )
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.detections import (
     as_boxes,
     assert_boxes_turned,
@@ -52,7 +52,7 @@ from utils.checks.static_analysis import functions_used
 SQUARE_SEED, WALK_SEED, CLIMB_SEED = 25, 7, 4
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=5,
     title="Finds isolated cars near the sensor",
@@ -68,7 +68,7 @@ def finds_cars(detect_obstacles: Callable) -> None:
         assert_cars_found([detect_once(detect_obstacles, frame)], [frame])
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=9,
     title="Finds isolated people near the sensor",
@@ -81,7 +81,7 @@ def finds_people(detect_obstacles: Callable) -> None:
     assert_people_found(detect_once(detect_obstacles, walk(WALK_SEED)), walk(WALK_SEED))
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=3,
     title="Finds a car across the road, 8 to 10 m ahead",
@@ -95,7 +95,7 @@ def looks_far_enough(detect_obstacles: Callable) -> None:
     assert_contained(detect_once(detect_obstacles, frame), car_across(frame), frame)
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=3,
     title="Puts boxes around obstacles, not around road or empty space",
@@ -119,7 +119,7 @@ def _assert_found_on_the_climb(detect_obstacles: Callable, kind: str) -> None:
     assert_kind_contained(detect_once(detect_obstacles, frame), kind, frame)
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=3,
     title="Finds a person next to the bumper",
@@ -131,7 +131,7 @@ def finds_the_person_at_the_bumper(detect_obstacles: Callable) -> None:
     _assert_found_on_the_climb(detect_obstacles, "pedestrian")
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=3,
     title="Finds cars at the edge of the road, up to 7 m to the side",
@@ -142,7 +142,7 @@ def looks_to_the_side(detect_obstacles: Callable) -> None:
     _assert_found_on_the_climb(detect_obstacles, "car")
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=3,
     title="Finds a lorry, although it has many points",
@@ -154,7 +154,7 @@ def finds_the_lorry(detect_obstacles: Callable) -> None:
     _assert_found_on_the_climb(detect_obstacles, "truck")
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=3,
     title="Gives two cars that are parked close together separate boxes",
@@ -168,7 +168,7 @@ def keeps_parked_cars_apart(detect_obstacles: Callable) -> None:
     assert_separate_boxes(detect_once(detect_obstacles, frame), frame, GAP)
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=12,
     title="Does not put a box around the ego car",
@@ -184,7 +184,7 @@ def ignores_the_ego_car(detect_obstacles: Callable) -> None:
     assert_no_box_on_ego_car(answer, frame)
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=12,
     title="Turns boxes with the cars",
@@ -198,7 +198,7 @@ def turns_boxes(detect_obstacles: Callable) -> None:
     assert_boxes_turned(detect_once(detect_obstacles, square(SQUARE_SEED)), square(SQUARE_SEED))
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=2,
     title="Returns upright boxes with a level floor, right angles and each roof corner above a "
@@ -211,7 +211,7 @@ def returns_upright_boxes(detect_obstacles: Callable) -> None:
     assert_upright(detect_once(detect_obstacles, square(SQUARE_SEED)))
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=13,
     title="Ignores single returns in the air, such as raindrops",
@@ -226,7 +226,7 @@ def ignores_rain(detect_obstacles: Callable) -> None:
     assert_raindrops_ignored(answer, frame, drops)
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=2,
     title="Works on scans with non-finite returns and with hundreds of returns at (0, 0, 0)",
@@ -240,7 +240,7 @@ def drops_invalid(detect_obstacles: Callable) -> None:
     assert_no_box_at_sensor(answer, frame)
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=1,
     title="Works on an empty scan",
@@ -255,7 +255,7 @@ def works_on_an_empty_scan(detect_obstacles: Callable) -> None:
         raise CheckFailed("An empty scan has no obstacles.", yours=f"{len(boxes)} boxes")
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=5,
     title="Works on scans without intensity",
@@ -268,7 +268,7 @@ def works_without_intensity(detect_obstacles: Callable) -> None:
     assert_cars_found([detect_obstacles(frame.cloud[:, :3].copy())], [frame])
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=1,
     title="Does not change its input",
@@ -283,7 +283,7 @@ def keeps_the_cloud_unchanged(detect_obstacles: Callable) -> None:
     assert_arguments_unchanged(observed, cloud)
 
 
-@noted(
+@note_check(
     "detect_obstacles",
     title="Does not mistake a climbing road for an obstacle",
     why="If a road climbs by 4 %, a fixed ground level leaves points of the road in the cloud "
@@ -294,7 +294,7 @@ def ignores_a_climbing_road(detect_obstacles: Callable) -> None:
     assert_no_boxes_on_road(detect_once(detect_obstacles, climb(CLIMB_SEED)), climb(CLIMB_SEED))
 
 
-@noted(
+@note_check(
     "detect_obstacles",
     title="Returns an array",
     why="The cells below select boxes with a mask, which does not work on a list.",
@@ -312,7 +312,7 @@ def returns_an_array(detect_obstacles: Callable) -> None:
             )
 
 
-@noted(
+@note_check(
     "detect_obstacles",
     title="Lists the four floor corners first, or the four roof corners",
     why="The score card uses the first four corners as the ground that a box covers.",
@@ -325,7 +325,7 @@ def lists_the_floor_first(detect_obstacles: Callable) -> None:
             )
 
 
-@noted(
+@note_check(
     "detect_obstacles",
     title="Uses only functions of this notebook",
     why="The judge runs only this notebook, so a detector that needs another notebook fails and "

@@ -19,7 +19,7 @@ from utils.checks.assertions import (
     precondition,
 )
 from utils.checks.common_checks import Case
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.failures import fixed
 from utils.checks.run_cache import once
@@ -248,7 +248,7 @@ def _centres_text(previous: np.ndarray, current: np.ndarray, more: str | None = 
     return "; ".join([*parts, more] if more else parts)
 
 
-@visible(
+@visible_check(
     "match_boxes",
     weight=4,
     title="Finds each box again after a small move, whatever the order of the boxes",
@@ -262,7 +262,7 @@ def finds_again(match_boxes: Callable) -> None:
     assert_matched(answer, _ORDER, _BEFORE, _AFTER, input_text="max_distance 1.5")
 
 
-@visible(
+@visible_check(
     "match_boxes",
     weight=2,
     title="Returns -1 for a box without a partner, because it is new",
@@ -277,7 +277,7 @@ def marks_new_boxes(match_boxes: Callable) -> None:
     assert_matched(answer, [-1, 1, 0, -1], previous, current, [0, 3], "max_distance 1.5")
 
 
-@visible(
+@visible_check(
     "match_boxes",
     weight=6,
     title="Does not pair boxes that are farther apart than max_distance",
@@ -306,7 +306,7 @@ def respects_max_distance(match_boxes: Callable) -> None:
     )
 
 
-@visible(
+@visible_check(
     "match_boxes",
     weight=10,
     title="Never gives two boxes the same partner",
@@ -323,7 +323,7 @@ def is_one_to_one(match_boxes: Callable) -> None:
         assert_one_to_one(answer, previous, ordered, "max_distance 2")
 
 
-@visible(
+@visible_check(
     "match_boxes",
     weight=4,
     title="Gives a partner to the nearer of two rival boxes",
@@ -339,7 +339,7 @@ def prefers_the_nearer_rival(match_boxes: Callable) -> None:
     assert_matched(answer, [-1, 1], previous, current, [1], "max_distance 2")
 
 
-@visible(
+@visible_check(
     "match_boxes",
     weight=2,
     title="Pairs a box with the nearer of two previous boxes",
@@ -354,7 +354,7 @@ def prefers_the_nearer_previous_box(match_boxes: Callable) -> None:
     assert_matched(answer, [1], previous, current, input_text="max_distance 2")
 
 
-@visible(
+@visible_check(
     "match_boxes",
     weight=6,
     title="Compares centres, even if the corners of a box are in another order",
@@ -369,7 +369,7 @@ def compares_centres(match_boxes: Callable) -> None:
     assert_matched(answer, [1, 2, 0], previous, current, input_text="max_distance 1")
 
 
-@visible(
+@visible_check(
     "match_boxes",
     weight=3,
     title="Works when either list is empty",
@@ -422,7 +422,7 @@ common_checks.promise_untouched(
 )
 
 
-@noted(
+@note_check(
     "match_boxes",
     title="Returns whole-number indices",
     why="The tracker below looks up track IDs with the indices, and 2.0 is not an index.",

@@ -19,7 +19,7 @@ from utils.checks.assertions import (
     observe,
     precondition,
 )
-from utils.checks.core import visible
+from utils.checks.core import visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes, same_array
 from utils.checks.failures import fixed
 from utils.checks.lesson_12.match_boxes import cubes
@@ -108,7 +108,7 @@ def _assert_moved(
     )
 
 
-@visible(
+@visible_check(
     "predict_boxes",
     title="Moves each box by its own velocity for a tenth of a second",
     why="The tracker looks for the next box of an object where the object should be by now.",
@@ -120,7 +120,7 @@ def moves_the_boxes(predict_boxes: Callable) -> None:
     _assert_moved(predict_boxes, _PARKED, _PARKED_VELOCITIES, 0.1)
 
 
-@visible(
+@visible_check(
     "predict_boxes",
     title="Moves twice as far in twice the time",
     why="Some scanners turn only five times a second, and some frames are lost.",
@@ -131,7 +131,7 @@ def uses_the_time(predict_boxes: Callable) -> None:
         _assert_moved(predict_boxes, _PARKED, _PARKED_VELOCITIES, seconds)
 
 
-@visible(
+@visible_check(
     "predict_boxes",
     title="Moves each of eight boxes as a whole",
     why="With eight boxes, NumPy may silently move each corner by the velocity of another box, "
@@ -142,7 +142,7 @@ def moves_eight_boxes(predict_boxes: Callable) -> None:
     _assert_moved(predict_boxes, _EIGHT, _EIGHT_VELOCITIES, 0.1)
 
 
-@visible(
+@visible_check(
     "predict_boxes",
     title="Works without boxes",
     why="An empty road is not an error.",
@@ -152,7 +152,7 @@ def predicts_no_boxes(predict_boxes: Callable) -> None:
     _as_boxes(predict_boxes(_NO_BOXES.copy(), np.empty((0, 3)), 0.1), 0)
 
 
-@visible(
+@visible_check(
     "predict_boxes",
     title="Does not change boxes or velocities",
     why="A later cell draws the boxes of the previous frame.",
@@ -276,7 +276,7 @@ def _assert_placed(correct_boxes: Callable, gain: float, seconds: float) -> None
         )
 
 
-@visible(
+@visible_check(
     "correct_boxes",
     title="Places each box between its expected and its found position",
     why="A detected box wobbles. With a gain below 1, the track wobbles less.",
@@ -288,7 +288,7 @@ def places_boxes_between(correct_boxes: Callable) -> None:
         _assert_placed(correct_boxes, gain, seconds)
 
 
-@visible(
+@visible_check(
     "correct_boxes",
     title="Returns the found box, moved as a whole",
     why="The size and heading of the found box were measured just now. The expected box has an "
@@ -314,7 +314,7 @@ def keeps_the_shape(correct_boxes: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "correct_boxes",
     title="Corrects the velocity with the second gain",
     why="Without this correction, a track never learns that a car is coming towards us. If the "
@@ -337,7 +337,7 @@ def corrects_the_velocity(correct_boxes: Callable) -> None:
             )
 
 
-@visible(
+@visible_check(
     "correct_boxes",
     title="Uses the expected position at gain 0 and the found position at gain 1",
     why="The two extreme gains show whether the gain is the weight of the found box, as it should "
@@ -358,7 +358,7 @@ def uses_extreme_gains(correct_boxes: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "correct_boxes",
     title="Does not change its input",
     why="A later cell draws the boxes that were found.",
@@ -378,14 +378,14 @@ def _prediction_from_velocity_rule(
 ) -> Callable:
     """Return a prediction with another rule for the velocity or another gain for the position."""
 
-    def predicts(right: tuple, *case: object) -> tuple:
+    def predict(right: tuple, *case: object) -> tuple:
         expected, velocities, found, gain, seconds = case
         offset = _mean_corners(found) - _mean_corners(expected)
         beta = 2 * (1 - np.sqrt(1 - gain)) ** 2
         moved = found - ((1 - share(gain)) * offset)[:, None]
         return moved, velocity_rule(velocities, offset, gain, beta, seconds)
 
-    return predicts
+    return predict
 
 
 declare_mistakes(
@@ -491,7 +491,7 @@ def _call_coast(coast: Callable, *case: object) -> tuple[np.ndarray, np.ndarray]
     return counts, kept.astype(bool)
 
 
-@visible(
+@visible_check(
     "coast",
     title="Resets the count of each track that has a box, and adds 1 to all others",
     why="If a count is never reset, a track is dropped although it has a box in every second "
@@ -515,7 +515,7 @@ def counts_missed_frames(coast: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "coast",
     title="Keeps a track while it has missed at most patience frames",
     why="If a track is dropped too early, its object gets a new track ID. If it is dropped too "
@@ -539,7 +539,7 @@ def drops_tracks_after_patience(coast: Callable) -> None:
             )
 
 
-@visible(
+@visible_check(
     "coast",
     title="Works on frames without boxes, and without tracks",
     why="In fog a whole frame may be empty, and the tracks must last until the boxes return.",
@@ -560,7 +560,7 @@ def works_on_empty_frames(coast: Callable) -> None:
             )
 
 
-@visible(
+@visible_check(
     "coast",
     title="Does not change the counts",
     why="If the function changed its input, running the cell above twice would count the frame "
@@ -574,12 +574,12 @@ def keeps_the_counts_unchanged(coast: Callable) -> None:
 def _prediction_from_counts(count: Callable) -> Callable:
     """Return a prediction with another rule for the counts, which decide which tracks stay."""
 
-    def predicts(right: tuple, missed: np.ndarray, partners: np.ndarray, patience: int) -> tuple:
+    def predict(right: tuple, missed: np.ndarray, partners: np.ndarray, patience: int) -> tuple:
         has_box = np.isin(np.arange(len(missed)), partners)
         counts = count(missed, has_box, partners)
         return counts, counts <= patience
 
-    return predicts
+    return predict
 
 
 def _count_last_track(missed: np.ndarray, has_box: np.ndarray, partners: np.ndarray) -> np.ndarray:

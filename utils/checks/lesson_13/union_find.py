@@ -6,7 +6,7 @@ import numpy as np
 
 from utils.checks.assertions import CheckFailed, brief_text, frozen, precondition
 from utils.checks.compiled import assert_compiles
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.lesson_03.iterations_needed import assert_number
 from utils.checks.lesson_13.compile_note import COMPILES_TITLE, COMPILES_WHY
@@ -56,7 +56,7 @@ def _roots(parent: np.ndarray, input_text: str) -> np.ndarray:
 # ---- root_of -----------------------------------------------------------------------------------
 
 
-@visible(
+@visible_check(
     "root_of",
     title="Follows the parents up to the root",
     why="Two cells are in the same piece if they have the same root. Their parents may differ.",
@@ -77,7 +77,7 @@ def finds_the_root(root_of: Callable) -> None:
             )
 
 
-@visible(
+@visible_check(
     "root_of",
     title="Returns the cell itself if it is a root",
     why="At the start every cell is its own root.",
@@ -96,7 +96,7 @@ def stays_at_a_root(root_of: Callable) -> None:
             )
 
 
-@visible(
+@visible_check(
     "root_of",
     title="Keeps every cell in its piece",
     why="Looking up a root must not join or split any pieces.",
@@ -119,7 +119,7 @@ def keeps_the_pieces(root_of: Callable) -> None:
             )
 
 
-@visible(
+@visible_check(
     "root_of",
     title="Shortens a long path to half its length or less",
     why="Otherwise a path may become as long as the number of cells, and every call follows it "
@@ -146,7 +146,7 @@ def shortens_the_path(root_of: Callable) -> None:
         )
 
 
-@noted("root_of", title=COMPILES_TITLE, why=COMPILES_WHY)
+@note_check("root_of", title=COMPILES_TITLE, why=COMPILES_WHY)
 def root_of_compiles(root_of: Callable) -> None:
     def call_twice(function: Callable) -> list[int]:
         parent = _PARENT.copy()
@@ -158,11 +158,11 @@ def root_of_compiles(root_of: Callable) -> None:
 def _prediction_steps_up(steps: int) -> Callable:
     """Return a prediction: the cell `steps` steps up, or the root if the path is shorter."""
 
-    def predicts(right: int, parent: np.ndarray, cell: int) -> int:
+    def predict(right: int, parent: np.ndarray, cell: int) -> int:
         path = _path(parent, cell)
         return path[min(steps, len(path) - 1)]
 
-    return predicts
+    return predict
 
 
 # One long path that is not sorted by number: 7 → 0 → 3 → 6 → 2 → 5 → 4 → 1.
@@ -229,7 +229,7 @@ def _assert_joined(unite: Callable, a: int, b: int) -> None:
         )
 
 
-@visible(
+@visible_check(
     "unite",
     title="Joins all cells of both pieces, and no others",
     why="If only the two cells are joined, the rest of their pieces stays apart and a car splits.",
@@ -242,7 +242,7 @@ def joins_the_pieces(unite: Callable) -> None:
         _assert_joined(unite, a, b)
 
 
-@visible(
+@visible_check(
     "unite",
     title="Changes nothing if both cells are in one piece",
     why="Most pairs of close cells are already in one piece.",
@@ -255,7 +255,7 @@ def accepts_joined_cells(unite: Callable) -> None:
         _assert_joined(unite, a, b)
 
 
-@visible(
+@visible_check(
     "unite",
     title="Makes the larger root point at the smaller",
     why="The smallest cell of a piece is then its root, whatever the order of the pairs.",
@@ -277,7 +277,7 @@ def points_at_the_smaller_root(unite: Callable) -> None:
             )
 
 
-@noted("unite", title=COMPILES_TITLE, why=COMPILES_WHY)
+@note_check("unite", title=COMPILES_TITLE, why=COMPILES_WHY)
 def unite_compiles(unite: Callable) -> None:
     def call_unite(function: Callable) -> list[int]:
         parent = _PARENT.copy()
@@ -299,12 +299,12 @@ def _prediction_with_parent(choose: Callable) -> Callable:
     `choose` takes both cells and both roots; it returns the cell and its new parent.
     """
 
-    def predicts(right: list, parent: np.ndarray, a: int, b: int) -> list[list[int]]:
+    def predict(right: list, parent: np.ndarray, a: int, b: int) -> list[list[int]]:
         child, new_parent = choose(a, b, _path(parent, a)[-1], _path(parent, b)[-1])
         parent[child] = new_parent
         return _groups(_roots(parent, ""))
 
-    return predicts
+    return predict
 
 
 declare_mistakes(
