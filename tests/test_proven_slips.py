@@ -28,7 +28,7 @@ from utils.checks import Check, checks_of, diagnosis
 from utils.checks.diagnosis import Mistake, imitation_of, known_mistakes
 from utils.checks.failures import CheckFailed, WrongForm
 from utils.checks.outcomes import Outcome
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 
 LINE = find_lesson("02_ransac_line")
 FAIL = CheckFailed("no")
@@ -303,7 +303,7 @@ def test_after_a_hang_in_the_first_check_other_edits_get_less_time_for_it(passin
 def test_cached_results_of_one_edit_are_not_used_for_the_next(passing, monkeypatch):
     student = EditedStudent(["abxy", "a", "b", "b", ""])
 
-    @once
+    @once_per_run
     def passes_b(function):
         if "b" in student.now:
             raise FAIL

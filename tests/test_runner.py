@@ -23,7 +23,7 @@ from utils.checks.assertions import precondition
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import FarTooMuch, WrongForm
 from utils.checks.outcomes import Outcome
-from utils.checks.run_cache import answer_to, cached_run, once
+from utils.checks.run_cache import answer_to, cached_run, once_per_run
 from utils.checks.size_limits import MOST_NUMBERS
 
 FILTER = find_lesson("06_filter_ground")
@@ -355,7 +355,7 @@ def test_no_answer_outlives_its_check(made, how):
         answers.add(one)
         return one
 
-    @once
+    @once_per_run
     def require(function):
         with precondition("an answer"):
             kept = answer()

@@ -17,7 +17,7 @@ from utils.checks.assertions import (
     precondition,
 )
 from utils.checks.failures import fixed
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 
 # The search for a wrong pair of points computes n² distances, so larger clouds are not searched.
 _MOST_COMPARED = 1000
@@ -67,7 +67,7 @@ def _three_groups() -> tuple[np.ndarray, np.ndarray]:
 GROUPS, LABELS = frozen(_three_groups())
 
 
-@once
+@once_per_run
 def require_simplest_clusters(euclidean_clustering: Callable) -> None:
     """Assert that the function finds the simplest clusters; raise `NotYet` if not.
 

@@ -20,7 +20,7 @@ from utils.checks.assertions import (
 )
 from utils.checks.boxes import footprint
 from utils.checks.failures import fixed
-from utils.checks.run_cache import answer_to, once
+from utils.checks.run_cache import answer_to, once_per_run
 from utils.checks.scans import EGO_CAR, clear_cars, clear_people
 
 if TYPE_CHECKING:
@@ -207,7 +207,7 @@ def require_cars_found(answer: object, frame: Frame) -> None:
         assert_cars_found([answer], [frame])
 
 
-@once
+@once_per_run
 def require_cars_found_in_frame(detect_obstacles: Callable, frame: Frame) -> None:
     """Apply `require_cars_found` to the detector's answer for an unchanged frame."""
     require_cars_found(detect_once(detect_obstacles, frame), frame)

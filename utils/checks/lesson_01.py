@@ -25,7 +25,7 @@ from utils.checks.assertions import (
 from utils.checks.common_checks import Case
 from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 
 # ---- horizontal_distance -----------------------------------------------------------------------
 
@@ -63,14 +63,14 @@ def assert_distances(answer: object, cloud: np.ndarray, expected: np.ndarray) ->
         )
 
 
-@once
+@once_per_run
 def require_distances_at_sensor_height(horizontal_distance: Callable) -> None:
     """Raise `NotYet` if distances of points at the height of the sensor are wrong."""
     with precondition("the distances of points at the height of the sensor are right"):
         assert_distances(horizontal_distance(_FLAT.copy()), _FLAT, _DISTANCES)
 
 
-@once
+@once_per_run
 def require_distances_at_all_heights(horizontal_distance: Callable) -> None:
     """Raise `NotYet` if distances of points at various heights are wrong."""
     with precondition("the distances of points at other heights are right"):
@@ -305,7 +305,7 @@ def assert_drops_lost_rows(drop_invalid: Callable, *lost: np.ndarray) -> None:
     assert_positions(drop_invalid(cloud.copy()), cloud, good, view="above")
 
 
-@once
+@once_per_run
 def require_lost_returns_dropped(drop_invalid: Callable) -> None:
     """Raise `NotYet` if neither of the two common kinds of lost returns is dropped.
 

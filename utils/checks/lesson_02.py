@@ -25,7 +25,7 @@ from utils.checks.common_checks import Case
 from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes, same_array
 from utils.checks.failures import NotYet, fixed
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 
 # ---- lines -------------------------------------------------------------------------------------
 
@@ -116,7 +116,7 @@ def assert_unit_normal(answer: object) -> None:
         )
 
 
-@once
+@once_per_run
 def require_slanted_lines(line_through: Callable) -> None:
     """Raise `NotYet` if slanted lines are wrong."""
     with precondition("a slanted line passes through its two points"):
@@ -358,7 +358,7 @@ def _draw_circles(points: np.ndarray, line: np.ndarray, distances: np.ndarray) -
             axes.add_patch(Circle(point, abs(float(distance)), fill=False, linewidth=0.8))
 
 
-@once
+@once_per_run
 def require_plain_distances(point_line_distance: Callable) -> None:
     """Raise `NotYet` if the plain case is wrong."""
     with precondition("distances from a line through (0, 0) are right on its positive side"):
@@ -869,7 +869,7 @@ def _hint_from_runs(
     return ""
 
 
-@once
+@once_per_run
 def require_line_among_outliers(ransac_line: Callable) -> None:
     """Raise `NotYet` if the line is not found among outliers."""
     with precondition("the line is found among outliers"):
@@ -1148,7 +1148,7 @@ def repeats_with_the_same_seed(ransac_line: Callable) -> None:
     assert_repeats(ransac_line, np.random.default_rng)
 
 
-@once
+@once_per_run
 def assert_repeats(ransac_line: Callable, as_rng: Callable) -> None:
     """Assert that a second run with the same seed gives the same line and mask.
 

@@ -25,7 +25,7 @@ from utils.checks.common_checks import Case
 from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes, same_array
 from utils.checks.failures import fixed
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 
 # Returns from the road about 1.7 m below the sensor, a bumper, a kerb, a door, a roof and a sign.
 _GROUND_CLOUD = parse_table(
@@ -64,7 +64,7 @@ def _heights_text(points: np.ndarray) -> str:
     return f"heights {', '.join(texts)}" if texts else "no rows"
 
 
-@once
+@once_per_run
 def require_ground_removed(filter_ground: Callable) -> None:
     """Assert that road points are removed and higher ones stay; raise `NotYet` if not."""
     with precondition("points above ground_level stay and road points are removed"):
@@ -310,7 +310,7 @@ def assert_centroids(answer: object, cloud: np.ndarray, expected: np.ndarray, si
         )
 
 
-@once
+@once_per_run
 def require_row_per_cell(voxel_grid: Callable) -> None:
     """Assert that there is one point per occupied cell; raise `NotYet` if not."""
     with precondition("there is one point per occupied cell"):

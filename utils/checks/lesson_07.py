@@ -26,7 +26,7 @@ from utils.checks.assertions import (
 from utils.checks.common_checks import Case
 from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes, same_array
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -178,14 +178,14 @@ def _widen_limits(axes: Axes, low: Sequence[float], high: Sequence[float]) -> No
     axes.set_ylim(min(axes.get_ylim()[0], bottom), max(axes.get_ylim()[1], top))
 
 
-@once
+@once_per_run
 def require_near_points_kept(filter_by_distance: Callable) -> None:
     """Assert that near points stay and far ones are removed; raise `NotYet` if not."""
     with precondition("near points stay and far points are removed"):
         assert_points_left(filter_by_distance(_SCATTERED.copy(), 10.0), _SCATTERED, 10.0, _NEAR)
 
 
-@once
+@once_per_run
 def require_crop(crop_region: Callable) -> None:
     """Assert that only points inside the box stay; raise `NotYet` if not."""
     with precondition("points inside the box stay and points outside are removed"):
@@ -193,7 +193,7 @@ def require_crop(crop_region: Callable) -> None:
         assert_points_left_by_box(answer, _CROP_CLOUD, _MINIMUM, _MAXIMUM, _INSIDE)
 
 
-@once
+@once_per_run
 def require_ego_removed(remove_ego_returns: Callable) -> None:
     """Assert that only points inside the box are removed; raise `NotYet` if not."""
     with precondition("points inside the box are removed and points outside stay"):

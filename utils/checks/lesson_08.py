@@ -21,7 +21,7 @@ from utils.checks.boxes import (
 from utils.checks.common_checks import Case
 from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 
 # A cluster around the origin whose first point is not extreme on any axis. The initial values of a
 # search for its box and the order of the points do not matter here: separate checks cover these.
@@ -37,7 +37,7 @@ _BOXES = frozen(np.stack([_SIZES[0] * _BOX, _SIZES[1] * _BOX, _SIZES[2] * _BOX +
 _LABELS = frozen(np.repeat([1, 2, 3], 7))
 
 
-@once
+@once_per_run
 def require_single_box(get_bounding_boxes: Callable) -> None:
     """Assert that a single cluster gets the right box; raise `NotYet` if not."""
     with precondition("a single cluster gets the right box"):
@@ -46,7 +46,7 @@ def require_single_box(get_bounding_boxes: Callable) -> None:
         assert_box_corners(answer, _BOX[None], _POINTS, labels)
 
 
-@once
+@once_per_run
 def require_three_boxes(get_bounding_boxes: Callable) -> None:
     """Assert that three clusters get the right boxes; raise `NotYet` if not."""
     with precondition("each of three clusters gets the right box"):

@@ -20,7 +20,7 @@ from utils.checks.common_checks import Case
 from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.failures import NotYet, fixed
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 
 # Clusters of 5, 1, 2, 4, 4 and 2 points, in mixed order. No cluster has exactly 3 points, the
 # minimum in these checks: a separate check covers that case.
@@ -111,14 +111,14 @@ def assert_labels_kept(answer: object, labels: np.ndarray, expected: np.ndarray)
 _BASIC_PROPERTY = "clusters with too few points are removed and the others stay"
 
 
-@once
+@once_per_run
 def require_small_clusters_removed(filter_clusters: Callable) -> None:
     """Assert that small clusters are removed and large ones stay; raise `NotYet` if not."""
     with precondition(_BASIC_PROPERTY):
         assert_right_clusters_left(filter_clusters(_LABELS.copy(), 3), _LABELS, _KEPT)
 
 
-@once
+@once_per_run
 def require_most_clusters_right(filter_clusters: Callable) -> None:
     """Assert that at least five of six clusters are treated correctly; raise `NotYet` if not.
 

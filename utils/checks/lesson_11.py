@@ -28,7 +28,7 @@ from utils.checks.common_checks import Case
 from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.failures import fixed
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 
 _NAMES = ("longest", "middle", "shortest")
 _MIN_COSINE = np.cos(np.radians(1.0))
@@ -200,7 +200,7 @@ _LEANING_TEXT = "a block of {:g} x {:g} x {:g} m that leans forwards and to the 
 )
 
 
-@once
+@once_per_run
 def require_directions(principal_axes: Callable) -> None:
     """Assert that the function finds the directions of a turned block; raise `NotYet` if not."""
     with precondition("the columns run along the length, width and height of a block"):
@@ -564,7 +564,7 @@ _FRONT = frozen(
 _STRAIGHT = frozen(_street(0, 0))
 
 
-@once
+@once_per_run
 def require_straight_boxes(get_oriented_boxes: Callable) -> None:
     """Assert that the boxes of clusters along x contain their points; raise `NotYet` if not."""
     with precondition("the boxes of two clusters along the x axis contain their points"):

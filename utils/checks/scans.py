@@ -58,7 +58,7 @@ def street(distance: float = 0.0) -> Frame:
     return observe(world, half_sensor(), 12)
 
 
-def street_before() -> Frame:
+def street_further_back() -> Frame:
     """Return the street from 4 m further back. Its clear cars are where `street` has none."""
     return street(-4.0)
 
@@ -76,7 +76,7 @@ def square(seed: int) -> Frame:
 
 
 @functools.lru_cache(maxsize=64)
-def walk(seed: int) -> Frame:
+def square_with_people(seed: int) -> Frame:
     """Return a scan as in `square`, but of one car and three people, all clear of others."""
     frames = (_random_square((seed, 21, attempt), 1, 3) for attempt in itertools.count())
     return next(
@@ -85,7 +85,7 @@ def walk(seed: int) -> Frame:
 
 
 @functools.lru_cache(maxsize=64)
-def crossing(seed: int) -> Frame:
+def car_crossing(seed: int) -> Frame:
     """Return a scan as in `square`, but of one small car across the road, 8 to 10 m ahead."""
     from utils.simulator.streets import placed
     from utils.simulator.traffic import car
@@ -98,12 +98,12 @@ def crossing(seed: int) -> Frame:
     return _scan_square([placed(car(length, width, rng.uniform(1.45, 1.6)), x, y, yaw)], rng, seed)
 
 
-CLIMB = 0.04  # rise of the road in `climb`, in metres per metre
-GAP = 0.85  # distance between the two parked cars in `climb`, in metres
+CLIMB = 0.04  # rise of the road in `climbing_road`, in metres per metre
+GAP = 0.85  # distance between the two parked cars in `climbing_road`, in metres
 
 
 @functools.lru_cache(maxsize=64)
-def climb(seed: int) -> Frame:
+def climbing_road(seed: int) -> Frame:
     """Return a scan of a road that climbs, with obstacles that simple detectors miss.
 
     A person stands right next to the bumper. A lorry is on the same side. On the other side, two
@@ -130,7 +130,7 @@ def climb(seed: int) -> Frame:
 
 
 def car_across(frame: Frame) -> Box:
-    """Return the true box of the car across the road in `crossing`."""
+    """Return the true box of the car across the road in `car_crossing`."""
     return min(
         (box for box in frame.boxes if box.kind == "car"),
         key=lambda box: math.hypot(box.centre[0] - 9.0, box.centre[1]),
@@ -177,14 +177,17 @@ def _has_room(obstacle: Obstacle, other_obstacles: Sequence[Obstacle]) -> bool:
     """Return whether an obstacle is near the sensor, and clear of the ego car and the others."""
     if not 4.0 < math.hypot(obstacle.pose.x, obstacle.pose.y) < 0.98 * NEAR[obstacle.kind]:
         return False
-    rim = _rim(obstacle)
+    rim = _outline_points(obstacle)
     if ((rim > EGO_CAR[0] - FREE) & (rim < EGO_CAR[1] + FREE)).all(axis=1).any():
         return False
-    gaps = (np.linalg.norm(rim[:, None] - _rim(other), axis=2).min() for other in other_obstacles)
+    gaps = (
+        np.linalg.norm(rim[:, None] - _outline_points(other), axis=2).min()
+        for other in other_obstacles
+    )
     return all(gap > 1.2 * FREE for gap in gaps)
 
 
-def _rim(obstacle: Obstacle) -> np.ndarray:
+def _outline_points(obstacle: Obstacle) -> np.ndarray:
     """Return points along the outline of an obstacle's footprint; shape (n, 2)."""
     side = np.linspace(-0.5, 0.5, 20)
     half = np.full(20, 0.5)
@@ -290,7 +293,7 @@ def insert_invalid(cloud: np.ndarray, seed: int) -> np.ndarray:
 
 
 @functools.lru_cache(maxsize=64)
-def rain(seed: int) -> np.ndarray:
+def raindrops(seed: int) -> np.ndarray:
     """Return single points in the air above a square, far from its objects and each other.
 
     Parameters

@@ -39,16 +39,16 @@ from utils.checks.lesson_12.match_boxes import (
 from utils.checks.scans import (
     GAP,
     car_across,
+    car_crossing,
     clear_cars,
-    climb,
-    crossing,
+    climbing_road,
     ego_car_points,
     half_sensor,
     insert_invalid,
-    rain,
+    raindrops,
     remove_car,
     square,
-    walk,
+    square_with_people,
 )
 
 
@@ -92,7 +92,7 @@ def boxes_in(student, frame):
 def assert_found_on_climbs(student, seed, kind):
     """Require that a square's cars are found, and check objects of a kind on two climbing roads."""
     require_cars_found_in_frame(student.detect_obstacles, square(seed))
-    for frame in (climb(seed), climb(seed + 1)):
+    for frame in (climbing_road(seed), climbing_road(seed + 1)):
         assert_kind_contained(detect_once(student.detect_obstacles, frame), kind, frame)
 
 
@@ -134,7 +134,7 @@ def test_city(student, seed):
     hint="A nearby person has 25 to 50 points after thinning. Does one of your steps need more?",
 )
 def test_people(student, seed):
-    frame = walk(seed)
+    frame = square_with_people(seed)
     assert_people_found(boxes_in(student, frame), frame)
 
 
@@ -146,7 +146,7 @@ def test_people(student, seed):
 )
 def test_reach(student, seed):
     require_cars_found_in_frame(student.detect_obstacles, square(seed))
-    frame = crossing(seed)
+    frame = car_crossing(seed)
     assert_contained(detect_once(student.detect_obstacles, frame), car_across(frame), frame)
 
 
@@ -189,7 +189,7 @@ def test_lorries(student, seed):
 def test_parked_cars(student, seed):
     with precondition("the detector finds cars at the edge of the road"):
         assert_found_on_climbs(student, seed, "car")
-    for frame in (climb(seed), climb(seed + 1)):
+    for frame in (climbing_road(seed), climbing_road(seed + 1)):
         assert_separate_boxes(detect_once(student.detect_obstacles, frame), frame, GAP)
 
 
@@ -249,7 +249,7 @@ def test_lost_returns(student, seed):
     "these labels.",
 )
 def test_rain(student, seed):
-    frame, drops = square(seed + 3), rain(seed + 3)
+    frame, drops = square(seed + 3), raindrops(seed + 3)
     assert_raindrops_ignored(
         answer_for(student, np.vstack([frame.cloud, drops]), frame), frame, drops
     )

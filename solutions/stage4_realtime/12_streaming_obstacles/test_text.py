@@ -18,7 +18,6 @@ from utils.checks.core import checks_of, notes_of, run_check
 from utils.checks.detections import _contains_obstacle
 from utils.checks.failures import NotYet
 from utils.checks.run_cache import cached_run
-from utils.checks.scans import walk
 from utils.drive import drive_street, on_time
 from utils.drive.standards import DRIVERS, reference_results
 from utils.notebooks import slicing
@@ -331,7 +330,10 @@ def count_voxels_of_people(frame, nearest, farthest):
 
 def test_statements_about_people_in_full_view_are_true():
     frames = [frame for seed in range(8) for frame in scenes.city_block(seed, frames=30)[::10]]
-    near = [count_voxels_of_people(frame, 0, 7) for frame in [*frames, *map(walk, range(12))]]
+    near = [
+        count_voxels_of_people(frame, 0, 7)
+        for frame in [*frames, *map(square_with_people, range(12))]
+    ]
     near, ten_metres = (
         sum(near, []),
         sum((count_voxels_of_people(frame, 9, 11) for frame in frames), []),

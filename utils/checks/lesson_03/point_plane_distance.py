@@ -20,7 +20,7 @@ from utils.checks.assertions import (
 from utils.checks.common_checks import Case
 from utils.checks.core import visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 
 # A unit normal, and points in front of the plane with this normal through the sensor.
 _NORMAL = (0.6, 0.0, 0.8)
@@ -120,7 +120,7 @@ def assert_ignores_intensity(
         )
 
 
-@once
+@once_per_run
 def require_plain_distances(point_plane_distance: Callable) -> None:
     """Raise `NotYet` if distances are wrong in front of planes through the sensor."""
     with precondition("the distances from a plane through the sensor are right"):

@@ -32,7 +32,7 @@ from utils.checks.lesson_03.results import (
     assert_nearest_are_inliers,
     assert_nothing_found,
 )
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 from utils.geometry import distances_from_plane
 
 # The small example of the notebook: five points on a floor and two above it.
@@ -51,7 +51,7 @@ _SEVEN_POINTS = frozen(
 )
 
 
-@once
+@once_per_run
 def require_plane_among_outliers(ransac_plane: Callable) -> None:
     """Raise `NotYet` if the plane is not found among outliers."""
     with precondition("the plane is found among outliers"):
@@ -70,7 +70,7 @@ def require_plane_without_outliers(ransac_plane: Callable) -> None:
         assert_finds_plane(answer, points, 0.5, on_plane, share=0.5)
 
 
-@once
+@once_per_run
 def _assert_masks_belong_to_models(ransac_plane: Callable) -> None:
     for seed in range(4):
         points, _ = scattered_plane(10 + seed, 50, 20, noise=0.1)

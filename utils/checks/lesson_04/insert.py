@@ -27,7 +27,7 @@ from utils.checks.lesson_04.trees import (
     build_tree,
     error_names,
 )
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 from utils.geometry import grow_tree, nodes_by_path
 
 # Comparing y at the root would put the second and third points on the wrong sides.
@@ -47,7 +47,7 @@ def _tree_of(KdTree: Callable, points: ArrayLike, indices: Sequence[int] | None 
     return tree
 
 
-@once
+@once_per_run
 def require_root(KdTree: Callable) -> None:
     """Assert that the first point becomes the root; otherwise raise `NotYet`.
 
@@ -57,13 +57,13 @@ def require_root(KdTree: Callable) -> None:
         first_is_root(KdTree)
 
 
-@once
+@once_per_run
 def _assert_sides(KdTree: Callable) -> None:
     with precondition("at the root, a smaller x goes left and a greater x goes right"):
         assert_tree(_tree_of(KdTree, _TWO_LEVELS), _TWO_LEVELS)
 
 
-@once
+@once_per_run
 def _assert_axes_alternate(KdTree: Callable) -> None:
     _assert_sides(KdTree)
     with precondition("x is compared at the root and y one level below"):

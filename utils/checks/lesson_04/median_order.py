@@ -20,7 +20,7 @@ from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.failures import fixed
 from utils.checks.lesson_04.cases import ELEVEN_POINTS, distinct_points
 from utils.checks.lesson_04.trees import few_points_text
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 from utils.geometry import alternating_axis, grow_tree, nodes_by_path
 
 _SHORT_HINT = (
@@ -192,13 +192,13 @@ def _draw_tree(order: np.ndarray, points: np.ndarray) -> Callable:
     return lambda: utils.plots.kd_tree(root, title="The tree that your order makes")
 
 
-@once
+@once_per_run
 def _assert_medians(median_order: Callable) -> None:
     with precondition("every part begins with its median, along x and y in turn"):
         assert_lower_medians(median_order(_SEVEN_POINTS.copy()), _SEVEN_POINTS)
 
 
-@once
+@once_per_run
 def _assert_halves(median_order: Callable) -> None:
     with precondition("every part begins with its median"):
         assert_halves(median_order(_SEVEN_POINTS.copy()), _SEVEN_POINTS)

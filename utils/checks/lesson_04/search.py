@@ -26,7 +26,7 @@ from utils.checks.lesson_04.search_results import (
     assert_same_tree,
 )
 from utils.checks.lesson_04.trees import build_tree
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 from utils.geometry import SIDES, TreeNode, alternating_axis, grow_tree, nodes_by_path
 
 # Distances of the splits from the target, from 8 times the radius down to a tenth of it.
@@ -35,7 +35,7 @@ _SIZES = frozen(np.concatenate([np.geomspace(8, 1.2, 15), np.geomspace(0.9, 0.1,
 _SCATTERED_POINTS = frozen(4 * distinct_points(np.random.default_rng(46), 11, 2))
 
 
-@once
+@once_per_run
 def _assert_at_target(KdTree: Callable) -> None:
     with precondition("the point at the target is found"):
         finds_the_target(KdTree)

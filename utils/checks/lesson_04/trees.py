@@ -17,7 +17,7 @@ from utils.checks.assertions import (
     get_attribute_path,
     precondition,
 )
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 from utils.checks.size_limits import MOST_OF_A_POINT
 from utils.geometry import SIDES, TreeNode, grow_tree, nodes_by_path, tree_as_lists
 from utils.remote_objects import RemoteError, RemoteObject, RemoteStopped
@@ -136,7 +136,7 @@ def _uses_plant(KdTree: Callable) -> bool:
     return False
 
 
-@once
+@once_per_run
 def _assert_stores_more(KdTree: Callable) -> None:
     """Assert that a tree or its nodes store more than the lesson's, or have another class."""
     try:
@@ -160,7 +160,7 @@ def _root_class(tree: object) -> object:
     return get_attribute_path(tree, ["root", "__class__", "__qualname__"])
 
 
-@once
+@once_per_run
 def _assert_inserts(KdTree: Callable) -> None:
     """Assert that inserted points are in their places, so that a tree can be built by inserting."""
     for points in _SAMPLES:

@@ -37,15 +37,15 @@ from utils.checks.failures import fixed
 from utils.checks.scans import (
     GAP,
     car_across,
-    climb,
-    crossing,
+    car_crossing,
+    climbing_road,
     ego_car_points,
     insert_invalid,
-    rain,
+    raindrops,
     square,
+    square_with_people,
     street,
-    street_before,
-    walk,
+    street_further_back,
 )
 from utils.checks.static_analysis import functions_used
 
@@ -64,7 +64,12 @@ SQUARE_SEED, WALK_SEED, CLIMB_SEED = 25, 7, 4
 def finds_cars(detect_obstacles: Callable) -> None:
     # Include every scan that later checks use, because those checks wait until the cars in their
     # scan are found.
-    for frame in (street(), street_before(), square(SQUARE_SEED), walk(WALK_SEED)):
+    for frame in (
+        street(),
+        street_further_back(),
+        square(SQUARE_SEED),
+        square_with_people(WALK_SEED),
+    ):
         assert_cars_found([detect_once(detect_obstacles, frame)], [frame])
 
 
@@ -77,8 +82,10 @@ def finds_cars(detect_obstacles: Callable) -> None:
     "larger than that number.",
 )
 def finds_people(detect_obstacles: Callable) -> None:
-    require_cars_found_in_frame(detect_obstacles, walk(WALK_SEED))
-    assert_people_found(detect_once(detect_obstacles, walk(WALK_SEED)), walk(WALK_SEED))
+    require_cars_found_in_frame(detect_obstacles, square_with_people(WALK_SEED))
+    assert_people_found(
+        detect_once(detect_obstacles, square_with_people(WALK_SEED)), square_with_people(WALK_SEED)
+    )
 
 
 @visible_check(
@@ -91,7 +98,7 @@ def finds_people(detect_obstacles: Callable) -> None:
 )
 def looks_far_enough(detect_obstacles: Callable) -> None:
     require_cars_found_in_frame(detect_obstacles, square(SQUARE_SEED))
-    frame = crossing(SQUARE_SEED)
+    frame = car_crossing(SQUARE_SEED)
     assert_contained(detect_once(detect_obstacles, frame), car_across(frame), frame)
 
 
@@ -105,8 +112,10 @@ def looks_far_enough(detect_obstacles: Callable) -> None:
     "points, filter_clusters should have removed these points.",
 )
 def avoids_ghosts(detect_obstacles: Callable) -> None:
-    require_cars_found_in_frame(detect_obstacles, street_before())
-    assert_few_ghosts([detect_once(detect_obstacles, street_before())], [street_before()])
+    require_cars_found_in_frame(detect_obstacles, street_further_back())
+    assert_few_ghosts(
+        [detect_once(detect_obstacles, street_further_back())], [street_further_back()]
+    )
 
 
 def _assert_found_on_the_climb(detect_obstacles: Callable, kind: str) -> None:
@@ -114,8 +123,8 @@ def _assert_found_on_the_climb(detect_obstacles: Callable, kind: str) -> None:
 
     Raise `NotYet` if even the cars in an ordinary street are not found.
     """
-    require_cars_found_in_frame(detect_obstacles, street_before())
-    frame = climb(CLIMB_SEED)
+    require_cars_found_in_frame(detect_obstacles, street_further_back())
+    frame = climbing_road(CLIMB_SEED)
     assert_kind_contained(detect_once(detect_obstacles, frame), kind, frame)
 
 
@@ -164,7 +173,7 @@ def finds_the_lorry(detect_obstacles: Callable) -> None:
 def keeps_parked_cars_apart(detect_obstacles: Callable) -> None:
     with precondition("the detector finds cars at the edge of the road"):
         _assert_found_on_the_climb(detect_obstacles, "car")
-    frame = climb(CLIMB_SEED)
+    frame = climbing_road(CLIMB_SEED)
     assert_separate_boxes(detect_once(detect_obstacles, frame), frame, GAP)
 
 
@@ -220,7 +229,7 @@ def returns_upright_boxes(detect_obstacles: Callable) -> None:
     "these labels.",
 )
 def ignores_rain(detect_obstacles: Callable) -> None:
-    frame, drops = square(SQUARE_SEED), rain(SQUARE_SEED)
+    frame, drops = square(SQUARE_SEED), raindrops(SQUARE_SEED)
     answer = detect_obstacles(np.vstack([frame.cloud, drops]))
     require_cars_found(answer, frame)
     assert_raindrops_ignored(answer, frame, drops)
@@ -291,7 +300,9 @@ def keeps_the_cloud_unchanged(detect_obstacles: Callable) -> None:
     "climbs with the road.",
 )
 def ignores_a_climbing_road(detect_obstacles: Callable) -> None:
-    assert_no_boxes_on_road(detect_once(detect_obstacles, climb(CLIMB_SEED)), climb(CLIMB_SEED))
+    assert_no_boxes_on_road(
+        detect_once(detect_obstacles, climbing_road(CLIMB_SEED)), climbing_road(CLIMB_SEED)
+    )
 
 
 @note_check(
@@ -300,7 +311,7 @@ def ignores_a_climbing_road(detect_obstacles: Callable) -> None:
     why="The cells below select boxes with a mask, which does not work on a list.",
 )
 def returns_an_array(detect_obstacles: Callable) -> None:
-    for cloud in (street_before().cloud.copy(), np.empty((0, 4))):
+    for cloud in (street_further_back().cloud.copy(), np.empty((0, 4))):
         answer = detect_obstacles(cloud)
         if np.shape(answer)[1:] != (8, 3) or not isinstance(answer, np.ndarray):
             raise CheckFailed(
@@ -318,7 +329,7 @@ def returns_an_array(detect_obstacles: Callable) -> None:
     why="The score card uses the first four corners as the ground that a box covers.",
 )
 def lists_the_floor_first(detect_obstacles: Callable) -> None:
-    for box in as_boxes(detect_obstacles(street_before().cloud.copy())):
+    for box in as_boxes(detect_obstacles(street_further_back().cloud.copy())):
         if np.ptp(box[:4, 2]) > 2e-3:
             raise CheckFailed(
                 "The first four corners are not at the same height.", yours=brief_text(box)

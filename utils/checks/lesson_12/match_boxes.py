@@ -22,7 +22,7 @@ from utils.checks.common_checks import Case
 from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.failures import fixed
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 
 
 def cubes(centres: ArrayLike, size: float = 1.0, turn: int = 0) -> np.ndarray:
@@ -229,7 +229,7 @@ def assert_limit_respected(
     )
 
 
-@once
+@once_per_run
 def require_matching(match_boxes: Callable) -> None:
     """Assert that boxes are found again after a small move; raise `NotYet` if not."""
     with precondition("each box is found again after a small move"):
