@@ -194,7 +194,7 @@ def test_clusters_differ_by_colour_and_by_number(street):
 
 def test_the_ego_car_is_magenta_plane_and_obstacles_are_green_and_red(street):
     scene = Scene().add_ego_car().add_plane(street).add_obstacles(street)
-    red, green, blue = builders.bytes_of(builders.MAGENTA)
+    red, green, blue = builders.rgb_bytes(builders.MAGENTA)
     assert min(red, blue) > 2 * green
     plane, obstacles = (part.colours[0] for part in scene.parts if isinstance(part, Points))
     assert plane.argmax() == 1 and obstacles.argmax() == 0

@@ -18,6 +18,7 @@ from utils.checks.core import checks_of, notes_of, run_check
 from utils.checks.detections import _contains_obstacle
 from utils.checks.failures import NotYet
 from utils.checks.run_cache import cached_run
+from utils.checks.scans import square_with_people
 from utils.drive import drive_street, on_time
 from utils.drive.standards import DRIVERS, reference_results
 from utils.notebooks import slicing
