@@ -73,7 +73,9 @@ def distance_from_edges(corner, drawn):
 
 @pytest.mark.parametrize("low, high", [((0, 0, 0), (4, 2, 1.5)), ((-2, -1.5, -1.2), (3, 2.5, 0.8))])
 def test_corner_numbers_are_not_drawn_on_other_edges(low, high):
-    drawn = corners._project_obliquely(get_bounding_boxes(np.array([low, high]), np.ones(2, dtype=int))[0])
+    drawn = corners._project_obliquely(
+        get_bounding_boxes(np.array([low, high]), np.ones(2, dtype=int))[0]
+    )
     assert min(distance_from_edges(corner, drawn) for corner in range(8)) > 0.1
 
 
