@@ -47,8 +47,8 @@ class Report:
     street: int
     metres: float
     seconds: float
-    braking_events: tuple[Braking, ...] = ()
-    describe_collision: str = ""
+    brakings: tuple[Braking, ...] = ()
+    collision: str = ""
     closest_distance: float = np.inf
     closest_kind: str = ""
     near_misses: int = 0
