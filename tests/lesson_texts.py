@@ -22,14 +22,14 @@ def source_of(exercise, variant=FOLLOWS_HINTS):
     return next(answer.source for answer in answers_to(exercise) if answer.name == variant)
 
 
-def taught_function(exercise, variant=FOLLOWS_HINTS):
+def kept_function(exercise, variant=FOLLOWS_HINTS):
     """Return the function from the kept answer that follows the hints, or from another one."""
     namespace = {"np": np}
     exec(source_of(exercise, variant), namespace)
     return namespace[exercise]
 
 
-def names_of(name, *wanted, **variants):
+def run_statements_for(name, *wanted, **variants):
     """Run only the statements that some names of a lesson need; return all names they define.
 
     Parameters

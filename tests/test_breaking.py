@@ -89,7 +89,7 @@ def test_the_smallest_cloud_shows_the_mistake_and_smaller_clouds_do_not(exercise
         function_of(exercise),
         np.array(REVEALING_CLOUDS[exercise][letter], dtype=float),
     )
-    smallest = PUZZLES[exercise].versions[letter].smallest
+    smallest = PUZZLES[exercise].versions[letter].smallest_row_count
     assert len(cloud) == smallest and answers_differ(exercise, letter, function, cloud)
     rng = np.random.default_rng(1)
     for count in range(1, smallest):
@@ -170,7 +170,7 @@ def test_failing_unwritten_and_unknown_functions_get_a_message(capsys):
 
 
 def test_an_endless_loop_is_stopped(capsys, monkeypatch):
-    monkeypatch.setattr(breaking, "SECONDS", 0.3)
+    monkeypatch.setattr(breaking, "TIME_LIMIT", 0.3)
 
     def euclidean_clustering(cloud, threshold=0.5):
         while True:

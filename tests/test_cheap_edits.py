@@ -154,7 +154,7 @@ def test_known_mistakes_of_cheap_answers_are_marked_as_cheap():
             with np.errstate(all="ignore"):
                 mistake = diagnose(exercise, function)
             if mistake:
-                named[exercise, name, mistake.says] = mistake.is_cheap or mistake.is_the_task
+                named[exercise, name, mistake.description] = mistake.is_cheap or mistake.is_the_task
     assert len(named) > 20
     assert {mistake_made for mistake_made, is_declared in named.items() if not is_declared} == set()
 

@@ -69,7 +69,7 @@ def define(source, name="near", **names):
 )
 def test_a_slip_is_found_in_the_source(source, words):
     slip = find_code_slip(define(source), returned_none=True)
-    assert words in slip.says and slip.hint
+    assert words in slip.description and slip.hint
 
 
 @pytest.mark.parametrize("title", CODE_WITHOUT_SLIPS)

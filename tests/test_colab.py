@@ -284,7 +284,7 @@ def test_installing_pyvista_changes_no_colab_package(environment_folder, tmp_pat
     command = json.loads(
         in_colab(
             "import json; from pathlib import Path; from utils import colab;"
-            f"print(json.dumps(colab.pip_install(Path({str(tmp_path)!r}))))"
+            f"print(json.dumps(colab.pip_command(Path({str(tmp_path)!r}))))"
         )
     )
     report = subprocess.run(

@@ -51,7 +51,7 @@ def positional_only(right, promise):
 
 def without_defaults(right, promise):
     def function(*arguments, **named):
-        if len(arguments) + len(named) < len(promise.case.given):
+        if len(arguments) + len(named) < len(promise.case.arguments):
             raise TypeError("missing 1 required positional argument")
         return right(*arguments, **named)
 
@@ -186,7 +186,7 @@ UNTOUCHED_ARGUMENTS = [
     parameter(promise, argument)
     for promise in common_checks.all_promises()
     if promise.kind == "untouched"
-    for argument, value in promise.case.given.items()
+    for argument, value in promise.case.arguments.items()
     if isinstance(value, np.ndarray)
 ]
 
@@ -194,7 +194,7 @@ UNTOUCHED_ARGUMENTS = [
 @pytest.mark.parametrize("promise, argument", UNTOUCHED_ARGUMENTS)
 def test_changing_an_argument_fails_only_that_check(promise, argument):
     exercise = promise.case.exercise
-    wrong = change_argument(right_function(exercise), promise.case.given, argument)
+    wrong = change_argument(right_function(exercise), promise.case.arguments, argument)
     assert promise.name in failed_checks(exercise, wrong)
     assert failed_checks(exercise, wrong) <= {promise.name, *other_checks_about_writing(exercise)}
 
@@ -263,5 +263,5 @@ def test_a_line_through_the_origin_is_moved_away_from_it():
 
 def test_cases_are_read_only():
     for promise in common_checks.all_promises():
-        for value in (*promise.case.given.values(), promise.case.expected):
+        for value in (*promise.case.arguments.values(), promise.case.expected):
             assert not isinstance(value, np.ndarray) or not value.flags.writeable, promise

@@ -9,7 +9,7 @@ from grader.course.kept_answers import answers_to
 from grader.course.lessons import find_lesson
 from tests.lesson_runs import right_answers, run_cells, runs_with_answers
 from utils import lent
-from utils.lent.rerun import key_of_cell, plan
+from utils.lent.rerun import key_of_cell, plan_rerun
 
 SETUP = """\
 from utils.checks.core import ChecksFailed
@@ -208,7 +208,7 @@ def test_tracebacks_have_frames_of_the_notebook_only(run):
 
 def test_an_object_is_recreated_for_a_statement_that_changes_it():
     cells = ["found = []", "found.append(f(1))", "other = 2", "print(found)"]
-    kept = plan(cells, {"f": ["f"]}, set()).statements
+    kept = plan_rerun(cells, {"f": ["f"]}, set()).statements
     assert [statement.cell for statement in kept] == [1, 2]
 
 
@@ -225,11 +225,13 @@ def test_an_object_is_recreated_for_a_statement_that_changes_it():
 )
 def test_names_that_a_loop_assigns_are_not_recreated(loop, again):
     cells = ["axes = f(0)", "panels = [1]\ntop = 2", loop]
-    assert [statement.cell for statement in plan(cells, {"f": ["f"]}, set()).statements] == again
+    assert [
+        statement.cell for statement in plan_rerun(cells, {"f": ["f"]}, set()).statements
+    ] == again
 
 
 def test_a_cell_without_course_names_needs_no_plan():
-    found = plan(["a = f(1)", "b = 2", "print(b)"], {"f": ["f"]}, set())
+    found = plan_rerun(["a = f(1)", "b = 2", "print(b)"], {"f": ["f"]}, set())
     assert not found.functions and not found.statements
 
 

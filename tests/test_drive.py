@@ -17,13 +17,13 @@ from utils.drive import STREETS, Trip, askew, chain, drive_street, occupied_squa
 from utils.drive import __main__ as command
 from utils.drive.actors import Actor, car_ahead, child
 from utils.drive.clock import Clock, ticks
-from utils.drive.ground_truth import distances
+from utils.drive.ground_truth import distances_to_objects
 from utils.drive.loop import drive
 from utils.drive.metrics import measure
-from utils.drive.motion import Motion, closest_pairs, motion_by
-from utils.drive.planner import Planner, Thing, needed_room, plan, room
+from utils.drive.motion import Motion, closest_pairs, make_motion
+from utils.drive.planner import Planner, TrackedBox, braking_gap, gap_to, plan
 from utils.drive.rules import stopping_distance
-from utils.drive.standards import Result, standards
+from utils.drive.standards import DriveResult, reference_results
 from utils.drive.streets import Street
 from utils.play import load_detector
 from utils.simulator.pose import Pose
@@ -47,7 +47,7 @@ def box(x, y, length=1.0, width=1.0):
 
 
 def thing(x, y=0.0, forward=0.0, left=0.0, seen=True, name=0, **size):
-    return Thing(box(x, y, **size), (forward, left), seen, name)
+    return TrackedBox(box(x, y, **size), (forward, left), seen, name)
 
 
 def empty_street(**settings):
@@ -96,12 +96,12 @@ def test_the_car_brakes_fully_for_obstacles_that_are_too_near():
 # The corridor extends 1.3 m to either side: half the car's width plus 0.4 m. The box is 1 m wide.
 @pytest.mark.parametrize("y", [1.79, -1.79])
 def test_boxes_that_reach_into_the_corridor_count(y):
-    assert room(thing(10.0, y), 7.0) == pytest.approx(7.4)
+    assert gap_to(thing(10.0, y), 7.0) == pytest.approx(7.4)
 
 
 @pytest.mark.parametrize("y", [1.81, -1.81])
 def test_boxes_next_to_the_corridor_do_not_count(y):
-    assert room(thing(10.0, y), 7.0) == np.inf
+    assert gap_to(thing(10.0, y), 7.0) == np.inf
     assert plan(7.0, 7.0, [thing(5.0, y)]).cause is None
 
 
@@ -114,14 +114,14 @@ def test_only_the_part_of_a_turned_box_in_the_corridor_counts(y, metres):
     half = 4.0
     ring = [(10.0, y), (10.0 + half, y - half), (10.0 + 2 * half, y), (10.0 + half, y + half)]
     corners = np.array([(*corner, z) for z in (-1.7, 0.0) for corner in ring])
-    assert room(Thing(corners), 7.0) == pytest.approx(metres)
+    assert gap_to(TrackedBox(corners), 7.0) == pytest.approx(metres)
 
 
 def test_obstacles_moving_into_the_corridor_are_counted():
     # At 7 m/s the ego car stops after 1.5 s. The obstacle has to move by 2.2 m, from 4 m to 1.8 m.
-    assert room(thing(10.0, 4.0, left=-1.5), 7.0) == pytest.approx(7.4)
-    assert room(thing(10.0, 4.0, left=-1.4), 7.0) == np.inf
-    assert room(thing(10.0, 4.0, left=1.5), 7.0) == np.inf
+    assert gap_to(thing(10.0, 4.0, left=-1.5), 7.0) == pytest.approx(7.4)
+    assert gap_to(thing(10.0, 4.0, left=-1.4), 7.0) == np.inf
+    assert gap_to(thing(10.0, 4.0, left=1.5), 7.0) == np.inf
 
 
 def test_obstacles_behind_the_car_do_not_count():
@@ -138,8 +138,8 @@ def test_a_box_on_the_bonnet_stops_the_car_forever():
 
 def test_a_moving_car_ahead_needs_less_room():
     # If both cars drive at 7 m/s, the ego car needs the distance that it covers in 0.5 s, plus 2 m.
-    assert needed_room(thing(10.0, forward=7.0), 7.0) == pytest.approx(5.5)
-    assert needed_room(thing(10.0), 7.0) == pytest.approx(9.0)
+    assert braking_gap(thing(10.0, forward=7.0), 7.0) == pytest.approx(5.5)
+    assert braking_gap(thing(10.0), 7.0) == pytest.approx(9.0)
     assert plan(7.0, 7.0, [thing(2.6 + 6.0, forward=7.0)]).acceleration == 0.0
 
 
@@ -222,7 +222,7 @@ def test_the_car_brakes_as_soon_as_a_hidden_person_steps_off_the_kerb():
 def test_road_users_who_approach_from_the_side_count_as_ahead():
     """Their predicted position overlaps the ego car, although their present one does not."""
     cyclist = thing(9.0, 4.0, forward=-6.0, left=-2.0, length=1.8, width=0.6)
-    assert room(cyclist, 8.0) < -0.5
+    assert gap_to(cyclist, 8.0) < -0.5
     assert decide(*[[cyclist]] * 3, speed=8.0)[-1].cause is cyclist
 
 
@@ -278,7 +278,7 @@ ALPHA_BETA = Tracker(
 @pytest.mark.parametrize("side", [-1, 1])
 def test_a_car_whose_box_shrinks_to_one_side_has_no_speed(tracker, side):
     """From the tenth scan on, the box contains only the side that faces the ego car's lane."""
-    motion = motion_by(tracker)
+    motion = make_motion(tracker)
     for scan in range(20):
         width = 1.6 if scan < 10 else 0.15
         aside = side * (1.9 + width / 2)
@@ -295,7 +295,7 @@ def match_all_with_first(previous, current, max_distance):
 def test_a_wrong_match_does_not_end_a_drive(match):
     tracker = copy.copy(ALPHA_BETA)
     tracker.match = match
-    for motion in (motion_by(tracker), motion_by(Tracker(match))):
+    for motion in (make_motion(tracker), make_motion(Tracker(match))):
         for scan in range(8):
             boxes = np.stack([box(10 * row, 3 * row - 0.1 * scan) for row in range(6)])
             things = motion.update(boxes, 0.6, 0.1)
@@ -305,13 +305,13 @@ def test_a_wrong_match_does_not_end_a_drive(match):
 
 @pytest.mark.parametrize("tracker", [None, ALPHA_BETA], ids=["the given motion", "a tracker"])
 def test_a_thing_keeps_its_track_id_and_coasts_unseen(tracker):
-    motion = motion_by(tracker)
+    motion = make_motion(tracker)
     scans = [motion.update(np.stack([box(20, 5), box(25, -4 + 0.14 * scan)]), 0.0, 0.1)
              for scan in range(8)]  # fmt: skip
-    assert len({tuple(thing.name for thing in things) for things in scans}) == 1
+    assert len({tuple(thing.track_id for thing in things) for things in scans}) == 1
     (stays, gone) = motion.update(box(20, 5)[None], 0.0, 0.1)
-    assert [stays.name, gone.name] == [thing.name for thing in scans[-1]]
-    assert stays.seen and not gone.seen
+    assert [stays.track_id, gone.track_id] == [thing.track_id for thing in scans[-1]]
+    assert stays.latest_scan and not gone.latest_scan
     assert gone.velocity == pytest.approx((0.0, 1.4), abs=0.15), "at its observed speed"
 
 
@@ -377,7 +377,7 @@ def test_a_failing_matching_is_reported_as_a_problem(partners, message):
 def test_the_students_tracker_estimates_velocities():
     """The estimates are right although the tracker uses ego coordinates, where parked cars move."""
     for _ in range(2):  # the second drive starts without tracks
-        motion = motion_by(ALPHA_BETA)
+        motion = make_motion(ALPHA_BETA)
         for scan in range(20):
             boxes = np.stack([box(30 - 0.6 * scan, 5), box(20 - 0.6 * scan, -4 + 0.14 * scan)])
             things = motion.update(boxes, 0.6, 0.1)
@@ -405,7 +405,7 @@ def test_a_tracker_predicts_each_scan_with_the_time_since_the_last():
 
 
 def test_a_tracker_that_only_matches_gets_default_steps():
-    motion = motion_by(Tracker(closest_pairs))
+    motion = make_motion(Tracker(closest_pairs))
     for scan in range(10):
         (walker,) = motion.update(box(20 - 0.6 * scan, -4 + 0.14 * scan)[None], 0.6, 0.1)
     assert np.allclose(walker.velocity, (0.0, 1.4), atol=0.1)
@@ -439,7 +439,7 @@ def test_a_car_ahead_drives_before_its_start():
 def test_a_crossing_child_is_in_the_lane_when_the_car_arrives():
     actor, speed = child(70.0, 8.0), 8.0
     arrives = (70.0 - 2.6) / speed
-    thing = actor.at(arrives, actor.begins / speed)
+    thing = actor.at(arrives, actor.start_position / speed)
     assert thing.pose.y == pytest.approx(-1.2, abs=0.01)
 
 
@@ -450,9 +450,9 @@ def test_actors_start_when_the_car_reaches_a_position():
         for moment in drive(
             street, find_nothing, seconds=6.0, clock=on_time, sensor=COARSE_SENSOR
         ).moments
-        if moment.began
+        if moment.start_times
     ]
-    assert street.actors[0].begins <= begun[0] < street.actors[0].begins + 1.0
+    assert street.actors[0].start_position <= begun[0] < street.actors[0].start_position + 1.0
 
 
 # The loop ----------------------------------------------------------------------------------
@@ -485,8 +485,8 @@ def test_the_detector_gets_only_the_scan():
 def test_a_car_that_sees_nothing_hits_a_crossing_child():
     street = empty_street(actors=(child(40.0, 30 / 3.6),))
     trip = Trip(drive(street, find_nothing, seconds=8.0, clock=on_time, sensor=COARSE_SENSOR))
-    assert trip.drive.hit is not None
-    assert street.kind_of(trip.drive.hit) == "pedestrian"
+    assert trip.drive.hit_identity is not None
+    assert street.kind_of(trip.drive.hit_identity) == "pedestrian"
     assert "The car hits a person at 30 km/h." in trip.report.collision
     assert re.search(r"never had a box", trip.report.collision)
     assert trip.drive.metres < 45
@@ -496,7 +496,7 @@ def test_a_car_that_sees_nothing_hits_a_crossing_child():
 def test_the_car_with_true_boxes_stops_for_a_child_and_drives_on():
     street = empty_street(actors=(child(40.0, 30 / 3.6),))
     trip = drive_street(street, seconds=12.0)
-    assert trip.drive.hit is None and trip.report.collision == ""
+    assert trip.drive.hit_identity is None and trip.report.collision == ""
     (braking,) = [braking for braking in trip.report.brakings if not braking.needless]
     assert "a person" in braking.reason
     assert trip.report.needless == 0
@@ -579,8 +579,8 @@ def test_a_slow_detector_sees_fewer_scans():
 
     trip = drive(empty_street(), detect, seconds=2.0, clock=slow_clock, sensor=COARSE_SENSOR)
     assert len(seen) == 1 + 5, "every fourth scan, and the first one, which loads libraries"
-    assert [moment.seen for moment in trip.moments[:9]] == [None] * 4 + [0] * 4 + [4]
-    assert sum(moment.busy for moment in trip.moments) == 15
+    assert [moment.latest_scan for moment in trip.moments[:9]] == [None] * 4 + [0] * 4 + [4]
+    assert sum(moment.is_busy for moment in trip.moments) == 15
 
 
 def test_the_car_with_a_slow_detector_stops_later():
@@ -597,8 +597,8 @@ def test_the_car_with_a_slow_detector_stops_later():
         )
         for s in (0.05, 0.9)
     )
-    assert quick.hit is None
-    assert late.hit is not None or late.metres > quick.metres + 0.5
+    assert quick.hit_identity is None
+    assert late.hit_identity is not None or late.metres > quick.metres + 0.5
 
 
 def test_the_clock_ignores_single_short_measurements():
@@ -619,7 +619,7 @@ def test_the_clock_ignores_single_short_measurements():
 def test_distances_are_between_footprints():
     person = replace(pedestrian(), pose=Pose(5.0, 3.0), identity=1)  # 0.6 m by 0.6 m
     far = replace(pedestrian(), pose=Pose(0.0, 40.0), identity=2)
-    gaps = distances(World(obstacles=(person, far)))
+    gaps = distances_to_objects(World(obstacles=(person, far)))
     # This is the distance from the corner (2.6, 0.9) to the corner (4.7, 2.7).
     assert gaps == {1: pytest.approx(np.hypot(2.1, 1.8))}
 
@@ -631,15 +631,15 @@ def test_twenty_streets_have_numbers_and_different_titles():
 
 @pytest.mark.parametrize("street", STREETS, ids=lambda street: street.title)
 def test_only_actors_are_in_the_lane_of_the_ego_car(street):
-    for obstacle in street.still.obstacles:
+    for obstacle in street.static_world.obstacles:
         across = abs(obstacle.pose.y + 1.2)
         assert across - obstacle.size[1] / 2 > 1.3 or abs(obstacle.pose.y) > 5
     assert all(kind in CLASSES for kind in street.road_users.values())
 
 
 def test_results_of_drives_are_summed():
-    both = Result(100.0, 2, 0, 1) + Result(50.0, 0, 1, 0)
-    assert both == Result(150.0, 2, 1, 1)
+    both = DriveResult(100.0, 2, 0, 1) + DriveResult(50.0, 0, 1, 0)
+    assert both == DriveResult(150.0, 2, 1, 1)
     assert str(both).strip() == "150 m, 2 needless braking events, 1 collision"
 
 
@@ -715,21 +715,21 @@ def test_ctrl_c_keeps_finished_drives(capsys, monkeypatch):
 def test_the_car_without_boxes_hits_the_actors_of_every_street(street):
     """A drive without a detector ends in a collision on every street that has actors."""
     trip = drive(street, find_nothing, clock=on_time, sensor=NARROW_SENSOR)
-    assert (trip.hit is not None) == bool(street.actors)
+    assert (trip.hit_identity is not None) == bool(street.actors)
 
 
 @pytest.mark.proof
-@pytest.mark.parametrize("name", standards([]))
+@pytest.mark.parametrize("name", reference_results([]))
 def test_stored_standards_agree_with_new_drives(name):
     module = "solutions.stage4_realtime.12_streaming_obstacles.drive_standards"
     for number, result in importlib.import_module(module).drive_all(name).items():
-        stored = standards([number])[name]
+        stored = reference_results([number])[name]
         assert result.metres == pytest.approx(stored.metres, abs=1.0), number
         assert (result.needless, result.collisions) == (stored.needless, stored.collisions), number
 
 
 def test_lesson_12_states_the_result_of_the_courses_detector():
-    result = standards(range(1, 21))["the course's detector"]
+    result = reference_results(range(1, 21))["the course's detector"]
     (lesson,) = [lesson for lesson in all_lessons() if lesson.number == "12"]
     assert result.collisions == result.near_misses == 0
     times = "once" if result.needless == 1 else f"{result.needless} times"

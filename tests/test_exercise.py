@@ -121,5 +121,5 @@ def test_only_numbers_may_differ_slightly(answer, expected):
 def test_the_failure_shows_the_wrong_and_the_right_answer(answer, expected, kind):
     with pytest.raises(CheckFailed) as failure:
         assert_answer(answer, expected, "f(2)")
-    assert type(failure.value) is kind and failure.value.given == "f(2)"
+    assert type(failure.value) is kind and failure.value.input_text == "f(2)"
     assert failure.value.yours and failure.value.expected

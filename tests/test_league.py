@@ -41,7 +41,7 @@ from grader.sandbox.program import Program
 from grader.sandbox.student import StudentProxy
 from tests.test_faults import InlineExecutor
 from utils.drive import Street, on_time
-from utils.drive.actors import standing
+from utils.drive.actors import standing_actor
 from utils.drive.loop import drive
 from utils.simulator.sensor import Sensor, layers
 from utils.simulator.streets import EGO_LANE, StreetPlan
@@ -53,7 +53,7 @@ SPARSE_SENSOR = Sensor(layers(6, -2.0, -9.0), np.radians(2.0), maximum_range=30.
 NARROW_SENSOR = Sensor(layers(2, 0.0, -1.0), np.radians(90), maximum_range=5.0)
 EMPTY_PLAN = StreetPlan(parked=np.inf, furniture=np.inf, walkers=np.inf)
 FREE_STREET = Street(1, "A made-up street", plan=EMPTY_PLAN)
-BLOCKED_STREET = replace(FREE_STREET, actors=(standing(car(), 30.0, EGO_LANE),))
+BLOCKED_STREET = replace(FREE_STREET, actors=(standing_actor(car(), 30.0, EGO_LANE),))
 
 IMPORTS = "import numpy as np\n"
 AHEAD = (

@@ -36,7 +36,7 @@ from utils.in_sandbox import ABSENT
 
 SHOWN = Check("shown", "f", "It works", "Look at it.", run=print)
 HIDDEN = Check("test_hidden", "f", "It works elsewhere", "Look there.")
-UPSIDE_DOWN = Mistake("It is upside down.", predicts=print, hint="Turn it round.")
+UPSIDE_DOWN = Mistake("It is upside down.", predict=print, hint="Turn it round.")
 
 
 def message_lines(check, failure, open_to_all=True):
@@ -55,7 +55,7 @@ def test_a_passed_check_has_no_message():
 
 WRONG = CheckFailed(
     "3 of 17 rows are wrong, for example (1.5, -2): row 4",
-    given="(1, 2)",
+    input_text="(1, 2)",
     yours="3",
     expected="4",
     tip="A tip.",

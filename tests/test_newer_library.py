@@ -41,7 +41,7 @@ UNCERTAIN_USES = [
 @pytest.fixture(autouse=True)
 def oldest_python(monkeypatch):
     """Let the module treat all newer names as absent, whichever Python runs the tests."""
-    monkeypatch.setattr(newer_library, "RUNNING", (3, 11))
+    monkeypatch.setattr(newer_library, "RUNNING_VERSION", (3, 11))
 
 
 def reasons(source, *more):

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from utils.notebooks import newer_syntax, slicing
-from utils.notebooks.newer_syntax import older_syntax
+from utils.notebooks.newer_syntax import parse_newer_syntax
 
 # Code that was added to Python, and the version that added it, from the lists of changes in
 # Python's documentation.
@@ -52,31 +52,31 @@ INVALID = [
 @pytest.fixture(autouse=True)
 def oldest_python(monkeypatch):
     """Let the module treat all newer syntax as unknown, whichever Python runs the tests."""
-    monkeypatch.setattr(newer_syntax, "RUNNING", (3, 11))
+    monkeypatch.setattr(newer_syntax, "RUNNING_VERSION", (3, 11))
 
 
 @pytest.mark.parametrize("source, version", NEWER.items())
 def test_newer_syntax_is_recognised_with_its_version(source, version):
-    tree, found = older_syntax(f"a = 1\n{source}\nb = 2\n", ast.parse)
+    tree, found = parse_newer_syntax(f"a = 1\n{source}\nb = 2\n", ast.parse)
     assert found == version
     assert {"a", "b"} <= {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
 
 
 @pytest.mark.parametrize("source, version", NEWER.items())
 def test_a_python_that_could_not_parse_the_code_either_does_not_excuse_it(source, version):
-    assert older_syntax(source, ast.parse, (3, 11)) is None
-    assert older_syntax(source, ast.parse, version)[1] == version
-    assert (older_syntax(source, ast.parse, (3, 12)) is None) == (version == (3, 14))
+    assert parse_newer_syntax(source, ast.parse, (3, 11)) is None
+    assert parse_newer_syntax(source, ast.parse, version)[1] == version
+    assert (parse_newer_syntax(source, ast.parse, (3, 12)) is None) == (version == (3, 14))
 
 
 @pytest.mark.parametrize("source", INVALID)
 def test_code_that_no_version_accepts_stays_invalid(source):
-    assert older_syntax(source, ast.parse) is None
-    assert older_syntax(source, ast.parse, (3, 13)) is None
+    assert parse_newer_syntax(source, ast.parse) is None
+    assert parse_newer_syntax(source, ast.parse, (3, 13)) is None
 
 
 def test_the_syntax_of_an_unknown_version_is_not_called_invalid():
-    assert older_syntax("x = = 3", ast.parse, (3, 99))[1] == (3, 99)
+    assert parse_newer_syntax("x = = 3", ast.parse, (3, 99))[1] == (3, 99)
 
 
 def test_valid_code_stays_valid_when_it_is_rewritten():
@@ -86,7 +86,7 @@ def test_valid_code_stays_valid_when_it_is_rewritten():
     for path in files:
         source = path.read_text("utf-8", "surrogateescape")
         if len(source) <= newer_syntax.LONGEST:
-            ast.parse(newer_syntax._python_3_14(source))
+            ast.parse(newer_syntax._rewrite_python_3_14(source))
 
 
 def test_magics_do_not_hide_newer_syntax():
@@ -101,4 +101,4 @@ def test_long_invalid_code_is_refused():
         *("except " + "a," * 90_000, "def f[" * 30_000, "x = f'{" + "(" * 90_000),
     ]
     for source in sources:
-        assert older_syntax(source, ast.parse) is None
+        assert parse_newer_syntax(source, ast.parse) is None

@@ -50,8 +50,8 @@ def test_built_in_scenarios_are_played(name, frames, tmp_path, capsys):
 
 
 def test_a_whole_stream_comes_from_the_cache(tmp_path):
-    programme = play.open_programme("highway")
-    assert len(programme.frames) == 30 and programme.on_highway
+    programme = play.open_playback("highway")
+    assert len(programme.frames) == 30 and programme.is_highway
     assert list((tmp_path / "cache").rglob("*.npz"))
 
 
@@ -70,7 +70,7 @@ def test_folders_and_single_clouds_are_played(tmp_path, suffix, capsys):
 def test_bags_are_opened_with_their_topic(monkeypatch):
     seen = []
     monkeypatch.setattr("utils.recordings.read_bag", lambda *given: seen.append(given) or [])
-    play.open_programme("drive.bag", topic="/points")
+    play.open_playback("drive.bag", topic="/points")
     assert seen == [(Path("drive.bag"), "/points")]
 
 
@@ -193,12 +193,12 @@ class FakeWindow:
     opened = []
 
     def __init__(self, size, camera):
-        self.shown, self.open, self.paused, self.stayed = [], True, False, False
+        self.shown, self.is_open, self.is_paused, self.stayed = [], True, False, False
         self.opened.append(self)
 
     def show_scene(self, scene):
         self.shown.append(scene.caption)
-        self.open = len(self.shown) < 2
+        self.is_open = len(self.shown) < 2
 
     def refresh(self):
         pass
@@ -207,7 +207,7 @@ class FakeWindow:
         self.stayed = True
 
     def close(self):
-        self.open = False
+        self.is_open = False
 
 
 def test_frames_are_played_on_a_screen_until_the_window_is_closed(monkeypatch, tmp_path):

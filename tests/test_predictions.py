@@ -76,7 +76,7 @@ def no_widgets(monkeypatch):
     monkeypatch.setitem(sys.modules, "ipywidgets", None)
     monkeypatch.delitem(sys.modules, "ipywidgets")
     assert "To make sliders move" in utils.health() and utils.health().startswith("Ready")
-    static_widgets.stand_in()
+    static_widgets.install_stand_in()
 
 
 def test_sliders_are_static_and_no_guess_is_requested_without_widgets(no_widgets, capsys):
@@ -99,5 +99,5 @@ def test_sliders_are_static_and_no_guess_is_requested_without_widgets(no_widgets
 
 
 def test_installed_widgets_are_not_replaced():
-    static_widgets.stand_in()
+    static_widgets.install_stand_in()
     assert sys.modules["ipywidgets"] is ipywidgets

@@ -28,7 +28,7 @@ from utils.checks import Check, checks_of, diagnosis
 from utils.checks.diagnosis import Mistake, imitation_of, known_mistakes
 from utils.checks.failures import CheckFailed, WrongForm
 from utils.checks.outcomes import Outcome
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 
 LINE = find_lesson("02_ransac_line")
 FAIL = CheckFailed("no")
@@ -305,7 +305,7 @@ def test_other_edits_get_less_time_for_the_first_check_after_a_hang(passing_edit
 def test_cached_results_of_one_edit_are_not_used_for_the_next(passing_edits, monkeypatch):
     student = EditedStudent(["abxy", "a", "b", "b", ""])
 
-    @once
+    @once_per_run
     def passes_b(function):
         if "b" in student.now:
             raise FAIL
@@ -664,7 +664,7 @@ def test_every_imitation_runs_within_seconds(exercise):
         student = student_with(lesson, {**right, exercise: imitation.call})
         run_checks(lesson, student, 1, lambda check: check.exercise == exercise)
         # In seconds; the slowest takes 4, and faulty ones have taken 45 or more.
-        assert time.process_time() - start < 20, mistake.says
+        assert time.process_time() - start < 20, mistake.description
 
 
 @pytest.mark.parametrize("exercise", EXERCISES)
@@ -677,8 +677,8 @@ def test_an_imitation_gives_the_answers_that_its_mistake_predicts(exercise):
         if (imitation := imitation_of(exercise, mistake, solution)) is None:
             continue
         for case in known.cases:
-            expected = mistake.predicts(known.right(*copy.deepcopy(case)), *copy.deepcopy(case))
-            assert imitation.same(imitation.call(*case), expected), mistake.says
+            expected = mistake.predict(known.right(*copy.deepcopy(case)), *copy.deepcopy(case))
+            assert imitation.same(imitation.call(*case), expected), mistake.description
 
 
 def test_an_imitation_returns_none_if_the_solution_returns_none():

@@ -101,11 +101,11 @@ check(highest)
 # (footer)
 """,
     "utils/checks/lesson_14.py": """\
-from utils.checks.core import visible
+from utils.checks.core import visible_check
 from utils.checks.assertions import CheckFailed
 
 
-@visible("highest", title="Finds it", why="Bridges are low.", hint="Look at z.")
+@visible_check("highest", title="Finds it", why="Bridges are low.", hint="Look at z.")
 def finds_it(highest):
     if highest([[0.0, 0.0, 1.0], [0.0, 0.0, 3.0]]) != 3.0:
         raise CheckFailed("That is not the highest.")
@@ -312,7 +312,7 @@ def test_two_lessons_cannot_declare_checks_for_the_same_exercise(monkeypatch):
             """Accept every answer; `__module__` is set below."""
 
         finds_it.__module__ = f"utils.checks.{lesson}"
-        core.visible(exercise, title="Finds it", why="", hint="")(finds_it)
+        core.visible_check(exercise, title="Finds it", why="", hint="")(finds_it)
 
     declare("lesson_06", "filter_ground")
     declare("lesson_06.more", "filter_ground")

@@ -19,7 +19,7 @@ from scipy.spatial.distance import cdist, pdist
 from grader.course.kept_answers import answers_to
 from tests.lesson_texts import source_of
 from utils import replay, static_widgets
-from utils.geometry import grown
+from utils.geometry import grow_tree
 from utils.replays import clustering, play, player, ransac, tracer, walk
 from utils.replays.clustering.points import GROUPS, POINTS, THRESHOLD
 from utils.replays.ransac.tasks import LINE, PLANE, ROUNDS
@@ -32,9 +32,9 @@ HELPERS = {
     "search": (),
 }
 RUNS = {
-    "ransac_line": ransac.run_of_line,
-    "ransac_plane": ransac.run_of_plane,
-    "euclidean_clustering": clustering.run_of,
+    "ransac_line": ransac.replay_ransac_line,
+    "ransac_plane": ransac.replay_ransac_plane,
+    "euclidean_clustering": clustering.replay_clustering,
 }
 
 
@@ -96,7 +96,7 @@ def test_one_round_is_best_and_no_point_is_at_the_tolerance(task):
 )
 def test_right_answers_have_no_wrong_step(exercise, name):
     run = run_of(exercise, name)
-    assert run.wrong is None and len(run.steps) >= 1
+    assert run.fault is None and len(run.steps) >= 1
 
 
 @pytest.mark.parametrize("exercise", RUNS)
@@ -115,7 +115,7 @@ def test_watching_does_not_change_the_answer(exercise):
 
 
 def test_the_queue_matches_the_table_in_the_lesson():
-    texts = [step.says for step in run_of("euclidean_clustering").steps]
+    texts = [step.description for step in run_of("euclidean_clustering").steps]
     assert texts[1:7] == [
         "Point 0 gets label 1. In the queue: 0.",
         "Point 0 is visited. Points 2 and 4 get label 1. In the queue: 2, 4.",
@@ -156,8 +156,8 @@ def euclidean_clustering(cloud, threshold=0.5):
 
 def test_a_class_with_a_stack_and_blank_labels_is_followed():
     run = run_of("euclidean_clustering", source=CLASS_WITH_A_STACK)
-    texts = [step.says for step in run.steps]
-    assert run.wrong is None
+    texts = [step.description for step in run.steps]
+    assert run.fault is None
     assert "Point 0 is visited. Points 2 and 4 get label 1. In the queue: 2, 4." in texts
     assert "Point 4 is visited. Point 5 gets label 1. In the queue: 2, 5." in texts
 
@@ -166,7 +166,9 @@ def test_rounds_show_the_samples_of_the_generator():
     rng = np.random.default_rng(LINE.seed)
     for number, step in enumerate(run_of("ransac_line").steps[:ROUNDS], start=1):
         first, second = rng.choice(20, size=2, replace=False)
-        assert step.says.startswith(f"Round {number}: points {first} and {second} are drawn.")
+        assert step.description.startswith(
+            f"Round {number}: points {first} and {second} are drawn."
+        )
 
 
 # ---- wrong answers -----------------------------------------------------------------------------
@@ -259,26 +261,26 @@ def test_the_replay_of_a_wrong_answer_marks_the_wrong_step(exercise, name, monke
     run = run_of(exercise, name)
     step_text, reason = WRONG[exercise].get(name, (None, None))
     if step_text is None:
-        assert run.wrong is None
+        assert run.fault is None
         assert run.steps or run.remark
     else:
-        assert step_text in run.steps[run.wrong.step].says
-        assert reason in run.wrong.why
+        assert step_text in run.steps[run.fault.step].description
+        assert reason in run.fault.reason
 
 
 def test_a_wrong_line_is_distinguished_from_a_wrong_search():
     function = function_of("ransac_line")
     exec("def line_through(p, q):\n    return 0.0, 1.0, -q[1]", function.__globals__)
-    run = ransac.run_of_line(function)
-    assert run.wrong.step == 0 and "Look at line_through" in run.wrong.why
+    run = ransac.replay_ransac_line(function)
+    assert run.fault.step == 0 and "Look at line_through" in run.fault.reason
     exec(source_of("line_through"), function.__globals__)
-    assert ransac.run_of_line(function).wrong is None
+    assert ransac.replay_ransac_line(function).wrong is None
 
 
 def test_a_point_drawn_twice_is_reported():
     source = source_of("ransac_line").replace("i, j = rng.choice", "i, j = 2 * [rng.choice(20)]  #")
     run = run_of("ransac_line", source=source)
-    assert run.wrong.step == 0 and "was drawn twice" in run.wrong.why
+    assert run.fault.step == 0 and "was drawn twice" in run.fault.reason
 
 
 @pytest.mark.slow
@@ -291,10 +293,10 @@ def test_choosing_by_distance_instead_of_count_is_accepted():
     ).replace("best_line = candidate", "best_line, least = candidate, cost")  # fmt: skip
     disagree = 0
     for seed in range(20):
-        run = ransac.run_of(seeded_task(seed), function_of("ransac_line", source))
-        assert run.wrong is None
-        best = max(int(step.says.split("drawn. ")[1].split()[0]) for step in run.steps[:-1])
-        disagree += f"with {best} inliers" not in run.steps[-1].says
+        run = ransac.replay_search(seeded_task(seed), function_of("ransac_line", source))
+        assert run.fault is None
+        best = max(int(step.description.split("drawn. ")[1].split()[0]) for step in run.steps[:-1])
+        disagree += f"with {best} inliers" not in run.steps[-1].description
     assert disagree
 
 
@@ -323,8 +325,8 @@ def test_compiled_code_is_not_shown_and_not_marked_as_wrong():
         def __call__(self, cloud, threshold):
             return inner(cloud, threshold)
 
-    run = clustering.run_of(Compiled())
-    assert run.wrong is None and "cannot be shown" in run.remark
+    run = clustering.replay_clustering(Compiled())
+    assert run.fault is None and "cannot be shown" in run.remark
 
 
 ENDLESS = """
@@ -398,7 +400,9 @@ WRONG_SEARCHES = {
 
 
 def walk_search(search, points=TREE_POINTS, goes_left=None):
-    tree = SimpleNamespace(root=grown(points, **({"goes_left": goes_left} if goes_left else {})))
+    tree = SimpleNamespace(
+        root=grow_tree(points, **({"goes_left": goes_left} if goes_left else {}))
+    )
     with watched(tree) as visited, contextlib.redirect_stdout(io.StringIO()):
         found = search(tree, [2, -1], 4)
     return walk(tree.root, [2, -1], 4, visited, [] if found is None else sorted(found))
@@ -421,9 +425,9 @@ def test_the_replay_of_a_search_marks_the_wrong_step(answer):
         return
     if answer.name in WRONG_SEARCHES:
         step, reason = WRONG_SEARCHES[answer.name]
-        assert (run.wrong.step, reason in run.wrong.why) == (step, True), run.wrong
+        assert (run.fault.step, reason in run.fault.reason) == (step, True), run.fault
     else:
-        assert run.wrong is None
+        assert run.fault is None
     assert answer.right <= (len(run.steps) == 10)
 
 
@@ -431,7 +435,7 @@ def test_a_wrong_tree_is_not_blamed_on_the_search():
     run = walk_search(
         function_of("search"), [[0, 0], [0, 3], [2, -1]], goes_left=lambda a, b: a <= b
     )
-    assert run.wrong is None and "insert" in run.remark
+    assert run.fault is None and "insert" in run.remark
 
 
 # ---- the player --------------------------------------------------------------------------------
@@ -489,7 +493,7 @@ def test_replays_without_widgets_show_a_few_figures(shown_texts, monkeypatch):
     monkeypatch.setitem(sys.modules, "ipywidgets", None)
     del sys.modules["ipywidgets"]
     monkeypatch.setattr(static_widgets.util, "find_spec", lambda name: None)
-    static_widgets.stand_in()
+    static_widgets.install_stand_in()
     try:
         play(run_of("ransac_line", "the tolerance is squared"))
         assert shown_texts.count("figure") == 1 and "✗" in shown_texts[-1]

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from utils.checks.failures import CheckFailed
-from utils.checks.run_cache import answer_to, cached_run, once
+from utils.checks.run_cache import answer_to, cached_run, once_per_run
 
 
 def counted_assertion(outcomes):
     """Return an assertion with given outcomes, one for each call, and a list of its calls."""
     calls = []
 
-    @once
+    @once_per_run
     def assertion(function):
         calls.append(function)
         outcome = outcomes[min(len(calls), len(outcomes)) - 1]
@@ -75,7 +75,7 @@ def test_nothing_is_cached_outside_a_run():
 
 def test_arguments_are_part_of_the_cache_key():
     calls = []
-    assertion = once(lambda function, about: calls.append(about))
+    assertion = once_per_run(lambda function, about: calls.append(about))
     with cached_run():
         assertion(f, 1), assertion(f, 2), assertion(f, 1)
     assert calls == [1, 2]

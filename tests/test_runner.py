@@ -23,7 +23,7 @@ from utils.checks.assertions import precondition
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import FarTooMuch, WrongForm
 from utils.checks.outcomes import Outcome
-from utils.checks.run_cache import answer_to, cached_run, once
+from utils.checks.run_cache import answer_to, cached_run, once_per_run
 from utils.checks.size_limits import MOST_NUMBERS
 
 FILTER = find_lesson("06_filter_ground")
@@ -368,7 +368,7 @@ def test_no_answer_outlives_its_check(make_lesson, how):
         answers.add(one)
         return one
 
-    @once
+    @once_per_run
     def require(function):
         with precondition("an answer"):
             kept = answer()
@@ -513,7 +513,7 @@ ENDED = [
 
 def test_each_wrong_exercise_is_explained_once(run_once):
     run_with, seen = run_once
-    mistake = Mistake("It is upside down.", predicts=np.flip)
+    mistake = Mistake("It is upside down.", predict=np.flip)
     results = run_with(ENDED, mistake, explain=True)
     assert results.outcomes == tuple(ENDED) and results.mistakes == {"f": mistake, "h": mistake}
     assert seen.looked == [(name, f"the student's {name}", name) for name in "fh"]

@@ -16,9 +16,9 @@ from PIL import Image
 
 from tests.prerequisites import PATIENCE
 from utils.scene3d import CAMERAS, LAYERS, Camera, Scene, builders, opengl, output, solids, viewer
-from utils.scene3d.cameras import as_camera, cut_off
+from utils.scene3d.cameras import as_camera, clip_to_front
 from utils.scene3d.eye_dome import eye_dome
-from utils.scene3d.parts import Label, Points, Segments, dashed
+from utils.scene3d.parts import Label, Points, Segments, cut_into_dashes
 
 PROJECT = Path(__file__).resolve().parent.parent
 SIZE = (240, 136)
@@ -80,10 +80,10 @@ def test_the_four_cameras_have_their_documented_positions():
 @pytest.mark.parametrize("name", CAMERAS)
 def test_a_camera_sees_its_target_in_the_middle_and_left_on_the_left(name):
     camera = CAMERAS[name]
-    seen = camera.seen(camera.target)
-    np.testing.assert_allclose(camera.placed(seen, SIZE), (120, 68), atol=1e-9)
+    seen = camera.to_camera(camera.target)
+    np.testing.assert_allclose(camera.to_pixels(seen, SIZE), (120, 68), atol=1e-9)
     side = {"Side": (-1, 0, 0)}.get(name, (0, 1, 0))  # towards the left of the picture
-    neighbour = camera.placed(camera.seen(np.add(camera.target, side)), SIZE)
+    neighbour = camera.to_pixels(camera.to_camera(np.add(camera.target, side)), SIZE)
     assert neighbour[0] < 120
 
 
@@ -103,7 +103,7 @@ def test_moving_a_camera_away_keeps_its_view():
 
 def test_lines_are_cut_off_behind_the_camera():
     ends = np.array([[(0, 0, -1), (0, 0, 1)], [(0, 0, -1), (0, 0, -2)], [(1, 0, 1), (1, 0, 2)]])
-    kept = cut_off(ends.astype(float))
+    kept = clip_to_front(ends.astype(float))
     assert len(kept) == 2
     assert kept[:, :, 2].min() == pytest.approx(0.05)
 
@@ -113,7 +113,7 @@ def test_lines_are_cut_off_behind_the_camera():
 
 def test_a_box_has_the_same_edges_whatever_the_order_of_its_corners():
     def lengths(box):
-        ends = solids.edges_of(solids.ordered(box[None]))
+        ends = solids.edges_of(solids.order_corners(box[None]))
         return np.sort(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
 
     for order in itertools.islice(itertools.permutations(range(8)), 0, None, 997):
@@ -121,7 +121,7 @@ def test_a_box_has_the_same_edges_whatever_the_order_of_its_corners():
 
 
 def test_a_block_car_fills_its_box_and_has_a_shorter_roof():
-    lower, upper = solids.block_car(solids.ordered(BOX[None])[0])
+    lower, upper = solids.block_car(solids.order_corners(BOX[None])[0])
     np.testing.assert_allclose([lower.min(axis=0), upper.max(axis=0)], [(4, 1, -1.7), (7, 3, 0)])
     assert np.ptp(upper[:, 0]) == pytest.approx(2)
     assert np.ptp(lower[:, 0]) == pytest.approx(4)
@@ -149,7 +149,7 @@ def test_splitting_planes_of_a_kd_tree_end_even_with_a_cycle():
 
 
 def test_dashes_begin_and_end_with_the_line():
-    pieces = dashed(np.array([[(0.0, 0, 0), (2.0, 0, 0)]]), dash=0.25)
+    pieces = cut_into_dashes(np.array([[(0.0, 0, 0), (2.0, 0, 0)]]), dash=0.25)
     assert pieces[0, 0, 0] == 0 and pieces[-1, 1, 0] == 2
     assert (pieces[:, 1, 0] - pieces[:, 0, 0]).sum() < 1.3
 
@@ -194,7 +194,7 @@ def test_clusters_differ_by_colour_and_by_number(street):
 
 def test_the_ego_car_is_magenta_plane_and_obstacles_are_green_and_red(street):
     scene = Scene().add_ego_car().add_plane(street).add_obstacles(street)
-    red, green, blue = builders.bytes_of(builders.MAGENTA)
+    red, green, blue = builders.rgb_bytes(builders.MAGENTA)
     assert min(red, blue) > 2 * green
     plane, obstacles = (part.colours[0] for part in scene.parts if isinstance(part, Points))
     assert plane.argmax() == 1 and obstacles.argmax() == 0
@@ -240,7 +240,7 @@ def test_a_point_is_drawn_at_its_projected_position(renderer, camera):
     red = (image[..., 0] > 150) & (image[..., 1] < 110) & (np.arange(180)[:, None] > 30)
     down, across = np.nonzero(red)
     known = CAMERAS[camera]
-    expected = known.placed(known.seen(place), (320, 180))[0]
+    expected = known.to_pixels(known.to_camera(place), (320, 180))[0]
     np.testing.assert_allclose((across.mean() + 0.5, down.mean() + 0.5), expected, atol=1.6)
 
 
@@ -459,7 +459,7 @@ def test_matplotlib_replaces_a_missing_pyvista_and_says_so_once():
 def test_matplotlib_replaces_a_missing_opengl_without_a_crash(monkeypatch):
     before = """
 from utils.scene3d import opengl
-opengl._kind_of_window = lambda: opengl.LAST_RESORT
+opengl._window_class_name = lambda: opengl.LAST_RESORT
 opengl._has_osmesa = lambda: False
 sys.platform = "linux"
 """

@@ -204,7 +204,7 @@ def test_a_cell_with_a_syntax_error_is_named_and_other_cells_are_kept():
 def test_a_skipped_cell_explains_why_its_function_is_missing(source, reason, remedy):
     statements, (cell,) = slicing.parse_notebook(["x = 1", source])
     assert [statement.cell for statement in statements] == [1]
-    text = cell.about("f")
+    text = cell.describe_missing("f")
     assert text.startswith("f is in code cell 2, which was skipped, because it ")
     assert re.search(reason, text) and remedy in text
     assert cell.defines("f") and not cell.defines("g") and not cell.defines("return")

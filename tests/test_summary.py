@@ -18,7 +18,7 @@ from grader.judging.messages import shareable_outcome
 from tests.prerequisites import PATIENCE
 from utils.checks import check, core, diagnosis, display
 from utils.checks.assertions import CheckFailed, WrongForm, as_labels, precondition
-from utils.checks.core import ChecksFailed, noted, run_check, visible
+from utils.checks.core import ChecksFailed, note_check, run_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes, diagnose
 from utils.checks.failures import NotYet
 from utils.checks.limits import TimeUp, limit_resources
@@ -38,7 +38,7 @@ def exercise(monkeypatch):
 
 def declare(title, exercise="double", weight=1, **more):
     """Declare a check; the decorated function gets the student's function."""
-    return visible(
+    return visible_check(
         exercise, title=title, why="It matters.", hint=f"Hint of {title}.", weight=weight, **more
     )
 
@@ -130,7 +130,7 @@ def test_a_wrong_form_does_not_make_other_checks_wait():
 def test_notes_cost_no_points_and_are_shown_after_success(exercise, capsys):
     declare("one")(lambda double: None)
 
-    @noted("double", title="Whole numbers stay whole", why="Later cells count with them.")
+    @note_check("double", title="Whole numbers stay whole", why="Later cells count with them.")
     def whole(double):
         if not isinstance(double(2), int):
             raise CheckFailed("It is a float.")
@@ -152,8 +152,8 @@ def test_a_mistake_is_shown_only_if_it_explains_every_answer(exercise):
         cases=CASES,
         right=lambda x: 2 * x,
     )
-    assert diagnose("double", lambda x: x * x).says == "It is squared."
-    assert diagnose("double", lambda x: x).says == "Nothing is done."
+    assert diagnose("double", lambda x: x * x).description == "It is squared."
+    assert diagnose("double", lambda x: x).description == "Nothing is done."
     assert diagnose("double", lambda x: 2 * x) is None, "a right answer has no mistake"
     assert diagnose("double", lambda x: x * x if x[0] == 1 else 0 * x) is None
     assert diagnose("double", lambda x: None) is None
@@ -190,7 +190,7 @@ def test_a_mistake_does_not_explain_an_exception(exercise, capsys):
     def double(x):
         return x**2 if len(x) else x[0]
 
-    assert diagnose("double", double).says == "It is squared."
+    assert diagnose("double", double).description == "It is squared."
     shown = output_of(double, capsys)
     assert "IndexError" in shown and "squared" not in shown
 
@@ -205,7 +205,7 @@ def test_a_function_that_changes_its_arguments_does_not_change_cases(exercise):
         return x
 
     for _ in range(2):
-        assert diagnose("double", double).says == "Zero."
+        assert diagnose("double", double).description == "Zero."
 
 
 def test_a_mistake_is_shown_in_place_of_the_hint(exercise, capsys):
@@ -236,9 +236,9 @@ def test_every_known_mistake_predicts_its_own_answers(lesson):
         for mistake in known.mistakes:
 
             def function(*case, mistake=mistake, known=known):
-                return mistake.predicts(known.right(*case), *case)
+                return mistake.predict(known.right(*case), *case)
 
-            assert diagnose(one.name, function) is mistake, (one.name, mistake.says)
+            assert diagnose(one.name, function) is mistake, (one.name, mistake.description)
         assert diagnose(one.name, known.right) is None
 
 

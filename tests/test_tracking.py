@@ -64,7 +64,7 @@ def test_a_track_has_its_corrected_state():
     centres = tracker.tracks.boxes.mean(axis=1)[:, 0]
     np.testing.assert_allclose(centres, [9.1, 40])
     np.testing.assert_allclose(tracker.tracks.velocities, [(-1, 1, 1), (-2, 0, 0)])
-    assert tracker.tracks.names.tolist() == [1, 2]
+    assert tracker.tracks.ids.tolist() == [1, 2]
 
 
 @pytest.mark.parametrize(
@@ -118,5 +118,5 @@ def test_functions_that_are_still_stubs_are_not_called():
     tracker.update(boxes_at((20, 0)))
     assert tracker.update(boxes_at((18, 0)), 0.2).tolist() == [1]
     tracker.update(boxes_at())
-    assert len(tracker.tracks.names) == 0
+    assert len(tracker.tracks.ids) == 0
     assert tracker_from(SimpleNamespace(detect_obstacles=len)) is None

@@ -265,7 +265,7 @@ def test_results_of_judging_are_immutable():
 # ---- messages about an exercise -------------------------------------------------------------
 
 
-FLIPPED = Mistake("It is upside down.", predicts=np.flip)
+FLIPPED = Mistake("It is upside down.", predict=np.flip)
 
 
 def test_a_verdict_has_the_outcome_of_each_check():

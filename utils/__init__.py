@@ -26,13 +26,13 @@ _MODULE_OF = {
     "write_cloud": "utils.clouds",
 }
 # Old names of moved modules, which notebooks released earlier still import.
-_MOVED = {
+_NEW_MODULE_NAMES = {
     "ground": "utils.simulator.ground",
     "recording": "utils.films",
     "streets": "utils.simulator.streets",
     "traffic": "utils.simulator.traffic",
 }
-_MODULES = _MOVED | {
+_MODULES = _NEW_MODULE_NAMES | {
     name: f"utils.{name}"
     for name in (
         "boxes",
@@ -67,13 +67,17 @@ def __dir__() -> list[str]:
     return sorted(__all__)
 
 
-class _MovedModules:
+class _OldModuleNameFinder:
     """Import hook for old module names, as in ``from utils.ground import Ground``."""
 
     @staticmethod
     def find_spec(name: str, path: object = None, target: object = None) -> ModuleSpec | None:
         package, _, part = name.rpartition(".")
-        return ModuleSpec(name, _MovedModules) if package == __name__ and part in _MOVED else None
+        return (
+            ModuleSpec(name, _OldModuleNameFinder)
+            if package == __name__ and part in _NEW_MODULE_NAMES
+            else None
+        )
 
     @staticmethod
     def create_module(spec: ModuleSpec) -> None:
@@ -82,10 +86,10 @@ class _MovedModules:
     @staticmethod
     def exec_module(module: ModuleType) -> None:
         part = module.__name__.rpartition(".")[2]
-        sys.modules[module.__name__] = importlib.import_module(_MOVED[part])
+        sys.modules[module.__name__] = importlib.import_module(_NEW_MODULE_NAMES[part])
 
 
-sys.meta_path.append(_MovedModules)
+sys.meta_path.append(_OldModuleNameFinder)
 
 
 def health() -> str:

@@ -31,7 +31,7 @@ def install_pyvista() -> str:
     """
     print("Installing PyVista. This takes half a minute, once per session.", flush=True)
     with tempfile.TemporaryDirectory() as folder:
-        pip = subprocess.run(pip_install(Path(folder)), capture_output=True, text=True)
+        pip = subprocess.run(pip_command(Path(folder)), capture_output=True, text=True)
     importlib.invalidate_caches()
     errors = [line for line in pip.stderr.splitlines() if line.startswith("ERROR")]
     return (
@@ -39,7 +39,7 @@ def install_pyvista() -> str:
     )
 
 
-def pip_install(folder: Path) -> list[str]:
+def pip_command(folder: Path) -> list[str]:
     """Write constraints with all installed versions into `folder`, and return the pip command."""
     # Python imports the first of two copies of a package. In a dict the last entry wins, so the
     # distributions are read in reverse.

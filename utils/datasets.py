@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from utils.clouds import SUFFIXES, CloudFileError, read_cloud
-from utils.clouds.errors import missing_file, write_bytes
+from utils.clouds.errors import missing_file_error, write_bytes
 from utils.progress import progress
 from utils.recordings import Recording
 
@@ -50,7 +50,7 @@ def load_cloud(name: str | os.PathLike = "cloud.txt") -> np.ndarray:
     for folder in (Path.cwd(), DATA):  # an absolute path overrides the folder
         if os.path.exists(folder / path):
             return read_cloud(folder / path)
-    raise missing_file(path, [Path.cwd(), DATA], SUFFIXES)
+    raise missing_file_error(path, [Path.cwd(), DATA], SUFFIXES)
 
 
 def load_sequence(name: str = "city", seed: int = 0) -> Sequence:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from utils import health
 from utils.display import shell, show
 from utils.lent import lend_answers
-from utils.static_widgets import stand_in
+from utils.static_widgets import install_stand_in
 from utils.tracebacks import hide_course_frames
 
 # Figures and 3D scenes are dark on white. A dark notebook inverts them and rotates the hue by half
@@ -42,7 +42,7 @@ def begin(number: str) -> None:
         Number of the lesson, such as "06".
     """
     print(health())
-    stand_in()
+    install_stand_in()
     if shell() is not None:
         show(STYLE, "")
     hide_course_frames()

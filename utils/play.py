@@ -25,26 +25,30 @@ from pathlib import Path
 
 from utils.clouds.errors import CloudFileError
 from utils.films.film import SIZE, DetectedFrame, record, scene_of, watch
-from utils.films.writers import suffix_of_films
+from utils.films.writers import best_film_suffix
 from utils.plots.style import BLUE, PALE
 from utils.scene3d import CAMERAS, LAYERS, Scene
 from utils.scene3d.opengl import has_screen
 from utils.tracking import Tracker, tracker_from
 
-DETECTOR = "detect_obstacles"
-SIMULATED = {"highway": "Simple highway", "city": "City block", "cyclist": "Behind a cyclist"}
-RECORDED = ("udacity_city", "udacity_cyclist", "kitti_0002", "kitti_0005")
+DETECTOR_NAME = "detect_obstacles"
+SIMULATED_SCENES = {
+    "highway": "Simple highway",
+    "city": "City block",
+    "cyclist": "Behind a cyclist",
+}
+RECORDING_NAMES = ("udacity_city", "udacity_cyclist", "kitti_0002", "kitti_0005")
 
 HIGHWAY_SENSOR = 2.6
 HIGHWAY_EGO = ((-2.0, -1.0, -HIGHWAY_SENSOR), (2.0, 1.0, 1.9 - HIGHWAY_SENSOR))
 """Two opposite corners of the ego car below the highway's sensor, in metres."""
 
-OFF = ("lidar_rays",)
+HIDDEN_LAYERS = ("lidar_rays",)
 """Layers that are off by default; a thousand rays would hide everything else."""
 
 
 @dataclass(frozen=True)
-class Programme:
+class Playback:
     """A stream to play: its title, its frames, and the settings for drawing them.
 
     Attributes
@@ -53,34 +57,34 @@ class Programme:
         Text above the picture.
     frames : sequence
         Simulated or recorded frames, or bare clouds.
-    on_highway : bool
+    is_highway : bool
         Whether to draw the highway's road, the ego car, and a solid model of each true car.
-    switches : tuple of (str, bool)
+    layer_switches : tuple of (str, bool)
         Layers to turn on or off.
     """
 
     title: str
     frames: Sequence
-    on_highway: bool = False
-    switches: tuple[tuple[str, bool], ...] = ()
+    is_highway: bool = False
+    layer_switches: tuple[tuple[str, bool], ...] = ()
 
     def compose(self, frame: DetectedFrame) -> Scene:
         """Return the scene of a frame: cloud, boxes, ego car and, on the highway, road and cars."""
         scene = scene_of(frame, self.title)
         scene.add_rays(frame.cloud)
-        if self.on_highway:
+        if self.is_highway:
             scene.add_road(HIGHWAY_SENSOR).add_ego_car(*HIGHWAY_EGO)
             cars = [box.corners for box in frame.true_boxes if box.kind == "car"]
             # Blue cars would hide the blue boxes that the detector finds.
-            scene.add_cars(cars, colour=BLUE if frame.found is None else PALE)
+            scene.add_cars(cars, colour=BLUE if frame.boxes is None else PALE)
         else:
             scene.add_ego_car()
-        return scene.switch(**dict(self.switches))
+        return scene.switch(**dict(self.layer_switches))
 
 
-def open_programme(
+def open_playback(
     name: str, *, frames: int | None = None, seed: int = 0, topic: str | None = None
-) -> Programme:
+) -> Playback:
     """Open a simulated scene, a recording, a folder of clouds or a single cloud for playing.
 
     Parameters
@@ -100,12 +104,14 @@ def open_programme(
     CloudFileError
         The file or folder does not exist, or contains no clouds.
     """
-    if name in SIMULATED:
-        return Programme(SIMULATED[name], _simulated(name, frames, seed), name == "highway")
-    return Programme(Path(name).name, _recorded(name, topic)[:frames])
+    if name in SIMULATED_SCENES:
+        return Playback(
+            SIMULATED_SCENES[name], _simulated_frames(name, frames, seed), name == "highway"
+        )
+    return Playback(Path(name).name, _recorded_frames(name, topic)[:frames])
 
 
-def _simulated(name: str, frames: int | None, seed: int) -> Sequence:
+def _simulated_frames(name: str, frames: int | None, seed: int) -> Sequence:
     from utils import scenes
     from utils.datasets import SCENES, load_sequence
 
@@ -115,13 +121,13 @@ def _simulated(name: str, frames: int | None, seed: int) -> Sequence:
     return getattr(scenes, SCENES[name])(seed=seed, frames=frames)
 
 
-def _recorded(name: str, topic: str | None) -> Sequence:
+def _recorded_frames(name: str, topic: str | None) -> Sequence:
     from utils.clouds import SUFFIXES, read_cloud, read_sequence
     from utils.datasets import fetch_recording
     from utils.recordings import read_bag, read_kitti_raw, rosbag
 
     path = Path(name).expanduser()
-    if name in RECORDED and not path.exists():
+    if name in RECORDING_NAMES and not path.exists():
         return fetch_recording(name)
     if path.suffix in rosbag.SUFFIXES or (path / "metadata.yaml").exists():
         return read_bag(path, topic)
@@ -159,28 +165,28 @@ def load_detector(
     from utils.notebooks.my_functions import load_my_functions
 
     functions = load_my_functions(notebook)
-    if not hasattr(functions, DETECTOR):
+    if not hasattr(functions, DETECTOR_NAME):
         names = ", ".join(sorted(vars(functions))) or "none"
         raise ValueError(
-            f"{Path(notebook).name} has no function {DETECTOR}(cloud). "
+            f"{Path(notebook).name} has no function {DETECTOR_NAME}(cloud). "
             f"You write this function in lesson 12. The notebook defines: {names}."
         )
-    detect = getattr(functions, DETECTOR)
+    detect = getattr(functions, DETECTOR_NAME)
     if getattr(detect, "is_stub", False):
         raise ValueError(
-            f"{DETECTOR} in {Path(notebook).name} is not written yet. Write it and save the "
+            f"{DETECTOR_NAME} in {Path(notebook).name} is not written yet. Write it and save the "
             "notebook, or leave out the notebook to see the true boxes."
         )
     parameters = inspect.signature(detect).parameters.values()
-    known = [parameter.name for parameter in parameters][1:]
-    unknown = [name for name in settings or {} if name not in known]
+    known_names = [parameter.name for parameter in parameters][1:]
+    unknown = [name for name in settings or {} if name not in known_names]
     takes_all = any(parameter.kind is parameter.VAR_KEYWORD for parameter in parameters)
     if unknown and not takes_all:
         raise ValueError(
-            f"{DETECTOR} has no parameter {unknown[0]}. "
+            f"{DETECTOR_NAME} has no parameter {unknown[0]}. "
             + (
-                f"Its parameters are {', '.join(known)}."
-                if known
+                f"Its parameters are {', '.join(known_names)}."
+                if known_names
                 else "Its only parameter is the cloud."
             )
         )
@@ -188,7 +194,7 @@ def load_detector(
 
 
 def play(
-    programme: Programme,
+    playback: Playback,
     detect: Callable | None,
     camera: str,
     size: tuple[int, int] = SIZE,
@@ -200,12 +206,14 @@ def play(
     window = Window(size, CAMERAS[camera])
     print("F1 to F4: cameras · space: pause · q: quit")
     start, paused_for = time.monotonic(), 0.0
-    for frame in watch(programme.frames, detect, tracker):
-        if not window.open:
+    for frame in watch(playback.frames, detect, tracker):
+        if not window.is_open:
             break
-        window.show_scene(programme.compose(frame))
-        while window.open and (window.paused or time.monotonic() - start - paused_for < frame.time):
-            paused_for += 0.02 if window.paused else 0.0
+        window.show_scene(playback.compose(frame))
+        while window.is_open and (
+            window.is_paused or time.monotonic() - start - paused_for < frame.time
+        ):
+            paused_for += 0.02 if window.is_paused else 0.0
             time.sleep(0.02)
             window.refresh()
     window.wait_until_closed()
@@ -230,34 +238,34 @@ def _run(options: argparse.Namespace) -> None:
     detect = tracker = None
     if options.detector:
         detect, tracker = load_detector(options.detector, dict(options.set))
-    programme = open_programme(
+    playback = open_playback(
         options.what, frames=options.frames, seed=options.seed, topic=options.topic
     )
-    switches = dict.fromkeys(OFF, False)
+    switches = dict.fromkeys(HIDDEN_LAYERS, False)
     switches |= dict.fromkeys(options.hide, False) | dict.fromkeys(options.show, True)
-    programme = Programme(
-        programme.title, programme.frames, programme.on_highway, tuple(switches.items())
+    playback = Playback(
+        playback.title, playback.frames, playback.is_highway, tuple(switches.items())
     )
     if detect is None:
         print(
             "Without --detector, the boxes are the true boxes of the simulator."
-            if options.what in SIMULATED
+            if options.what in SIMULATED_SCENES
             else "Without --detector, only labelled recordings show boxes, which are the true "
             "boxes. To see yours, add --detector 12_streaming_obstacles.ipynb"
         )
     if options.record is None and has_screen():
-        play(programme, detect, options.camera, options.size, tracker)
+        play(playback, detect, options.camera, options.size, tracker)
         return
-    path = options.record or Path(Path(options.what).stem + suffix_of_films())
+    path = options.record or Path(Path(options.what).stem + best_film_suffix())
     if options.record is None:
         print(f"No window can be opened here. Writing the film to {path}.")
     film = record(
-        programme.frames,
+        playback.frames,
         path,
         detect,
         tracker=tracker,
         camera=options.camera,
-        compose=programme.compose,
+        compose=playback.compose,
         size=options.size,
     )
     print(f"{film.path}: {film.recap}")
@@ -272,14 +280,14 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "what",
         metavar="WHAT",
-        help=f"simulated stream: {', '.join(SIMULATED)}; recording to download: "
-        f"{', '.join(RECORDED)}; or the path of a folder of clouds, a .bag, .db3 or .mcap "
+        help=f"simulated stream: {', '.join(SIMULATED_SCENES)}; recording to download: "
+        f"{', '.join(RECORDING_NAMES)}; or the path of a folder of clouds, a .bag, .db3 or .mcap "
         "recording, or one cloud",
     )
     parser.add_argument(
         "--detector",
         metavar="NOTEBOOK",
-        help=f"notebook that defines {DETECTOR}(cloud) (default: show the true boxes)",
+        help=f"notebook that defines {DETECTOR_NAME}(cloud) (default: show the true boxes)",
     )
     parser.add_argument(
         "--set",

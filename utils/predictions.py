@@ -138,8 +138,8 @@ def predict(
         known = "" if prediction.guess is None else f"{prediction.guess:g}"
         entry = ipywidgets.Text(value=known, placeholder="a number")
 
-    def remember(change: dict) -> None:
-        guess = change["new"]
+    def remember(event: dict) -> None:
+        guess = event["new"]
         if not choices and not between:
             found = re.search(r"-?\d+(?:\.\d+)?", guess.replace(",", "").replace("−", "-"))
             guess = float(found[0]) if found else None

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-ENDLESS = "is there a loop that never ends, or one that is far too slow?"
+ENDLESS_LOOP_HINT = "is there a loop that never ends, or one that is far too slow?"
 """Default hint for a call that exceeds its time limit; a check may have its own (`Check.slow`)."""
 
 
-class Remote:
+class RemoteObject:
     """Base class of all proxies.
 
     Checks test for this class rather than for a method, because a student's class may have methods
@@ -32,7 +32,7 @@ class RemoteStopped(Exception):
 
 
 @dataclass(frozen=True)
-class Observed:
+class ObservedCall:
     """Observations made during one call.
 
     Attributes
@@ -41,10 +41,10 @@ class Observed:
         Return value of the function.
     arguments : tuple
         State of the arguments after the call; the function received copies.
-    shared : frozenset of int
+    shared_arguments : frozenset of int
         Positions of the arguments that share memory with the result.
     """
 
     result: object
     arguments: tuple
-    shared: frozenset[int]
+    shared_arguments: frozenset[int]

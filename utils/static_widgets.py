@@ -26,7 +26,7 @@ def interact(**sliders: StaticWidget) -> Callable[[Callable], Callable]:
     return run
 
 
-def stand_in() -> None:
+def install_stand_in() -> None:
     """Let ``import ipywidgets`` find a replacement if ipywidgets is not installed."""
     if "ipywidgets" in sys.modules or util.find_spec("ipywidgets"):
         return

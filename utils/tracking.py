@@ -30,7 +30,7 @@ class Tracks:
 
     Attributes
     ----------
-    names : ndarray of int, shape (N,)
+    ids : ndarray of int, shape (N,)
         Track IDs, which start from 1 and are never reused.
     boxes : ndarray, shape (N, 8, 3)
         Estimated corners, in metres.
@@ -42,7 +42,7 @@ class Tracks:
         Number of frames with a box.
     """
 
-    names: np.ndarray
+    ids: np.ndarray
     boxes: np.ndarray
     velocities: np.ndarray
     missed: np.ndarray
@@ -58,8 +58,8 @@ class Tracks:
         return Tracks(*map(np.concatenate, pairs))
 
 
-_SHAPES = (((), int), ((8, 3), float), ((3,), float), ((), int), ((), int))
-NOBODY = Tracks(*(np.zeros((0, *shape), kind) for shape, kind in _SHAPES))
+_SHAPES_AND_TYPES = (((), int), ((8, 3), float), ((3,), float), ((), int), ((), int))
+NO_TRACKS = Tracks(*(np.zeros((0, *shape), kind) for shape, kind in _SHAPES_AND_TYPES))
 
 
 class Tracker:
@@ -111,9 +111,9 @@ class Tracker:
     ) -> None:
         self.match, self._predict, self._correct, self._coast = match, predict, correct, coast
         self._max_distance, self._gain, self._patience = max_distance, gain, patience
-        self._newcomer = newcomer
-        self._unused = 1
-        self.tracks = NOBODY
+        self._initial_velocity = newcomer
+        self._next_id = 1
+        self.tracks = NO_TRACKS
 
     @property
     def knows_velocities(self) -> bool:
@@ -139,23 +139,28 @@ class Tracker:
         if self._predict and len(expected):
             expected = np.asarray(self._predict(old.boxes, old.velocities, seconds))
         partners = np.asarray(self.match(expected, found, self._max_distance), dtype=int)
-        known = np.flatnonzero((partners >= 0) & (partners < len(old.names)))
-        rows = partners[known]
-        seen = self._newcomers(found)
-        seen.names[known], seen.age[known] = old.names[rows], old.age[rows] + 1
-        seen.velocities[known] = old.velocities[rows]
-        if self._correct and len(known):
-            seen.boxes[known], seen.velocities[known] = self._correct(
-                expected[rows], old.velocities[rows], found[known], self._gain, seconds
+        matched_rows = np.flatnonzero((partners >= 0) & (partners < len(old.ids)))
+        rows = partners[matched_rows]
+        matched_tracks = self._new_tracks(found)
+        matched_tracks.ids[matched_rows], matched_tracks.age[matched_rows] = (
+            old.ids[rows],
+            old.age[rows] + 1,
+        )
+        matched_tracks.velocities[matched_rows] = old.velocities[rows]
+        if self._correct and len(matched_rows):
+            matched_tracks.boxes[matched_rows], matched_tracks.velocities[matched_rows] = (
+                self._correct(
+                    expected[rows], old.velocities[rows], found[matched_rows], self._gain, seconds
+                )
             )
-        new = np.setdiff1d(np.arange(len(found)), known)
-        seen.names[new] = self._unused + np.arange(len(new))
-        self._unused += len(new)
-        self.tracks = seen + self._waiting(expected, partners)
-        return seen.names
+        new = np.setdiff1d(np.arange(len(found)), matched_rows)
+        matched_tracks.ids[new] = self._next_id + np.arange(len(new))
+        self._next_id += len(new)
+        self.tracks = matched_tracks + self._coasting_tracks(expected, partners)
+        return matched_tracks.ids
 
-    def _newcomers(self, found: np.ndarray) -> Tracks:
-        n, velocity = len(found), self._newcomer
+    def _new_tracks(self, found: np.ndarray) -> Tracks:
+        n, velocity = len(found), self._initial_velocity
         if velocity is None:
             followed = self.tracks.velocities
             velocity = np.median(followed, axis=0) if len(followed) else np.zeros(3)
@@ -165,14 +170,14 @@ class Tracker:
             np.ones(n, dtype=int),
         )  # fmt: skip
 
-    def _waiting(self, expected: np.ndarray, partners: np.ndarray) -> Tracks:
+    def _coasting_tracks(self, expected: np.ndarray, partners: np.ndarray) -> Tracks:
         """Return the tracks that are kept without a box in this frame."""
         old = self.tracks
-        if not (self._coast and len(old.names)):
-            return NOBODY
+        if not (self._coast and len(old.ids)):
+            return NO_TRACKS
         missed, kept = map(np.asarray, self._coast(old.missed, partners, self._patience))
-        alone = ~np.isin(np.arange(len(old.names)), partners) & kept.astype(bool)
-        there = Tracks(old.names, expected, old.velocities, missed.astype(int), old.age)
+        alone = ~np.isin(np.arange(len(old.ids)), partners) & kept.astype(bool)
+        there = Tracks(old.ids, expected, old.velocities, missed.astype(int), old.age)
         return there[alone]
 
 
@@ -198,6 +203,6 @@ def tracker_from(functions: SimpleNamespace, **settings: object) -> Tracker | No
     }
     if "match_boxes" not in written:
         return None
-    parts = {"predict": "predict_boxes", "correct": "correct_boxes", "coast": "coast"}
-    mine = {part: written.get(name) for part, name in parts.items()}
-    return Tracker(written["match_boxes"], **mine, **settings)
+    step_names = {"predict": "predict_boxes", "correct": "correct_boxes", "coast": "coast"}
+    own_steps = {part: written.get(name) for part, name in step_names.items()}
+    return Tracker(written["match_boxes"], **own_steps, **settings)

@@ -193,9 +193,9 @@ def describe_step(
     )
 
 
-def _depth_in(root: Node | None, wanted: Node) -> int:
+def _depth_in(root: Node | None, index: Node) -> int:
     level, depth, seen = [root], 0, set()
-    while level and all(node is not wanted for node in level):
+    while level and all(node is not index for node in level):
         seen.update(map(id, level))
         below = [child for node in level for child in (node.left, node.right)]
         level = [child for child in below if child is not None and id(child) not in seen]

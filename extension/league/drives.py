@@ -34,7 +34,7 @@ from utils.drive.clock import on_time
 from utils.drive.loop import Drive, drive
 from utils.drive.metrics import Report, measure
 from utils.drive.streets import SCANNER, Street
-from utils.films.film import checked_boxes
+from utils.films.film import as_boxes
 from utils.notebooks.reading import UnreadableNotebook
 from utils.simulator.sensor import Sensor
 
@@ -224,7 +224,7 @@ class _SandboxedDetector:
                 return no_boxes, "It calls a function that the student has not written."
             return no_boxes, f"{DETECTOR} raised {error.shown_type}."
         try:
-            boxes = checked_boxes(found)
+            boxes = as_boxes(found)
         except Exception:  # NumPy may raise any exception on untrusted data
             return no_boxes, f"{DETECTOR} did not return boxes of shape (N, 8, 3)."
         if len(boxes) > MOST_BOXES:

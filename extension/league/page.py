@@ -28,11 +28,11 @@ from grader.classroom.pages import render
 from grader.course.atomic_files import write_atomically
 from grader.course.paths import Course
 from grader.course.tables import harmless_cell
-from utils.drive.film import film
-from utils.drive.metrics import CLOSE, FAST
+from utils.drive.film import make_film
+from utils.drive.metrics import NEAR_MISS_GAP, NEAR_MISS_SPEED
 from utils.drive.rules import stopping_distance
 from utils.drive.streets import Street
-from utils.films.writers import suffix_of_films
+from utils.films.writers import best_film_suffix
 
 FILM_SIZE = (720, 404)
 """Size of the film in pixels; at this size, the page takes a few megabytes."""
@@ -117,8 +117,8 @@ def write_league(course: Course, season: Season, seed: int, warning: str = "") -
         most_boxes=MOST_BOXES,
         most_failures=MOST_FAILURES,
         reading_seconds=READING_SECONDS,
-        close=CLOSE,
-        fast=FAST,
+        close=NEAR_MISS_GAP,
+        fast=NEAR_MISS_SPEED,
     )
     paths = [page_path(course, stage), names_path(course, stage)]
     write_atomically(page, paths[0])
@@ -177,8 +177,8 @@ def _film_best_drive(
     )
     drive, report = repeat_drive(result, street)
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, f"best{suffix_of_films()}")
-        description = film(drive, report, path, size=FILM_SIZE).seen
+        path = Path(folder, f"best{best_film_suffix()}")
+        description = make_film(drive, report, path, size=FILM_SIZE).description
         data = base64.b64encode(path.read_bytes()).decode()
     return LeagueFilm(
         display_name(best), street, comparison, description, data, path.suffix == ".mp4"

@@ -110,7 +110,7 @@ def _draw_street(seed: int, number: int) -> Street:
     first = _waiting_vehicle(rng)
     settings = KINDS[number - 1](rng)
     actors = (first, *settings.pop("actors", ()))
-    return Street(number, **settings, actors=actors, drawn_from=source)
+    return Street(number, **settings, actors=actors, random_seed=source)
 
 
 def derive_secret(seed: int, label: str) -> int:

@@ -239,7 +239,7 @@ def _wrong_quotes(answer: KeptAnswer, result: ExerciseResult, verdict: Verdict) 
     messages = "\n".join([*(test.message for test in result.tests), *verdict.problems])
     if answer.says not in messages:
         yield f"No message contains {answer.says!r}. The messages are: {_quote_messages(result)}"
-    known = dict.fromkeys(mistake.says for mistake in known_mistakes(answer.exercise))
+    known = dict.fromkeys(mistake.description for mistake in known_mistakes(answer.exercise))
     shown = [sentence for sentence in known if sentence in result.cause]
     if len(shown) != bool(answer.told) or answer.told not in "".join(shown):
         wanted = f"the mistake {answer.told!r}" if answer.told else "no mistake"

@@ -88,7 +88,7 @@ def statements_of(lesson: str, names: list[str]) -> list[str]:
 @functools.lru_cache(maxsize=256)
 def _cached_statements(names: tuple[str, ...], source: str, lesson: str) -> tuple[str, ...]:
     """Return the statements; cached, because several lessons need the same functions."""
-    return tuple(_without_marks(text) for text in pasting.texts_of(names, [source], lesson))
+    return tuple(_without_marks(text) for text in pasting.source_texts(names, [source], lesson))
 
 
 def _without_marks(text: str) -> str:

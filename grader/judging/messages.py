@@ -30,7 +30,7 @@ from utils.checks.failures import (
 from utils.checks.outcomes import Outcome
 from utils.checks.summary import Summary, hint_for
 from utils.checks.tips import tip_for
-from utils.remote_objects import ENDLESS
+from utils.remote_objects import ENDLESS_LOOP_HINT
 
 # Messages about visible checks may show a few small counts, as in "2 of 5 rows".
 FEW_NUMBERS, SMALL_NUMBER = 4, r"\d{1,2}"
@@ -93,7 +93,7 @@ def message_of(outcome: Outcome, mistake: Mistake | None = None, hinted: bool = 
     failure = outcome.failure
     hint = hint_for(outcome, mistake) if hinted else ""
     hint = hint and f"Hint: {hint}"
-    lines = [mistake.says if mistake else "", failure.message, failure.tip, hint]
+    lines = [mistake.description if mistake else "", failure.message, failure.tip, hint]
     kind, subject = _kind_and_subject(failure)
     return Message("\n".join(line for line in lines if line), kind, subject, hint)
 
@@ -113,8 +113,10 @@ def shareable_failure(outcome: Outcome, visible: bool) -> CheckFailed:
     """Return a failure whose message may be shown, in place of the original one."""
     error, exercise = outcome.failure, outcome.check.exercise
     if isinstance(error, StudentStopped):
-        question = outcome.check.slow or ENDLESS
-        return Stopped(str(error).replace(ENDLESS, question), error.reason, error.out_of_time)
+        question = outcome.check.slow or ENDLESS_LOOP_HINT
+        return Stopped(
+            str(error).replace(ENDLESS_LOOP_HINT, question), error.reason, error.out_of_time
+        )
     if isinstance(error, CellSkipped):
         return Skipped(error.sentence)
     if isinstance(error, StudentError) and error.type_name == "NotImplementedError":

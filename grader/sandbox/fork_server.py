@@ -64,7 +64,7 @@ def _import(names: list[str], forbidden: list[str]) -> None:
     # A module that is already in memory could not be hidden from student code.
     sys.meta_path.insert(0, worker.importing.Forbidden(forbidden))
     for name in names:
-        if worker.forbidden_part(name, forbidden):
+        if worker.forbidden_module_of(name, forbidden):
             continue
         with contextlib.suppress(ImportError):
             importlib.import_module(name)

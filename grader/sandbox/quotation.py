@@ -16,7 +16,7 @@ import re
 
 from grader.sandbox.failures import KNOWN_EXCEPTIONS, StudentError
 from utils.in_sandbox import ABSENT
-from utils.notebooks.forbidden import forbidden_part, refusal
+from utils.notebooks.forbidden import forbidden_module_of, refusal
 
 # Only this many characters of a line are shown and searched. Longer lines are rare.
 LONGEST_LINE = 120
@@ -73,7 +73,7 @@ def _type_and_message(error: StudentError) -> str:
     """Return an exception's type and those parts of its message that may be shown."""
     kind, message, line = error.type_name, error.message, error.line[:LONGEST_LINE]
     module = message.partition(" ")[0]
-    refused = forbidden_part(module, error.forbidden)
+    refused = forbidden_module_of(module, error.forbidden)
     if refused and (kind, message) == ("ImportError", str(refusal(module))):
         return f"ImportError: {refusal(refused)}"
     for kinds, pattern, sentence in SENTENCES:

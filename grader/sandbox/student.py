@@ -26,7 +26,7 @@ from grader.sandbox.protocol import Limits, Sandbox, Worker
 from grader.sandbox.quotation import describe_failed_cell
 from grader.sandbox.reply_parser import changes, has_valid_object, positions, readable, rows, texts
 from grader.sandbox.time_budget import Budget, Meter, TimeLimit
-from utils.remote_objects import ENDLESS, Observed, Remote
+from utils.remote_objects import ENDLESS_LOOP_HINT, ObservedCall, RemoteObject
 
 # Names of the steps that are not exercises: running the cells that exercises need, or all cells.
 _NEEDED, _ALL = "the cells that are needed", "all cells"
@@ -47,7 +47,7 @@ class _Reference:
     worker: Worker
 
 
-class RemoteFunction(Remote):
+class RemoteFunction(RemoteObject):
     """A function, class or method in the sandbox that can be called or observed."""
 
     def __init__(
@@ -59,7 +59,7 @@ class RemoteFunction(Remote):
         """Return the result of a call."""
         return self._student._call_or_get(self.__name__, [arguments], keywords, self._reference)
 
-    def observe(self, *arguments: object) -> Observed:
+    def observe(self, *arguments: object) -> ObservedCall:
         """Return the result of a call, and the arguments as they are after the call."""
         return self._student._call_or_get(
             self.__name__, [arguments], reference=self._reference, observe=True
@@ -86,7 +86,7 @@ class RemoteFunction(Remote):
         )
 
 
-class RemoteObject(Remote):
+class RemoteObject(RemoteObject):
     """An object of a student's own class, which stays in the sandbox.
 
     ``tree.root`` returns plain data, None or another `RemoteObject`. ``tree.insert(p, 0)`` calls a
@@ -268,7 +268,7 @@ class StudentProxy:
         name = request["name"]
         reply = self._exchange(
             self.exercise,
-            f"{name} did not answer within {{seconds:g}} seconds; {ENDLESS}",
+            f"{name} did not answer within {{seconds:g}} seconds; {ENDLESS_LOOP_HINT}",
             self._limits.call_seconds,
             {"id": self._calls, "seconds": self.interrupts_after, **request},
         )
@@ -300,12 +300,12 @@ class StudentProxy:
             self._methods[result._reference.number, method] = function
         return result
 
-    def _parse_observed(self, reply: dict, result: object, name: str, count: int) -> Observed:
+    def _parse_observed(self, reply: dict, result: object, name: str, count: int) -> ObservedCall:
         """Return the result of a call with its `count` arguments after the call."""
         after, shared = reply.get("arguments"), reply.get("shared")
         if not isinstance(after, list) or len(after) != count:
             self._stop_for_wrong_reply(name)
-        return Observed(result, tuple(after), frozenset(positions(shared)))
+        return ObservedCall(result, tuple(after), frozenset(positions(shared)))
 
     def _stop_for_wrong_reply(self, name: str) -> NoReturn:
         self._stop(self.exercise, f"{name} sent an invalid reply")

@@ -564,7 +564,7 @@ def test_overwriting_arguments_changes_only_copies():
         seen = student.f.observe(array, numbers)
     assert np.array_equal(array, [1, 1]) and numbers == [1, 2]
     assert np.array_equal(seen.arguments[0], [9, 9]) and seen.arguments[1] == [9, 9]
-    assert seen.shared == {0}
+    assert seen.shared_arguments == {0}
 
 
 def test_forged_changes_of_arguments_affect_only_copies():
@@ -579,7 +579,7 @@ def test_forged_changes_of_arguments_affect_only_copies():
     with attack(PIPES + function(forged)) as student:
         seen = student.f.observe(frozen, numbers, text)
     assert np.array_equal(frozen, [1, 1]) and numbers == [1, 2] and text == "unchanged"
-    assert seen.arguments[1:] == ([7], None) and seen.shared == {-1, 99}
+    assert seen.arguments[1:] == ([7], None) and seen.shared_arguments == {-1, 99}
 
 
 # ---- Honest code is not refused --------------------------------------------------------------

@@ -13,7 +13,7 @@ from grader.sandbox.inside import wire_format
 from grader.sandbox.program import Program
 from grader.sandbox.student import StudentProxy
 from tests.attacks.attack import SANDBOX, SHORT, with_attacks
-from utils.drive.film import film
+from utils.drive.film import make_film
 from utils.simulator.sensor import Sensor, layers
 
 SEED = 2**70 + 1
@@ -140,7 +140,7 @@ def test_strange_boxes_do_not_make_the_grader_fail(boxes, tmp_path):
     assert all(sentence.isprintable() for sentence in problem_sentences(driven))
     repeated, report = repeat_drive(driven, street, seconds=0.9, sensor=NARROW_SENSOR)
     assert report.metres == pytest.approx(driven.metres, abs=0.05)
-    film(repeated, report, tmp_path / "last.png", size=(64, 36), renderer="matplotlib")
+    make_film(repeated, report, tmp_path / "last.png", size=(64, 36), renderer="matplotlib")
 
 
 def test_results_contain_only_numbers_and_fixed_sentences():

@@ -42,9 +42,9 @@ def share(verdict, exercise):
             "insert",
             """
 def insert(self, point, index):
-    from utils.geometry import grown
+    from utils.geometry import grow_tree
     self.points = getattr(self, "points", []) + [point]
-    self.root = grown(self.points)
+    self.root = grow_tree(self.points)
 """,
         ),
         "the best plane, from utils.geometry": (

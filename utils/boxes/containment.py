@@ -22,7 +22,9 @@ def inside(cloud: np.ndarray, box: Box) -> np.ndarray:
     offsets = cloud[:, :3] - np.asarray(box.centre)
     along = np.array([np.cos(box.yaw), np.sin(box.yaw)])
     half = np.asarray(box.size) / 2
-    return (_beyond(offsets[:, :2], along, half[:2]) <= 0) & (np.abs(offsets[:, 2]) <= half[2])
+    return (_distance_beyond_side(offsets[:, :2], along, half[:2]) <= 0) & (
+        np.abs(offsets[:, 2]) <= half[2]
+    )
 
 
 def distance_outside(points: np.ndarray, rectangle: np.ndarray) -> np.ndarray:
@@ -43,10 +45,12 @@ def distance_outside(points: np.ndarray, rectangle: np.ndarray) -> np.ndarray:
     lengths = np.linalg.norm(halves, axis=1)
     longer = lengths.argmax()  # the direction of a side of length 0 is undefined
     along = halves[longer] / lengths[longer] if lengths[longer] else np.array([1.0, 0.0])
-    return _beyond(points - rectangle.mean(axis=0), along, lengths[[longer, 1 - longer]])
+    return _distance_beyond_side(
+        points - rectangle.mean(axis=0), along, lengths[[longer, 1 - longer]]
+    )
 
 
-def _beyond(offsets: np.ndarray, along: np.ndarray, half: np.ndarray) -> np.ndarray:
+def _distance_beyond_side(offsets: np.ndarray, along: np.ndarray, half: np.ndarray) -> np.ndarray:
     """Return how far points are outside a rectangle, given their offsets (n, 2) from its centre.
 
     `half` contains half the lengths of the sides parallel and perpendicular to `along`.

@@ -28,7 +28,7 @@ def plane_iou(boxes: np.ndarray, others: np.ndarray) -> np.ndarray:
     ValueError
         If an array does not have the shape (N, 8, 3).
     """
-    return _over_union(*_areas(_checked(boxes), _checked(others)))
+    return _iou_of_sizes(*_areas(_as_boxes(boxes), _as_boxes(others)))
 
 
 def space_iou(boxes: np.ndarray, others: np.ndarray) -> np.ndarray:
@@ -36,19 +36,19 @@ def space_iou(boxes: np.ndarray, others: np.ndarray) -> np.ndarray:
 
     Parameters, result and errors are the same as for `plane_iou`.
     """
-    boxes, others = _checked(boxes), _checked(others)
+    boxes, others = _as_boxes(boxes), _as_boxes(others)
     floor, roof = boxes[:, :, 2].min(axis=1), boxes[:, :, 2].max(axis=1)
     other_floor, other_roof = others[:, :, 2].min(axis=1), others[:, :, 2].max(axis=1)
     rise = np.minimum(roof[:, None], other_roof) - np.maximum(floor[:, None], other_floor)
     shared, areas, other_areas = _areas(boxes, others)
-    return _over_union(
+    return _iou_of_sizes(
         shared * np.maximum(rise, 0.0),
         areas * (roof - floor),
         other_areas * (other_roof - other_floor),
     )
 
 
-def _checked(boxes: np.ndarray) -> np.ndarray:
+def _as_boxes(boxes: np.ndarray) -> np.ndarray:
     boxes = np.asarray(boxes, dtype=float)
     if boxes.size == 0:
         return boxes.reshape(0, 8, 3)
@@ -80,6 +80,6 @@ def _footprints(boxes: np.ndarray) -> np.ndarray:
     return footprints
 
 
-def _over_union(shared: np.ndarray, sizes: np.ndarray, other_sizes: np.ndarray) -> np.ndarray:
+def _iou_of_sizes(shared: np.ndarray, sizes: np.ndarray, other_sizes: np.ndarray) -> np.ndarray:
     union = sizes[:, None] + other_sizes[None, :] - shared
     return np.divide(shared, union, out=np.zeros_like(shared), where=union > 0)

@@ -16,10 +16,10 @@ from utils.breaking.puzzles import PUZZLES, Puzzle
 from utils.checks.limits import TimeUp, limit_resources
 from utils.display import show
 from utils.lent import is_written, own
-from utils.remote_objects import ENDLESS
+from utils.remote_objects import ENDLESS_LOOP_HINT
 
 MOST_ROWS = 50
-SECONDS = 10
+TIME_LIMIT = 10
 """Time limit for four calls with a few dozen points; much more than any right answer needs."""
 
 
@@ -38,7 +38,7 @@ def show_broken(function: Callable) -> None:
 
     function, shown = own(function), puzzle.example
     try:
-        with limit_resources(SECONDS):
+        with limit_resources(TIME_LIMIT):
             right = puzzle.answer_of(function, shown)
             puzzle.comparable(right)
             answers = {
@@ -46,7 +46,7 @@ def show_broken(function: Callable) -> None:
                 for letter, version in puzzle.versions.items()
             }
     except Exception as error:
-        print(_raised(error))
+        print(_describe_error(error))
         return
     _, grid = plt.subplots(2, 2, figsize=(8.5, 7), layout="compressed")
     for (name, answer), axes in zip({"yours": right, **answers}.items(), grid.flat, strict=True):
@@ -71,7 +71,7 @@ def tell_apart(function: Callable, **clouds: ArrayLike | None) -> None:
     if unknown:
         raise TypeError(f"There is no version {unknown[0]}, only {', '.join(puzzle.versions)}.")
     lines = {
-        letter: _verdict(puzzle, own(function), letter, clouds.get(letter))
+        letter: _judge_cloud(puzzle, own(function), letter, clouds.get(letter))
         for letter in puzzle.versions
     }
     rows = "".join(f"<p><b>{letter}</b> {escape(line)}</p>" for letter, line in lines.items())
@@ -90,12 +90,12 @@ def _puzzle_of(function: Callable) -> Puzzle | None:
     return PUZZLES[name]
 
 
-def _verdict(puzzle: Puzzle, function: Callable, letter: str, given: ArrayLike | None) -> str:
+def _judge_cloud(puzzle: Puzzle, function: Callable, letter: str, points: ArrayLike | None) -> str:
     """Return one line that says whether a cloud distinguishes a version from the right function."""
-    if given is None:
+    if points is None:
         return "… no cloud yet."
     try:
-        cloud = np.array(given, dtype=float)
+        cloud = np.array(points, dtype=float)
         if cloud.size == 0:
             return "… no cloud yet."
     except (TypeError, ValueError):
@@ -106,40 +106,40 @@ def _verdict(puzzle: Puzzle, function: Callable, letter: str, given: ArrayLike |
         return "✗ Use finite numbers: ordinary points are enough to show every fault."
     version, others = puzzle.versions[letter], [name for name in puzzle.versions if name != letter]
     try:
-        with limit_resources(SECONDS):
+        with limit_resources(TIME_LIMIT):
             right = puzzle.comparable(puzzle.answer_of(function, cloud))
             differ = [
                 name
                 for name in (letter, *others)
-                if not _same(
+                if not _are_equal(
                     right, puzzle.comparable(puzzle.versions[name].answer(function, cloud))
                 )
             ]
     except Exception as error:
-        return f"✗ {_raised(error)}"
+        return f"✗ {_describe_error(error)}"
     if letter not in differ:
         return f"✗ With this cloud, {letter} gives the same answer as your function."
-    line = f"✓ Found with {_rows(len(cloud))}. {version.says}"
-    if len(cloud) > version.smallest:
-        line += f" {_rows(version.smallest).capitalize()} would be enough."
+    line = f"✓ Found with {_row_count_text(len(cloud))}. {version.description}"
+    if len(cloud) > version.smallest_row_count:
+        line += f" {_row_count_text(version.smallest_row_count).capitalize()} would be enough."
     if also := [name for name in differ if name != letter]:
         is_wrong = "is" if len(also) == 1 else "are"
         line += f" {' and '.join(also)} {is_wrong} also wrong with this cloud."
     return line
 
 
-def _raised(error: Exception) -> str:
+def _describe_error(error: Exception) -> str:
     if isinstance(error, TimeUp):
         return (
-            f"Your function did not answer within {SECONDS} seconds, so nothing can be compared. "
-            f"{ENDLESS.capitalize()}"
+            f"Your function did not answer within {TIME_LIMIT} seconds, so nothing can be "
+            f"compared. {ENDLESS_LOOP_HINT.capitalize()}"
         )
     return f"Your function raised {type(error).__name__}, so nothing can be compared: {error}"
 
 
-def _same(first: np.ndarray, second: np.ndarray) -> bool:
+def _are_equal(first: np.ndarray, second: np.ndarray) -> bool:
     return first.shape == second.shape and bool(np.allclose(first, second))
 
 
-def _rows(count: int) -> str:
+def _row_count_text(count: int) -> str:
     return "1 row" if count == 1 else f"{count} rows"

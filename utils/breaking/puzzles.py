@@ -23,15 +23,15 @@ class Version:
     ----------
     answer : callable
         Takes the right function and a cloud; returns the broken answer.
-    says : str
+    description : str
         A description of the fault, shown once a student has found it.
-    smallest : int
+    smallest_row_count : int
         Number of rows of the smallest cloud that shows the fault.
     """
 
     answer: Callable
-    says: str
-    smallest: int
+    description: str
+    smallest_row_count: int
 
 
 @dataclass(frozen=True)
@@ -67,19 +67,19 @@ class Puzzle:
 ROUNDS, TOLERANCE = 200, 0.5
 
 
-def _line(ransac_line: Callable, points: np.ndarray, tolerance: float = TOLERANCE) -> tuple:
+def _find_line(ransac_line: Callable, points: np.ndarray, tolerance: float = TOLERANCE) -> tuple:
     return ransac_line(points.copy(), ROUNDS, tolerance, 0)
 
 
-def _no_upright_line(ransac_line: Callable, points: np.ndarray) -> tuple:
-    line, inliers = _line(ransac_line, points)
+def _find_line_unless_upright(ransac_line: Callable, points: np.ndarray) -> tuple:
+    line, inliers = _find_line(ransac_line, points)
     if line is not None and abs(line[1]) < 1e-9:
         return None, np.zeros(len(points), dtype=bool)
     return line, inliers
 
 
-def _without_the_last(ransac_line: Callable, points: np.ndarray) -> tuple:
-    line, inliers = _line(ransac_line, points[:-1])
+def _find_line_without_last_point(ransac_line: Callable, points: np.ndarray) -> tuple:
+    line, inliers = _find_line(ransac_line, points[:-1])
     return line, np.append(inliers, False)[: len(points)]
 
 
@@ -98,22 +98,22 @@ def _inlier_count(answer: tuple) -> np.ndarray:
 
 
 _WALL = [[3, -4], [3, -2.5], [3, -1], [3, 1], [3, 2.5], [3, 4], [3.4, -1.8], [2.6, 0.2]]
-_OTHERS = [[6, 1.5], [7.5, -2], [0.5, 2], [5.5, -3.5], [8, 3.2], [0.2, -1.5], [3.4, 3.2]]
+_OUTLIERS = [[6, 1.5], [7.5, -2], [0.5, 2], [5.5, -3.5], [8, 3.2], [0.2, -1.5], [3.4, 3.2]]
 
 # ---- 05 and 10: clustering ---------------------------------------------------------------------
 
 THRESHOLD = 0.8
 
 
-def _labels(cluster: Callable, cloud: np.ndarray, threshold: float = THRESHOLD) -> np.ndarray:
+def _cluster(cluster: Callable, cloud: np.ndarray, threshold: float = THRESHOLD) -> np.ndarray:
     return np.asarray(cluster(np.array(cloud, dtype=float), threshold))
 
 
-def _flat(cloud: np.ndarray) -> np.ndarray:
+def _without_height(cloud: np.ndarray) -> np.ndarray:
     return cloud * [1, 1, 0]
 
 
-def _balls(_: Callable, cloud: np.ndarray) -> np.ndarray:
+def _cluster_into_balls(_: Callable, cloud: np.ndarray) -> np.ndarray:
     """Group each unlabelled point with all other unlabelled points within the threshold."""
     labels = np.zeros(len(cloud), dtype=int)
     while 0 in labels:
@@ -122,23 +122,23 @@ def _balls(_: Callable, cloud: np.ndarray) -> np.ndarray:
     return labels
 
 
-def _cells(cloud: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _occupied_cells(cloud: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the occupied cells, the first point of each, and the cell of each point."""
     cells = np.floor(cloud / (THRESHOLD / np.sqrt(3)))
     return np.unique(cells, axis=0, return_index=True, return_inverse=True)
 
 
-def _touching_cells(cluster: Callable, cloud: np.ndarray) -> np.ndarray:
-    cells, _, where = _cells(cloud)
-    return _labels(cluster, cells, 1.8)[where.ravel()]  # diagonal neighbours are 1.73 apart
+def _cluster_touching_cells(cluster: Callable, cloud: np.ndarray) -> np.ndarray:
+    cells, _, where = _occupied_cells(cloud)
+    return _cluster(cluster, cells, 1.8)[where.ravel()]  # diagonal neighbours are 1.73 apart
 
 
-def _first_of_cell(cluster: Callable, cloud: np.ndarray) -> np.ndarray:
-    _, first, where = _cells(cloud)
-    return _labels(cluster, cloud[first])[where.ravel()]
+def _cluster_first_points_of_cells(cluster: Callable, cloud: np.ndarray) -> np.ndarray:
+    _, first, where = _occupied_cells(cloud)
+    return _cluster(cluster, cloud[first])[where.ravel()]
 
 
-def _groups(labels: np.ndarray) -> np.ndarray:
+def _same_label_mask(labels: np.ndarray) -> np.ndarray:
     """Return which pairs of points share a label, so that the labels' values do not matter."""
     labels = np.asarray(labels)
     return labels[:, None] == labels[None]
@@ -167,26 +167,26 @@ _CROWDED = [[0.05, 0.1, 0], [0.42, 0.1, 0], [1.2, 0.1, 0], [1.6, 0.3, 0], [2.8, 
 # ---- 08: get_bounding_boxes --------------------------------------------------------------------
 
 
-def _boxes(get_bounding_boxes: Callable, rows: np.ndarray) -> np.ndarray:
+def _bounding_boxes(get_bounding_boxes: Callable, rows: np.ndarray) -> np.ndarray:
     return np.asarray(get_bounding_boxes(rows[:, :3].copy(), rows[:, 3].astype(int)))
 
 
-def _of_noise_too(get_bounding_boxes: Callable, rows: np.ndarray) -> np.ndarray:
-    return _boxes(get_bounding_boxes, rows + [0, 0, 0, 1])
+def _bounding_boxes_with_noise(get_bounding_boxes: Callable, rows: np.ndarray) -> np.ndarray:
+    return _bounding_boxes(get_bounding_boxes, rows + [0, 0, 0, 1])
 
 
-def _without_gaps(get_bounding_boxes: Callable, rows: np.ndarray) -> np.ndarray:
+def _bounding_boxes_without_gaps(get_bounding_boxes: Callable, rows: np.ndarray) -> np.ndarray:
     count = len(np.unique(rows[rows[:, 3] > 0, 3]))
-    return _boxes(get_bounding_boxes, rows[rows[:, 3] <= count])
+    return _bounding_boxes(get_bounding_boxes, rows[rows[:, 3] <= count])
 
 
-def _from_zero(get_bounding_boxes: Callable, rows: np.ndarray) -> np.ndarray:
+def _bounding_boxes_from_origin(get_bounding_boxes: Callable, rows: np.ndarray) -> np.ndarray:
     labels = np.unique(rows[rows[:, 3] > 0, 3])
     origins = np.column_stack([np.zeros((len(labels), 3)), labels])
-    return _boxes(get_bounding_boxes, np.vstack([rows, origins]))
+    return _bounding_boxes(get_bounding_boxes, np.vstack([rows, origins]))
 
 
-def _corners(boxes: np.ndarray) -> np.ndarray:
+def _sorted_corners(boxes: np.ndarray) -> np.ndarray:
     """Return the corners of each box, sorted so that their order does not matter."""
     ordered = [box[np.lexsort(box.T)] for box in np.asarray(boxes, dtype=float).reshape(-1, 8, 3)]
     return np.array(ordered).reshape(-1, 8, 3)
@@ -201,68 +201,82 @@ def _draw_boxes(rows: np.ndarray, boxes: np.ndarray, _: np.ndarray, axes: Axes) 
     axes.get_legend().remove()
 
 
-_LABELLED = [[2, 1, 0, 1], [3.5, 1.5, 0, 1], [3, 2.2, 1, 1], [5, -1, 0, 3], [6.5, -2, 1, 3],
+_LABELLED_POINTS = [[2, 1, 0, 1], [3.5, 1.5, 0, 1], [3, 2.2, 1, 1], [5, -1, 0, 3], [6.5, -2, 1, 3],
              [5.4, -2.4, 0, 3], [1, -2.5, 0, 0], [7, 2.5, 0, 0], [4, 0.1, 0, 0]]  # fmt: skip
 
 
 PUZZLES = {
     "ransac_line": Puzzle(
-        _line,
+        _find_line,
         _inlier_count,
         _draw_line,
         "x, y",
-        np.array(_WALL + _OTHERS, dtype=float),
+        np.array(_WALL + _OUTLIERS, dtype=float),
         {
-            "A": Version(_no_upright_line, "It describes lines by y = m x + q.", 2),
-            "B": Version(_without_the_last, "It never looks at the last point.", 2),
+            "A": Version(_find_line_unless_upright, "It describes lines by y = m x + q.", 2),
+            "B": Version(_find_line_without_last_point, "It never looks at the last point.", 2),
             "C": Version(
-                lambda ransac, points: _line(ransac, points, TOLERANCE**2),
+                lambda ransac, points: _find_line(ransac, points, TOLERANCE**2),
                 "It compares the distance with the square of the threshold.",
                 3,
             ),
         },
     ),
     "euclidean_clustering": Puzzle(
-        _labels,
-        _groups,
+        _cluster,
+        _same_label_mask,
         _draw_clusters,
         "x, y, z",
         np.array(_STREET, dtype=float),
         {
             "A": Version(
-                lambda cluster, cloud: _labels(cluster, _flat(cloud)), "It ignores the height.", 2
+                lambda cluster, cloud: _cluster(cluster, _without_height(cloud)),
+                "It ignores the height.",
+                2,
             ),
-            "B": Version(_balls, "It compares points only with the first point of a cluster.", 3),
+            "B": Version(
+                _cluster_into_balls, "It compares points only with the first point of a cluster.", 3
+            ),
             "C": Version(
-                lambda cluster, cloud: _labels(cluster, cloud, THRESHOLD**0.5),
+                lambda cluster, cloud: _cluster(cluster, cloud, THRESHOLD**0.5),
                 "It compares the squared distance with the threshold.",
                 2,
             ),
         },
     ),
     "get_bounding_boxes": Puzzle(
-        _boxes,
-        _corners,
+        _bounding_boxes,
+        _sorted_corners,
         _draw_boxes,
         "x, y, z, label",
-        np.array(_LABELLED, dtype=float),
+        np.array(_LABELLED_POINTS, dtype=float),
         {
-            "A": Version(_from_zero, "It starts with low = high = 0.", 1),
-            "B": Version(_without_gaps, "It assumes that the labels have no gaps: 1, 2, 3, ...", 1),
-            "C": Version(_of_noise_too, "It also draws a box around label 0.", 1),
+            "A": Version(_bounding_boxes_from_origin, "It starts with low = high = 0.", 1),
+            "B": Version(
+                _bounding_boxes_without_gaps,
+                "It assumes that the labels have no gaps: 1, 2, 3, ...",
+                1,
+            ),
+            "C": Version(_bounding_boxes_with_noise, "It also draws a box around label 0.", 1),
         },
     ),
     "euclidean_clustering_accelerated": Puzzle(
-        _labels,
-        _groups,
+        _cluster,
+        _same_label_mask,
         _draw_clusters,
         "x, y, z",
         np.array(_CROWDED, dtype=float),
         {
-            "A": Version(_first_of_cell, "It looks only at the first point of each cell.", 3),
-            "B": Version(_touching_cells, "It joins points exactly when their cells touch.", 2),
+            "A": Version(
+                _cluster_first_points_of_cells, "It looks only at the first point of each cell.", 3
+            ),
+            "B": Version(
+                _cluster_touching_cells, "It joins points exactly when their cells touch.", 2
+            ),
             "C": Version(
-                lambda cluster, cloud: _labels(cluster, _flat(cloud)), "It ignores the height.", 2
+                lambda cluster, cloud: _cluster(cluster, _without_height(cloud)),
+                "It ignores the height.",
+                2,
             ),
         },
     ),

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 import utils
 from utils.checks.failures import CheckFailed, FarTooMuch, NotYet, WrongForm, fixed
 from utils.checks.size_limits import MOST_NUMBERS, NotNumbers, TooLarge, as_numbers, short_text
-from utils.remote_objects import Observed, Remote
+from utils.remote_objects import ObservedCall, RemoteObject
 
 # Metres. At the range of a LiDAR, rounding to single precision moves a point by less than this.
 TOLERANCE = 1e-3
@@ -369,7 +369,7 @@ def assert_positions(
     cloud: np.ndarray,
     keep: np.ndarray,
     view: str = "side",
-    given: str | None = None,
+    input_text: str | None = None,
     points_to_text: Callable[[np.ndarray], str] | None = None,
 ) -> None:
     """Assert that the answer contains the points of ``cloud[keep]``, in any order.
@@ -385,7 +385,7 @@ def assert_positions(
         The rows that a right answer keeps.
     view : {"side", "above"}
         Viewpoint of the picture.
-    given : str, optional
+    input_text : str, optional
         The arguments of the call, for the message.
     points_to_text : callable, optional
         Takes points, shape (m, 3), and returns a short text. By default, the text is their number.
@@ -402,7 +402,7 @@ def assert_positions(
     except CheckFailed as failure:
         if points_to_text and len(yours) <= len(cloud):
             failure.yours, failure.expected = points_to_text(yours), points_to_text(expected)
-        failure.given = given
+        failure.input_text = input_text
         raise
 
 
@@ -636,12 +636,12 @@ def assert_close(
         )
 
 
-def observe(function: Callable, *arguments: object) -> Observed:
+def observe(function: Callable, *arguments: object) -> ObservedCall:
     """Call a function on copies of its arguments; return its result and these copies.
 
     In the judge, the function runs in the sandbox, and the call is observed there.
     """
-    if isinstance(function, Remote):
+    if isinstance(function, RemoteObject):
         return function.observe(*arguments)
     copies = copy.deepcopy(arguments)
     result = function(*copies)
@@ -652,7 +652,7 @@ def observe(function: Callable, *arguments: object) -> Observed:
         and isinstance(result, np.ndarray)
         and np.shares_memory(value, result)
     }
-    return Observed(result, copies, frozenset(shared))
+    return ObservedCall(result, copies, frozenset(shared))
 
 
 def time_call(function: Callable, *arguments: object) -> tuple[object, float]:
@@ -660,7 +660,7 @@ def time_call(function: Callable, *arguments: object) -> tuple[object, float]:
 
     The time is processor time. A function in the sandbox is timed there.
     """
-    if isinstance(function, Remote):
+    if isinstance(function, RemoteObject):
         return function.timed(*arguments)
     copies = copy.deepcopy(arguments)
     begin = time.process_time()
@@ -674,14 +674,14 @@ def call_each(function: Callable, calls: Iterable[tuple]) -> list:
     A function in the sandbox receives all calls in one message. They share the time limit of one
     call, so use this for many fast calls.
     """
-    if isinstance(function, Remote):
+    if isinstance(function, RemoteObject):
         return function.each(list(calls))
     return [function(*copy.deepcopy(arguments)) for arguments in calls]
 
 
 def get_attribute_path(value: object, names: Sequence[str]) -> object:
     """Return `value.first.second` for two names; a remote value needs only one message."""
-    if isinstance(value, Remote):
+    if isinstance(value, RemoteObject):
         return value.reach(names)
     return attrgetter(".".join(names))(value)
 
@@ -691,7 +691,7 @@ def assert_untouched(function: Callable, *arguments: object) -> None:
     assert_arguments_unchanged(observe(function, *arguments), *arguments)
 
 
-def assert_arguments_unchanged(seen: Observed, *arguments: object) -> None:
+def assert_arguments_unchanged(seen: ObservedCall, *arguments: object) -> None:
     """Assert that an observed call did not change its arguments."""
     for before, after in zip(arguments, seen.arguments, strict=False):
         if not _is_unchanged(before, after):
@@ -716,7 +716,7 @@ def _first_change(before: object, after: object) -> dict[str, str]:
 
 def assert_new_array(function: Callable, *arguments: object) -> None:
     """Assert that the result does not share memory with an argument."""
-    if observe(function, *arguments).shared:
+    if observe(function, *arguments).shared_arguments:
         raise CheckFailed(
             "The result shares memory with the input, so a change to one changes both. Return a "
             "new array."

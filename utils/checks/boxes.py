@@ -58,7 +58,7 @@ def as_cluster_boxes(answer: object, cluster_labels: np.ndarray) -> np.ndarray:
         raise CheckFailed(
             f"Your function returned {_count_text(len(boxes), 'box')} for "
             f"{_count_text(count, 'cluster')}.",
-            given=f"labels that occur: {brief_text(np.unique(cluster_labels))}",
+            input_text=f"labels that occur: {brief_text(np.unique(cluster_labels))}",
             hint="Return one box for each label above 0 that occurs, and no others: "
             "np.unique(cluster_labels) lists the labels.",
             **sides,
@@ -69,7 +69,7 @@ def as_cluster_boxes(answer: object, cluster_labels: np.ndarray) -> np.ndarray:
         size = np.count_nonzero(cluster_labels == _box_labels(cluster_labels)[bad[0]])
         raise CheckFailed(
             f"{_name_in_row(bad[0], cluster_labels)} has a corner that is not finite.",
-            given=f"a cluster of {_count_text(size, 'point')}",
+            input_text=f"a cluster of {_count_text(size, 'point')}",
             yours=brief_text(broken[0]),
         )
     return boxes.astype(float)
@@ -125,7 +125,7 @@ def assert_box_corners(
     if all(any(same_corners(mine, box) for mine in yours) for box in expected):
         raise CheckFailed(
             "The boxes are right, but not in the order of the labels.",
-            given=f"labels that occur: {brief_text(np.unique(cluster_labels))}",
+            input_text=f"labels that occur: {brief_text(np.unique(cluster_labels))}",
             yours=f"row {row} is not the box of label {labels[row]}",
             expected="one box for each label, in ascending order of the labels",
             hint="Loop over the labels from the smallest to the largest: np.unique sorts them.",
@@ -157,12 +157,12 @@ def _describe_difference(
         # Choose a corner at the wrong end, because the corners at the other end may be right.
         end = np.abs(ends[0] - ends[1])[:, axis].argmax()
         place = expected[np.isclose(expected[:, axis], ends[1][end, axis])][0]
-        letter, given = "xyz"[axis], None
+        letter, input_text = "xyz"[axis], None
         if len(points) <= 20:
-            given = f"{letter} of its points: {brief_text(points[:, axis])}"
+            input_text = f"{letter} of its points: {brief_text(points[:, axis])}"
         return CheckFailed(
             f"{name} does not end where its points end along {letter}.",
-            given=given,
+            input_text=input_text,
             yours="from {:.2f} to {:.2f}".format(*ends[0][:, axis]),
             expected="from {:.2f} to {:.2f}".format(*ends[1][:, axis]),
             draw=draw,
@@ -221,7 +221,7 @@ def assert_heights(answer: object, cloud: np.ndarray, cluster_labels: np.ndarray
 
 
 def assert_contains_points(
-    answer: object, cloud: np.ndarray, cluster_labels: np.ndarray, given: str | None = None
+    answer: object, cloud: np.ndarray, cluster_labels: np.ndarray, input_text: str | None = None
 ) -> None:
     """Assert that, seen from above, each box contains all points of its cluster.
 
@@ -233,7 +233,7 @@ def assert_contains_points(
     answer : object
     cloud : numpy.ndarray, shape (n, 3) or (n, 4)
     cluster_labels : numpy.ndarray of int, shape (n,)
-    given : str, optional
+    input_text : str, optional
         The arguments of the call, for the message.
     """
     for box, points, name in _boxes_with_points(answer, cloud, cluster_labels):
@@ -242,7 +242,7 @@ def assert_contains_points(
         if _area(rectangle) > (1.2 * across + _SLACK) ** 2:
             raise CheckFailed(
                 f"{name} covers far more ground than any box around its points needs.",
-                given=given,
+                input_text=input_text,
                 yours=f"{_area(rectangle):.1f} square metres",
                 expected=f"less than {max(across**2, 0.1):.1f} square metres",
                 hint="Take the minimum and maximum of the points of one label, after turning "
@@ -256,7 +256,7 @@ def assert_contains_points(
         raise CheckFailed(
             f"{name} does not contain all of its points: {missed} of {len(points)} "
             f"{'is' if missed == 1 else 'are'} outside.",
-            given=given,
+            input_text=input_text,
             yours=f"{point_text(farthest)} is {outside.max():.2f} m outside",
             expected="every point of the cluster inside",
             draw=lambda box=box, points=points, farthest=farthest: _draw_box(
@@ -270,7 +270,7 @@ def assert_headings(
     cloud: np.ndarray,
     cluster_labels: np.ndarray,
     headings: Sequence[float],
-    given: str | None = None,
+    input_text: str | None = None,
 ) -> None:
     """Assert that the sides of each box are parallel to those of the block inside it.
 
@@ -282,7 +282,7 @@ def assert_headings(
     cluster_labels : numpy.ndarray of int, shape (n,)
     headings : sequence of float
         Headings of the blocks, in degrees.
-    given : str, optional
+    input_text : str, optional
         The arguments of the call, for the message.
     """
     for (box, points, name), heading in zip(
@@ -295,7 +295,7 @@ def assert_headings(
         if np.linalg.norm(along) <= TOLERANCE or off > _HEADING_TOLERANCE:
             raise CheckFailed(
                 f"{name} is not aligned with its cluster: their sides are not parallel.",
-                given=given,
+                input_text=input_text,
                 yours=f"a side at {yours % 90:.0f}° to the x axis",
                 expected=f"a side at {heading % 90:.0f}°",
                 draw=lambda box=box, points=points: _draw_box(
@@ -309,7 +309,7 @@ def assert_snug(
     cloud: np.ndarray,
     cluster_labels: np.ndarray,
     smallest_areas: Sequence[float],
-    given: str | None = None,
+    input_text: str | None = None,
 ) -> None:
     """Assert that no box covers more than `LOOSE` times the area that it needs.
 
@@ -321,7 +321,7 @@ def assert_snug(
     smallest_areas : sequence of float
         Area in square metres of the smallest rectangle around each cluster, seen from above;
         infinite if a box may be loose.
-    given : str, optional
+    input_text : str, optional
         The arguments of the call, for the message.
     """
     for (box, points, name), smallest in zip(
@@ -331,7 +331,7 @@ def assert_snug(
         if area > LOOSE * smallest + _SLACK:
             raise CheckFailed(
                 f"{name} covers far more ground than it needs.",
-                given=given,
+                input_text=input_text,
                 yours=f"{area:.1f} square metres",
                 expected=f"about {smallest:.1f} square metres",
                 draw=lambda box=box, points=points: _draw_box(points, box),

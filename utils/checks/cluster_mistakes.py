@@ -88,13 +88,13 @@ def prediction_with_measure(measure: Callable) -> Callable:
     Returns
     -------
     callable
-        As `Mistake.predicts`.
+        As `Mistake.predict`.
     """
 
-    def predicts(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.ndarray:
+    def predict(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.ndarray:
         return label_line(cloud, lambda line, _: measure(np.diff(line, axis=0), threshold) < 1)
 
-    return predicts
+    return predict
 
 
 def lengths(steps: np.ndarray) -> np.ndarray:

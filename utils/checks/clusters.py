@@ -17,7 +17,7 @@ from utils.checks.assertions import (
     precondition,
 )
 from utils.checks.failures import fixed
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 
 # The search for a wrong pair of points computes n² distances, so larger clouds are not searched.
 _MOST_COMPARED = 1000
@@ -67,7 +67,7 @@ def _three_groups() -> tuple[np.ndarray, np.ndarray]:
 GROUPS, LABELS = frozen(_three_groups())
 
 
-@once
+@once_per_run
 def require_simplest_clusters(euclidean_clustering: Callable) -> None:
     """Assert that the function finds the simplest clusters; raise `NotYet` if not.
 
@@ -97,7 +97,7 @@ def assert_clusters(
     except CheckFailed as failure:
         if failure.is_about_the_check and len(cloud) <= _MOST_COMPARED:
             yours = as_labels(answer, len(cloud))
-            failure.given = _nearest_wrong_pair(yours, expected, cloud, threshold)
+            failure.input_text = _nearest_wrong_pair(yours, expected, cloud, threshold)
             failure.yours, failure.expected = _labels_text(yours), _labels_text(expected)
         raise
 

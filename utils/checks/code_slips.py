@@ -26,13 +26,13 @@ class CodeSlip:
 
     Attributes
     ----------
-    says : str
+    description : str
         One sentence about the code.
     hint : str
         How to fix it.
     """
 
-    says: str
+    description: str
     hint: str
 
 

@@ -57,16 +57,21 @@ def promise_label_order(case: Case, name: str, labels: Sequence[int], *, weight:
 
 def _with_labels(case: Case, labels: Sequence[int]) -> Case:
     """Return the case with other labels instead of 1, 2, ..."""
-    given = {**case.given, "cluster_labels": np.array([0, *labels])[case.given["cluster_labels"]]}
+    arguments = {
+        **case.arguments,
+        "cluster_labels": np.array([0, *labels])[case.arguments["cluster_labels"]],
+    }
     boxes = case.expected
-    return replace(case, given=given, expected=None if boxes is None else boxes[np.argsort(labels)])
+    return replace(
+        case, arguments=arguments, expected=None if boxes is None else boxes[np.argsort(labels)]
+    )
 
 
 def promise_no_box_for_noise(case: Case, name: str, *, weight: float = 1) -> None:
     """Check that points with label 0 get no box."""
-    given = {
+    arguments = {
         "cloud": np.vstack([_STRAYS, case.first, _STRAYS]),
-        "cluster_labels": np.pad(case.given["cluster_labels"], len(_STRAYS)),
+        "cluster_labels": np.pad(case.arguments["cluster_labels"], len(_STRAYS)),
     }
 
     @promise(
@@ -81,7 +86,7 @@ def promise_no_box_for_noise(case: Case, name: str, *, weight: float = 1) -> Non
     )
     def check(function: Callable) -> None:
         try:
-            replace(case, given=given).assert_right(function)
+            replace(case, arguments=arguments).assert_right(function)
         except Exception:
             case.precondition(function)  # if this also fails, stray points are not the cause
             raise

@@ -22,10 +22,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from utils.checks.assertions import assert_untouched
-from utils.checks.core import visible
+from utils.checks.core import visible_check
 from utils.checks.failures import CheckFailed
 from utils.checks.limits import TimeUp
-from utils.remote_objects import Remote, RemoteError
+from utils.remote_objects import RemoteError, RemoteObject
 
 _FIRST_LINE = "Keep the first line of the function as it was given"
 
@@ -44,7 +44,7 @@ class Case:
         The `__name__` of the module that declares the promises.
     exercise : str
         Name of the student's function.
-    given : mapping of str to object
+    arguments : mapping of str to object
         The arguments by name, in the order of the signature. Promises vary the first of them: a
         cloud, points or labels.
     expected : object
@@ -58,7 +58,7 @@ class Case:
 
     lesson: str
     exercise: str
-    given: Mapping[str, object]
+    arguments: Mapping[str, object]
     expected: object
     compare: Callable
     precondition: Callable = _no_precondition
@@ -66,22 +66,22 @@ class Case:
     @property
     def first(self) -> np.ndarray:
         """The first argument, which promises vary."""
-        return next(iter(self.given.values()))
+        return next(iter(self.arguments.values()))
 
     @property
     def copies(self) -> dict[str, object]:
         """Copies of the arguments, which the function may change."""
-        return copy.deepcopy(dict(self.given))
+        return copy.deepcopy(dict(self.arguments))
 
     @property
     def without_precondition(self) -> Case:
         """The same call, judged without its precondition."""
         return replace(self, precondition=_no_precondition)
 
-    def with_first(self, first: np.ndarray, **more: object) -> Case:
-        """Return the same call with another first argument; `more` replaces other fields."""
-        name = next(iter(self.given))
-        return replace(self, given={**self.given, name: first}, **more)
+    def with_first(self, first: np.ndarray, **changes: object) -> Case:
+        """Return the same call with another first argument; `changes` replace other fields."""
+        name = next(iter(self.arguments))
+        return replace(self, arguments={**self.arguments, name: first}, **changes)
 
     def with_rows(self, which: slice | np.ndarray) -> Case:
         """Return the same call for some of the points; `expected` has one entry per point."""
@@ -97,7 +97,7 @@ class Case:
 
     def assert_right_answer(self, answer: object) -> None:
         """Assert that an answer is the expected one."""
-        self.compare(answer, *self.given.values(), self.expected)
+        self.compare(answer, *self.arguments.values(), self.expected)
 
 
 @dataclass(frozen=True)
@@ -137,7 +137,7 @@ def promise(kind: str, case: Case, name: str, **words: object) -> Callable:
     name : str
         Name of the check, unique within the exercise.
     **words : object
-        Title, why, hint and weight, as for `visible`.
+        Title, why, hint and weight, as for `visible_check`.
 
     Returns
     -------
@@ -149,7 +149,7 @@ def promise(kind: str, case: Case, name: str, **words: object) -> Callable:
     def declare(run: Callable) -> Callable:
         run.__name__, run.__module__ = name, case.lesson
         _PROMISES.append(Promise(kind, case, name))
-        return visible(case.exercise, **words)(run)
+        return visible_check(case.exercise, **words)(run)
 
     return declare
 
@@ -217,16 +217,16 @@ def promise_untouched(
     weight: float = 1,
 ) -> None:
     """Check that the function changes neither its arguments nor those of `extend_arguments`."""
-    full = extend_arguments(case.given)
-    is_more = any(full[argument] is not value for argument, value in case.given.items())
+    full = extend_arguments(case.arguments)
+    is_more = any(full[argument] is not value for argument, value in case.arguments.items())
 
     @promise("untouched", case, name, title=title, why=why, hint=hint, weight=weight)
     def run(function: Callable) -> None:
         case.precondition(function)
-        assert_untouched(function, *case.given.values())
+        assert_untouched(function, *case.arguments.values())
         if not is_more:
             return
-        own = RemoteError if isinstance(function, Remote) else Exception
+        own = RemoteError if isinstance(function, RemoteObject) else Exception
         try:
             assert_untouched(function, *full.values())
         except (CheckFailed, TimeUp):
@@ -235,17 +235,17 @@ def promise_untouched(
             return  # other checks test whether the function accepts four columns or the label 0
 
 
-def extend_arguments(given: Mapping[str, object]) -> dict[str, object]:
+def extend_arguments(arguments: Mapping[str, object]) -> dict[str, object]:
     """Extend the arguments of a call with everything that a function might overwrite.
 
     Clouds get intensities, labels get zeros, and lines and planes get an offset from the origin.
 
     Parameters
     ----------
-    given : mapping of str to object
+    arguments : mapping of str to object
         Arguments by the parameter names of the course.
     """
-    full, labels = dict(given), given.get("cluster_labels")
+    full, labels = dict(arguments), arguments.get("cluster_labels")
     strays = labels is not None and 0 not in labels
     if strays:
         full["cluster_labels"] = np.append(labels, [0, 0])

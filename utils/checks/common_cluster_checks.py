@@ -43,14 +43,16 @@ def promise_default(case: Case, name: str, *, why: str) -> None:
     def check(euclidean_clustering: Callable) -> None:
         gaps = np.array([0.05, 0.3, 0.12, 0.65, 0.2, 1.2, 0.4, 0.9, 0.56, 0.48, 0.75, 0.35])
         cloud = np.outer(2.0 + np.cumsum(gaps), [1.0, 0.0, 0.0])
-        given = as_labels(euclidean_clustering(cloud.copy(), 0.5), len(cloud))
+        explicit_labels = as_labels(euclidean_clustering(cloud.copy(), 0.5), len(cloud))
         omitted = as_labels(euclidean_clustering(cloud.copy()), len(cloud))
-        if not np.array_equal(renumber_by_appearance(given), renumber_by_appearance(omitted)):
+        if not np.array_equal(
+            renumber_by_appearance(explicit_labels), renumber_by_appearance(omitted)
+        ):
             raise CheckFailed(
                 fixed("If you leave out the threshold, the clusters differ from those at 0.5 m."),
-                given="twelve points in a row",
+                input_text="twelve points in a row",
                 yours=cluster_count_text(omitted),
-                expected=f"{cluster_count_text(given)}, as with threshold=0.5",
+                expected=f"{cluster_count_text(explicit_labels)}, as with threshold=0.5",
             )
 
     check.__name__ = name
@@ -71,7 +73,7 @@ def promise_few_points(case: Case, name: str, *, why: str, hint: str, weight: fl
                 if not (labels == 1).all():
                     raise CheckFailed(
                         fixed("A single point is a cluster, so it must get the label 1."),
-                        given="a cloud of one point",
+                        input_text="a cloud of one point",
                         yours=brief_text(labels),
                         expected="[1]",
                         hint="Begin a new cluster even if the point has no neighbours.",

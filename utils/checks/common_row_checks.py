@@ -19,7 +19,7 @@ from utils.checks.assertions import (
     assert_order,
 )
 from utils.checks.common_checks import Case, promise
-from utils.checks.core import noted
+from utils.checks.core import note_check
 
 
 def promise_all_columns(
@@ -118,7 +118,7 @@ def note_array(case: Case, name: str) -> None:
             )
 
     check.__name__, check.__module__ = name, case.lesson
-    noted(
+    note_check(
         case.exercise,
         title="Returns an array that keeps its columns",
         why="Later cells index its columns, as in rows[:, 2]. A list has no columns, and neither "

@@ -54,7 +54,7 @@ class ChecksFailed(AssertionError):
         return [str(self)]
 
 
-def visible(
+def visible_check(
     exercise: str, *, title: str, why: str, hint: str, weight: float = 1.0, slow: str = ""
 ) -> Callable:
     """Declare the decorated function, which takes the student's function, as a visible check.
@@ -93,7 +93,7 @@ def visible(
     return declare
 
 
-def noted(exercise: str, *, title: str, why: str) -> Callable:
+def note_check(exercise: str, *, title: str, why: str) -> Callable:
     """Declare a check that costs no points; if it fails, `check` shows an amber note.
 
     Parameters
@@ -107,7 +107,7 @@ def noted(exercise: str, *, title: str, why: str) -> Callable:
     callable
         The decorator; it returns the function unchanged.
     """
-    return visible(exercise, title=title, why=why, hint="", weight=0)
+    return visible_check(exercise, title=title, why=why, hint="", weight=0)
 
 
 def checks_of(exercise: str) -> tuple[Check, ...]:

@@ -20,7 +20,7 @@ from utils.checks.assertions import (
 )
 from utils.checks.boxes import footprint
 from utils.checks.failures import fixed
-from utils.checks.run_cache import answer_to, once
+from utils.checks.run_cache import answer_to, once_per_run
 from utils.checks.scans import EGO_CAR, clear_cars, clear_people
 
 if TYPE_CHECKING:
@@ -141,7 +141,7 @@ def assert_contained(answer: object, obstacle: Box, frame: Frame) -> None:
     ):
         raise CheckFailed(
             f"No box contains the {name} at {point_text(obstacle.centre[:2])}.",
-            given=_visible_part(obstacle, frame),
+            input_text=_visible_part(obstacle, frame),
             yours=f"{len(boxes)} boxes in that scan",
             expected=f"a box around that {name}",
             draw=lambda: _draw_boxes(frame, boxes, [obstacle.corners], "missed"),
@@ -183,7 +183,7 @@ def assert_no_boxes_on_road(answer: object, frame: Frame) -> None:
         raise CheckFailed(
             f"{len(ghosts)} boxes contain mostly road or nothing at all, for example at "
             f"{point_text(ghosts[0][:, :2].mean(axis=0))}.",
-            given="a road that climbs",
+            input_text="a road that climbs",
             yours=f"{len(boxes)} boxes in that scan",
             expected="boxes around cars, a lorry and a person",
             draw=lambda: _draw_boxes(frame, boxes, ghosts, "road"),
@@ -207,7 +207,7 @@ def require_cars_found(answer: object, frame: Frame) -> None:
         assert_cars_found([answer], [frame])
 
 
-@once
+@once_per_run
 def require_cars_found_in_frame(detect_obstacles: Callable, frame: Frame) -> None:
     """Apply `require_cars_found` to the detector's answer for an unchanged frame."""
     require_cars_found(detect_once(detect_obstacles, frame), frame)
@@ -384,7 +384,7 @@ def _assert_found(
         f"{len(missed)} of {count} isolated {noun} near the sensor "
         f"{'have' if len(missed) > 1 else 'has'} no separate box, for example "
         f"{point_text(obstacle.centre[:2])}: {how}.",
-        given=_visible_part(obstacle, frame),
+        input_text=_visible_part(obstacle, frame),
         yours=f"{len(boxes)} boxes in that scan",
         expected="for each, a box around most of its returns and little else",
         draw=lambda: _draw_boxes(

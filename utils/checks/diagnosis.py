@@ -24,9 +24,9 @@ class Mistake:
 
     Attributes
     ----------
-    says : str
+    description : str
         One sentence about the code: "`<` is used instead of `<=`."
-    predicts : callable
+    predict : callable
         Takes the right answer and the arguments of a case; returns the answer with the mistake.
     hint : str
         How to fix it; empty if the sentence says so already.
@@ -38,8 +38,8 @@ class Mistake:
         slip only if a single edit corrects the code, and the answer keeps fewer points.
     """
 
-    says: str
-    predicts: Callable
+    description: str
+    predict: Callable
     hint: str = ""
     is_cheap: bool = False
     is_the_task: bool = False
@@ -137,7 +137,7 @@ def diagnose(exercise: str, function: Callable) -> Mistake | None:
     for case in known.cases:
         right = known.right(*copy.deepcopy(case))
         predicted = {
-            mistake: mistake.predicts(copy.deepcopy(right), *copy.deepcopy(case))
+            mistake: mistake.predict(copy.deepcopy(right), *copy.deepcopy(case))
             for mistake in fitting
         }
         try:
@@ -194,7 +194,7 @@ def imitation_of(exercise: str, mistake: Mistake, right: Callable) -> Imitation 
         answer = right(*copy.deepcopy(bound.args))
         if isinstance(answer, tuple):  # such as (a, b, c); predictions compute with arrays
             answer = np.array(answer)
-        return None if answer is None else mistake.predicts(answer, *bound.args)
+        return None if answer is None else mistake.predict(answer, *bound.args)
 
     def same(answer: object, predicted: object) -> bool:
         return answer is None if predicted is None else known.same(answer, predicted)

@@ -9,8 +9,8 @@ Each example is a call and its right answer::
     total.example("adds_nothing", {"numbers": []}, 0.0, title="...", why="...", hint="...")
     total.promise("untouched", why="Later cells use the same numbers.")
 
-The lessons of the course write most checks by hand, with `utils.checks.core.visible`, because such
-checks say more about a wrong answer. An exercise can have both kinds.
+The lessons of the course write most checks by hand, with `utils.checks.core.visible_check`.
+Such checks say more about a wrong answer. An exercise can have both kinds.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ import numpy as np
 from utils.checks import common_checks
 from utils.checks.assertions import as_array, as_shape, assert_close, brief_text, precondition
 from utils.checks.common_checks import Case
-from utils.checks.core import visible
+from utils.checks.core import visible_check
 from utils.checks.failures import CheckFailed, WrongForm
 
 TOLERANCE = 1e-6
@@ -59,18 +59,23 @@ class Exercise:
         The `__name__` of the module that declares the exercise.
     name : str
         Name of the student's function.
-    given : mapping of str to object
+    arguments : mapping of str to object
         The arguments of a plain call by name, in the order of the function's first line.
     expected : object
         The right answer of that call.
     **words : object
-        Title, why, hint and weight of the check; see `utils.checks.core.visible`.
+        Title, why, hint and weight of the check; see `utils.checks.core.visible_check`.
     """
 
     def __init__(
-        self, lesson: str, name: str, given: Mapping[str, object], expected: object, **words: object
+        self,
+        lesson: str,
+        name: str,
+        arguments: Mapping[str, object],
+        expected: object,
+        **words: object,
     ) -> None:
-        plain = Case(lesson, name, given, expected, compare=_assert_case_answer)
+        plain = Case(lesson, name, arguments, expected, compare=_assert_case_answer)
 
         def require_plain_case(function: Callable) -> None:
             with precondition("a plain call returns the right answer"):
@@ -80,7 +85,7 @@ class Exercise:
         self._declare("plain_case", plain.assert_right, words)
 
     def example(
-        self, name: str, given: Mapping[str, object], expected: object, **words: object
+        self, name: str, arguments: Mapping[str, object], expected: object, **words: object
     ) -> None:
         """Declare a check that makes another call.
 
@@ -88,14 +93,16 @@ class Exercise:
         ----------
         name : str
             Name of the check, unique within the exercise.
-        given : mapping of str to object
+        arguments : mapping of str to object
             The arguments that differ from those of the plain call.
         expected : object
             The right answer.
         **words : object
             Title, why, hint and weight.
         """
-        case = replace(self._case, given={**self._case.given, **given}, expected=expected)
+        case = replace(
+            self._case, arguments={**self._case.arguments, **arguments}, expected=expected
+        )
 
         def run(function: Callable) -> None:
             case.precondition(function)
@@ -128,10 +135,10 @@ class Exercise:
             run(function)
 
         check.__name__, check.__module__ = name, self._case.lesson
-        visible(self._case.exercise, **words)(check)
+        visible_check(self._case.exercise, **words)(check)
 
 
-def assert_answer(answer: object, expected: object, given: str | None = None) -> None:
+def assert_answer(answer: object, expected: object, input_text: str | None = None) -> None:
     """Assert that an answer is right: numbers within a tolerance, everything else exactly.
 
     Parameters
@@ -139,7 +146,7 @@ def assert_answer(answer: object, expected: object, given: str | None = None) ->
     answer : object
     expected : object
         A number, a text, a truth value, or numbers in a list or array.
-    given : str, optional
+    input_text : str, optional
         The arguments of the call, for the message.
     """
     try:
@@ -156,7 +163,7 @@ def assert_answer(answer: object, expected: object, given: str | None = None) ->
         elif answer != expected:
             raise CheckFailed("The answer is wrong.", **_yours_and_expected(answer, expected))
     except CheckFailed as failure:
-        failure.given = failure.given or given
+        failure.input_text = failure.input_text or input_text
         raise
 
 
@@ -173,6 +180,6 @@ def _is_numeric(value: object) -> bool:
         return False
 
 
-def _assert_case_answer(answer: object, *given_and_expected: object) -> None:
-    *given, expected = given_and_expected
-    assert_answer(answer, expected, ", ".join(map(brief_text, given)))
+def _assert_case_answer(answer: object, *arguments_and_expected: object) -> None:
+    *arguments, expected = arguments_and_expected
+    assert_answer(answer, expected, ", ".join(map(brief_text, arguments)))

@@ -52,7 +52,7 @@ class CheckFailed(AssertionError):
         The failure in one sentence.
     marked : str
         The message with markers around the numbers that `fixed` protects.
-    given, yours, expected : str or None
+    input_text, yours, expected : str or None
         Short texts that show the input, the student's answer and the right answer.
     draw : callable or None
         Takes no arguments; draws the difference with `utils.plots`.
@@ -67,7 +67,7 @@ class CheckFailed(AssertionError):
         self,
         message: str,
         *,
-        given: str | None = None,
+        input_text: str | None = None,
         yours: str | None = None,
         expected: str | None = None,
         draw: Callable | None = None,
@@ -76,7 +76,7 @@ class CheckFailed(AssertionError):
     ) -> None:
         self.marked = message
         super().__init__(self.message)
-        self.given, self.yours, self.expected = given, yours, expected
+        self.input_text, self.yours, self.expected = input_text, yours, expected
         self.draw, self.tip, self.hint = draw, tip, hint
 
     @property

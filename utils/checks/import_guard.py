@@ -10,7 +10,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from types import BuiltinFunctionType, FunctionType, ModuleType, TracebackType
 
-from utils.notebooks.forbidden import StandIn, StandInModule, forbidden_part, stand_in
+from utils.notebooks.forbidden import StandIn, StandInModule, forbidden_module_of, make_stand_in
 
 _CYTHON = "cython_function_or_method"
 
@@ -69,10 +69,10 @@ class BlockedModules:
     def _stand_in(self, value: object, home: str) -> object:
         if isinstance(value, ModuleType):
             return sys.modules.get(home, value)
-        return stand_in(value.__name__, home, forbidden_part(home, self._modules))
+        return make_stand_in(value.__name__, home, forbidden_module_of(home, self._modules))
 
     def _module(self, name: str) -> StandInModule:
-        module = StandInModule(name, forbidden_part(name, self._modules))
+        module = StandInModule(name, forbidden_module_of(name, self._modules))
         real = vars(self._hidden[name])
         # Importing submodules, and linking compiled code, need the special attributes.
         special = {name for name in real if name.startswith("__")} - {"__getattr__"}

@@ -23,9 +23,9 @@ from utils.checks.assertions import (
     precondition,
 )
 from utils.checks.common_checks import Case
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 
 # ---- horizontal_distance -----------------------------------------------------------------------
 
@@ -57,27 +57,27 @@ def assert_distances(answer: object, cloud: np.ndarray, expected: np.ndarray) ->
         mine, right = distinct_texts(metres_text, yours[wrong[0]], expected[wrong[0]])
         raise CheckFailed(
             f"{len(wrong)} of {len(cloud)} distances {verb} wrong.",
-            given=f"a point at {point_text(cloud[wrong[0]])}",
+            input_text=f"a point at {point_text(cloud[wrong[0]])}",
             yours=mine,
             expected=right,
         )
 
 
-@once
+@once_per_run
 def require_distances_at_sensor_height(horizontal_distance: Callable) -> None:
     """Raise `NotYet` if distances of points at the height of the sensor are wrong."""
     with precondition("the distances of points at the height of the sensor are right"):
         assert_distances(horizontal_distance(_FLAT.copy()), _FLAT, _DISTANCES)
 
 
-@once
+@once_per_run
 def require_distances_at_all_heights(horizontal_distance: Callable) -> None:
     """Raise `NotYet` if distances of points at various heights are wrong."""
     with precondition("the distances of points at other heights are right"):
         assert_distances(horizontal_distance(_AT_ALL_HEIGHTS.copy()), _AT_ALL_HEIGHTS, _DISTANCES)
 
 
-@visible(
+@visible_check(
     "horizontal_distance",
     weight=1,
     title="Measures the distance of points at the height of the sensor",
@@ -88,7 +88,7 @@ def measures_distance(horizontal_distance: Callable) -> None:
     assert_distances(horizontal_distance(_FLAT.copy()), _FLAT, _DISTANCES)
 
 
-@visible(
+@visible_check(
     "horizontal_distance",
     weight=5,
     title="Ignores the height of a point",
@@ -101,7 +101,7 @@ def ignores_height(horizontal_distance: Callable) -> None:
     assert_distances(horizontal_distance(_AT_ALL_HEIGHTS.copy()), _AT_ALL_HEIGHTS, _DISTANCES)
 
 
-@visible(
+@visible_check(
     "horizontal_distance",
     weight=1,
     title="Ignores the intensity of a point",
@@ -115,7 +115,7 @@ def ignores_intensity(horizontal_distance: Callable) -> None:
     )
 
 
-@visible(
+@visible_check(
     "horizontal_distance",
     weight=1,
     title="Does not round the distances",
@@ -157,7 +157,7 @@ common_checks.promise_untouched(
 )
 
 
-@noted(
+@note_check(
     "horizontal_distance",
     title="Returns a NumPy array of distances",
     why="A later cell compares all distances with a number at once, which does not work with a "
@@ -305,7 +305,7 @@ def assert_drops_lost_rows(drop_invalid: Callable, *lost: np.ndarray) -> None:
     assert_positions(drop_invalid(cloud.copy()), cloud, good, view="above")
 
 
-@once
+@once_per_run
 def require_lost_returns_dropped(drop_invalid: Callable) -> None:
     """Raise `NotYet` if neither of the two common kinds of lost returns is dropped.
 
@@ -318,7 +318,7 @@ def require_lost_returns_dropped(drop_invalid: Callable) -> None:
             assert_drops_lost_rows(drop_invalid, _NANS)
 
 
-@visible(
+@visible_check(
     "drop_invalid",
     weight=4,
     title="Drops returns at (0, 0, 0)",
@@ -330,7 +330,7 @@ def drops_the_origin(drop_invalid: Callable) -> None:
     assert_drops_lost_rows(drop_invalid, _ORIGIN)
 
 
-@visible(
+@visible_check(
     "drop_invalid",
     weight=3,
     title="Drops returns at (0, 0, 0) whatever their intensity",
@@ -342,7 +342,7 @@ def drops_bright_returns(drop_invalid: Callable) -> None:
     assert_drops_lost_rows(drop_invalid, _BRIGHT_ORIGIN)
 
 
-@visible(
+@visible_check(
     "drop_invalid",
     weight=4,
     title="Drops rows in which any coordinate is NaN",
@@ -354,7 +354,7 @@ def drops_nan(drop_invalid: Callable) -> None:
     assert_drops_lost_rows(drop_invalid, _NANS)
 
 
-@visible(
+@visible_check(
     "drop_invalid",
     weight=2,
     title="Drops rows in which any coordinate is infinite",
@@ -366,7 +366,7 @@ def drops_infinite_rows(drop_invalid: Callable) -> None:
     assert_drops_lost_rows(drop_invalid, _INFINITE)
 
 
-@visible(
+@visible_check(
     "drop_invalid",
     weight=5,
     title="Keeps good points that have a coordinate of 0",
@@ -400,7 +400,7 @@ def keeps_points_with_a_zero(drop_invalid: Callable) -> None:
     assert_positions(answer, crossing, np.ones(len(crossing), dtype=bool), view="above")
 
 
-@visible(
+@visible_check(
     "drop_invalid",
     weight=1,
     title="Keeps points that are very close to the sensor",
@@ -414,7 +414,7 @@ def keeps_near_points(drop_invalid: Callable) -> None:
     assert_positions(answer, near, np.ones(len(near), dtype=bool), view="above")
 
 
-@visible(
+@visible_check(
     "drop_invalid",
     weight=1,
     title="Keeps points whose intensity is NaN, infinite or 0",
@@ -430,7 +430,7 @@ def allows_missing_intensity(drop_invalid: Callable) -> None:
     )
 
 
-@visible(
+@visible_check(
     "drop_invalid",
     weight=5,
     title="Keeps the intensity of each point",
@@ -442,7 +442,7 @@ def keeps_the_intensity(drop_invalid: Callable) -> None:
     assert_all_columns(drop_invalid(_GOOD.copy()), _GOOD, np.ones(len(_GOOD), dtype=bool))
 
 
-@visible(
+@visible_check(
     "drop_invalid",
     weight=1,
     title="Keeps the order of the good rows, including duplicates",
@@ -456,7 +456,7 @@ def keeps_the_order(drop_invalid: Callable) -> None:
     assert_order(drop_invalid(twice.copy()), twice, np.ones(len(twice), dtype=bool))
 
 
-@visible(
+@visible_check(
     "drop_invalid",
     weight=1,
     title="Works on three columns as well as on four",
@@ -477,7 +477,7 @@ def works_on_three_columns(drop_invalid: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "drop_invalid",
     weight=1,
     title="Works on an empty cloud and on a cloud without good rows",
@@ -506,7 +506,7 @@ common_row_checks.promise_untouched(
 )
 
 
-@noted(
+@note_check(
     "drop_invalid",
     title="Returns a NumPy array of rows",
     why="Later functions select columns, as in cloud[:, 0], which does not work with a list.",

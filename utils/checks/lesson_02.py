@@ -22,10 +22,10 @@ from utils.checks.assertions import (
     precondition,
 )
 from utils.checks.common_checks import Case
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes, same_array
 from utils.checks.failures import NotYet, fixed
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 
 # ---- lines -------------------------------------------------------------------------------------
 
@@ -116,7 +116,7 @@ def assert_unit_normal(answer: object) -> None:
         )
 
 
-@once
+@once_per_run
 def require_slanted_lines(line_through: Callable) -> None:
     """Raise `NotYet` if slanted lines are wrong."""
     with precondition("a slanted line passes through its two points"):
@@ -130,13 +130,13 @@ def assert_no_line(line_through: Callable, point: ArrayLike) -> None:
     if answer is not None:
         raise CheckFailed(
             "Infinitely many lines pass through two equal points, so the answer must be None.",
-            given=f"the point {point_text(point)} twice",
+            input_text=f"the point {point_text(point)} twice",
             yours=brief_text(answer),
             expected="None",
         )
 
 
-@visible(
+@visible_check(
     "line_through",
     weight=4,
     title="Returns a line through both points",
@@ -149,7 +149,7 @@ def passes_through_both(line_through: Callable) -> None:
         assert_on_line(line_through(np.array(p), np.array(q)), p, q)
 
 
-@visible(
+@visible_check(
     "line_through",
     weight=3,
     title="The normal has length 1",
@@ -163,7 +163,7 @@ def has_a_unit_normal(line_through: Callable) -> None:
         assert_unit_normal(line_through(np.array(p), np.array(q)))
 
 
-@visible(
+@visible_check(
     "line_through",
     weight=2,
     title="Works for lines parallel to an axis",
@@ -184,14 +184,14 @@ def finds_axis_parallel_lines(line_through: Callable) -> None:
         if answer is None:
             raise CheckFailed(
                 "The answer is None although the points differ.",
-                given=f"{point_text(p)} and {point_text(q)}",
+                input_text=f"{point_text(p)} and {point_text(q)}",
                 yours="None",
                 expected="three numbers (a, b, c)",
             )
         assert_on_line(answer, p, q)
 
 
-@visible(
+@visible_check(
     "line_through",
     weight=2,
     title="Returns None for equal points",
@@ -204,7 +204,7 @@ def returns_none_for_equal_points(line_through: Callable) -> None:
         assert_no_line(line_through, point)
 
 
-@visible(
+@visible_check(
     "line_through",
     weight=1,
     title="Finds a line through points that are close together",
@@ -217,7 +217,7 @@ def finds_lines_through_close_points(line_through: Callable) -> None:
         if line_through(np.array(p), np.array(q)) is None:
             raise CheckFailed(
                 "The answer is None although the points differ.",
-                given=f"two points {np.hypot(q[0] - p[0], q[1] - p[1]):.3f} m apart",
+                input_text=f"two points {np.hypot(q[0] - p[0], q[1] - p[1]):.3f} m apart",
                 yours="None",
                 expected="three numbers (a, b, c)",
             )
@@ -337,7 +337,7 @@ def assert_line_distances(
         mine, right = distinct_texts(metres_text, yours[wrong[0]], expected[wrong[0]])
         raise CheckFailed(
             f"{len(wrong)} of {len(points)} distances {verb} wrong.",
-            given=f"the line {brief_text(np.asarray(line))} and the point "
+            input_text=f"the line {brief_text(np.asarray(line))} and the point "
             f"{point_text(points[wrong[0]])}",
             yours=mine,
             expected=right,
@@ -358,7 +358,7 @@ def _draw_circles(points: np.ndarray, line: np.ndarray, distances: np.ndarray) -
             axes.add_patch(Circle(point, abs(float(distance)), fill=False, linewidth=0.8))
 
 
-@once
+@once_per_run
 def require_plain_distances(point_line_distance: Callable) -> None:
     """Raise `NotYet` if the plain case is wrong."""
     with precondition("distances from a line through (0, 0) are right on its positive side"):
@@ -366,7 +366,7 @@ def require_plain_distances(point_line_distance: Callable) -> None:
         assert_line_distances(answer, _POSITIVE_SIDE, _SLANTED, _DISTANCES)
 
 
-@visible(
+@visible_check(
     "point_line_distance",
     weight=4,
     title="Measures the perpendicular distance from the line",
@@ -378,7 +378,7 @@ def measures_perpendicular_distances(point_line_distance: Callable) -> None:
     assert_line_distances(answer, _POSITIVE_SIDE, _SLANTED, _DISTANCES)
 
 
-@visible(
+@visible_check(
     "point_line_distance",
     weight=5,
     title="Returns no negative distances on either side of the line",
@@ -392,7 +392,7 @@ def measures_on_both_sides(point_line_distance: Callable) -> None:
     assert_line_distances(answer, points, _SLANTED, np.tile(_DISTANCES, 2))
 
 
-@visible(
+@visible_check(
     "point_line_distance",
     weight=5,
     title="Works for lines that do not pass through (0, 0)",
@@ -410,7 +410,7 @@ def adds_c(point_line_distance: Callable) -> None:
         assert_line_distances(answer, points, line, np.array(expected))
 
 
-@visible(
+@visible_check(
     "point_line_distance",
     weight=7,
     title="Works on both sides of lines that do not pass through (0, 0)",
@@ -430,7 +430,7 @@ def measures_on_both_sides_of_any_line(point_line_distance: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "point_line_distance",
     weight=2,
     title="Works for lines parallel to an axis",
@@ -446,7 +446,7 @@ def measures_from_axis_parallel_lines(point_line_distance: Callable) -> None:
         assert_line_distances(answer, points, line, points[:, column])
 
 
-@visible(
+@visible_check(
     "point_line_distance",
     weight=1,
     title="Accepts the line as a tuple, a list or an array",
@@ -476,7 +476,7 @@ common_checks.promise_few_points(
 )
 
 
-@visible(
+@visible_check(
     "point_line_distance",
     weight=1,
     title="Returns a NumPy array",
@@ -869,14 +869,14 @@ def _hint_from_runs(
     return ""
 
 
-@once
+@once_per_run
 def require_line_among_outliers(ransac_line: Callable) -> None:
     """Raise `NotYet` if the line is not found among outliers."""
     with precondition("the line is found among outliers"):
         assert_finds_line(ransac_line, _CLOUDS, 8, 30, 0.4)
 
 
-@visible(
+@visible_check(
     "ransac_line",
     weight=5,
     title="Finds the line among outliers",
@@ -910,7 +910,7 @@ common_checks.promise_untouched(
 )
 
 
-@visible(
+@visible_check(
     "ransac_line",
     weight=6,
     title="Returns the mask that belongs to the line, for any threshold",
@@ -927,7 +927,7 @@ def mask_belongs_to_line(ransac_line: Callable) -> None:
         assert_mask_matches_line(ransac_line(points.copy(), 30, tolerance, rng), points, tolerance)
 
 
-@noted(
+@note_check(
     "ransac_line",
     title="Counts a point at exactly distance_tolerance as an inlier",
     why="In the docstring, distance_tolerance is the largest distance of an inlier: write <=. "
@@ -960,7 +960,7 @@ def assert_threshold_is_inclusive(ransac_line: Callable, points: np.ndarray) -> 
         if not mask[2]:
             raise CheckFailed(
                 "A point at exactly distance_tolerance from the line is not marked.",
-                given=f"distance_tolerance=1.0, the line {brief_text(line)} and the point "
+                input_text=f"distance_tolerance=1.0, the line {brief_text(line)} and the point "
                 f"{point_text(points[2])}",
                 yours="False",
                 expected="True",
@@ -970,7 +970,7 @@ def assert_threshold_is_inclusive(ransac_line: Callable, points: np.ndarray) -> 
             return
 
 
-@visible(
+@visible_check(
     "ransac_line",
     weight=2,
     title="Draws as many samples as max_iterations allows",
@@ -1012,7 +1012,7 @@ def assert_no_round_is_missing(ransac_line: Callable) -> None:
     )
 
 
-@visible(
+@visible_check(
     "ransac_line",
     weight=1,
     title="Draws no more samples than max_iterations allows",
@@ -1036,7 +1036,7 @@ def draws_no_more_samples(ransac_line: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "ransac_line",
     weight=1,
     title="Draws two different points for each sample",
@@ -1051,7 +1051,7 @@ def draws_different_points(ransac_line: Callable) -> None:
         raise CheckFailed(
             "The three points differ, so any two of them define a line. In some runs no line "
             "was found.",
-            given="three points and max_iterations=2",
+            input_text="three points and max_iterations=2",
             yours=f"no line in {n_without_line} of {len(runs)} runs",
             expected="a line in every run",
         )
@@ -1080,7 +1080,7 @@ def lines_from_two_rounds(ransac_line: Callable, points: np.ndarray) -> list[np.
     return lines
 
 
-@visible(
+@visible_check(
     "ransac_line",
     weight=2,
     title="Draws from all points, including the first and the last",
@@ -1105,7 +1105,7 @@ def draws_from_all_points(ransac_line: Callable) -> None:
     if drawn.all():
         raise CheckFailed(
             "Only neighbouring rows are drawn together.",
-            given="four points and max_iterations=2",
+            input_text="four points and max_iterations=2",
             yours=f"no line through rows 0 and 2 or through rows 1 and 3 in {len(lines)} runs",
             expected="one of these lines in about a third of the runs",
             hint="Draw two different rows, independently of each other: "
@@ -1114,13 +1114,13 @@ def draws_from_all_points(ransac_line: Callable) -> None:
     row = int(np.flatnonzero(~drawn)[0])
     raise CheckFailed(
         f"Row {row} of the four points was never drawn.",
-        given="four points and max_iterations=2",
+        input_text="four points and max_iterations=2",
         yours=f"no line through row {row} in {len(lines)} runs",
         expected="a line through each row in about half of the runs",
     )
 
 
-@visible(
+@visible_check(
     "ransac_line",
     weight=1,
     title="Finds walls parallel to an axis",
@@ -1135,7 +1135,7 @@ def finds_axis_parallel_lines_among_outliers(ransac_line: Callable) -> None:
         assert_finds_line(ransac_line, [(points, np.arange(30) < 20)] * 6, 3, 80, 0.2)
 
 
-@visible(
+@visible_check(
     "ransac_line",
     weight=2,
     title="Returns the same answer for the same seed",
@@ -1148,7 +1148,7 @@ def repeats_with_the_same_seed(ransac_line: Callable) -> None:
     assert_repeats(ransac_line, np.random.default_rng)
 
 
-@once
+@once_per_run
 def assert_repeats(ransac_line: Callable, as_rng: Callable) -> None:
     """Assert that a second run with the same seed gives the same line and mask.
 
@@ -1165,7 +1165,7 @@ def assert_repeats(ransac_line: Callable, as_rng: Callable) -> None:
         if not (_lines_equal(first[0], again[0]) and np.array_equal(first[1], again[1])):
             raise CheckFailed(
                 "The same seed gave two different answers.",
-                given=f"the seed {seed} twice, with max_iterations=2",
+                input_text=f"the seed {seed} twice, with max_iterations=2",
                 yours=f"first the line {_line_text(first[0])}, then {_line_text(again[0])}",
                 expected="the same line and mask both times",
             )
@@ -1181,7 +1181,7 @@ def _line_text(line: np.ndarray | None) -> str:
     return "None" if line is None else brief_text(line)
 
 
-@visible(
+@visible_check(
     "ransac_line",
     weight=2,
     title="Draws different samples for different seeds",
@@ -1201,13 +1201,13 @@ def differs_with_other_seeds(ransac_line: Callable) -> None:
         raise NotYet("two rounds find a line")
     raise CheckFailed(
         fixed("20 different seeds all gave the same line."),
-        given="max_iterations=2",
+        input_text="max_iterations=2",
         yours=f"always {lines.pop()}",
         expected="nearly 20 different lines",
     )
 
 
-@visible(
+@visible_check(
     "ransac_line",
     weight=2,
     title="Continues after a sample of equal points",
@@ -1226,13 +1226,13 @@ def continues_after_equal_points(ransac_line: Callable) -> None:
     if n_without_line:
         raise CheckFailed(
             "Not all points are equal, but in some runs no line was found.",
-            given="28 equal points, 12 others and max_iterations=40",
+            input_text="28 equal points, 12 others and max_iterations=40",
             yours=f"no line in {n_without_line} of 24 runs",
             expected="a line in every run",
         )
 
 
-@visible(
+@visible_check(
     "ransac_line",
     weight=1,
     title="Returns an answer if all points are equal",
@@ -1254,7 +1254,7 @@ def returns_for_equal_points(ransac_line: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "ransac_line",
     weight=1,
     title="Works on two points and returns (None, all False) for fewer",
@@ -1278,7 +1278,7 @@ def assert_two_points_are_enough(ransac_line: Callable, pair: np.ndarray) -> Non
             return
     raise CheckFailed(
         "Two different points define a line, but no line is found with any seed.",
-        given="two points and max_iterations=10",
+        input_text="two points and max_iterations=10",
         yours="None",
         expected="three numbers (a, b, c)",
         hint="Two points are enough for a sample. Return early only if len(points) < 2.",
@@ -1298,7 +1298,7 @@ def assert_nothing_found(answer: object, n: int) -> None:
         )
 
 
-@visible(
+@visible_check(
     "ransac_line",
     weight=2,
     title="Accepts an integer seed as rng",
@@ -1334,7 +1334,7 @@ common_checks.promise_names(
 )
 
 
-@noted(
+@note_check(
     "ransac_line",
     title="Returns a mask of True and False",
     why="The last cells use points[mask] and invert the mask with ~. With the numbers 0 and 1, "

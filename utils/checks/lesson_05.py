@@ -41,7 +41,7 @@ from utils.checks.clusters import (
     require_simplest_clusters,
     row_of_points,
 )
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
 
 # With this step and threshold, each point of a row has one neighbour on either side, even if a
@@ -63,7 +63,7 @@ _SEVEN_LABELS = frozen(np.array([1, 2, 1, 2, 1, 1, 3]))
 _LABELS_WITH_SINGLES = brief_text(np.array([1, *(LABELS + 1), LABELS.max() + 2]))
 
 
-@visible(
+@visible_check(
     "euclidean_clustering",
     weight=2,
     title="Puts groups that are far apart into separate clusters",
@@ -81,7 +81,7 @@ _JOINED_HINT = (
 )
 
 
-@visible(
+@visible_check(
     "euclidean_clustering",
     weight=13,
     title="Joins a chain of neighbours into one cluster, however long it is",
@@ -103,7 +103,7 @@ def follows_chains(euclidean_clustering: Callable) -> None:
     assert_clusters(euclidean_clustering(cloud.copy(), _THRESHOLD), labels, cloud, _THRESHOLD)
 
 
-@visible(
+@visible_check(
     "euclidean_clustering",
     weight=5,
     title="Labels every point with a whole number from 1 to the number of clusters",
@@ -122,7 +122,7 @@ def counts_from_one(euclidean_clustering: Callable) -> None:
         assert_labels_from_one(answer, len(cloud))
     except CheckFailed as failure:
         if failure.is_about_the_check:
-            failure.given = "an isolated point, then three groups, then another isolated point"
+            failure.input_text = "an isolated point, then three groups, then another isolated point"
             failure.yours, failure.expected = (
                 brief_text(as_labels(answer, len(cloud))),
                 _LABELS_WITH_SINGLES,
@@ -130,7 +130,7 @@ def counts_from_one(euclidean_clustering: Callable) -> None:
         raise
 
 
-@visible(
+@visible_check(
     "euclidean_clustering",
     weight=5,
     title="Uses the threshold parameter to decide which points are close",
@@ -163,7 +163,7 @@ common_checks.promise_names(
 )
 
 
-@visible(
+@visible_check(
     "euclidean_clustering",
     weight=3,
     title="Measures the distance in the same way in every direction of space",
@@ -188,7 +188,8 @@ def measures_all_directions_alike(euclidean_clustering: Callable) -> None:
             ]
             raise CheckFailed(
                 f"Points {gap:.2f} m apart are close along {parts[0]} but not along {parts[1]}.",
-                given=f"pairs of points, {gap:.2f} m apart, in different directions; threshold 1 m",
+                input_text=f"pairs of points, {gap:.2f} m apart, in different directions; "
+                "threshold 1 m",
             )
 
 
@@ -220,7 +221,7 @@ common_cluster_checks.promise_equal_points(
 common_cluster_checks.promise_untouched(_CASE, "leaves_its_input")
 
 
-@visible(
+@visible_check(
     "euclidean_clustering",
     weight=3,
     title="Labels a wall that is longer than Python's recursion limit",
@@ -238,7 +239,7 @@ def labels_a_long_wall(euclidean_clustering: Callable) -> None:
     )
 
 
-@visible(
+@visible_check(
     "euclidean_clustering",
     weight=3,
     title="Labels a dense wall without putting points into the queue again and again",
@@ -258,7 +259,7 @@ def labels_a_dense_wall(euclidean_clustering: Callable) -> None:
 # ---- notes, which do not affect the score ------------------------------------------------------
 
 
-@noted(
+@note_check(
     "euclidean_clustering",
     title="Returns an array, not a list",
     why="The next cells use labels.max() and labels == 3, which only work with an array. Return "
@@ -268,7 +269,7 @@ def returns_an_array(euclidean_clustering: Callable) -> None:
     assert_is_array(euclidean_clustering)
 
 
-@noted(
+@note_check(
     "euclidean_clustering",
     title="Returns labels of an integer type",
     why="A later cell calls np.bincount(labels), which does not accept floating-point numbers. "
@@ -278,7 +279,7 @@ def returns_integer_labels(euclidean_clustering: Callable) -> None:
     assert_integer_labels(euclidean_clustering)
 
 
-@noted(
+@note_check(
     "euclidean_clustering",
     title="Numbers the clusters in the order in which they first appear in the cloud",
     why="The text of the lesson refers to clusters by these numbers, and your numbers are "
@@ -288,7 +289,7 @@ def numbers_by_appearance(euclidean_clustering: Callable) -> None:
     assert_numbered_by_appearance(euclidean_clustering)
 
 
-@noted(
+@note_check(
     "euclidean_clustering",
     title="Keeps two points at exactly the threshold separate",
     why='The docstring says "closer than", which means <. The difference hardly ever matters for '
@@ -322,13 +323,13 @@ def _predict_one_pass(right: np.ndarray, cloud: np.ndarray, threshold: float) ->
 def _prediction_without_cluster_at(row: int) -> Callable:
     """Return a prediction in which an isolated point in this row keeps the label 0."""
 
-    def predicts(right: np.ndarray, *case: object) -> np.ndarray:
+    def predict(right: np.ndarray, *case: object) -> np.ndarray:
         if np.count_nonzero(right == right[row]) > 1:
             return right
         labels = np.where(np.arange(len(right)) == np.arange(len(right))[row], 0, right)
         return np.unique(labels, return_inverse=True)[1].ravel()
 
-    return predicts
+    return predict
 
 
 def _predict_first_rows(right: np.ndarray, *case: object) -> np.ndarray:

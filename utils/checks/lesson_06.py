@@ -22,10 +22,10 @@ from utils.checks.assertions import (
     precondition,
 )
 from utils.checks.common_checks import Case
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes, same_array
 from utils.checks.failures import fixed
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 
 # Returns from the road about 1.7 m below the sensor, a bumper, a kerb, a door, a roof and a sign.
 _GROUND_CLOUD = parse_table(
@@ -54,7 +54,7 @@ def assert_no_ground_left(
         answer,
         cloud,
         keep,
-        given=f"{_heights_text(cloud)}, ground_level {level:g}" if is_small else None,
+        input_text=f"{_heights_text(cloud)}, ground_level {level:g}" if is_small else None,
         points_to_text=_heights_text if is_small else None,
     )
 
@@ -64,7 +64,7 @@ def _heights_text(points: np.ndarray) -> str:
     return f"heights {', '.join(texts)}" if texts else "no rows"
 
 
-@once
+@once_per_run
 def require_ground_removed(filter_ground: Callable) -> None:
     """Assert that road points are removed and higher ones stay; raise `NotYet` if not."""
     with precondition("points above ground_level stay and road points are removed"):
@@ -73,7 +73,7 @@ def require_ground_removed(filter_ground: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "filter_ground",
     weight=4,
     title="Keeps points above the ground level and removes the road",
@@ -86,7 +86,7 @@ def keeps_points_above_the_level(filter_ground: Callable) -> None:
     assert_no_ground_left(filter_ground(_GROUND_CLOUD.copy(), -1.2), _GROUND_CLOUD, _IS_ABOVE, -1.2)
 
 
-@visible(
+@visible_check(
     "filter_ground",
     weight=3,
     title="Uses ground_level as the threshold",
@@ -122,9 +122,13 @@ _GROUND_CASE = Case(
 def keeps_the_default(filter_ground: Callable) -> None:
     cloud = np.array([[5, 1, z, 0.5] for z in (-1.23, -1.17, -1.02, -1.4)])
     keep = np.array([False, True, True, False])
-    given = f"{_heights_text(cloud)}, ground_level not given"
+    input_text = f"{_heights_text(cloud)}, ground_level not given"
     assert_positions(
-        filter_ground(cloud.copy()), cloud, keep, given=given, points_to_text=_heights_text
+        filter_ground(cloud.copy()),
+        cloud,
+        keep,
+        input_text=input_text,
+        points_to_text=_heights_text,
     )
 
 
@@ -149,7 +153,7 @@ common_row_checks.promise_empty_table(
 common_row_checks.promise_untouched(_GROUND_CASE, "leaves_its_input", weight=2)
 
 
-@noted(
+@note_check(
     "filter_ground",
     title="Keeps points exactly at the ground level",
     why='The docstring says z >= ground_level, "at or above". The scan in this lesson has no '
@@ -272,7 +276,7 @@ def assert_row_per_cell(answer: object, cloud: np.ndarray, number: int, size: fl
     if len(yours) != number:
         raise CheckFailed(
             f"There are {'fewer' if len(yours) < number else 'more'} rows than occupied cells.",
-            given=_call_text(cloud, size),
+            input_text=_call_text(cloud, size),
             yours=_row_count_text(len(yours)),
             expected=_row_count_text(number),
         )
@@ -300,13 +304,13 @@ def assert_centroids(answer: object, cloud: np.ndarray, expected: np.ndarray, si
             if is_single
             else "The number of rows is right, but some rows are not the mean of the points in "
             "their cell.",
-            given=_call_text(cloud, size),
+            input_text=_call_text(cloud, size),
             yours=mine,
             expected=expected_text,
         )
 
 
-@once
+@once_per_run
 def require_row_per_cell(voxel_grid: Callable) -> None:
     """Assert that there is one point per occupied cell; raise `NotYet` if not."""
     with precondition("there is one point per occupied cell"):
@@ -339,7 +343,7 @@ def _row_count_text(number: int) -> str:
     return f"{number} row{'s' if number != 1 else ''}"
 
 
-@visible(
+@visible_check(
     "voxel_grid",
     weight=4,
     title="Returns one point per occupied cell",
@@ -352,7 +356,7 @@ def returns_one_point_per_cell(voxel_grid: Callable) -> None:
     assert_row_per_cell(voxel_grid(_CELLS.copy(), 0.2), _CELLS, len(_CENTROIDS), 0.2)
 
 
-@visible(
+@visible_check(
     "voxel_grid",
     weight=34,
     title="Returns the mean of the points in each cell",
@@ -367,7 +371,7 @@ def averages_each_cell(voxel_grid: Callable) -> None:
     assert_centroids(voxel_grid(_CELLS.copy(), 0.2), _CELLS, _CENTROIDS, 0.2)
 
 
-@visible(
+@visible_check(
     "voxel_grid",
     weight=3,
     title="Averages all columns, including the intensity",
@@ -389,13 +393,13 @@ def averages_the_intensity(voxel_grid: Callable) -> None:
     if abs(yours[0, 3] - 0.1) > TOLERANCE:
         raise CheckFailed(
             "The intensity is not the mean of the intensities in the cell.",
-            given="intensities 0.02, 0.16 and 0.12 in one cell",
+            input_text="intensities 0.02, 0.16 and 0.12 in one cell",
             yours=f"intensity {yours[0, 3]:.2f}",
             expected="intensity 0.10",
         )
 
 
-@visible(
+@visible_check(
     "voxel_grid",
     weight=4,
     title="Ignores the intensity when assigning points to cells",
@@ -412,11 +416,11 @@ def ignores_the_intensity(voxel_grid: Callable) -> None:
             assert_row_per_cell(voxel_grid(cloud.copy(), 0.2), cloud, 2, 0.2)
         except CheckFailed as failure:
             pairs = "intensities {:g} and {:g} at one place, {:g} and {:g} at another"
-            failure.given = pairs.format(*intensities)
+            failure.input_text = pairs.format(*intensities)
             raise
 
 
-@visible(
+@visible_check(
     "voxel_grid",
     weight=2,
     title="Uses x, y and z to assign points to cells",
@@ -431,7 +435,7 @@ def uses_all_three_coordinates(voxel_grid: Callable) -> None:
         assert_row_per_cell(voxel_grid(cloud.copy(), 0.2), cloud, 3, 0.2)
 
 
-@visible(
+@visible_check(
     "voxel_grid",
     weight=3,
     title="Makes the cells next to zero as large as all others",
@@ -473,7 +477,7 @@ _CONFUSABLE = (
 )
 
 
-@visible(
+@visible_check(
     "voxel_grid",
     weight=4,
     title="Never merges points from different cells",
@@ -489,13 +493,13 @@ def never_merges_cells(voxel_grid: Callable) -> None:
         if rows != 2:
             raise CheckFailed(
                 f"The cells {pair[0]} and {pair[1]} are merged into one.",
-                given="one point in each of the two cells, voxel_size=0.2",
+                input_text="one point in each of the two cells, voxel_size=0.2",
                 yours=f"{rows} row{'s' * (rows != 1)}",
                 expected="2 rows",
             )
 
 
-@visible(
+@visible_check(
     "voxel_grid",
     weight=2,
     title="Starts cells at multiples of voxel_size",
@@ -511,7 +515,7 @@ def starts_cells_at_multiples(voxel_grid: Callable) -> None:
     assert_row_per_cell(voxel_grid(cloud.copy(), 0.2), cloud, 2, 0.2)
 
 
-@visible(
+@visible_check(
     "voxel_grid",
     weight=9,
     title="Uses voxel_size as the size of the cells",
@@ -565,7 +569,7 @@ common_checks.promise_three_columns(
 )
 
 
-@visible(
+@visible_check(
     "voxel_grid",
     weight=4,
     title="Works on an empty cloud and on a single point",
@@ -594,7 +598,7 @@ common_checks.promise_untouched(
 common_row_checks.note_array(_GRID_CASE, "gives_an_array")
 
 
-@noted(
+@note_check(
     "voxel_grid",
     title="Puts points on a cell border into the upper cell",
     why="The docstring says floor(xyz / voxel_size), and np.ceil puts such points into the lower "

@@ -24,9 +24,9 @@ from utils.checks.assertions import (
     precondition,
 )
 from utils.checks.common_checks import Case
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes, same_array
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -96,7 +96,7 @@ def _assert_any_corner_type(function: Callable, kind: Callable) -> None:
         raise CheckFailed(
             "The function returns different rows when the same corners are passed as "
             f"{'lists' if kind is list else 'arrays'} instead of tuples.",
-            given=f"six points on a line, and corners {brief_text(kind(_CUBE[0]))} and "
+            input_text=f"six points on a line, and corners {brief_text(kind(_CUBE[0]))} and "
             f"{brief_text(kind(_CUBE[1]))}",
             yours=f"{len(with_kind)} rows",
             expected=f"{len(with_tuples)} rows, as your function returns with tuples",
@@ -142,9 +142,9 @@ def _assert_remaining(
 ) -> None:
     """Call `assert_positions`; draw the border into its picture and describe a small cloud."""
     is_small = len(cloud) <= 8
-    given = f"points {points_text(cloud)}, {settings}" if is_small else None
+    input_text = f"points {points_text(cloud)}, {settings}" if is_small else None
     try:
-        assert_positions(answer, cloud, keep, view, given, points_text if is_small else None)
+        assert_positions(answer, cloud, keep, view, input_text, points_text if is_small else None)
     except CheckFailed as failure:
         if difference := failure.draw:
             failure.draw = lambda: outline(difference())
@@ -178,14 +178,14 @@ def _widen_limits(axes: Axes, low: Sequence[float], high: Sequence[float]) -> No
     axes.set_ylim(min(axes.get_ylim()[0], bottom), max(axes.get_ylim()[1], top))
 
 
-@once
+@once_per_run
 def require_near_points_kept(filter_by_distance: Callable) -> None:
     """Assert that near points stay and far ones are removed; raise `NotYet` if not."""
     with precondition("near points stay and far points are removed"):
         assert_points_left(filter_by_distance(_SCATTERED.copy(), 10.0), _SCATTERED, 10.0, _NEAR)
 
 
-@once
+@once_per_run
 def require_crop(crop_region: Callable) -> None:
     """Assert that only points inside the box stay; raise `NotYet` if not."""
     with precondition("points inside the box stay and points outside are removed"):
@@ -193,7 +193,7 @@ def require_crop(crop_region: Callable) -> None:
         assert_points_left_by_box(answer, _CROP_CLOUD, _MINIMUM, _MAXIMUM, _INSIDE)
 
 
-@once
+@once_per_run
 def require_ego_removed(remove_ego_returns: Callable) -> None:
     """Assert that only points inside the box are removed; raise `NotYet` if not."""
     with precondition("points inside the box are removed and points outside stay"):
@@ -202,7 +202,7 @@ def require_ego_removed(remove_ego_returns: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "filter_by_distance",
     weight=4,
     title="Keeps near points and removes far ones",
@@ -214,7 +214,7 @@ def keeps_near_points(filter_by_distance: Callable) -> None:
     assert_points_left(filter_by_distance(_SCATTERED.copy(), 10.0), _SCATTERED, 10.0, _NEAR)
 
 
-@visible(
+@visible_check(
     "filter_by_distance",
     weight=3,
     title="Works in all directions: ahead, behind, left and right",
@@ -229,7 +229,7 @@ def works_in_all_directions(filter_by_distance: Callable) -> None:
     assert_points_left(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near)
 
 
-@visible(
+@visible_check(
     "filter_by_distance",
     weight=3,
     title="Keeps the points inside a circle",
@@ -242,7 +242,7 @@ def keeps_a_circle(filter_by_distance: Callable) -> None:
     assert_points_left(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near)
 
 
-@visible(
+@visible_check(
     "filter_by_distance",
     weight=4,
     title="Ignores the height",
@@ -256,7 +256,7 @@ def ignores_height(filter_by_distance: Callable) -> None:
     assert_points_left(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near, "side")
 
 
-@visible(
+@visible_check(
     "filter_by_distance",
     weight=3,
     title="Ignores the intensity",
@@ -270,12 +270,12 @@ def ignores_intensity(filter_by_distance: Callable) -> None:
     try:
         assert_points_left(filter_by_distance(cloud.copy(), 10.0), cloud, 10.0, near)
     except CheckFailed as failure:
-        if failure.given:
-            failure.given += ", intensities 255, 0, 40, 3"
+        if failure.input_text:
+            failure.input_text += ", intensities 255, 0, 40, 3"
         raise
 
 
-@visible(
+@visible_check(
     "filter_by_distance",
     weight=5,
     title="Uses the parameter distance as the limit",
@@ -309,8 +309,10 @@ _NEAR_CASE = Case(
 def keeps_the_default(filter_by_distance: Callable) -> None:
     cloud = np.array([[x, 0.1, -0.2, 0.3] for x in (9.8, 10.2, 7.0, 13.0)])
     near = np.array([True, False, True, False])
-    given = f"points {points_text(cloud)}, distance not given"
-    assert_positions(filter_by_distance(cloud.copy()), cloud, near, "above", given, points_text)
+    input_text = f"points {points_text(cloud)}, distance not given"
+    assert_positions(
+        filter_by_distance(cloud.copy()), cloud, near, "above", input_text, points_text
+    )
 
 
 common_checks.promise_names(
@@ -332,7 +334,7 @@ common_row_checks.promise_empty_table(
 common_row_checks.promise_untouched(_NEAR_CASE, "leaves_its_input", weight=2)
 
 
-@noted(
+@note_check(
     "filter_by_distance",
     title="Keeps points exactly at the distance",
     why='The docstring says "at most", which is <=. Hardly any point of a scan is exactly at the '
@@ -346,7 +348,7 @@ def keeps_points_at_the_distance(filter_by_distance: Callable) -> None:
 common_row_checks.note_array(_NEAR_CASE, "returns_an_array")
 
 
-@visible(
+@visible_check(
     "crop_region",
     weight=4,
     title="Keeps points inside the box and removes points outside",
@@ -359,7 +361,7 @@ def keeps_points_inside(crop_region: Callable) -> None:
     assert_points_left_by_box(answer, _CROP_CLOUD, _MINIMUM, _MAXIMUM, _INSIDE)
 
 
-@visible(
+@visible_check(
     "crop_region",
     weight=9,
     title="Removes points that are outside in x only or in y only",
@@ -374,7 +376,7 @@ def removes_points_outside_in_x_or_y(crop_region: Callable) -> None:
     )
 
 
-@visible(
+@visible_check(
     "crop_region",
     weight=5,
     title="Removes points below or above the box",
@@ -388,7 +390,7 @@ def removes_points_below_or_above(crop_region: Callable) -> None:
     assert_points_left_by_box(answer, cloud, _MINIMUM, _MAXIMUM, keep, "side")
 
 
-@noted(
+@note_check(
     "crop_region",
     title="Keeps points on the faces of the box",
     why="Two adjacent boxes must not leave a gap between them: write >= minimum and <= maximum. "
@@ -402,7 +404,7 @@ def keeps_points_on_faces(crop_region: Callable) -> None:
     assert_points_left_by_box(answer, on_faces, _MINIMUM, _MAXIMUM, np.full(6, True))
 
 
-@visible(
+@visible_check(
     "crop_region",
     weight=3,
     title="Uses minimum and maximum as the corners of the box",
@@ -418,7 +420,7 @@ def uses_the_corners(crop_region: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "crop_region",
     weight=1,
     title="Accepts corners as tuples, lists or arrays",
@@ -461,7 +463,7 @@ common_row_checks.promise_untouched(_CROP_CASE, "crop_leaves_its_input")
 common_row_checks.note_array(_CROP_CASE, "gives_an_array")
 
 
-@visible(
+@visible_check(
     "remove_ego_returns",
     weight=4,
     title="Removes points inside the box and keeps points outside",
@@ -475,7 +477,7 @@ def removes_points_inside(remove_ego_returns: Callable) -> None:
     )
 
 
-@visible(
+@visible_check(
     "remove_ego_returns",
     weight=10,
     title="Keeps points that are outside in x only or in y only",
@@ -492,7 +494,7 @@ def keeps_points_outside_in_x_or_y(remove_ego_returns: Callable) -> None:
     assert_points_left_by_box(remove_ego_returns(cloud.copy(), *_EGO_BOX), cloud, *_EGO_BOX, keep)
 
 
-@visible(
+@visible_check(
     "remove_ego_returns",
     weight=4,
     title="Keeps points above or below the box",
@@ -507,7 +509,7 @@ def keeps_points_above_or_below(remove_ego_returns: Callable) -> None:
     )
 
 
-@noted(
+@note_check(
     "remove_ego_returns",
     title="Removes points on the faces of the box",
     why="remove_ego_returns should remove exactly what crop_region keeps, so outside means < "
@@ -526,7 +528,7 @@ def removes_points_on_faces(remove_ego_returns: Callable) -> None:
     )
 
 
-@visible(
+@visible_check(
     "remove_ego_returns",
     weight=3,
     title="Uses minimum and maximum as the corners of the box",
@@ -543,7 +545,7 @@ def uses_the_ego_box(remove_ego_returns: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "remove_ego_returns",
     weight=1,
     title="Accepts corners as tuples, lists or arrays",

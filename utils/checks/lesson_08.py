@@ -19,9 +19,9 @@ from utils.checks.boxes import (
     same_corners,
 )
 from utils.checks.common_checks import Case
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 
 # A cluster around the origin whose first point is not extreme on any axis. The initial values of a
 # search for its box and the order of the points do not matter here: separate checks cover these.
@@ -37,7 +37,7 @@ _BOXES = frozen(np.stack([_SIZES[0] * _BOX, _SIZES[1] * _BOX, _SIZES[2] * _BOX +
 _LABELS = frozen(np.repeat([1, 2, 3], 7))
 
 
-@once
+@once_per_run
 def require_single_box(get_bounding_boxes: Callable) -> None:
     """Assert that a single cluster gets the right box; raise `NotYet` if not."""
     with precondition("a single cluster gets the right box"):
@@ -46,7 +46,7 @@ def require_single_box(get_bounding_boxes: Callable) -> None:
         assert_box_corners(answer, _BOX[None], _POINTS, labels)
 
 
-@once
+@once_per_run
 def require_three_boxes(get_bounding_boxes: Callable) -> None:
     """Assert that three clusters get the right boxes; raise `NotYet` if not."""
     with precondition("each of three clusters gets the right box"):
@@ -54,7 +54,7 @@ def require_three_boxes(get_bounding_boxes: Callable) -> None:
         assert_box_corners(answer, _BOXES, _CLOUD, _LABELS)
 
 
-@visible(
+@visible_check(
     "get_bounding_boxes",
     weight=4,
     title="Returns boxes that extend from the smallest to the largest x, y and z of their points",
@@ -69,7 +69,7 @@ def extends_from_min_to_max(get_bounding_boxes: Callable) -> None:
     assert_box_corners(answer, _BOX[None], _POINTS, labels)
 
 
-@visible(
+@visible_check(
     "get_bounding_boxes",
     weight=3,
     title="Returns one box for each label",
@@ -84,7 +84,7 @@ def returns_one_box_per_label(get_bounding_boxes: Callable) -> None:
     assert_box_corners(answer, _BOXES, _CLOUD, _LABELS)
 
 
-@visible(
+@visible_check(
     "get_bounding_boxes",
     weight=2,
     title="Does not round the coordinates",
@@ -99,7 +99,7 @@ def does_not_round(get_bounding_boxes: Callable) -> None:
     assert_box_corners(answer, _BOX[None] + [0.0043, -0.0036, 0.0047], points, labels)
 
 
-@visible(
+@visible_check(
     "get_bounding_boxes",
     weight=3,
     title="Works on clusters in all directions, for example behind the car on the right",
@@ -116,7 +116,7 @@ def works_in_all_directions(get_bounding_boxes: Callable) -> None:
     assert_box_corners(get_bounding_boxes(cloud.copy(), labels.copy()), boxes, cloud, labels)
 
 
-@visible(
+@visible_check(
     "get_bounding_boxes",
     weight=3,
     title="Returns the same boxes for points in any order",
@@ -155,7 +155,7 @@ common_box_checks.promise_label_order(_THREE_CASE, "orders_boxes_by_label", [2, 
 common_box_checks.promise_no_box_for_noise(_THREE_CASE, "ignores_noise", weight=2)
 
 
-@visible(
+@visible_check(
     "get_bounding_boxes",
     weight=2,
     title="Works on clusters of one point, two points or equal points",
@@ -191,7 +191,7 @@ common_box_checks.promise_untouched(
 )
 
 
-@noted(
+@note_check(
     "get_bounding_boxes",
     title="Gives corner k the larger x if k & 1, the larger y if k & 2 and the larger z if k & 4",
     why="The lesson's pictures use these numbers to draw the edges, so the edges cross if the "
@@ -210,7 +210,7 @@ def numbers_the_corners(get_bounding_boxes: Callable) -> None:
             )
 
 
-@noted(
+@note_check(
     "get_bounding_boxes",
     title="Returns the boxes as an array",
     why="The next cells call boxes.min(axis=1), which a list does not have.",

@@ -17,10 +17,10 @@ from utils.checks.assertions import (
     precondition,
 )
 from utils.checks.common_checks import Case
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.failures import NotYet, fixed
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 
 # Clusters of 5, 1, 2, 4, 4 and 2 points, in mixed order. No cluster has exactly 3 points, the
 # minimum in these checks: a separate check covers that case.
@@ -59,7 +59,9 @@ def assert_right_clusters_left(
     show = _summary_text if _summary_text(yours) != _summary_text(expected) else brief_text
     raise CheckFailed(
         f"{text[0].upper()}{text[1:]}." if text else NOISE_MESSAGE,
-        given=_call_text(labels, minimum) if len(labels) <= 20 or minimum is not None else None,
+        input_text=_call_text(labels, minimum)
+        if len(labels) <= 20 or minimum is not None
+        else None,
         yours=show(yours),
         expected=show(expected),
         draw=lambda: _draw_clusters(labels, yours, expected),
@@ -76,7 +78,9 @@ def _assert_different_labels(yours: np.ndarray, labels: np.ndarray, minimum: int
         raise CheckFailed(
             f"Clusters {merged[0]} and {merged[1]} now have the same label, so two obstacles "
             "became one.",
-            given=_call_text(labels, minimum) if len(labels) <= 20 or minimum is not None else None,
+            input_text=_call_text(labels, minimum)
+            if len(labels) <= 20 or minimum is not None
+            else None,
             yours=brief_text(yours),
         )
 
@@ -107,14 +111,14 @@ def assert_labels_kept(answer: object, labels: np.ndarray, expected: np.ndarray)
 _BASIC_PROPERTY = "clusters with too few points are removed and the others stay"
 
 
-@once
+@once_per_run
 def require_small_clusters_removed(filter_clusters: Callable) -> None:
     """Assert that small clusters are removed and large ones stay; raise `NotYet` if not."""
     with precondition(_BASIC_PROPERTY):
         assert_right_clusters_left(filter_clusters(_LABELS.copy(), 3), _LABELS, _KEPT)
 
 
-@once
+@once_per_run
 def require_most_clusters_right(filter_clusters: Callable) -> None:
     """Assert that at least five of six clusters are treated correctly; raise `NotYet` if not.
 
@@ -170,7 +174,7 @@ def _summary_text(labels: np.ndarray) -> str:
     return f"clusters: {names or 'none'}; noise points: {noise}"
 
 
-@visible(
+@visible_check(
     "filter_clusters",
     weight=6,
     title="Removes clusters with too few points and keeps the others",
@@ -183,7 +187,7 @@ def removes_small_clusters(filter_clusters: Callable) -> None:
     assert_right_clusters_left(filter_clusters(_LABELS.copy(), 3), _LABELS, _KEPT, 3)
 
 
-@visible(
+@visible_check(
     "filter_clusters",
     weight=3,
     title="Keeps the labels of the remaining clusters",
@@ -195,7 +199,7 @@ def keeps_the_labels(filter_clusters: Callable) -> None:
     assert_labels_kept(filter_clusters(_LABELS.copy(), 3), _LABELS, _KEPT)
 
 
-@visible(
+@visible_check(
     "filter_clusters",
     weight=3,
     title="Gives the points of removed clusters the label 0",
@@ -213,7 +217,7 @@ def writes_zeros(filter_clusters: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "filter_clusters",
     weight=3,
     title="Removes every small cluster, even several in a row",
@@ -232,7 +236,7 @@ def removes_consecutive_clusters(filter_clusters: Callable) -> None:
     )
 
 
-@visible(
+@visible_check(
     "filter_clusters",
     weight=3,
     title="Keeps clusters of exactly min_num_points points",
@@ -247,7 +251,7 @@ def keeps_clusters_of_the_minimum_size(filter_clusters: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "filter_clusters",
     weight=3,
     title="Uses min_num_points as the minimum",
@@ -292,7 +296,7 @@ def keeps_the_default(filter_clusters: Callable) -> None:
             fixed(
                 "filter_clusters(labels) and filter_clusters(labels, 100) keep different clusters."
             ),
-            given=_call_text(labels, None),
+            input_text=_call_text(labels, None),
             yours=f"{np.count_nonzero(without_minimum)} points kept",
             expected=f"{np.count_nonzero(with_minimum)} points kept, as with a minimum of 100",
         )
@@ -305,7 +309,7 @@ common_checks.promise_names(
 )
 
 
-@visible(
+@visible_check(
     "filter_clusters",
     weight=5,
     title="Keeps large clusters, however large they are",
@@ -322,7 +326,7 @@ def keeps_large_clusters(filter_clusters: Callable) -> None:
     )
 
 
-@visible(
+@visible_check(
     "filter_clusters",
     weight=3,
     title="Keeps label 0, however many points have it",
@@ -336,13 +340,13 @@ def keeps_label_zero(filter_clusters: Callable) -> None:
     if (yours[labels == 0] > 0).any():
         raise CheckFailed(
             NOISE_MESSAGE,
-            given=f"labels {brief_text(labels)}, minimum 3",
+            input_text=f"labels {brief_text(labels)}, minimum 3",
             yours=brief_text(yours),
             expected=brief_text(np.where(labels == 2, 2, 0)),
         )
 
 
-@visible(
+@visible_check(
     "filter_clusters",
     weight=2,
     title="Works when labels have gaps",
@@ -357,7 +361,7 @@ def allows_gaps(filter_clusters: Callable) -> None:
     )
 
 
-@visible(
+@visible_check(
     "filter_clusters",
     weight=3,
     title="Works on no points, on one point, and on a single cluster",
@@ -388,7 +392,7 @@ common_checks.promise_untouched(
 )
 
 
-@visible(
+@visible_check(
     "filter_clusters",
     weight=1,
     title="Returns a new array, even if nothing is removed",
@@ -400,7 +404,7 @@ def returns_a_new_array(filter_clusters: Callable) -> None:
     assert_new_array(filter_clusters, _LABELS, 0)
 
 
-@noted(
+@note_check(
     "filter_clusters",
     title="Returns the labels as an array",
     why="The next cells compute filtered > 0, which fails for a list. End with np.array(...).",
@@ -413,7 +417,7 @@ def returns_an_array(filter_clusters: Callable) -> None:
         )
 
 
-@noted(
+@note_check(
     "filter_clusters",
     title="Returns whole numbers",
     why="The next cells pass the labels to np.bincount and use them as indices, which fails for "

@@ -25,10 +25,10 @@ from utils.checks.boxes import (
     same_corners,
 )
 from utils.checks.common_checks import Case
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.failures import fixed
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 
 _NAMES = ("longest", "middle", "shortest")
 _MIN_COSINE = np.cos(np.radians(1.0))
@@ -90,7 +90,7 @@ def as_axes(answer: object) -> np.ndarray:
     return axes.astype(float)
 
 
-def assert_directions(answer: object, expected: np.ndarray, given: str | None = None) -> None:
+def assert_directions(answer: object, expected: np.ndarray, input_text: str | None = None) -> None:
     """Assert that each expected axis is parallel to some column, whatever its sign and length.
 
     Parameters
@@ -98,7 +98,7 @@ def assert_directions(answer: object, expected: np.ndarray, given: str | None = 
     answer : object
     expected : numpy.ndarray, shape (3, k)
         The first k axes, in columns by decreasing spread. The spreads must differ clearly.
-    given : str, optional
+    input_text : str, optional
         The input of the function, for the message.
     """
     axes = as_axes(answer)
@@ -112,20 +112,22 @@ def assert_directions(answer: object, expected: np.ndarray, given: str | None = 
     angle = np.degrees(np.arccos(min(cosines[axis, nearest], 1)))
     raise CheckFailed(
         f"No column runs along the {_NAMES[axis]} direction of the points.",
-        given=given,
+        input_text=input_text,
         yours=f"the closest column, {_axis_text(axes[:, nearest])}, is {angle:.0f}° off",
         expected=f"a column {_axis_text(expected[:, axis])}, or its negative",
     )
 
 
-def assert_sorted_by_spread(answer: object, points: np.ndarray, given: str | None = None) -> None:
+def assert_sorted_by_spread(
+    answer: object, points: np.ndarray, input_text: str | None = None
+) -> None:
     """Assert that the spread of the points along the columns decreases from left to right.
 
     Parameters
     ----------
     answer : object
     points : numpy.ndarray, shape (n, 3)
-    given : str, optional
+    input_text : str, optional
         The input of the function, for the message.
     """
     axes = as_axes(answer)
@@ -133,7 +135,7 @@ def assert_sorted_by_spread(answer: object, points: np.ndarray, given: str | Non
     if (np.diff(spread) > 1e-3 * spread.max()).any():
         raise CheckFailed(
             "The columns are not sorted by the spread of the points along them.",
-            given=given,
+            input_text=input_text,
             yours=f"standard deviations {brief_text(spread)}",
             expected=f"the largest first, {brief_text(np.sort(spread)[::-1])}",
         )
@@ -198,7 +200,7 @@ _LEANING_TEXT = "a block of {:g} x {:g} x {:g} m that leans forwards and to the 
 )
 
 
-@once
+@once_per_run
 def require_directions(principal_axes: Callable) -> None:
     """Assert that the function finds the directions of a turned block; raise `NotYet` if not."""
     with precondition("the columns run along the length, width and height of a block"):
@@ -207,7 +209,7 @@ def require_directions(principal_axes: Callable) -> None:
             assert_directions(principal_axes(block), _axes_of(sides, 25))
 
 
-@visible(
+@visible_check(
     "principal_axes",
     weight=4,
     title="Returns columns along the length, width and height of a block",
@@ -229,7 +231,7 @@ def finds_the_directions(principal_axes: Callable) -> None:
             )
 
 
-@visible(
+@visible_check(
     "principal_axes",
     weight=4,
     title="Returns columns along the sides of a block that leans",
@@ -262,7 +264,7 @@ def _flipped_row(answer: object, expected: np.ndarray) -> int | None:
     return None
 
 
-@visible(
+@visible_check(
     "principal_axes",
     weight=7,
     title="Sorts the axes from the largest spread to the smallest",
@@ -280,7 +282,7 @@ def orders_by_spread(principal_axes: Callable) -> None:
             )
 
 
-@visible(
+@visible_check(
     "principal_axes",
     weight=10,
     title="Returns right-handed axes for every heading",
@@ -297,7 +299,7 @@ def stays_right_handed(principal_axes: Callable) -> None:
             assert_right_handed(principal_axes(block[:, [2, 0, 1]] if index % 2 else block))
 
 
-@visible(
+@visible_check(
     "principal_axes",
     weight=6,
     title="Returns axes of length 1 at right angles to each other",
@@ -311,7 +313,7 @@ def has_unit_length(principal_axes: Callable) -> None:
         assert_orthonormal(principal_axes(_turn(_grid(*sides), 65)))
 
 
-@visible(
+@visible_check(
     "principal_axes",
     weight=7,
     title="Does not depend on the position of the cluster",
@@ -357,7 +359,7 @@ def _vehicles() -> tuple[tuple[str, np.ndarray, np.ndarray], ...]:
     return tuple(vehicles)
 
 
-def assert_axes(answer: object, expected: np.ndarray, given: str | None = None) -> None:
+def assert_axes(answer: object, expected: np.ndarray, input_text: str | None = None) -> None:
     """Assert that each column is parallel to the expected axis in that column, up to the sign.
 
     Parameters
@@ -365,7 +367,7 @@ def assert_axes(answer: object, expected: np.ndarray, given: str | None = None) 
     answer : object
     expected : numpy.ndarray, shape (3, 3)
         Axes in columns, by decreasing spread.
-    given : str, optional
+    input_text : str, optional
         The input of the function, for the message.
     """
     axes = as_axes(answer)
@@ -377,13 +379,13 @@ def assert_axes(answer: object, expected: np.ndarray, given: str | None = None) 
         angle = np.degrees(np.arccos(min(cosines[column], 1)))
         raise CheckFailed(
             f"Column {column} does not run along the {_NAMES[column]} direction of the points.",
-            given=given,
+            input_text=input_text,
             yours=f"{_axis_text(axes[:, column])}, {angle:.0f}° off",
             expected=f"{_axis_text(expected[:, column])}, or its negative",
         )
 
 
-@visible(
+@visible_check(
     "principal_axes",
     weight=26,
     title="Returns the right axes for the vehicles of the lesson's street",
@@ -417,7 +419,7 @@ common_checks.promise_fourth_column(
 )
 
 
-@visible(
+@visible_check(
     "principal_axes",
     weight=2,
     title="Works on two points, one point or none",
@@ -450,7 +452,7 @@ common_checks.promise_untouched(
 )
 
 
-@noted(
+@note_check(
     "principal_axes",
     title="Returns an array, not a list",
     why="The next cells take principal_axes(car)[:, 0], which does not work on a list.",
@@ -562,7 +564,7 @@ _FRONT = frozen(
 _STRAIGHT = frozen(_street(0, 0))
 
 
-@once
+@once_per_run
 def require_straight_boxes(get_oriented_boxes: Callable) -> None:
     """Assert that the boxes of clusters along x contain their points; raise `NotYet` if not."""
     with precondition("the boxes of two clusters along the x axis contain their points"):
@@ -579,7 +581,7 @@ def _two_blocks_text(*headings: float) -> str:
     return f"label 1: a block of {blocks[0]}; label 2: {blocks[1]}"
 
 
-@visible(
+@visible_check(
     "get_oriented_boxes",
     weight=11,
     title="Returns boxes that contain every point of their clusters",
@@ -606,7 +608,7 @@ def contains_all_points(get_oriented_boxes: Callable) -> None:
         assert_contains_points(answer, street, labels, _two_blocks_text(heading, heading))
 
 
-@visible(
+@visible_check(
     "get_oriented_boxes",
     weight=9,
     title="Turns each box with its cluster",
@@ -639,7 +641,7 @@ def turns_with_the_cluster(get_oriented_boxes: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "get_oriented_boxes",
     weight=5,
     title="Returns boxes that cover little more ground than their clusters",
@@ -654,7 +656,7 @@ def is_no_larger_than_needed(get_oriented_boxes: Callable) -> None:
         assert_snug(answer, street, _LABELS, _AREAS, _two_blocks_text(heading, heading))
 
 
-@visible(
+@visible_check(
     "get_oriented_boxes",
     weight=2,
     title="Returns upright boxes with a level floor and roof",
@@ -671,7 +673,7 @@ def keeps_boxes_upright(get_oriented_boxes: Callable) -> None:
     assert_upright(get_oriented_boxes(leaning.copy(), _LABELS.copy()), leaning, _LABELS)
 
 
-@visible(
+@visible_check(
     "get_oriented_boxes",
     weight=2,
     title="Puts the floor at the lowest point and the roof at the highest",
@@ -685,7 +687,7 @@ def reaches_floor_and_roof(get_oriented_boxes: Callable) -> None:
     assert_heights(answer, _STRAIGHT, _LABELS)
 
 
-@visible(
+@visible_check(
     "get_oriented_boxes",
     weight=8,
     title="Finds the heading of an object that is taller than it is long",
@@ -704,8 +706,8 @@ def finds_heading_from_above(get_oriented_boxes: Callable) -> None:
         leaning = upright + np.outer(upright[:, 2], [0.04, 0.04, 0.0])
         points, labels = _turn(leaning, heading) + place, np.ones(len(leaning), dtype=int)
         answer = get_oriented_boxes(points.copy(), labels.copy())
-        given = f"{_block_text(size, heading)}, leaning by 5 cm per metre"
-        assert_headings(answer, points, labels, (heading,), given)
+        input_text = f"{_block_text(size, heading)}, leaning by 5 cm per metre"
+        assert_headings(answer, points, labels, (heading,), input_text)
 
 
 _BOXES_CASE = Case(
@@ -726,7 +728,7 @@ common_box_checks.promise_label_order(_BOXES_CASE, "follows_the_labels", [2, 1])
 common_box_checks.promise_no_box_for_noise(_BOXES_CASE, "leaves_noise_alone", weight=6)
 
 
-@visible(
+@visible_check(
     "get_oriented_boxes",
     weight=1,
     title="Works on clusters of one point, of equal points and of points on a line",
@@ -763,7 +765,7 @@ common_box_checks.promise_untouched(
 )
 
 
-@noted(
+@note_check(
     "get_oriented_boxes",
     title="Returns the four floor corners in order around the box, then the roof corners above "
     "them",
@@ -785,7 +787,7 @@ def orders_the_corners(get_oriented_boxes: Callable) -> None:
         )
 
 
-@noted(
+@note_check(
     "get_oriented_boxes",
     title="Returns the boxes as an array, not as a list",
     why="floor_area, a few cells below, subtracts one corner from another, which does not work "

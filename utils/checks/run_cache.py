@@ -17,7 +17,7 @@ _CACHE: ContextVar[dict | None] = ContextVar("known", default=None)
 
 @contextlib.contextmanager
 def cached_run() -> Iterator[None]:
-    """Enable the cache of `once` and `answer_to` for a run of checks on the same functions."""
+    """Enable the cache of `once_per_run` and `answer_to` for a run of checks on some functions."""
     token = _CACHE.set({})
     try:
         yield
@@ -25,7 +25,7 @@ def cached_run() -> Iterator[None]:
         _CACHE.reset(token)
 
 
-def once(assertion: Callable[..., None]) -> Callable[..., None]:
+def once_per_run(assertion: Callable[..., None]) -> Callable[..., None]:
     """Decorate an assertion about a function, so that it runs only once per run of checks.
 
     Later calls raise the same failure again, or pass.

@@ -58,7 +58,7 @@ def street(distance: float = 0.0) -> Frame:
     return observe(world, half_sensor(), 12)
 
 
-def street_before() -> Frame:
+def street_further_back() -> Frame:
     """Return the street from 4 m further back. Its clear cars are where `street` has none."""
     return street(-4.0)
 
@@ -76,7 +76,7 @@ def square(seed: int) -> Frame:
 
 
 @functools.lru_cache(maxsize=64)
-def walk(seed: int) -> Frame:
+def square_with_people(seed: int) -> Frame:
     """Return a scan as in `square`, but of one car and three people, all clear of others."""
     frames = (_random_square((seed, 21, attempt), 1, 3) for attempt in itertools.count())
     return next(
@@ -85,7 +85,7 @@ def walk(seed: int) -> Frame:
 
 
 @functools.lru_cache(maxsize=64)
-def crossing(seed: int) -> Frame:
+def car_crossing(seed: int) -> Frame:
     """Return a scan as in `square`, but of one small car across the road, 8 to 10 m ahead."""
     from utils.simulator.streets import placed
     from utils.simulator.traffic import car
@@ -98,12 +98,12 @@ def crossing(seed: int) -> Frame:
     return _scan_square([placed(car(length, width, rng.uniform(1.45, 1.6)), x, y, yaw)], rng, seed)
 
 
-CLIMB = 0.04  # rise of the road in `climb`, in metres per metre
-GAP = 0.85  # distance between the two parked cars in `climb`, in metres
+CLIMB = 0.04  # rise of the road in `climbing_road`, in metres per metre
+GAP = 0.85  # distance between the two parked cars in `climbing_road`, in metres
 
 
 @functools.lru_cache(maxsize=64)
-def climb(seed: int) -> Frame:
+def climbing_road(seed: int) -> Frame:
     """Return a scan of a road that climbs, with obstacles that simple detectors miss.
 
     A person stands right next to the bumper. A lorry is on the same side. On the other side, two
@@ -111,17 +111,17 @@ def climb(seed: int) -> Frame:
     """
     from utils.simulator.frames import observe
     from utils.simulator.ground import Ground
-    from utils.simulator.streets import placed, some_car, some_walker, world_of
+    from utils.simulator.streets import placed, random_car, random_pedestrian, world_of
     from utils.simulator.traffic import truck
 
     rng = np.random.default_rng((seed, 34))
     side = rng.choice([-1, 1])
-    first, second = some_car(rng), some_car(rng)
+    first, second = random_car(rng), random_car(rng)
     x, y = rng.uniform(1.5, 2.5), 4.9 * side
     gap = (first.size[0] + second.size[0]) / 2 + GAP
     person = (rng.uniform(3.2, 3.4), -side * rng.uniform(2.15, 2.35))
     obstacles = [
-        placed(some_walker(rng), *person),
+        placed(random_pedestrian(rng), *person),
         placed(truck(rng.uniform(11.5, 12.5)), rng.uniform(5.0, 6.0), -5.2 * side, 0.0),
         placed(first, x, y, 0.0),
         placed(second, x + gap, y, 0.0),
@@ -130,7 +130,7 @@ def climb(seed: int) -> Frame:
 
 
 def car_across(frame: Frame) -> Box:
-    """Return the true box of the car across the road in `crossing`."""
+    """Return the true box of the car across the road in `car_crossing`."""
     return min(
         (box for box in frame.boxes if box.kind == "car"),
         key=lambda box: math.hypot(box.centre[0] - 9.0, box.centre[1]),
@@ -138,7 +138,7 @@ def car_across(frame: Frame) -> Box:
 
 
 def _random_square(seed: Sequence[int], cars: int, people: int) -> Frame:
-    from utils.simulator.streets import placed, some_car, some_walker
+    from utils.simulator.streets import placed, random_car, random_pedestrian
 
     rng = np.random.default_rng(seed)
     obstacles = []
@@ -147,7 +147,9 @@ def _random_square(seed: Sequence[int], cars: int, people: int) -> Frame:
         # the ego car.
         yaw = np.radians(45 + 90 * rng.integers(4) + rng.uniform(-12, 12))
         x, y = rng.uniform((-7.2, -3.6), (7.2, 3.6))
-        obstacle = placed(some_car(rng) if len(obstacles) < cars else some_walker(rng), x, y, yaw)
+        obstacle = placed(
+            random_car(rng) if len(obstacles) < cars else random_pedestrian(rng), x, y, yaw
+        )
         if len(obstacles) < cars + people and _has_room(obstacle, obstacles):
             obstacles.append(obstacle)
     return _scan_square(obstacles, rng, seed)
@@ -159,10 +161,10 @@ def _scan_square(
     """Return a scan of obstacles around the sensor, two walking pedestrians and houses."""
     from utils.simulator.frames import observe
     from utils.simulator.ground import Ground
-    from utils.simulator.streets import StreetPlan, placed, some_walker, street, world_of
+    from utils.simulator.streets import StreetPlan, placed, random_pedestrian, street, world_of
 
     obstacles = list(obstacles)
-    obstacles += [placed(some_walker(rng), x, 0.0, speed=1.3) for x in (-12.0, 12.0)]
+    obstacles += [placed(random_pedestrian(rng), x, 0.0, speed=1.3) for x in (-12.0, 12.0)]
     empty = float("inf")
     houses = StreetPlan(
         ((-40.0, 40.0),), parked=empty, furniture=empty, driving=empty, walkers=15.0
@@ -175,14 +177,17 @@ def _has_room(obstacle: Obstacle, other_obstacles: Sequence[Obstacle]) -> bool:
     """Return whether an obstacle is near the sensor, and clear of the ego car and the others."""
     if not 4.0 < math.hypot(obstacle.pose.x, obstacle.pose.y) < 0.98 * NEAR[obstacle.kind]:
         return False
-    rim = _rim(obstacle)
+    rim = _outline_points(obstacle)
     if ((rim > EGO_CAR[0] - FREE) & (rim < EGO_CAR[1] + FREE)).all(axis=1).any():
         return False
-    gaps = (np.linalg.norm(rim[:, None] - _rim(other), axis=2).min() for other in other_obstacles)
+    gaps = (
+        np.linalg.norm(rim[:, None] - _outline_points(other), axis=2).min()
+        for other in other_obstacles
+    )
     return all(gap > 1.2 * FREE for gap in gaps)
 
 
-def _rim(obstacle: Obstacle) -> np.ndarray:
+def _outline_points(obstacle: Obstacle) -> np.ndarray:
     """Return points along the outline of an obstacle's footprint; shape (n, 2)."""
     side = np.linspace(-0.5, 0.5, 20)
     half = np.full(20, 0.5)
@@ -288,7 +293,7 @@ def insert_invalid(cloud: np.ndarray, seed: int) -> np.ndarray:
 
 
 @functools.lru_cache(maxsize=64)
-def rain(seed: int) -> np.ndarray:
+def raindrops(seed: int) -> np.ndarray:
     """Return single points in the air above a square, far from its objects and each other.
 
     Parameters

@@ -56,8 +56,8 @@ def as_numbers(answer: object, max_count: int = MOST_NUMBERS) -> np.ndarray:
             answer = np.asarray(answer)
         except Exception:  # rows of different lengths, or an `__array__` written by the student
             raise NotNumbers from None
-    _assert_flat(answer.ndim)
-    _assert_few(answer.size, max_count)
+    _assert_few_dimensions(answer.ndim)
+    _assert_number_count(answer.size, max_count)
     if answer.dtype.kind not in "biuf":
         raise NotNumbers
     return answer
@@ -73,7 +73,7 @@ def short_text(value: object) -> str:
         return f"an object of type {type(value).__name__}"
 
 
-class _Short(reprlib.Repr):
+class _ShortRepr(reprlib.Repr):
     """A `reprlib.Repr` that also shortens arrays, sets, dictionaries and huge numbers in a list."""
 
     def repr_int(self, value: int, level: int) -> str:
@@ -89,7 +89,7 @@ class _Short(reprlib.Repr):
         return f"dict of {len(value)}" if len(value) > 100 else super().repr_dict(value, level)
 
 
-_SHORT = _Short()
+_SHORT = _ShortRepr()
 
 
 def _assert_plain_numbers(answer: object, max_count: int) -> None:
@@ -99,26 +99,26 @@ def _assert_plain_numbers(answer: object, max_count: int) -> None:
         value, depth = waiting.pop()
         if isinstance(value, (list, tuple)):
             count += len(value)
-            _assert_few(count, max_count)
-            _assert_flat(depth)
+            _assert_number_count(count, max_count)
+            _assert_few_dimensions(depth)
             kinds = set(map(type, value))
             if int in kinds and kinds <= _NUMBERS:
-                _assert_short(max(value, key=abs))
+                _assert_small_integer(max(value, key=abs))
             elif not kinds <= _NUMBERS:
                 if len(waiting) + len(value) > MOST_ROWS:
                     raise TooLarge("The answer is a list with far more rows than any cloud.")
                 waiting += [(item, depth + 1) for item in value]
         elif isinstance(value, np.ndarray):
             count += value.size
-            _assert_few(count, max_count)
-            _assert_flat(value.ndim + depth)
+            _assert_number_count(count, max_count)
+            _assert_few_dimensions(value.ndim + depth)
         elif isinstance(value, int):
-            _assert_short(value)
+            _assert_small_integer(value)
         elif depth and not isinstance(value, _ITEMS) and not hasattr(value, "__array__"):
             raise NotNumbers
 
 
-def _assert_few(count: int, max_count: int) -> None:
+def _assert_number_count(count: int, max_count: int) -> None:
     if count > max_count:
         raise TooLarge(
             f"The answer contains more than {_WORDS[max_count]} values. No right answer has that "
@@ -126,12 +126,12 @@ def _assert_few(count: int, max_count: int) -> None:
         )
 
 
-def _assert_flat(dimensions: int) -> None:
+def _assert_few_dimensions(dimensions: int) -> None:
     if dimensions > MOST_DIMENSIONS:
         raise TooLarge("The answer has more than three dimensions. No right answer has that many.")
 
 
-def _assert_short(number: int) -> None:
+def _assert_small_integer(number: int) -> None:
     if abs(number) > LARGEST_INTEGER:
         raise TooLarge(
             "The answer contains a number with more than nineteen digits. No right answer contains "

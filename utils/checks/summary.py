@@ -139,11 +139,11 @@ def failure_texts(
     if failure.yours == failure.expected:  # these texts do not show the difference
         comparison = []
     lines = [
-        ("What your code does", mistake.says if mistake else ""),
+        ("What your code does", mistake.description if mistake else ""),
         ("What happened", failure.message),
         *([("Where", _location_text(failure))] if isinstance(failure, Raised) else []),
         ("In plain words", failure.tip),
-        ("Given", failure.given),
+        ("Given", failure.input_text),
         *comparison,
         ("Hint", hint_for(outcome, mistake)),
     ]

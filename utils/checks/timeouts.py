@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from types import CodeType
 
 from utils.checks.tips import function_name, student_frames
-from utils.remote_objects import ENDLESS
+from utils.remote_objects import ENDLESS_LOOP_HINT
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ def explanation(loops: list[Loop], question: str) -> str:
         The question that the check suggests; may be empty.
     """
     if not loops:
-        return f": {question or ENDLESS}"
+        return f": {question or ENDLESS_LOOP_HINT}"
     where = f". It was in the loop in {loops[0]}"
     if len(loops) > 1:
         where += f", inside the loop in {loops[1]}"

@@ -47,7 +47,7 @@ def listing(names: Iterable[str]) -> str:
     return ", ".join(names[:SHOWN_NAMES]) + (f" and {more} more" if more > 0 else "")
 
 
-def missing_file(
+def missing_file_error(
     name: str | os.PathLike, folders: Iterable[str | os.PathLike], suffixes: Container[str]
 ) -> CloudFileError:
     """Build an error that names the folders searched and the cloud files in them."""
@@ -74,7 +74,7 @@ def read_bytes(path: Path, suffixes: Container[str] = ()) -> bytes:
     try:
         return path.read_bytes()
     except FileNotFoundError:
-        raise missing_file(path.name, [path.parent], suffixes) from None
+        raise missing_file_error(path.name, [path.parent], suffixes) from None
     except IsADirectoryError:
         raise file_error(
             path, "", "found a folder, expected a file", "Use read_sequence for a folder."

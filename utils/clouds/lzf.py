@@ -58,7 +58,7 @@ def compress(data: bytes) -> bytes:
         key = data[position] << 16 ^ data[position + 1] << 8 ^ data[position + 2]
         candidate = latest.get(key & 0xFFFF ^ key >> 8, -FARTHEST_MATCH)
         latest[key & 0xFFFF ^ key >> 8] = position  # the hash allows at most 65 536 entries
-        length = _match(data, candidate, position)
+        length = _match_length(data, candidate, position)
         if length < 3:
             position += 1
             continue
@@ -69,7 +69,7 @@ def compress(data: bytes) -> bytes:
     return bytes(packed)
 
 
-def _match(data: bytes, candidate: int, position: int) -> int:
+def _match_length(data: bytes, candidate: int, position: int) -> int:
     """Count the equal bytes that follow two positions; 0 if the earlier one is out of reach."""
     if position - candidate > FARTHEST_MATCH or candidate < 0:
         return 0

@@ -76,7 +76,7 @@ def _read_member(archive: zipfile.ZipFile, name: str) -> np.ndarray:
     try:
         with archive.open(member) as stream:
             shape, by_column, kind = _read_header(stream)
-            wanted = _checked_size(shape, kind, member.file_size - stream.tell(), name)
+            wanted = _check_size(shape, kind, member.file_size - stream.tell(), name)
             # Reading one byte more makes zipfile reach the end and verify the checksum.
             values = np.frombuffer(stream.read(wanted + 1), kind)
     except CloudFileError:
@@ -101,7 +101,7 @@ def _read_header(stream: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype]:
     return FORMAT_VERSIONS[version](stream)
 
 
-def _checked_size(shape: tuple[int, ...], kind: np.dtype, available: int, name: str) -> int:
+def _check_size(shape: tuple[int, ...], kind: np.dtype, available: int, name: str) -> int:
     """Return the size of the array in bytes, or raise if the array is not a complete cloud."""
     if kind.kind not in "fiu":
         raise file_error(name, "array 'cloud'", f"found {excerpt(kind)}, expected numbers")
@@ -111,12 +111,12 @@ def _checked_size(shape: tuple[int, ...], kind: np.dtype, available: int, name: 
             "array 'cloud'",
             f"found shape {shape}, expected (n, 3) or (n, 4), one row per point",
         )
-    wanted = shape[0] * shape[1] * kind.itemsize
-    if shape[0] < 0 or wanted != available:
+    expected_size = shape[0] * shape[1] * kind.itemsize
+    if shape[0] < 0 or expected_size != available:
         raise file_error(
             name,
             "array 'cloud'",
-            f"shape {shape} needs {wanted} bytes, but the file has {available}",
+            f"shape {shape} needs {expected_size} bytes, but the file has {available}",
             "Was the file copied completely?",
         )
-    return wanted
+    return expected_size

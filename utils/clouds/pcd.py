@@ -33,8 +33,12 @@ def decode_pcd(data: bytes, name: str = "cloud.pcd") -> np.ndarray:
         The file is malformed; the message names the line or byte.
     """
     header = read_header(data, name)
-    body = memoryview(data)[header.start :]
-    decode = {"ascii": _ascii, "binary": _binary, "binary_compressed": _compressed}
+    body = memoryview(data)[header.body_start :]
+    decode = {
+        "ascii": _decode_ascii,
+        "binary": _decode_binary,
+        "binary_compressed": _decode_compressed,
+    }
     return decode[header.encoding](body, header, name)
 
 
@@ -72,7 +76,7 @@ def encode_pcd(cloud: np.ndarray, encoding: str = "binary") -> bytes:
     return header + struct.pack("<II", len(packed), len(by_field)) + packed
 
 
-def _ascii(body: memoryview, header: PcdHeader, name: str) -> np.ndarray:
+def _decode_ascii(body: memoryview, header: PcdHeader, name: str) -> np.ndarray:
     lines = bytes(body).decode("latin-1").replace("\r", "").split("\n")
     columns = sum(header.counts)
     if not any(map(str.strip, lines)):
@@ -81,24 +85,27 @@ def _ascii(body: memoryview, header: PcdHeader, name: str) -> np.ndarray:
         try:
             rows = np.loadtxt(lines, comments=None, ndmin=2)
         except ValueError:
-            raise _faulty_line(lines, columns, header.lines, name) from None
+            raise _faulty_line_error(lines, columns, header.line_count, name) from None
         if rows.shape[1] != columns:
-            raise _faulty_line(lines, columns, header.lines, name)
-    if len(rows) not in header.announced:
+            raise _faulty_line_error(lines, columns, header.line_count, name)
+    if len(rows) not in header.point_counts:
         raise file_error(
             name,
-            f"line {header.lines}",
-            f"the header announces {_announced(header)} points, but {len(rows)} lines follow",
+            f"line {header.line_count}",
+            f"the header announces {_point_count_text(header)} points, but {len(rows)} lines "
+            "follow",
             ADVICE,
         )
     if not len(rows):
-        return np.empty((0, len(header.wanted)), header.precision)
-    offsets = [sum(header.counts[:field]) for field in header.wanted]
+        return np.empty((0, len(header.field_indices)), header.precision)
+    offsets = [sum(header.counts[:field]) for field in header.field_indices]
     with np.errstate(over="ignore"):
         return rows[:, offsets].astype(header.precision)
 
 
-def _faulty_line(lines: list[str], columns: int, lines_above: int, name: str) -> CloudFileError:
+def _faulty_line_error(
+    lines: list[str], columns: int, lines_above: int, name: str
+) -> CloudFileError:
     """Build the error for the first line that does not consist of `columns` numbers."""
     for number, line in enumerate(lines, lines_above + 1):
         fields = line.split()
@@ -116,65 +123,66 @@ def _faulty_line(lines: list[str], columns: int, lines_above: int, name: str) ->
     return file_error(name, f"line {lines_above + 1}", "expected lines of numbers")
 
 
-def _binary(body: memoryview, header: PcdHeader, name: str) -> np.ndarray:
-    for points in header.announced:
-        size = points * header.step
+def _decode_binary(body: memoryview, header: PcdHeader, name: str) -> np.ndarray:
+    for points in header.point_counts:
+        size = points * header.point_size
         # PCL pads some files with zeros to a whole page; others end in a newline.
         if len(body) < size or bytes(body[size:]).strip(b"\0\r\n"):
             continue
         if points == 0:
-            return np.empty((0, len(header.wanted)), header.precision)
-        fields = zip(*_fields(header), strict=True)
-        return _columns(
-            [np.ndarray(points, kind, body, offset, header.step) for kind, offset in fields],
+            return np.empty((0, len(header.field_indices)), header.precision)
+        fields = zip(*_field_types_and_offsets(header), strict=True)
+        return _combine_columns(
+            [np.ndarray(points, kind, body, offset, header.point_size) for kind, offset in fields],
             header,
         )
-    raise _wrong_size(header, f"{len(body)} bytes follow", name)
+    raise _wrong_size_error(header, f"{len(body)} bytes follow", name)
 
 
-def _compressed(body: memoryview, header: PcdHeader, name: str) -> np.ndarray:
-    if 0 in header.announced and len(body) <= 8:
-        return np.empty((0, len(header.wanted)), header.precision)
+def _decode_compressed(body: memoryview, header: PcdHeader, name: str) -> np.ndarray:
+    if 0 in header.point_counts and len(body) <= 8:
+        return np.empty((0, len(header.field_indices)), header.precision)
     if len(body) < 8:
-        raise _wrong_size(header, f"{len(body)} bytes follow", name)
+        raise _wrong_size_error(header, f"{len(body)} bytes follow", name)
     packed, unpacked = struct.unpack_from("<II", body)
     if packed > len(body) - 8:
         raise file_error(
             name,
-            f"byte {header.start}",
+            f"byte {header.body_start}",
             f"expected {packed} compressed bytes, but {len(body) - 8} follow",
             ADVICE,
         )
-    points = unpacked // header.step
+    points = unpacked // header.point_size
     if (
-        points not in header.announced
-        or unpacked != points * header.step
+        points not in header.point_counts
+        or unpacked != points * header.point_size
         or (unpacked > packed * lzf.LARGEST_RATIO)
     ):
-        raise _wrong_size(header, f"{packed} bytes would decompress to {unpacked}", name)
+        raise _wrong_size_error(header, f"{packed} bytes would decompress to {unpacked}", name)
     try:
         raw = lzf.decompress(bytes(body[8 : 8 + packed]), unpacked)
     except ValueError as error:
         raise file_error(
             name,
-            f"byte {header.start + 8}",
+            f"byte {header.body_start + 8}",
             f"the compressed data are damaged ({excerpt(error, 80)})",
             ADVICE,
         ) from None
-    fields = zip(*_fields(header), strict=True)  # stored field by field, not point by point
-    return _columns(
+    # The points are stored field by field, not point by point.
+    fields = zip(*_field_types_and_offsets(header), strict=True)
+    return _combine_columns(
         [np.frombuffer(raw, kind, points, offset * points) for kind, offset in fields], header
     )
 
 
-def _fields(header: PcdHeader) -> tuple[list[np.dtype], list[int]]:
+def _field_types_and_offsets(header: PcdHeader) -> tuple[list[np.dtype], list[int]]:
     """Return the types of the wanted fields and their byte offsets within a point."""
     sizes = [kind.itemsize * count for kind, count in zip(header.kinds, header.counts, strict=True)]
-    offsets = [sum(sizes[:field]) for field in header.wanted]
-    return [header.kinds[field] for field in header.wanted], offsets
+    offsets = [sum(sizes[:field]) for field in header.field_indices]
+    return [header.kinds[field] for field in header.field_indices], offsets
 
 
-def _columns(columns: list[np.ndarray], header: PcdHeader) -> np.ndarray:
+def _combine_columns(columns: list[np.ndarray], header: PcdHeader) -> np.ndarray:
     """Combine one array per field into a cloud."""
     cloud = np.empty((len(columns[0]), len(columns)), header.precision)
     for index, column in enumerate(columns):
@@ -182,15 +190,16 @@ def _columns(columns: list[np.ndarray], header: PcdHeader) -> np.ndarray:
     return cloud
 
 
-def _wrong_size(header: PcdHeader, found: str, name: str) -> CloudFileError:
+def _wrong_size_error(header: PcdHeader, found_size: str, name: str) -> CloudFileError:
     return file_error(
         name,
-        f"byte {header.start}",
-        f"the header announces {_announced(header)} points of {header.step} bytes, but {found}",
+        f"byte {header.body_start}",
+        f"the header announces {_point_count_text(header)} points of {header.point_size} bytes, "
+        f"but {found_size}",
         ADVICE,
     )
 
 
-def _announced(header: PcdHeader) -> str:
+def _point_count_text(header: PcdHeader) -> str:
     """Return the announced number of points as text: ``"12"``, or ``"12 or 24"``."""
-    return " or ".join(map(str, dict.fromkeys(header.announced)))
+    return " or ".join(map(str, dict.fromkeys(header.point_counts)))

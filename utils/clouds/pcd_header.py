@@ -20,27 +20,27 @@ class PcdHeader:
     names: tuple[str, ...]
     kinds: tuple[np.dtype, ...]
     counts: tuple[int, ...]
-    announced: tuple[int, ...]  # POINTS and WIDTH x HEIGHT, which may disagree
+    point_counts: tuple[int, ...]  # POINTS and WIDTH x HEIGHT, which may disagree
     encoding: str
-    start: int  # byte where the body begins
-    lines: int  # lines above the body
+    body_start: int  # byte where the body begins
+    line_count: int  # lines above the body
 
     @property
-    def step(self) -> int:
+    def point_size(self) -> int:
         """Size of one point in bytes."""
         return sum(
             kind.itemsize * count for kind, count in zip(self.kinds, self.counts, strict=True)
         )
 
     @property
-    def wanted(self) -> list[int]:
+    def field_indices(self) -> list[int]:
         """Indices of the fields x, y, z and, if there is one, intensity."""
         return [self.names.index(name) for name in cloud_fields(self.names)]
 
     @property
     def precision(self) -> np.dtype:
         """float32, or float64 if one of the wanted fields needs it."""
-        return np.result_type(np.float32, *(self.kinds[field] for field in self.wanted))
+        return np.result_type(np.float32, *(self.kinds[field] for field in self.field_indices))
 
 
 def cloud_fields(names: Container[str]) -> list[str]:
@@ -73,10 +73,10 @@ def read_header(data: bytes, name: str) -> PcdHeader:
                 f"there is no line {key}, expected a PCD file of version 0.7",
                 "Is it a PCD file, and was it copied completely?",
             )
-    return _checked_header(entries, position, name)
+    return _check_header(entries, position, name)
 
 
-def _checked_header(entries: dict[str, tuple[int, list[str]]], start: int, name: str) -> PcdHeader:
+def _check_header(entries: dict[str, tuple[int, list[str]]], start: int, name: str) -> PcdHeader:
     """Turn the words of the header into a `PcdHeader`, or raise an error that names the line."""
     line, words = entries["DATA"]
     if words[:1] not in ([encoding] for encoding in ENCODINGS):
@@ -94,9 +94,11 @@ def _checked_header(entries: dict[str, tuple[int, list[str]]], start: int, name:
                 f"line {entries['FIELDS'][0]}",
                 f"there is no field {axis!r} in {excerpt(' '.join(names))}, expected x, y and z",
             )
-    sizes = _numbers(entries, "SIZE", len(names), name)
+    sizes = _parse_whole_numbers(entries, "SIZE", len(names), name)
     counts = (
-        _numbers(entries, "COUNT", len(names), name) if "COUNT" in entries else ((1,) * len(names))
+        _parse_whole_numbers(entries, "COUNT", len(names), name)
+        if "COUNT" in entries
+        else ((1,) * len(names))
     )
     line, types = entries["TYPE"]
     kinds = [f"{letter.upper()}{size}" for letter, size in zip(types, sizes, strict=False)]
@@ -116,21 +118,23 @@ def _checked_header(entries: dict[str, tuple[int, list[str]]], start: int, name:
             f"{excerpt(' '.join(map(str, counts)))}, expected 1 for x, y and z and "
             "at least 1 for the others",
         )
-    announced = [_numbers(entries, "POINTS", 1, name)[0]] if "POINTS" in entries else []
+    point_counts = (
+        [_parse_whole_numbers(entries, "POINTS", 1, name)[0]] if "POINTS" in entries else []
+    )
     if "WIDTH" in entries:
-        height = _numbers(entries, "HEIGHT", 1, name)[0] if "HEIGHT" in entries else 1
-        announced.append(_numbers(entries, "WIDTH", 1, name)[0] * height)
-    if not announced:
+        height = _parse_whole_numbers(entries, "HEIGHT", 1, name)[0] if "HEIGHT" in entries else 1
+        point_counts.append(_parse_whole_numbers(entries, "WIDTH", 1, name)[0] * height)
+    if not point_counts:
         raise file_error(
             name, "header", "POINTS and WIDTH are missing, expected the number of points"
         )
     dtypes = tuple(np.dtype(kind.lower()).newbyteorder("<") for kind in kinds)
     return PcdHeader(
-        names, dtypes, counts, tuple(announced), entries["DATA"][1][0], start, entries["DATA"][0]
+        names, dtypes, counts, tuple(point_counts), entries["DATA"][1][0], start, entries["DATA"][0]
     )
 
 
-def _numbers(
+def _parse_whole_numbers(
     entries: dict[str, tuple[int, list[str]]], key: str, length: int, name: str
 ) -> tuple[int, ...]:
     """Return the `length` whole numbers in a line of the header."""

@@ -41,7 +41,7 @@ def decode_text(data: bytes, name: str = "cloud.txt") -> np.ndarray:
     CloudFileError
         The text is not a cloud; the message names the first line that does not match `EXPECTED`.
     """
-    lines = _characters(data, name).split("\n")
+    lines = _decode_characters(data, name).split("\n")
     first, names = _skip_header(lines)
     if {"x", "y", "z"} <= set(names) and names[:3] != ["x", "y", "z"]:
         raise file_error(
@@ -51,7 +51,7 @@ def decode_text(data: bytes, name: str = "cloud.txt") -> np.ndarray:
             "x y z [intensity] in this order",
             "Save only these columns, without an index column.",
         )
-    announced = _announced_points(lines, first)
+    announced = _announced_point_count(lines, first)
     start = first if announced is None else first + 1
     if not any(map(split_fields, lines[start:])):
         if announced or (announced is None and names[:3] != ["x", "y", "z"]):
@@ -62,7 +62,7 @@ def decode_text(data: bytes, name: str = "cloud.txt") -> np.ndarray:
                 "Was it saved or copied completely?",
             )
         return np.empty((0, 3 if len(names) == 3 else 4))
-    rows = _rows(lines, start, name)
+    rows = _parse_rows(lines, start, name)
     if announced is not None and len(rows) != announced:
         raise file_error(
             name,
@@ -102,7 +102,7 @@ def shortest_digits(cloud: np.ndarray) -> Iterator[Iterable[str]]:
     return (map(repr, row) for row in cloud.tolist())
 
 
-def _characters(data: bytes, name: str) -> str:
+def _decode_characters(data: bytes, name: str) -> str:
     """Decode the file and normalise its newlines; refuse binary data and web pages."""
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         text = data.decode("utf-16", errors="replace")
@@ -134,7 +134,7 @@ def _skip_header(lines: list[str]) -> tuple[int, list[str]]:
     for index, line in enumerate(lines):
         if fields := split_fields(line):
             start = (fields[0] or fields[-1])[:1]
-            if _number(fields[0]) is not None or start in "+-.0123456789":
+            if _parse_number(fields[0]) is not None or start in "+-.0123456789":
                 return index, names
             names = [field.lower() for field in fields]
         elif line.strip():
@@ -142,7 +142,7 @@ def _skip_header(lines: list[str]) -> tuple[int, list[str]]:
     return len(lines), names
 
 
-def _announced_points(lines: list[str], first: int) -> int | None:
+def _announced_point_count(lines: list[str], first: int) -> int | None:
     """Return the number of points if the line above them gives it, as in .pts files."""
     fields = split_fields(lines[first]) if first < len(lines) else []
     if len(fields) == 1 and re.fullmatch("[0-9]{1,18}", fields[0]):
@@ -150,7 +150,7 @@ def _announced_points(lines: list[str], first: int) -> int | None:
     return None
 
 
-def _rows(lines: list[str], start: int, name: str) -> np.ndarray:
+def _parse_rows(lines: list[str], start: int, name: str) -> np.ndarray:
     """Convert the data lines: all at once if they are well formed, otherwise one by one."""
     body = "\n".join(lines[start:])
     if not (("," in body or ";" in body) and EMPTY_FIELD.search(body)):
@@ -160,10 +160,10 @@ def _rows(lines: list[str], start: int, name: str) -> np.ndarray:
                 return rows
         except ValueError:
             pass  # the slower pass either names the faulty line or accepts the text
-    return _rows_one_by_one(lines, start, name)
+    return _parse_rows_one_by_one(lines, start, name)
 
 
-def _rows_one_by_one(lines: list[str], start: int, name: str) -> np.ndarray:
+def _parse_rows_one_by_one(lines: list[str], start: int, name: str) -> np.ndarray:
     """Convert the data lines one by one; the error gives the number of the first faulty line."""
     rows: list[list[float]] = []
     for index in range(start, len(lines)):
@@ -171,7 +171,7 @@ def _rows_one_by_one(lines: list[str], start: int, name: str) -> np.ndarray:
         if not fields:
             continue
         place = f"line {index + 1}"
-        numbers = [_number(field) for field in fields]
+        numbers = [_parse_number(field) for field in fields]
         if len(fields) > 4 and ";" in lines[index] and "," in lines[index]:
             raise file_error(
                 name,
@@ -213,7 +213,7 @@ def split_fields(line: str) -> list[str]:
     return fields[:-1] if fields and not fields[-1] else fields
 
 
-def _number(field: str) -> float | None:
+def _parse_number(field: str) -> float | None:
     """Convert a field, or return None if it is not a number; ``1_000`` is not accepted."""
     try:
         return float(field) if "_" not in field else None

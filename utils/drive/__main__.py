@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from utils.drive import STREETS, drive_street
-from utils.drive.standards import Result, result_of, standards
+from utils.drive.standards import DriveResult, drive_result, reference_results
 
 SUFFIXES = (".mp4", ".gif", ".png", ".html")
 
@@ -44,12 +44,12 @@ def _drive(options: argparse.Namespace, detect: object, tracker: object) -> int:
     if options.to and len(streets) != 1:
         print("--to needs exactly one street. Choose a street, for example with --street 3.")
         return 2
-    done: dict[int, Result] = {}
+    done: dict[int, DriveResult] = {}
     stopped = False
     for street in streets:
         try:
             trip = drive_street(street, detect, tracker, seconds=options.seconds)
-            done[street.number] = result_of(trip.report)
+            done[street.number] = drive_result(trip.report)
             print(trip)
             if options.to:
                 print(f"{options.to}: {trip.save(options.to)}")
@@ -61,13 +61,13 @@ def _drive(options: argparse.Namespace, detect: object, tracker: object) -> int:
     return 130 if stopped else 0
 
 
-def _compare(done: dict[int, Result], seconds: float) -> None:
+def _compare(done: dict[int, DriveResult], seconds: float) -> None:
     """Print the total of all drives above the stored results for the same streets."""
     if not done:
         return
-    print(f"\n{'yours':28} {sum(done.values(), start=Result())}")
+    print(f"\n{'yours':28} {sum(done.values(), start=DriveResult())}")
     if seconds == 20.0:
-        for name, result in standards(done).items():
+        for name, result in reference_results(done).items():
             print(f"{name:28} {result}")
 
 

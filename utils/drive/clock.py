@@ -12,10 +12,10 @@ import numpy as np
 
 from utils.drive.rules import TICK
 
-STANDARD = 0.020
-"""Seconds of processor time that `_work` takes on the reference machine."""
+REFERENCE_SECONDS = 0.020
+"""Seconds of processor time that `_run_benchmark` takes on the reference machine."""
 
-REMEMBERED = 5
+CALLS_IN_MEDIAN = 5
 """Number of latest calls whose median counts, so that one slow call does not matter."""
 
 
@@ -30,17 +30,17 @@ class Clock:
         took = []
         for _ in range(5):
             start = time.process_time()
-            _work()
+            _run_benchmark()
             took.append(time.process_time() - start)
-        self._pace = STANDARD / max(min(took), 1e-6)
-        self._last = deque(maxlen=REMEMBERED)
+        self._speed_factor = REFERENCE_SECONDS / max(min(took), 1e-6)
+        self._latest_durations = deque(maxlen=CALLS_IN_MEDIAN)
 
     def __call__(self, call: Callable[[], object]) -> tuple[object, float]:
         """Return the result of a call, and the median duration of the latest calls in seconds."""
         start = time.process_time()
         answer = call()
-        self._last.append((time.process_time() - start) * self._pace)
-        return answer, statistics.median_low(self._last)
+        self._latest_durations.append((time.process_time() - start) * self._speed_factor)
+        return answer, statistics.median_low(self._latest_durations)
 
 
 def on_time(call: Callable[[], object]) -> tuple[object, float]:
@@ -53,7 +53,7 @@ def ticks(seconds: float) -> int:
     return max(1, math.ceil(seconds / TICK - 1e-9))
 
 
-def _work() -> None:
+def _run_benchmark() -> None:
     """Run operations that are typical of detectors: sort, compare, gather, and a Python loop."""
     values = (np.arange(60_000) * 7919 % 60_013).astype(float)
     for _ in range(3):

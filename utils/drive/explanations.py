@@ -13,13 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from utils.boxes import distance_outside
-from utils.drive.ground_truth import ENOUGH, true_things
+from utils.drive.ground_truth import FEWEST_RETURNS, true_tracked_boxes
 from utils.drive.loop import Drive
-from utils.drive.planner import Thing, needed_room, reach, room
-from utils.drive.rules import OVER
+from utils.drive.planner import TrackedBox, braking_gap, gap_to, overlap_from_front
+from utils.drive.rules import OVERLAP_WITH_CAR
 from utils.drive.weather import KINDS
 
-WORDS = {
+KINDS_IN_WORDS = {
     "car": "a car",
     "truck": "a lorry",
     "pedestrian": "a person",
@@ -28,23 +28,23 @@ WORDS = {
     "wall": "a wall",
     "foliage": "a tree or hedge",
 }
-MISTAKEN = {
+FALSE_CAUSES = {
     "ground": "road mistaken for an obstacle",
     "ego": "the ego car mistaken for an obstacle",
     "invalid": "lost returns mistaken for an obstacle",
     "raindrop": "rain mistaken for an obstacle",
 }
 
-TOGETHER = 5
+LONGEST_PAUSE = 5
 """Longest pause, in moments, between two phases of braking that count as one event."""
 
-AROUND = 10
+JUSTIFYING_MOMENTS = 10
 """Moments before and after the start of braking in which a real object justifies it."""
 
-WIDER, FARTHER = 0.3, 1.3
+EXTRA_WIDTH, DISTANCE_FACTOR = 0.3, 1.3
 """Tolerance: metres added to the corridor on either side, and a factor for the distance."""
 
-LOOKING_BACK = 30
+SCANS_BEFORE_COLLISION = 30
 """Number of scans that are examined to explain a collision."""
 
 
@@ -77,61 +77,65 @@ class Braking:
         return f"{self.reason}, {max(self.gap, 0):.0f} m ahead, frame {self.scan}"
 
 
-def brakings(drive: Drive) -> Iterator[Braking]:
+def braking_events(drive: Drive) -> Iterator[Braking]:
     """Yield all braking events of a drive, in order."""
-    for first, last in _spans(drive):
-        number = _decisive(drive, first, last)
+    for first, last in _braking_spans(drive):
+        number = _decisive_moment(drive, first, last)
         moment = drive.moments[number]
         cause = moment.decision.cause
-        needed = _justifying(drive, first)
-        reason = _real_cause(drive, number, cause, needed)
+        justifying = _justifying_objects(drive, first)
+        reason = _describe_real_cause(drive, number, cause, justifying)
         if not reason:
-            reason = _apparent_cause(drive, number, cause)
-            if needed:  # justified by an object outside the box
-                other = WORDS[drive.street.kind_of(min(needed))]
+            reason = _describe_apparent_cause(drive, number, cause)
+            if justifying:  # justified by an object outside the box
+                other = KINDS_IN_WORDS[drive.street.kind_of(min(justifying))]
                 reason += f", and {other} is also in the way"
-        yield Braking(first, last, moment.seen or 0, moment.decision.gap, not needed, reason)
+        yield Braking(
+            first, last, moment.latest_scan or 0, moment.decision.gap, not justifying, reason
+        )
 
 
-def _spans(drive: Drive) -> list[tuple[int, int]]:
+def _braking_spans(drive: Drive) -> list[tuple[int, int]]:
     """Return the first and last moment of each braking event."""
     spans: list[tuple[int, int]] = []
     for moment in drive.moments:
-        if not moment.brakes or moment.speed < 1.0:
+        if not moment.is_braking or moment.speed < 1.0:
             continue
-        if spans and moment.number - spans[-1][1] <= TOGETHER:
+        if spans and moment.number - spans[-1][1] <= LONGEST_PAUSE:
             spans[-1] = spans[-1][0], moment.number
         else:
             spans.append((moment.number, moment.number))
     return spans
 
 
-def _decisive(drive: Drive, first: int, last: int) -> int:
+def _decisive_moment(drive: Drive, first: int, last: int) -> int:
     """Return the index of the moment whose cause explains a braking event.
 
-    A thing that overlaps the ego car has priority, because it keeps the car from driving on.
-    Without such a thing, the first moment explains the event.
+    A box that overlaps the ego car has priority, because it keeps the car from driving on.
+    Without such a box, the first moment explains the event.
     """
     for moment in drive.moments[first : last + 1]:
         cause = moment.decision.cause
-        if cause and reach(cause, moment.speed) > OVER:
+        if cause and overlap_from_front(cause, moment.speed) > OVERLAP_WITH_CAR:
             return moment.number
     return first
 
 
-def _justifying(drive: Drive, first: int) -> set[int]:
+def _justifying_objects(drive: Drive, first: int) -> set[int]:
     """Return the identities of all real objects that justify braking from moment `first`."""
-    numbers = range(max(first - AROUND, 0), min(first + AROUND + 1, len(drive.moments)))
+    numbers = range(
+        max(first - JUSTIFYING_MOMENTS, 0), min(first + JUSTIFYING_MOMENTS + 1, len(drive.moments))
+    )
     return {
         obstacle.identity
         for number in numbers
-        for obstacle, thing in true_things(drive.world(number))
-        if room(thing, drive.moments[number].speed, WIDER)
-        <= FARTHER * needed_room(thing, drive.moments[number].speed)
+        for obstacle, box in true_tracked_boxes(drive.world(number))
+        if gap_to(box, drive.moments[number].speed, EXTRA_WIDTH)
+        <= DISTANCE_FACTOR * braking_gap(box, drive.moments[number].speed)
     }
 
 
-def contents(drive: Drive, number: int, cause: Thing) -> tuple[np.ndarray, np.ndarray]:
+def returns_in_box(drive: Drive, number: int, cause: TrackedBox) -> tuple[np.ndarray, np.ndarray]:
     """Return the classes and object identities of the returns in the box that made the car brake.
 
     Parameters
@@ -139,12 +143,13 @@ def contents(drive: Drive, number: int, cause: Thing) -> tuple[np.ndarray, np.nd
     drive : Drive
     number : int
         Index of the moment.
-    cause : Thing
-        The thing that made the car brake, as the planner knew it at that moment.
+    cause : TrackedBox
+        The box that made the car brake, as the planner knew it at that moment.
     """
     moment = drive.moments[number]
-    scan = drive.frame(moment.seen or 0).scan
-    corners = cause.corners + (moment.position - drive.moments[moment.seen or 0].position, 0, 0)
+    scan = drive.frame(moment.latest_scan or 0).scan
+    start = drive.moments[moment.latest_scan or 0].position
+    corners = cause.corners + (moment.position - start, 0, 0)
     floor, xyz = corners[np.argsort(corners[:, 2], kind="stable")[:4], :2], scan.cloud[:, :3]
     middle = floor.mean(axis=0)
     around = np.argsort(np.arctan2(*(floor - middle).T[::-1]))
@@ -154,57 +159,63 @@ def contents(drive: Drive, number: int, cause: Thing) -> tuple[np.ndarray, np.nd
     return scan.classes[inside], scan.objects[inside]
 
 
-def _apparent_cause(drive: Drive, number: int, cause: Thing) -> str:
+def _describe_apparent_cause(drive: Drive, number: int, cause: TrackedBox) -> str:
     """Describe the box that caused braking, if no object in it justifies the braking."""
-    classes, objects = contents(drive, number, cause)
+    classes, objects = returns_in_box(drive, number, cause)
     if not len(classes):
         return "a box without returns"
     counts = np.bincount(classes, minlength=len(KINDS))
     kind = KINDS[int(counts.argmax())]
-    if kind in MISTAKEN:
-        return MISTAKEN[kind]
+    if kind in FALSE_CAUSES:
+        return FALSE_CAUSES[kind]
     identities, returns = np.unique(objects[objects > 0], return_counts=True)
     order = np.argsort(-returns)
-    things = [int(identities[row]) for row in order if returns[row] >= max(3, 0.05 * len(objects))]
-    first = WORDS[drive.street.kind_of(things[0])] if things else WORDS[kind]
-    if not np.isfinite(room(Thing(cause.corners), drive.moments[number].speed)):
+    identities_by_returns = [
+        int(identities[row]) for row in order if returns[row] >= max(3, 0.05 * len(objects))
+    ]
+    first = (
+        KINDS_IN_WORDS[drive.street.kind_of(identities_by_returns[0])]
+        if identities_by_returns
+        else KINDS_IN_WORDS[kind]
+    )
+    if not np.isfinite(gap_to(TrackedBox(cause.corners), drive.moments[number].speed)):
         return f"{first} next to our lane, assumed to move into it"
-    if len(things) > 1:
-        second = WORDS[drive.street.kind_of(things[1])]
+    if len(identities_by_returns) > 1:
+        second = KINDS_IN_WORDS[drive.street.kind_of(identities_by_returns[1])]
         other = f"another {second.partition(' ')[2]}" if second == first else second
         return f"{first} and {other} in one box"
     return f"{first} next to our lane, whose box reaches into it"
 
 
-def _real_cause(drive: Drive, number: int, cause: Thing, needed: set[int]) -> str:
+def _describe_real_cause(drive: Drive, number: int, cause: TrackedBox, justifying: set[int]) -> str:
     """Describe the object in the box that justifies the braking; empty if there is none."""
-    _, objects = contents(drive, number, cause)
+    _, objects = returns_in_box(drive, number, cause)
     identities, returns = np.unique(objects[objects > 0], return_counts=True)
-    real = [int(identities[row]) for row in np.argsort(-returns) if identities[row] in needed]
+    real = [int(identities[row]) for row in np.argsort(-returns) if identities[row] in justifying]
     if not real:
         return ""
-    thing = WORDS[drive.street.kind_of(real[0])]
-    comes = not np.isfinite(room(Thing(cause.corners), drive.moments[number].speed))
-    return f"{thing} about to enter our lane" if comes else f"{thing} in our lane"
+    text = KINDS_IN_WORDS[drive.street.kind_of(real[0])]
+    comes = not np.isfinite(gap_to(TrackedBox(cause.corners), drive.moments[number].speed))
+    return f"{text} about to enter our lane" if comes else f"{text} in our lane"
 
 
-def collision(drive: Drive) -> str:
+def describe_collision(drive: Drive) -> str:
     """Describe a collision, its speed and how the object was detected; empty without one."""
-    if drive.hit is None:
+    if drive.hit_identity is None:
         return ""
     end = drive.moments[-1]
-    thing = WORDS[drive.street.kind_of(drive.hit)]
-    return f"The car hits {thing} at {3.6 * end.speed:.0f} km/h. {_detections_of_hit(drive)}"
+    text = KINDS_IN_WORDS[drive.street.kind_of(drive.hit_identity)]
+    return f"The car hits {text} at {3.6 * end.speed:.0f} km/h. {_describe_detections(drive)}"
 
 
-def _detections_of_hit(drive: Drive) -> str:
+def _describe_detections(drive: Drive) -> str:
     """Describe in one sentence how often the object that was hit had returns and a box."""
-    examined = [m for m in drive.moments[-LOOKING_BACK:-1] if not m.busy]
+    examined = [m for m in drive.moments[-SCANS_BEFORE_COLLISION:-1] if not m.is_busy]
     seen, boxed = [], []
     for moment in examined:
         scan = drive.frame(moment.number).scan
-        points = scan.cloud[scan.objects == drive.hit, :3]
-        if len(points) < ENOUGH:
+        points = scan.cloud[scan.objects == drive.hit_identity, :3]
+        if len(points) < FEWEST_RETURNS:
             continue
         seen.append(moment.number)
         low, high = moment.boxes.min(axis=1), moment.boxes.max(axis=1)
@@ -216,7 +227,7 @@ def _detections_of_hit(drive: Drive) -> str:
     if not boxed:
         return f"It was in {len(seen)} of the last scans, but never had a box."
     end = drive.moments[-1]
-    age = (end.number - (end.seen or 0)) / 10
+    age = (end.number - (end.latest_scan or 0)) / 10
     if age > 0.35:
         return f"It had a box, but the latest boxes that the car received were {age:.1f} s old."
     share = f"It was in {len(seen)} of the last scans and had a box in {len(boxed)} of them"

@@ -11,8 +11,8 @@ from PIL import Image, ImageDraw, ImageFont
 
 from utils.drive.loop import Drive, Moment
 from utils.drive.metrics import Report
-from utils.drive.rules import BUMPER, CORRIDOR, HALF_WIDTH, STANDSTILL, TAIL, stopping_distance
-from utils.films.film import SIZE, picture_taker
+from utils.drive.rules import BUMPER, CORRIDOR, HALF_WIDTH, STANDSTILL_GAP, TAIL, stopping_distance
+from utils.films.film import SIZE, open_renderer
 from utils.films.writers import Film, write_film
 from utils.plots.style import GREEN, INK, PAPER, VERMILION
 from utils.progress import progress
@@ -21,15 +21,15 @@ from utils.scene3d.cameras import Camera
 from utils.scene3d.lettering import font
 
 BEHIND = Camera((-13.0, 0.0, 8.0), (9.0, 0.0, -1.5), seen_from="from behind and above")
-STEP = 2
+MOMENTS_PER_PICTURE = 2
 """Number of moments from one picture to the next."""
 
-ROAD = -1.73
-STILL = 10
+ROAD_HEIGHT = -1.73
+PICTURES_OF_COLLISION = 10
 """Number of pictures for which the film stops at a collision."""
 
 
-def film(
+def make_film(
     drive: Drive,
     report: Report,
     path: str | os.PathLike,
@@ -53,20 +53,22 @@ def film(
     """
     path = Path(path)
     size = tuple(int(length) // 2 * 2 for length in size)
-    numbers = list(range(0, len(drive.moments), STEP))
+    numbers = list(range(0, len(drive.moments), MOMENTS_PER_PICTURE))
     if path.suffix == ".png" or numbers[-1] != len(drive.moments) - 1:
         numbers = (numbers if path.suffix != ".png" else []) + [len(drive.moments) - 1]
 
     def images() -> Iterator[np.ndarray]:
-        with picture_taker(size, BEHIND, renderer) as take:
+        with open_renderer(size, BEHIND, renderer) as take:
             for number in progress(numbers, f"Recording {path.name}"):
-                picture = dashboard(take(scene_of(drive, report, number)), drive.moments[number])
+                picture = draw_dashboard(
+                    take(scene_of(drive, report, number)), drive.moments[number]
+                )
                 yield picture
             if report.collision and path.suffix != ".png":
-                yield from [framed(picture)] * STILL
+                yield from [draw_end_frame(picture)] * PICTURES_OF_COLLISION
 
-    write_film(path, images(), 10.0 / STEP)
-    return Film(path, len(numbers), seen=summary(drive, report))
+    write_film(path, images(), 10.0 / MOMENTS_PER_PICTURE)
+    return Film(path, len(numbers), description=summary(drive, report))
 
 
 def summary(drive: Drive, report: Report) -> str:
@@ -84,22 +86,22 @@ def scene_of(drive: Drive, report: Report, number: int) -> Scene:
     moment, street = drive.moments[number], drive.street
     scene = Scene(f"Street {street.number} · {street.title}")
     scene.add_cloud(drive.frame(number).cloud)
-    boxes = moment.boxes if not moment.busy else known(drive, moment)
+    boxes = moment.boxes if not moment.is_busy else latest_boxes(drive, moment)
     scene.add_oriented_boxes(boxes, name="boxes of the detector")
-    scene.add_ego_car((TAIL, -HALF_WIDTH, ROAD + 0.2), (BUMPER, HALF_WIDTH, -0.3))
-    reach = BUMPER + STANDSTILL + stopping_distance(moment.speed)
-    colour, width = (VERMILION, 5.0) if moment.brakes else (GREEN, 3.0)
-    name = "corridor: braking" if moment.brakes else "corridor: free"
+    scene.add_ego_car((TAIL, -HALF_WIDTH, ROAD_HEIGHT + 0.2), (BUMPER, HALF_WIDTH, -0.3))
+    reach = BUMPER + STANDSTILL_GAP + stopping_distance(moment.speed)
+    colour, width = (VERMILION, 5.0) if moment.is_braking else (GREEN, 3.0)
+    name = "corridor: braking" if moment.is_braking else "corridor: free"
     scene.add_lines(_corridor(reach, street.slope), colour=colour, width=width, name=name)
     scene.caption = caption(report, moment)
     return scene
 
 
-def known(drive: Drive, moment: Moment) -> np.ndarray:
+def latest_boxes(drive: Drive, moment: Moment) -> np.ndarray:
     """Return the latest answer's boxes (N, 8, 3), relative to the car's current position."""
-    if moment.seen is None:
+    if moment.latest_scan is None:
         return moment.boxes
-    before = drive.moments[moment.seen]
+    before = drive.moments[moment.latest_scan]
     return before.boxes - (moment.position - before.position, 0.0, 0.0)
 
 
@@ -114,12 +116,16 @@ def caption(report: Report, moment: Moment) -> str:
 def _corridor(reach: float, slope: float) -> np.ndarray:
     """Return the edges (3, 2, 3) of the corridor on the road, from the bumper to x = `reach`."""
     corners = np.array(
-        [(x, y, ROAD + slope * x + 0.05) for x in (BUMPER, reach) for y in (-CORRIDOR, CORRIDOR)]
+        [
+            (x, y, ROAD_HEIGHT + slope * x + 0.05)
+            for x in (BUMPER, reach)
+            for y in (-CORRIDOR, CORRIDOR)
+        ]
     )
     return corners[[[0, 2], [1, 3], [2, 3]]]
 
 
-def dashboard(image: np.ndarray, moment: Moment) -> np.ndarray:
+def draw_dashboard(image: np.ndarray, moment: Moment) -> np.ndarray:
     """Draw the speed as a bar on a picture, and a sign with the deceleration while braking."""
     height, width = image.shape[:2]
     picture = Image.fromarray(image)
@@ -142,7 +148,7 @@ def dashboard(image: np.ndarray, moment: Moment) -> np.ndarray:
     return np.asarray(picture)
 
 
-def framed(image: np.ndarray) -> np.ndarray:
+def draw_end_frame(image: np.ndarray) -> np.ndarray:
     """Draw a red frame and the words "The drive ends here" on a picture."""
     picture = Image.fromarray(image)
     draw = ImageDraw.Draw(picture)

@@ -12,13 +12,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from utils.drive.clock import Clock, on_time, ticks
-from utils.drive.ground_truth import distances, true_boxes
-from utils.drive.motion import motion_by
+from utils.drive.ground_truth import distances_to_objects, true_boxes
+from utils.drive.motion import make_motion
 from utils.drive.planner import Decision, Planner
 from utils.drive.rules import JERK, TICK
 from utils.drive.streets import SCANNER, Street
 from utils.drive.weather import with_dirt, with_rain
-from utils.films.film import checked_boxes
+from utils.films.film import as_boxes
 from utils.progress import progress
 from utils.remote_objects import RemoteStopped
 from utils.simulator.frames import Frame, observe
@@ -26,7 +26,7 @@ from utils.simulator.sensor import Sensor
 from utils.simulator.world import World
 from utils.tracking import Tracker
 
-ROLLING = 0.3
+COLLISION_SPEED = 0.3
 """Speed in m/s above which contact is a collision; others may walk into a standing car."""
 
 NO_BOXES = np.empty((0, 8, 3))
@@ -46,13 +46,13 @@ class Moment:
         The planner's decision, based on the detector's latest answer.
     acceleration : float
         Actual acceleration of the car in m/s²; brakes take a while to build up.
-    seen : int or None
+    latest_scan : int or None
         Index of the scan whose boxes the planner used; None before the first answer.
     boxes : ndarray, shape (N, 8, 3)
         The detector's answer to the scan of *this* moment; empty if the detector was still busy.
-    busy : bool
+    is_busy : bool
         Whether the detector was busy with an earlier scan.
-    began : dict of int to float
+    start_times : dict of int to float
         Start time in seconds of each actor that has begun, by its index in the street.
     gaps : dict of int to float
         Distance in metres to each object near the car, by the object's identity.
@@ -63,10 +63,10 @@ class Moment:
     speed: float
     decision: Decision
     acceleration: float
-    seen: int | None
+    latest_scan: int | None
     boxes: np.ndarray
-    busy: bool = False
-    began: dict[int, float] = field(default_factory=dict)
+    is_busy: bool = False
+    start_times: dict[int, float] = field(default_factory=dict)
     gaps: dict[int, float] = field(default_factory=dict)
 
     @property
@@ -75,7 +75,7 @@ class Moment:
         return self.number * TICK
 
     @property
-    def brakes(self) -> bool:
+    def is_braking(self) -> bool:
         """Whether the planner brakes, rather than merely waiting or following."""
         return self.decision.cause is not None and self.decision.acceleration < -1.0
 
@@ -88,7 +88,7 @@ class Drive:
     ----------
     street : Street
     moments : tuple of Moment
-    hit : int or None
+    hit_identity : int or None
         Identity of the object that the car hit, which ended the drive.
     problems : tuple of str
         One sentence for each scan on which the detector or ``match_boxes`` failed.
@@ -97,7 +97,7 @@ class Drive:
 
     street: Street
     moments: tuple[Moment, ...]
-    hit: int | None = None
+    hit_identity: int | None = None
     problems: tuple[str, ...] = ()
     sensor: Sensor = SCANNER
 
@@ -109,7 +109,7 @@ class Drive:
     def world(self, number: int) -> World:
         """Return the world at a moment, in the car's frame."""
         moment = self.moments[number]
-        return self.street.world(moment.time, moment.position, moment.began)
+        return self.street.world(moment.time, moment.position, moment.start_times)
 
     def frame(self, number: int) -> Frame:
         """Compute the scan of a moment again, with its true boxes."""
@@ -153,46 +153,61 @@ def drive(
     """
     clock = on_time if detect is None else clock or Clock()
     detector = _TimedDetector(detect, clock)
-    planner, motion, things = Planner(), motion_by(tracker), []
-    base = _DetectorAnswer(-1, 0, 0.0, NO_BOXES)  # a placeholder until the first answer arrives
+    planner, motion, tracked_boxes = Planner(), make_motion(tracker), []
+    latest = _DetectorAnswer(-1, 0, 0.0, NO_BOXES)  # a placeholder until the first answer arrives
     position, speed, acceleration = 0.0, street.limit, 0.0
-    moments, began, pending, hit = [], {}, None, None
+    moments, start_times, pending, hit_identity = [], {}, None, None
     for number in progress(range(round(seconds / TICK)), f"Driving, street {street.number}"):
         time = number * TICK
         for index, actor in enumerate(street.actors):
-            if index not in began and position >= actor.begins:
-                began = began | {index: time}
-        world = street.world(time, position, began)
-        gaps = distances(world)
-        hit = next((key for key, gap in gaps.items() if gap <= 0.0 and speed > ROLLING), None)
-        if pending and pending.ready <= number:
-            since = TICK * (pending.scan - base.scan)
+            if index not in start_times and position >= actor.start_position:
+                start_times = start_times | {index: time}
+        world = street.world(time, position, start_times)
+        gaps = distances_to_objects(world)
+        hit_identity = next(
+            (key for key, gap in gaps.items() if gap <= 0.0 and speed > COLLISION_SPEED), None
+        )
+        if pending and pending.ready_at <= number:
+            elapsed = TICK * (pending.scan - latest.scan)
             try:
-                things = motion.update(pending.boxes, pending.position - base.position, since)
+                tracked_boxes = motion.update(
+                    pending.boxes, pending.position - latest.position, elapsed
+                )
             except RemoteStopped:
                 raise
             except Exception as error:
                 detector.note_failure(pending.scan, error)
-                things = []
-            base, pending = pending, None
-        busy, boxes = pending is not None, NO_BOXES
-        if not busy:
+                tracked_boxes = []
+            latest, pending = pending, None
+        is_busy, boxes = pending is not None, NO_BOXES
+        if not is_busy:
             boxes, delay = detector.run(scan_from(world, street, sensor, number), number)
             pending = _DetectorAnswer(number, number + delay, position, boxes)
-        shift = (position - base.position, 0.0, 0.0)
-        now = [replace(thing, corners=thing.corners - shift) for thing in things]
+        shift = (position - latest.position, 0.0, 0.0)
+        now = [replace(box, corners=box.corners - shift) for box in tracked_boxes]
         decision = planner.decide(speed, street.limit, now)
         change = np.clip(decision.acceleration - acceleration, -JERK * TICK, JERK * TICK)
         acceleration = float(np.clip(acceleration + change, -speed / TICK, None))
-        seen = base.scan if base.boxes is not NO_BOXES else None
+        latest_scan = latest.scan if latest.boxes is not NO_BOXES else None
         moments.append(
-            Moment(number, position, speed, decision, acceleration, seen, boxes, busy, began, gaps)
+            Moment(
+                number,
+                position,
+                speed,
+                decision,
+                acceleration,
+                latest_scan,
+                boxes,
+                is_busy,
+                start_times,
+                gaps,
+            )
         )
-        if hit is not None:
+        if hit_identity is not None:
             break
         faster = max(speed + acceleration * TICK, 0.0)
         position, speed = position + (speed + faster) / 2 * TICK, faster
-    return Drive(street, tuple(moments), hit, tuple(detector.problems), sensor)
+    return Drive(street, tuple(moments), hit_identity, tuple(detector.problems), sensor)
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,7 +215,7 @@ class _DetectorAnswer:
     """The boxes of a scan, the time when they are ready, and the car's position at the scan."""
 
     scan: int
-    ready: int
+    ready_at: int
     position: float
     boxes: np.ndarray
 
@@ -220,7 +235,7 @@ class _TimedDetector:
             if not self._has_answered:  # the first call may load libraries and is not timed
                 self._detect(frame.cloud.copy())
             found, seconds = self._clock(lambda: self._detect(frame.cloud.copy()))
-            boxes = checked_boxes(found)
+            boxes = as_boxes(found)
         except RemoteStopped:  # the process has ended, so every later scan would fail
             raise
         except Exception as error:
@@ -242,6 +257,6 @@ def scan_from(world: World, street: Street, sensor: Sensor, number: int) -> Fram
     swept, rng = frame.scan, np.random.default_rng((street.seed, 32, number))
     if street.rain:
         swept = with_rain(swept, street.rain, rng)
-    if street.dirt:
+    if street.has_dirty_bonnet:
         swept = with_dirt(swept, rng)
     return Frame(swept, frame.boxes, frame.time)

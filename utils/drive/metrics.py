@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from utils.drive.explanations import WORDS, Braking, brakings, collision
+from utils.drive.explanations import KINDS_IN_WORDS, Braking, braking_events, describe_collision
 from utils.drive.loop import Drive
-from utils.drive.rules import COMFORTABLE, TICK
+from utils.drive.rules import COMFORTABLE_DECELERATION, TICK
 
-CLOSE, FAST = 0.5, 2.0
-"""Near miss: nearer than CLOSE metres to a road user while the car is faster than FAST m/s."""
+NEAR_MISS_GAP, NEAR_MISS_SPEED = 0.5, 2.0
+"""Near miss: nearer than NEAR_MISS_GAP m to a road user at more than NEAR_MISS_SPEED m/s."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Report:
         All braking events, in order.
     collision : str
         A sentence about the collision; empty without one.
-    closest : float
+    closest_distance : float
         Smallest distance in metres to a road user while the car was moving; infinite if none
         came near.
     closest_kind : str
@@ -36,11 +36,11 @@ class Report:
     near_misses : int
         Number of road users that came nearer than 0.5 m while the car was faster than 2 m/s; one
         that the car hit does not count.
-    hardest : float
+    hardest_braking : float
         Largest deceleration in m/s².
-    harsh : float
+    harsh_seconds : float
         Seconds of uncomfortably hard braking.
-    age : float
+    scan_age : float
         Median age in seconds of the scan that the planner used.
     """
 
@@ -49,12 +49,12 @@ class Report:
     seconds: float
     brakings: tuple[Braking, ...] = ()
     collision: str = ""
-    closest: float = np.inf
+    closest_distance: float = np.inf
     closest_kind: str = ""
     near_misses: int = 0
-    hardest: float = 0.0
-    harsh: float = 0.0
-    age: float = TICK
+    hardest_braking: float = 0.0
+    harsh_seconds: float = 0.0
+    scan_age: float = TICK
 
     @property
     def needless(self) -> int:
@@ -71,21 +71,25 @@ def measure(drive: Drive) -> Report:
             if identity not in drive.street.road_users or moment.speed <= 0:
                 continue
             closest[identity] = min(gap, closest.get(identity, np.inf))
-            if 0 < gap < CLOSE and moment.speed > FAST:
+            if 0 < gap < NEAR_MISS_GAP and moment.speed > NEAR_MISS_SPEED:
                 missed.add(identity)
     nearest = min(closest, key=closest.get, default=None)
     slowing = [max(-moment.acceleration, 0.0) for moment in drive.moments]
-    ages = [moment.number - moment.seen for moment in drive.moments if moment.seen is not None]
+    ages = [
+        moment.number - moment.latest_scan
+        for moment in drive.moments
+        if moment.latest_scan is not None
+    ]
     return Report(
         drive.street.number,
         drive.metres,
         len(drive.moments) * TICK,
-        tuple(brakings(drive)),
-        collision(drive),
+        tuple(braking_events(drive)),
+        describe_collision(drive),
         closest.get(nearest, np.inf),
-        "" if nearest is None else WORDS[drive.street.kind_of(nearest)],
-        len(missed - {drive.hit}),
+        "" if nearest is None else KINDS_IN_WORDS[drive.street.kind_of(nearest)],
+        len(missed - {drive.hit_identity}),
         max(slowing),
-        TICK * sum(deceleration > COMFORTABLE + 0.01 for deceleration in slowing),
+        TICK * sum(deceleration > COMFORTABLE_DECELERATION + 0.01 for deceleration in slowing),
         TICK * float(np.median(ages)) if ages else np.inf,
     )

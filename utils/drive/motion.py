@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from utils.drive.planner import Thing
+from utils.drive.planner import TrackedBox
 from utils.tracking import Tracker
 
 FARTHEST = 1.5
@@ -27,13 +27,13 @@ FARTHEST = 1.5
 PATIENCE = 3
 """Number of consecutive scans for which a track is kept without a box."""
 
-WINDOW, OLD_ENOUGH = 7, 4
+WINDOW, FEWEST_PLACES = 7, 4
 """Number of latest places from which a speed is estimated, and the minimum for a speed above 0."""
 
-SLOWEST = 0.5
+SMALLEST_SPEED = 0.5
 """Smallest speed in m/s that counts; anything slower is noise in the box."""
 
-STEADY = 0.5
+LARGEST_SPREAD = 0.5
 """Largest spread of the speeds, as a share of their median; if it is larger, the speed is 0."""
 
 Place = tuple[float, float, float, float]
@@ -77,35 +77,35 @@ class Motion:
     def __init__(self, match: Callable | None = None) -> None:
         self._match = match or closest_pairs
         self._tracks: list[Track] = []
-        self._names = itertools.count()
+        self._track_ids = itertools.count()
         self._time = self._position = 0.0
 
-    def update(self, boxes: np.ndarray, driven: float, seconds: float) -> list[Thing]:
-        """Update the tracks with the detector's next answer and return them as things.
+    def update(self, boxes: np.ndarray, distance: float, seconds: float) -> list[TrackedBox]:
+        """Update the tracks with the detector's next answer and return them as tracked boxes.
 
         Parameters
         ----------
         boxes : ndarray, shape (N, 8, 3)
             Corners in metres, with the scanner at the origin.
-        driven : float
+        distance : float
             Metres driven since the scan of the previous answer, measured at the wheels.
         seconds : float
             Time since that scan.
         """
-        self._time, self._position = self._time + seconds, self._position + driven
-        expected = [_predicted(track, driven, seconds) for track in self._tracks]
+        self._time, self._position = self._time + seconds, self._position + distance
+        expected = [_predict(track, distance, seconds) for track in self._tracks]
         places = np.reshape([track.box for track in expected], (-1, 8, 3))
         partners = np.asarray(self._match(places, boxes, FARTHEST), dtype=int).tolist()
         if len(partners) != len(boxes):
             raise ValueError(f"match_boxes returned {len(partners)} numbers for {len(boxes)} boxes")
         seen = []
         for box, partner in zip(boxes, partners, strict=True):
-            known = 0 <= partner < len(expected)
-            name, before = next(self._names), ()
-            if known:
-                name, before = expected[partner].name, expected[partner].places
+            is_known = 0 <= partner < len(expected)
+            track_id, before = next(self._track_ids), ()
+            if is_known:
+                track_id, before = expected[partner].name, expected[partner].places
             now = (*before, _place(box, self._time, self._position))[-WINDOW:]
-            seen.append(Track(name, box, now, _velocity(now)))
+            seen.append(Track(track_id, box, now, _velocity(now)))
         coasting = [
             replace(track, missed=track.missed + 1)
             for row, track in enumerate(expected)
@@ -113,7 +113,7 @@ class Motion:
         ]
         self._tracks = seen + coasting
         return [
-            Thing(track.box, track.velocity, track.missed == 0, track.name)
+            TrackedBox(track.box, track.velocity, track.missed == 0, track.name)
             for track in self._tracks
         ]
 
@@ -132,41 +132,45 @@ class TrackerMotion:
         self._places: dict[int, tuple[Place, ...]] = {}
         self._time = self._position = 0.0
 
-    def update(self, boxes: np.ndarray, driven: float, seconds: float) -> list[Thing]:
-        """Update the tracker and return its tracks as things; see `Motion.update`."""
-        self._time, self._position = self._time + seconds, self._position + driven
-        names = self._tracker.update(boxes, seconds).tolist()
+    def update(self, boxes: np.ndarray, distance: float, seconds: float) -> list[TrackedBox]:
+        """Update the tracker and return its tracks as tracked boxes; see `Motion.update`."""
+        self._time, self._position = self._time + seconds, self._position + distance
+        track_ids = self._tracker.update(boxes, seconds).tolist()
         tracks = self._tracker.tracks
-        self._places = {name: self._places.get(name, ()) for name in tracks.names.tolist()}
-        for name, box in dict(zip(names, boxes, strict=True)).items():  # wrong matches repeat IDs
+        self._places = {
+            track_id: self._places.get(track_id, ()) for track_id in tracks.ids.tolist()
+        }
+        for track_id, box in dict(
+            zip(track_ids, boxes, strict=True)
+        ).items():  # wrong matches repeat IDs
             now = _place(box, self._time, self._position)
-            self._places[name] = (*self._places[name], now)[-OLD_ENOUGH:]
-        speeds = tracks.velocities[:, :2] + (driven / seconds, 0.0)
+            self._places[track_id] = (*self._places[track_id], now)[-FEWEST_PLACES:]
+        speeds = tracks.velocities[:, :2] + (distance / seconds, 0.0)
         speeds[:, 1] = [
-            _nearest_to_zero(speed, *_side_speeds(self._places[name]))
-            for name, speed in zip(tracks.names.tolist(), speeds[:, 1].tolist(), strict=True)
+            _speed_nearest_to_zero(speed, *_side_speeds(self._places[track_id]))
+            for track_id, speed in zip(tracks.ids.tolist(), speeds[:, 1].tolist(), strict=True)
         ]
-        speeds = np.where((np.abs(speeds) < SLOWEST) | ~np.isfinite(speeds), 0.0, speeds)
-        speeds[tracks.age < OLD_ENOUGH] = 0.0
+        speeds = np.where((np.abs(speeds) < SMALLEST_SPEED) | ~np.isfinite(speeds), 0.0, speeds)
+        speeds[tracks.age < FEWEST_PLACES] = 0.0
         return [
-            Thing(box, tuple(speed), missed == 0, name)
-            for box, speed, missed, name in zip(
-                tracks.boxes, speeds.tolist(), tracks.missed, tracks.names.tolist(), strict=True
+            TrackedBox(box, tuple(speed), missed == 0, track_id)
+            for box, speed, missed, track_id in zip(
+                tracks.boxes, speeds.tolist(), tracks.missed, tracks.ids.tolist(), strict=True
             )
         ]
 
 
-def motion_by(tracker: Tracker | None) -> Motion | TrackerMotion:
+def make_motion(tracker: Tracker | None) -> Motion | TrackerMotion:
     """Return a `TrackerMotion` if the tracker estimates velocities, else a `Motion`."""
     if tracker and tracker.knows_velocities:
         return TrackerMotion(tracker)
     return Motion(tracker and tracker.match)
 
 
-def _predicted(track: Track, driven: float, seconds: float) -> Track:
+def _predict(track: Track, distance: float, seconds: float) -> Track:
     """Return a track at its predicted place, relative to the car's new position."""
     forward, left = track.velocity
-    return replace(track, box=track.box + (forward * seconds - driven, left * seconds, 0.0))
+    return replace(track, box=track.box + (forward * seconds - distance, left * seconds, 0.0))
 
 
 def _place(box: np.ndarray, time: float, position: float) -> Place:
@@ -177,7 +181,7 @@ def _place(box: np.ndarray, time: float, position: float) -> Place:
 
 def _velocity(places: tuple[Place, ...]) -> tuple[float, float]:
     """Estimate the velocity over the ground, along and across the road, in m/s."""
-    if len(places) < OLD_ENOUGH:
+    if len(places) < FEWEST_PLACES:
         return 0.0, 0.0
     moments = np.array(places)
     first, second = np.triu_indices(len(moments), 1)
@@ -185,9 +189,9 @@ def _velocity(places: tuple[Place, ...]) -> tuple[float, float]:
     speeds = steps[:, 1:] / steps[:, :1]
     middle = np.median(speeds, axis=0)
     spread = np.median(np.abs(speeds - middle), axis=0)
-    believed = (np.abs(middle) >= SLOWEST) & (spread <= STEADY * np.abs(middle))
+    believed = (np.abs(middle) >= SMALLEST_SPEED) & (spread <= LARGEST_SPREAD * np.abs(middle))
     along, right, left = np.where(believed, middle, 0.0).tolist()
-    return along, _nearest_to_zero(right, left)
+    return along, _speed_nearest_to_zero(right, left)
 
 
 def _side_speeds(places: tuple[Place, ...]) -> tuple[float, float]:
@@ -198,7 +202,7 @@ def _side_speeds(places: tuple[Place, ...]) -> tuple[float, float]:
     return (right_now - right) / (now - began), (left_now - left) / (now - began)
 
 
-def _nearest_to_zero(*speeds: float) -> float:
+def _speed_nearest_to_zero(*speeds: float) -> float:
     """Return the speed nearest to 0, or 0 if the speeds have different signs."""
     return max(min(speeds), 0.0) + min(max(speeds), 0.0)
 

@@ -28,18 +28,18 @@ from __future__ import annotations
 TICK = 0.1
 """Seconds between two scans."""
 
-REACTION = 0.5
+REACTION_TIME = 0.5
 DECELERATION = 7.0
 """Reaction time that the planner allows, in s, and largest deceleration of the car, in m/s²."""
 
-SURE = 3
-"""Number of scans in a row in which a thing must be in the way; 0.2 s of the reaction time."""
+SCANS_TO_BE_SURE = 3
+"""Number of scans in a row in which a box must be in the way; 0.2 s of the reaction time."""
 
-OVER, STAYS, STILL = 0.5, 10, 0.3
-"""A thing that overlaps the ego car by more than OVER metres counts only after STAYS scans in which
-its centre moves at most STILL metres from each scan to the next."""
+OVERLAP_WITH_CAR, SCANS_TO_STAY, LARGEST_SHIFT = 0.5, 10, 0.3
+"""A box that overlaps the ego car by more than OVERLAP_WITH_CAR metres counts only after
+SCANS_TO_STAY scans in which its centre moves at most LARGEST_SHIFT metres from scan to scan."""
 
-COMFORTABLE = 3.0
+COMFORTABLE_DECELERATION = 3.0
 ACCELERATION = 2.0
 """Deceleration of gentle braking and largest acceleration, in m/s²."""
 
@@ -53,7 +53,7 @@ MARGIN = 0.4
 CORRIDOR = HALF_WIDTH + MARGIN
 """Free margin on either side of the car, and half the width of the corridor, in metres."""
 
-STANDSTILL = 2.0
+STANDSTILL_GAP = 2.0
 """Gap in metres that the car leaves to a standing obstacle when it stops."""
 
 
@@ -65,4 +65,4 @@ def stopping_distance(speed: float) -> float:
     speed : float
         Speed in m/s.
     """
-    return REACTION * speed + speed**2 / (2 * DECELERATION)
+    return REACTION_TIME * speed + speed**2 / (2 * DECELERATION)

@@ -13,13 +13,13 @@ from pathlib import Path
 
 from utils.drive.metrics import Report
 
-STORED = Path(__file__).with_name("standards.json")
+RESULTS_FILE = Path(__file__).with_name("standards.json")
 
 DRIVERS = ("true boxes", "the course's detector", "the naive one of lesson 12")
 
 
 @dataclass(frozen=True)
-class Result:
+class DriveResult:
     """Metrics of one or more drives, which can be added up.
 
     Attributes
@@ -37,29 +37,29 @@ class Result:
     collisions: int = 0
     near_misses: int = 0
 
-    def __add__(self, other: Result) -> Result:
+    def __add__(self, other: DriveResult) -> DriveResult:
         pairs = zip(asdict(self).values(), asdict(other).values(), strict=True)
-        return Result(*(mine + theirs for mine, theirs in pairs))
+        return DriveResult(*(mine + theirs for mine, theirs in pairs))
 
     def __str__(self) -> str:
         return (
-            f"{self.metres:5.0f} m, {_counted(self.needless, 'needless braking event')}, "
-            f"{_counted(self.collisions, 'collision')}"
+            f"{self.metres:5.0f} m, {_count_text(self.needless, 'needless braking event')}, "
+            f"{_count_text(self.collisions, 'collision')}"
         )
 
 
-def _counted(count: int, noun: str) -> str:
+def _count_text(count: int, noun: str) -> str:
     return f"{count or 'no'} {noun}{'' if count == 1 else 's'}"
 
 
-def result_of(report: Report) -> Result:
+def drive_result(report: Report) -> DriveResult:
     """Return those metrics of a report that can be added up."""
-    return Result(
+    return DriveResult(
         round(report.metres, 1), report.needless, int(bool(report.collision)), report.near_misses
     )
 
 
-def standards(streets: Iterable[int]) -> dict[str, Result]:
+def reference_results(streets: Iterable[int]) -> dict[str, DriveResult]:
     """Return each driver's total over some streets, if all these streets are stored for the driver.
 
     Parameters
@@ -69,18 +69,18 @@ def standards(streets: Iterable[int]) -> dict[str, Result]:
     """
     numbers = {str(number) for number in streets}
     return {
-        name: sum((Result(*drives[number]) for number in numbers), start=Result())
-        for name, drives in _stored().items()
+        name: sum((DriveResult(*drives[number]) for number in numbers), start=DriveResult())
+        for name, drives in _load_results().items()
         if numbers <= drives.keys()
     }
 
 
 @lru_cache(maxsize=1)
-def _stored() -> dict[str, dict[str, list]]:
-    return json.loads(STORED.read_text("utf-8")) if STORED.exists() else {}
+def _load_results() -> dict[str, dict[str, list]]:
+    return json.loads(RESULTS_FILE.read_text("utf-8")) if RESULTS_FILE.exists() else {}
 
 
-def store(results: dict[str, dict[int, Result]]) -> None:
+def store_results(results: dict[str, dict[int, DriveResult]]) -> None:
     """Write results to `standards.json`, by driver and street number."""
     lines = [
         f" {json.dumps(name)}: {{\n"
@@ -91,4 +91,4 @@ def store(results: dict[str, dict[int, Result]]) -> None:
         + "\n }"
         for name, drives in results.items()
     ]
-    STORED.write_text("{\n" + ",\n".join(lines) + "\n}\n", "utf-8")
+    RESULTS_FILE.write_text("{\n" + ",\n".join(lines) + "\n}\n", "utf-8")

@@ -47,8 +47,12 @@ def chain(
     callable
         Detector for `drive_street`: takes a cloud (n, 4) and returns boxes (N, 8, 3).
     """
-    region, ground, cluster = region or _ahead, ground or _above_road, cluster or _touching
-    keep, boxes = keep or _large, boxes or _bounds
+    region, ground, cluster = (
+        region or _crop_region_ahead,
+        ground or _remove_road,
+        cluster or _label_touching_points,
+    )
+    keep, boxes = keep or _keep_large_clusters, boxes or _fit_upright_boxes
 
     def detect(cloud: np.ndarray) -> np.ndarray:
         xyz = cloud[:, :3]
@@ -87,11 +91,11 @@ def askew(detect: Callable, degrees: float) -> Callable[[np.ndarray], np.ndarray
     return turned
 
 
-def _ahead(points: np.ndarray) -> np.ndarray:
+def _crop_region_ahead(points: np.ndarray) -> np.ndarray:
     return points[((points > REGION[0]) & (points < REGION[1])).all(axis=1)]
 
 
-def _above_road(points: np.ndarray) -> np.ndarray:
+def _remove_road(points: np.ndarray) -> np.ndarray:
     """Keep points more than 0.3 m from a plane, which is refitted to the low points near it."""
     near = points[:, 2] < -1.0
     for tolerance in (0.6, 0.3, 0.2):
@@ -106,7 +110,7 @@ def _above_road(points: np.ndarray) -> np.ndarray:
     return points
 
 
-def _touching(points: np.ndarray) -> np.ndarray:
+def _label_touching_points(points: np.ndarray) -> np.ndarray:
     """Label the groups of points that are connected by steps of at most 0.5 m."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
@@ -117,11 +121,11 @@ def _touching(points: np.ndarray) -> np.ndarray:
     return connected_components(graph, directed=False)[1] + 1
 
 
-def _large(labels: np.ndarray) -> np.ndarray:
+def _keep_large_clusters(labels: np.ndarray) -> np.ndarray:
     return labels * (np.bincount(labels) >= 10)[labels]
 
 
-def _bounds(points: np.ndarray, labels: np.ndarray) -> np.ndarray:
+def _fit_upright_boxes(points: np.ndarray, labels: np.ndarray) -> np.ndarray:
     """Return axis-aligned boxes around the clusters, computed by a library."""
     import shapely
 

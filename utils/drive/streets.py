@@ -17,7 +17,7 @@ from utils.drive.actors import (
     crossing_cyclist,
     hesitating_pedestrian,
     slow_cyclist,
-    standing,
+    standing_actor,
 )
 from utils.simulator.ground import Ground
 from utils.simulator.pose import Pose
@@ -66,13 +66,13 @@ class Street:
     actors : tuple of Actor
     rain : int
         Raindrops per scan.
-    dirt : bool
+    has_dirty_bonnet : bool
         Whether the bonnet is dirty.
     traffic : bool
         Whether there is oncoming traffic.
     plan : StreetPlan
         Density of the objects along the street.
-    drawn_from : int, optional
+    random_seed : int, optional
         Random seed for everything in the street; by default its number.
     """
 
@@ -82,15 +82,15 @@ class Street:
     slope: float = 0.0
     actors: tuple[Actor, ...] = ()
     rain: int = 0
-    dirt: bool = False
+    has_dirty_bonnet: bool = False
     traffic: bool = False
     plan: StreetPlan = StreetPlan(parked=5.0, furniture=10.0, walkers=14.0)  # noqa: RUF009
-    drawn_from: int | None = None
+    random_seed: int | None = None
 
     @property
     def seed(self) -> int:
         """Random seed for everything in the street."""
-        return self.number if self.drawn_from is None else self.drawn_from
+        return self.number if self.random_seed is None else self.random_seed
 
     @property
     def limit(self) -> float:
@@ -98,24 +98,24 @@ class Street:
         return self.speed / 3.6
 
     @cached_property
-    def still(self) -> World:
+    def static_world(self) -> World:
         """World without the actors at the beginning of the drive, in road coordinates."""
         length = 20.0 * self.limit + AHEAD
         plan = replace(self.plan, spans=((BEHIND, length),), driving=20.0)
-        things = street(np.random.default_rng((self.seed, 30)), plan)
+        obstacles = street(np.random.default_rng((self.seed, 30)), plan)
         ground = Ground(slope=self.slope, width=ROAD_WIDTH, crown=0.02, kerb=0.13, verge=0.02)
-        return world_of(ground, [thing for thing in things if self._fits(thing)])
+        return world_of(ground, [obstacle for obstacle in obstacles if self._may_contain(obstacle)])
 
-    def _fits(self, thing: Obstacle) -> bool:
-        """Return whether a thing may be in this street; only actors drive in our lane."""
-        x, y, *_ = thing.pose.x, thing.pose.y
+    def _may_contain(self, obstacle: Obstacle) -> bool:
+        """Return whether an obstacle may be in this street; only actors drive in our lane."""
+        x, y, *_ = obstacle.pose.x, obstacle.pose.y
         if abs(y) < PARKED - 1.0:
             return y > 0 and self.traffic
         if self.traffic and 0 < y < FURNITURE - 1.0:
             return False  # no parking here, so that two cars can pass
-        return not any(_is_in_the_way(thing, x, y, actor) for actor in self.actors)
+        return not any(_obstructs(obstacle, x, y, actor) for actor in self.actors)
 
-    def world(self, time: float, position: float, began: dict[int, float]) -> World:
+    def world(self, time: float, position: float, start_times: dict[int, float]) -> World:
         """Return the world around the ego car, in the car's frame.
 
         Parameters
@@ -124,26 +124,30 @@ class Street:
             Seconds since the beginning of the drive.
         position : float
             Position of the car's scanner along the road, in metres.
-        began : dict of int to float
+        start_times : dict of int to float
             Start time of each actor that has begun, by its index in `actors`.
         """
-        still = self.still
-        moved = [thing.at(time) if thing.speed else thing for thing in still.obstacles]
+        still = self.static_world
+        moved = [obstacle.at(time) if obstacle.speed else obstacle for obstacle in still.obstacles]
         moved += [
-            replace(actor.at(time, began.get(index)), identity=self._identity(index))
+            replace(actor.at(time, start_times.get(index)), identity=self._identity(index))
             for index, actor in enumerate(self.actors)
         ]
-        near = (thing for thing in moved if BEHIND < thing.pose.x - position < AHEAD)
+        near = (obstacle for obstacle in moved if BEHIND < obstacle.pose.x - position < AHEAD)
         world = replace(still, obstacles=tuple(near))
         return world.seen_from(Pose(position, EGO_LANE))
 
     def _identity(self, index: int) -> int:
-        return len(self.still.obstacles) + 1 + index
+        return len(self.static_world.obstacles) + 1 + index
 
     @cached_property
     def road_users(self) -> dict[int, str]:
         """Kinds of all objects that move or may move in this street, by identity."""
-        moving = {thing.identity: thing.kind for thing in self.still.obstacles if thing.speed}
+        moving = {
+            obstacle.identity: obstacle.kind
+            for obstacle in self.static_world.obstacles
+            if obstacle.speed
+        }
         return moving | {
             self._identity(index): actor.obstacle.kind for index, actor in enumerate(self.actors)
         }
@@ -152,24 +156,24 @@ class Street:
         """Return the kind of the object with this identity."""
         if identity in self.road_users:
             return self.road_users[identity]
-        return self.still.obstacles[identity - 1].kind
+        return self.static_world.obstacles[identity - 1].kind
 
 
-def _is_in_the_way(thing: Obstacle, x: float, y: float, actor: Actor) -> bool:
-    """Return whether a thing is in the path of an actor, or may hide it."""
+def _obstructs(obstacle: Obstacle, x: float, y: float, actor: Actor) -> bool:
+    """Return whether an obstacle is in the path of an actor, or may hide it."""
     pose, moves = actor.obstacle.pose, actor.speeds[-1][1] > 0
     across = moves and abs(math.sin(pose.yaw)) > 0.5
     if not across:
         return (
             abs(y - pose.y) < 3.0
-            and abs(x - pose.x) < (thing.size[0] + actor.obstacle.size[0]) / 2 + 1.0
+            and abs(x - pose.x) < (obstacle.size[0] + actor.obstacle.size[0]) / 2 + 1.0
         )
     same_side = y * pose.y > 0
-    half = thing.size[0] / 2
+    half = obstacle.size[0] / 2
     from_afar = abs(pose.y) > WALKERS  # the side street must stay free
     if abs(y) > FRONTS or from_afar:
         return same_side and from_afar and abs(x - pose.x) < half + 3.5
-    if thing.speed:  # no pedestrians near a crossing road user
+    if obstacle.speed:  # no pedestrians near a crossing road user
         return same_side and abs(x - pose.x) < 12.0
     # Only another actor may hide a person who steps off the kerb.
     return -half - 1.5 < x - pose.x < half + 1.5 or (same_side and -9.0 < x - pose.x < half + 1.5)
@@ -180,7 +184,7 @@ def _streets() -> Iterable[Street]:
     v30, v50 = 30 / 3.6, 50 / 3.6
     empty = StreetPlan(parked=math.inf, furniture=16.0, walkers=30.0)
     crowded = StreetPlan(parked=1.5, furniture=6.0, walkers=7.0, clearance=1.2)
-    lorry = standing(truck(width=2.3), 70.0, -4.05)
+    lorry = standing_actor(truck(width=2.3), 70.0, -4.05)
     yield Street(1, "A quiet street", traffic=True)
     yield Street(2, "A child runs out from the kerb", actors=(child(70, v30),))
     yield Street(3, "A cyclist crosses", actors=(crossing_cyclist(75, v30, 2.78),))
@@ -200,7 +204,7 @@ def _streets() -> Iterable[Street]:
     yield Street(7, "A child on a climb", slope=0.05, actors=(child(85, v30),))
     yield Street(8, "Rain", rain=60, traffic=True)
     yield Street(9, "A cyclist in the rain", rain=60, actors=(crossing_cyclist(90, v30),))
-    yield Street(10, "A dirty bonnet", dirt=True, traffic=True)
+    yield Street(10, "A dirty bonnet", has_dirty_bonnet=True, traffic=True)
     yield Street(11, "Two people cross", actors=(adult(80, v30), adult(80.9, v30)))
     yield Street(
         12,
@@ -218,14 +222,18 @@ def _streets() -> Iterable[Street]:
     yield Street(16, "Downhill", slope=-0.05, actors=(adult(90, v30, side=1),))
     yield Street(17, "Behind a cyclist", traffic=True, actors=(slow_cyclist(25),))
     yield Street(
-        18, "Rain, a dirty bonnet and a child", rain=60, dirt=True, actors=(child(75, v30),)
+        18,
+        "Rain, a dirty bonnet and a child",
+        rain=60,
+        has_dirty_bonnet=True,
+        actors=(child(75, v30),),
     )
     yield Street(19, "A pedestrian runs", actors=(adult(80, v30, pace=2.22),), plan=crowded)
     yield Street(
         20,
         "Everything at once",
         rain=40,
-        dirt=True,
+        has_dirty_bonnet=True,
         slope=0.03,
         actors=(
             child(60, v30),

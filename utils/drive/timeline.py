@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 
 from utils.drive.explanations import Braking
-from utils.drive.film import known, summary
+from utils.drive.film import latest_boxes, summary
 from utils.drive.loop import Drive
 from utils.drive.metrics import Report
-from utils.drive.rules import BUMPER, CORRIDOR, STANDSTILL, stopping_distance
+from utils.drive.rules import BUMPER, CORRIDOR, STANDSTILL_GAP, stopping_distance
 from utils.plots.style import BLUE, INK, MUTED, ORANGE, PAPER, VERMILION
 
 WIDTH, HEIGHT = 720, 210
@@ -34,49 +34,52 @@ padding: 0 1rem }} h1 {{ font-size: 1.3rem }}</style></head>
 """
 
 
-def fragment(drive: Drive, report: Report) -> str:
+def html_fragment(drive: Drive, report: Report) -> str:
     """Return the timeline and the braking events as HTML without scripts, for a notebook."""
     rows = "".join(
-        _row(drive, braking, number) for number, braking in enumerate(report.brakings, start=1)
+        _braking_row(drive, braking, number)
+        for number, braking in enumerate(report.brakings, start=1)
     )
     nothing = "<p>The car never braked.</p>" if not report.brakings else ""
     end = ""
     if report.collision:
-        picture = _picture(drive, len(drive.moments) - 1, None)
+        picture = _scan_picture(drive, len(drive.moments) - 1, None)
         end = (
             f"<div style='border:4px solid {VERMILION};padding:0.3em 0.8em'>"
             f"<b>{html.escape(report.collision)}</b><br>{picture}</div>"
         )
-    return f"<div style='max-width:100%'>{_svg(drive, report)}{nothing}{rows}{end}</div>"
+    return f"<div style='max-width:100%'>{_draw_speed(drive, report)}{nothing}{rows}{end}</div>"
 
 
 def write_page(drive: Drive, report: Report, path: str | os.PathLike) -> Path:
     """Write the timeline as a standalone page that needs no network."""
     title = f"Street {drive.street.number} · {drive.street.title}"
     path = Path(path)
-    path.write_text(PAGE.format(title=html.escape(title), body=fragment(drive, report)), "utf-8")
+    path.write_text(
+        PAGE.format(title=html.escape(title), body=html_fragment(drive, report)), "utf-8"
+    )
     return path
 
 
-def _token(drive: Drive) -> str:
+def _id_suffix(drive: Drive) -> str:
     """Return a suffix that makes the HTML ids of this drive unique on a page with other drives."""
     positions = np.array([moment.position for moment in drive.moments])
     return f"{drive.street.number}-{zlib.crc32(positions.tobytes()):08x}"
 
 
-def _row(drive: Drive, braking: Braking, number: int) -> str:
+def _braking_row(drive: Drive, braking: Braking, number: int) -> str:
     """Return a line of HTML that describes a braking event and expands to show its frame."""
     kind = "needless: " if braking.needless else ""
     mark = "✗" if braking.needless else "✓"
     time = f"{drive.moments[braking.first].time:.1f} s"
-    picture = _picture(drive, braking.scan, braking)
+    picture = _scan_picture(drive, braking.scan, braking)
     return (
         f"<details><summary>{mark} {number} · {time} · {kind}{html.escape(str(braking))}"
-        f"</summary><div id='braking-{_token(drive)}-{number}'>{picture}</div></details>"
+        f"</summary><div id='braking-{_id_suffix(drive)}-{number}'>{picture}</div></details>"
     )
 
 
-def _svg(drive: Drive, report: Report) -> str:
+def _draw_speed(drive: Drive, report: Report) -> str:
     """Draw the speed over time, with numbered braking events; needless ones are hatched."""
     last = max(len(drive.moments) - 1, 1)
     top = max(36.0, 3.6 * max(moment.speed for moment in drive.moments) * 1.1)
@@ -87,7 +90,7 @@ def _svg(drive: Drive, report: Report) -> str:
     def down(speed: float) -> float:
         return HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * 3.6 * speed / top
 
-    token = _token(drive)
+    token = _id_suffix(drive)
     parts = [
         f"<rect width='{WIDTH}' height='{HEIGHT}' fill='{PAPER}'/>",
         f"<defs><pattern id='needless-{token}' width='8' height='8' patternUnits='userSpaceOnUse' "
@@ -140,11 +143,11 @@ def _svg(drive: Drive, report: Report) -> str:
     )
 
 
-def _picture(drive: Drive, number: int, braking: Braking | None) -> str:
-    """Draw a scan and return it as an HTML image; see `draw`."""
+def _scan_picture(drive: Drive, number: int, braking: Braking | None) -> str:
+    """Draw a scan and return it as an HTML image; see `draw_scan`."""
     import matplotlib.pyplot as plt
 
-    axes = draw(drive, number, braking)
+    axes = draw_scan(drive, number, braking)
     buffer = io.BytesIO()
     axes.figure.savefig(buffer, format="png", dpi=90, bbox_inches="tight")
     plt.close(axes.figure)
@@ -156,7 +159,7 @@ def _picture(drive: Drive, number: int, braking: Braking | None) -> str:
     )
 
 
-def draw(drive: Drive, number: int, braking: Braking | None = None) -> object:
+def draw_scan(drive: Drive, number: int, braking: Braking | None = None) -> object:
     """Draw a scan from above with its boxes and the corridor, and return the axes.
 
     Parameters
@@ -173,7 +176,7 @@ def draw(drive: Drive, number: int, braking: Braking | None = None) -> object:
     from utils import plots
 
     moment, frame = drive.moments[number], drive.frame(number)
-    boxes = moment.boxes if not moment.busy else known(drive, moment)
+    boxes = moment.boxes if not moment.is_busy else latest_boxes(drive, moment)
     true = [box.corners for box in frame.boxes if box.kind in drive.street.road_users.values()]
     axes = plots.boxes(
         np.reshape(true, (-1, 8, 3)),
@@ -184,7 +187,7 @@ def draw(drive: Drive, number: int, braking: Braking | None = None) -> object:
         title=f"Frame {number}, {3.6 * moment.speed:.0f} km/h",
     )
     plots.boxes(boxes, axes=axes, label="found")
-    reach = BUMPER + STANDSTILL + stopping_distance(moment.speed)
+    reach = BUMPER + STANDSTILL_GAP + stopping_distance(moment.speed)
     corridor = plt.Rectangle(
         (BUMPER, -CORRIDOR), reach - BUMPER, 2 * CORRIDOR, fill=False, linestyle="--", color=INK
     )

@@ -43,9 +43,9 @@ class Trip:
 
             write_page(self.drive, self.report, path)
             return "A page with the speed over time and the frame of each braking event."
-        from utils.drive.film import film
+        from utils.drive.film import make_film
 
-        return film(self.drive, self.report, path).recap
+        return make_film(self.drive, self.report, path).recap
 
     def __str__(self) -> str:
         street, report = self.drive.street, self.report
@@ -58,7 +58,7 @@ class Trip:
             words.append(f"  {time:4.1f} s  {'needless: ' if braking.needless else ''}{braking}")
         if report.collision:
             words.append(f"  {report.seconds:4.1f} s  {report.collision}")
-        words += [f"  {line}" for line in comfort(report)]
+        words += [f"  {line}" for line in comfort_sentences(report)]
         if self.drive.problems:
             failed, first = len(self.drive.problems), self.drive.problems[0]
             words.append(
@@ -72,29 +72,32 @@ class Trip:
     def _repr_html_(self) -> str:
         import html
 
-        from utils.drive.timeline import fragment
+        from utils.drive.timeline import html_fragment
 
         street = self.drive.street
         lines = [f"<b>Street {street.number} · {html.escape(street.title)}</b>"]
         lines += [f"{self.report.metres:.0f} m in {self.report.seconds:.0f} s"]
-        lines += comfort(self.report)
+        lines += comfort_sentences(self.report)
         lines += [html.escape(problem) for problem in self.drive.problems[:1]]
-        return f"<p>{'<br>'.join(lines)}</p>{fragment(self.drive, self.report)}"
+        return f"<p>{'<br>'.join(lines)}</p>{html_fragment(self.drive, self.report)}"
 
 
-def comfort(report: Report) -> list[str]:
+def comfort_sentences(report: Report) -> list[str]:
     """Describe the comfort, the closest pass and the detector's delay in sentences."""
     words = []
-    if report.hardest > 1.0:
+    if report.hardest_braking > 1.0:
         words.append(
-            f"Hardest braking: {report.hardest:.1f} m/s². Harsh braking: {report.harsh:.1f} s."
+            f"Hardest braking: {report.hardest_braking:.1f} m/s². "
+            f"Harsh braking: {report.harsh_seconds:.1f} s."
         )
-    if report.closest_kind and report.closest < 5:
-        words.append(f"Closest pass: {report.closest:.1f} m from {report.closest_kind}.")
+    if report.closest_kind and report.closest_distance < 5:
+        words.append(f"Closest pass: {report.closest_distance:.1f} m from {report.closest_kind}.")
     if report.near_misses:
         words.append(f"Near misses: {report.near_misses}.")
-    if report.age > 0.15:
-        words.append(f"The detector is slow. The car used scans that were {report.age:.1f} s old.")
+    if report.scan_age > 0.15:
+        words.append(
+            f"The detector is slow. The car used scans that were {report.scan_age:.1f} s old."
+        )
     return words
 
 

@@ -16,7 +16,7 @@ from utils.films.writers import Film, write_film
 from utils.progress import progress
 from utils.scene3d import Scene
 from utils.scene3d.cameras import Camera, as_camera
-from utils.scene3d.output import picture_of, renderer_for
+from utils.scene3d.output import choose_renderer, picture_of
 from utils.tracking import Tracker
 
 SIZE = (960, 540)
@@ -39,13 +39,13 @@ class DetectedFrame:
     cloud : ndarray, shape (n, 3) or (n, 4)
     true_boxes : tuple of utils.boxes.Box
         True boxes of road users; empty if they are unknown.
-    found : ndarray, shape (N, 8, 3), or None
+    boxes : ndarray, shape (N, 8, 3), or None
         Boxes of the detector; None without a detector, or if it failed.
     seconds : float
         Computing time of the detector.
     problem : str
         Reason why the detector failed; empty if it did not.
-    names : tuple of int or None
+    track_ids : tuple of int or None
         Track ID of each box; None without a tracker.
     trails : tuple of ndarray, shape (m, 3)
         Latest centres of each tracked object, oldest first, each relative to the scanner at that
@@ -57,10 +57,10 @@ class DetectedFrame:
     time: float
     cloud: np.ndarray
     true_boxes: tuple
-    found: np.ndarray | None = None
+    boxes: np.ndarray | None = None
     seconds: float = 0.0
     problem: str = ""
-    names: tuple[int, ...] | None = None
+    track_ids: tuple[int, ...] | None = None
     trails: tuple[np.ndarray, ...] = ()
 
     @property
@@ -69,9 +69,9 @@ class DetectedFrame:
         words = [f"frame {self.number} of {self.total}", f"{self.time:.1f} s"]
         if self.problem:
             words.append(f"the detector failed: {self.problem}"[:90])
-        elif self.found is not None:
+        elif self.boxes is not None:
             words.append(f"detected in {1000 * self.seconds:.0f} ms")
-            words.append(f"{len(self.found)} box" + ("" if len(self.found) == 1 else "es"))
+            words.append(f"{len(self.boxes)} box" + ("" if len(self.boxes) == 1 else "es"))
         return " · ".join(words)
 
 
@@ -99,7 +99,7 @@ def watch(
         `DetectedFrame.problem`, so that one unusual scan does not end the film.
     """
     times = getattr(frames, "times", np.arange(len(frames)) / 10)  # most scanners run at 10 Hz
-    follower, before = _Follower(tracker) if tracker else None, None
+    follower, before = _TrailRecorder(tracker) if tracker else None, None
     for number, frame in enumerate(frames, start=1):
         cloud = np.asarray(getattr(frame, "cloud", frame))
         moment = float(getattr(frame, "time", times[number - 1]))
@@ -112,7 +112,7 @@ def watch(
                 start = time.perf_counter()
                 found = detect(cloud)
                 seconds = time.perf_counter() - start
-                found = checked_boxes(found)
+                found = as_boxes(found)
                 if follower:
                     since = moment - before if before is not None else 0.1
                     names, trails = follower.follow(found, since)
@@ -126,7 +126,7 @@ def watch(
         )
 
 
-class _Follower:
+class _TrailRecorder:
     """Applies a tracker to each frame and keeps the trail of each object."""
 
     def __init__(self, tracker: Tracker) -> None:
@@ -141,7 +141,7 @@ class _Follower:
         tracks = self._tracker.tracks
         self._trails = {
             name: [*self._trails.get(name, ()), box.mean(axis=0)][-TRAIL:]
-            for name, box in zip(tracks.names.tolist(), tracks.boxes, strict=True)
+            for name, box in zip(tracks.ids.tolist(), tracks.boxes, strict=True)
         }
         return tuple(names.tolist()), tuple(map(np.array, self._trails.values()))
 
@@ -154,11 +154,11 @@ def scene_of(frame: DetectedFrame, title: str = "") -> Scene:
     scene = Scene(title).add_cloud(frame.cloud)
     if frame.true_boxes:
         corners = np.array([box.corners for box in frame.true_boxes])
-        names = None if frame.found is not None else [box.kind for box in frame.true_boxes]
+        names = None if frame.boxes is not None else [box.kind for box in frame.true_boxes]
         scene.add_oriented_boxes(corners, reference=True, names=names, name="true boxes")
-    if frame.found is not None:
-        names = True if frame.names is None else frame.names
-        scene.add_oriented_boxes(frame.found, names=names, name="detected boxes")
+    if frame.boxes is not None:
+        names = True if frame.track_ids is None else frame.track_ids
+        scene.add_oriented_boxes(frame.boxes, names=names, name="detected boxes")
     if frame.trails:
         scene.add_trails(frame.trails)
     scene.caption = frame.caption
@@ -213,7 +213,7 @@ def record(
     detected = []
 
     def images() -> Iterator[np.ndarray]:
-        with picture_taker(size, camera, renderer) as take:
+        with open_renderer(size, camera, renderer) as take:
             bar = progress(range(len(frames)), f"Recording {path.name}")
             for frame, _ in zip(watch(frames, detect, tracker), bar, strict=False):
                 yield take(compose(frame))
@@ -221,23 +221,23 @@ def record(
             next(bar, None)  # complete the progress bar
 
     write_film(path, images(), frames_per_second)
-    found = [frame for frame in detected if frame.found is not None]
+    found = [frame for frame in detected if frame.boxes is not None]
     return Film(
         path,
         len(detected),
         tuple(frame.seconds for frame in found),
-        tuple(len(frame.found) for frame in found),
+        tuple(len(frame.boxes) for frame in found),
         tuple(f"frame {frame.number}, {frame.problem}" for frame in detected if frame.problem),
         f"A film of a street seen {camera.seen_from}, drawn from the points of a scanner.",
     )
 
 
 @contextmanager
-def picture_taker(
+def open_renderer(
     size: tuple[int, int], camera: Camera, renderer: str | None
 ) -> Iterator[Callable[[Scene], np.ndarray]]:
     """Yield a function that draws scenes; with PyVista, all pictures share one `Studio`."""
-    if renderer_for(renderer) == "matplotlib":
+    if choose_renderer(renderer) == "matplotlib":
         yield lambda scene: picture_of(scene, camera, size, "matplotlib")
         return
     from utils.scene3d.with_pyvista import Studio
@@ -246,7 +246,7 @@ def picture_taker(
         yield lambda scene: studio.picture(scene, camera)
 
 
-def checked_boxes(found: ArrayLike) -> np.ndarray:
+def as_boxes(found: ArrayLike) -> np.ndarray:
     """Return boxes as a float array (N, 8, 3), or raise `ValueError` for any other shape."""
     boxes = np.asarray(found, dtype=float)
     if boxes.size == 0:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from utils.scene3d.output import encoded, in_few_colours
+from utils.scene3d.output import encode_image, reduce_colours
 
 COLOURS_OF_A_GIF = 128
 MOST_EMBEDDED = 30_000_000  # bytes; a notebook with a larger film opens slowly
@@ -33,7 +33,7 @@ class Film:
         Number of boxes found in each frame.
     problems : tuple of str
         One sentence for each frame in which the detector failed.
-    seen : str
+    description : str
         Description of the picture, for readers who cannot see it.
     """
 
@@ -42,12 +42,12 @@ class Film:
     seconds: tuple[float, ...] = ()
     boxes: tuple[int, ...] = ()
     problems: tuple[str, ...] = ()
-    seen: str = "A film of a street, drawn from the points of a scanner."
+    description: str = "A film of a street, drawn from the points of a scanner."
 
     @property
     def recap(self) -> str:
         """Description of the film in words."""
-        words = [self.seen, f"{self.frames} frame{'' if self.frames == 1 else 's'}."]
+        words = [self.description, f"{self.frames} frame{'' if self.frames == 1 else 's'}."]
         if self.boxes:
             low, high = min(self.boxes), max(self.boxes)
             number = f"{low}" if low == high else f"{low} to {high}"
@@ -102,15 +102,15 @@ def write_mp4(path: Path, images: Iterator[np.ndarray], frames_per_second: float
         writer.close()  # also after Ctrl-C or an error, when `with` would not close the writer
 
 
-def suffix_of_films() -> str:
+def best_film_suffix() -> str:
     """Return the suffix of the best film format available here: ".mp4", or else ".gif"."""
     return ".mp4" if importlib.util.find_spec("imageio_ffmpeg") else ".gif"
 
 
 def write_gif(path: Path, images: Iterator[np.ndarray], frames_per_second: float) -> None:
     """Write images with one shared palette, so that unchanged areas take almost no space."""
-    first = in_few_colours(next(images), COLOURS_OF_A_GIF)
-    others = (in_few_colours(image, COLOURS_OF_A_GIF, like=first) for image in images)
+    first = reduce_colours(next(images), COLOURS_OF_A_GIF)
+    others = (reduce_colours(image, COLOURS_OF_A_GIF, like=first) for image in images)
     duration = 1000 / frames_per_second
     first.save(path, save_all=True, append_images=others, loop=0, optimize=False, duration=duration)
 
@@ -118,7 +118,7 @@ def write_gif(path: Path, images: Iterator[np.ndarray], frames_per_second: float
 def write_png(path: Path, images: Iterator[np.ndarray], frames_per_second: float) -> None:
     """Write the last image."""
     for image in images:
-        path.write_bytes(encoded(image, "PNG"))
+        path.write_bytes(encode_image(image, "PNG"))
 
 
 WRITERS = {".mp4": write_mp4, ".gif": write_gif, ".png": write_png}

@@ -1,19 +1,33 @@
 """Geometry of planes and kd-trees for checks, hidden tests and pictures."""
 
-from utils.geometry.planes import best_plane, gaps_from, plane_at, spread_of, with_unit_normal
-from utils.geometry.trees import SIDES, TreeNode, grown, in_turn, places_of, regions_of, table_of
+from utils.geometry.planes import (
+    best_plane,
+    distances_from_plane,
+    plane_through_point,
+    principal_components,
+    with_unit_normal,
+)
+from utils.geometry.trees import (
+    SIDES,
+    TreeNode,
+    alternating_axis,
+    grow_tree,
+    nodes_by_path,
+    regions_by_index,
+    tree_as_lists,
+)
 
 __all__ = [
     "SIDES",
     "TreeNode",
     "best_plane",
-    "gaps_from",
-    "grown",
-    "in_turn",
-    "places_of",
-    "plane_at",
-    "regions_of",
-    "spread_of",
-    "table_of",
+    "distances_from_plane",
+    "grow_tree",
+    "alternating_axis",
+    "nodes_by_path",
+    "plane_through_point",
+    "regions_by_index",
+    "principal_components",
+    "tree_as_lists",
     "with_unit_normal",
 ]

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 
-def gaps_from(points: np.ndarray, plane: np.ndarray) -> np.ndarray:
+def distances_from_plane(points: np.ndarray, plane: np.ndarray) -> np.ndarray:
     """Return the distance of each point from a plane; shape (n,)."""
     gaps = np.asarray(points, dtype=float)[:, :3] @ plane[:3] + plane[3]
     return np.abs(gaps) / np.linalg.norm(plane[:3])
@@ -25,20 +25,20 @@ def best_plane(points: np.ndarray) -> tuple[np.ndarray, float]:
     distance : float
         In the unit of the points.
     """
-    centre, variances, directions = spread_of(points)
-    return plane_at(centre, directions[:, 0]), math.sqrt(max(variances[0], 0.0))
+    centre, variances, directions = principal_components(points)
+    return plane_through_point(centre, directions[:, 0]), math.sqrt(max(variances[0], 0.0))
 
 
-def spread_of(points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def principal_components(points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the mean of points, and their principal variances (ascending) and axes (columns)."""
     xyz = np.asarray(points, dtype=float)[:, :3]
     centre = xyz.mean(axis=0)
     return centre, *np.linalg.eigh((xyz - centre).T @ (xyz - centre) / len(xyz))
 
 
-def plane_at(place: np.ndarray, normal: np.ndarray) -> np.ndarray:
+def plane_through_point(point: np.ndarray, normal: np.ndarray) -> np.ndarray:
     """Return the plane, shape (4,), through a point, shape (3,), with a normal, shape (3,)."""
-    return np.append(normal, -normal @ place)
+    return np.append(normal, -normal @ point)
 
 
 def with_unit_normal(plane: np.ndarray) -> np.ndarray:

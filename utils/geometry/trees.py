@@ -10,22 +10,22 @@ SIDES = {"l": "left", "r": "right"}
 
 
 class TreeNode:
-    """A node of a correct tree; `arrival` is the row of its point in the input."""
+    """A node of a correct tree; `input_row` is the row of its point in the input."""
 
-    def __init__(self, point: list[float], index: int, arrival: int = 0) -> None:
-        self.point, self.index, self.arrival = point, index, arrival
+    def __init__(self, point: list[float], index: int, input_row: int = 0) -> None:
+        self.point, self.index, self.input_row = point, index, input_row
         self.left = self.right = None
 
 
-def in_turn(depth: int, dimensions: int) -> int:
+def alternating_axis(depth: int, dimensions: int) -> int:
     """Return the axis to compare at a depth: x at the root, then each axis in turn."""
     return depth % dimensions
 
 
-def grown(
+def grow_tree(
     points: ArrayLike,
     indices: Sequence[int] | None = None,
-    axis_at: Callable[[int, int], int] = in_turn,
+    axis_at: Callable[[int, int], int] = alternating_axis,
     goes_left: Callable[[float, float], bool] = operator.lt,
 ) -> TreeNode | None:
     """Build the tree that results from inserting points one by one; return None without points.
@@ -64,7 +64,7 @@ def grown(
     return nodes[0] if nodes else None
 
 
-def places_of(root: TreeNode | None) -> dict[str, TreeNode]:
+def nodes_by_path(root: TreeNode | None) -> dict[str, TreeNode]:
     """Return the nodes of a tree by their paths: "" is the root, "lr" is left and then right.
 
     Returns
@@ -80,7 +80,7 @@ def places_of(root: TreeNode | None) -> dict[str, TreeNode]:
     return dict(waiting)
 
 
-def table_of(root: TreeNode | None) -> tuple[list, list, list, list]:
+def tree_as_lists(root: TreeNode | None) -> tuple[list, list, list, list]:
     """Return a tree as lists with one entry per node, for `KdTree.plant`.
 
     Returns
@@ -90,7 +90,7 @@ def table_of(root: TreeNode | None) -> tuple[list, list, list, list]:
         Rows of the children; -1 for a missing child.
     indices : list of int
     """
-    nodes = list(places_of(root).values())
+    nodes = list(nodes_by_path(root).values())
     rows = {id(node): row for row, node in enumerate(nodes)}
     rows[id(None)] = -1
     return (
@@ -101,7 +101,7 @@ def table_of(root: TreeNode | None) -> tuple[list, list, list, list]:
     )
 
 
-def regions_of(root: TreeNode) -> dict[int, tuple[np.ndarray, np.ndarray]]:
+def regions_by_index(root: TreeNode) -> dict[int, tuple[np.ndarray, np.ndarray]]:
     """Return the region of space that each node of a correct tree covers.
 
     Returns
@@ -109,7 +109,7 @@ def regions_of(root: TreeNode) -> dict[int, tuple[np.ndarray, np.ndarray]]:
     dict of int to tuple of numpy.ndarray
         For each node's index: the lowest and the highest corner, both (k,) and possibly infinite.
     """
-    places = places_of(root)
+    places = nodes_by_path(root)
     regions = {}
     for path, node in places.items():
         low, high = np.full((2, len(node.point)), [[-np.inf], [np.inf]])

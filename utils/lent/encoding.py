@@ -33,7 +33,7 @@ def _walk(start: list) -> Iterator[str]:
     while waiting:
         value = waiting.pop()
         if isinstance(value, np.ndarray):
-            yield _array_text(value)
+            yield _array_key_text(value)
         elif value is None or isinstance(value, str | bytes):
             yield repr(value)
         elif isinstance(value, numbers.Number):
@@ -58,7 +58,7 @@ def _walk(start: list) -> Iterator[str]:
             yield getattr(value, "__name__", type(value).__name__)
 
 
-def _array_text(array: np.ndarray) -> str:
+def _array_key_text(array: np.ndarray) -> str:
     if array.dtype.kind not in "biuf":
         return f"{array.shape} {array.tolist()}"
     flat = np.nan_to_num(array.astype(float).ravel(), nan=7.7, posinf=8.8, neginf=9.9)
@@ -69,16 +69,16 @@ def _array_text(array: np.ndarray) -> str:
 
 def rng_states(arguments: tuple, keywords: dict) -> list:
     """Return the states of the random generators among the arguments, in order."""
-    return [rng.bit_generator.state for rng in _generators(arguments, keywords)]
+    return [rng.bit_generator.state for rng in _random_generators(arguments, keywords)]
 
 
 def set_rng_states(arguments: tuple, keywords: dict, states: list) -> None:
     """Set the generators among the arguments to their states after the recorded call."""
-    for generator, state in zip(_generators(arguments, keywords), states, strict=False):
+    for generator, state in zip(_random_generators(arguments, keywords), states, strict=False):
         generator.bit_generator.state = state
 
 
-def _generators(arguments: tuple, keywords: dict) -> list[np.random.Generator]:
+def _random_generators(arguments: tuple, keywords: dict) -> list[np.random.Generator]:
     given = [*arguments, *keywords.values()]
     return [value for value in given if isinstance(value, np.random.Generator)]
 
@@ -114,7 +114,7 @@ def encode(answer: object, arguments: tuple = ()) -> object:
             # Far more digits than `key_of` uses, because an answer may be the next call's argument.
             return float(f"{float(value):.15g}")
         if isinstance(value, np.ndarray):
-            return _array(value, arguments)
+            return _encode_array(value, arguments)
         if isinstance(value, list):
             return [encoded(part) for part in value]
         if isinstance(value, tuple):
@@ -142,12 +142,12 @@ def encode(answer: object, arguments: tuple = ()) -> object:
     return {"answer": stored, "objects": table} if table else stored
 
 
-def _array(array: np.ndarray, arguments: tuple) -> dict:
+def _encode_array(array: np.ndarray, arguments: tuple) -> dict:
     for number, argument in enumerate(arguments):
         rows = _rows_of(array, argument)
         if rows is not None:
-            return {"rows_of": number, "mask": _packed(np.packbits(rows).tobytes())}
-        pairs = _renaming(array, argument)
+            return {"rows_of": number, "mask": _pack(np.packbits(rows).tobytes())}
+        pairs = _relabelling(array, argument)
         if pairs is not None:
             return {"renamed": number, "pairs": pairs}
     kind = array.dtype.kind
@@ -160,7 +160,7 @@ def _array(array: np.ndarray, arguments: tuple) -> dict:
         if array.size <= FEW:
             return about | {"numbers": [float(f"{x:.15g}") for x in array.ravel().tolist()]}
         if not np.isfinite(array).all() or np.abs(array).max() > 1e4:
-            return about | {"single": _packed(array.astype("<f4").tobytes())}
+            return about | {"single": _pack(array.astype("<f4").tobytes())}
         step = FINE if array.size <= MANY else COARSE
         whole = np.round(array / step).astype(np.int64)
         about["step"] = step
@@ -170,7 +170,7 @@ def _array(array: np.ndarray, arguments: tuple) -> dict:
     # significance next to each other helps further.
     change = np.diff(whole.reshape(len(array), -1), axis=0, prepend=0)
     planes = change.astype("<i8").ravel().view(np.uint8).reshape(-1, 8).T
-    return about | {"changes": _packed(planes.tobytes())}
+    return about | {"changes": _pack(planes.tobytes())}
 
 
 def _rows_of(array: np.ndarray, argument: object) -> np.ndarray | None:
@@ -186,7 +186,7 @@ def _rows_of(array: np.ndarray, argument: object) -> np.ndarray | None:
     return mask if found == len(wanted) else None
 
 
-def _renaming(array: np.ndarray, argument: object) -> list | None:
+def _relabelling(array: np.ndarray, argument: object) -> list | None:
     """Return old and new labels if the answer relabels the argument consistently; else None."""
     if not isinstance(argument, np.ndarray) or array.ndim != 1 or array.shape != argument.shape:
         return None
@@ -227,12 +227,12 @@ def decode(stored: object, arguments: tuple, namespace: dict) -> object:
             return made[value["object"]]
         if "rows_of" in value:
             rows = arguments[value["rows_of"]]
-            bits = np.frombuffer(_unpacked(value["mask"]), np.uint8)
+            bits = np.frombuffer(_unpack(value["mask"]), np.uint8)
             return rows[np.unpackbits(bits, count=len(rows)).astype(bool)]
         if "renamed" in value:
             old, new = (np.array(part, dtype=np.int64) for part in value["pairs"])
             return new[np.searchsorted(old, arguments[value["renamed"]])]
-        return _as_array(value)
+        return _decode_array(value)
 
     for thing, entry in zip(made, table, strict=True):
         for name, value in entry["fields"].items():
@@ -246,22 +246,22 @@ def _class_of(entry: dict, namespace: dict) -> type:
     return namespace[entry["class"]]
 
 
-def _as_array(stored: dict) -> np.ndarray:
+def _decode_array(stored: dict) -> np.ndarray:
     shape = tuple(stored["shape"])
     kind = {"f": float, "b": bool}.get(stored["kind"], np.int64)
     if "numbers" in stored:
         return np.array(stored["numbers"], dtype=kind).reshape(shape)
     if "single" in stored:
-        return np.frombuffer(_unpacked(stored["single"]), "<f4").astype(float).reshape(shape)
-    planes = np.frombuffer(_unpacked(stored["changes"]), np.uint8).reshape(8, -1)
+        return np.frombuffer(_unpack(stored["single"]), "<f4").astype(float).reshape(shape)
+    planes = np.frombuffer(_unpack(stored["changes"]), np.uint8).reshape(8, -1)
     whole = np.ascontiguousarray(planes.T).view("<i8").ravel()
     whole = np.cumsum(whole.reshape(shape[0], -1), axis=0).reshape(shape)
     return whole * stored["step"] if "step" in stored else whole.astype(kind)
 
 
-def _packed(data: bytes) -> str:
+def _pack(data: bytes) -> str:
     return base64.b85encode(zlib.compress(data, 9)).decode()
 
 
-def _unpacked(text: str) -> bytes:
+def _unpack(text: str) -> bytes:
     return zlib.decompress(base64.b85decode(text))

@@ -43,36 +43,36 @@ class Recorder(Lender):
                 function = self._namespace.get(name)
                 if callable(function) and not hasattr(function, "is_recorded"):
                     # Use the function itself, because older stored answers may already replace it.
-                    self._namespace[name] = self._wrapped(name, own(function), answers)
+                    self._namespace[name] = self._wrap(name, own(function), answers)
         for name in CALLERS:
             caller = self._namespace.get(name)
             if callable(caller) and not hasattr(caller, "is_unheard"):
-                self._namespace[name] = self._unrecorded(caller)
+                self._namespace[name] = self._without_recording(caller)
 
-    def _unrecorded(self, caller: Callable) -> Callable:
+    def _without_recording(self, caller: Callable) -> Callable:
         @functools.wraps(caller)
         def unrecorded(*arguments: object, **keywords: object) -> object:
-            with self._nested():
+            with self._nested_call():
                 return caller(*arguments, **keywords)
 
         unrecorded.is_unheard = True
         return unrecorded
 
     @contextlib.contextmanager
-    def _nested(self) -> Iterator[None]:
+    def _nested_call(self) -> Iterator[None]:
         self._depth += 1
         try:
             yield
         finally:
             self._depth -= 1
 
-    def _wrapped(self, name: str, function: Callable, answers: dict) -> Callable:
+    def _wrap(self, name: str, function: Callable, answers: dict) -> Callable:
         @functools.wraps(function)
         def recorded(*arguments: object, **keywords: object) -> object:
             if self._depth:
                 return function(*arguments, **keywords)
             key = key_of(arguments, keywords)
-            with self._nested():
+            with self._nested_call():
                 answer = function(*arguments, **keywords)
             try:
                 answers[key] = {"answer": encode(answer, arguments)}

@@ -24,7 +24,7 @@ class RerunPlan:
     ----------
     functions : frozenset of str
         The functions in question on which the cell depends, directly or indirectly.
-    given : frozenset of str
+    argument_takers : frozenset of str
         Other functions in question that received a value the cell needs, and may have changed it.
     statements : tuple of Statement
         The statements to rerun before the cell, in this order.
@@ -33,7 +33,7 @@ class RerunPlan:
     """
 
     functions: frozenset[str]
-    given: frozenset[str]
+    argument_takers: frozenset[str]
     statements: tuple[Statement, ...]
     names: frozenset[str]
 
@@ -62,10 +62,10 @@ def free_names(source: str) -> set[str]:
     return found
 
 
-def plan(
+def plan_rerun(
     cells: Sequence[str],
     callers: Mapping[str, Collection[str]],
-    broken: Collection[int],
+    failed_positions: Collection[int],
     include_changed: bool = False,
 ) -> RerunPlan:
     """Plan the rerun for the last of some cells.
@@ -76,19 +76,21 @@ def plan(
         The cells of the lesson, in order; an empty string for a cell that did not run.
     callers : mapping of str to collection of str
         For each function in question, its own name and the names of the functions that call it.
-    broken : collection of int
+    failed_positions : collection of int
         Positions of cells that failed; their statements count as not run.
     include_changed : bool
         Whether to recompute the arguments of functions in question, which may have changed them.
     """
     statements = slicing.parse_notebook(cells)[0]
     callables = {name for names in callers.values() for name in names}
-    depends = _depending(statements, callables)
-    given = {
-        name: set(_given(statements, names)) for name, names in callers.items() if include_changed
+    depends = _dependency_flags(statements, callables)
+    argument_names = {
+        name: set(_argument_names(statements, names))
+        for name, names in callers.items()
+        if include_changed
     }
-    renewed = set().union(*given.values())
-    stale = _depending(statements, callables | renewed)
+    renewed = set().union(*argument_names.values())
+    stale = _dependency_flags(statements, callables | renewed)
     modules = {
         name
         for statement in statements
@@ -103,7 +105,7 @@ def plan(
         if statement.cell < len(cells):
             if not (statement.binds | changes) & needed:
                 continue
-            wanted = statement.cell - 1 in broken or (stale[position] and not defines)
+            wanted = statement.cell - 1 in failed_positions or (stale[position] and not defines)
             if wanted or statement.binds & renewed:
                 kept.append(statement)
                 renewed = renewed | changes
@@ -111,11 +113,13 @@ def plan(
         if depends[position] and not defines:
             names |= statement.binds | statement.changes
     functions = frozenset(name for name, others in callers.items() if needed & set(others))
-    others = frozenset(name for name, values in given.items() if needed & values) - functions
+    others = (
+        frozenset(name for name, values in argument_names.items() if needed & values) - functions
+    )
     return RerunPlan(functions, others, tuple(reversed(kept)), frozenset(names))
 
 
-def _depending(statements: Sequence[Statement], names: Collection[str]) -> list[bool]:
+def _dependency_flags(statements: Sequence[Statement], names: Collection[str]) -> list[bool]:
     """Return, for each statement, whether it uses one of the names or a value derived from one."""
     touched, found = set(names), []
     for statement in statements:
@@ -151,7 +155,7 @@ def _names_in(node: ast.AST, context: type = ast.expr_context) -> set[str]:
     }
 
 
-def _given(statements: Sequence[Statement], functions: Collection[str]) -> Iterator[str]:
+def _argument_names(statements: Sequence[Statement], functions: Collection[str]) -> Iterator[str]:
     """Yield the names that are passed as arguments in calls of some functions."""
     for statement in statements:
         for node in ast.walk(statement.node):

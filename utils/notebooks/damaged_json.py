@@ -24,7 +24,7 @@ _DECODER = json.JSONDecoder(strict=False)
 
 
 @dataclass(frozen=True)
-class Side:
+class ConflictSide:
     """One side of the merge conflicts in a text.
 
     Attributes
@@ -57,20 +57,20 @@ def parse(text: str, name: str) -> tuple[object, str, bool]:
     is_whole : bool
         Whether the end of the content was found.
     """
-    candidates = [Side("", text), *sides_of_conflicts(text, name)]
+    candidates = [ConflictSide("", text), *sides_of_conflicts(text, name)]
     for repair in (_unchanged, _without_trailing_commas):
         for side in candidates:
             try:
                 content, rest = _decode(repair(side.text))
             except ValueError:
                 continue
-            return content, _joined(side.sentence, _about_rest(rest, name)), True
+            return content, _join_sentences(side.sentence, _describe_rest(rest, name)), True
     side = candidates[min(1, len(candidates) - 1)]
-    content = _whole_cells(_without_trailing_commas(_without_deep_nesting(side.text)))
+    content = _complete_cells(_without_trailing_commas(_without_deep_nesting(side.text)))
     return content, side.sentence, False
 
 
-def sides_of_conflicts(text: str, name: str) -> tuple[Side, ...]:
+def sides_of_conflicts(text: str, name: str) -> tuple[ConflictSide, ...]:
     """Return both sides of a text with merge conflicts; nothing if no conflict is complete."""
     if "<<<<<<<" not in text:
         return ()
@@ -92,8 +92,8 @@ def sides_of_conflicts(text: str, name: str) -> tuple[Side, ...]:
     if not found:
         return ()
     return tuple(
-        Side(
-            f"A merge conflict was left in {name}. {whose}{_in_brackets(label)} was judged. "
+        ConflictSide(
+            f"A merge conflict was left in {name}. {whose}{_bracketed(label)} was judged. "
             "Resolve the conflict, and submit the file again.",
             "\n".join(lines),
         )
@@ -101,7 +101,7 @@ def sides_of_conflicts(text: str, name: str) -> tuple[Side, ...]:
     )
 
 
-def _in_brackets(label: str) -> str:
+def _bracketed(label: str) -> str:
     return f" ({label[:LONGEST_LABEL]})" if label else ""
 
 
@@ -115,10 +115,10 @@ def _without_trailing_commas(text: str) -> str:
 
 def _without_deep_nesting(text: str) -> str:
     """Replace everything that is nested too deep to be parsed, which only outputs can be."""
-    return "".join(_shallow_parts(text))
+    return "".join(_split_off_deep_nesting(text))
 
 
-def _shallow_parts(text: str) -> Iterator[str]:
+def _split_off_deep_nesting(text: str) -> Iterator[str]:
     depth, begin = 0, 0
     for token in _STRING_OR_BRACKET.finditer(text):
         if token[0] in ("[", "{"):
@@ -144,18 +144,18 @@ def _decode(text: str) -> tuple[object, str]:
     return content, text[end:].strip(" \t\r\n\0")
 
 
-def _about_rest(rest: str, name: str) -> str:
+def _describe_rest(rest: str, name: str) -> str:
     return rest and (
         f"{name} continues after the end of the notebook, for example with a second copy. Only "
         "the notebook itself was read. Save it again in Jupyter and submit it again."
     )
 
 
-def _joined(*sentences: str) -> str:
+def _join_sentences(*sentences: str) -> str:
     return " ".join(filter(None, sentences))
 
 
-def _whole_cells(text: str) -> dict:
+def _complete_cells(text: str) -> dict:
     """Return a notebook with the cells that are complete before the file breaks off."""
     begin = re.search(r'"cells"\s*:\s*\[', text) or re.match(r"\[", text)
     cells, place = [], begin.end() if begin else len(text)

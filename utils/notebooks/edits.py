@@ -97,12 +97,12 @@ def edits_of_statement(cells: list[str], statement: Statement) -> Iterator[Edit]
         changed = text()
         if changed not in seen:
             seen.add(changed)
-            yield _edit(statement.cell, first, lines, changed, rank)
+            yield _make_edit(statement.cell, first, lines, changed, rank)
         if len(seen) > MOST_EDITS:
             return
 
 
-def _edit(cell: int, first: int, lines: list[str], changed: str, rank: int) -> Edit:
+def _make_edit(cell: int, first: int, lines: list[str], changed: str, rank: int) -> Edit:
     """Build an edit that replaces only the lines that differ."""
     new = changed.split("\n")
     begin = 0
@@ -138,7 +138,7 @@ def _changed_blocks(block: str, tree: ast.Module) -> Iterator[tuple[int, Callabl
     for text in _with_new_defaults(block, function):
         yield 0, functools.partial(str, text)
     for rank, replacements in edits_of_several_nodes(source, function, names):
-        yield rank, functools.partial(_with_texts, source, replacements)
+        yield rank, functools.partial(_replace_texts, source, replacements)
 
 
 def _walk(node: ast.AST, parent: ast.AST | None = None, field: str = "") -> Iterator[tuple]:
@@ -222,7 +222,7 @@ def _is_set(node: ast.AST) -> bool:
     return isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
 
 
-def _with_texts(source: SourceText, replacements: list[tuple[int, int, str]]) -> str:
+def _replace_texts(source: SourceText, replacements: list[tuple[int, int, str]]) -> str:
     """Return the whole text with several parts replaced."""
     for begin, end, text in sorted(replacements, reverse=True):
         source = SourceText(source.with_text(begin, end, text))
@@ -237,7 +237,7 @@ def _moved_statements(block: str, function: ast.AST) -> Iterator[tuple[int, str]
         for field in ("body", "orelse", "finalbody"):
             body = getattr(parent, field, None)
             if isinstance(body, list) and body and isinstance(body[0], ast.stmt):
-                yield from _moved_in(lines, body, getattr(parent, "col_offset", 0))
+                yield from _edits_with_lines_moved_in(lines, body, getattr(parent, "col_offset", 0))
                 # The special case of an empty tree often lacks its `return`.
                 if isinstance(parent, ast.If) and parent in function.body:
                     end, indent = body[-1].end_lineno, " " * body[-1].col_offset
@@ -252,7 +252,7 @@ def _returns_moved_out(lines: list[str], node: ast.AST, outside: list[ast.stmt])
             for block in reversed(outside):
                 shift = block.col_offset - child.col_offset
                 end = block.end_lineno
-                returned = _shifted(lines, first, last, shift)[first:last]
+                returned = _shift_lines(lines, first, last, shift)[first:last]
                 yield "\n".join([*lines[:first], *lines[last:end], *returned, *lines[end:]])
         elif not isinstance(child, (ast.FunctionDef, ast.Lambda)):
             # A `case` has no column of its own, so only its `match` counts.
@@ -261,7 +261,9 @@ def _returns_moved_out(lines: list[str], node: ast.AST, outside: list[ast.stmt])
             yield from _returns_moved_out(lines, child, blocks)
 
 
-def _moved_in(lines: list[str], body: list[ast.stmt], outer: int) -> Iterator[tuple[int, str]]:
+def _edits_with_lines_moved_in(
+    lines: list[str], body: list[ast.stmt], outer: int
+) -> Iterator[tuple[int, str]]:
     depth = body[0].col_offset
     if ast.get_docstring(ast.Module(body, [])) is not None:
         body = body[1:]
@@ -271,12 +273,12 @@ def _moved_in(lines: list[str], body: list[ast.stmt], outer: int) -> Iterator[tu
     for position, statement in enumerate(body):
         first, last = statement.lineno - 1, statement.end_lineno
         if position:  # one level out, with all statements that follow
-            yield 1, "\n".join(_shifted(lines, first, rest, outer - depth))
+            yield 1, "\n".join(_shift_lines(lines, first, rest, outer - depth))
             before = body[position - 1]
             inner = getattr(before, "orelse", None) or getattr(before, "body", None)
             if inner:  # into the preceding block, with some of the statements that follow
                 for end in [following.end_lineno for following in body[position:]]:
-                    yield 2, "\n".join(_shifted(lines, first, end, inner[0].col_offset - depth))
+                    yield 2, "\n".join(_shift_lines(lines, first, end, inner[0].col_offset - depth))
             here, there = before.lineno - 1, before.end_lineno
             exchanged = lines[first:last] + lines[there:first] + lines[here:there]
             yield 2, "\n".join([*lines[:here], *exchanged, *lines[last:]])
@@ -295,10 +297,10 @@ def _moved_in(lines: list[str], body: list[ast.stmt], outer: int) -> Iterator[tu
         yield 3, "\n".join([*lines[:rest], " " * depth + word, *lines[rest:]])
 
 
-def _shifted(lines: list[str], first: int, last: int, by: int) -> list[str]:
-    """Return the lines with some of them indented, or unindented if `by` is negative."""
+def _shift_lines(lines: list[str], first: int, last: int, columns: int) -> list[str]:
+    """Return the lines with some of them indented, or unindented if `columns` is negative."""
     moved = [
-        (" " * by + line if by > 0 else line[-by:]) if line.strip() else line
+        (" " * columns + line if columns > 0 else line[-columns:]) if line.strip() else line
         for line in lines[first:last]
     ]
     return [*lines[:first], *moved, *lines[last:]]

@@ -135,7 +135,7 @@ class SourceText:
         """Return the text between two positions."""
         return self._bytes[begin:end].decode()
 
-    def of(self, node: ast.AST) -> str:
+    def text_of(self, node: ast.AST) -> str:
         """Return the text of a node."""
         return self.text(*self.span(node))
 
@@ -154,14 +154,14 @@ class Names:
         Names of its parameters.
     bound : list of str
         Names of its parameters, and names that it assigns.
-    missing : list of str
+    unbound : list of str
         Names that it reads but does not assign. Builtins are left out, and so are names that it
         calls or whose attributes it uses.
     """
 
     arguments: list[str]
     bound: list[str]
-    missing: list[str]
+    unbound: list[str]
 
 
 def names_in(function: ast.AST) -> Names:
@@ -199,38 +199,38 @@ def edits_of_node(
     """
     value = getattr(node, "value", None)
     if isinstance(node, ast.Compare):
-        yield from _of_comparison(source, node, names)
+        yield from _comparison_edits(source, node, names)
     elif isinstance(node, ast.BoolOp):
-        yield from _operators(source, node.values, [node.op] * (len(node.values) - 1))
-        yield from _single_operands(source, node.values, node)
+        yield from _operator_edits(source, node.values, [node.op] * (len(node.values) - 1))
+        yield from _single_operand_edits(source, node.values, node)
         sign = " & " if isinstance(node.op, ast.And) else " | "
         yield 1, *source.span(node), sign.join(_as_mask(source, value) for value in node.values)
     elif isinstance(node, ast.BinOp):
-        yield from _of_binary(source, node)
+        yield from _binary_operation_edits(source, node)
     elif isinstance(node, ast.UnaryOp):
-        yield 0, *source.span(node), f"({source.of(node.operand)})"
+        yield 0, *source.span(node), f"({source.text_of(node.operand)})"
         if isinstance(node.op, ast.Not):
-            yield 0, *source.span(node), f"~({source.of(node.operand)})"
+            yield 0, *source.span(node), f"~({source.text_of(node.operand)})"
         elif isinstance(parent, ast.Tuple) and isinstance(node.operand, ast.Constant):
             for column in "012":  # the last column of a cloud may be the intensity
                 yield 1, *source.span(node), column
     elif isinstance(node, ast.AugAssign):
-        yield from _of_augmented(source, node)
+        yield from _augmented_assignment_edits(source, node)
     elif isinstance(node, (ast.Break, ast.Continue, ast.Pass)):
         for word in ("break", "continue", "pass", "return"):
             yield 1, *source.span(node), word
     elif isinstance(node, ast.Constant):
-        yield from _of_constant(source, node)
+        yield from _constant_edits(source, node)
     elif isinstance(node, ast.Call):
-        yield from _of_call(source, node, names)
+        yield from _call_edits(source, node, names)
     elif isinstance(node, (ast.Tuple, ast.List)):
-        yield from _swapped_pairs(source, node.elts, 0 if field == "value" else 1)
+        yield from _reordering_edits(source, node.elts, 0 if field == "value" else 1)
     elif isinstance(node, ast.Attribute):
-        yield from _of_attribute(source, node)
+        yield from _attribute_edits(source, node)
     elif isinstance(node, ast.Subscript):
-        yield from _of_subscript(source, node)
+        yield from _subscript_edits(source, node)
     elif isinstance(node, ast.Slice):
-        yield from _of_slice(source, node)
+        yield from _slice_edits(source, node)
     elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load):
         for twin in _TWIN.get(node.id, ()):
             yield 1, *source.span(node), twin
@@ -241,47 +241,47 @@ def edits_of_node(
         if isinstance(parent, ast.Tuple):
             yield 2, *source.span(node), f"*{node.id}"
     elif isinstance(node, ast.keyword) and node.arg and isinstance(parent, ast.Call):
-        yield 2, *_with_comma(source, node, parent), ""
+        yield 2, *_span_with_comma(source, node, parent), ""
     elif isinstance(node, ast.Return) and value is not None:
-        yield from _of_return(source, node, names)
+        yield from _return_edits(source, node, names)
     elif isinstance(node, ast.Return):
         yield from ((1, *source.span(node), word) for word in ("continue", "break", "pass"))
     elif isinstance(node, ast.Expr) and field == "body" and not isinstance(value, ast.Constant):
         if isinstance(value, ast.Call) and getattr(value.func, "id", "") == "print":
-            inside = ", ".join(map(source.of, value.args))
+            inside = ", ".join(map(source.text_of, value.args))
             yield -1, *source.span(node), f"return {inside}"
         elif isinstance(value, ast.Call):
             for argument in value.args:
                 if isinstance(argument, ast.Name):
-                    yield 1, *source.span(node), f"{argument.id} = {source.of(value)}"
-        yield 1, *source.span(node), f"return {source.of(node.value)}"
+                    yield 1, *source.span(node), f"{argument.id} = {source.text_of(value)}"
+        yield 1, *source.span(node), f"return {source.text_of(node.value)}"
     elif isinstance(node, ast.Assign) and len(node.targets) == 1:
-        yield from _of_assignment(source, node, names)
+        yield from _assignment_edits(source, node, names)
     elif isinstance(node, ast.If):
-        yield from _of_if(source, node)
+        yield from _if_edits(source, node)
     elif isinstance(node, ast.For):
-        yield 1, *source.span(node.iter), f"range({source.of(node.iter)})"
+        yield 1, *source.span(node.iter), f"range({source.text_of(node.iter)})"
     if isinstance(node, ast.expr) and isinstance(getattr(node, "ctx", ast.Load()), ast.Load):
-        yield from _wrapped(source, node, parent, field)
-        yield from _with_a_name(source, node, parent, field, names)
+        yield from _wrapping_edits(source, node, parent, field)
+        yield from _name_combination_edits(source, node, parent, field, names)
 
 
 def _as_mask(source: SourceText, node: ast.expr) -> str:
     """Return the text of an operand in parentheses, with ~ instead of not."""
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
-        return f"~({source.of(node.operand)})"
-    return f"({source.of(node)})"
+        return f"~({source.text_of(node.operand)})"
+    return f"({source.text_of(node)})"
 
 
-def _are_easily_confused(one: str, other: str) -> bool:
+def _are_easily_confused(first: str, second: str) -> bool:
     """Return whether two names differ in one character, such as `px` and `qx`, or `p` and `q`."""
-    pairs = [pair for pair in zip(one, other, strict=False) if pair[0] != pair[1]]
-    if len(one) != len(other) or len(pairs) != 1:
+    pairs = [pair for pair in zip(first, second, strict=False) if pair[0] != pair[1]]
+    if len(first) != len(second) or len(pairs) != 1:
         return False
-    return len(one) > 1 or abs(ord(one) - ord(other)) == 1
+    return len(first) > 1 or abs(ord(first) - ord(second)) == 1
 
 
-def _operators(
+def _operator_edits(
     source: SourceText,
     operands: list[ast.expr],
     operators: list[ast.AST],
@@ -297,20 +297,20 @@ def _operators(
                 yield 0, begin + at, begin + at + len(sign), replacement
 
 
-def _of_comparison(
+def _comparison_edits(
     source: SourceText, node: ast.Compare, names: Names
 ) -> Iterator[tuple[int, int, int, str]]:
     """Change the operator, drop the comparison, or replace a side with a copy of the other."""
-    yield from _operators(source, [node.left, *node.comparators], node.ops, _COMPARISONS)
+    yield from _operator_edits(source, [node.left, *node.comparators], node.ops, _COMPARISONS)
     for sign in ("&", "|"):  # x == 0 & y == 0 becomes (x == 0) & (y == 0)
-        sides = source.of(node).split(sign)
+        sides = source.text_of(node).split(sign)
         if len(node.ops) == len(sides) > 1:
             yield -1, *source.span(node), f" {sign} ".join(f"({side.strip()})" for side in sides)
     if len(node.ops) > 1:
         if len(node.ops) == 2:  # high <= x <= low
-            yield 1, *_swapped(source, node.left, node.comparators[1])
+            yield 1, *_swap(source, node.left, node.comparators[1])
         return
-    yield 2, *source.span(node), f"({source.of(node.left)})"
+    yield 2, *source.span(node), f"({source.text_of(node.left)})"
     for one, other in ((node.left, node.comparators[0]), (node.comparators[0], node.left)):
         inner = [part for part in ast.walk(one) if isinstance(part, ast.Name)]
         inner = [part for part in inner if part.id in names.bound]
@@ -322,29 +322,31 @@ def _of_comparison(
                     yield 1, *source.span(other), text
 
 
-def _single_operands(
+def _single_operand_edits(
     source: SourceText, operands: list[ast.expr], node: ast.expr
 ) -> Iterator[tuple[int, int, int, str]]:
     for kept in operands if len(operands) == 2 else ():
-        yield 3, *source.span(node), f"({source.of(kept)})"
+        yield 3, *source.span(node), f"({source.text_of(kept)})"
 
 
-def _of_binary(source: SourceText, node: ast.BinOp) -> Iterator[tuple[int, int, int, str]]:
-    yield from _operators(source, [node.left, node.right], [node.op])
+def _binary_operation_edits(
+    source: SourceText, node: ast.BinOp
+) -> Iterator[tuple[int, int, int, str]]:
+    yield from _operator_edits(source, [node.left, node.right], [node.op])
     small = isinstance(node.right, ast.Constant)
     if small:
-        yield 0, *source.span(node), f"({source.of(node.left)})"
+        yield 0, *source.span(node), f"({source.text_of(node.left)})"
     else:
-        yield from _single_operands(source, [node.left, node.right], node)
+        yield from _single_operand_edits(source, [node.left, node.right], node)
     if not isinstance(node.op, _COMMUTE):
-        yield 1, *_swapped(source, node.left, node.right)
+        yield 1, *_swap(source, node.left, node.right)
     if isinstance(node.op, ast.FloorDiv):
         for change in ("({} - 1)", "({} + 1)"):
-            yield 0, *source.span(node.left), change.format(source.of(node.left))
-    yield from _with_a_bracket(source, node)
+            yield 0, *source.span(node.left), change.format(source.text_of(node.left))
+    yield from _bracket_edits(source, node)
 
 
-def _with_a_bracket(source: SourceText, node: ast.BinOp) -> Iterator[tuple[int, int, int, str]]:
+def _bracket_edits(source: SourceText, node: ast.BinOp) -> Iterator[tuple[int, int, int, str]]:
     """Add or remove parentheses, so that another operator is applied first."""
     begin, end = source.span(node)
     if isinstance(node.left, ast.BinOp) and source.span(node.left)[0] == begin:
@@ -357,15 +359,15 @@ def _with_a_bracket(source: SourceText, node: ast.BinOp) -> Iterator[tuple[int, 
         first, last = source.span(operand)
         around = source.text(max(begin, first - 1), first) + source.text(last, min(last + 1, end))
         if isinstance(operand, ast.BinOp) and around == "()":
-            yield 1, first - 1, last + 1, source.of(operand)
-    call = node.left  # f(x) + y becomes f(x + y); `_with_less_inside` does the reverse
+            yield 1, first - 1, last + 1, source.text_of(operand)
+    call = node.left  # f(x) + y becomes f(x + y); `_moved_operand_edits` does the reverse
     if isinstance(call, ast.Call) and len(call.args) == 1 and not call.keywords:
         (first, last), close = source.span(call.args[0]), source.span(call)[1]
         rest = source.text(close, end)
         yield 1, first, end, source.text(first, last) + rest + source.text(last, close)
 
 
-def _with_less_inside(source: SourceText, call: ast.Call) -> Iterator[tuple[int, int, int, str]]:
+def _moved_operand_edits(source: SourceText, call: ast.Call) -> Iterator[tuple[int, int, int, str]]:
     """Move the last operand out of a call: f(x + y) becomes f(x) + y."""
     if len(call.args) == 1 and isinstance(call.args[0], ast.BinOp) and not call.keywords:
         inside = call.args[0]
@@ -375,13 +377,15 @@ def _with_less_inside(source: SourceText, call: ast.Call) -> Iterator[tuple[int,
         yield 2, begin, end, f"({source.text(begin, middle)}{source.text(last, end)}{moved})"
 
 
-def _swapped(source: SourceText, first: ast.expr, second: ast.expr) -> tuple[int, int, str]:
+def _swap(source: SourceText, first: ast.expr, second: ast.expr) -> tuple[int, int, str]:
     """Swap two nodes; return the start of the first, the end of the second, and the new text."""
     (begin, middle), (further, end) = source.span(first), source.span(second)
-    return begin, end, source.of(second) + source.text(middle, further) + source.of(first)
+    return begin, end, source.text_of(second) + source.text(middle, further) + source.text_of(first)
 
 
-def _of_augmented(source: SourceText, node: ast.AugAssign) -> Iterator[tuple[int, int, int, str]]:
+def _augmented_assignment_edits(
+    source: SourceText, node: ast.AugAssign
+) -> Iterator[tuple[int, int, int, str]]:
     sign = _SIGNS[type(node.op)]
     begin, end = source.span(node.target)[1], source.span(node.value)[0]
     at = source.text(begin, end).find(sign + "=")
@@ -389,7 +393,7 @@ def _of_augmented(source: SourceText, node: ast.AugAssign) -> Iterator[tuple[int
         yield 0, begin + at, begin + at + len(sign) + 1, f"{replacement}="
 
 
-def _of_constant(source: SourceText, node: ast.Constant) -> Iterator[tuple[int, int, int, str]]:
+def _constant_edits(source: SourceText, node: ast.Constant) -> Iterator[tuple[int, int, int, str]]:
     value, (begin, end) = node.value, source.span(node)
     if isinstance(value, bool):
         yield 0, begin, end, str(not value)
@@ -401,21 +405,21 @@ def _of_constant(source: SourceText, node: ast.Constant) -> Iterator[tuple[int, 
             yield 3, begin, end, f"({changed!r})"
 
 
-def _of_call(
+def _call_edits(
     source: SourceText, node: ast.Call, names: Names
 ) -> Iterator[tuple[int, int, int, str]]:
     name = node.func.attr if isinstance(node.func, ast.Attribute) else ""
     if len(node.args) == 1:
-        yield 1, *source.span(node), f"({source.of(node.args[0])})"
+        yield 1, *source.span(node), f"({source.text_of(node.args[0])})"
     if isinstance(node.func, ast.Attribute) and (not node.args or name in _SIMILAR):
-        yield 1, *source.span(node), source.of(node.func.value)
+        yield 1, *source.span(node), source.text_of(node.func.value)
     if isinstance(node.func, ast.Name) and not node.args and not node.keywords:
         for argument in names.bound:
             yield 2, *source.span(node), f"{node.func.id}([{argument}])"
-    yield from _swapped_pairs(source, node.args, 1)
-    yield from _with_less_inside(source, node)
+    yield from _reordering_edits(source, node.args, 1)
+    yield from _moved_operand_edits(source, node)
     if node.args:
-        yield from _with_added_name(source, node.args, names.bound, 5)
+        yield from _name_insertion_edits(source, node.args, names.bound, 5)
         for keyword in _KEYWORDS.get(name, ()):
             end = source.span(node)[1]
             yield 3, end - 1, end, f", {keyword})"
@@ -427,14 +431,14 @@ def _of_call(
     if isinstance(node.func, ast.Name) and node.func.id == "range":
         for argument in node.args:
             for change in ("{} + 1", "{} - 1"):
-                yield 0, *source.span(argument), change.format(f"({source.of(argument)})")
+                yield 0, *source.span(argument), change.format(f"({source.text_of(argument)})")
         if len(node.args) == 1:
-            yield 1, *source.span(node.args[0]), f"1, {source.of(node.args[0])}"
+            yield 1, *source.span(node.args[0]), f"1, {source.text_of(node.args[0])}"
         else:
-            yield 1, *source.span(node), f"range({source.of(node.args[1])})"
+            yield 1, *source.span(node), f"range({source.text_of(node.args[1])})"
 
 
-def _swapped_pairs(
+def _reordering_edits(
     source: SourceText, nodes: list[ast.expr], rank: int
 ) -> Iterator[tuple[int, int, int, str]]:
     """Swap two of the nodes, rotate three of them, or leave one out."""
@@ -444,9 +448,9 @@ def _swapped_pairs(
         pairs = [(left, right) for k, left in enumerate(nodes) for right in nodes[k + 1 :]]
     pairs = [(left, right) for left, right in pairs if not isinstance(left, ast.Starred)]
     for left, right in pairs:
-        yield rank, *_swapped(source, left, right)
+        yield rank, *_swap(source, left, right)
     if len(nodes) == 3:
-        first, second, third = map(source.of, nodes)
+        first, second, third = map(source.text_of, nodes)
         begin, end = source.span(nodes[0])[0], source.span(nodes[-1])[1]
         yield 2, begin, end, f"{second}, {third}, {first}"
         yield 2, begin, end, f"{third}, {first}, {second}"
@@ -455,7 +459,9 @@ def _swapped_pairs(
         yield 3, source.span(kept)[0], source.span(gone)[0], ""
 
 
-def _of_attribute(source: SourceText, node: ast.Attribute) -> Iterator[tuple[int, int, int, str]]:
+def _attribute_edits(
+    source: SourceText, node: ast.Attribute
+) -> Iterator[tuple[int, int, int, str]]:
     end = source.span(node)[1]
     for twin in _TWIN.get(node.attr, ()):
         yield 0, end - len(node.attr), end, twin
@@ -463,27 +469,29 @@ def _of_attribute(source: SourceText, node: ast.Attribute) -> Iterator[tuple[int
         yield 1, end - 2, end, ""
 
 
-def _of_subscript(source: SourceText, node: ast.Subscript) -> Iterator[tuple[int, int, int, str]]:
+def _subscript_edits(
+    source: SourceText, node: ast.Subscript
+) -> Iterator[tuple[int, int, int, str]]:
     begin, end = source.span(node)
     value_end = source.span(node.value)[1]
     yield 1, value_end, end, ""
     inside = node.slice
     if not isinstance(inside, (ast.Slice, ast.Tuple, ast.Constant)):
         for change in ("{} + 1", "{} - 1"):
-            yield 2, *source.span(inside), change.format(f"({source.of(inside)})")
+            yield 2, *source.span(inside), change.format(f"({source.text_of(inside)})")
     if not isinstance(inside, ast.Tuple):
-        yield 1, *source.span(inside), f":, {source.of(inside)}"
+        yield 1, *source.span(inside), f":, {source.text_of(inside)}"
     if not isinstance(inside, (ast.Slice, ast.Tuple, ast.Constant)):
-        yield 3, begin, end, source.of(inside)
+        yield 3, begin, end, source.text_of(inside)
 
 
-def _of_slice(source: SourceText, node: ast.Slice) -> Iterator[tuple[int, int, int, str]]:
+def _slice_edits(source: SourceText, node: ast.Slice) -> Iterator[tuple[int, int, int, str]]:
     for bound in (node.lower, node.upper, node.step):
         if bound is not None:
             yield 1, *source.span(bound), ""
             if not isinstance(bound, ast.Constant):
                 for change in ("{} + 1", "{} - 1"):
-                    yield 1, *source.span(bound), change.format(f"({source.of(bound)})")
+                    yield 1, *source.span(bound), change.format(f"({source.text_of(bound)})")
     if isinstance(node.upper, ast.Constant) and node.upper.value == 1:  # x instead of x, y and z
         yield 1, *source.span(node.upper), "3"
     if node.lower is None:
@@ -495,7 +503,7 @@ def _of_slice(source: SourceText, node: ast.Slice) -> Iterator[tuple[int, int, i
             yield 1, end, end, bound
 
 
-def _with_comma(source: SourceText, node: ast.keyword, call: ast.Call) -> tuple[int, int]:
+def _span_with_comma(source: SourceText, node: ast.keyword, call: ast.Call) -> tuple[int, int]:
     """Return the span of a keyword argument together with the comma before it."""
     begin, end = source.span(node)
     before = [
@@ -507,19 +515,19 @@ def _with_comma(source: SourceText, node: ast.keyword, call: ast.Call) -> tuple[
     return (max(earlier), end) if earlier else (begin, end)
 
 
-def _of_return(
+def _return_edits(
     source: SourceText, node: ast.Return, names: Names
 ) -> Iterator[tuple[int, int, int, str]]:
     value = node.value
-    yield 5, *source.span(node), source.of(value)
+    yield 5, *source.span(node), source.text_of(value)
     several = value.elts if isinstance(value, ast.Tuple) else [value]
-    yield from _with_added_name(source, several, names.bound, 4)
+    yield from _name_insertion_edits(source, several, names.bound, 4)
     if not isinstance(value, ast.Tuple):
         for whole in names.arguments:
-            yield 3, *source.span(value), f"{whole}[{source.of(value)}]"
+            yield 3, *source.span(value), f"{whole}[{source.text_of(value)}]"
 
 
-def _with_added_name(
+def _name_insertion_edits(
     source: SourceText, nodes: list[ast.expr], names: list[str], rank: int
 ) -> Iterator[tuple[int, int, int, str]]:
     """Insert a name before, between or after some nodes."""
@@ -533,12 +541,12 @@ def _with_added_name(
             yield rank, end, end, f", {name}"
 
 
-def _of_assignment(
+def _assignment_edits(
     source: SourceText, node: ast.Assign, names: Names
 ) -> Iterator[tuple[int, int, int, str]]:
     target = node.targets[0]
     targets = target.elts if isinstance(target, ast.Tuple) else [target]
-    yield from _with_added_name(source, targets, names.missing, 1)
+    yield from _name_insertion_edits(source, targets, names.unbound, 1)
     if isinstance(target, (ast.Name, ast.Subscript)):
         begin = source.span(target)[1]
         end = source.span(node.value)[0]
@@ -546,14 +554,14 @@ def _of_assignment(
         for rank, sign in ((2, "+="), (3, "-="), (3, "&="), (3, "|=")):
             yield rank, begin + at, begin + at + 1, sign
     if isinstance(target, ast.Name) and isinstance(node.value, ast.Name):
-        yield 2, *_swapped(source, target, node.value)
+        yield 2, *_swap(source, target, node.value)
     if isinstance(target, ast.Name):
-        yield 1, *source.span(node.value), f"{target.id}[{source.of(node.value)}]"
+        yield 1, *source.span(node.value), f"{target.id}[{source.text_of(node.value)}]"
         for whole in names.arguments:
             yield 2, *source.span(target), f"{whole}.{target.id}"
 
 
-def _of_if(source: SourceText, node: ast.If) -> Iterator[tuple[int, int, int, str]]:
+def _if_edits(source: SourceText, node: ast.If) -> Iterator[tuple[int, int, int, str]]:
     begin = source.span(node)[0]
     if source.text(begin, begin + 5) == "elif ":
         yield 2, begin, begin + 4, "if"
@@ -562,7 +570,7 @@ def _of_if(source: SourceText, node: ast.If) -> Iterator[tuple[int, int, int, st
         yield 2, begin, begin + 2, "while"
 
 
-def _wrapped(
+def _wrapping_edits(
     source: SourceText, node: ast.expr, parent: ast.AST | None, field: str
 ) -> Iterator[tuple[int, int, int, str]]:
     """Change a value where it is used, for example with a sign, a root, an index or a slice."""
@@ -575,7 +583,7 @@ def _wrapped(
     if isinstance(node, ast.Constant) and type(node.value) not in (int, float):
         return
     begin, end = source.span(node)
-    text = source.of(node)
+    text = source.text_of(node)
     name = isinstance(node, ast.Name)
     atom = name or isinstance(node, (ast.Attribute, ast.Subscript, ast.Call))
     inner = text if atom else f"({text})"
@@ -622,7 +630,7 @@ def _wrapped(
             )
 
 
-def _with_a_name(
+def _name_combination_edits(
     source: SourceText, node: ast.expr, parent: ast.AST | None, field: str, names: Names
 ) -> Iterator[tuple[int, int, int, str]]:
     """Put a value into a call, or combine it with one of the function's names."""
@@ -633,7 +641,7 @@ def _with_a_name(
     if isinstance(node, (ast.Constant, ast.Tuple, ast.List, ast.Starred, ast.GeneratorExp)):
         return
     begin, end = source.span(node)
-    inner = source.of(node)
+    inner = source.text_of(node)
     for call in _CALLS if isinstance(node, (ast.Name, ast.Attribute)) else ():
         yield 3, begin, end, call.format(inner)
     if operand and isinstance(node, ast.Name) and node.id in names.arguments:

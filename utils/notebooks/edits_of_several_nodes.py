@@ -29,7 +29,7 @@ def edits_of_several_nodes(
     read = [node for node in nodes if isinstance(node, ast.Name)]
     used = {node.id for node in read}
     for parameter in [name for name in names.arguments if name not in used]:
-        for foreign in names.missing:
+        for foreign in names.unbound:
             places = [source.span(node) for node in read if node.id == foreign]
             yield -1, [(*place, parameter) for place in places]
         for node in nodes:
@@ -50,19 +50,19 @@ def edits_of_several_nodes(
         if len({node.attr for node in both}) > 1:
             ends = [(source.span(node)[1], node.attr) for node in both]
             yield 1, [(end - len(name), end, exchanged[name]) for end, name in ends]
-    yield from _axes_of_several_calls(source, nodes)
-    yield from _masks_of_returned_rows(source, nodes, names)
-    yield from _several_calls(source, nodes)
-    yield from _single_operands_of_copies(source, nodes)
+    yield from _axis_edits_of_several_calls(source, nodes)
+    yield from _edits_of_returned_rows(source, nodes, names)
+    yield from _edits_of_several_calls(source, nodes)
+    yield from _edits_of_copied_expressions(source, nodes)
     differences = [node for node in nodes if isinstance(getattr(node, "op", None), ast.Sub)]
     operands = [node.right if isinstance(node, ast.BinOp) else node.value for node in differences]
     subtracted = {operand.id: 1 for operand in operands if isinstance(operand, ast.Name)}
     for node in nodes:
         for name in subtracted if isinstance(node, ast.Assign) else ():  # it must be added again
-            yield 0, [(*source.span(node.value), f"({source.of(node.value)}) + {name}")]
+            yield 0, [(*source.span(node.value), f"({source.text_of(node.value)}) + {name}")]
 
 
-def _several_calls(
+def _edits_of_several_calls(
     source: SourceText, nodes: list[ast.AST]
 ) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
     """Add 1 to an argument of all calls of one function, or add the lost results of all calls.
@@ -73,7 +73,7 @@ def _several_calls(
     lost: dict[str, list[ast.Call]] = {}
     for node in nodes:
         if isinstance(node, ast.Call):
-            calls.setdefault(source.of(node.func), []).append(node)
+            calls.setdefault(source.text_of(node.func), []).append(node)
         elif isinstance(node, ast.Expr) and isinstance(getattr(node.value, "func", None), ast.Name):
             lost.setdefault(node.value.func.id, []).append(node.value)
     for several in calls.values():
@@ -98,21 +98,21 @@ def _is_return_of_a_name(node: ast.AST) -> bool:
     return isinstance(node, ast.Return) and isinstance(node.value, ast.Name)
 
 
-def _single_operands_of_copies(
+def _edits_of_copied_expressions(
     source: SourceText, nodes: list[ast.AST]
 ) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
     """Replace all copies of an expression, such as `label - 1`, by one of its operands."""
     copies: dict[str, list[ast.BinOp]] = {}
     for node in nodes:
         if isinstance(node, ast.BinOp):
-            copies.setdefault(source.of(node), []).append(node)
+            copies.setdefault(source.text_of(node), []).append(node)
     for several in copies.values():
         first = several[0]
         for operand in (first.left, first.right) if len(several) > 1 else ():
-            yield 1, [(*source.span(node), f"({source.of(operand)})") for node in several]
+            yield 1, [(*source.span(node), f"({source.text_of(operand)})") for node in several]
 
 
-def _masks_of_returned_rows(
+def _edits_of_returned_rows(
     source: SourceText, nodes: list[ast.AST], names: Names
 ) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
     """Turn a name in all `return` statements from row numbers of the first argument into a mask."""
@@ -128,7 +128,7 @@ def _masks_of_returned_rows(
         yield 0, [(*span, mask) for span in spans]
 
 
-def _axes_of_several_calls(
+def _axis_edits_of_several_calls(
     source: SourceText, nodes: list[ast.AST]
 ) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
     """Add an axis to all calls without one, or give all calls of one function the same axis."""

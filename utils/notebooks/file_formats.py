@@ -43,7 +43,7 @@ def is_lfs_pointer(data: bytes) -> bool:
     return data.startswith(_LFS_POINTER)
 
 
-def text_of(data: bytes, name: str) -> tuple[str, str]:
+def notebook_text(data: bytes, name: str) -> tuple[str, str]:
     """Return the text of a notebook file, and a sentence about its repair.
 
     Parameters
@@ -77,7 +77,7 @@ def text_of(data: bytes, name: str) -> tuple[str, str]:
     return text, " ".join(filter(None, (unpacked, encoding)))
 
 
-def without_half_characters(text: str) -> str:
+def replace_surrogates(text: str) -> str:
     r"""Return a text in which a replacement character stands for each half of a character.
 
     JSON may contain half an emoji, such as ``\ud83d``. Python reads it, but cannot write it to any
@@ -93,9 +93,9 @@ def without_half_characters(text: str) -> str:
 def _unpack(data: bytes, name: str) -> tuple[bytes, str]:
     """Return the only notebook in a packed file, or the file itself."""
     if data.startswith(_GZIP):
-        kind, unpack = "gzip", _from_gzip
+        kind, unpack = "gzip", _unpack_gzip
     elif data.startswith(_ZIP):
-        kind, unpack = "zip", _from_zip
+        kind, unpack = "zip", _unpack_zip
     else:
         return data, ""
     try:
@@ -111,12 +111,12 @@ def _unpack(data: bytes, name: str) -> tuple[bytes, str]:
     )
 
 
-def _from_gzip(data: bytes) -> bytes:
+def _unpack_gzip(data: bytes) -> bytes:
     content = zlib.decompressobj(31).decompress(data, LARGEST_UNPACKED + 1)  # 31 stands for gzip
-    return _limited(content)
+    return _read_limited(content)
 
 
-def _from_zip(data: bytes) -> bytes:
+def _unpack_zip(data: bytes) -> bytes:
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         names = [
             name
@@ -129,10 +129,10 @@ def _from_zip(data: bytes) -> bytes:
                 f"is a zip file with {found} in it. Submit the .ipynb file itself."
             )
         with archive.open(names[0]) as file:
-            return _limited(file.read(LARGEST_UNPACKED + 1))
+            return _read_limited(file.read(LARGEST_UNPACKED + 1))
 
 
-def _limited(content: bytes) -> bytes:
+def _read_limited(content: bytes) -> bytes:
     if len(content) > LARGEST_UNPACKED:
         raise UnreadableNotebook(
             f"unpacks to more than {LARGEST_UNPACKED // 2**20} MB. Clear its outputs (in "
@@ -143,11 +143,11 @@ def _limited(content: bytes) -> bytes:
 
 def _decode(data: bytes, name: str) -> tuple[str, str]:
     """Decode bytes as UTF-8, or as one of the encodings that Windows programs save."""
-    if encoding := _utf_16(data):
+    if encoding := _utf_16_variant(data):
         return data.decode(encoding, "replace"), ""
     for errors in ("strict", "surrogatepass"):
         try:
-            return without_half_characters(data.decode("utf-8-sig", errors)), ""
+            return replace_surrogates(data.decode("utf-8-sig", errors)), ""
         except UnicodeDecodeError:
             pass
     if data.removeprefix(codecs.BOM_UTF8).lstrip()[:1] not in (b"{", b"[", b'"', b"<"):
@@ -161,7 +161,7 @@ def _decode(data: bytes, name: str) -> tuple[str, str]:
     )
 
 
-def _utf_16(data: bytes) -> str:
+def _utf_16_variant(data: bytes) -> str:
     """Return which UTF-16 the data are in; empty for another encoding."""
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return "utf-16"

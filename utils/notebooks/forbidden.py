@@ -25,7 +25,7 @@ _LINKED = {
 }
 
 
-def forbidden_part(name: str, modules: Iterable[str]) -> str | None:
+def forbidden_module_of(name: str, modules: Iterable[str]) -> str | None:
     """Return the module that equals or contains a dotted name; None if there is none."""
     return next((module for module in modules if f"{name}.".startswith(f"{module}.")), None)
 
@@ -49,7 +49,7 @@ class StandIn(type):
 
     def __getattr__(cls, name: str) -> StandIn:
         """Return a stand-in for a method or any other attribute."""
-        return _attribute(name, cls.__module__, cls.forbidden)
+        return _stand_in_attribute(name, cls.__module__, cls.forbidden)
 
 
 class StandInModule(ModuleType):
@@ -70,20 +70,20 @@ class StandInModule(ModuleType):
 
     def __getattr__(self, name: str) -> StandIn:
         """Return a stand-in for a name, the same object at every access."""
-        value = _attribute(name, self.__name__, self.__forbidden__)
+        value = _stand_in_attribute(name, self.__name__, self.__forbidden__)
         setattr(self, name, value)
         return value
 
 
-def stand_in(name: str, module: str, forbidden: str) -> StandIn:
+def make_stand_in(name: str, module: str, forbidden: str) -> StandIn:
     """Return a stand-in for a function or a class of a forbidden module."""
     return StandIn(name, (), {"__module__": module, "forbidden": forbidden})
 
 
-def _attribute(name: str, module: str, forbidden: str) -> StandIn:
+def _stand_in_attribute(name: str, module: str, forbidden: str) -> StandIn:
     if name.startswith("__"):  # Python probes these to find out what an object can do
         raise AttributeError(name)
-    return stand_in(name, module, forbidden)
+    return make_stand_in(name, module, forbidden)
 
 
 @functools.cache

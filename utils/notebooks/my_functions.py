@@ -18,7 +18,7 @@ from pathlib import Path
 from types import FunctionType, ModuleType, SimpleNamespace
 
 from utils.notebooks import slicing
-from utils.notebooks.pasting import is_stub, to_paste
+from utils.notebooks.pasting import is_stub, text_to_paste
 from utils.notebooks.reading import UnreadableNotebook, decode_notebook
 from utils.notebooks.statements import Statement
 
@@ -34,7 +34,7 @@ _PRESENTATION_MODULES = (
     "utils.scene3d",
     "utils.scenes",
 )
-_LOADING: set[Path] = set()  # guards against notebooks that load each other
+_NOTEBOOKS_BEING_LOADED: set[Path] = set()  # guards against notebooks that load each other
 _DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 
 
@@ -80,32 +80,32 @@ def load_my_functions(
     >>> obstacles = ground.filter_ground(cloud, -1.2)
     >>> load_my_functions("06_filter_ground.ipynb", paste="voxel_grid")
     """
-    path = _find(Path(name).expanduser())
-    if path in _LOADING:
+    path = _find_notebook(Path(name).expanduser())
+    if path in _NOTEBOOKS_BEING_LOADED:
         raise RecursionError(
             f"{path.name} loads its own functions, directly or through another notebook."
         )
-    cells = _cells(path)
+    cells = _code_cells(path)
     if paste:
-        print(to_paste([paste] if isinstance(paste, str) else paste, cells, path.stem))
+        print(text_to_paste([paste] if isinstance(paste, str) else paste, cells, path.stem))
         return None
-    _LOADING.add(path)
+    _NOTEBOOKS_BEING_LOADED.add(path)
     try:
         # Sliders are left out, because a slider runs the function that it decorates.
         statements = slicing.parse_notebook(cells)[0]
         statements = [found for found in statements if not _is_slider(found.node)]
-        names = _functions(statements)
-        return SimpleNamespace(**_execute(_needed(names, statements), names, path.name))
+        names = _defined_names(statements)
+        return SimpleNamespace(**_execute(_needed_statements(names, statements), names, path.name))
     finally:
-        _LOADING.remove(path)
+        _NOTEBOOKS_BEING_LOADED.remove(path)
 
 
-def _find(wanted: Path) -> Path:
+def _find_notebook(name: Path) -> Path:
     """Find a notebook by its name in the usual folders."""
-    if wanted.suffix not in ("", ".ipynb") and wanted.is_file():
-        raise ValueError(f"{wanted} is not a notebook. Name a file that ends in .ipynb.")
-    if wanted.suffix != ".ipynb":
-        wanted = wanted.with_name(wanted.name + ".ipynb")
+    if name.suffix not in ("", ".ipynb") and name.is_file():
+        raise ValueError(f"{name} is not a notebook. Name a file that ends in .ipynb.")
+    if name.suffix != ".ipynb":
+        name = name.with_name(name.name + ".ipynb")
     here = Path.cwd()
     folders = [
         here,
@@ -115,8 +115,8 @@ def _find(wanted: Path) -> Path:
     for folder in folders:
         # Folders of other users may not be readable.
         with contextlib.suppress(OSError):
-            if (folder / wanted).is_file():
-                return folder / wanted
+            if (folder / name).is_file():
+                return folder / name
     seen = sorted(
         {
             path.name
@@ -124,18 +124,18 @@ def _find(wanted: Path) -> Path:
             for path in folder.glob("*.ipynb")
         }
     )
-    similar = difflib.get_close_matches(wanted.name, seen, n=1, cutoff=0.7)
+    similar = difflib.get_close_matches(name.name, seen, n=1, cutoff=0.7)
     advice = f" Did you mean {similar[0]}?" if similar else ""
     alone = not (_PROJECT / "notebooks").is_dir()
-    remedy = f"Upload your {wanted.name} next to this notebook" if alone else "Save it there"
+    remedy = f"Upload your {name.name} next to this notebook" if alone else "Save it there"
     raise FileNotFoundError(
-        f"There is no notebook {str(wanted)!r} in {here}, in the folders next to it or in the "
+        f"There is no notebook {str(name)!r} in {here}, in the folders next to it or in the "
         f"course's notebooks.{advice} {remedy}, or give its path. The judge sees only one "
         "notebook, so paste the functions that it needs into that notebook."
     )
 
 
-def _cells(path: Path) -> list[str]:
+def _code_cells(path: Path) -> list[str]:
     """Return the source of a notebook's code cells."""
     try:
         cells = decode_notebook(path.read_bytes(), path.name).code
@@ -161,7 +161,7 @@ def _is_slider(node: ast.stmt) -> bool:
     )
 
 
-def _functions(statements: list[Statement]) -> set[str]:
+def _defined_names(statements: list[Statement]) -> set[str]:
     """Return the names of the functions and classes that the statements define."""
     names = set()
     for statement in statements:
@@ -175,7 +175,7 @@ def _functions(statements: list[Statement]) -> set[str]:
     return names
 
 
-def _needed(names: set[str], statements: list[Statement]) -> list[Statement]:
+def _needed_statements(names: set[str], statements: list[Statement]) -> list[Statement]:
     """Return the statements that functions need, in the order of the notebook.
 
     An exercise gets all statements that it needs, as in the judge. Any other function gets only
@@ -219,13 +219,13 @@ def _is_plain(node: ast.stmt) -> bool:
     return isinstance(node, (*_DEFINITIONS, ast.Import, ast.ImportFrom))
 
 
-def _execute(needed: list[Statement], names: set[str], notebook: str) -> dict[str, Callable]:
+def _execute(statements: list[Statement], names: set[str], notebook: str) -> dict[str, Callable]:
     """Execute statements; return the last definition of each function or class in `names`."""
     # Data classes look up their module by name. No import clashes with a name ending in ".ipynb".
     module = sys.modules[notebook] = ModuleType(notebook)
     found = {}
     with contextlib.redirect_stdout(io.StringIO()):  # output does not belong in this notebook
-        for statement in needed:
+        for statement in statements:
             _execute_statement(statement, module)
             found.update(
                 (name, getattr(module, name))

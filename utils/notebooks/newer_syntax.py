@@ -12,7 +12,7 @@ import re
 import sys
 from collections.abc import Callable
 
-RUNNING = sys.version_info[:2]
+RUNNING_VERSION = sys.version_info[:2]
 LONGEST = 200_000
 """Longer code is not examined, to save time."""
 _STRING_START = re.compile(r"(?i:(?<!\w)(?P<prefix>[rbuft]{1,2}))?(?P<quote>'''|\"\"\"|'|\")")
@@ -27,11 +27,11 @@ _TYPE = re.compile(r"^([ \t]*)type[ \t]+(\w+[ \t]*=(?!=))", re.MULTILINE)
 _EXCEPT = re.compile(r"^([ \t]*except\*?)[ \t]+([^\n:#()]+):", re.MULTILINE)
 
 
-class _Invalid(Exception):
+class _InvalidCode(Exception):
     """The code is not valid in any version of Python that is known here."""
 
 
-def older_syntax(
+def parse_newer_syntax(
     source: str, parse: Callable[[str], ast.Module], python: tuple[int, ...] = ()
 ) -> tuple[ast.Module, tuple[int, ...]] | None:
     """Parse code that is not valid for the Python that runs, as a newer Python would.
@@ -57,7 +57,7 @@ def older_syntax(
     the result is None.
     """
     for version, rewrite in _REWRITERS:
-        if version <= RUNNING or (python and python < version) or len(source) > LONGEST:
+        if version <= RUNNING_VERSION or (python and python < version) or len(source) > LONGEST:
             continue
         try:
             rewritten = rewrite(source)
@@ -65,30 +65,30 @@ def older_syntax(
                 return parse(rewritten), version
         except Exception:  # untrusted text can break the parser in many ways
             continue
-    newest = max(RUNNING, _REWRITERS[-1][0])
+    newest = max(RUNNING_VERSION, _REWRITERS[-1][0])
     if python > newest:  # nothing is known here about the syntax of that version
         return ast.Module([], []), python
     return None
 
 
-def _python_3_12(source: str) -> str:
+def _rewrite_python_3_12(source: str) -> str:
     source = _without_formatted_strings(source, "f")
     return _TYPE.sub(r"\1\2", _without_type_parameters(source))
 
 
-def _python_3_14(source: str) -> str:
+def _rewrite_python_3_14(source: str) -> str:
     source = _without_formatted_strings(source, "ft")
     source = _TYPE.sub(r"\1\2", _without_type_parameters(source))
-    return _EXCEPT.sub(_with_brackets, source)
+    return _EXCEPT.sub(_bracket_exceptions, source)
 
 
-def _with_brackets(clause: re.Match) -> str:
+def _bracket_exceptions(clause: re.Match) -> str:
     is_bare_list = "," in clause[2] and " as " not in clause[2]
     return f"{clause[1]} ({clause[2]}):" if is_bare_list else clause[0]
 
 
 # Each version that added syntax, and how to write its code in the syntax of Python 3.11.
-_REWRITERS = (((3, 12), _python_3_12), ((3, 14), _python_3_14))
+_REWRITERS = (((3, 12), _rewrite_python_3_12), ((3, 14), _rewrite_python_3_14))
 
 
 def _without_type_parameters(source: str) -> str:
@@ -108,15 +108,15 @@ def _end_of_brackets(source: str, place: int) -> int:
         depth += (source[position] in "([{") - (source[position] in ")]}")
         if depth == 0:
             return position + 1
-    raise _Invalid
+    raise _InvalidCode
 
 
 def _without_formatted_strings(source: str, kinds: str) -> str:
     """Replace each formatted string by an empty one, after checking its expressions."""
-    return _copy(source, 0, kinds, in_expression=False)[0]
+    return _copy_code(source, 0, kinds, in_expression=False)[0]
 
 
-def _copy(source: str, place: int, kinds: str, in_expression: bool) -> tuple[str, int]:
+def _copy_code(source: str, place: int, kinds: str, in_expression: bool) -> tuple[str, int]:
     """Copy code without formatted strings; return the copy, and the position of its end.
 
     An expression in a formatted string ends at a brace or colon outside all brackets.
@@ -145,7 +145,7 @@ def _copy(source: str, place: int, kinds: str, in_expression: bool) -> tuple[str
         parts.append(character)
         place += 1
     if in_expression:
-        raise _Invalid
+        raise _InvalidCode
     return "".join(parts), place
 
 
@@ -156,7 +156,7 @@ def _copy_string(source: str, string: re.Match, kinds: str) -> tuple[str, int]:
         return '""', _end_of_literal(source, place, end, kinds) + len(end)
     while not source.startswith(end, place):
         if place >= len(source) or (source[place] == "\n" and len(end) == 1):
-            raise _Invalid
+            raise _InvalidCode
         place += 1 + (source[place] == "\\")
     place += len(end)
     return source[string.start() : place], place
@@ -167,17 +167,17 @@ def _end_of_literal(source: str, place: int, end: str, kinds: str) -> int:
     in_format = end == "}"
     while not source.startswith(end, place):
         if place >= len(source) or (source[place] == "\n" and end in "\"'"):
-            raise _Invalid
+            raise _InvalidCode
         if source[place : place + 2] in ("{{", "}}") and not in_format:
             place += 2
         elif source[place] == "{":
-            expression, place = _copy(source, place + 1, kinds, in_expression=True)
+            expression, place = _copy_code(source, place + 1, kinds, in_expression=True)
             _check_expression(expression)
             if source[place] == ":":
                 place = _end_of_literal(source, place + 1, "}", kinds)
             place += 1
         elif source[place] == "}":
-            raise _Invalid
+            raise _InvalidCode
         else:
             place += 1 + (source[place] == "\\" and source[place + 1 : place + 2] not in "{}")
     return place
@@ -191,5 +191,5 @@ def _check_expression(text: str) -> None:
     if text.endswith("=") and text[-2:] not in ("==", "!=", "<=", ">="):
         text = text[:-1]
     if not text.strip():
-        raise _Invalid
+        raise _InvalidCode
     ast.parse(f"({text}\n)", mode="eval")

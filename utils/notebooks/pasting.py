@@ -11,7 +11,7 @@ from utils.notebooks import slicing
 _IMPORTS = (ast.Import, ast.ImportFrom)
 
 
-def texts_of(names: Iterable[str], cells: Sequence[str], origin: str) -> list[str]:
+def source_texts(names: Iterable[str], cells: Sequence[str], origin: str) -> list[str]:
     """Return the source of some functions and of the statements that they need.
 
     Parameters
@@ -54,15 +54,15 @@ def texts_of(names: Iterable[str], cells: Sequence[str], origin: str) -> list[st
     return found
 
 
-def to_paste(names: Iterable[str], cells: Sequence[str], origin: str) -> str:
+def text_to_paste(names: Iterable[str], cells: Sequence[str], origin: str) -> str:
     """Return functions as text to paste: imports, a comment with their origin, definitions.
 
     Parameters
     ----------
     names, cells, origin
-        As in `texts_of`.
+        As in `source_texts`.
     """
-    texts = texts_of(names, cells, origin)
+    texts = source_texts(names, cells, origin)
     imports = [text for text in texts if is_import(text)]
     others = [text for text in texts if not is_import(text)]
     above = "\n".join(dict.fromkeys(imports)) + "\n\n\n" if imports else ""

@@ -17,8 +17,8 @@ from utils.notebooks import damaged_json
 from utils.notebooks.file_formats import (
     UnreadableNotebook,
     is_lfs_pointer,
-    text_of,
-    without_half_characters,
+    notebook_text,
+    replace_surrogates,
 )
 
 __all__ = ["Cell", "Notebook", "UnreadableNotebook", "decode_notebook", "is_lfs_pointer"]
@@ -77,7 +77,7 @@ class Notebook:
 
 
 @dataclass
-class _Draft:
+class _NotebookDraft:
     """The contents of a file so far, which the steps fill in."""
 
     name: str
@@ -106,19 +106,19 @@ def decode_notebook(data: bytes, name: str) -> Notebook:
     UnreadableNotebook
         The file is not a notebook, or is too large to read.
     """
-    draft = _Draft(name, data)
+    draft = _NotebookDraft(name, data)
     sentences = [step(draft) for step in STEPS]
     repairs = tuple(filter(None, sentences))
     return Notebook(draft.cells, draft.lesson_name, repairs, draft.python)
 
 
-def _read_text(draft: _Draft) -> str:
+def _read_text(draft: _NotebookDraft) -> str:
     """Unpack and decode the bytes."""
-    draft.text, sentence = text_of(draft.data, draft.name)
+    draft.text, sentence = notebook_text(draft.data, draft.name)
     return sentence
 
 
-def _count_brackets(draft: _Draft) -> str:
+def _count_brackets(draft: _NotebookDraft) -> str:
     """Refuse a file whose parsed content would fill the memory."""
     text = draft.text
     if text.count("[") + text.count("{") > MOST_BRACKETS:
@@ -132,7 +132,7 @@ def _count_brackets(draft: _Draft) -> str:
     return ""
 
 
-def _parse(draft: _Draft) -> str:
+def _parse(draft: _NotebookDraft) -> str:
     """Parse JSON; ignore text after its end, and keep the complete cells of a damaged file."""
     text = draft.text.lstrip(" \t\r\n\0")
     draft.content, sentence, is_whole = damaged_json.parse(text, draft.name)
@@ -154,7 +154,7 @@ def _parse(draft: _Draft) -> str:
     return " ".join(filter(None, (sentence, cut_off)))
 
 
-def _find_cells(draft: _Draft) -> str:
+def _find_cells(draft: _NotebookDraft) -> str:
     """Find the list of cells in the place that the notebook's format prescribes.
 
     A file may contain lists for nbformat 3 and 4; Jupyter shows only those of the declared format.
@@ -188,7 +188,7 @@ def _without_wrapper(content: object) -> dict:
     return inner if "cells" in inner and "cells" not in content else content
 
 
-def _read_cells(draft: _Draft) -> str:
+def _read_cells(draft: _NotebookDraft) -> str:
     """Read each cell, even if some of its entries are missing."""
     if len(draft.found) > MOST_CELLS:
         raise UnreadableNotebook(
@@ -204,7 +204,7 @@ def _read_cells(draft: _Draft) -> str:
     return ""
 
 
-def _choose_sides(draft: _Draft) -> str:
+def _choose_sides(draft: _NotebookDraft) -> str:
     """Keep one side of each merge conflict in a code cell, where some tools leave them."""
     cells, sentence = [], ""
     for cell in draft.cells:
@@ -219,7 +219,7 @@ def _choose_sides(draft: _Draft) -> str:
 
 # The steps from bytes to cells. Each returns a sentence about its repair if the student may have
 # lost work.
-STEPS: tuple[Callable[[_Draft], str], ...] = (
+STEPS: tuple[Callable[[_NotebookDraft], str], ...] = (
     _read_text,
     _count_brackets,
     _parse,
@@ -252,7 +252,7 @@ def _source(source: object) -> str:
 
 
 def _as_text(value: object) -> str:
-    return without_half_characters(value) if isinstance(value, str) else ""
+    return replace_surrogates(value) if isinstance(value, str) else ""
 
 
 def _as_list(value: object) -> list:

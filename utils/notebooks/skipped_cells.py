@@ -7,7 +7,7 @@ import re
 from dataclasses import dataclass
 
 from utils.notebooks.magics import hiding_magic, parse_cell
-from utils.notebooks.newer_syntax import older_syntax
+from utils.notebooks.newer_syntax import parse_newer_syntax
 
 LONGEST_LINE = 80
 _CORRECT = "Correct it, run the cell, and submit the notebook again."
@@ -35,7 +35,7 @@ class SkippedCell:
         The magic that keeps the cell's names from the notebook; empty if there is none.
     newer : ast.Module or None
         The code, if only a newer Python can run it; empty if its syntax is unknown. See
-        `newer_syntax.older_syntax`.
+        `newer_syntax.parse_newer_syntax`.
     """
 
     number: int
@@ -51,7 +51,7 @@ class SkippedCell:
         """A sentence about the cell."""
         return f"Code cell {self.number} {self.reason}, so it was skipped{self._detail}."
 
-    def about(self, name: str) -> str:
+    def describe_missing(self, name: str) -> str:
         """Return sentences about a function that is missing because the cell was skipped."""
         return (
             f"{name} is in code cell {self.number}, which was skipped, because it "
@@ -91,7 +91,7 @@ def invalid_cell(
     python : tuple of int
         The version of Python that ran the notebook; empty if it is unknown.
     """
-    found = older_syntax(source, parse_cell, python)
+    found = parse_newer_syntax(source, parse_cell, python)
     if found:
         tree, version = found
         reason = f"needs Python {'.'.join(map(str, version))} or later"

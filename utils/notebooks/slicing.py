@@ -17,7 +17,7 @@ from types import CodeType
 
 from utils.notebooks.magics import parse_cell
 from utils.notebooks.skipped_cells import SkippedCell, hidden_cell, invalid_cell
-from utils.notebooks.statements import Statement, describe
+from utils.notebooks.statements import Statement, analyse_statement
 
 
 def parse_notebook(
@@ -43,7 +43,7 @@ def parse_notebook(
         try:
             nodes = parse_cell(source).body
             future |= _future_flags(nodes)
-            statements += [describe(number, node, future) for node in nodes]
+            statements += [analyse_statement(number, node, future) for node in nodes]
             hidden = None if nodes else hidden_cell(number, source)
             skipped += [hidden] if hidden else []
         except Exception as error:  # untrusted text can break the parser in many ways
@@ -53,7 +53,7 @@ def parse_notebook(
 
 def slice_for(names: Iterable[str], statements: list[Statement]) -> list[Statement]:
     """Return the statements that the named functions need, in the order of the notebook."""
-    kept = set().union(*(_needed_by(name, statements) for name in names))
+    kept = set().union(*(_positions_needed_by(name, statements) for name in names))
     return [statements[position] for position in sorted(kept)]
 
 
@@ -96,7 +96,7 @@ def end_of_checks(names: Iterable[str], statements: list[Statement]) -> int:
     )
 
 
-def _needed_by(name: str, statements: list[Statement]) -> set[int]:
+def _positions_needed_by(name: str, statements: list[Statement]) -> set[int]:
     """Return the positions of the statements that one function needs."""
     # Statements such as `sys.setrecursionlimit(...)` change the interpreter, so they are kept even
     # if the function does not mention `sys`.

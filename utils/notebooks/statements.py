@@ -37,7 +37,7 @@ class Statement:
     future: int
 
 
-def describe(cell: int, node: ast.stmt, future: int) -> Statement:
+def analyse_statement(cell: int, node: ast.stmt, future: int) -> Statement:
     """Determine the names that a statement binds, uses, changes and calls.
 
     Parameters
@@ -48,8 +48,8 @@ def describe(cell: int, node: ast.stmt, future: int) -> Statement:
     future : int
         Compiler flags that apply to the statement.
     """
-    inside = _without_functions(node)
-    table = symtable.symtable(_source(node, inside), "<cell>", "exec")
+    inside = _nodes_outside_functions(node)
+    table = symtable.symtable(_statement_text(node, inside), "<cell>", "exec")
     symbols = table.get_symbols()
     uses = {symbol.get_name() for symbol in symbols if symbol.is_referenced()}
     binds = {
@@ -72,17 +72,17 @@ def describe(cell: int, node: ast.stmt, future: int) -> Statement:
     )
 
 
-def _source(node: ast.stmt, inside: list[ast.AST]) -> str:
+def _statement_text(node: ast.stmt, nodes: list[ast.AST]) -> str:
     """Return the text of a statement, with comprehensions changed to have their own scope."""
     comprehensions = (ast.ListComp, ast.SetComp, ast.DictComp)
     source = ast.unparse(node)
-    if any(isinstance(inner, comprehensions) for inner in inside):
+    if any(isinstance(inner, comprehensions) for inner in nodes):
         # The node itself must not change, and parsing its text again is faster than copying it.
-        source = ast.unparse(_Generators().visit(ast.parse(source)))
+        source = ast.unparse(_ComprehensionRewriter().visit(ast.parse(source)))
     return source
 
 
-class _Generators(ast.NodeTransformer):
+class _ComprehensionRewriter(ast.NodeTransformer):
     """Turns comprehensions into generators, whose names stay in an inner scope.
 
     From Python 3.12 on, `symtable` adds the names in comprehensions to the outer scope.
@@ -105,31 +105,31 @@ def _inner_tables(table: symtable.SymbolTable) -> Iterator[symtable.SymbolTable]
         yield from _inner_tables(child)
 
 
-def _changed_names(inside: list[ast.AST]) -> Iterator[str]:
+def _changed_names(nodes: list[ast.AST]) -> Iterator[str]:
     """Yield the names whose objects a statement changes, given its nodes.
 
     Examples are ``a.b = 1``, ``a[0] = 1``, ``setattr(a, "b", 1)``, and the settings of a module:
     ``np.random.seed(1)``, ``sys.setrecursionlimit(9999)``.
     """
-    for inner in inside:
+    for inner in nodes:
         if isinstance(inner, (ast.Attribute, ast.Subscript)) and isinstance(
             inner.ctx, (ast.Store, ast.Del)
         ):
-            yield _root(inner)
+            yield _root_name(inner)
         elif (
             isinstance(inner, ast.Call)
             and isinstance(inner.func, ast.Name)
             and inner.func.id in ("setattr", "delattr")
             and inner.args
         ):
-            yield _root(inner.args[0])
+            yield _root_name(inner.args[0])
         elif _is_bare_call(inner) and inner.value.func.attr.startswith(("set", "seed")):
-            yield _root(inner.value.func)
+            yield _root_name(inner.value.func)
 
 
-def _called_names(inside: list[ast.AST]) -> Iterator[str]:
+def _called_names(nodes: list[ast.AST]) -> Iterator[str]:
     """Return names of objects with a method called only for its effect, as in ``a.append(b)``."""
-    return (_root(inner.value.func) for inner in inside if _is_bare_call(inner))
+    return (_root_name(inner.value.func) for inner in nodes if _is_bare_call(inner))
 
 
 def _is_bare_call(node: ast.AST) -> bool:
@@ -140,13 +140,13 @@ def _is_bare_call(node: ast.AST) -> bool:
     )
 
 
-def _without_functions(node: ast.stmt) -> list[ast.AST]:
+def _nodes_outside_functions(node: ast.stmt) -> list[ast.AST]:
     """Return the nodes of a statement; none for a definition, because it changes nothing itself."""
     definition = isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef))
     return [] if definition else list(ast.walk(node))
 
 
-def _root(node: ast.expr) -> str:
+def _root_name(node: ast.expr) -> str:
     while isinstance(node, (ast.Attribute, ast.Subscript)):
         node = node.value
     return node.id if isinstance(node, ast.Name) else ""

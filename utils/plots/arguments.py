@@ -64,7 +64,7 @@ def as_mask(mask: ArrayLike, count: int, name: str = "keep") -> np.ndarray:
         raise ValueError(
             f"{name} must be a mask of True and False (dtype bool); yours has dtype {mask.dtype}."
         )
-    return _checked_length(mask, count, name)
+    return _check_length(mask, count, name)
 
 
 def as_labels(labels: ArrayLike, count: int, name: str = "labels") -> np.ndarray:
@@ -78,7 +78,7 @@ def as_labels(labels: ArrayLike, count: int, name: str = "labels") -> np.ndarray
         is_whole = False
     if not is_whole:
         raise ValueError(f"{name} must be whole numbers; yours has dtype {labels.dtype}.")
-    return _checked_length(whole, count, name)
+    return _check_length(whole, count, name)
 
 
 def as_values(values: ArrayLike, count: int, name: str = "values") -> np.ndarray:
@@ -87,7 +87,7 @@ def as_values(values: ArrayLike, count: int, name: str = "values") -> np.ndarray
         values = np.asarray(values, dtype=float)
     except (TypeError, ValueError):
         raise ValueError(f"{name} must be numbers, one per point.") from None
-    return _checked_length(values, count, name)
+    return _check_length(values, count, name)
 
 
 def as_names(names: bool | Sequence[str | int] | None, count: int) -> list[str]:
@@ -100,7 +100,7 @@ def as_names(names: bool | Sequence[str | int] | None, count: int) -> list[str]:
     return texts
 
 
-def _checked_length(array: np.ndarray, count: int, name: str) -> np.ndarray:
+def _check_length(array: np.ndarray, count: int, name: str) -> np.ndarray:
     if array.shape != (count,):
         raise ValueError(
             f"{name} must have one entry per point: shape ({count},); yours has {array.shape}."
@@ -137,9 +137,9 @@ def drawn_rows(axes: Axes, across: np.ndarray, up: np.ndarray) -> tuple[np.ndarr
         Text for the corner of the figure; empty if all points are drawn.
     """
     finite = np.isfinite(across) & np.isfinite(up)
-    inside = finite & _between(across, axes.get_xlim()) & _between(up, axes.get_ylim())
-    rows, step = _thinned(np.flatnonzero(inside))
-    others, _ = _thinned(np.flatnonzero(finite & ~inside))
+    inside = finite & _is_between(across, axes.get_xlim()) & _is_between(up, axes.get_ylim())
+    rows, step = _thin(np.flatnonzero(inside))
+    others, _ = _thin(np.flatnonzero(finite & ~inside))
     remarks = []
     if step > 1:
         remarks.append(f"1 of {step} points shown")
@@ -149,12 +149,12 @@ def drawn_rows(axes: Axes, across: np.ndarray, up: np.ndarray) -> tuple[np.ndarr
     return np.sort(np.concatenate([rows, others])), " · ".join(remarks)
 
 
-def _between(values: np.ndarray, limits: tuple[float, float]) -> np.ndarray:
+def _is_between(values: np.ndarray, limits: tuple[float, float]) -> np.ndarray:
     low, high = sorted(limits)
     return (values >= low) & (values <= high)
 
 
-def _thinned(rows: np.ndarray) -> tuple[np.ndarray, int]:
+def _thin(rows: np.ndarray) -> tuple[np.ndarray, int]:
     step = max(1, -(-len(rows) // MOST_POINTS))
     starts = np.arange(0, len(rows), step)
     offsets = np.random.default_rng(0).integers(step, size=len(starts))

@@ -67,7 +67,7 @@ def from_above(
     ValueError
         A shape is wrong; the message gives the expected one.
     """
-    return _coloured(cloud, "above", values, span, label, None, title, limits, axes)
+    return _draw_coloured(cloud, "above", values, span, label, None, title, limits, axes)
 
 
 @styled
@@ -100,7 +100,7 @@ def from_side(
         Visible region in metres.
     """
     view = "side to scale" if to_scale else "side"
-    return _coloured(cloud, view, values, span, label, level, title, limits, axes)
+    return _draw_coloured(cloud, view, values, span, label, level, title, limits, axes)
 
 
 @styled
@@ -238,7 +238,7 @@ def mark_sensor(axes: Axes) -> None:
     )
 
 
-def _coloured(
+def _draw_coloured(
     cloud: ArrayLike,
     view: str,
     values: ArrayLike | None,

@@ -77,7 +77,7 @@ def clusters(
     axes = canvas(axes)
     frame(axes, across, up, limits, equal=view != "side")
     rows, remark = drawn_rows(axes, across, up)
-    shown = labels if like is None else matched(labels, as_labels(like, len(cloud), "like"))
+    shown = labels if like is None else renumber_like(labels, as_labels(like, len(cloud), "like"))
     draw_labels(axes, across[rows], up[rows], shown[rows])
     if cloud.shape[1] > 2:
         mark_sensor(axes)
@@ -104,7 +104,9 @@ def draw_labels(axes: Axes, across: np.ndarray, up: np.ndarray, labels: np.ndarr
         dots(axes, across[chosen], up[chosen], marker, colour, size * 1.15)
 
 
-def overlaps(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def count_overlaps(
+    first: np.ndarray, second: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the labels of both arrays (n,), and the number of points with each pair of labels.
 
     Labels of noise count as 0. The counts have one row per label in `first` and one column per
@@ -117,12 +119,12 @@ def overlaps(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndar
     return rows, columns, counts
 
 
-def matched(yours: np.ndarray, expected: np.ndarray) -> np.ndarray:
+def renumber_like(yours: np.ndarray, expected: np.ndarray) -> np.ndarray:
     """Renumber `yours` like `expected`, matching the biggest overlaps first.
 
     Noise stays 0. Clusters without a partner get labels that `expected` does not use.
     """
-    rows, columns, counts = overlaps(yours, expected)
+    rows, columns, counts = count_overlaps(yours, expected)
     pairs = np.argwhere(counts > 0)
     pairs = pairs[np.argsort(-counts[tuple(pairs.T)], kind="stable")]
     new_labels, taken = {0: 0}, {0}
@@ -326,11 +328,11 @@ def growth(
         if title:
             figure.suptitle(title, x=0.01, ha="left", color=INK, fontsize=12, fontweight="bold")
         entries = zip(names, state_styles, strict=True)
-        shared_key(figure, axes[0], [(name, style[1], style[2]) for name, style in entries])
+        shared_legend(figure, axes[0], [(name, style[1], style[2]) for name, style in entries])
     return axes
 
 
-def shared_key(figure: Figure, axes: Axes, entries: Sequence[tuple[str, str, str]]) -> None:
+def shared_legend(figure: Figure, axes: Axes, entries: Sequence[tuple[str, str, str]]) -> None:
     """Draw one legend below all panels of `figure`, with entries `(name, marker, colour)`."""
     lines = [
         axes.plot([], [], linestyle="none", marker=marker, color=colour, markersize=6)[0]

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from utils.plots.arguments import as_cloud, as_labels, as_mask, drawn_rows, marker_size, project
 from utils.plots.clouds import Group, draw_groups, mark_sensor
-from utils.plots.clusters import draw_labels, matched, overlaps
+from utils.plots.clusters import count_overlaps, draw_labels, renumber_like
 from utils.plots.style import (
     INK,
     PALE,
@@ -112,13 +112,13 @@ def worst(
     own_figure = axes is None
     axes = panels(2, axes, columns=2, size=(WIDTH, 4.2))
     across, up, across_label, up_label = project(cloud, view)
-    relabelled = matched(yours, expected)
+    relabelled = renumber_like(yours, expected)
     differs = np.flatnonzero(relabelled != np.maximum(expected, 0))
-    focus = _around(across[differs], up[differs]) if len(differs) else (across, up)
+    focus = _region_around(across[differs], up[differs]) if len(differs) else (across, up)
     for panel, name, labels in ((axes[0], "yours", relabelled), (axes[1], "expected", expected)):
         frame(panel, *focus, limits, equal=view != "side")
         rows, remark = drawn_rows(panel, across, up)
-        ringed = differs[_one_per_cell(panel, across[differs], up[differs])]
+        ringed = differs[_one_row_per_cell(panel, across[differs], up[differs])]
         draw_labels(panel, across[rows], up[rows], labels[rows])
         size = marker_size(len(rows)) + 5
         style = {"markerfacecolor": "none", "markeredgewidth": 1.2}
@@ -135,7 +135,9 @@ def worst(
     return axes
 
 
-def _around(across: np.ndarray, up: np.ndarray) -> np.ndarray | tuple[np.ndarray, np.ndarray]:
+def _region_around(
+    across: np.ndarray, up: np.ndarray
+) -> np.ndarray | tuple[np.ndarray, np.ndarray]:
     """Return a region (2, 2) around points, with a margin of a quarter of its size or 2 metres.
 
     Without finite points, return the coordinates unchanged.
@@ -148,7 +150,7 @@ def _around(across: np.ndarray, up: np.ndarray) -> np.ndarray | tuple[np.ndarray
     return np.stack([spans[:, 0] - margin, spans[:, 1] + margin], axis=1)
 
 
-def _one_per_cell(axes: Axes, across: np.ndarray, up: np.ndarray) -> np.ndarray:
+def _one_row_per_cell(axes: Axes, across: np.ndarray, up: np.ndarray) -> np.ndarray:
     """Choose at most one point per cell of a grid over the view, so that rings do not overlap."""
     corner, far_corner = np.transpose([axes.get_xlim(), axes.get_ylim()])
     finite = np.flatnonzero(np.isfinite(across) & np.isfinite(up))
@@ -176,7 +178,7 @@ def label_confusion(
     """
     true = as_labels(true, len(np.atleast_1d(true)), "true")
     predicted = as_labels(predicted, len(true), "predicted")
-    rows, columns, counts = overlaps(true, predicted)
+    rows, columns, counts = count_overlaps(true, predicted)
     shown_rows = np.sort(np.argsort(-counts.sum(axis=1), kind="stable")[:MOST_CELLS])
     shown_columns = np.sort(np.argsort(-counts.sum(axis=0), kind="stable")[:MOST_CELLS])
     shown = counts[np.ix_(shown_rows, shown_columns)]

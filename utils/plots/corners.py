@@ -111,12 +111,12 @@ def corner_numbers(box: ArrayLike, *, title: str | None = None, axes: Axes | Non
     if not np.isfinite(box).all():
         note(axes, "a corner of the box is not finite")
         return finish(axes, title)
-    drawn = _oblique(box - box.mean(axis=0))
+    drawn = _project_obliquely(box - box.mean(axis=0))
     extent = max(np.ptp(drawn, axis=0).max(), 1e-3)
     start = drawn.min(axis=0) - 0.12 * extent
     frame(axes, *np.concatenate([start[None] - 0.05 * extent, drawn + 0.08 * extent]).T)
     edges = _edges(box)
-    hidden = _oblique(box, depth=True).argmax()
+    hidden = _project_obliquely(box, depth=True).argmax()
     for edge in edges:
         behind = hidden in edge
         axes.plot(
@@ -190,7 +190,7 @@ def _sorted_around_centre(box: np.ndarray, rows: np.ndarray) -> np.ndarray:
     return rows[np.argsort(np.arctan2(spokes[:, 1], spokes[:, 0]))]
 
 
-def _oblique(points: np.ndarray, *, depth: bool = False) -> np.ndarray:
+def _project_obliquely(points: np.ndarray, *, depth: bool = False) -> np.ndarray:
     """Project points to the drawing (n, 2), seen from behind, right and above.
 
     With `depth`, return the depth of each point along the line of sight (n,) instead.
@@ -205,7 +205,7 @@ def _oblique(points: np.ndarray, *, depth: bool = False) -> np.ndarray:
 
 def _draw_directions(axes: Axes, start: np.ndarray, length: float) -> None:
     """Draw an arrow for each of the directions x, y and z."""
-    for name, direction in zip("xyz", _oblique(np.eye(3)), strict=True):
+    for name, direction in zip("xyz", _project_obliquely(np.eye(3)), strict=True):
         end = start + length * direction
         axes.annotate(
             "", end, start, arrowprops={"arrowstyle": "-|>", "color": BLUE, "linewidth": 1.4}

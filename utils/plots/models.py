@@ -44,7 +44,7 @@ def line_model(
     axes : matplotlib.axes.Axes, optional
     """
     points = as_points(points)
-    groups = _groups(inliers, len(points), VERMILION)
+    groups = _inlier_groups(inliers, len(points), VERMILION)
     axes = draw_groups(points, groups, view="above", limits=limits, axes=axes, title=title)
     if line is not None:
         _draw_line(axes, _coefficients(line, 3, "line"), tolerance, "line")
@@ -84,7 +84,7 @@ def plane_model(
     """
     cloud = as_cloud(cloud)
     # A whole scan has so many outliers that a strong colour would hide the plane.
-    groups = _groups(inliers, len(cloud), PALE)
+    groups = _inlier_groups(inliers, len(cloud), PALE)
     axes = draw_groups(cloud, groups, view=view, limits=limits, axes=axes, title=title)
     if plane is None:
         return axes
@@ -102,7 +102,7 @@ def plane_model(
     return finish(axes, title)
 
 
-def _groups(inliers: ArrayLike | None, count: int, outlier_colour: str) -> tuple[Group, ...]:
+def _inlier_groups(inliers: ArrayLike | None, count: int, outlier_colour: str) -> tuple[Group, ...]:
     if inliers is None:
         return (Group("points", np.ones(count, dtype=bool), "o", BLUE),)
     inliers = as_mask(inliers, count, "inliers")

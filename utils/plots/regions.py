@@ -39,9 +39,9 @@ if TYPE_CHECKING:
     from utils.visits import Node
 
 MOST_NAMES = 40
-AXIS_LOOKS = (("x", BLUE, "-"), ("y", VERMILION, "--"))
+AXIS_STYLES = (("x", BLUE, "-"), ("y", VERMILION, "--"))
 # Hatching for cells that the search prunes, and dots for cells that it has not reached yet.
-LEFT_OUT = {
+REGION_STYLES = {
     PRUNED: {"facecolor": GRID, "edgecolor": PALE, "hatch": "//"},
     NOT_YET: {"facecolor": "none", "edgecolor": PALE, "hatch": ".."},
 }
@@ -89,7 +89,7 @@ def kd_splits(
     axes.locator_params(nbins=6)
     _draw_splits(axes, root, strength=1.0)
     _draw_points(axes, points, names)
-    for axis, colour, dashes in AXIS_LOOKS:
+    for axis, colour, dashes in AXIS_STYLES:
         key(axes, f"splits {axis}", colour=colour, line=dashes)
     return finish(axes, title, "x (m)", "y (m)")
 
@@ -146,7 +146,7 @@ def kd_search(
     axes.locator_params(nbins=6)
     _draw_splits(axes, root, strength=0.45)
     if rows is not None:
-        _draw_left_out(axes, root, rows.tolist(), steps)
+        _draw_unvisited_regions(axes, root, rows.tolist(), steps)
         if found is not None and steps is not None:
             found = np.intersect1d(found, rows[:steps])
     _draw_points(axes, points, names)
@@ -155,13 +155,13 @@ def kd_search(
     if rows is not None:
         so_far = np.unique(rows[:steps])
         label = f"{len(so_far)} looked at"
-        _ring(axes, points[so_far], "s", INK, size * 2.0, label)
+        _draw_ring(axes, points[so_far], "s", INK, size * 2.0, label)
         if steps is not None and 0 < steps <= len(rows):
             current = rows[steps - 1]
             style = {"markerfacecolor": "none", "markeredgewidth": 2.4}
             axes.plot(*points[current], "o", color=INK, markersize=size * 3.6, zorder=3.6, **style)
     if found is not None:
-        _disc(axes, points[found], size * 1.25, f"{len(found)} found")
+        _draw_disc(axes, points[found], size * 1.25, f"{len(found)} found")
     finish(axes, title, "x (m)", "y (m)")
     if not legend:
         axes.get_legend().remove()
@@ -192,10 +192,12 @@ def _draw_window(axes: Axes, target: np.ndarray, tolerance: float) -> None:
     key(axes, "target", "+", colour=INK, size=9, markeredgewidth=1.8)
 
 
-def _draw_left_out(axes: Axes, root: Node | None, visited: list[int], steps: int | None) -> None:
+def _draw_unvisited_regions(
+    axes: Axes, root: Node | None, visited: list[int], steps: int | None
+) -> None:
     """Hatch the largest cells that the search prunes, and dot those that it enters later."""
     cells, state_of = _cells(axes, root), node_states(root, visited, steps)
-    for state, style in LEFT_OUT.items():
+    for state, style in REGION_STYLES.items():
         branches = 0
         for cell in cells:
             above = VISITED if cell.parent is None else state_of[id(cell.parent)]
@@ -218,7 +220,7 @@ def _draw_splits(axes: Axes, root: Node | None, *, strength: float) -> None:
         cuts[axis].append(cut)
         # The first cuts matter most, so they have the widest lines.
         widths[axis].append(max(0.6, 2.4 - 0.35 * cell.depth))
-    for axis, (_, colour, dashes) in enumerate(AXIS_LOOKS):
+    for axis, (_, colour, dashes) in enumerate(AXIS_STYLES):
         style = {"colors": colour, "linestyles": dashes, "linewidths": widths[axis]}
         axes.add_collection(
             LineCollection(cuts[axis], alpha=strength, zorder=1.5, **style), autolim=False
@@ -231,14 +233,14 @@ def _draw_points(axes: Axes, points: np.ndarray, names: bool | None) -> None:
         write_rows(axes, points)
 
 
-def _ring(
+def _draw_ring(
     axes: Axes, points: np.ndarray, marker: str, colour: str, size: float, label: str
 ) -> None:
     style = {"markerfacecolor": "none", "markeredgewidth": 1.4}
     axes.plot(*points.T, marker, color=colour, markersize=size, zorder=3.5, label=label, **style)
 
 
-def _disc(axes: Axes, points: np.ndarray, size: float, label: str) -> None:
+def _draw_disc(axes: Axes, points: np.ndarray, size: float, label: str) -> None:
     style = {"markeredgecolor": INK, "markeredgewidth": 0.8, "linestyle": "none"}
     axes.plot(*points.T, "o", color=GREEN, markersize=size, zorder=3.7, label=label, **style)
 

@@ -160,11 +160,11 @@ def frame(
     if equal:
         axes.set_aspect("equal", adjustable="box")
     if limits is not None:
-        spans = _spans_of(limits)
+        spans = _spans_from_limits(limits)
     elif axes.has_data():
         return
     else:
-        spans = np.array([_span(across), _span(up, keep_all=not equal)])
+        spans = np.array([_padded_span(across), _padded_span(up, keep_all=not equal)])
         if equal:
             window = axes.get_window_extent()
             shape = np.array([window.width, window.height]) / max(window.height, 1)
@@ -175,7 +175,7 @@ def frame(
     axes.set_ylim(*spans[1])
 
 
-def _spans_of(limits: ArrayLike) -> np.ndarray:
+def _spans_from_limits(limits: ArrayLike) -> np.ndarray:
     """Return limits in either notation as a (2, 2) array, or raise ValueError with the format."""
     try:
         spans = np.asarray(limits, dtype=float).reshape(2, 2)
@@ -189,7 +189,7 @@ def _spans_of(limits: ArrayLike) -> np.ndarray:
     return spans
 
 
-def _span(values: ArrayLike, *, keep_all: bool = False) -> tuple[float, float]:
+def _padded_span(values: ArrayLike, *, keep_all: bool = False) -> tuple[float, float]:
     """Return (low, high) around the finite values, with a margin; the width is never zero."""
     values = np.asarray(values, dtype=float)
     values = values[np.isfinite(values)]

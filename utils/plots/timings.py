@@ -63,7 +63,7 @@ def timing(
         if len(n):
             last = np.argmax(n)
             ends.append((n[last], seconds[last], name))
-    _name_ends(axes, ends)
+    _write_series_names(axes, ends)
     _format_ticks(axes)
     return finish(axes, title, "number of points n", "time")  # the tick labels include the unit
 
@@ -85,7 +85,7 @@ def _measurements(
     return n[usable], seconds[usable]
 
 
-def _name_ends(axes: Axes, ends: list[tuple[float, float, str]]) -> None:
+def _write_series_names(axes: Axes, ends: list[tuple[float, float, str]]) -> None:
     """Write each name next to the end of its series, and move names apart that would overlap."""
     if not ends:
         return

@@ -40,7 +40,7 @@ MOST_NAMES, MOST_POINTS = 40, 15
 
 FOUND = "#A6DCC9"  # light enough for dark numbers
 
-AXIS_LOOKS = (("x", "o", BLUE), ("y", "s", VERMILION), ("z", "D", GREEN))
+AXIS_STYLES = (("x", "o", BLUE), ("y", "s", VERMILION), ("z", "D", GREEN))
 
 
 @styled
@@ -127,7 +127,7 @@ def _draw_nodes(
     few = len(order) <= MOST_NAMES
     size = _node_size(axes, len(order)) if few else 3
     depths = np.array([depth for _, depth in order], dtype=int)
-    for axis, (name, marker, colour) in enumerate(AXIS_LOOKS[:dimensions]):
+    for axis, (name, marker, colour) in enumerate(AXIS_STYLES[:dimensions]):
         ranks = np.flatnonzero(depths % dimensions == axis)
         # The inside is white if a number is written there, because dark text is readable on white.
         style = {"markerfacecolor": PAPER if few else colour, "markeredgewidth": 2 if few else 0}

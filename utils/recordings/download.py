@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 TIMEOUT = 30  # seconds without a new byte
-BLOCK = 1 << 18  # bytes read at a time
+BLOCK_SIZE = 1 << 18  # bytes read at a time
 
 
 class DownloadError(OSError):
@@ -48,7 +48,7 @@ def download(url: str, path: Path, checksum: str | None = None) -> None:
     level = logger.level
     logger.setLevel("WARNING")
     try:
-        pooch.retrieve(url, checksum, path.name, path.parent, downloader=_resume(path))
+        pooch.retrieve(url, checksum, path.name, path.parent, downloader=_resuming_downloader(path))
     except (urllib.error.HTTPError, http.client.HTTPException) as error:
         raise DownloadError(
             f"{url} cannot be downloaded: the server answers {str(error) or repr(error)!r}. Try "
@@ -69,7 +69,7 @@ def download(url: str, path: Path, checksum: str | None = None) -> None:
         logger.setLevel(level)
 
 
-def _resume(path: Path) -> Callable:
+def _resuming_downloader(path: Path) -> Callable:
     """Return a downloader for pooch that resumes from ``<path>.part``."""
     part = path.with_name(path.name + ".part")
 
@@ -112,7 +112,7 @@ def _append_rest(url: str, part: Path) -> None:
         expected = response.headers.get("Content-Length")
         with part.open("ab" if continued else "wb") as file:
             before = file.tell()
-            shutil.copyfileobj(response, file, BLOCK)
+            shutil.copyfileobj(response, file, BLOCK_SIZE)
             received = file.tell() - before
     if expected is not None and received != int(expected):
         raise ConnectionError(f"the connection was lost after {received} of {expected} bytes")
@@ -146,7 +146,7 @@ def unpack(archive: Path, folder: Path, wanted: Callable[[str], bool]) -> None:
                 target.parent.mkdir(parents=True, exist_ok=True)
                 half = target.with_name(target.name + ".part")
                 with file.open(member) as source, half.open("wb") as sink:
-                    shutil.copyfileobj(source, sink, BLOCK)
+                    shutil.copyfileobj(source, sink, BLOCK_SIZE)
                 os.replace(half, target)
     except (zipfile.BadZipFile, EOFError, NotImplementedError, ValueError) as error:
         archive.unlink(missing_ok=True)

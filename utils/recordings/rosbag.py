@@ -17,7 +17,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
-from utils.clouds.errors import CloudFileError, excerpt, file_error, listing, missing_file
+from utils.clouds.errors import CloudFileError, excerpt, file_error, listing, missing_file_error
 from utils.clouds.pcd_header import cloud_fields
 
 if TYPE_CHECKING:
@@ -62,11 +62,11 @@ class Bag(Sequence):
         if isinstance(index, slice):
             return Bag(self.path, self.topic, self.timestamps[index], self.repeats[index])
         index = range(len(self))[index]
-        with _opened(self.path) as reader:
+        with _open_reader(self.path) as reader:
             return self._read(reader, index)
 
     def __iter__(self) -> Iterator[np.ndarray]:
-        with _opened(self.path) as reader:
+        with _open_reader(self.path) as reader:
             for index in range(len(self)):
                 yield self._read(reader, index)
 
@@ -112,8 +112,8 @@ def read_bag(path: str | os.PathLike, topic: str | None = None) -> Bag:
     """
     path = Path(path)
     if not path.exists():
-        raise missing_file(path.name, [path.parent], SUFFIXES)
-    with _opened(path) as reader:
+        raise missing_file_error(path.name, [path.parent], SUFFIXES)
+    with _open_reader(path) as reader:
         topics = sorted(
             {connection.topic for connection in reader.connections if connection.msgtype == MESSAGE}
         )
@@ -204,7 +204,7 @@ def decode_message(message: Any, name: str, number: int = 0) -> np.ndarray:
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[Reader1 | Reader2]:
+def _open_reader(path: Path) -> Iterator[Reader1 | Reader2]:
     """Open a recording with the reader for its kind; every error names the file."""
     if path.suffix not in SUFFIXES and not path.is_dir():
         raise file_error(

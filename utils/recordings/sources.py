@@ -49,9 +49,11 @@ class RecordingSource:
     licence: str = LICENCE
 
 
-def _frames(folder: str, count: int, sums: dict[int, str], about: str) -> RecordingSource:
+def _source_of_frames(
+    folder: str, count: int, checksums: dict[int, str], about: str
+) -> RecordingSource:
     """Return the source of a folder of numbered PCD files recorded at 10 Hz."""
-    names = {f"{number:010d}.pcd": sums.get(number) for number in range(count)}
+    names = {f"{number:010d}.pcd": checksums.get(number) for number in range(count)}
     return RecordingSource(f"{UDACITY}/{folder}", names, _read_frames, about)
 
 
@@ -60,7 +62,7 @@ def _read_frames(folder: Path) -> Recording:
     return Recording(clouds, np.arange(len(clouds)) / 10)
 
 
-def _drive(day: str, number: str, about: str) -> RecordingSource:
+def _source_of_drive(day: str, number: str, about: str) -> RecordingSource:
     """Return the source of a drive of KITTI's raw data, with its calibration and tracklets."""
     drive = f"{day}_drive_{number}"
     names = (f"{day}_calib.zip", f"{drive}/{drive}_tracklets.zip", f"{drive}/{drive}_sync.zip")
@@ -72,16 +74,18 @@ def _drive(day: str, number: str, about: str) -> RecordingSource:
     )
 
 
-CITY_SUMS = {
+CITY_CHECKSUMS = {
     0: "cdb1878b94e0408c5cb13d3ba53fd24cb5617728a43f2bb0ef7531369189273f",
     5: "d9684ebebcb1f515b2123c61c2639475c942fec078c7d3f8145c3620870c843e",
     10: "8aa1bd48592830fb8c6c6e1629ee8b6dacef7f15f2a3009dd5e99708a166f6c0",
 }
 SOURCES = {
-    "udacity_city": _frames("data_1", 22, CITY_SUMS, "22 frames of a street with parked cars"),
-    "udacity_cyclist": _frames("data_2", 154, {}, "154 frames behind a cyclist"),
-    "kitti_0002": _drive("2011_09_26", "0002", "77 labelled frames in the city"),
-    "kitti_0005": _drive("2011_09_26", "0005", "154 labelled frames behind a cyclist"),
+    "udacity_city": _source_of_frames(
+        "data_1", 22, CITY_CHECKSUMS, "22 frames of a street with parked cars"
+    ),
+    "udacity_cyclist": _source_of_frames("data_2", 154, {}, "154 frames behind a cyclist"),
+    "kitti_0002": _source_of_drive("2011_09_26", "0002", "77 labelled frames in the city"),
+    "kitti_0005": _source_of_drive("2011_09_26", "0005", "154 labelled frames behind a cyclist"),
 }
 
 

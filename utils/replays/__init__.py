@@ -17,9 +17,9 @@ __all__ = ["play", "replay", "walk"]
 
 # Functions that can be replayed, each with the module and the function that record its run.
 _RUNS = {
-    "ransac_line": ("utils.replays.ransac", "run_of_line"),
-    "ransac_plane": ("utils.replays.ransac", "run_of_plane"),
-    "euclidean_clustering": ("utils.replays.clustering", "run_of"),
+    "ransac_line": ("utils.replays.ransac", "replay_ransac_line"),
+    "ransac_plane": ("utils.replays.ransac", "replay_ransac_plane"),
+    "euclidean_clustering": ("utils.replays.clustering", "replay_clustering"),
 }
 
 

@@ -4,11 +4,11 @@ from collections.abc import Callable
 
 from utils.checks.assertions import brief_text
 from utils.checks.tips import locate
-from utils.remote_objects import ENDLESS
+from utils.remote_objects import ENDLESS_LOOP_HINT
 from utils.replays.tracer import Ending
 
 
-def how_it_ended(ending: Ending, function: Callable) -> str:
+def describe_ending(ending: Ending, function: Callable) -> str:
     """Describe the returned value, or the reason why there is none.
 
     Parameters
@@ -18,7 +18,7 @@ def how_it_ended(ending: Ending, function: Callable) -> str:
         The student's function.
     """
     if ending.stopped:
-        return f"Your function was stopped because it did not end. {ENDLESS.capitalize()}"
+        return f"Your function was stopped because it did not end. {ENDLESS_LOOP_HINT.capitalize()}"
     if ending.error is not None:
         kind, (_, place, line) = type(ending.error).__name__, locate(ending.error, function)
         where = f", in {place}" + (f": `{line}`" if line else "") if place else ""

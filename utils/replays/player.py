@@ -23,13 +23,13 @@ class ReplayStep:
 
     Attributes
     ----------
-    says : str
+    description : str
         Description of the step in a sentence or two.
     draw : callable
         Takes a title and draws a figure.
     """
 
-    says: str
+    description: str
     draw: Callable[[str], object]
 
 
@@ -41,12 +41,12 @@ class Fault:
     ----------
     step : int
         Index of the step, from 0.
-    why : str
+    reason : str
         Description of the mistake, with facts only.
     """
 
     step: int
-    why: str
+    reason: str
 
 
 @dataclass(frozen=True)
@@ -57,20 +57,20 @@ class Replay:
     ----------
     steps : sequence of ReplayStep
         Steps in order; empty if nothing could be observed.
-    wrong : Fault or None
+    fault : Fault or None
         First mistake; None if no mistake is certain.
     remark : str
         Remark on the whole run, or the reason why there is nothing to show.
     """
 
     steps: Sequence[ReplayStep] = ()
-    wrong: Fault | None = None
+    fault: Fault | None = None
     remark: str = ""
 
 
-def first_of(faults: Sequence[Fault]) -> Fault | None:
+def earliest_fault(faults: Sequence[Fault]) -> Fault | None:
     """Return the earliest mistake of a run; if several share a step, the first in the list."""
-    return min(faults, key=lambda wrong: wrong.step, default=None)
+    return min(faults, key=lambda fault: fault.step, default=None)
 
 
 def play(run: Replay) -> None:
@@ -83,13 +83,13 @@ def play(run: Replay) -> None:
     if not run.steps:
         show(f"<p>{escape(run.remark)}</p>", run.remark)
         return
-    count, begin = len(run.steps), run.wrong.step + 1 if run.wrong else 1
+    count, begin = len(run.steps), run.fault.step + 1 if run.fault else 1
 
     def step(step: int) -> None:
         _show(run, step - 1)
 
     if hasattr(ipywidgets, "is_still"):
-        last = begin if run.wrong else count
+        last = begin if run.fault else count
         for number in np.unique(np.linspace(1, last, STILL).round().astype(int)):
             step(int(number))
     else:
@@ -100,19 +100,19 @@ def _show(run: Replay, position: int) -> None:
     """Show one step with its picture, its description and the remark on the run."""
     import matplotlib.pyplot as plt
 
-    step, wrong = run.steps[position], run.wrong
+    step, fault = run.steps[position], run.fault
     title = f"step {position + 1} of {len(run.steps)}"
-    if wrong and wrong.step == position:
+    if fault and fault.step == position:
         title += ": the first mistake"
     step.draw(title)
     plt.show()
-    html, text = f"<p>{escape(step.says)}</p>", step.says
-    if wrong and wrong.step == position:
+    html, text = f"<p>{escape(step.description)}</p>", step.description
+    if fault and fault.step == position:
         html += (
             "<div style='border-left:4px solid #D55E00;padding:0.2em 0.8em'>"
-            f"✗ <b>Wrong here.</b> {escape(wrong.why)}</div>"
+            f"✗ <b>Wrong here.</b> {escape(fault.reason)}</div>"
         )
-        text += f"\n✗ Wrong here. {wrong.why}"
+        text += f"\n✗ Wrong here. {fault.reason}"
     if run.remark:  # repeated with each step, because an export drops output before a slider
         html, text = f"{html}<p>{escape(run.remark)}</p>", f"{text}\n{run.remark}"
     show(html, text)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from utils.replays.player import Fault, Replay, ReplayStep, first_of
+from utils.replays.player import Fault, Replay, ReplayStep, earliest_fault
 from utils.visits import describe_step, nodes_of
 
 if TYPE_CHECKING:
@@ -139,7 +139,7 @@ def _first_mistake(
                     f"{parent.index} cuts at {cut:g}. Nothing to its {side} can be near, but the "
                 )
                 faults.append(Fault(step_of[index], f"{why}search continues there."))
-    return first_of(faults)
+    return earliest_fault(faults)
 
 
 def _visits_child(node: Node, step_of: dict[int, int]) -> bool:

@@ -21,7 +21,7 @@ from utils.plots.style import (
     VERMILION,
     counted,
 )
-from utils.plots.trees import AXIS_LOOKS
+from utils.plots.trees import AXIS_STYLES
 from utils.scene3d import solids
 from utils.scene3d.parts import (
     LAYERS,
@@ -30,9 +30,9 @@ from utils.scene3d.parts import (
     Part,
     Points,
     Segments,
-    bytes_of,
-    dashed,
+    cut_into_dashes,
     dot_size,
+    rgb_bytes,
 )
 
 if TYPE_CHECKING:
@@ -62,9 +62,11 @@ def cloud_parts(
     """Return the points of a cloud, in one colour or coloured by `values` or by height."""
     cloud = as_cloud(cloud)
     if colour is not None:
-        colours = np.tile(bytes_of(colour), (len(cloud), 1))
+        colours = np.tile(rgb_bytes(colour), (len(cloud), 1))
     else:
-        colours = _coloured(cloud[:, 2] if values is None else as_values(values, len(cloud)))
+        colours = _colours_of_values(
+            cloud[:, 2] if values is None else as_values(values, len(cloud))
+        )
     return [_points(cloud, colours, size, layer, name or LAYERS[layer])]
 
 
@@ -74,13 +76,13 @@ def cluster_parts(cloud: ArrayLike, labels: ArrayLike, names: bool) -> list[Part
     labels = as_labels(labels, len(cloud))
     noise = labels <= 0
     found, counts = np.unique(labels[~noise], return_counts=True)
-    palette = np.array([bytes_of(colour) for colour in PALETTE])
+    palette = np.array([rgb_bytes(colour) for colour in PALETTE])
     size = dot_size(len(cloud))
     colours = palette[(labels[~noise] - 1) % len(PALETTE)]
     name = f"points in {counted(len(found), 'cluster')}"
     parts: list[Part] = [_points(cloud[~noise], colours, size + 1, "clusters", name)]
     if noise.any():
-        pale = np.tile(bytes_of(PALE), (np.count_nonzero(noise), 1))
+        pale = np.tile(rgb_bytes(PALE), (np.count_nonzero(noise), 1))
         parts.append(_points(cloud[noise], pale, max(size - 1, 1), "clusters", "noise points"))
     for label in found[np.argsort(-counts, kind="stable")[:MOST_NAMES]] if names else ():
         members = cloud[labels == label, :3]
@@ -106,7 +108,7 @@ def kd_parts(root: Node | None, low: ArrayLike, high: ArrayLike, depth: int) -> 
     """Return the cuts of a kd-tree in the colours of their axes; the first cuts have labels."""
     cuts = list(solids.kd_cuts(root, low, high, depth))
     parts: list[Part] = []
-    for axis, (letter, _, colour) in enumerate(AXIS_LOOKS):
+    for axis, (letter, _, colour) in enumerate(AXIS_STYLES):
         rings = np.array([cut.corners for cut in cuts if cut.axis == axis]).reshape(-1, 4, 3)
         if not len(rings):
             continue
@@ -116,7 +118,7 @@ def kd_parts(root: Node | None, low: ArrayLike, high: ArrayLike, depth: int) -> 
         name = f"splits {letter}"
         parts.append(_faces(triangles, colour, "kd_tree", 0.16, name, shaded=False))
     for number, cut in enumerate(cuts[:MOST_NAMES], start=1):
-        parts.append(Label(cut.corners[2], f"{number} {AXIS_LOOKS[cut.axis][0]}", "kd_tree"))
+        parts.append(Label(cut.corners[2], f"{number} {AXIS_STYLES[cut.axis][0]}", "kd_tree"))
     return parts
 
 
@@ -144,7 +146,7 @@ def box_parts(
     corners = _as_corners(corners)
     texts = as_names(names, len(corners))
     finite = np.flatnonzero(np.isfinite(corners).all(axis=(1, 2)))
-    corners = solids.ordered(corners[finite])
+    corners = solids.order_corners(corners[finite])
     parts: list[Part] = [
         _label_above(box, texts[row], layer)
         for row, box in zip(finite, corners, strict=True)
@@ -154,7 +156,7 @@ def box_parts(
     edges = solids.edges_of(corners)
     colour, width = BOX_LOOKS[layer]
     if reference:
-        return [*parts, Segments(dashed(edges), MUTED, 2.0, layer, name, is_dashed=True)]
+        return [*parts, Segments(cut_into_dashes(edges), MUTED, 2.0, layer, name, is_dashed=True)]
     faces = _faces(solids.faces_of(corners), colour, layer, 0.14)
     return [*parts, Segments(edges, colour, width, layer, name), faces]
 
@@ -191,7 +193,7 @@ def road_parts(height: float, length: float, width: float) -> list[Part]:
 def car_parts(corners: ArrayLike, colour: str) -> list[Part]:
     """Return an opaque car made of blocks for each box."""
     corners = _as_corners(corners)
-    corners = solids.ordered(corners[np.isfinite(corners).all(axis=(1, 2))])
+    corners = solids.order_corners(corners[np.isfinite(corners).all(axis=(1, 2))])
     blocks = [solids.block_car(box) for box in corners]
     blocks = np.concatenate(blocks) if blocks else np.empty((0, 8, 3))
     name = counted(len(corners), "car")
@@ -220,9 +222,9 @@ def _faces(
     *,
     shaded: bool = True,
 ) -> Faces:
-    colours = np.tile(bytes_of(colour), (len(triangles), 1))
+    colours = np.tile(rgb_bytes(colour), (len(triangles), 1))
     if shaded:
-        colours = solids.lit(triangles, colours)
+        colours = solids.shaded_colours(triangles, colours)
     return Faces(triangles, colours, opacity, layer, name)
 
 
@@ -231,7 +233,7 @@ def _label_above(points: np.ndarray, text: str, layer: str) -> Label:
     return Label(np.array([*middle, points[:, 2].max() + LABEL_RISE]), text, layer)
 
 
-def _coloured(values: np.ndarray) -> np.ndarray:
+def _colours_of_values(values: np.ndarray) -> np.ndarray:
     """Return colours (n, 3) for values; the colour scale covers percentiles 1 to 99."""
     finite = values[np.isfinite(values)]
     low, high = np.percentile(finite, [1, 99]) if len(finite) else (0.0, 1.0)

@@ -53,19 +53,19 @@ class Camera:
         rows = np.stack([right, np.cross(right, forward), forward])
         return rows / np.linalg.norm(rows, axis=1, keepdims=True)
 
-    def seen(self, points: np.ndarray) -> np.ndarray:
+    def to_camera(self, points: np.ndarray) -> np.ndarray:
         """Return points in camera coordinates (..., 3): right, up and forward, in metres."""
         return (np.asarray(points, dtype=float) - self.position) @ self.axes().T
 
-    def placed(self, seen: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-        """Return pixel coordinates (..., 2), to the right and down, for the result of `seen`.
+    def to_pixels(self, points: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+        """Return pixel coordinates (..., 2), to the right and down, for the result of `to_camera`.
 
         The points must be in front of the camera.
         """
         width, height = size
         focal = height / 2 / np.tan(np.radians(self.view_angle) / 2)
-        ahead = np.maximum(seen[..., 2:], NEAREST)
-        return seen[..., :2] / ahead * (focal, -focal) + (width / 2, height / 2)
+        ahead = np.maximum(points[..., 2:], NEAREST)
+        return points[..., :2] / ahead * (focal, -focal) + (width / 2, height / 2)
 
 
 CAMERAS: dict[str, Camera] = {
@@ -92,7 +92,7 @@ def as_camera(camera: str | Camera) -> Camera:
     )
 
 
-def cut_off(ends: np.ndarray) -> np.ndarray:
+def clip_to_front(ends: np.ndarray) -> np.ndarray:
     """Clip segments (m, 2, 3) in camera coordinates to the part in front of the camera.
 
     Segments that are entirely behind the camera are dropped.

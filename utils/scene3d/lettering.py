@@ -78,8 +78,8 @@ def _write_labels(
     labels = [part for part in parts if isinstance(part, Label)]
     if not labels:
         return
-    seen = camera.seen(np.array([label.at for label in labels]))
-    places = camera.placed(seen, size)
+    seen = camera.to_camera(np.array([label.at for label in labels]))
+    places = camera.to_pixels(seen, size)
     occupied = np.empty((0, 4))
     for row in np.argsort(seen[:, 2], kind="stable"):
         place, text = tuple(places[row].tolist()), labels[row].text

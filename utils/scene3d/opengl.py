@@ -46,7 +46,7 @@ def problem() -> str:
         with without_screen():
             from pyvista import Plotter  # noqa: F401
 
-            kind = _kind_of_window()
+            kind = _window_class_name()
     except Exception as error:
         return f"PyVista cannot be loaded ({error}), so matplotlib draws the scene."
     # VTK chooses OSMesa as its last resort even if OSMesa is missing, and then crashes.
@@ -62,11 +62,11 @@ def has_screen() -> bool:
         return not os.environ.get("SSH_CONNECTION") and not problem()
     if not os.environ.get("DISPLAY") or problem():
         return False
-    with quiet():  # DISPLAY may name a screen that no longer exists
-        return _kind_of_window() == "vtkXOpenGLRenderWindow"
+    with silence_stderr():  # DISPLAY may name a screen that no longer exists
+        return _window_class_name() == "vtkXOpenGLRenderWindow"
 
 
-def _kind_of_window() -> str:
+def _window_class_name() -> str:
     """Return the class name of the render window that VTK chooses after its own tests."""
     from vtkmodules import vtkRenderingOpenGL2  # noqa: F401 (registers the windows)
     from vtkmodules.vtkRenderingCore import vtkRenderWindow
@@ -84,7 +84,7 @@ def without_screen() -> Iterator[None]:
     if sys.platform == "linux":
         os.environ.update(WITHOUT_SCREEN)
     try:
-        with quiet():
+        with silence_stderr():
             yield
     finally:
         for name, value in previous.items():
@@ -95,7 +95,7 @@ def without_screen() -> Iterator[None]:
 
 
 @contextmanager
-def quiet() -> Iterator[None]:
+def silence_stderr() -> Iterator[None]:
     """Discard all output to the file descriptor of standard error, even from C libraries.
 
     Messages that Python has already buffered are still written.

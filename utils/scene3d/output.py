@@ -24,20 +24,20 @@ NOT_TRUSTED = "<p>To rotate it, run this cell or trust the notebook.</p>"
 PICTURES = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG", ".webp": "WEBP"}
 
 
-def renderer_for(wanted: str | None) -> str:
+def choose_renderer(wanted: str | None) -> str:
     """Return "pyvista" or "matplotlib"; print the reason once if PyVista cannot be used."""
     if wanted not in (None, "pyvista", "matplotlib"):
         raise ValueError(f'renderer must be "pyvista" or "matplotlib", not {wanted!r}.')
     if wanted == "matplotlib":
         return wanted
     if problem := opengl.problem():
-        _say_once(problem)
+        _print_once(problem)
         return "matplotlib"
     return "pyvista"
 
 
 @lru_cache(maxsize=8)
-def _say_once(sentence: str) -> None:
+def _print_once(sentence: str) -> None:
     print(sentence)  # not to standard error, which some graders count as a failure
 
 
@@ -46,7 +46,7 @@ def picture_of(
 ) -> np.ndarray:
     """Draw a scene and return the picture as a uint8 array (height, width, 3)."""
     camera, size = as_camera(camera), _as_size(size)
-    if renderer_for(renderer) == "matplotlib":
+    if choose_renderer(renderer) == "matplotlib":
         from utils.scene3d.with_matplotlib import picture
 
         return picture(scene, camera, size)
@@ -104,27 +104,27 @@ def image_tag(image: np.ndarray, alt: str) -> str:
 
     `alt` is the text alternative.
     """
-    data = base64.b64encode(encoded(image, "PNG")).decode()
+    data = base64.b64encode(encode_image(image, "PNG")).decode()
     return (
         f'<img src="data:image/png;base64,{data}" alt="{html.escape(alt)}" '
         f'width="{image.shape[1]}" style="max-width:100%;height:auto">'
     )
 
 
-def encoded(image: np.ndarray, kind: str) -> bytes:
+def encode_image(image: np.ndarray, kind: str) -> bytes:
     """Return the bytes of an image file for an image (height, width, 3).
 
     A PNG has only 256 colours, which reduces its size to a third.
     """
     from PIL import Image
 
-    picture = in_few_colours(image, 256) if kind == "PNG" else Image.fromarray(image)
+    picture = reduce_colours(image, 256) if kind == "PNG" else Image.fromarray(image)
     buffer = io.BytesIO()
     picture.save(buffer, kind, optimize=kind == "PNG", quality=90)
     return buffer.getvalue()
 
 
-def in_few_colours(image: np.ndarray, colours: int, like: Image.Image | None = None) -> Image.Image:
+def reduce_colours(image: np.ndarray, colours: int, like: Image.Image | None = None) -> Image.Image:
     """Return an image (height, width, 3) with a palette, in which white remains exactly white.
 
     The palette has `colours` colours or is copied from `like`.
@@ -166,7 +166,7 @@ def save(
         path.write_text(page(scene, as_camera(camera), describe(scene, camera)), "utf-8")
     elif path.suffix.lower() in PICTURES:
         image = picture_of(scene, camera, size, None)
-        path.write_bytes(encoded(image, PICTURES[path.suffix.lower()]))
+        path.write_bytes(encode_image(image, PICTURES[path.suffix.lower()]))
     else:
         raise ValueError(
             f"{path.name!r} must end in {', '.join(PICTURES)}, or in .html for an interactive "

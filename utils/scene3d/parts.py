@@ -144,7 +144,7 @@ class Drawable(Protocol):
     parts: tuple[Part, ...]
 
 
-def bytes_of(colour: str) -> np.ndarray:
+def rgb_bytes(colour: str) -> np.ndarray:
     """Return a colour such as "#0072B2" as three bytes: red, green and blue."""
     return np.round(np.multiply(to_rgb(colour), 255)).astype(np.uint8)
 
@@ -154,7 +154,7 @@ def dot_size(count: int) -> float:
     return float(np.clip(round(30 / max(count, 1) ** 0.25), 2, 6))
 
 
-def dashed(ends: np.ndarray, dash: float = 0.25) -> np.ndarray:
+def cut_into_dashes(ends: np.ndarray, dash: float = 0.25) -> np.ndarray:
     """Cut segments (m, 2, 3) into dashes (k, 2, 3) of about `dash` metres, with equal gaps.
 
     Some renderers cannot draw dashed lines, but all of them can draw short segments.

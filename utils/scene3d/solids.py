@@ -24,7 +24,7 @@ TRIANGLES = QUADS[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
 LIGHT = np.array([0.35, -0.5, 0.8]) / np.linalg.norm([0.35, -0.5, 0.8])
 
 
-def ordered(corners: np.ndarray) -> np.ndarray:
+def order_corners(corners: np.ndarray) -> np.ndarray:
     """Return boxes (N, 8, 3) with sorted corners: the floor anticlockwise, then the roof above it.
 
     The order in `corners` does not matter. The four lowest corners form the floor, even in a box
@@ -59,7 +59,7 @@ def faces_of(corners: np.ndarray) -> np.ndarray:
     return corners[:, TRIANGLES].reshape(-1, 3, 3)
 
 
-def lit(triangles: np.ndarray, colour: np.ndarray) -> np.ndarray:
+def shaded_colours(triangles: np.ndarray, colour: np.ndarray) -> np.ndarray:
     """Return the colours (m, 3) of triangles under one light; facing triangles are brightest."""
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)

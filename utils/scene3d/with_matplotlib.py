@@ -16,7 +16,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 
 from utils.plots.style import PAPER, canvas
-from utils.scene3d.cameras import NEAREST, Camera, as_camera, cut_off
+from utils.scene3d.cameras import NEAREST, Camera, as_camera, clip_to_front
 from utils.scene3d.eye_dome import eye_dome
 from utils.scene3d.lettering import write
 from utils.scene3d.parts import Drawable, Faces, Label, Part, Points, Segments
@@ -29,7 +29,7 @@ def picture(scene: Drawable, camera: Camera, size: tuple[int, int]) -> np.ndarra
     width, height = size
     figure = Figure(figsize=(width / DOTS_PER_INCH, height / DOTS_PER_INCH), dpi=DOTS_PER_INCH)
     screen = FigureCanvasAgg(figure)
-    _fill(figure.add_axes((0, 0, 1, 1)), scene, camera, size)
+    _draw_parts(figure.add_axes((0, 0, 1, 1)), scene, camera, size)
     screen.draw()
     image = np.asarray(screen.buffer_rgba())[:height, :width, :3].copy()
     return write(image, scene.parts, camera, scene.title, scene.caption)
@@ -41,13 +41,13 @@ def draw(scene: Drawable, camera: str | Camera, axes: Axes | None = None) -> Axe
     axes = canvas(axes)
     box = axes.get_window_extent()
     size = (max(round(box.width), 2), max(round(box.height), 2))
-    _fill(axes, scene, camera, size)
+    _draw_parts(axes, scene, camera, size)
     labels = [part for part in scene.parts if isinstance(part, Label)]
     for label in labels:
-        seen = camera.seen(label.at)
+        seen = camera.to_camera(label.at)
         if seen[2] > NEAREST:
             axes.text(
-                *camera.placed(seen, size),
+                *camera.to_pixels(seen, size),
                 label.text,
                 color=label.colour,
                 ha="center",
@@ -60,7 +60,7 @@ def draw(scene: Drawable, camera: str | Camera, axes: Axes | None = None) -> Axe
     return axes
 
 
-def _fill(axes: Axes, scene: Drawable, camera: Camera, size: tuple[int, int]) -> None:
+def _draw_parts(axes: Axes, scene: Drawable, camera: Camera, size: tuple[int, int]) -> None:
     """Draw all parts except labels, in pixel coordinates."""
     axes.set_axis_off()
     parts = scene.parts
@@ -68,7 +68,7 @@ def _fill(axes: Axes, scene: Drawable, camera: Camera, size: tuple[int, int]) ->
     transparent = [part for part in parts if isinstance(part, Faces) and part.opacity < 1.0]
     _add_faces(axes, opaque, camera, size, 1)
     axes.imshow(
-        _dotted(parts, camera, size),
+        _image_of_dots(parts, camera, size),
         extent=(0, size[0], size[1], 0),
         zorder=2,
         interpolation="nearest",
@@ -77,7 +77,7 @@ def _fill(axes: Axes, scene: Drawable, camera: Camera, size: tuple[int, int]) ->
     _add_faces(axes, transparent, camera, size, 3)
     for part in parts:
         if isinstance(part, Segments) and len(part.ends):
-            lines = camera.placed(cut_off(camera.seen(part.ends)), size)
+            lines = camera.to_pixels(clip_to_front(camera.to_camera(part.ends)), size)
             width = part.width * 72 / DOTS_PER_INCH
             axes.add_collection(
                 LineCollection(
@@ -99,7 +99,7 @@ def _add_faces(
     kept = [part for part in parts if len(part.triangles)]
     if not kept:
         return
-    triangles = camera.seen(np.concatenate([part.triangles for part in kept]))
+    triangles = camera.to_camera(np.concatenate([part.triangles for part in kept]))
     colours = np.concatenate(
         [
             np.column_stack([part.colours / 255, np.full(len(part.colours), part.opacity)])
@@ -110,7 +110,7 @@ def _add_faces(
     shown = shown[np.argsort(-triangles[shown, :, 2].mean(axis=1))]
     axes.add_collection(
         PolyCollection(
-            camera.placed(triangles[shown], size),
+            camera.to_pixels(triangles[shown], size),
             facecolors=colours[shown],
             edgecolors="none",
             antialiased=False,
@@ -120,7 +120,7 @@ def _add_faces(
     )
 
 
-def _dotted(parts: Iterable[Part], camera: Camera, size: tuple[int, int]) -> np.ndarray:
+def _image_of_dots(parts: Iterable[Part], camera: Camera, size: tuple[int, int]) -> np.ndarray:
     """Return an image (height, width, 4) of all points, with a transparent background."""
     width, height = size
     image = np.zeros((height, width, 3), dtype=np.uint8)
@@ -128,9 +128,9 @@ def _dotted(parts: Iterable[Part], camera: Camera, size: tuple[int, int]) -> np.
     for part in parts:
         if not isinstance(part, Points) or not len(part.xyz):
             continue
-        seen = camera.seen(part.xyz)
+        seen = camera.to_camera(part.xyz)
         rows = np.flatnonzero(seen[:, 2] > NEAREST)
-        places = camera.placed(seen[rows], size)
+        places = camera.to_pixels(seen[rows], size)
         # The nearest points come last, because the last value assigned to a pixel remains.
         order = np.argsort(-seen[rows, 2], kind="stable")
         rows, places = rows[order], np.floor(places[order] - (part.size - 1) / 2).astype(int)

@@ -11,7 +11,7 @@ from utils.plots.style import INK, PAPER
 from utils.scene3d.cameras import CAMERAS, Camera
 from utils.scene3d.eye_dome import eye_dome
 from utils.scene3d.lettering import write
-from utils.scene3d.opengl import quiet, without_screen
+from utils.scene3d.opengl import silence_stderr, without_screen
 from utils.scene3d.parts import Drawable, Faces, Label, Part, Points, Segments
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ class Studio:
 
     def close(self) -> None:
         """Close the plotter and free its memory."""
-        with quiet():
+        with silence_stderr():
             self.plotter.close()
 
     def __enter__(self) -> Studio:
@@ -99,12 +99,12 @@ class Window:
 
         self.plotter = pyvista.Plotter(window_size=list(size), lighting="none", notebook=False)
         self.plotter.set_background(PAPER)
-        self.paused, self.open = False, True
+        self.is_paused, self.is_open = False, True
         for number, preset in enumerate(CAMERAS.values(), start=1):
             # The digits 1 to 4 are not used, because 3 toggles VTK's red and blue stereo view.
             self.plotter.add_key_event(f"F{number}", _camera_setter(self.plotter, preset))
-        self.plotter.add_key_event("space", self._pause)
-        self.plotter.iren.add_observer("ExitEvent", self._leave)  # q or the close button
+        self.plotter.add_key_event("space", self._toggle_pause)
+        self.plotter.iren.add_observer("ExitEvent", self._mark_closed)  # q or the close button
         aim(self.plotter, camera)
 
     def show_scene(self, scene: Drawable) -> None:
@@ -120,23 +120,23 @@ class Window:
 
     def refresh(self) -> None:
         """Process mouse and keyboard events."""
-        if self.open:
+        if self.is_open:
             self.plotter.update()
 
     def wait_until_closed(self) -> None:
         """Keep the window open until the user closes it."""
-        if self.open:
+        if self.is_open:
             self.plotter.iren.start()
 
     def close(self) -> None:
         """Close the window."""
         self.plotter.close()
 
-    def _pause(self) -> None:
-        self.paused = not self.paused
+    def _toggle_pause(self) -> None:
+        self.is_paused = not self.is_paused
 
-    def _leave(self, *event: object) -> None:
-        self.open = False
+    def _mark_closed(self, *event: object) -> None:
+        self.is_open = False
         self.plotter.iren.terminate_app()
 
 

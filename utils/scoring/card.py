@@ -25,7 +25,7 @@ from utils.tables import show_table
 OVERLAPS = (0.3, 0.5, 0.7)
 ROAD_USERS = ("car", "truck", "cyclist", "pedestrian")
 DISTANCES = (0.0, 10.0, 20.0, np.inf)
-HIDDEN = (0.0, 0.1, 0.5, 1.01)
+HIDDEN_SHARES = (0.0, 0.1, 0.5, 1.01)
 Region = tuple[tuple[float, float], tuple[float, float]]
 
 
@@ -89,9 +89,9 @@ def hidden_shares(frame: Frame, boxes: Sequence[Box]) -> np.ndarray:
         far, edges = np.hypot(*corners[:, :2].T), np.arctan2(*corners[:, 1::-1].T)
         steep = corners[:, 2] / far
         before = np.flatnonzero((away < far.min()) & (objects != box.identity))
-        off_centre, heights = _between(angle[before], middle), z[before] / away[before]
+        off_centre, heights = _angle_differences(angle[before], middle), z[before] / away[before]
         stopped = np.count_nonzero(
-            (off_centre <= _between(edges, middle).max())
+            (off_centre <= _angle_differences(edges, middle).max())
             & (heights >= steep.min())
             & (heights <= steep.max())
         )
@@ -99,7 +99,7 @@ def hidden_shares(frame: Frame, boxes: Sequence[Box]) -> np.ndarray:
     return np.array(shares)
 
 
-def _between(angles: np.ndarray, angle: float) -> np.ndarray:
+def _angle_differences(angles: np.ndarray, angle: float) -> np.ndarray:
     """Return the absolute differences between `angles` and `angle`, from 0 to pi."""
     return np.abs((angles - angle + np.pi) % (2 * np.pi) - np.pi)
 
@@ -190,7 +190,7 @@ def score_card(
         Precision, recall and F1, then recall by distance and by how much is hidden.
     """
     pairs = list(zip(found, frames, strict=True))
-    scored = [_ScoredFrame.at(boxes, frame, region, overlap) for boxes, frame in pairs]
+    scored = [_ScoredFrame.of(boxes, frame, region, overlap) for boxes, frame in pairs]
     rows = [
         _row("precision", [(frame.hits.sum(axis=1), frame.found) for frame in scored], _share),
         _row("recall", [(frame.hits.sum(axis=1), len(frame.away)) for frame in scored], _share),
@@ -204,7 +204,7 @@ def score_card(
     for names, edges, attribute in (
         (("recall to 10 m", "recall, 10–20 m", "recall beyond 20 m"), DISTANCES, "away"),
         (("recall in plain view", "recall, partly hidden", "recall, half hidden or more"),
-         HIDDEN, "hidden"),
+         HIDDEN_SHARES, "hidden"),
     ):  # fmt: skip
         for name, low, high in zip(names, edges, edges[1:], strict=False):
             parts = []
@@ -225,7 +225,7 @@ class _ScoredFrame:
     hidden: np.ndarray
 
     @classmethod
-    def at(cls, boxes: np.ndarray, frame: Frame, region: Region, overlap: Callable) -> _ScoredFrame:
+    def of(cls, boxes: np.ndarray, frame: Frame, region: Region, overlap: Callable) -> _ScoredFrame:
         boxes, truth = np.reshape(boxes, (-1, 8, 3)), counted(frame, region)
         boxes = boxes[within(boxes, region)]
         overlaps = overlap(boxes, np.array([box.corners for box in truth]).reshape(-1, 8, 3))

@@ -73,7 +73,7 @@ def lesson_obstacles() -> list[Obstacle]:
     ]
 
 
-def winding(
+def winding_pose(
     distance: float, speed: float, aside: float, weave: float
 ) -> tuple[float, float, float, float]:
     """Return x, y, heading and speed of a weaving ride, `aside` metres left of a winding path."""

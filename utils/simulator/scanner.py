@@ -86,7 +86,7 @@ def scan(world: World, sensor: Sensor, seed: int | Sequence[int]) -> Scan:
     luck, penetration = rng.random(shape), rng.standard_exponential(shape)
 
     sources = list(_sources(world, sensor))
-    hits, distance, cosine = _nearest(world, sensor, rays, sources, penetration)
+    hits, distance, cosine = _nearest_hits(world, sensor, rays, sources, penetration)
     found = np.isfinite(distance)
     distance[~found] = 1.0  # an arbitrary finite number
     materials = [solid.material for _, _, solid in sources] + [world.ground.material]
@@ -94,10 +94,10 @@ def scan(world: World, sensor: Sensor, seed: int | Sequence[int]) -> Scan:
     loss = np.array([material.loss for material in materials])[hits]
 
     measured = distance + sensor.range_noise * noise
-    kept = found & (luck >= _risk(sensor, loss, reflectivity * cosine, distance))
+    kept = found & (luck >= _loss_probability(sensor, loss, reflectivity * cosine, distance))
     kept &= (measured >= sensor.minimum_range) & (measured <= sensor.maximum_range)
     # The rays with the smallest random numbers are reported at the origin.
-    invalid = _smallest(luck, sensor.invalid_returns)
+    invalid = _smallest_mask(luck, sensor.invalid_returns)
     kept |= invalid
     brightness = reflectivity * (0.5 + 0.5 * cosine) * (1 + 0.15 * flicker)
 
@@ -115,7 +115,7 @@ def scan(world: World, sensor: Sensor, seed: int | Sequence[int]) -> Scan:
     return Scan(cloud, classes, objects, beams.astype(np.uint16), times)
 
 
-def _risk(
+def _loss_probability(
     sensor: Sensor, loss: np.ndarray, brightness: np.ndarray, distance: np.ndarray
 ) -> np.ndarray:
     """Return the loss probability of each echo, from dropout, material and weak signal."""
@@ -126,7 +126,7 @@ def _risk(
     return 1 - kept
 
 
-def _smallest(values: np.ndarray, count: int) -> np.ndarray:
+def _smallest_mask(values: np.ndarray, count: int) -> np.ndarray:
     """Return a mask of the `count` smallest values, but never of all values."""
     count = min(count, values.size - 1)
     chosen = np.zeros(values.size, dtype=bool)
@@ -152,7 +152,7 @@ def _sources(world: World, sensor: Sensor) -> Iterator[tuple[str, int, Solid]]:
             yield obstacle.kind, obstacle.identity, part.moved(base)
 
 
-def _nearest(
+def _nearest_hits(
     world: World,
     sensor: Sensor,
     rays: np.ndarray,

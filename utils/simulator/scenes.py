@@ -13,7 +13,7 @@ import numpy as np
 
 from utils.simulator.frames import Frame, Stream, observe
 from utils.simulator.ground import Ground
-from utils.simulator.layouts import lesson_obstacles, square, winding
+from utils.simulator.layouts import lesson_obstacles, square, winding_pose
 from utils.simulator.pose import Pose
 from utils.simulator.scanner import CLASSES
 from utils.simulator.sensor import Sensor, hdl64, highway_sensor
@@ -108,13 +108,13 @@ def cyclist(seed: int = 0, frames: int = 60) -> Stream:
 def _cyclist_frame(seed: int, number: int) -> Frame:
     time = number / 10
     world = square(seed)
-    x, y, yaw, speed = winding(9.0 + 4.2 * time, 4.2, 1.4, 1.6)
+    x, y, yaw, speed = winding_pose(9.0 + 4.2 * time, 4.2, 1.4, 1.6)
     rider = placed(bicycle(), x, y, yaw, speed)
     rider = replace(rider, identity=len(world.obstacles) + 1)
     # `seen_from` advances every obstacle by `time`, but the rider's pose is already at that time.
     rider = replace(rider.at(-time), turn_rate=0.0)
     world = replace(world, obstacles=(*world.obstacles, rider))
-    x, y, yaw, _ = winding(4.5 * time, 4.5, 0.0, 0.0)
+    x, y, yaw, _ = winding_pose(4.5 * time, 4.5, 0.0, 0.0)
     vehicle = Pose(x, y, 0.0, yaw)
     return observe(world.seen_from(vehicle, time), hdl64(), (seed, number), time)
 

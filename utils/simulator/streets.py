@@ -95,7 +95,13 @@ def street(rng: np.random.Generator, plan: StreetPlan) -> Iterator[Obstacle]:
     """
     for first, last in plan.spans:
         for side in (1, -1):
-            for row in (_parked, _furniture, _walkers, _driving, _fronts):
+            for row in (
+                _parked_cars,
+                _street_furniture,
+                _pedestrians,
+                _moving_traffic,
+                _house_fronts,
+            ):
                 yield from row(rng, plan, first, last, side)
 
 
@@ -104,13 +110,13 @@ def _gap(rng: np.random.Generator, plan: StreetPlan, mean: float) -> float:
     return plan.clearance + mean * rng.random() * 2
 
 
-def _parked(
+def _parked_cars(
     rng: np.random.Generator, plan: StreetPlan, first: float, last: float, side: int
 ) -> Iterator[Obstacle]:
     """Yield parked cars along the kerb, heading with the traffic."""
     x = first + _gap(rng, plan, plan.parked)
     while x < last:
-        thing = some_car(rng)
+        thing = random_car(rng)
         length = thing.size[0]
         if x + length > last:
             return
@@ -119,7 +125,7 @@ def _parked(
         x += length + _gap(rng, plan, plan.parked)
 
 
-def _furniture(
+def _street_furniture(
     rng: np.random.Generator, plan: StreetPlan, first: float, last: float, side: int
 ) -> Iterator[Obstacle]:
     """Yield trees, lamp posts and signs next to the kerb."""
@@ -137,7 +143,7 @@ def _furniture(
         x += 0.6 + _gap(rng, plan, plan.furniture)
 
 
-def _walkers(
+def _pedestrians(
     rng: np.random.Generator, plan: StreetPlan, first: float, last: float, side: int
 ) -> Iterator[Obstacle]:
     """Yield pedestrians on the pavement, sometimes two side by side."""
@@ -146,11 +152,11 @@ def _walkers(
     while x < last:
         together = rng.random() < 0.25
         for y in (WALKERS - 0.35, WALKERS + 0.4) if together else (WALKERS,):
-            yield placed(some_walker(rng), x, side * y, yaw, speed=1.3)
+            yield placed(random_pedestrian(rng), x, side * y, yaw, speed=1.3)
         x += 0.6 + _gap(rng, plan, plan.walkers)
 
 
-def _driving(
+def _moving_traffic(
     rng: np.random.Generator, plan: StreetPlan, first: float, last: float, side: int
 ) -> Iterator[Obstacle]:
     """Yield cars, cyclists and lorries in the lane, except close to the ego car."""
@@ -159,7 +165,7 @@ def _driving(
     x = first + _gap(rng, plan, plan.driving)
     while x < last:
         choice = rng.random()
-        thing = cyclist() if choice < 0.2 else some_car(rng)
+        thing = cyclist() if choice < 0.2 else random_car(rng)
         if choice > 0.85:
             thing = truck(width=2.1)
         length = thing.size[0]
@@ -171,7 +177,7 @@ def _driving(
         x += length + 2.0 + _gap(rng, plan, plan.driving)
 
 
-def _fronts(
+def _house_fronts(
     rng: np.random.Generator, plan: StreetPlan, first: float, last: float, side: int
 ) -> Iterator[Obstacle]:
     """Yield houses with gaps between them, some closed by a hedge or a garden wall."""
@@ -189,11 +195,11 @@ def _fronts(
         x += gap
 
 
-def some_car(rng: np.random.Generator) -> Obstacle:
+def random_car(rng: np.random.Generator) -> Obstacle:
     """Draw a car of a typical size."""
     return car(3.7 + 1.1 * rng.random(), 1.65 + 0.2 * rng.random(), 1.42 + 0.3 * rng.random())
 
 
-def some_walker(rng: np.random.Generator) -> Obstacle:
+def random_pedestrian(rng: np.random.Generator) -> Obstacle:
     """Draw a pedestrian of a typical size with a random stride."""
     return pedestrian(1.55 + 0.35 * rng.random(), 0.1 + 0.25 * rng.random())

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Iterable
 
 from utils.notebooks import slicing
-from utils.notebooks.forbidden import StandInModule, forbidden_part, refusal
+from utils.notebooks.forbidden import StandInModule, forbidden_module_of, refusal
 
 
 class Forbidden(importlib.abc.MetaPathFinder, importlib.abc.Loader):
@@ -25,7 +25,7 @@ class Forbidden(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         self, fullname: str, path: object = None, target: object = None
     ) -> importlib.machinery.ModuleSpec | None:
         """Refuse forbidden modules, and leave all others to other finders."""
-        if not forbidden_part(fullname, self.modules):
+        if not forbidden_module_of(fullname, self.modules):
             return None
         if not _is_imported_by_library():
             raise refusal(fullname)
@@ -38,7 +38,7 @@ class Forbidden(importlib.abc.MetaPathFinder, importlib.abc.Loader):
 
     def create_module(self, spec: importlib.machinery.ModuleSpec) -> StandInModule:
         """Return a stand-in module."""
-        return StandInModule(spec.name, forbidden_part(spec.name, self.modules))
+        return StandInModule(spec.name, forbidden_module_of(spec.name, self.modules))
 
     def exec_module(self, module: object) -> None:
         """Do nothing: a stand-in has no code."""
@@ -68,7 +68,9 @@ def refuse_imports(tree: ast.AST, modules: Iterable[str]) -> None:
 
 
 def _refuse_statement(node: ast.AST, modules: Iterable[str]) -> ast.AST:
-    name = next((name for name in slicing.imported_by(node) if forbidden_part(name, modules)), None)
+    name = next(
+        (name for name in slicing.imported_by(node) if forbidden_module_of(name, modules)), None
+    )
     if name is None:
         return node
     [statement] = ast.parse(f"raise ImportError({str(refusal(name))!r}, name={name!r})").body

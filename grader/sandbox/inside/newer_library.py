@@ -11,7 +11,7 @@ import ast
 from collections.abc import Container, Iterable, Iterator
 from itertools import accumulate
 
-from utils.notebooks.newer_syntax import RUNNING
+from utils.notebooks.newer_syntax import RUNNING_VERSION
 
 # From the lists of changes in Python's documentation; only what an answer may use.
 _ADDED = {
@@ -74,9 +74,13 @@ def newer_names(
     for place, node in enumerate(nodes):
         for inner in _unguarded(node):
             for name in _library_names(inner, modules):
-                version = ADDED_IN.get(name, RUNNING)
+                version = ADDED_IN.get(name, RUNNING_VERSION)
                 was_absent = python and python < version
-                if version > RUNNING and not was_absent and name.partition(".")[0] not in own:
+                if (
+                    version > RUNNING_VERSION
+                    and not was_absent
+                    and name.partition(".")[0] not in own
+                ):
                     needed = ".".join(map(str, version))
                     yield place, f"uses {name}, which needs Python {needed} or later"
 

@@ -34,7 +34,7 @@ import wire_format  # noqa: E402
 
 from utils.notebooks import slicing  # noqa: E402
 from utils.notebooks.edits import Edit, edits_of  # noqa: E402
-from utils.notebooks.forbidden import forbidden_part, refusal  # noqa: E402
+from utils.notebooks.forbidden import forbidden_module_of, refusal  # noqa: E402
 from utils.notebooks.skipped_cells import SkippedCell  # noqa: E402
 
 LONGEST_TEXT = 400
@@ -128,7 +128,12 @@ def main(read_end: int, write_end: int) -> None:
 
 def about_skipped(names: list[str], skipped: list[SkippedCell]) -> dict[str, str]:
     """Return a text about each function that is defined in a skipped cell."""
-    return {name: cell.about(name) for name in names for cell in skipped if cell.defines(name)}
+    return {
+        name: cell.describe_missing(name)
+        for name in names
+        for cell in skipped
+        if cell.defines(name)
+    }
 
 
 def newer_parts(
@@ -138,7 +143,7 @@ def newer_parts(
     python = tuple(start["python"])
     reasons = {cell.number: f"Code cell {cell.number} {cell.reason}" for cell in skipped}
     added = [
-        slicing.describe(cell.number, node, 0)
+        slicing.analyse_statement(cell.number, node, 0)
         for cell in skipped
         if cell.newer
         for node in cell.newer.body
@@ -280,7 +285,7 @@ def without_forbidden(
     kept, sentences = [], {}
     for statement in statements:
         modules = [module for _, module in slicing.imported_modules([statement])]
-        refused = next((name for name in modules if forbidden_part(name, forbidden)), None)
+        refused = next((name for name in modules if forbidden_module_of(name, forbidden)), None)
         if refused:
             sentences[
                 f"Code cell {statement.cell} imports {refused}, which is not allowed in this "

@@ -29,8 +29,8 @@ def namespace_of(decorator=lambda function: function):
     """Return the names that an answer can use, with `decorator` in place of `njit`."""
     turns = np.radians(np.arange(90))
     names = {"np": np, "njit": decorator, "cosines": np.cos(turns), "sines": np.sin(turns)}
-    (taught,) = (answer for answer in answers_to("root_of") if answer.follows_hints)
-    exec(f"@njit\n{taught.source}", names)
+    (right_answer,) = (answer for answer in answers_to("root_of") if answer.follows_hints)
+    exec(f"@njit\n{right_answer.source}", names)
     return names
 
 
@@ -75,19 +75,19 @@ def test_kept_answers_pass_or_fail_as_claimed(name, variant, monkeypatch):
         failed = dict([*failed.items()][:1])
     assert set(variant.loses) <= set(failed), sorted(failed)
     assert not variant.loses_only or set(failed) <= set(variant.loses), sorted(failed)
-    messages = " ".join(f"{one.check.title} {one.failure.message} {one.failure.given} "
+    messages = " ".join(f"{one.check.title} {one.failure.message} {one.failure.input_text} "
                     f"{one.failure.hint} {one.check.hint}" for one in failed.values())  # fmt: skip
     assert variant.says in messages, messages
     mistake = None if "did not return within" in variant.says else diagnose(name, function)
     assert bool(mistake) == bool(variant.told), mistake
-    assert variant.told in (mistake.says if mistake else "")
+    assert variant.told in (mistake.description if mistake else "")
 
 
 def test_every_known_mistake_has_a_kept_answer():
     for name in LESSON.steps:
         claims = [variant.told for step, variant in ANSWERS if step == name and variant.told]
         for mistake in known_mistakes(name):
-            assert any(words in mistake.says for words in claims), mistake.says
+            assert any(words in mistake.description for words in claims), mistake.description
 
 
 class Compiled:

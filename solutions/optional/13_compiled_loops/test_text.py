@@ -38,7 +38,7 @@ TEXT = LESSON.source.read_text("utf-8")
 
 
 @pytest.fixture(scope="module")
-def plain():
+def python_functions():
     """The lesson's functions in plain Python, even if Numba is installed."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(__import__("sys").modules, "numba", None)
@@ -48,7 +48,7 @@ def plain():
     return functions
 
 
-def in_order(labels):
+def renumber_in_order(labels):
     """Renumber labels 1, 2, ... in the order in which they first occur."""
     number = {}
     return np.array([number.setdefault(label, len(number) + 1) for label in labels.tolist()], int)
@@ -81,101 +81,105 @@ def test_it_takes_two_sittings():
     assert max(sittings) <= durations.MOST_MINUTES_WITHOUT_STOP
 
 
-def test_path_halving_is_drawn_as_it_happens(plain):
+def test_path_halving_is_drawn_as_it_happens(python_functions):
     cell = cell_with("Draws path halving")
     before, after = (ast.literal_eval(found) for found in re.findall(r"(\[0[^]]*\])[,}]", cell))
     parent = np.array(before)
-    assert plain.root_of(parent, 6) == 0 and parent.tolist() == after
+    assert python_functions.root_of(parent, 6) == 0 and parent.tolist() == after
     assert steps_to_root(before, 6) == 6 and steps_to_root(after, 6) == 3
 
 
-def test_the_counting_sort_is_drawn_as_it_happens(plain):
+def test_the_counting_sort_is_drawn_as_it_happens(python_functions):
     cell = cell_with("Draws a counting sort")
     numbers = np.array(ast.literal_eval(re.search(r"numbers = np\.array\((.*?)\)", cell)[1]))
     begins = [(np.sort(numbers) == value).argmax() for value in range(4)]
     starts = np.cumsum(np.bincount(numbers)) - np.bincount(numbers)
     assert starts.tolist() == begins
-    assert plain.ascending(numbers).tolist() == np.argsort(numbers, kind="stable").tolist()
+    assert (
+        python_functions.ascending(numbers).tolist() == np.argsort(numbers, kind="stable").tolist()
+    )
 
 
-def test_each_column_of_cells_is_apart_from_the_next(plain):
+def test_each_column_of_cells_is_apart_from_the_next(python_functions):
     heights = np.arange(5) + 0.5
     points = np.array([[0.5, y, z] for y in (0.5, 1.5) for z in heights])
-    numbers = plain.sort_by_cell(points, 1.0)[3]
+    numbers = python_functions.sort_by_cell(points, 1.0)[3]
     lower, upper = numbers[:5], numbers[5:]
     assert upper[0] - lower[-1] > 2  # no cell of the next column is within two steps along z
 
 
-def test_expected_outputs_are_right(plain):
+def test_expected_outputs_are_right(python_functions):
     parent = np.arange(7)
     for a, b in ((0, 2), (4, 0), (5, 2), (1, 3)):
-        plain.unite(parent, a, b)
-    assert f"expected: {[int(plain.root_of(parent, node)) for node in range(7)]}" in TEXT
+        python_functions.unite(parent, a, b)
+    assert f"expected: {[int(python_functions.root_of(parent, node)) for node in range(7)]}" in TEXT
     row = np.outer([0.0, 0.2, 1.0, 0.6], [1.0, 0.0, 0.0])
-    answers = [plain.any_close(row, 0, 2, 2, 4, limit**2) for limit in (0.5, 0.3)]
+    answers = [python_functions.any_close(row, 0, 2, 2, 4, limit**2) for limit in (0.5, 0.3)]
     assert f"expected: {answers[0]} {answers[1]}" in TEXT
-    assert not plain.any_close(row, 0, 2, 2, 4, 0.4**2 - 1e-9)
-    assert plain.any_close(row, 0, 2, 2, 4, 0.4**2 + 1e-9)
+    assert not python_functions.any_close(row, 0, 2, 2, 4, 0.4**2 - 1e-9)
+    assert python_functions.any_close(row, 0, 2, 2, 4, 0.4**2 + 1e-9)
 
 
-def test_a_counting_sort_is_stable(plain):
+def test_a_counting_sort_is_stable(python_functions):
     numbers = np.random.default_rng(1).integers(0, 2**40, 300) // 2**30 * 2**25
-    assert np.array_equal(plain.ascending(numbers), np.argsort(numbers, kind="stable"))
-    assert plain.ascending(np.zeros(3, np.int64)).tolist() == [0, 1, 2]
+    assert np.array_equal(python_functions.ascending(numbers), np.argsort(numbers, kind="stable"))
+    assert python_functions.ascending(np.zeros(3, np.int64)).tolist() == [0, 1, 2]
 
 
 @pytest.mark.parametrize(("seed", "threshold", "width"), [(1, 0.5, 4), (2, 0.2, 3), (3, 1.7, 12)])
-def test_the_clusters_are_exact(plain, seed, threshold, width):
+def test_the_clusters_are_exact(python_functions, seed, threshold, width):
     cloud = np.random.default_rng(seed).uniform(-width, width, (400, 4))
     cloud[200:, :3] = cloud[:200, :3] * 0.3
     truth = DBSCAN(eps=threshold, min_samples=1).fit_predict(cloud[:, :3])
-    labels = plain.cluster_compiled(cloud, threshold)
-    assert truth.max() > 2 and np.array_equal(labels, in_order(truth))
+    labels = python_functions.cluster_compiled(cloud, threshold)
+    assert truth.max() > 2 and np.array_equal(labels, renumber_in_order(truth))
 
 
-def test_the_clusters_of_the_street_are_exact(plain):
+def test_the_clusters_of_the_street_are_exact(python_functions):
     cloud = load_cloud("cloud.txt")
     cloud = cloud[cloud[:, 2] > -1.2][::40]
     truth = DBSCAN(eps=0.9, min_samples=1).fit_predict(cloud[:, :3])
-    assert np.array_equal(plain.cluster_compiled(cloud, 0.9), in_order(truth))
+    assert np.array_equal(python_functions.cluster_compiled(cloud, 0.9), renumber_in_order(truth))
 
 
 @pytest.mark.parametrize(("gap", "clusters"), [(0.51, 2), (0.49, 1)])
-def test_crowded_cells_are_searched_with_a_tree(plain, gap, clusters):
+def test_crowded_cells_are_searched_with_a_tree(python_functions, gap, clusters):
     heaps = np.random.default_rng(4).uniform(0, 0.1, (2, 400, 3))
     heaps[0, 0], heaps[1, 0] = (0.1, 0.05, 0.05), (0.0, 0.05, 0.05)
     heaps[1, :, 0] += 0.1 + gap
-    labels = plain.cluster_compiled(heaps.reshape(-1, 3), 0.5)
+    labels = python_functions.cluster_compiled(heaps.reshape(-1, 3), 0.5)
     assert labels.max() == clusters and len(set(labels[:400])) == 1
 
 
-def test_the_smallest_clouds_are_clustered(plain):
-    assert plain.cluster_compiled(np.empty((0, 4))).shape == (0,)
-    assert plain.cluster_compiled(np.ones((1, 3))).tolist() == [1]
-    assert plain.cluster_compiled(np.ones((3, 4))).tolist() == [1, 1, 1]
-    assert plain.detect_compiled(np.empty((0, 4))).shape == (0, 8, 3)
+def test_the_smallest_clouds_are_clustered(python_functions):
+    assert python_functions.cluster_compiled(np.empty((0, 4))).shape == (0,)
+    assert python_functions.cluster_compiled(np.ones((1, 3))).tolist() == [1]
+    assert python_functions.cluster_compiled(np.ones((3, 4))).tolist() == [1, 1, 1]
+    assert python_functions.detect_compiled(np.empty((0, 4))).shape == (0, 8, 3)
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, 1e12])
-def test_points_without_a_cell_are_refused_with_a_message(plain, bad):
+def test_points_without_a_cell_are_refused_with_a_message(python_functions, bad):
     cloud = np.vstack([np.zeros(3), np.full(3, bad)])
     with pytest.raises(ValueError, match="drop"):
-        plain.cluster_compiled(cloud)
+        python_functions.cluster_compiled(cloud)
 
 
-def test_voxels_equal_those_of_lesson_06(plain):
+def test_voxels_equal_those_of_lesson_06(python_functions):
     cloud = load_cloud("cloud.txt")[::60, :3]
     expected = load_reference("06_filter_ground").voxel_grid(cloud, 0.7)
     assert len(expected) < len(cloud) / 1.2
-    assert np.allclose(plain.voxel_means(np.ascontiguousarray(cloud), 0.7), expected, atol=1e-12)
+    assert np.allclose(
+        python_functions.voxel_means(np.ascontiguousarray(cloud), 0.7), expected, atol=1e-12
+    )
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_the_snuggest_turn_equals_that_of_lesson_11(plain, seed):
+def test_the_snuggest_turn_equals_that_of_lesson_11(python_functions, seed):
     area = load_reference("11_pca_boxes", "floor_area_at").floor_area_at
     points = np.random.default_rng(seed).normal(size=(40, 3)) * [3, 1, 1]
     turns = np.radians(np.arange(90))
-    assert plain.snuggest_turn(points) == area(points, turns).argmin()
+    assert python_functions.snuggest_turn(points) == area(points, turns).argmin()
 
 
 def by_smallest_rectangles(cloud):
@@ -201,10 +205,10 @@ def by_smallest_rectangles(cloud):
 
 
 @pytest.mark.slow
-def test_the_boxes_equal_those_of_lesson_12(plain):
+def test_the_boxes_equal_those_of_lesson_12(python_functions):
     cloud = load_cloud("cloud.txt")[::8]
     expected = by_smallest_rectangles(cloud)
-    boxes = plain.detect_compiled(cloud)
+    boxes = python_functions.detect_compiled(cloud)
     assert len(expected) > 10 and np.allclose(boxes, expected, atol=1e-9)
 
 
@@ -221,13 +225,13 @@ def test_compiled_functions_give_the_same_results():
 
 
 @pytest.mark.parametrize("is_compiled", [True, False])
-def test_output_mentions_compilation_only_if_compiled(plain, capsys, is_compiled):
+def test_output_mentions_compilation_only_if_compiled(python_functions, capsys, is_compiled):
     cells = [cell.source for cell in nbformat.read(LESSON.solved, as_version=4).cells]
     (cell,) = (source for source in cells if "first call{" in source)
     guess = SimpleNamespace(compare=lambda *_: None)
     names = {"np": np, "njit": lambda made: made, "ready": callable, "faster": guess}
     names |= {"points": np.ones((20, 3)), "level": np.array([0, 0, 1.0, -1])}
-    names |= {"count_near": plain.count_near, "milliseconds": lambda *_, **__: 1.0}
+    names |= {"count_near": python_functions.count_near, "milliseconds": lambda *_, **__: 1.0}
     exec(cell, names | {"is_compiled": is_compiled})
     output = capsys.readouterr().out
     assert "the same number as by NumPy" in output

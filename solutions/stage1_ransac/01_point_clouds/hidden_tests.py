@@ -19,7 +19,7 @@ def distances_by_hand(cloud):
     return np.array([math.hypot(x, y) for x, y in cloud[:, :2].tolist()])
 
 
-def assert_distances_in(student, cloud):
+def assert_right_distances(student, cloud):
     """Compare the answer for a cloud with distances computed in plain Python."""
     answer = student.horizontal_distance(cloud.copy())
     assert_distances(answer, cloud, distances_by_hand(cloud))
@@ -37,7 +37,7 @@ def random_rows(cloud, seed, n):
     hint="Draw your distances as the notebook does: does each colour form a circle?",
 )
 def test_measures_the_course_cloud(student, seed):
-    assert_distances_in(student, random_rows(samples.course_cloud(), seed, 4000))
+    assert_right_distances(student, random_rows(samples.course_cloud(), seed, 4000))
 
 
 @hidden(
@@ -47,7 +47,7 @@ def test_measures_the_course_cloud(student, seed):
     hint="Compute the square root of x² + y² from columns 0 and 1 of any cloud.",
 )
 def test_measures_a_fresh_street(student, seed):
-    assert_distances_in(student, random_rows(samples.fresh_street(seed), seed, 4000))
+    assert_right_distances(student, random_rows(samples.fresh_street(seed), seed, 4000))
 
 
 @hidden(
@@ -77,9 +77,9 @@ def test_distances_do_not_depend_on_direction_or_height(student, seed):
 def test_measures_three_columns_and_few_points(student, seed):
     require_distances_at_all_heights(student.horizontal_distance)
     cloud = samples.patch_of_course_cloud(seed, 200)[:, :3]
-    assert_distances_in(student, cloud)
-    assert_distances_in(student, cloud[:2])
-    assert_distances_in(student, cloud[:1])
+    assert_right_distances(student, cloud)
+    assert_right_distances(student, cloud[:2])
+    assert_right_distances(student, cloud[:1])
 
 
 @hidden(
@@ -91,27 +91,27 @@ def test_measures_three_columns_and_few_points(student, seed):
 def test_measures_in_single_precision(student, seed):
     require_distances_at_all_heights(student.horizontal_distance)
     cloud = samples.patch_of_course_cloud(seed, 200)
-    assert_distances_in(student, cloud.astype(np.float32))
-    assert_distances_in(student, np.asfortranarray(cloud))
-    assert_distances_in(student, np.repeat(cloud[:3], 3, axis=0))
+    assert_right_distances(student, cloud.astype(np.float32))
+    assert_right_distances(student, np.asfortranarray(cloud))
+    assert_right_distances(student, np.repeat(cloud[:3], 3, axis=0))
 
 
-def is_good(row):
+def is_valid_row(row):
     """Return whether a row is a valid point."""
     return all(math.isfinite(value) for value in row[:3]) and any(value != 0 for value in row[:3])
 
 
 @cached_by_content
-def kept_by_hand(cloud):
-    return np.array([is_good(row) for row in cloud.tolist()], dtype=bool)
+def valid_rows_by_hand(cloud):
+    return np.array([is_valid_row(row) for row in cloud.tolist()], dtype=bool)
 
 
-def assert_cleaned(student, cloud):
+def assert_lost_returns_dropped(student, cloud):
     answer = student.drop_invalid(cloud.copy())
-    assert_positions(answer, cloud, kept_by_hand(cloud), view="above")
+    assert_positions(answer, cloud, valid_rows_by_hand(cloud), view="above")
 
 
-def without_lost_returns(cloud):
+def valid_rows(cloud):
     """Return the valid rows without a coordinate of 0, and whose coordinates do not sum to 0.
 
     Points with such coordinates have tests of their own.
@@ -120,10 +120,10 @@ def without_lost_returns(cloud):
     return cloud[(xyz != 0).all(axis=1) & (np.abs(xyz.sum(axis=1)) > 1e-6)]
 
 
-def with_lost_returns(cloud, seed, share=0.2):
+def insert_lost_returns(cloud, seed, share=0.2):
     """Return valid rows and a share of lost returns: three zeros, or one or three NaNs."""
     rng = np.random.default_rng(seed)
-    cloud = without_lost_returns(cloud)
+    cloud = valid_rows(cloud)
     kind = rng.integers(0, 3, len(cloud))
     bad = rng.random(len(cloud)) < share
     cloud[bad & (kind == 0)] = 0.0
@@ -142,8 +142,8 @@ def with_lost_returns(cloud, seed, share=0.2):
 def test_cleans_the_course_cloud(student, seed):
     require_lost_returns_dropped(student.drop_invalid)
     patch = samples.patch_of_course_cloud(seed, 3000)
-    assert_cleaned(student, without_lost_returns(patch))
-    assert_cleaned(student, with_lost_returns(patch, seed))
+    assert_lost_returns_dropped(student, valid_rows(patch))
+    assert_lost_returns_dropped(student, insert_lost_returns(patch, seed))
 
 
 @hidden(
@@ -153,8 +153,8 @@ def test_cleans_the_course_cloud(student, seed):
     hint="In a good row, all three coordinates are finite, and at least one is not 0.",
 )
 def test_cleans_a_fresh_street(student, seed):
-    assert_cleaned(
-        student, with_lost_returns(random_rows(samples.fresh_street(seed), seed, 3000), seed)
+    assert_lost_returns_dropped(
+        student, insert_lost_returns(random_rows(samples.fresh_street(seed), seed, 3000), seed)
     )
 
 
@@ -166,10 +166,10 @@ def test_cleans_a_fresh_street(student, seed):
 )
 def test_drops_bright_returns(student, seed):
     require_lost_returns_dropped(student.drop_invalid)
-    cloud = without_lost_returns(samples.patch_of_course_cloud(seed, 400))
+    cloud = valid_rows(samples.patch_of_course_cloud(seed, 400))
     cloud[::7, :3] = 0.0
     cloud[::7, 3] = np.random.default_rng(seed).uniform(0.1, 1, len(cloud[::7]))
-    assert_cleaned(student, cloud)
+    assert_lost_returns_dropped(student, cloud)
 
 
 @hidden(
@@ -181,10 +181,10 @@ def test_drops_bright_returns(student, seed):
 def test_drops_infinite_returns(student, seed):
     require_lost_returns_dropped(student.drop_invalid)
     rng = np.random.default_rng(seed)
-    cloud = without_lost_returns(samples.patch_of_course_cloud(seed, 400))
+    cloud = valid_rows(samples.patch_of_course_cloud(seed, 400))
     for row in range(0, len(cloud), 6):
         cloud[row, rng.integers(0, 3)] = rng.choice([np.inf, -np.inf])
-    assert_cleaned(student, cloud)
+    assert_lost_returns_dropped(student, cloud)
 
 
 @hidden(
@@ -201,7 +201,7 @@ def test_keeps_points_with_a_zero(student, seed):
     cloud = cloud[(np.abs(cloud[:, :3]) > 0.6).all(axis=1)]
     for row in range(0, len(cloud), 3):
         cloud[row, rng.choice(3, rng.integers(1, 3), replace=False)] = 0.0
-    assert_cleaned(student, cloud)
+    assert_lost_returns_dropped(student, cloud)
 
 
 @hidden(
@@ -213,8 +213,8 @@ def test_keeps_points_with_a_zero(student, seed):
 def test_keeps_near_points(student, seed):
     require_lost_returns_dropped(student.drop_invalid)
     near = np.random.default_rng(seed).normal(scale=0.05, size=(40, 4))
-    assert_cleaned(student, near)
-    assert_cleaned(student, near * [1, 1, 1, 0])
+    assert_lost_returns_dropped(student, near)
+    assert_lost_returns_dropped(student, near * [1, 1, 1, 0])
 
 
 @hidden(
@@ -224,8 +224,8 @@ def test_keeps_near_points(student, seed):
     hint="Select the coordinates with cloud[:, :3], which works with or without a fourth column.",
 )
 def test_cleans_three_columns(student, seed):
-    assert_cleaned(
-        student, with_lost_returns(samples.patch_of_course_cloud(seed, 300), seed)[:, :3]
+    assert_lost_returns_dropped(
+        student, insert_lost_returns(samples.patch_of_course_cloud(seed, 300), seed)[:, :3]
     )
 
 
@@ -236,9 +236,9 @@ def test_cleans_three_columns(student, seed):
     hint="Keep all columns and the order of the rows.",
 )
 def test_keeps_order_and_columns(student, seed):
-    cloud = with_lost_returns(samples.patch_of_course_cloud(seed, 300), seed)
+    cloud = insert_lost_returns(samples.patch_of_course_cloud(seed, 300), seed)
     # Answers must keep duplicate points.
     duplicates = np.repeat(cloud[:20], 2, axis=0)
     for scan in (cloud.astype(np.float32), np.asfortranarray(cloud[::-1]), duplicates):
         answer = student.drop_invalid(scan.copy())
-        assert_rows(answer, scan, kept_by_hand(scan), view="above")
+        assert_rows(answer, scan, valid_rows_by_hand(scan), view="above")

@@ -15,7 +15,7 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
-def solved():
+def lesson_run():
     return run_lesson("01_point_clouds")
 
 
@@ -26,10 +26,10 @@ def test_the_first_exercise_begins_within_five_minutes():
     assert sum(durations.section_minutes(before).values()) < 5
 
 
-def test_tiny_examples_give_the_expected_results(solved):
-    assert "yours:    [ 5. 10.  7.]\nexpected: [ 5. 10.  7.]\n" in solved.text
-    kept = solved.names["drop_invalid"](solved.names["six"])
-    np.testing.assert_array_equal(kept, solved.names["six"][[0, 4, 5]])
+def test_tiny_examples_give_the_expected_results(lesson_run):
+    assert "yours:    [ 5. 10.  7.]\nexpected: [ 5. 10.  7.]\n" in lesson_run.text
+    kept = lesson_run.names["drop_invalid"](lesson_run.names["six"])
+    np.testing.assert_array_equal(kept, lesson_run.names["six"][[0, 4, 5]])
 
 
 def test_a_height_threshold_keeps_only_cars():
@@ -41,37 +41,37 @@ def test_a_height_threshold_keeps_only_cars():
     assert set(frame.scan.objects[kept]) == {1, 2, 3}
 
 
-def test_two_flattest_rays_meet_the_car_ahead(solved):
-    ends = solved.names["ahead"]
+def test_two_flattest_rays_meet_the_car_ahead(lesson_run):
+    ends = lesson_run.names["ahead"]
     assert np.sum(ends[:, 2] > -2.5) == 2
     assert np.allclose(ends[ends[:, 2] > -2.5, 0], 13.0, atol=0.2)
 
 
-def test_four_beams_see_the_cars_and_no_pedestrian(solved):
-    assert len(solved.names["cars"]) == 4
-    assert len(solved.names["pedestrians"]) == 3
-    counted = solved.names["counted"]
+def test_four_beams_see_the_cars_and_no_pedestrian(lesson_run):
+    assert len(lesson_run.names["cars"]) == 4
+    assert len(lesson_run.names["pedestrians"]) == 3
+    counted = lesson_run.names["counted"]
     assert min(counted["32 beams"]) >= 8
     last = counted["4 beams"]
     assert min(last[:4]) > 10
     assert sorted(last[4:]) == [0, 1, 2]
 
 
-def test_marked_objects_vanish_as_described(solved):
-    pole, pedestrian = solved.names["marked"]
+def test_marked_objects_vanish_as_described(lesson_run):
+    pole, pedestrian = lesson_run.names["marked"]
     assert (pole.kind, pedestrian.kind) == ("pole", "pedestrian")
 
     def returns(box, **change):
-        return np.sum(solved.names["scan_with"](**change).scan.objects == box.identity)
+        return np.sum(lesson_run.names["scan_with"](**change).scan.objects == box.identity)
 
     assert returns(pedestrian) >= 8 and returns(pedestrian, beams=8) == 0
     assert returns(pole) >= 10 and returns(pole, step=4.0) == 0
     assert returns(pole, noise=0.3) == returns(pole)
 
 
-def test_one_of_six_pedestrians_is_hidden(solved):
-    assert solved.names["found"] == 6
-    truth = solved.names["truth"]
+def test_one_of_six_pedestrians_is_hidden(lesson_run):
+    assert lesson_run.names["found"] == 6
+    truth = lesson_run.names["truth"]
     few = (truth["box_kinds"] == "pedestrian") & (truth["box_returns"] == 9)
     (x, y, _), size = truth["box_centres"][few][0], truth["box_sizes"][few][0]
     assert few.sum() == 1 and size[2] < 1.3
@@ -83,17 +83,17 @@ def test_one_of_six_pedestrians_is_hidden(solved):
     assert between
 
 
-def test_row_length_is_most_wrong_near_the_car(solved):
-    x, error = solved.names["strip"][:, 0], solved.names["error"]
+def test_row_length_is_most_wrong_near_the_car(lesson_run):
+    x, error = lesson_run.names["strip"][:, 0], lesson_run.names["error"]
     near, far = error[x < 8], error[(x > 10) & (x < 20)]
     assert near.min() > far.max()
-    pedestrian = solved.names["strip"][(x > 8.6) & (x < 9.2)]
+    pedestrian = lesson_run.names["strip"][(x > 8.6) & (x < 9.2)]
     lengths = np.linalg.norm(pedestrian, axis=1)
     assert lengths[pedestrian[:, 2].argmin()] > lengths[pedestrian[:, 2].argmax()] + 0.1
 
 
-def test_rings_follow_the_curve_only_near_the_car(solved):
-    cloud, rings = solved.names["cloud"], solved.names["rings"]
+def test_rings_follow_the_curve_only_near_the_car(lesson_run):
+    cloud, rings = lesson_run.names["cloud"], lesson_run.names["rings"]
     for side, sign in ((cloud[:, 0] > 2, -1), (cloud[:, 0] < -2, 1)):
         angle, ring = rings(side)
         flat = 1.73 / np.tan(np.radians(angle))
@@ -102,17 +102,17 @@ def test_rings_follow_the_curve_only_near_the_car(solved):
         assert (sign * (ring - flat)[flat > 15]).min() > 2
 
 
-def test_gaps_grow_faster_than_the_distance(solved):
-    places = solved.names["places"]
+def test_gaps_grow_faster_than_the_distance(lesson_run):
+    places = lesson_run.names["places"]
     at = [np.abs(places - place).argmin() for place in (5, 10, 20, 40)]
     gaps = [places[ring + 1] - places[ring] for ring in at]
     assert all(after > 2 * before for before, after in zip(gaps, gaps[1:], strict=False))
 
 
-def test_the_nearest_valid_returns_are_the_ego_car(solved):
-    assert len(solved.names["too_near"]) == 3 and not solved.names["too_near"][:, :3].any()
-    cloud, truth = solved.names["cloud"], solved.names["truth"]
-    distance = solved.names["horizontal_distance"](cloud)
+def test_the_nearest_valid_returns_are_the_ego_car(lesson_run):
+    assert len(lesson_run.names["too_near"]) == 3 and not lesson_run.names["too_near"][:, :3].any()
+    cloud, truth = lesson_run.names["cloud"], lesson_run.names["truth"]
+    distance = lesson_run.names["horizontal_distance"](cloud)
     near = (distance < 3) & (distance > 0)
     assert {truth["class_names"][value] for value in truth["classes"][near]} == {"ego"}
     assert distance[near].min() >= 1 and distance[near].max() < 2
@@ -121,25 +121,25 @@ def test_the_nearest_valid_returns_are_the_ego_car(solved):
     assert [np.any(value) for value in (ahead & left, ~ahead & left, ~ahead & ~left)] == [True] * 3
 
 
-def test_only_the_bar_at_zero_changes(solved):
-    assert "bars that changed, by their left edge: [0] m" in solved.text
-    before, after = solved.names["bars"]["before"], solved.names["bars"]["after"]
+def test_only_the_bar_at_zero_changes(lesson_run):
+    assert "bars that changed, by their left edge: [0] m" in lesson_run.text
+    before, after = lesson_run.names["bars"]["before"], lesson_run.names["bars"]["after"]
     assert before[0] >= 4000 - 40 and after[0] == 0
 
 
-def test_without_the_square_root_the_radius_is_the_root_of_ten(solved):
-    cloud = solved.names["cloud"]
-    kept = cloud[solved.names["wrong"]["no square root"] <= 10]
-    assert solved.names["horizontal_distance"](kept).max() < 3.2
+def test_without_the_square_root_the_radius_is_the_root_of_ten(lesson_run):
+    cloud = lesson_run.names["cloud"]
+    kept = cloud[lesson_run.names["wrong"]["no square root"] <= 10]
+    assert lesson_run.names["horizontal_distance"](kept).max() < 3.2
 
 
-def test_the_loop_is_much_slower(solved):
-    times = solved.names["times"]
+def test_the_loop_is_much_slower(lesson_run):
+    times = lesson_run.names["times"]
     assert times["loop"][-1] > 20 * times["yours"][-1]
 
     def shortest_time(n):
         """Return the shortest of many runs, because other load on the machine only adds time."""
-        cloud, function = solved.names["cloud"][:n], solved.names["horizontal_distance"]
+        cloud, function = lesson_run.names["cloud"][:n], lesson_run.names["horizontal_distance"]
         return min(timeit.repeat(lambda: function(cloud), number=20, repeat=40))
 
     assert shortest_time(100) < 20 * shortest_time(1)  # with few points, the overhead dominates

@@ -254,7 +254,7 @@ def most_inliers(points, tolerance):
     return _most_inliers(np.ascontiguousarray(points, dtype=float).tobytes(), tolerance)
 
 
-def successes(student, clouds, max_iterations, tolerance, must_mark=False):
+def iterate_successes(student, clouds, max_iterations, tolerance, must_mark=False):
     """Yield, for each cloud, whether the answer finds a line with 80 % of the possible inliers.
 
     If `must_mark` is true, the mask must also mark at least 80 % of the points near the line, and
@@ -270,16 +270,16 @@ def successes(student, clouds, max_iterations, tolerance, must_mark=False):
         yield line is not None and bool(is_found and (is_marked or not must_mark))
 
 
-def at_least(needed, flags):
+def has_at_least(needed, flags):
     """Return whether at least `needed` flags are true. Stop as soon as enough are."""
     return sum(itertools.islice(filter(None, flags), needed)) == needed
 
 
 def assert_mostly_found(student, clouds, max_iterations, tolerance, needed):
     arguments = student, clouds, max_iterations, tolerance
-    if at_least(needed, successes(*arguments, must_mark=True)):
+    if has_at_least(needed, iterate_successes(*arguments, must_mark=True)):
         return
-    if at_least(needed, successes(*arguments)):
+    if has_at_least(needed, iterate_successes(*arguments)):
         raise CheckFailed(
             "The line is found, but the mask does not mark the points near it.",
             hint="The mask of a line is point_line_distance(points, line) <= "
@@ -416,8 +416,8 @@ def test_one_iteration_is_one_sample(student, seed):
     assert_no_round_is_missing(student.ransac_line)
     # The points differ from run to run, so an answer with a fixed seed is not lucky or unlucky.
     clouds = [wall_and_clutter((seed, 3, run), 14, 46)[0] for run in range(48)]
-    misses = (not found for found in successes(student, clouds, 1, 0.3))
-    if not at_least(25, misses):  # one sample in 25 finds the line
+    misses = (not found for found in iterate_successes(student, clouds, 1, 0.3))
+    if not has_at_least(25, misses):  # one sample in 25 finds the line
         raise CheckFailed(
             fixed(
                 "With max_iterations=1, the line is found in most runs, but a single sample hardly "

@@ -16,7 +16,7 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
-def solved():
+def lesson_run():
     return run_lesson("02_ransac_line")
 
 
@@ -24,13 +24,13 @@ def numbers_in(line):
     return [float(number) for number in re.findall(r"-?\d+\.\d*", line)]
 
 
-def test_tiny_examples_give_the_expected_results(solved):
-    lines = solved.text.splitlines()
+def test_tiny_examples_give_the_expected_results(lesson_run):
+    lines = lesson_run.text.splitlines()
     yours = [number for number, line in enumerate(lines) if line.startswith("yours:   ")]
     assert len(yours) == 4
     for number in yours[:3]:
         assert numbers_in(lines[number]) == numbers_in(lines[number + 1])
-    line, inliers = solved.names["ransac_line"](solved.names["five"], 20, 0.1, 0)
+    line, inliers = lesson_run.names["ransac_line"](lesson_run.names["five"], 20, 0.1, 0)
     assert np.allclose(np.abs(line), [0, 1, 1]) and inliers.tolist() == [True] * 4 + [False]
 
 
@@ -42,38 +42,38 @@ def test_the_sittings_take_as_long_as_stated():
     assert f"The second sitting takes {stated[2]} minutes." in str(notebook.cells)
 
 
-def test_the_picture_of_the_quarter_turn_is_right(solved):
+def test_the_picture_of_the_quarter_turn_is_right(lesson_run):
     p, q = (1, 2), (4, 6)
     direction, (a, b, c) = np.subtract(q, p), (-0.8, 0.6, -0.4)
     assert (a, b) == pytest.approx(np.array([-direction[1], direction[0]]) / 5)
     assert [a * x + b * y + c for x, y in (p, q)] == pytest.approx([0, 0])
     assert np.hypot(a, b) == pytest.approx(1)
     # The student's function gives the same line, up to its sign.
-    line = solved.names["line_through"](np.array(p, dtype=float), np.array(q, dtype=float))
+    line = lesson_run.names["line_through"](np.array(p, dtype=float), np.array(q, dtype=float))
     assert np.abs(line) == pytest.approx(np.abs((a, b, c)))
 
 
-def test_outliers_flatten_the_least_squares_line(solved):
-    points = solved.names["points"]
+def test_outliers_flatten_the_least_squares_line(lesson_run):
+    points = lesson_run.names["points"]
     assert abs(np.polyfit(*points.T, 1)[0]) < 0.2
     assert abs(np.polyfit(*points[:10].T, 1)[0] - 1) < 0.1
 
 
-def test_circles_fit_into_the_picture(solved):
-    (left, right), (low, high) = solved.names["window"]
-    some = solved.names["some"]
-    radius = solved.names["point_line_distance"](
-        some, solved.names["line_through"](np.array([-5.0, -2.0]), np.array([5.0, 3.0]))
+def test_circles_fit_into_the_picture(lesson_run):
+    (left, right), (low, high) = lesson_run.names["window"]
+    some = lesson_run.names["some"]
+    radius = lesson_run.names["point_line_distance"](
+        some, lesson_run.names["line_through"](np.array([-5.0, -2.0]), np.array([5.0, 3.0]))
     )
     assert (some[:, 0] - radius > left).all() and (some[:, 0] + radius < right).all()
     assert (some[:, 1] - radius > low).all() and (some[:, 1] + radius < high).all()
 
 
-def test_the_table_of_rounds_is_as_described(solved):
-    counts = solved.names["counts"]
+def test_the_table_of_rounds_is_as_described(lesson_run):
+    counts = lesson_run.names["counts"]
     assert counts[3] == max(counts) >= 10
     assert max(counts[:3] + counts[4:]) <= 7
-    rng, points, lengths = np.random.default_rng(3), solved.names["points"], {}
+    rng, points, lengths = np.random.default_rng(3), lesson_run.names["points"], {}
     for number in range(1, 11):
         i, j = rng.choice(20, size=2, replace=False)
         if i < 10 and j < 10:
@@ -82,51 +82,55 @@ def test_the_table_of_rounds_is_as_described(solved):
     assert max(lengths[number] for number in (2, 7, 9)) < 0.5 * lengths[4]
 
 
-def test_one_run_in_ten_fails(solved):
-    points, ransac_line = solved.names["points"], solved.names["ransac_line"]
+def test_one_run_in_ten_fails(lesson_run):
+    points, ransac_line = lesson_run.names["points"], lesson_run.names["ransac_line"]
     found = [ransac_line(points, 10, 1.0, seed)[1][:10].sum() >= 8 for seed in range(400)]
     assert sum(found[:4]) >= 3
     assert 0.06 < 1 - np.mean(found) < 0.15
 
 
-def test_all_seeds_agree_after_two_thousand_rounds(solved):
-    assert solved.names["always_the_same"] == ["2,000 rounds"]
-    line_through, distance = solved.names["line_through"], solved.names["point_line_distance"]
-    points = solved.names["points"]
+def test_all_seeds_agree_after_two_thousand_rounds(lesson_run):
+    assert lesson_run.names["always_the_same"] == ["2,000 rounds"]
+    line_through, distance = (
+        lesson_run.names["line_through"],
+        lesson_run.names["point_line_distance"],
+    )
+    points = lesson_run.names["points"]
     votes = [
         (distance(points, line_through(points[i], points[j])) <= 1.0).sum()
-        for i, j in solved.names["pairs"]
+        for i, j in lesson_run.names["pairs"]
     ]
     assert len(votes) == 190
     assert sorted(votes)[-2:] == [11, 12]
     # Twenty rounds are enough for a good line.
-    found = solved.names["directions"](20, 1.0)
+    found = lesson_run.names["directions"](20, 1.0)
     assert np.abs(found - 45).max() <= 10.5
 
 
-def test_directions_vary_more_with_a_wider_band(solved):
+def test_directions_vary_more_with_a_wider_band(lesson_run):
     spread = [
-        np.ptp(solved.names["directions"](200, threshold)) for threshold in (0.2, 0.5, 1, 2, 3, 4)
+        np.ptp(lesson_run.names["directions"](200, threshold))
+        for threshold in (0.2, 0.5, 1, 2, 3, 4)
     ]
     assert spread == sorted(spread)
     wall, others = (
-        solved.numbers_after("within 0.2 m:")[0],
-        solved.numbers_after("within 3.5 m:")[-1],
+        lesson_run.numbers_after("within 0.2 m:")[0],
+        lesson_run.numbers_after("within 3.5 m:")[-1],
     )
     assert wall == 5 and others >= 5
-    assert solved.numbers_after("within 1.0 m:")[0] >= 9
-    assert solved.numbers_after("within 1.0 m:")[-1] <= 2
+    assert lesson_run.numbers_after("within 1.0 m:")[0] >= 9
+    assert lesson_run.numbers_after("within 1.0 m:")[-1] <= 2
 
 
-def test_the_wall_is_within_its_band(solved):
+def test_the_wall_is_within_its_band(lesson_run):
     rng, furthest = np.random.default_rng(0), np.hypot(0.6, 0.6)
     for _ in range(50):
-        wall = solved.names["quiz_points"](rng)[:10]
+        wall = lesson_run.names["quiz_points"](rng)[:10]
         assert np.abs(wall @ [1, -1]).max() / np.sqrt(2) < furthest < 0.85
 
 
-def test_success_follows_the_formula(solved):
-    rate = solved.names["success_rate"]
+def test_success_follows_the_formula(lesson_run):
+    rate = lesson_run.names["success_rate"]
     assert rate(10, 0.2) < 0.5 and rate(10, 2 / 3) > 0.95
     for rounds in (2, 10, 40):
         # The text says that measurements are off by "a few per cent".
@@ -134,8 +138,8 @@ def test_success_follows_the_formula(solved):
     assert rate(10, 0.26) == pytest.approx(0.5, abs=0.12)
 
 
-def test_rough_walls_need_two_or_three_times_as_many_rounds(solved):
-    rate = solved.names["success_rate"]
+def test_rough_walls_need_two_or_three_times_as_many_rounds(lesson_run):
+    rate = lesson_run.names["success_rate"]
 
     def theory(rounds):
         return 1 - (1 - 0.5**2) ** rounds
@@ -147,16 +151,16 @@ def test_rough_walls_need_two_or_three_times_as_many_rounds(solved):
     assert rate(24, 0.5, 0.25, 0.6) > theory(8)
 
 
-def test_least_squares_on_the_inliers_helps(solved):
-    assert np.median(solved.names["refitted"]) < 0.8 * np.median(solved.names["alone"])
+def test_least_squares_on_the_inliers_helps(lesson_run):
+    assert np.median(lesson_run.names["refitted"]) < 0.8 * np.median(lesson_run.names["alone"])
 
 
-def test_two_walls_of_the_street_are_found(solved):
+def test_two_walls_of_the_street_are_found(lesson_run):
     cloud, truth = load_cloud("cloud.txt"), np.load(DATA / "cloud_truth.npz")
-    is_wall = (truth["class_names"][truth["classes"]] == "wall")[solved.names["in_slice"]]
-    left_over, found = cloud[solved.names["in_slice"], :2], []
+    is_wall = (truth["class_names"][truth["classes"]] == "wall")[lesson_run.names["in_slice"]]
+    left_over, found = cloud[lesson_run.names["in_slice"], :2], []
     for _ in range(2):
-        _, inliers = solved.names["ransac_line"](left_over, 100, 0.1, 1)
+        _, inliers = lesson_run.names["ransac_line"](left_over, 100, 0.1, 1)
         assert inliers.sum() > 1500 and is_wall[inliers].mean() > 0.99
         found.append((inliers.sum(), np.ptp(left_over[inliers, 0])))
         left_over, is_wall = left_over[~inliers], is_wall[~inliers]
@@ -164,19 +168,22 @@ def test_two_walls_of_the_street_are_found(solved):
     assert most > 1.3 * fewer and long > 1.3 * short
 
 
-def test_the_scikit_learn_example_finds_the_wall(solved):
+def test_the_scikit_learn_example_finds_the_wall(lesson_run):
     from sklearn.linear_model import RANSACRegressor
 
-    points = solved.names["points"]
+    points = lesson_run.names["points"]
     ransac = RANSACRegressor(max_trials=50, residual_threshold=1.0, random_state=0)
     ransac.fit(points[:, :1], points[:, 1])
     assert ransac.inlier_mask_.sum() >= 8
     assert abs(ransac.estimator_.coef_[0] - 1) < 0.3
 
 
-def best_line(solved, points, rounds, threshold, rng, score, second=None):
+def best_line(lesson_run, points, rounds, threshold, rng, score, second=None):
     """Run RANSAC with `score`, and draw the second point from near or far ones if asked."""
-    line_through, distance = solved.names["line_through"], solved.names["point_line_distance"]
+    line_through, distance = (
+        lesson_run.names["line_through"],
+        lesson_run.names["point_line_distance"],
+    )
     rng, best = np.random.default_rng(rng), (-np.inf, None)
     for _ in range(rounds):
         i, j = rng.choice(len(points), size=2, replace=False)
@@ -200,7 +207,7 @@ def inliers_within(distances, threshold):
     return np.sum(distances <= threshold)
 
 
-def test_the_answer_about_msac_is_right(solved):
+def test_the_answer_about_msac_is_right(lesson_run):
     def msac(distances, threshold):
         return -np.minimum(distances**2, threshold**2).sum()
 
@@ -208,8 +215,8 @@ def test_the_answer_about_msac_is_right(solved):
         """Yield errors. As in the lesson, one generator draws both the points and the samples."""
         for seed in range(300):
             rng = np.random.default_rng(seed)
-            points = solved.names["quiz_points"](rng)
-            yield error_of(best_line(solved, points, 40, threshold, rng, score))
+            points = lesson_run.names["quiz_points"](rng)
+            yield error_of(best_line(lesson_run, points, 40, threshold, rng, score))
 
     plain, better = (
         {threshold: np.median([*errors(score, threshold)]) for threshold in (0.3, 0.7, 1.0, 3.0)}
@@ -224,11 +231,11 @@ def test_the_answer_about_msac_is_right(solved):
     )
 
 
-def test_the_answer_about_the_second_point_is_right(solved):
-    points, distance = solved.names["points"], solved.names["point_line_distance"]
+def test_the_answer_about_the_second_point_is_right(lesson_run):
+    points, distance = lesson_run.names["points"], lesson_run.names["point_line_distance"]
 
     def misses(seed, second):
-        line = best_line(solved, points, 10, 1.0, seed, inliers_within, second)
+        line = best_line(lesson_run, points, 10, 1.0, seed, inliers_within, second)
         return (distance(points, line)[:10] <= 1.0).sum() < 8
 
     missed = [

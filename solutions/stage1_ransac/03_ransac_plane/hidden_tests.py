@@ -55,7 +55,7 @@ from utils.checks.lesson_03.results import (
     assert_nearest_are_inliers,
     assert_nothing_found,
 )
-from utils.geometry import gaps_from
+from utils.geometry import distances_from_plane
 
 
 def random_plane(rng):
@@ -146,7 +146,7 @@ def test_points_on_a_line_give_none(student, seed):
         assert_no_plane(student.plane_through(*line.copy()), line)
 
 
-def in_front(points, plane):
+def points_in_front(points, plane):
     """Return the points in front of a plane and of the parallel plane through the sensor."""
     height = points[:, :3].astype(float) @ plane[:3]
     return points[(height > 0.01) & (height + plane[3] > 0.01)]
@@ -163,7 +163,7 @@ def test_measures_the_course_cloud(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 2000)
     for _ in range(2):
         plane = random_plane(rng) * [1, 1, 1, 0]
-        points = in_front(cloud, plane)[:, :3]
+        points = points_in_front(cloud, plane)[:, :3]
         assert_distances(student.point_plane_distance(points.copy(), plane.copy()), points, plane)
 
 
@@ -179,7 +179,7 @@ def test_adds_d(student, seed):
     for sign in (1, -1, 1):
         plane = random_plane(rng)
         plane[3] = sign * abs(plane[3])
-        points = in_front(rng.uniform(-20, 20, (80, 3)), plane)
+        points = points_in_front(rng.uniform(-20, 20, (80, 3)), plane)
         assert_distances(student.point_plane_distance(points.copy(), plane.copy()), points, plane)
 
 
@@ -239,12 +239,12 @@ def test_ignores_intensity(student, seed):
 def test_measures_any_array(student, seed):
     require_plain_distances(student.point_plane_distance)
     plane = np.array([0.0, 0.6, 0.8, 0.0])
-    points = in_front(samples.patch_of_course_cloud(seed, 50), plane)[:, :3]
+    points = points_in_front(samples.patch_of_course_cloud(seed, 50), plane)[:, :3]
     for form in (points.astype(np.float32), np.asfortranarray(points), points[:1], points[:3]):
         assert_distances(student.point_plane_distance(form.copy(), plane.copy()), form, plane)
 
 
-def tilted(cloud, rng):
+def tilt(cloud, rng):
     """Return the cloud as seen by a scanner mounted at a random angle and height."""
     lean, heading = rng.uniform(0.2, 0.7), rng.uniform(0, 2 * np.pi)
     axis = np.array([np.cos(heading), np.sin(heading), 0.0])
@@ -270,7 +270,7 @@ def street_with_best_plane(name, seed, run, tolerance):
     # rarely finds the road.
     rows = [rng.choice(np.flatnonzero(near & low), 370, replace=False)]
     rows += [rng.choice(np.flatnonzero(near & ~low), 130, replace=False)]
-    points = tilted(cloud[rng.permutation(np.concatenate(rows))], rng)
+    points = tilt(cloud[rng.permutation(np.concatenate(rows))], rng)
     triples = points[np.array([rng.choice(500, 3, replace=False) for _ in range(1500)]), :3]
     normals = np.cross(triples[:, 1] - triples[:, 0], triples[:, 2] - triples[:, 0])
     lengths = np.linalg.norm(normals, axis=1)
@@ -285,7 +285,10 @@ def street_with_best_plane(name, seed, run, tolerance):
 
 def assert_marks(answer, points, tolerance):
     """Check that the mask marks most of the points near the plane, and few others."""
-    near, mask = gaps_from(points, as_model(answer)) <= tolerance, as_mask(answer, len(points))
+    near, mask = (
+        distances_from_plane(points, as_model(answer)) <= tolerance,
+        as_mask(answer, len(points)),
+    )
     if np.sum(near & mask) < 0.8 * max(np.sum(near), np.sum(mask)):
         raise CheckFailed(
             "The plane is found, but the mask does not mark the points near it.",
@@ -307,7 +310,7 @@ def test_finds_the_road(student, seed, name):
     for run in range(3):
         points, most, iterations = street_with_best_plane(name, seed, run, 0.2)
         answer = student.ransac_plane(points.copy(), iterations, 0.2, np.random.default_rng(run))
-        found = np.count_nonzero(gaps_from(points, as_model(answer)) <= 0.2)
+        found = np.count_nonzero(distances_from_plane(points, as_model(answer)) <= 0.2)
         if found < 0.82 * most:
             raise CheckFailed(
                 "There is a plane with many more points near it.",
@@ -532,7 +535,7 @@ def test_fits_three_points_and_any_array(student, seed):
         assert_direction(student.fit_plane(variant.copy()), variant)
 
 
-def cases(seed, *sizes, count=12):
+def iteration_cases(seed, *sizes, count=12):
     """Yield arguments of `iterations_needed`, each with the exact answer."""
     rng = np.random.default_rng(seed)
     while count:
@@ -551,7 +554,7 @@ def cases(seed, *sizes, count=12):
     hint="Compute log(1 - confidence) / log(1 - w^s).",
 )
 def test_finds_the_number_for_planes(student, seed):
-    for case, expected in cases(seed, 3):
+    for case, expected in iteration_cases(seed, 3):
         assert_nearly_right(student.iterations_needed(*case), expected, *case)
 
 
@@ -563,7 +566,7 @@ def test_finds_the_number_for_planes(student, seed):
 )
 def test_uses_the_sample_size(student, seed):
     require_plain_cases(student.iterations_needed)
-    for case, expected in cases(seed + 1, 1, 2, 4, 5):
+    for case, expected in iteration_cases(seed + 1, 1, 2, 4, 5):
         assert_nearly_right(student.iterations_needed(*case), expected, *case)
 
 
@@ -575,5 +578,5 @@ def test_uses_the_sample_size(student, seed):
 )
 def test_rounds_up(student, seed):
     require_plain_cases(student.iterations_needed)
-    for case, expected in cases(seed + 2, 3):
+    for case, expected in iteration_cases(seed + 2, 3):
         assert_iterations(student.iterations_needed(*case), expected, *case)

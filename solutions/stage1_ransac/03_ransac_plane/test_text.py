@@ -237,7 +237,7 @@ def test_the_rounds_in_the_table_decrease_to_one(street):
 
 
 @pytest.fixture(scope="module")
-def searched(street):
+def search_clouds(street):
     """The two clouds of 700 points that the lesson searches, each with its mask of the ground."""
     rng = np.random.default_rng(2)
     far = np.flatnonzero(np.hypot(street.cloud[:, 0], street.cloud[:, 1]) < 20)
@@ -249,10 +249,10 @@ def searched(street):
     return clouds
 
 
-def test_noise_on_the_flattened_ground_is_along_the_ray(street, searched):
+def test_noise_on_the_flattened_ground_is_along_the_ray(street, search_clouds):
     from utils.simulator.sensor import Sensor
 
-    for points, ground in searched:
+    for points, ground in search_clouds:
         flat = street.flattened(points, ground)
         assert np.array_equal(flat[~ground], points[~ground])
         rays = flat[ground, :3] / np.linalg.norm(flat[ground, :3], axis=1, keepdims=True)
@@ -268,9 +268,9 @@ def test_noise_on_the_flattened_ground_is_along_the_ray(street, searched):
         assert np.median(upwards) == pytest.approx(0.006, abs=0.001)
 
 
-def test_the_model_causes_most_failures_of_good_samples(street, searched):
+def test_the_model_causes_most_failures_of_good_samples(street, search_clouds):
     kept, kept_if_flat, ratios = [], [], []
-    for points, ground in searched:
+    for points, ground in search_clouds:
         pure, good, chance = street.good_samples(points, ground)
         assert pure == pytest.approx(ground.mean() ** 3, abs=0.03)
         kept.append(good)
@@ -320,8 +320,8 @@ def test_the_first_three_mistakes_look_as_described(street):
 
 
 @pytest.mark.slow
-def test_the_success_rate_stays_below_the_formula(street, searched):
-    for points, ground in searched:
+def test_the_success_rate_stays_below_the_formula(street, search_clouds):
+    for points, ground in search_clouds:
         found = street.success_rate(points, 16, ground)
         assert found < 1 - (1 - ground.mean() ** 3) ** 16
 

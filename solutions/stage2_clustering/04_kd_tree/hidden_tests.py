@@ -37,10 +37,10 @@ from utils.checks.lesson_04.median_order import (
 from utils.checks.lesson_04.search import finds_the_border, searches_both_sides, skips_regions
 from utils.checks.lesson_04.search_results import assert_found, assert_pruned, assert_same_tree
 from utils.checks.lesson_04.trees import assert_indices, assert_tree, build_tree
-from utils.geometry import grown, places_of, regions_of
+from utils.geometry import grow_tree, nodes_by_path, regions_by_index
 
 
-def order_of_medians(points):
+def median_order_of(points):
     """Return the rows of points in an order whose insertion gives a balanced tree."""
 
     def parts(rows, axis):
@@ -54,10 +54,10 @@ def order_of_medians(points):
     return list(parts(range(len(points)), 0))
 
 
-def balanced(points):
+def balanced_tree(points):
     """Build a correct tree with the fewest levels."""
-    order = order_of_medians(points)
-    return grown(np.asarray(points)[order], order)
+    order = median_order_of(points)
+    return grow_tree(np.asarray(points)[order], order)
 
 
 def without_equal_coordinates(points):
@@ -183,7 +183,7 @@ def test_point(student, seed):
 RINGS = frozen(np.concatenate([np.geomspace(8, 1.2, 15), np.geomspace(0.9, 0.1, 12)]))
 
 
-def with_targets(rng, points, number):
+def draw_targets(rng, points, number):
     """Draw targets near points, and drop points on a target's circle or in its box's corners."""
     targets = points[rng.choice(len(points), number, replace=False)]
     targets = targets + rng.normal(0, 0.3, targets.shape)
@@ -220,8 +220,8 @@ def test_search_plane(student, seed):
 @functools.cache
 def plane_scenes(seed):
     rng = np.random.default_rng(seed)
-    scenes = [with_targets(rng, rng.uniform(-width, width, (250, 2)), 8) for width in (4, 12)]
-    return [(targets, balanced(points)) for points, targets in scenes]
+    scenes = [draw_targets(rng, rng.uniform(-width, width, (250, 2)), 8) for width in (4, 12)]
+    return [(targets, balanced_tree(points)) for points, targets in scenes]
 
 
 @hidden(
@@ -240,8 +240,8 @@ def test_search_street(student, seed):
 def street_scenes(seed):
     rng = np.random.default_rng(seed)
     street = samples.obstacles_of_street(seed, 300)[:, :3].astype(float)
-    scenes = [with_targets(rng, street * scale, 8) for scale in (1.0, 0.4)]
-    return [(targets, balanced(points)) for points, targets in scenes]
+    scenes = [draw_targets(rng, street * scale, 8) for scale in (1.0, 0.4)]
+    return [(targets, balanced_tree(points)) for points, targets in scenes]
 
 
 @hidden(
@@ -253,10 +253,10 @@ def street_scenes(seed):
 )
 def test_search_unbalanced(student, seed):
     rng = np.random.default_rng(seed)
-    points, targets = with_targets(rng, rng.integers(-6, 7, (120, 2)) / 2, 8)
-    assert_searches(student, targets, grown(points))
-    points, targets = with_targets(rng, np.sort(rng.uniform(-10, 10, (150, 2)), axis=0), 8)
-    assert_searches(student, targets, grown(points))
+    points, targets = draw_targets(rng, rng.integers(-6, 7, (120, 2)) / 2, 8)
+    assert_searches(student, targets, grow_tree(points))
+    points, targets = draw_targets(rng, np.sort(rng.uniform(-10, 10, (150, 2)), axis=0), 8)
+    assert_searches(student, targets, grow_tree(points))
 
 
 @hidden(
@@ -271,7 +271,7 @@ def test_search_circle(student, seed, k):
     rng = np.random.default_rng(seed + k)
     for _ in range(3):
         points = nested_points(rng, np.linspace(0.97, 0.6, 16), k, is_off_circle, -1)
-        assert_searches(student, [np.zeros(k)], grown(points))
+        assert_searches(student, [np.zeros(k)], grow_tree(points))
 
 
 @hidden(
@@ -285,7 +285,7 @@ def test_search_radius(student, seed):
     rng = np.random.default_rng(seed)
     for tolerance in (0.2, 0.5, 3.0, 40.0):
         points = nested_points(rng, RINGS, 2, is_off_corners, -1)
-        root = grown(points * tolerance)
+        root = grow_tree(points * tolerance)
         assert_found(build_tree(student.KdTree, root), root, np.zeros(2), tolerance)
 
 
@@ -308,7 +308,7 @@ def test_search_split(student, seed):
         for axis in range(k):
             above = -4.0 - np.arange(axis + 1)[:, None] * np.ones(k)
             above[axis, axis] = 1.0
-            root = grown(np.vstack([above, np.eye(k)[[axis]]]) + target)
+            root = grow_tree(np.vstack([above, np.eye(k)[[axis]]]) + target)
             assert_found(build_tree(student.KdTree, root), root, target, 1.0)
 
 
@@ -329,7 +329,7 @@ def traps_and_decoys(seed):
     rng = np.random.default_rng(seed)
     cases = []
     while len(cases) < 6:
-        root = balanced(rng.uniform(-10, 10, (50, 2)))
+        root = balanced_tree(rng.uniform(-10, 10, (50, 2)))
         regions = {leaf: np.clip(region, -12, 12) for leaf, region in leaves_of(root).items()}
         decoy = sorted(regions)[rng.integers(len(regions))]
         low, high = regions[decoy]
@@ -352,7 +352,7 @@ def traps_and_decoys(seed):
 
 def hiding_sides(root, target, margin):
     """Return, by leaf index, the sides on which splits hide the leaf from the target's box."""
-    places = places_of(root)
+    places = nodes_by_path(root)
     hidden_by = {}
     for path, node in places.items():
         letters = set()
@@ -367,7 +367,7 @@ def hiding_sides(root, target, margin):
 
 def leaves_of(root):
     """Return the region of each leaf, by index."""
-    regions = regions_of(root)
+    regions = regions_by_index(root)
     return {index: regions[index] for index in hiding_sides(root, np.zeros(2), 0.0)}
 
 
@@ -380,11 +380,11 @@ def leaves_of(root):
 def test_search_extremes(student, seed):
     rng = np.random.default_rng(seed)
     points = nested_points(rng, np.geomspace(0.9, 0.1, 20), 3, is_off_corners, -1)
-    root = grown(points, rng.permutation(500)[:20].tolist())
+    root = grow_tree(points, rng.permutation(500)[:20].tolist())
     tree = build_tree(student.KdTree, root)
     assert_found(tree, root, np.zeros(3), 1.0)
     assert_found(tree, root, np.array([100.0, 0.0, 0.0]), 1.0)
-    single = grown(points[:1])
+    single = grow_tree(points[:1])
     assert_found(build_tree(student.KdTree, single), single, points[0] + [0.0, 0.0, 0.5], 1.0)
 
 
@@ -396,7 +396,7 @@ def test_search_extremes(student, seed):
 )
 def test_search_notations(student, seed):
     points = nested_points(np.random.default_rng(seed), RINGS, 2, is_off_corners)
-    root = grown(points)
+    root = grow_tree(points)
     for as_lists, target in (
         (True, [0.0, 0.0]),
         (True, (0.0, 0.0)),
@@ -414,7 +414,7 @@ def test_search_notations(student, seed):
 def test_search_leaves_the_tree(student, seed):
     target = np.array([20.0, -30.0])
     points = nested_points(np.random.default_rng(seed), RINGS, 2, is_off_corners) + target
-    root = grown(points)
+    root = grow_tree(points)
     with precondition("the right points are found"):
         assert_found(build_tree(student.KdTree, root), root, target, 1.0)
     tree = build_tree(student.KdTree, root)

@@ -10,7 +10,7 @@ import pytest
 
 from grader.course.durations import sitting_minutes
 from grader.course.lessons import find_lesson
-from tests.lesson_texts import names_of
+from tests.lesson_texts import run_statements_for
 from utils.datasets import DATA
 from utils.visits import depth_of, describe_step, node_states, nodes_of, place_of, watched
 
@@ -25,11 +25,11 @@ NAMES = (
 
 def notebook_with(**answers):
     """Return the names that the lesson defines, with the named kept answers."""
-    return names_of(LESSON.name, *NAMES, **answers)
+    return run_statements_for(LESSON.name, *NAMES, **answers)
 
 
 @functools.cache
-def taught():
+def lesson_names():
     return notebook_with()
 
 
@@ -51,7 +51,7 @@ def test_the_stated_minutes_of_the_sittings_agree_with_the_estimate():
 
 
 def test_a_strip_along_one_axis_contains_far_too_many_points():
-    space = taught()
+    space = lesson_names()
     near = space["is_near"].sum()
     assert "A cyclist, a house front and, beyond the picture, a hedge are in it" in prose()
     truth = np.load(DATA / "cloud_truth.npz")
@@ -68,7 +68,7 @@ def test_a_strip_along_one_axis_contains_far_too_many_points():
 
 
 def test_ready_made_trees_equal_those_of_insert():
-    space = taught()
+    space = lesson_names()
     for count in range(1, 9):
         ready, grown = space["first_of"](count), space["grow"](space["eight"][:count])
         assert places(ready) == places(grown)
@@ -80,7 +80,7 @@ def test_ready_made_trees_equal_those_of_insert():
 
 
 def test_the_first_puzzle_has_the_stated_answer():
-    space = taught()
+    space = lesson_names()
     assert places(space["first_of"](8))[7] == "left of 5"
     equal_left = notebook_with(insert="equal goes left")
     # The wrong answer is one of the puzzle's choices.
@@ -88,7 +88,7 @@ def test_the_first_puzzle_has_the_stated_answer():
 
 
 def test_the_second_puzzle_matches_its_table():
-    space = taught()
+    space = lesson_names()
     visited, found = space["trace"](space["better"], space["target"], space["radius"])
     assert sorted(visited) == sorted(space["looked_at"]) and found == [0, 4]
     made = node_states(space["better"].root, visited)
@@ -107,7 +107,7 @@ def test_the_second_puzzle_matches_its_table():
 
 
 def test_the_search_step_by_step_prunes_four_branches():
-    space = taught()
+    space = lesson_names()
     yard = space["grow"](space["fifteen"])
     visited, found = space["trace"](yard, [2, -1], 4)
     made = node_states(yard.root, visited)
@@ -123,7 +123,7 @@ def test_the_search_step_by_step_prunes_four_branches():
 
 
 def test_a_search_without_result_visits_some_nodes():
-    space = taught()
+    space = lesson_names()
     garden = space["grow"](space["flat"])
     visited, found = space["trace"](garden, [14.0, -0.3], 0.2)
     assert found == [] and 0 < len(visited) < 20
@@ -132,7 +132,7 @@ def test_a_search_without_result_visits_some_nodes():
 
 
 def test_levels_depend_on_the_order_of_insertion():
-    space = taught()
+    space = lesson_names()
     assert space["levels"](space["wall"]) == 1000
     assert 10 <= space["levels"](space["thousand"]) < 40
     assert 10 <= space["levels"](np.random.default_rng(1).permutation(space["wall"])) < 40
@@ -143,25 +143,25 @@ def test_levels_depend_on_the_order_of_insertion():
 
 
 def test_the_third_puzzle_matches_its_picture():
-    seven, levels = taught()["seven"], taught()["levels"]
+    seven, levels = lesson_names()["seven"], lesson_names()["levels"]
     assert np.argsort(seven[:, 0])[3] == 3 and np.argsort(seven[:, 1])[3] == 0
     assert seven[:, 0].argmax() == 6
     assert levels(seven, [3, 0, 2, 1, 4, 6, 5]) == 3
     order = [6, 0, 1, 3, 5, 4, 2]
     assert levels(seven, order) == 4
-    tree = taught()["grow"](seven, order)
+    tree = lesson_names()["grow"](seven, order)
     assert tree.root.index == 6 and tree.root.right is None
 
 
 def test_medians_of_four_and_fifteen_points_are_as_stated():
-    space = taught()
+    space = lesson_names()
     assert list(space["median_order"](space["four"])) in ([1, 0, 2, 3], [1, 2, 0, 3], [1, 2, 3, 0])
     tree = space["grow"](space["fifteen"], space["median_order"](space["fifteen"]))
     assert (tree.root.index, depth_of(tree.root)) == (4, 4)
 
 
 def test_search_costs_grow_as_stated():
-    cost_of = taught()["cost_of"]
+    cost_of = lesson_names()["cost_of"]
     costs = {
         name: np.array([cost_of(name, n) for n in (125, 250, 500, 1000)])
         for name in ("medians first", "random order", "sorted by x", "a sorted wall")
@@ -179,7 +179,7 @@ def test_search_costs_grow_as_stated():
 
 @pytest.mark.slow
 def test_the_search_around_the_lamp_post_visits_few_nodes():
-    space = taught()
+    space = lesson_names()
     levels, visits, found = space["search_the_scan"](space["post"], space["half_a_metre"])
     assert found == space["is_near"].sum()
     assert found < visits < 3 * found
@@ -200,7 +200,7 @@ def test_common_mistakes_find_the_points_in_the_drawing():
         "> instead of >=": "strictly greater on the right",
         "no condition": "visits every node",
     }
-    for title, points, tree, centre, radius, finds, visited in taught()["cases"]:
+    for title, points, tree, centre, radius, finds, visited in lesson_names()["cases"]:
         space = notebook_with(search=wrong[title])
         with watched(tree) as seen:
             assert sorted(space["search"](tree, centre, radius)) == finds
@@ -208,7 +208,7 @@ def test_common_mistakes_find_the_points_in_the_drawing():
             assert sorted(seen) == sorted(visited)
         right = [i for i in range(len(points)) if math.dist(points[i], centre) <= radius]
         assert (right == finds) == (title == "no condition")
-        assert set(right) == set(taught()["search"](tree, centre, radius))
+        assert set(right) == set(lesson_names()["search"](tree, centre, radius))
 
 
 def test_equal_points_on_the_left_are_missed():

@@ -22,7 +22,7 @@ def assert_clusters(student, cloud, threshold=1.0):
     )
 
 
-def objects(seed):
+def random_walks(seed):
     """Return twelve random walks, far apart, with steps below 0.2 m, and their labels."""
     rng = np.random.default_rng(seed)
     steps = rng.normal(size=(12, 25, 3))
@@ -106,7 +106,7 @@ def test_deep_chain(student, seed):
     hint="Give close points the same label, whichever of them comes first.",
 )
 def test_order(student, seed):
-    cloud, labels = objects(seed)
+    cloud, labels = random_walks(seed)
     for order in (np.random.default_rng(seed).permutation(300), np.argsort(cloud[:, 1])):
         answer = student.euclidean_clustering(cloud[order], 1.0)
         assert_partition(answer, labels[order], cloud[order])
@@ -120,7 +120,7 @@ def test_order(student, seed):
 )
 def test_pose(student, seed):
     rng = np.random.default_rng(seed)
-    cloud, labels = objects(seed)
+    cloud, labels = random_walks(seed)
     turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     moved = cloud @ turn.T + rng.uniform(-50, 50, 3)
     assert_partition(student.euclidean_clustering(moved.copy(), 1.0), labels, moved)
@@ -133,7 +133,7 @@ def test_pose(student, seed):
     hint="Use only the coordinates, cloud[:, :3]. Intensity does not change the clusters.",
 )
 def test_intensity(student, seed):
-    cloud, labels = objects(seed)
+    cloud, labels = random_walks(seed)
     for largest in (1, 255):
         bright = np.random.default_rng(seed).uniform(0, largest, (300, 1))
         bright = np.hstack([cloud, bright])
@@ -147,7 +147,7 @@ def test_intensity(student, seed):
     hint="Do not rely on the type or the memory order of the array.",
 )
 def test_kinds_of_arrays(student, seed):
-    cloud, labels = objects(seed)
+    cloud, labels = random_walks(seed)
     for form in (cloud.astype(np.float32), np.asfortranarray(cloud)):
         assert_partition(student.euclidean_clustering(form, 1.0), labels, cloud)
 
@@ -185,7 +185,7 @@ def test_extremes(student, seed):
 )
 def test_every_point(student, seed):
     require_simplest_clusters(student.euclidean_clustering)
-    cloud, _ = objects(seed)
+    cloud, _ = random_walks(seed)
     alone = np.random.default_rng(seed).uniform(30, 40, (2, 3)) * [[-1, -1, 1], [1, 1, 1]]
     for whole in (np.vstack([alone[:1], cloud, alone[1:]]), alone[:1]):
         assert_labels_from_one(student.euclidean_clustering(whole.copy(), 1.0), len(whole))

@@ -8,20 +8,20 @@ from scipy.cluster.hierarchy import cophenet, linkage
 from scipy.spatial.distance import squareform
 from sklearn.cluster import DBSCAN
 
-from tests.lesson_texts import names_of, taught_function
+from tests.lesson_texts import kept_function, run_statements_for
 
 LESSON = "05_euclidean_clustering"
 
 
 @pytest.fixture(scope="module")
 def cluster():
-    return taught_function("euclidean_clustering")
+    return kept_function("euclidean_clustering")
 
 
 @pytest.fixture(scope="module")
 def street():
     """Variables and functions that the lesson's cells define, by name."""
-    return names_of(
+    return run_statements_for(
         LESSON, "objects", "kinds", "yard", "in_yard", "true_number", "seven", "close_pairs",
         "balls", "car", "member", "near", "which_thresholds", "pieces_at", "rising", "two_errors",
     )  # fmt: skip

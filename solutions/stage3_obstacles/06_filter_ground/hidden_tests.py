@@ -34,12 +34,12 @@ def expected_mask(cloud, level):
     return np.array([z > level for z in cloud[:, 2].tolist()], dtype=bool)
 
 
-def without_ties(cloud, level):
+def drop_ties(cloud, level):
     return cloud[np.abs(cloud[:, 2] - level) > 1e-4]
 
 
 def assert_ground_removed(student, cloud, level=-1.2):
-    cloud = without_ties(cloud, level)
+    cloud = drop_ties(cloud, level)
     answer = student.filter_ground(cloud.copy(order="A"), level)
     assert_no_ground_left(answer, cloud, expected_mask(cloud, level), level)
 
@@ -84,7 +84,7 @@ def test_works_at_other_levels(student, seed):
     hint="Compare only column 2, and keep all columns.",
 )
 def test_keeps_all_columns(student, seed):
-    cloud = without_ties(samples.patch_of_course_cloud(seed, 500) * [1, 1, 1, 255], -1.2)
+    cloud = drop_ties(samples.patch_of_course_cloud(seed, 500) * [1, 1, 1, 255], -1.2)
     assert_all_columns(student.filter_ground(cloud.copy(), -1.2), cloud, expected_mask(cloud, -1.2))
 
 
@@ -95,7 +95,7 @@ def test_keeps_all_columns(student, seed):
     hint="Index with a mask: it never changes the order.",
 )
 def test_keeps_the_order(student, seed):
-    patch = without_ties(samples.patch_of_course_cloud(seed, 500), -1.2)
+    patch = drop_ties(samples.patch_of_course_cloud(seed, 500), -1.2)
     for cloud in (patch, patch[np.argsort(-patch[:, 1])]):
         answer = student.filter_ground(cloud.copy(), -1.2)
         assert_order(answer, cloud, expected_mask(cloud, -1.2))
@@ -142,28 +142,28 @@ def test_leaves_its_input_unchanged(student, seed):
     assert_untouched(student.filter_ground, samples.patch_of_course_cloud(seed, 200), -1.2)
 
 
-def clear_of_borders(cloud, size, highest=1 - 1e-3):
+def rows_clear_of_borders(cloud, size, highest=1 - 1e-3):
     """Return the rows whose offset in their cell is between 0.001 and `highest` on all axes."""
     offset = cloud[:, :3] / size % 1.0
     return cloud[((offset > 1e-3) & (offset < highest)).all(axis=1)]
 
 
-def in_lower_halves(cloud, size):
+def rows_in_lower_halves(cloud, size):
     """Return rows that get the same cells even if an answer rounds, or counts from the minimum."""
-    cloud = clear_of_borders(cloud, size, 0.45)
+    cloud = rows_clear_of_borders(cloud, size, 0.45)
     lowest = cloud[:1].copy()
     lowest[0, :3] = (np.floor(cloud[:, :3].min(axis=0) / size) + 1e-3) * size
     return np.vstack([cloud, lowest])
 
 
-def one_quadrant(cloud, seed):
+def rows_of_one_quadrant(cloud, seed):
     """Return the rows of a random quadrant below the sensor, where each axis has one sign."""
     along, across = np.random.default_rng(seed).choice([-1, 1], 2)
     x, y, z = cloud[:, :3].T
     return cloud[(along * x > 0) & (across * y > 0) & (z < 0)]
 
 
-def mirrored(cloud, size):
+def add_mirror_images(cloud, size):
     """Add mirror images of points, so that there are cells on both sides of zero on all axes."""
     images = [cloud]
     for axis in range(3):
@@ -180,14 +180,14 @@ def with_equal_intensities(cloud):
 
 def assert_thinned(student, cloud, size):
     """Compare the answer for a cloud with centroids computed in plain Python."""
-    cloud = in_lower_halves(cloud, size)
+    cloud = rows_in_lower_halves(cloud, size)
     answer = student.voxel_grid(cloud.copy(order="A"), size)
     assert_centroids(answer, cloud, samples.voxel_centroids(cloud, size), size)
 
 
-def assert_counted(student, cloud, size):
+def assert_row_count(student, cloud, size):
     """Check only the number of rows, one per occupied cell."""
-    cloud = in_lower_halves(cloud, size)
+    cloud = rows_in_lower_halves(cloud, size)
     answer = student.voxel_grid(cloud.copy(order="A"), size)
     assert_row_per_cell(answer, cloud, len(samples.voxel_centroids(cloud, size)), size)
 
@@ -199,7 +199,7 @@ def assert_counted(student, cloud, size):
     hint="Return one row per occupied cell: the mean of its points.",
 )
 def test_thins_the_course_scan(student, seed):
-    cloud = one_quadrant(samples.patch_of_course_cloud(seed, 9000), seed)
+    cloud = rows_of_one_quadrant(samples.patch_of_course_cloud(seed, 9000), seed)
     assert_thinned(student, with_equal_intensities(cloud), 0.2)
 
 
@@ -210,7 +210,7 @@ def test_thins_the_course_scan(student, seed):
     hint="On every street, return one row per occupied cell: the mean of its points.",
 )
 def test_thins_a_new_street(student, seed):
-    cloud = one_quadrant(samples.obstacles_of_street(seed, 9000), seed)
+    cloud = rows_of_one_quadrant(samples.obstacles_of_street(seed, 9000), seed)
     assert_thinned(student, with_equal_intensities(cloud), 0.2)
 
 
@@ -222,8 +222,8 @@ def test_thins_a_new_street(student, seed):
 )
 @pytest.mark.parametrize("size", [0.35, 1.1], ids=["small", "large"])
 def test_works_with_other_voxel_sizes(student, seed, size):
-    cloud = one_quadrant(samples.obstacles_of_street(seed, 9000), seed)
-    assert_counted(student, with_equal_intensities(cloud), size)
+    cloud = rows_of_one_quadrant(samples.obstacles_of_street(seed, 9000), seed)
+    assert_row_count(student, with_equal_intensities(cloud), size)
 
 
 @hidden(
@@ -234,8 +234,8 @@ def test_works_with_other_voxel_sizes(student, seed, size):
 )
 def test_counts_cells_on_all_sides(student, seed):
     street = samples.obstacles_of_street(seed, 6000)
-    assert_counted(student, with_equal_intensities(street), 0.2)
-    assert_counted(student, with_equal_intensities(mirrored(street[::10], 0.2)), 0.2)
+    assert_row_count(student, with_equal_intensities(street), 0.2)
+    assert_row_count(student, with_equal_intensities(add_mirror_images(street[::10], 0.2)), 0.2)
 
 
 @hidden(
@@ -246,8 +246,10 @@ def test_counts_cells_on_all_sides(student, seed):
 )
 def test_starts_cells_at_multiples(student, seed):
     require_row_per_cell(student.voxel_grid)
-    cloud = with_equal_intensities(one_quadrant(samples.patch_of_course_cloud(seed, 9000), seed))
-    cloud = clear_of_borders(cloud, 0.2)
+    cloud = with_equal_intensities(
+        rows_of_one_quadrant(samples.patch_of_course_cloud(seed, 9000), seed)
+    )
+    cloud = rows_clear_of_borders(cloud, 0.2)
     answer = student.voxel_grid(cloud.copy(), 0.2)
     assert_row_per_cell(answer, cloud, len(samples.voxel_centroids(cloud, 0.2)), 0.2)
 
@@ -260,8 +262,8 @@ def test_starts_cells_at_multiples(student, seed):
 )
 def test_averages_the_intensity(student, seed):
     # Intensities below the cell size do not change the cell of an answer that includes them.
-    cloud = one_quadrant(samples.patch_of_course_cloud(seed, 9000), seed) * [1, 1, 1, 0.19]
-    cloud = in_lower_halves(cloud, 0.2)
+    cloud = rows_of_one_quadrant(samples.patch_of_course_cloud(seed, 9000), seed) * [1, 1, 1, 0.19]
+    cloud = rows_in_lower_halves(cloud, 0.2)
     expected, answer = samples.voxel_centroids(cloud, 0.2), student.voxel_grid(cloud.copy(), 0.2)
     with precondition("there is one point per occupied cell, the mean of its points"):
         assert_centroids(answer, cloud, expected, 0.2)
@@ -276,9 +278,9 @@ def test_averages_the_intensity(student, seed):
 )
 def test_ignores_bright_intensities(student, seed):
     require_row_per_cell(student.voxel_grid)
-    cloud = one_quadrant(samples.patch_of_course_cloud(seed, 9000), seed)
-    assert_counted(student, cloud, 0.2)
-    assert_counted(student, cloud * [1, 1, 1, 255], 0.2)
+    cloud = rows_of_one_quadrant(samples.patch_of_course_cloud(seed, 9000), seed)
+    assert_row_count(student, cloud, 0.2)
+    assert_row_count(student, cloud * [1, 1, 1, 255], 0.2)
 
 
 @hidden(
@@ -289,8 +291,10 @@ def test_ignores_bright_intensities(student, seed):
 )
 def test_thins_all_kinds_of_clouds(student, seed):
     require_row_per_cell(student.voxel_grid)
-    cloud = with_equal_intensities(one_quadrant(samples.patch_of_course_cloud(seed, 9000), seed))
-    cloud = in_lower_halves(cloud, 0.2)
+    cloud = with_equal_intensities(
+        rows_of_one_quadrant(samples.patch_of_course_cloud(seed, 9000), seed)
+    )
+    cloud = rows_in_lower_halves(cloud, 0.2)
     for form in (
         cloud[:, :3],
         np.asfortranarray(cloud),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from sklearn.cluster import DBSCAN
 
-from tests.lesson_texts import names_of, taught_function
+from tests.lesson_texts import kept_function, run_statements_for
 from utils.drive import STREETS
 
 LESSON = "06_filter_ground"
@@ -13,7 +13,7 @@ LESSON = "06_filter_ground"
 @pytest.fixture(scope="module")
 def street():
     """Variables and functions that the lesson's cells define, by name."""
-    return names_of(
+    return run_statements_for(
         LESSON, "near", "kinds", "ground", "upright", "thin", "vanishes_at", "two_errors", "levels",
         "rising", "by_skipping", "by_voxels", "points_left", "few", "flank",
     )  # fmt: skip
@@ -21,12 +21,12 @@ def street():
 
 @pytest.fixture(scope="module")
 def filter_ground():
-    return taught_function("filter_ground")
+    return kept_function("filter_ground")
 
 
 @pytest.fixture(scope="module")
 def voxel_grid():
-    return names_of("06_filter_ground", "voxel_grid")["voxel_grid"]
+    return run_statements_for("06_filter_ground", "voxel_grid")["voxel_grid"]
 
 
 def test_the_peak_of_the_histogram_is_the_ground(street):

@@ -37,7 +37,7 @@ def distances_in_plain_python(cloud):
     return np.array([math.sqrt(x * x + y * y) for x, y in cloud[:, :2].tolist()])
 
 
-def clear_of_circle(cloud, distance):
+def rows_clear_of_circle(cloud, distance):
     """Return the rows that are not on a circle's rim, and whether each is inside."""
     true_distance = distances_in_plain_python(cloud)
     clear = np.abs(true_distance - distance) > MARGIN
@@ -46,18 +46,18 @@ def clear_of_circle(cloud, distance):
 
 def assert_distance_filtered(student, cloud, distance=10.0):
     """Compare the answer for a cloud with distances computed in plain Python."""
-    cloud, near = clear_of_circle(cloud, distance)
+    cloud, near = rows_clear_of_circle(cloud, distance)
     answer = student.filter_by_distance(cloud.copy(order="A"), distance)
     assert_points_left(answer, cloud, distance, near)
 
 
-def without_corners(cloud, distance):
+def drop_corners(cloud, distance):
     """Return the rows for which |x| + |y| and max(|x|, |y|) agree with the distance."""
     x, y = np.abs(cloud[:, :2]).T
     return cloud[(x + y < distance - MARGIN) | (np.maximum(x, y) > distance + MARGIN)]
 
 
-def flattened(cloud):
+def flatten(cloud):
     """Scale heights and intensities down until they hardly affect a distance."""
     return cloud * [1, 1, 0.01, 0.01]
 
@@ -80,7 +80,7 @@ def test_filters_the_course_scan(student):
     hint="Keep exactly the rows with sqrt(x² + y²) <= distance.",
 )
 def test_filters_a_new_street(student, seed):
-    assert_distance_filtered(student, flattened(samples.fresh_street(seed)[::5]))
+    assert_distance_filtered(student, flatten(samples.fresh_street(seed)[::5]))
 
 
 @hidden(
@@ -90,9 +90,9 @@ def test_filters_a_new_street(student, seed):
     hint="Compare with `distance`, whatever its value.",
 )
 def test_works_with_other_distances(student, seed):
-    cloud = flattened(samples.patch_of_course_cloud(seed, 1000))
+    cloud = flatten(samples.patch_of_course_cloud(seed, 1000))
     for distance in np.random.default_rng(seed).uniform(6.0, 20.0, 4).tolist():
-        assert_distance_filtered(student, without_corners(cloud, distance), distance)
+        assert_distance_filtered(student, drop_corners(cloud, distance), distance)
 
 
 @hidden(
@@ -105,7 +105,7 @@ def test_ignores_heights(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 600) * [1, 1, 0, 0.01]
     cloud[:, 2] = np.random.default_rng(seed).uniform(-30, 30, len(cloud))
     cloud[7] = 0.0, 0.0, 5.5, 0.01  # directly above the sensor, as under a bridge
-    assert_distance_filtered(student, without_corners(cloud, 10.0))
+    assert_distance_filtered(student, drop_corners(cloud, 10.0))
 
 
 @hidden(
@@ -117,7 +117,7 @@ def test_ignores_heights(student, seed):
 def test_ignores_intensities(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 600) * [1, 1, 0.01, 0]
     cloud[:, 3] = np.random.default_rng(seed).integers(0, 256, len(cloud))
-    assert_distance_filtered(student, without_corners(cloud, 10.0))
+    assert_distance_filtered(student, drop_corners(cloud, 10.0))
 
 
 @hidden(
@@ -127,7 +127,7 @@ def test_ignores_intensities(student, seed):
     hint="Use a distance that is the same in every direction, so that the border is a circle.",
 )
 def test_keeps_the_same_points_when_turned(student, seed):
-    cloud = flattened(samples.patch_of_course_cloud(seed, 500))
+    cloud = flatten(samples.patch_of_course_cloud(seed, 500))
     for angle in np.random.default_rng(seed).uniform(0, 2 * math.pi, 3):
         turned = cloud.copy()
         turned[:, 0] = math.cos(angle) * cloud[:, 0] - math.sin(angle) * cloud[:, 1]
@@ -142,8 +142,8 @@ def test_keeps_the_same_points_when_turned(student, seed):
     hint="Index the cloud itself, cloud[mask], which keeps all columns.",
 )
 def test_keeps_all_columns(student, seed):
-    cloud = without_corners(flattened(samples.patch_of_course_cloud(seed, 500)), 10.0)
-    cloud, near = clear_of_circle(cloud, 10.0)
+    cloud = drop_corners(flatten(samples.patch_of_course_cloud(seed, 500)), 10.0)
+    cloud, near = rows_clear_of_circle(cloud, 10.0)
     assert_all_columns(student.filter_by_distance(cloud.copy(), 10.0), cloud, near)
 
 
@@ -154,8 +154,8 @@ def test_keeps_all_columns(student, seed):
     hint="Index with a mask, which never changes the order.",
 )
 def test_keeps_the_order(student, seed):
-    cloud = without_corners(flattened(samples.patch_of_course_cloud(seed, 500)), 10.0)
-    cloud, near = clear_of_circle(cloud, 10.0)
+    cloud = drop_corners(flatten(samples.patch_of_course_cloud(seed, 500)), 10.0)
+    cloud, near = rows_clear_of_circle(cloud, 10.0)
     for order in (np.arange(len(cloud)), np.argsort(-cloud[:, 1])):
         answer = student.filter_by_distance(cloud[order], 10.0)
         assert_order(answer, cloud[order], near[order])
@@ -169,7 +169,7 @@ def test_keeps_the_order(student, seed):
 )
 def test_works_on_all_kinds_of_clouds(student, seed):
     require_near_points_kept(student.filter_by_distance)
-    cloud = without_corners(flattened(samples.patch_of_course_cloud(seed, 300)), 10.0)
+    cloud = drop_corners(flatten(samples.patch_of_course_cloud(seed, 300)), 10.0)
     assert_distance_filtered(student, cloud[:, :3])
     assert_distance_filtered(student, cloud.astype(np.float32))
     assert_distance_filtered(student, np.asfortranarray(cloud))
@@ -184,7 +184,7 @@ def test_works_on_all_kinds_of_clouds(student, seed):
 )
 def test_works_on_small_clouds(student, seed):
     require_near_points_kept(student.filter_by_distance)
-    cloud = flattened(samples.patch_of_course_cloud(seed, 300))
+    cloud = flatten(samples.patch_of_course_cloud(seed, 300))
     columns = as_array(student.filter_by_distance(cloud.copy(), 10.0)).shape[-1]
     far = cloud + [100, 0, 0, 0]
     assert_empty_table(student.filter_by_distance(far.copy(), 10.0), far, columns)
@@ -208,7 +208,7 @@ EGO_BOX = (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)
 TALL_REGION = (-10.0, -5.0, -60.0), (30.0, 6.0, 60.0)
 
 
-def boxes_of(seed, tall):
+def random_boxes(seed, tall):
     """Yield random boxes: ahead on the right, behind, and around the sensor."""
     rng = np.random.default_rng(seed)
     for x, y in ((7, -7), (-7, 4), (1, 0)):
@@ -233,7 +233,7 @@ def distances_and_depths(cloud, minimum, maximum):
     return np.array(found).reshape(-1, 2)
 
 
-def clear_of(cloud, minimum, maximum):
+def rows_clear_of_box(cloud, minimum, maximum):
     """Return the rows that are not on a face of a box, and whether each is inside."""
     distance, depth = distances_and_depths(cloud, tuple(minimum), tuple(maximum)).T
     return cloud[distance > MARGIN], depth[distance > MARGIN] > 0
@@ -245,7 +245,7 @@ def answer_of(student, exercise, cloud, minimum, maximum):
 
 
 def assert_box_filtered(student, exercise, cloud, minimum, maximum):
-    cloud, inside = clear_of(cloud, minimum, maximum)
+    cloud, inside = rows_clear_of_box(cloud, minimum, maximum)
     keep = inside if exercise == "crop_region" else ~inside
     assert_points_left_by_box(
         answer_of(student, exercise, cloud, minimum, maximum), cloud, minimum, maximum, keep
@@ -260,12 +260,12 @@ def outside_on_all_axes(cloud, minimum, maximum):
 
 def inside_on_all_axes_or_none(cloud, minimum, maximum):
     """Return the rows that are inside a box on all axes or on none, and whether each is inside."""
-    cloud, inside = clear_of(cloud, minimum, maximum)
+    cloud, inside = rows_clear_of_box(cloud, minimum, maximum)
     clear = inside | outside_on_all_axes(cloud, minimum, maximum)
     return cloud[clear], inside[clear]
 
 
-def other_clouds(cloud):
+def cloud_variants(cloud):
     """Yield the cloud with three columns, in single precision, by columns, and with duplicates."""
     yield cloud[:, :3]
     yield cloud.astype(np.float32)
@@ -283,7 +283,7 @@ def scan_around_the_car(seed):
 
 
 @functools.cache
-def course_around_the_car():
+def course_cloud_around_the_car():
     cloud = samples.course_cloud()
     return frozen(cloud[np.hypot(cloud[:, 0], cloud[:, 1]) < 3.6])
 
@@ -310,7 +310,7 @@ def test_crops_streets(student, seed):
 )
 def test_crops_to_other_boxes(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 1500)
-    for minimum, maximum in boxes_of(seed, tall=True):
+    for minimum, maximum in random_boxes(seed, tall=True):
         assert_box_filtered(student, "crop_region", cloud, minimum, maximum)
 
 
@@ -359,7 +359,7 @@ def test_crop_keeps_the_order(student, seed):
 def test_crops_all_kinds_of_clouds(student, seed):
     require_crop(student.crop_region)
     cloud, _ = inside_on_all_axes_or_none(samples.patch_of_course_cloud(seed, 300), *REGION)
-    for variant in other_clouds(cloud):
+    for variant in cloud_variants(cloud):
         assert_box_filtered(student, "crop_region", variant, *REGION)
 
 
@@ -400,7 +400,7 @@ def test_crop_leaves_its_input_unchanged(student, seed):
     "street", ["course", "fresh"], ids=["the course's scan", "a street you have not seen"]
 )
 def test_removes_the_ego_car_from_streets(student, seed, street):
-    cloud = course_around_the_car() if street == "course" else scan_around_the_car(seed)
+    cloud = course_cloud_around_the_car() if street == "course" else scan_around_the_car(seed)
     assert_box_filtered(student, "remove_ego_returns", cloud, *EGO_BOX)
 
 
@@ -412,7 +412,7 @@ def test_removes_the_ego_car_from_streets(student, seed, street):
 )
 def test_works_with_other_boxes(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 1500)
-    for minimum, maximum in boxes_of(seed + 1, tall=True):
+    for minimum, maximum in random_boxes(seed + 1, tall=True):
         assert_box_filtered(student, "remove_ego_returns", cloud, minimum, maximum)
 
 
@@ -425,7 +425,7 @@ def test_works_with_other_boxes(student, seed):
 def test_keeps_points_above_and_below(student, seed):
     require_ego_removed(student.remove_ego_returns)
     cloud = samples.patch_of_course_cloud(seed, 1500)
-    for minimum, maximum in boxes_of(seed + 2, tall=False):
+    for minimum, maximum in random_boxes(seed + 2, tall=False):
         assert_box_filtered(student, "remove_ego_returns", cloud, minimum, maximum)
 
 
@@ -461,7 +461,7 @@ def test_removal_keeps_the_order(student, seed):
 def test_removes_from_all_kinds_of_clouds(student, seed):
     require_ego_removed(student.remove_ego_returns)
     cloud, _ = inside_on_all_axes_or_none(scan_around_the_car(seed), *EGO_BOX)
-    for variant in other_clouds(cloud):
+    for variant in cloud_variants(cloud):
         assert_box_filtered(student, "remove_ego_returns", variant, *EGO_BOX)
 
 
@@ -490,5 +490,5 @@ def test_removes_from_small_clouds(student, seed):
 def test_removal_leaves_its_input_unchanged(student, seed):
     require_ego_removed(student.remove_ego_returns)
     # A patch may contain no returns of the ego car, so an answer could not overwrite any.
-    for cloud in (course_around_the_car(), samples.patch_of_course_cloud(seed, 200)):
+    for cloud in (course_cloud_around_the_car(), samples.patch_of_course_cloud(seed, 200)):
         assert_untouched(student.remove_ego_returns, cloud, *map(np.array, EGO_BOX))

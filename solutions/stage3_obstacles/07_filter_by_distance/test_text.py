@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.lesson_texts import names_of, taught_function
+from tests.lesson_texts import kept_function, run_statements_for
 from utils import load_cloud
 from utils.datasets import DATA
 from utils.drive import STREETS
@@ -16,9 +16,9 @@ REGION = (-10, -5, -2), (30, 6, 1)
 EGO_BOX = (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)
 
 
-filter_by_distance = taught_function("filter_by_distance")
-crop_region = taught_function("crop_region")
-remove_ego_returns = taught_function("remove_ego_returns")
+filter_by_distance = kept_function("filter_by_distance")
+crop_region = kept_function("crop_region")
+remove_ego_returns = kept_function("remove_ego_returns")
 
 CLOUD = load_cloud("cloud.txt")
 TRUTH = np.load(DATA / "cloud_truth.npz")
@@ -134,7 +134,7 @@ def test_the_box_reaches_far_with_fewer_points_than_the_circle():
     )
 
 
-def in_the_lane(function, curvature):
+def nearest_objects_in_lane(function, curvature):
     """Return the kind and the nearest x of each object up to 25 m ahead in a lane, by number."""
     ahead = UPRIGHT & (TRUTH["objects"] > 0) & (CLOUD[:, 0] > 0) & (CLOUD[:, 0] < 25)
     rows = np.column_stack([CLOUD[ahead, :3], TRUTH["objects"][ahead]])
@@ -147,7 +147,7 @@ def in_the_lane(function, curvature):
 
 
 def test_a_bent_lane_holds_other_obstacles_than_a_straight_one():
-    given = names_of("07_filter_by_distance", "crop_lane")["crop_lane"]
+    given = run_statements_for("07_filter_by_distance", "crop_lane")["crop_lane"]
 
     def bent(cloud, width, curvature):
         """Follow the lesson's answer."""
@@ -157,9 +157,9 @@ def test_a_bent_lane_holds_other_obstacles_than_a_straight_one():
     three = np.array([[10.0, 2.0, -1.0], [10.0, 0.0, -1.0], [20.0, 8.5, -1.0]])
     assert bent(three, 2.6, 0.04).tolist() == three[[0, 2]].tolist()
     assert given(three, 2.6, 0.04).tolist() == three[[1]].tolist(), "the given lane is straight"
-    straight = in_the_lane(given, 0.04)
+    straight = nearest_objects_in_lane(given, 0.04)
     assert [kind for kind, _ in straight.values()][0] == "pedestrian"
-    found = in_the_lane(bent, 0.04)
+    found = nearest_objects_in_lane(bent, 0.04)
     assert [kind for kind, _ in found.values()] == ["car", "truck"]
     (car, (_, nearest)), (truck, _) = found.items()
     assert nearest == pytest.approx(6, abs=0.1)
@@ -222,7 +222,7 @@ def test_common_mistakes_look_as_described():
 def test_the_child_runs_out_at_the_stated_time():
     (street,) = (candidate for candidate in STREETS if candidate.number == 2)
     (running,) = street.actors
-    assert int(running.begins / street.limit) == 5
+    assert int(running.start_position / street.limit) == 5
 
 
 def test_no_cloud_contains_nan():

@@ -50,7 +50,7 @@ def assert_boxed(student, cloud, labels):
     )
 
 
-def middles_first(cloud, labels):
+def put_means_first(cloud, labels):
     """Begin a cloud with the mean of each cluster, drop noise, and renumber labels from 1."""
     cloud = cloud[labels > 0]
     names, place = np.unique(labels[labels > 0], return_inverse=True)
@@ -63,19 +63,19 @@ def course_clusters(seed):
     """Return part of the course's scan, with cluster labels; the road has the label 0."""
     cloud = samples.patch_of_course_cloud(seed, 2500)
     stands = cloud[:, 2] > -1.1
-    found = without_small(samples.cluster_labels(cloud[stands, :3], 0.7), 4)
-    return as_filtered(*middles_first(cloud[stands], found), cloud[~stands], seed)
+    found = drop_small_clusters(samples.cluster_labels(cloud[stands, :3], 0.7), 4)
+    return imitate_filter(*put_means_first(cloud[stands], found), cloud[~stands], seed)
 
 
 @functools.lru_cache(maxsize=64)
 def street_clusters(seed):
     """Return part of a new street, with cluster labels."""
     cloud = samples.obstacles_of_street(seed, 1500)
-    found = without_small(samples.cluster_labels(cloud[:, :3], 0.8), 4)
-    return as_filtered(*middles_first(cloud, found), cloud[found == 0] - [0, 0, 3, 0], seed)
+    found = drop_small_clusters(samples.cluster_labels(cloud[:, :3], 0.8), 4)
+    return imitate_filter(*put_means_first(cloud, found), cloud[found == 0] - [0, 0, 3, 0], seed)
 
 
-def as_filtered(cloud, labels, noise, seed):
+def imitate_filter(cloud, labels, noise, seed):
     """Add noise to a cloud, and renumber its labels with gaps and in any order, as a filter may."""
     rng = np.random.default_rng(seed)
     names = rng.choice(np.arange(1, 3 * labels.max()), labels.max(), replace=False)
@@ -83,7 +83,7 @@ def as_filtered(cloud, labels, noise, seed):
     return frozen((cloud, labels.astype(int)))
 
 
-def clusters_only(cloud, labels):
+def drop_noise_and_intensity(cloud, labels):
     """Drop a scan's noise and intensities, and renumber its labels from 1 without gaps."""
     kept = labels > 0
     return cloud[kept, :3], np.unique(labels[kept], return_inverse=True)[1].ravel() + 1
@@ -95,10 +95,10 @@ def clusters_around_the_origin(rng, count=12, each=20):
     sizes = rng.uniform(1, 9, (count, 3))[labels - 1]
     points = rng.uniform(-1, 1, (len(labels), 3)) * sizes
     points[1::each] = -points[::each]  # on both sides along every axis
-    return middles_first(points, labels)
+    return put_means_first(points, labels)
 
 
-def without_small(labels, least):
+def drop_small_clusters(labels, least):
     """Set the labels of clusters with fewer than `least` points to 0."""
     return np.where(np.bincount(labels)[labels] < least, 0, labels)
 
@@ -174,7 +174,7 @@ def test_ignores_noise(student, seed):
 )
 @pytest.mark.parametrize("step", [1, -1], ids=["rising", "falling"])
 def test_works_for_any_order_of_points(student, seed, step):
-    cloud, labels = clusters_only(*street_clusters(seed))
+    cloud, labels = drop_noise_and_intensity(*street_clusters(seed))
     order = np.lexsort([step * cloud.sum(axis=1), labels])
     assert_boxed(student, cloud[order], labels[order])
 
@@ -190,7 +190,7 @@ def test_works_for_any_order_of_points(student, seed, step):
 def test_works_in_all_directions(student, seed, corner):
     rng = np.random.default_rng(seed)
     cloud = rng.uniform(5, 9, (60, 3)) * corner
-    assert_boxed(student, *middles_first(cloud, rng.integers(1, 4, 60)))
+    assert_boxed(student, *put_means_first(cloud, rng.integers(1, 4, 60)))
 
 
 @hidden(

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from grader.course.lessons import find_lesson
-from tests.lesson_texts import FOLLOWS_HINTS, names_of, source_of, taught_function
+from tests.lesson_texts import FOLLOWS_HINTS, kept_function, run_statements_for, source_of
 from utils import load_cloud
 from utils.datasets import DATA
 from utils.drive import askew, chain, drive_street, on_time
@@ -17,7 +17,7 @@ from utils.plots import corners
 LOOPS = "corners from three nested loops, as the text suggests"
 
 
-get_bounding_boxes = taught_function("get_bounding_boxes")
+get_bounding_boxes = kept_function("get_bounding_boxes")
 
 CLOUD = load_cloud("cloud.txt")
 TRUTH = np.load(DATA / "cloud_truth.npz")
@@ -73,7 +73,9 @@ def distance_from_edges(corner, drawn):
 
 @pytest.mark.parametrize("low, high", [((0, 0, 0), (4, 2, 1.5)), ((-2, -1.5, -1.2), (3, 2.5, 0.8))])
 def test_corner_numbers_are_not_drawn_on_other_edges(low, high):
-    drawn = corners._oblique(get_bounding_boxes(np.array([low, high]), np.ones(2, dtype=int))[0])
+    drawn = corners._project_obliquely(
+        get_bounding_boxes(np.array([low, high]), np.ones(2, dtype=int))[0]
+    )
     assert min(distance_from_edges(corner, drawn) for corner in range(8)) > 0.1
 
 
@@ -99,7 +101,7 @@ def test_corners_match_the_table(name):
     """Compare the corners with the table in the lesson's text."""
     text = find_lesson("08_bounding_boxes").source.read_text()
     corner = np.array([[1.0, 2, 3], [4, 5, 6]])
-    box = taught_function("get_bounding_boxes", name)(corner, np.array([1, 1]))[0]
+    box = kept_function("get_bounding_boxes", name)(corner, np.array([1, 1]))[0]
     for axis, letter in enumerate("xyz"):
         row = re.search(rf"^# \| {letter} \|(.+)\|$", text, re.M)[1].replace("*", "").split("|")
         expected = [corner[int(word.strip() == "max"), axis] for word in row]
@@ -192,7 +194,7 @@ def test_boxes_of_parallel_vehicles_hold_little_air():
 
 
 def test_the_corridor_has_the_stated_size():
-    names = names_of("08_bounding_boxes", "corridor_low", "corridor_high")
+    names = run_statements_for("08_bounding_boxes", "corridor_low", "corridor_high")
     size = (names["corridor_high"] - names["corridor_low"]).tolist()
     text = find_lesson("08_bounding_boxes").source.read_text()
     assert f"a corridor {size[1]:g} m wide and {size[0]:g} m long" in text

@@ -38,7 +38,7 @@ def assert_filtered(student, labels, minimum):
     assert_right_clusters_left(student.filter_clusters(labels.copy(), minimum), labels, expected)
 
 
-def clutter(rng, clusters, largest):
+def random_labels(rng, clusters, largest):
     """Return shuffled labels of clusters of various sizes, numbered from 1, with some noise."""
     sizes = np.ceil(np.exp(rng.uniform(0, np.log(largest), clusters))).astype(int)
     labels = np.repeat(np.arange(1, clusters + 1), sizes)
@@ -74,8 +74,8 @@ def test_filters_the_course_scan(student, seed):
 def test_filters_swarms(student, seed):
     rng = np.random.default_rng(seed)
     for minimum in (2, 5, 20):
-        assert_filtered(student, clutter(rng, 60, 40), minimum)
-    assert_filtered(student, clutter(rng, 40, 400), 100)
+        assert_filtered(student, random_labels(rng, 60, 40), minimum)
+    assert_filtered(student, random_labels(rng, 40, 400), 100)
 
 
 @hidden(
@@ -99,7 +99,9 @@ def test_keeps_large_clusters(student, seed):
 )
 def test_keeps_clusters_of_the_minimum_size(student, seed):
     require_most_clusters_right(student.filter_clusters)
-    labels = np.concatenate([np.repeat([1, 2, 3], 6), clutter(np.random.default_rng(seed), 30, 30)])
+    labels = np.concatenate(
+        [np.repeat([1, 2, 3], 6), random_labels(np.random.default_rng(seed), 30, 30)]
+    )
     count = Counter(labels.tolist())
     labels = np.append(
         labels, np.repeat(31, count[2])
@@ -122,7 +124,7 @@ def test_keeps_the_labels(student, seed):
     require_most_clusters_right(student.filter_clusters)
     rng = np.random.default_rng(seed)
     numbers = np.concatenate([[0], rng.choice(np.arange(300, 5000), 40, replace=False)])
-    labels = numbers[clutter(rng, 40, 60)]
+    labels = numbers[random_labels(rng, 40, 60)]
     for minimum in (4, 9):
         expected = expected_labels(labels, minimum)
         assert_labels_kept(student.filter_clusters(labels.copy(), minimum), labels, expected)
@@ -137,7 +139,7 @@ def test_keeps_the_labels(student, seed):
 def test_never_clusters_noise(student, seed):
     require_most_clusters_right(student.filter_clusters)
     rng = np.random.default_rng(seed)
-    labels = clutter(rng, 40, 60)
+    labels = random_labels(rng, 40, 60)
     labels[rng.random(len(labels)) < 0.3] = 0
     yours = as_labels(student.filter_clusters(labels.copy(), 4), len(labels))
     if (yours[labels == 0] > 0).any():
@@ -153,7 +155,7 @@ def test_never_clusters_noise(student, seed):
 )
 def test_works_in_any_order(student, seed):
     rng = np.random.default_rng(seed)
-    labels = clutter(rng, 30, 50)
+    labels = random_labels(rng, 30, 50)
     renamed = np.concatenate([[0], rng.permutation(30) + 1])[labels]
     assert_filtered(student, np.sort(labels), 8)
     assert_filtered(student, renamed[rng.permutation(len(labels))], 8)
@@ -167,7 +169,7 @@ def test_works_in_any_order(student, seed):
 )
 def test_works_with_extreme_minima(student, seed):
     require_small_clusters_removed(student.filter_clusters)
-    labels = clutter(np.random.default_rng(seed), 20, 30)
+    labels = random_labels(np.random.default_rng(seed), 20, 30)
     for minimum in (0, 10_000):
         expected = expected_labels(labels, minimum)
         assert_right_clusters_left(
@@ -184,10 +186,10 @@ def test_works_with_extreme_minima(student, seed):
 )
 def test_works_with_other_number_types(student, seed):
     require_small_clusters_removed(student.filter_clusters)
-    labels = clutter(np.random.default_rng(seed), 20, 30)
+    labels = random_labels(np.random.default_rng(seed), 20, 30)
     assert_filtered(student, labels.astype(np.int32), 6)
     assert_filtered(student, np.repeat(labels, 2)[::2], 6)
-    assert_filtered(student, clutter(np.random.default_rng(seed + 1), 700, 20), 4)
+    assert_filtered(student, random_labels(np.random.default_rng(seed + 1), 700, 20), 4)
 
 
 @hidden(
@@ -197,6 +199,6 @@ def test_works_with_other_number_types(student, seed):
     hint="Write into a copy: cluster_labels.copy().",
 )
 def test_leaves_its_input_unchanged(student, seed):
-    labels = clutter(np.random.default_rng(seed), 20, 30)
+    labels = random_labels(np.random.default_rng(seed), 20, 30)
     require_most_clusters_right(student.filter_clusters)
     assert_untouched(student.filter_clusters, labels, 6)

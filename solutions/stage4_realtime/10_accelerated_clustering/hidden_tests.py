@@ -309,7 +309,7 @@ def _walls(seed):
     rng = np.random.default_rng(seed)
     walls = rng.uniform(0, 1, (12, 5000, 3)) * [1.2, 0.0, 1.0]
     walls += np.array([[5.0 * (i % 4), 5.0 * (i // 4), 0.0] for i in range(12)])[:, None]
-    return _mixed(rng, walls, range(12))
+    return _mix(rng, walls, range(12))
 
 
 @functools.lru_cache(maxsize=16)
@@ -318,7 +318,7 @@ def _heaps(seed):
     rng = np.random.default_rng(seed)
     heaps = rng.uniform(0, 0.08, (2, 20_000, 3))
     heaps[1] += [6.0, 0.0, 0.0]
-    return _mixed(rng, heaps, range(2))
+    return _mix(rng, heaps, range(2))
 
 
 @functools.lru_cache(maxsize=16)
@@ -336,10 +336,10 @@ def _heaps_end_to_end(seed):
     heaps[0][0], heaps[1][0] = [0.0415, 0.001, 0.001], [-0.0015, 0.001, 0.001]
     for heap, x in zip(heaps, (0.0, 0.542, 6.0, 6.542), strict=True):
         heap[:, 0] += x
-    return _mixed(rng, heaps, (0, 0, 1, 2))
+    return _mix(rng, heaps, (0, 0, 1, 2))
 
 
-def _mixed(rng, parts, labels):
+def _mix(rng, parts, labels):
     """Combine parts into one rotated, shifted and shuffled cloud, and return it with its labels."""
     cloud, labels = np.vstack(parts), np.repeat(labels, [len(part) for part in parts])
     turn, order = np.linalg.qr(rng.normal(size=(3, 3)))[0], rng.permutation(len(cloud))

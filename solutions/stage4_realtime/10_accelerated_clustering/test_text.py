@@ -49,7 +49,7 @@ def obstacles():
 
 
 @pytest.fixture(scope="module")
-def right(obstacles):
+def right_labels(obstacles):
     return LESSON.join_all_pairs(obstacles)
 
 
@@ -205,22 +205,22 @@ def test_no_gap_of_the_seven_points_is_close_to_the_threshold():
 
 
 @pytest.mark.slow
-def test_the_cheap_step_settles_nearly_all_pairs(obstacles, right):
+def test_the_cheap_step_settles_nearly_all_pairs(obstacles, right_labels):
     labels, cells, pairs, still_open = LESSON.after_two_steps(obstacles)
     assert len(obstacles) > 50_000 and cells < len(obstacles) / 5
     assert len(obstacles) / cells < 10  # the text says "a handful of points"
     assert 0.01 < still_open / pairs < 0.03  # the text says "about one pair in fifty"
-    assert labels.max() > right.max() + 1  # some clusters are split, and none are merged:
+    assert labels.max() > right_labels.max() + 1  # some clusters are split, and none are merged:
     for part in np.unique(labels):
-        assert len(np.unique(right[labels == part])) == 1
+        assert len(np.unique(right_labels[labels == part])) == 1
 
 
 @pytest.mark.slow
-def test_both_versions_are_exact_and_give_equal_labels(obstacles, right):
+def test_both_versions_are_exact_and_give_equal_labels(obstacles, right_labels):
     for points, threshold in ((obstacles, 0.5), (obstacles[::5], 0.23), (obstacles[::9], 1.4)):
         taught = LESSON.euclidean_clustering_accelerated(points, threshold)
         assert np.array_equal(taught, LESSON.clustering_at_full_speed(points, threshold))
-        exact = right if points is obstacles else LESSON.join_all_pairs(points, threshold)
+        exact = right_labels if points is obstacles else LESSON.join_all_pairs(points, threshold)
         assert LESSON.same_clusters(taught, exact)
 
 
@@ -274,11 +274,11 @@ def test_joining_without_measuring_acts_like_a_larger_threshold(obstacles):
 
 
 @pytest.mark.slow
-def test_one_object_in_five_is_split_if_only_adjacent_cells_are_compared(obstacles, right):
+def test_one_object_in_five_is_split_if_only_adjacent_cells_are_compared(obstacles, right_labels):
     cells, first, which = LESSON.points_in_cells(obstacles, 0.5)
     pairs = cKDTree(cells).query_pairs(1, p=np.inf, output_type="ndarray")
     label = LESSON.join_exactly(obstacles, which, pairs, np.arange(len(cells)), 0.5)[which]
-    parts = np.unique(np.stack([right, label]), axis=1)[0]
+    parts = np.unique(np.stack([right_labels, label]), axis=1)[0]
     assert np.mean(np.bincount(parts) > 1) == pytest.approx(0.2, abs=0.03)
 
 

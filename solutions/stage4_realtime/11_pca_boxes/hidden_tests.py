@@ -66,7 +66,7 @@ def random_rotation(rng):
     return matrix
 
 
-def block(rng, sides, n=400):
+def random_block(rng, sides, n=400):
     """Return `n` random points in a block around the origin, with sides of the given lengths."""
     return rng.uniform(-0.5, 0.5, (n, 3)) * sides
 
@@ -126,7 +126,7 @@ def scanned_cars(seed):
 def blocks_along_the_street(rng, headings, n=200):
     """Return the cloud and labels of blocks the size of a car, with headings in degrees."""
     clusters = [
-        turn_about_z(block(rng, [4.4, 1.8, 1.5], n), np.radians(heading))
+        turn_about_z(random_block(rng, [4.4, 1.8, 1.5], n), np.radians(heading))
         + [10.0 * row - 20, rng.uniform(-6, 6), -0.7]
         for row, heading in enumerate(headings)
     ]
@@ -143,14 +143,14 @@ def straight_blocks(rng, count=4):
     return np.vstack([half, mirrored]), np.tile(labels, 2)
 
 
-def centred(points):
+def centre(points):
     return points[:, :3] - points[:, :3].mean(axis=0)
 
 
 def blocks_in_space(rng, count=6):
     """Yield centred blocks, each with a random rotation in space."""
     for _ in range(count):
-        yield centred(block(rng, [4.4, 1.8, 0.7]) @ random_rotation(rng).T)
+        yield centre(random_block(rng, [4.4, 1.8, 0.7]) @ random_rotation(rng).T)
 
 
 # ---- principal_axes ----
@@ -208,7 +208,7 @@ def test_handedness(student, seed):
 def test_axes_of_scanned_vehicles(student, seed):
     checked = 0
     for points in (car[:, :3] for car in scanned_cars(seed) + scanned_cars(seed + 1)):
-        spread = np.linalg.svd(centred(points), compute_uv=False)
+        spread = np.linalg.svd(centre(points), compute_uv=False)
         if (spread[1:] > 0.85 * spread[:-1]).any() or checked == 6:
             continue  # with nearly equal spreads, the order of two axes is uncertain
         checked += 1
@@ -259,10 +259,10 @@ def test_few_points(student, seed):
     require_directions(student.principal_axes)
     rng = np.random.default_rng(seed)
     turn = random_rotation(rng)
-    triangle = centred(np.array([[0.0, 0.0, 0.0], [5.0, 0.0, 0.0], [1.0, 1.0, 0.0]]) @ turn.T)
+    triangle = centre(np.array([[0.0, 0.0, 0.0], [5.0, 0.0, 0.0], [1.0, 1.0, 0.0]]) @ turn.T)
     assert_directions(student.principal_axes(triangle.copy()), axes_by_svd(triangle)[:, :2])
-    line = centred(np.outer(rng.uniform(-2, 2, 30), turn[:, 0]))
-    for points in (line, centred(line[:2])):
+    line = centre(np.outer(rng.uniform(-2, 2, 30), turn[:, 0]))
+    for points in (line, centre(line[:2])):
         assert_directions(student.principal_axes(points.copy()), turn[:, :1])
     for points in (triangle, line, line[:2], line[:1], np.repeat(line[:1], 4, axis=0), line[:0]):
         assert_orthonormal(student.principal_axes(points.copy()))
@@ -271,7 +271,7 @@ def test_few_points(student, seed):
         assert_directions(student.principal_axes(triangle + away), axes_by_svd(triangle)[:, :2])
     except CheckFailed:
         return  # another test covers answers that do not centre the points
-    assert_directions(student.principal_axes(centred(line[:2]) + away), turn[:, :1])
+    assert_directions(student.principal_axes(centre(line[:2]) + away), turn[:, :1])
 
 
 @hidden(
@@ -336,7 +336,7 @@ def assert_contained_and_tight(student, cloud, labels, areas):
 def test_scanned_vehicles(student, seed):
     cars = [car[:, :3] for step in range(3) for car in scanned_cars(seed + step)][:6]
     # At 20°, unlike at 45°, a heading with the wrong sign gives a clearly different box.
-    cars.append(turn_about_z(block(np.random.default_rng(seed), [4.4, 1.8, 1.5]), 0.35))
+    cars.append(turn_about_z(random_block(np.random.default_rng(seed), [4.4, 1.8, 1.5]), 0.35))
     labels = np.repeat(np.arange(1, len(cars) + 1), [len(car) for car in cars])
     areas = [smallest_area(car) for car in cars]
     assert_contained_and_tight(student, np.vstack(cars), labels, areas)

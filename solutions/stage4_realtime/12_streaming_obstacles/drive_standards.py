@@ -9,12 +9,12 @@ import sys
 
 from grader.course.lessons import all_lessons
 from utils.drive import STREETS, drive_street, occupied_squares, on_time
-from utils.drive.standards import DRIVERS, Result, result_of, store
+from utils.drive.standards import DRIVERS, DriveResult, drive_result, store_results
 from utils.notebooks.my_functions import load_my_functions
 from utils.tracking import tracker_from
 
 
-def drive_all(name: str) -> dict[int, Result]:
+def drive_all(name: str) -> dict[int, DriveResult]:
     """Drive every street with one of `DRIVERS`, and return the results by street number.
 
     All the detectors are faster than the scanner. They are not timed, so that the results are the
@@ -31,13 +31,13 @@ def drive_all(name: str) -> dict[int, Result]:
     for street in STREETS:
         trip = drive_street(street, detect, tracker, clock=on_time)
         print(trip, flush=True)
-        results[street.number] = result_of(trip.report)
+        results[street.number] = drive_result(trip.report)
     return results
 
 
 def main() -> None:
     """Drive all streets with all drivers, and store the results."""
-    store({name: drive_all(name) for name in DRIVERS})
+    store_results({name: drive_all(name) for name in DRIVERS})
 
 
 if __name__ == "__main__":

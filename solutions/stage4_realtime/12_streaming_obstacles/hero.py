@@ -30,7 +30,7 @@ def compose(frame: DetectedFrame) -> Scene:
     return (
         Scene()
         .add_cloud(frame.cloud)
-        .add_oriented_boxes(frame.found, name="obstacles found")
+        .add_oriented_boxes(frame.boxes, name="obstacles found")
         .add_ego_car()
     )
 

@@ -39,16 +39,16 @@ from utils.checks.lesson_12.match_boxes import (
 from utils.checks.scans import (
     GAP,
     car_across,
+    car_crossing,
     clear_cars,
-    climb,
-    crossing,
+    climbing_road,
     ego_car_points,
     half_sensor,
     insert_invalid,
-    rain,
+    raindrops,
     remove_car,
     square,
-    walk,
+    square_with_people,
 )
 
 
@@ -92,7 +92,7 @@ def boxes_in(student, frame):
 def assert_found_on_climbs(student, seed, kind):
     """Require that a square's cars are found, and check objects of a kind on two climbing roads."""
     require_cars_found_in_frame(student.detect_obstacles, square(seed))
-    for frame in (climb(seed), climb(seed + 1)):
+    for frame in (climbing_road(seed), climbing_road(seed + 1)):
         assert_kind_contained(detect_once(student.detect_obstacles, frame), kind, frame)
 
 
@@ -134,7 +134,7 @@ def test_city(student, seed):
     hint="A nearby person has 25 to 50 points after thinning. Does one of your steps need more?",
 )
 def test_people(student, seed):
-    frame = walk(seed)
+    frame = square_with_people(seed)
     assert_people_found(boxes_in(student, frame), frame)
 
 
@@ -146,7 +146,7 @@ def test_people(student, seed):
 )
 def test_reach(student, seed):
     require_cars_found_in_frame(student.detect_obstacles, square(seed))
-    frame = crossing(seed)
+    frame = car_crossing(seed)
     assert_contained(detect_once(student.detect_obstacles, frame), car_across(frame), frame)
 
 
@@ -189,7 +189,7 @@ def test_lorries(student, seed):
 def test_parked_cars(student, seed):
     with precondition("the detector finds cars at the edge of the road"):
         assert_found_on_climbs(student, seed, "car")
-    for frame in (climb(seed), climb(seed + 1)):
+    for frame in (climbing_road(seed), climbing_road(seed + 1)):
         assert_separate_boxes(detect_once(student.detect_obstacles, frame), frame, GAP)
 
 
@@ -249,7 +249,7 @@ def test_lost_returns(student, seed):
     "these labels.",
 )
 def test_rain(student, seed):
-    frame, drops = square(seed + 3), rain(seed + 3)
+    frame, drops = square(seed + 3), raindrops(seed + 3)
     assert_raindrops_ignored(
         answer_for(student, np.vstack([frame.cloud, drops]), frame), frame, drops
     )
@@ -331,7 +331,7 @@ def test_small_scans(student, seed):
             )
 
 
-def scattered_places(rng, count):
+def random_places(rng, count):
     """Return random places (count, 2) in the plane, more than 7 m apart."""
     cells = rng.permutation(100)[:count]
     grid = np.column_stack([cells % 10, cells // 10]) * 9.0 - 45
@@ -340,7 +340,7 @@ def scattered_places(rng, count):
 
 def moved_boxes(rng, count=12, gone=0, new=0, step=0.8):
     """Return the box centres of two frames, and the right partner of each box in the second."""
-    places = scattered_places(rng, count + new)
+    places = random_places(rng, count + new)
     stay = rng.permutation(count)[gone:]
     angle, length = rng.uniform([[0], [0.9]], [[2 * np.pi], [1]], (2, len(stay)))
     moved = places[stay] + step * (length * [np.cos(angle), np.sin(angle)]).T
@@ -350,12 +350,12 @@ def moved_boxes(rng, count=12, gone=0, new=0, step=0.8):
     return places[:count], current[order], partner[order]
 
 
-def rivals(rng):
+def competing_boxes(rng):
     """Return the box centres of two frames, where two boxes compete for each box in the first.
 
     The nearer boxes come first.
     """
-    previous = scattered_places(rng, 8)
+    previous = random_places(rng, 8)
     offset = rng.uniform(0, 2 * np.pi, 8)
     aside = np.column_stack([np.cos(offset), np.sin(offset)])
     return previous, np.vstack([previous + 0.3 * aside, previous - 1.1 * aside])
@@ -420,7 +420,7 @@ def test_max_distance(student, seed):
 )
 def test_one_to_one(student, seed):
     require_matching(student.match_boxes)
-    previous, current = rivals(np.random.default_rng(seed))
+    previous, current = competing_boxes(np.random.default_rng(seed))
     for order in (np.arange(16), np.arange(16)[::-1]):
         boxes = cubes(previous), cubes(current[order])
         assert_one_to_one(student.match_boxes(*boxes, 1.6), *boxes)
@@ -435,7 +435,7 @@ def test_one_to_one(student, seed):
 def test_nearer_rival(student, seed):
     require_matching(student.match_boxes)
     rng = np.random.default_rng(seed)
-    previous, current = rivals(rng)
+    previous, current = competing_boxes(rng)
     partner = np.concatenate([np.arange(8), np.full(8, -1)])
     for order in (np.arange(16)[::-1], rng.permutation(16)):
         compared_rows = partner[order] >= 0
@@ -453,7 +453,7 @@ def test_nearer_rival(student, seed):
 def test_second_choice(student, seed):
     require_matching(student.match_boxes)
     rng = np.random.default_rng(seed)
-    current, previous = rivals(rng)
+    current, previous = competing_boxes(rng)
     for order in (np.arange(16), np.arange(16)[::-1], rng.permutation(16)):
         partner = np.argsort(order)[:8]
         assert_pairs(student, cubes(previous[order]), cubes(current), 1.6, partner)

@@ -5,7 +5,7 @@ import pytest
 
 from grader.course.kept_answers import answers_to
 from grader.course.lessons import find_lesson, load_reference
-from tests.lesson_texts import names_of
+from tests.lesson_texts import run_statements_for
 from utils.checks import checks_of
 from utils.checks.core import run_check
 from utils.checks.diagnosis import diagnose, known_mistakes
@@ -49,14 +49,14 @@ def test_kept_answers_pass_or_fail_as_claimed(name, variant):
     assert variant.says in messages, messages
     mistake = diagnose(name, function)
     assert bool(mistake) == bool(variant.told), mistake
-    assert variant.told in (mistake.says if mistake else "")
+    assert variant.told in (mistake.description if mistake else "")
 
 
 def test_every_known_mistake_has_a_kept_answer():
     for name in STEPS:
         claims = [variant.told for step, variant in ANSWERS if step == name and variant.told]
         for mistake in known_mistakes(name):
-            assert any(words in mistake.says for words in claims), mistake.says
+            assert any(words in mistake.description for words in claims), mistake.description
 
 
 def steady_state_gains(wobble, acceleration, seconds):
@@ -75,7 +75,7 @@ def steady_state_gains(wobble, acceleration, seconds):
     ("wobble", "acceleration", "seconds"), [(0.085, 2.0, 0.1), (0.02, 3.0, 0.1), (0.3, 0.7, 0.25)]
 )
 def test_the_gains_are_those_of_a_steady_state_kalman_filter(wobble, acceleration, seconds):
-    lesson = names_of(LESSON.name, "gain_for", "correct_boxes")
+    lesson = run_statements_for(LESSON.name, "gain_for", "correct_boxes")
     alpha, beta_per_second = steady_state_gains(wobble, acceleration, seconds)
     gain = lesson["gain_for"](wobble, acceleration, seconds)
     assert gain == pytest.approx(alpha, rel=1e-6)

@@ -18,9 +18,9 @@ from utils.checks.core import checks_of, notes_of, run_check
 from utils.checks.detections import _contains_obstacle
 from utils.checks.failures import NotYet
 from utils.checks.run_cache import cached_run
-from utils.checks.scans import walk
+from utils.checks.scans import square_with_people
 from utils.drive import drive_street, on_time
-from utils.drive.standards import DRIVERS, standards
+from utils.drive.standards import DRIVERS, reference_results
 from utils.notebooks import slicing
 from utils.scoring import counted, holders, name_mistakes
 from utils.scoring.card import hidden_shares
@@ -52,7 +52,7 @@ def from_a_helper(cloud):
 
 
 @pytest.fixture(scope="module")
-def solved():
+def lesson_names():
     """Variables and functions of the solved notebook that these tests need, by name."""
     statements, _ = slicing.parse_notebook([LESSON.text])
     wanted = (
@@ -82,29 +82,29 @@ def solved():
 
 
 @pytest.fixture(scope="module")
-def things(solved):
+def things(lesson_names):
     return [
         holders(boxes, frame.cloud[::3], frame.scan.objects[::3])
-        for boxes, frame in zip(solved["detected"], solved["city"], strict=True)
+        for boxes, frame in zip(lesson_names["detected"], lesson_names["city"], strict=True)
     ]
 
 
-def run_steps(solved, cloud, *without):
+def run_steps(lesson_names, cloud, *without):
     """Run the steps in the hints, except `without`, and return the thinned points and the boxes."""
 
     def step(name, points, *arguments):
-        return points if name in without else solved[name](points, *arguments)
+        return points if name in without else lesson_names[name](points, *arguments)
 
     points = step("drop_invalid", cloud[:, :3])
     points = step("crop_region", points, (-15.0, -7.0, -3.0), (35.0, 9.0, 1.0))
     points = step("remove_ego_returns", points, *OWN_CAR)
     if "ransac_plane" not in without:
         low = points[points[:, 2] < -1.2]
-        plane = solved["fit_plane"](low[solved["ransac_plane"](low, 50, 0.2, 0)[1]])
-        points = points[solved["point_plane_distance"](points, plane) > 0.3]
+        plane = lesson_names["fit_plane"](low[lesson_names["ransac_plane"](low, 50, 0.2, 0)[1]])
+        points = points[lesson_names["point_plane_distance"](points, plane) > 0.3]
     points = step("voxel_grid", points, 0.2)
-    labels = solved["euclidean_clustering_accelerated"](points, 0.5)
-    return points, solved["get_oriented_boxes"](points, step("filter_clusters", labels, 10))
+    labels = lesson_names["euclidean_clustering_accelerated"](points, 0.5)
+    return points, lesson_names["get_oriented_boxes"](points, step("filter_clusters", labels, 10))
 
 
 def ego_car_boxes(boxes):
@@ -119,9 +119,9 @@ def misalignment(box, car):
     return abs((angle + 45) % 90 - 45)
 
 
-def test_naive_squares_cover_road_and_the_ego_car(solved):
-    first = solved["city"][0]
-    middles = solved["occupied_squares"](first.cloud).mean(axis=1)[:, :2]
+def test_naive_squares_cover_road_and_the_ego_car(lesson_names):
+    first = lesson_names["city"][0]
+    middles = lesson_names["occupied_squares"](first.cloud).mean(axis=1)[:, :2]
     assert len(middles) > 3 * len(first.boxes)
     assert (np.abs(middles - (0, 0)) < 1.7).all(axis=1).any()
     ringed = middles[np.hypot(*(middles - (29, 1.2)).T) < 2.1]
@@ -132,23 +132,27 @@ def test_naive_squares_cover_road_and_the_ego_car(solved):
         assert not first.scan.objects[held].any()  # this square contains only road
 
 
-def test_no_box_is_on_empty_road(solved):
+def test_no_box_is_on_empty_road(lesson_names):
     for number in (0, 4, 8):
-        frame = solved["city"][number]
-        assert all(_contains_obstacle(box, frame) for box in solved["detected"][number])
+        frame = lesson_names["city"][number]
+        assert all(_contains_obstacle(box, frame) for box in lesson_names["detected"][number])
 
 
-def test_a_fixed_level_leaves_road_on_a_climbing_street(solved):
-    frame, found = solved["city"][4], []
+def test_a_fixed_level_leaves_road_on_a_climbing_street(lesson_names):
+    frame, found = lesson_names["city"][4], []
     for steps in ("plane", "level"):
-        cloud = solved["crop_region"](frame.cloud[:, :3], (-15.0, -7.0, -3.0), (35.0, 9.0, 1.0))
+        cloud = lesson_names["crop_region"](
+            frame.cloud[:, :3], (-15.0, -7.0, -3.0), (35.0, 9.0, 1.0)
+        )
         if steps == "level":
             cloud = cloud[cloud[:, 2] >= -1.2]
-            points = solved["voxel_grid"](cloud, 0.2)
-            labels = solved["euclidean_clustering_accelerated"](points, 0.5)
-            boxes = solved["get_oriented_boxes"](points, solved["filter_clusters"](labels, 10))
+            points = lesson_names["voxel_grid"](cloud, 0.2)
+            labels = lesson_names["euclidean_clustering_accelerated"](points, 0.5)
+            boxes = lesson_names["get_oriented_boxes"](
+                points, lesson_names["filter_clusters"](labels, 10)
+            )
         else:
-            boxes = solved["detected"][4]
+            boxes = lesson_names["detected"][4]
         ghosts = np.array(
             [box.mean(axis=0)[0] for box in boxes if not _contains_obstacle(box, frame)]
         )
@@ -157,10 +161,10 @@ def test_a_fixed_level_leaves_road_on_a_climbing_street(solved):
     assert found[1].min() > 15  # in a region that ends at 15 m, there would be none
 
 
-def test_boxes_are_aligned_with_cars_within_15_m(solved):
+def test_boxes_are_aligned_with_cars_within_15_m(lesson_names):
     crooked = []
     for number in (0, 4, 8):
-        frame, boxes = solved["city"][number], solved["detected"][number]
+        frame, boxes = lesson_names["city"][number], lesson_names["detected"][number]
         for car in frame.boxes:
             if car.kind != "car" or car.returns < 30 or np.hypot(*car.centre[:2]) > 15:
                 continue
@@ -171,37 +175,41 @@ def test_boxes_are_aligned_with_cars_within_15_m(solved):
     assert np.median(crooked) < 2 and np.mean(np.array(crooked) < 10) > 0.9
 
 
-def test_each_step_has_the_stated_effect(solved):
-    cloud = solved["city"][0].cloud
-    points, boxes = run_steps(solved, cloud)
-    thick, _ = run_steps(solved, cloud, "voxel_grid")
-    with_road, slabs = run_steps(solved, cloud, "ransac_plane", "voxel_grid")
+def test_each_step_has_the_stated_effect(lesson_names):
+    cloud = lesson_names["city"][0].cloud
+    points, boxes = run_steps(lesson_names, cloud)
+    thick, _ = run_steps(lesson_names, cloud, "voxel_grid")
+    with_road, slabs = run_steps(lesson_names, cloud, "ransac_plane", "voxel_grid")
     assert 110_000 < len(cloud) < 118_000 and 2_000 < len(points) < 4_000
     assert len(points) < 0.1 * len(thick)
     assert 0.45 < (len(with_road) - len(thick)) / len(with_road) < 0.55  # "half of what is left"
-    assert len(run_steps(solved, cloud, "filter_clusters")[1]) > 1.7 * len(boxes)
-    assert len(run_steps(solved, cloud, "crop_region")[1]) > 3 * len(boxes)
-    sides = np.ptp(run_steps(solved, cloud, "ransac_plane")[1], axis=1)[CAR_STANDS]
+    assert len(run_steps(lesson_names, cloud, "filter_clusters")[1]) > 1.7 * len(boxes)
+    assert len(run_steps(lesson_names, cloud, "crop_region")[1]) > 3 * len(boxes)
+    sides = np.ptp(run_steps(lesson_names, cloud, "ransac_plane")[1], axis=1)[CAR_STANDS]
     assert sides.max() > 20  # with the road, everything near the car is one cluster
     assert np.ptp(boxes, axis=1)[CAR_STANDS].max() < 12
 
 
-def test_a_bad_scan_shows_missing_steps(solved):
-    good = solved["city"][0].cloud
-    bad = np.vstack([good, solved["bonnet"], solved["lost"]])
-    assert len(solved["detect_obstacles"](good)) == len(solved["detect_obstacles"](bad))
-    assert ego_car_boxes(run_steps(solved, good, "remove_ego_returns")[1]) == 0
-    assert ego_car_boxes(run_steps(solved, bad, "remove_ego_returns")[1]) == 1
+def test_a_bad_scan_shows_missing_steps(lesson_names):
+    good = lesson_names["city"][0].cloud
+    bad = np.vstack([good, lesson_names["bonnet"], lesson_names["lost"]])
+    assert len(lesson_names["detect_obstacles"](good)) == len(lesson_names["detect_obstacles"](bad))
+    assert ego_car_boxes(run_steps(lesson_names, good, "remove_ego_returns")[1]) == 0
+    assert ego_car_boxes(run_steps(lesson_names, bad, "remove_ego_returns")[1]) == 1
     # Without drop_invalid, later steps happen to remove the same returns.
-    assert len(run_steps(solved, bad, "drop_invalid")[1]) == len(solved["detect_obstacles"](good))
+    assert len(run_steps(lesson_names, bad, "drop_invalid")[1]) == len(
+        lesson_names["detect_obstacles"](good)
+    )
     lost = np.zeros((3000, 3))
-    labels = solved["euclidean_clustering_accelerated"](lost, 0.5)
+    labels = lesson_names["euclidean_clustering_accelerated"](lost, 0.5)
     # Without thinning, the lost returns are a large cluster.
-    assert solved["filter_clusters"](labels, 10).all()
+    assert lesson_names["filter_clusters"](labels, 10).all()
 
 
-def test_half_of_the_returns_fill_nearly_as_many_voxels(solved):
-    whole, half = (len(run_steps(solved, solved["city"][0].cloud[::step])[0]) for step in (1, 2))
+def test_half_of_the_returns_fill_nearly_as_many_voxels(lesson_names):
+    whole, half = (
+        len(run_steps(lesson_names, lesson_names["city"][0].cloud[::step])[0]) for step in (1, 2)
+    )
     assert whole < 1.3 * half
 
 
@@ -221,22 +229,24 @@ def test_a_detector_that_loads_its_functions_gets_a_note():
         assert "comes from another notebook" in failure.message
 
 
-def test_a_cardboard_car_gets_one_box(solved):
-    boxes = solved["detect_obstacles"](solved["cardboard_street"]())
+def test_a_cardboard_car_gets_one_box(lesson_names):
+    boxes = lesson_names["detect_obstacles"](lesson_names["cardboard_street"]())
     assert len(boxes) == 1
     sides = sorted(np.linalg.norm(boxes[0][[1, 2]] - boxes[0][[0, 1]], axis=1))
     assert np.allclose(sides, (1.8, 4.0), atol=0.15)
 
 
-def test_principal_axes_make_the_curve_fall(solved):
-    f1 = solved["f1_of_kinds"](solved["streams"]["streets"], solved["carriageway"])
+def test_principal_axes_make_the_curve_fall(lesson_names):
+    f1 = lesson_names["f1_of_kinds"](
+        lesson_names["streams"]["streets"], lesson_names["carriageway"]
+    )
     fall = {kind: values[0] - values[2] for kind, (values, _) in f1.items()}
     assert fall["principal axes"] > 0.5
     assert max(fall["along the axes"], fall["smallest rectangle"]) < 0.25
 
 
-def test_statements_about_the_score_card_are_true(solved):
-    card = solved["card_of"]("streets")
+def test_statements_about_the_score_card_are_true(lesson_names):
+    card = lesson_names["card_of"]("streets")
     assert card["recall in plain view"].texts[0] == "0.84 ± 0.03"
     assert card["recall, partly hidden"].texts[0] == "0.92 ± 0.05"
     for nearer, farther in (
@@ -247,7 +257,7 @@ def test_statements_about_the_score_card_are_true(solved):
         assert (apart > 2.5 * np.hypot(card[nearer].errors, card[farther].errors)).all()
 
 
-def f1_with_error(solved, frames, region, *kinds):
+def f1_with_error(lesson_names, frames, region, *kinds):
     """Return F1 with its standard error at each overlap, for boxes around true clusters.
 
     For two kinds of boxes, return the difference in F1.
@@ -256,9 +266,9 @@ def f1_with_error(solved, frames, region, *kinds):
     for overlap in scoring.OVERLAPS:
         parts = []
         for frame in frames:
-            truth, part = solved["corners_of"](counted(frame, region)), []
+            truth, part = lesson_names["corners_of"](counted(frame, region)), []
             for kind in kinds:
-                boxes = solved["boxes_of_truth"](frame, region, kind)
+                boxes = lesson_names["boxes_of_truth"](frame, region, kind)
                 hits = scoring.score_boxes(boxes, truth, overlap).true_positives
                 part += [2 * hits, len(boxes) + len(truth)]
             parts.append(part)
@@ -272,42 +282,42 @@ def f1_with_error(solved, frames, region, *kinds):
 
 
 @pytest.mark.proof
-def test_boxes_along_the_axes_are_better_on_streets_and_worse_on_squares(solved):
+def test_boxes_along_the_axes_are_better_on_streets_and_worse_on_squares(lesson_names):
     streets = [scenes.city_block(seed, frames=1)[0] for seed in range(24)]
     ways = "along the axes", "smallest rectangle"
-    better = f1_with_error(solved, streets, solved["carriageway"], *ways)
+    better = f1_with_error(lesson_names, streets, lesson_names["carriageway"], *ways)
     assert np.array_equal(np.round(better, 2), [(0.02, 0.01)] * 3)
     squares = [scenes.cyclist(seed, frames=1)[0] for seed in range(8)]
     around = ((-15, 35), (-20, 20))
     for kind, expected in ((ways[1], (0.93, 0.03)), (ways[0], (0.39, 0.03))):
-        said = f1_with_error(solved, squares, around, kind)[1]
+        said = f1_with_error(lesson_names, squares, around, kind)[1]
         assert np.allclose(said, expected, atol=0.0051)
 
 
-def test_distant_rectangles_may_have_wrong_headings(solved):
+def test_distant_rectangles_may_have_wrong_headings(lesson_names):
     off = {True: [], False: []}  # key: whether the object is within 15 m
-    for frame in solved["streams"]["streets"]:
-        for thing in counted(frame, solved["carriageway"]):
+    for frame in lesson_names["streams"]["streets"]:
+        for thing in counted(frame, lesson_names["carriageway"]):
             points = frame.cloud[frame.scan.objects == thing.identity, :3]
             points = points[points[:, 2] > points[:, 2].min() + 0.3]
             if len(points) >= 5:
                 yaw = np.degrees(
-                    solved["heading_of"](points[:, :2], "smallest rectangle") - thing.yaw
+                    lesson_names["heading_of"](points[:, :2], "smallest rectangle") - thing.yaw
                 )
                 off[np.hypot(*thing.centre[:2]) < 15].append(abs((yaw + 45) % 90 - 45))
     assert np.quantile(off[True], 0.9) < 3 and np.quantile(off[False], 0.9) > 8
 
 
-def test_statements_about_the_two_sweeps_are_true(solved):
-    precision, recall, f1 = solved["sweep"]("threshold", [0.2, 0.5, 1.0])
+def test_statements_about_the_two_sweeps_are_true(lesson_names):
+    precision, recall, f1 = lesson_names["sweep"]("threshold", [0.2, 0.5, 1.0])
     assert precision[0, 0] < precision[0, 1] and recall[0, 0] < recall[0, 1] > recall[0, 2]
     assert f1[0].argmax() == 1
-    precision, recall, f1 = solved["sweep"]("min_num_points", [2, 10, 80])
+    precision, recall, f1 = lesson_names["sweep"]("min_num_points", [2, 10, 80])
     assert (np.diff(precision[0]) > 0).all() and recall[0, 2] < recall[0, 1]
     assert f1[0].argmax() == 2  # although a pedestrian has fewer points
 
 
-def thinned_people(frame, nearest, farthest):
+def count_voxels_of_people(frame, nearest, farthest):
     """Count the occupied voxels of people in full view, without the functions of the lessons."""
     people = [box for box in frame.boxes if box.kind == "pedestrian" and box.returns >= 5]
     counts = []
@@ -321,8 +331,14 @@ def thinned_people(frame, nearest, farthest):
 
 def test_statements_about_people_in_full_view_are_true():
     frames = [frame for seed in range(8) for frame in scenes.city_block(seed, frames=30)[::10]]
-    near = [thinned_people(frame, 0, 7) for frame in [*frames, *map(walk, range(12))]]
-    near, ten_metres = sum(near, []), sum((thinned_people(frame, 9, 11) for frame in frames), [])
+    near = [
+        count_voxels_of_people(frame, 0, 7)
+        for frame in [*frames, *map(square_with_people, range(12))]
+    ]
+    near, ten_metres = (
+        sum(near, []),
+        sum((count_voxels_of_people(frame, 9, 11) for frame in frames), []),
+    )
     assert len(near) > 30 and len(ten_metres) >= 10
     assert min(near) >= 25 and np.quantile(near, 0.95) <= 50
     assert np.median(ten_metres) == pytest.approx(35, abs=1)
@@ -335,11 +351,14 @@ def test_the_road_reaches_the_ground_level_24_m_ahead():
     assert (1.73 - 1.2) / scenes.ROAD.slope == pytest.approx(24, abs=0.2)
 
 
-def test_each_step_of_the_tracker_has_the_stated_effect(solved, things):
+def test_each_step_of_the_tracker_has_the_stated_effect(lesson_names, things):
     """Compare the switches after each step, at the distance in the lesson's table and at others."""
     made = {
-        use: {limit: solved["mistakes_of"](limit, use) for limit in (0.3, 0.5, 0.7, 1.0, 1.5, 10.0)}
-        for use in ((), ("predict",), ("predict", "correct"), solved["ALL"])
+        use: {
+            limit: lesson_names["mistakes_of"](limit, use)
+            for limit in (0.3, 0.5, 0.7, 1.0, 1.5, 10.0)
+        }
+        for use in ((), ("predict",), ("predict", "correct"), lesson_names["ALL"])
     }
     alone, predicted, corrected, coasting = made.values()
     # If the distance is shorter than the ego car's motion per frame, matching alone loses parked
@@ -355,38 +374,38 @@ def test_each_step_of_the_tracker_has_the_stated_effect(solved, things):
 
 
 @pytest.fixture(scope="module")
-def drives(solved):
+def drives(lesson_names):
     """Three seconds of eight streets: boxes, the object in each box, and the true boxes."""
     made = []
     for seed in range(8):
         boxes, things, truth = [], [], []
         for frame in scenes.city_block(seed, frames=30):
-            boxes.append(solved["detect_obstacles"](frame.cloud))
+            boxes.append(lesson_names["detect_obstacles"](frame.cloud))
             things.append(holders(boxes[-1], frame.cloud[::3], frame.scan.objects[::3]))
             truth.append(SimpleNamespace(boxes=frame.boxes))
         made.append((boxes, things, truth))
     return made
 
 
-def on_eight_streets(drives, solved, name, *arguments):
+def run_on_eight_streets(drives, lesson_names, name, *arguments):
     """Run an experiment of the lesson on each of the eight streets, and return the results."""
-    kept = {key: solved[key] for key in ("detected", "things", "city")}
+    kept = {key: lesson_names[key] for key in ("detected", "things", "city")}
     answers = []
     try:
         for detected, things, truth in drives:
-            solved.update(detected=detected, things=things, city=truth)
-            answers.append(solved[name](*arguments))
+            lesson_names.update(detected=detected, things=things, city=truth)
+            answers.append(lesson_names[name](*arguments))
     finally:
-        solved.update(kept)
+        lesson_names.update(kept)
     return answers
 
 
 @pytest.mark.proof
-def test_statements_about_switches_on_eight_streets_are_true(solved, drives):
+def test_statements_about_switches_on_eight_streets_are_true(lesson_names, drives):
     said = {(): (76, 29), ("predict",): (38, 11), ("predict", "correct"): (38, 11)}
     counts = {}
-    for use, expected in {**said, solved["ALL"]: (18, 8)}.items():
-        made = on_eight_streets(drives, solved, "mistakes_of", 1.0, use)
+    for use, expected in {**said, lesson_names["ALL"]: (18, 8)}.items():
+        made = run_on_eight_streets(drives, lesson_names, "mistakes_of", 1.0, use)
         counts[use] = np.array([mistakes.switches for mistakes in made])
         assert (round(counts[use].mean()), round(counts[use].std(ddof=1))) == expected
         shared = np.array([mistakes.shared for mistakes in made])
@@ -396,9 +415,9 @@ def test_statements_about_switches_on_eight_streets_are_true(solved, drives):
 
 
 @pytest.mark.proof
-def test_statements_about_gains_on_eight_streets_are_true(solved, drives):
+def test_statements_about_gains_on_eight_streets_are_true(lesson_names, drives):
     gains = [0.3, 0.5, 0.7]
-    curves = np.array(on_eight_streets(drives, solved, "gain_curve", gains))
+    curves = np.array(run_on_eight_streets(drives, lesson_names, "gain_curve", gains))
     for place, (switches, spread, error) in enumerate(
         [(38, 14, 0.06), (18, 8, 0.08), (16, 7, 0.15)]
     ):
@@ -406,16 +425,16 @@ def test_statements_about_gains_on_eight_streets_are_true(solved, drives):
         assert round(curves[:, 0, place].std(ddof=1)) == spread
         assert curves[:, 1, place].mean() == pytest.approx(error, abs=0.0051)
         assert 0.005 < curves[:, 1, place].std(ddof=1) < 0.025
-    wobbles = on_eight_streets(drives, solved, "wobble_of", 1.0)
-    assert all(0.44 < solved["gain_for"](wobble, 2.0) < 0.56 for wobble in wobbles)
+    wobbles = run_on_eight_streets(drives, lesson_names, "wobble_of", 1.0)
+    assert all(0.44 < lesson_names["gain_for"](wobble, 2.0) < 0.56 for wobble in wobbles)
 
 
-def test_statements_about_wobble_and_gain_are_true(solved, things):
-    assert 0.05 < solved["wobble_of"](1.0) < 0.1
-    bends, (track_ids, _) = [], solved["follow"](solved["detected"], 1.0)
+def test_statements_about_wobble_and_gain_are_true(lesson_names, things):
+    assert 0.05 < lesson_names["wobble_of"](1.0) < 0.1
+    bends, (track_ids, _) = [], lesson_names["follow"](lesson_names["detected"], 1.0)
     for number in range(2, len(track_ids)):
         first, second, third = (
-            dict(zip(track_ids[frame], solved["detected"][frame].mean(axis=1), strict=True))
+            dict(zip(track_ids[frame], lesson_names["detected"][frame].mean(axis=1), strict=True))
             for frame in (number - 2, number - 1, number)
         )
         bends += [
@@ -424,30 +443,34 @@ def test_statements_about_wobble_and_gain_are_true(solved, things):
         ]
     assert 0.01 < np.median(bends) / np.sqrt(6) < 0.03  # "half of the boxes"
     assert max(bends) > 1  # "now and then one grows by a metre"
-    switches, error = solved["gain_curve"]([0.1, 0.5, 0.9])
+    switches, error = lesson_names["gain_curve"]([0.1, 0.5, 0.9])
     assert switches[0] > 2 * switches[1]
     assert error[1] <= 0.1 and error[2] == pytest.approx(0.3, abs=0.05)
 
 
-def test_most_boxes_move_half_a_metre_per_frame(solved):
+def test_most_boxes_move_half_a_metre_per_frame(lesson_names):
     """The ego car moves, so even parked objects move relative to it."""
     way = [
         np.linalg.norm(after.mean(axis=1)[:, None] - before.mean(axis=1)[None], axis=2).min(axis=1)
-        for before, after in zip(solved["detected"], solved["detected"][1:], strict=False)
+        for before, after in zip(
+            lesson_names["detected"], lesson_names["detected"][1:], strict=False
+        )
     ]
     assert 0.4 < np.median(np.concatenate(way)) < 0.7
-    assert np.mean([len(boxes) for boxes in solved["detected"]]) == pytest.approx(30, abs=2)
+    assert np.mean([len(boxes) for boxes in lesson_names["detected"]]) == pytest.approx(30, abs=2)
 
 
-def test_oncoming_cars_come_twice_as_far_as_parked_ones(solved):
-    speeds = {box.velocity[0] for box in solved["city"][0].boxes if box.kind in ("car", "truck")}
+def test_oncoming_cars_come_twice_as_far_as_parked_ones(lesson_names):
+    speeds = {
+        box.velocity[0] for box in lesson_names["city"][0].boxes if box.kind in ("car", "truck")
+    }
     assert (5.0 - min(speeds)) / 5.0 == pytest.approx(2, abs=0.1)
 
 
-def test_the_ringed_box_holds_two_objects_that_had_boxes_before(solved):
+def test_the_ringed_box_holds_two_objects_that_had_boxes_before(lesson_names):
     boxes_of = {}
     for number in (26, 29):
-        frame, boxes = solved["city"][number], solved["detected"][number]
+        frame, boxes = lesson_names["city"][number], lesson_names["detected"][number]
         holding = {}
         for identity in {box.identity for box in frame.boxes if box.kind in ("car", "truck")}:
             points = frame.cloud[frame.scan.objects == identity, :2]
@@ -455,36 +478,36 @@ def test_the_ringed_box_holds_two_objects_that_had_boxes_before(solved):
                 inside = [Path(box[:4, :2]).contains_points(points).mean() for box in boxes]
                 holding[identity] = int(np.argmax(inside)) if max(inside) > 0.5 else -1
         boxes_of[number] = holding
-    last = solved["detected"][29].mean(axis=1)[:, :2]
+    last = lesson_names["detected"][29].mean(axis=1)[:, :2]
     ringed = int(np.argmin(np.hypot(*(last - (-2.8, 4.1)).T)))
     held = [identity for identity, box in boxes_of[29].items() if box == ringed]
-    kinds = {box.identity: box.kind for box in solved["city"][29].boxes}
+    kinds = {box.identity: box.kind for box in lesson_names["city"][29].boxes}
     assert sorted(kinds[identity] for identity in held) == ["car", "truck"]
     assert len({boxes_of[26][identity] for identity in held} - {-1}) == 2
 
 
-def test_at_no_distance_are_both_mistakes_zero(solved, things):
-    for use in ((), ("predict",), ("predict", "correct"), solved["ALL"]):
-        made = [solved["mistakes_of"](limit, use) for limit in (0.2, 0.5, 1.0, 2.0, 10.0)]
+def test_at_no_distance_are_both_mistakes_zero(lesson_names, things):
+    for use in ((), ("predict",), ("predict", "correct"), lesson_names["ALL"]):
+        made = [lesson_names["mistakes_of"](limit, use) for limit in (0.2, 0.5, 1.0, 2.0, 10.0)]
         assert all(mistakes.switches + mistakes.shared > 10 for mistakes in made)
 
 
 @pytest.mark.proof
-def test_a_minimum_of_100_points_makes_the_car_hit_the_cyclist(solved):
+def test_a_minimum_of_100_points_makes_the_car_hit_the_cyclist(lesson_names):
     """Drive as the cell of the lesson does; the detector's computing time does not count."""
     collisions = []
     for least in (10, 100):
-        detect = functools.partial(solved["detect_obstacles"], min_num_points=least)
+        detect = functools.partial(lesson_names["detect_obstacles"], min_num_points=least)
         trip = drive_street(3, detect, seconds=10, clock=on_time)
         collisions.append(str(trip.report.collision or ""))
     assert not collisions[0] and "cyclist" in collisions[1] and "never had a box" in collisions[1]
 
 
-def test_match_boxes_solves_the_tiny_case(solved):
+def test_match_boxes_solves_the_tiny_case(lesson_names):
     box = np.zeros((8, 3))
     before = box + np.array([[0.0, 0, 0], [10, 0, 0]])[:, None]
     after = box + np.array([[0.8, 0, 0], [0.3, 0, 0], [9.6, 0, 0]])[:, None]
-    assert solved["match_boxes"](before, after, 1.0).tolist() == [-1, 0, 1]
+    assert lesson_names["match_boxes"](before, after, 1.0).tolist() == [-1, 0, 1]
 
 
 def test_three_rules_for_matching_are_right_and_differ():
@@ -508,19 +531,19 @@ def test_three_rules_for_matching_are_right_and_differ():
     assert answers["optimal assignment"] == [0, 1]
 
 
-def test_the_highway_needs_other_settings(solved):
+def test_the_highway_needs_other_settings(lesson_names):
     frame = scenes.highway(frames=1)[0]
-    true = solved["corners_of"](frame.boxes)
+    true = lesson_names["corners_of"](frame.boxes)
     settings = {"threshold": 2.0, "min_num_points": 3, "ground_level": -2.1}
     assert sorted(box.returns for box in frame.boxes) == [6, 12, 35]
     for more, count, hits in (({}, 1, 0), (settings, 3, 1)):
-        boxes = solved["detect_obstacles"](frame.cloud, **more)
+        boxes = lesson_names["detect_obstacles"](frame.cloud, **more)
         assert len(boxes) == count
         assert scoring.score_boxes(boxes, true, 0.5).true_positives == hits
         assert scoring.score_boxes(boxes, true, 0.05).true_positives == 1
 
 
-def test_the_model_answer_has_the_stated_scores_on_the_second_data_set(solved):
+def test_the_model_answer_has_the_stated_scores_on_the_second_data_set(lesson_names):
     around, wide = ((-15, 35), (-20, 20)), {"minimum": (-15, -18.5, -3), "maximum": (35, 18.5, 1)}
     for settings, expected in (
         ({}, (1.00, 0.50, 0.67)),
@@ -529,18 +552,18 @@ def test_the_model_answer_has_the_stated_scores_on_the_second_data_set(solved):
         (wide | {"min_num_points": 40, "threshold": 0.8}, (1.00, 1.00, 1.00)),
         (wide | {"min_num_points": 40, "threshold": 1.0}, (1.00, 1.00, 1.00)),
     ):
-        card = solved["card_of"]("cyclist", around, **settings)
+        card = lesson_names["card_of"]("cyclist", around, **settings)
         said = [card[row].values[0] for row in ("precision", "recall", "F1")]
         assert np.allclose(said, expected, atol=0.006) and card["recall"].count == 16
         if settings == wide | {"min_num_points": 40}:
             assert card["recall"].values[2] == 9 / 16  # "seven of the sixteen are missed"
 
 
-def test_the_cyclist_keeps_one_track_id(solved):
+def test_the_cyclist_keeps_one_track_id(lesson_names):
     settings = {"minimum": (-15, -18.5, -3), "maximum": (35, 18.5, 1), "min_num_points": 40}
-    frames = list(solved["cyclist"])
-    boxes = [solved["detect_obstacles"](frame.cloud, **settings) for frame in frames]
-    names, _ = solved["follow"](boxes, 1.2, speed=4.5)
+    frames = list(lesson_names["cyclist"])
+    boxes = [lesson_names["detect_obstacles"](frame.cloud, **settings) for frame in frames]
+    names, _ = lesson_names["follow"](boxes, 1.2, speed=4.5)
     rider = next(box.identity for box in frames[0].boxes if box.kind == "cyclist")
     found = [
         set(mine[holders(of_frame, frame.cloud, frame.scan.objects) == rider].tolist())
@@ -597,7 +620,7 @@ def test_the_lesson_takes_two_sittings_of_the_stated_minutes():
 
 
 def test_the_bar_to_beat_is_the_result_of_the_stored_drives():
-    results = standards(range(1, 21))
+    results = reference_results(range(1, 21))
     course, squares = (results[name] for name in DRIVERS[1:])
     assert f"with squares of a metre the car drives {squares.metres:.0f} m in all" in TEXT
     assert f"it drives {course.metres:,.0f} m without a collision, and brakes once" in TEXT

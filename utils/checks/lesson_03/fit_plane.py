@@ -10,7 +10,7 @@ import numpy as np
 from utils.checks import common_checks
 from utils.checks.assertions import CheckFailed, assert_untouched, frozen, point_text, precondition
 from utils.checks.common_checks import Case
-from utils.checks.core import visible
+from utils.checks.core import visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.lesson_03.planes import (
     TRIANGLES,
@@ -22,32 +22,40 @@ from utils.checks.lesson_03.planes import (
     same_plane,
     scattered_plane,
 )
-from utils.geometry import best_plane, gaps_from, plane_at, spread_of, with_unit_normal
-from utils.remote_objects import Remote
+from utils.geometry import (
+    best_plane,
+    distances_from_plane,
+    plane_through_point,
+    principal_components,
+    with_unit_normal,
+)
+from utils.remote_objects import RemoteObject
 
 # The uneven floor of the notebook, 4 m by 2 m, with corners 10 cm too high or too low.
 _FLOOR = frozen(np.array([[0.0, 0.0, -1.6], [4.0, 0.0, -1.8], [0.0, 2.0, -1.8], [4.0, 2.0, -1.6]]))
 
 
-def assert_direction(answer: object, points: np.ndarray, given: str | None = None) -> None:
+def assert_direction(answer: object, points: np.ndarray, input_text: str | None = None) -> None:
     """Assert that no other normal fits better; ignore the length of the normal and d.
 
     Parameters
     ----------
     answer : object
     points : numpy.ndarray, shape (n, 3) or (n, 4)
-    given : str, optional
+    input_text : str, optional
         The input of the function, for the message.
     """
     plane = as_plane(answer)
     best, least = best_plane(points)
     centre = np.asarray(points, dtype=float)[:, :3].mean(axis=0)
-    yours = math.sqrt(np.mean(gaps_from(points, plane_at(centre, plane[:3])) ** 2))
+    yours = math.sqrt(
+        np.mean(distances_from_plane(points, plane_through_point(centre, plane[:3])) ** 2)
+    )
     if yours > 1.001 * least + 1e-3:
         raise CheckFailed(
             "Another plane through the mean of these points is closer to them than the one with "
             "your (a, b, c).",
-            given=given,
+            input_text=input_text,
             yours=f"{plane_text(plane)}, root mean square distance {yours:.4f} m",
             expected=f"{expected_text(plane, best)}, root mean square distance {least:.4f} m",
             draw=lambda: draw_edge_on(np.asarray(points), plane, None, None, best),
@@ -64,7 +72,7 @@ def assert_through_the_mean(answer: object, points: np.ndarray) -> None:
     """
     plane = as_plane(answer)
     centre = np.asarray(points, dtype=float)[:, :3].mean(axis=0)
-    gap = gaps_from(centre[None], plane)[0]
+    gap = distances_from_plane(centre[None], plane)[0]
     if gap > 5e-3:
         best = best_plane(points)[0]
         raise CheckFailed(
@@ -83,7 +91,7 @@ def require_direction(fit_plane: Callable) -> None:
         assert_direction(fit_plane(points.copy()), points)
 
 
-@visible(
+@visible_check(
     "fit_plane",
     weight=3,
     title="Finds the direction of least spread, with and without noise",
@@ -93,14 +101,14 @@ def require_direction(fit_plane: Callable) -> None:
     "of its third result.",
 )
 def fits_a_road(fit_plane: Callable) -> None:
-    given = f"four points: {', '.join(map(point_text, _FLOOR))}"
-    assert_direction(fit_plane(_FLOOR.copy()), _FLOOR, given)
+    input_text = f"four points: {', '.join(map(point_text, _FLOOR))}"
+    assert_direction(fit_plane(_FLOOR.copy()), _FLOOR, input_text)
     for seed, noise in ((1, 0.0), (2, 0.05)):
         points, _ = scattered_plane(seed, 80, 0, noise=noise)
         assert_direction(fit_plane(points.copy()), points)
 
 
-@visible(
+@visible_check(
     "fit_plane",
     weight=16,
     title="Returns a plane through the mean of the points",
@@ -116,7 +124,7 @@ def goes_through_the_mean(fit_plane: Callable) -> None:
         assert_through_the_mean(fit_plane(cloud.copy()), cloud)
 
 
-@visible(
+@visible_check(
     "fit_plane",
     weight=1,
     title="The normal has length 1",
@@ -130,7 +138,7 @@ def fit_has_a_unit_normal(fit_plane: Callable) -> None:
     assert_unit_normal(fit_plane(points.copy()))
 
 
-@visible(
+@visible_check(
     "fit_plane",
     weight=4,
     title="Fits a wall as well as a road",
@@ -144,7 +152,7 @@ def fits_a_wall(fit_plane: Callable) -> None:
         assert_direction(fit_plane(points.copy()), points)
 
 
-@visible(
+@visible_check(
     "fit_plane",
     weight=1,
     title="Works far from the sensor",
@@ -159,7 +167,7 @@ def fits_far_away(fit_plane: Callable) -> None:
     assert_direction(fit_plane(points.copy()), points)
 
 
-@visible(
+@visible_check(
     "fit_plane",
     weight=4,
     title="Ignores the fourth column, whether it varies much or little",
@@ -174,7 +182,7 @@ def ignores_intensity(fit_plane: Callable) -> None:
         assert_direction(fit_plane(cloud.copy()), cloud)
 
 
-@visible(
+@visible_check(
     "fit_plane",
     weight=1,
     title="Works on three points",
@@ -189,7 +197,7 @@ def fits_three_points(fit_plane: Callable) -> None:
         assert_direction(fit_plane(triangle.copy()), triangle)
 
 
-@visible(
+@visible_check(
     "fit_plane",
     weight=2,
     title="Works on thousands of points without a table of all their pairs",
@@ -201,7 +209,7 @@ def fits_three_points(fit_plane: Callable) -> None:
 def fits_many_points(fit_plane: Callable) -> None:
     require_direction(fit_plane)
     # The judge limits memory. A notebook only measures it, so it uses a smaller cloud.
-    n = 25_000 if isinstance(fit_plane, Remote) else 3_000
+    n = 25_000 if isinstance(fit_plane, RemoteObject) else 3_000
     points, _ = scattered_plane(6, n, 0, noise=0.05)
     try:
         with _peak_memory() as used:
@@ -234,7 +242,7 @@ def _peak_memory() -> Iterator[Callable[[], int]]:
             tracemalloc.stop()
 
 
-@visible(
+@visible_check(
     "fit_plane",
     weight=1,
     title="Leaves its input untouched",
@@ -263,7 +271,7 @@ common_checks.promise_names(
 
 
 def _through_the_mean(points: np.ndarray, normal: np.ndarray) -> np.ndarray:
-    return plane_at(points[:, :3].mean(axis=0), normal)
+    return plane_through_point(points[:, :3].mean(axis=0), normal)
 
 
 def _column_of_the_svd(points: np.ndarray) -> np.ndarray:
@@ -287,13 +295,13 @@ declare_mistakes(
     ),
     Mistake(
         "The normal is the direction of largest spread; it must be the direction of least spread.",
-        lambda right, points: _through_the_mean(points, spread_of(points)[2][:, 2]),
+        lambda right, points: _through_the_mean(points, principal_components(points)[2][:, 2]),
         "The directions are sorted from largest to least spread: take the last row.",
     ),
     Mistake(
         "The normal is the direction of second largest spread; it must be the direction of "
         "least spread.",
-        lambda right, points: _through_the_mean(points, spread_of(points)[2][:, 1]),
+        lambda right, points: _through_the_mean(points, principal_components(points)[2][:, 1]),
         "The directions are sorted from largest to least spread: take the last row.",
     ),
     Mistake(

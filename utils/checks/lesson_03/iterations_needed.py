@@ -9,7 +9,7 @@ import numpy as np
 from utils.checks import common_checks
 from utils.checks.assertions import CheckFailed, WrongForm, as_array, brief_text, precondition
 from utils.checks.common_checks import Case
-from utils.checks.core import visible
+from utils.checks.core import visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
 
 
@@ -44,7 +44,7 @@ def assert_nearly_right(answer: object, expected: int, *case: object) -> None:
     if not abs(float(number) - expected) <= 1:
         raise CheckFailed(
             "This is not the number of samples that you need.",
-            given=_call_text(case),
+            input_text=_call_text(case),
             yours=f"{number:g}",
             expected=str(expected),
         )
@@ -61,7 +61,7 @@ def assert_iterations(answer: object, expected: int, *case: object) -> None:
         The arguments of the call, for the message.
     """
     number = assert_number(answer)
-    sides = {"given": _call_text(case), "yours": f"{number:g}", "expected": str(expected)}
+    sides = {"input_text": _call_text(case), "yours": f"{number:g}", "expected": str(expected)}
     if number != np.round(number):
         raise CheckFailed("A number of rounds must be whole: round up.", **sides)
     if number != expected:
@@ -81,7 +81,7 @@ def assert_infinite(answer: object) -> None:
         return
     raise CheckFailed(
         "Without inliers, no number of samples is enough.",
-        given=_call_text((0.0, 3, 0.99)),
+        input_text=_call_text((0.0, 3, 0.99)),
         yours=brief_text(answer),
         expected="math.inf",
     )
@@ -109,7 +109,7 @@ def require_decreasing_numbers(iterations_needed: Callable) -> None:
             raise CheckFailed("The number does not decrease as the share of inliers increases.")
 
 
-@visible(
+@visible_check(
     "iterations_needed",
     weight=3,
     title="Finds the number of samples for a plane, to within one",
@@ -122,7 +122,7 @@ def computes_the_number(iterations_needed: Callable) -> None:
         assert_nearly_right(answer, expected, ratio, 3, 0.99)
 
 
-@visible(
+@visible_check(
     "iterations_needed",
     weight=2,
     title="Returns the smallest whole number that reaches the confidence",
@@ -135,7 +135,7 @@ def rounds_up(iterations_needed: Callable) -> None:
         assert_iterations(iterations_needed(ratio, 3, 0.99), expected, ratio, 3, 0.99)
 
 
-@visible(
+@visible_check(
     "iterations_needed",
     weight=2,
     title="Works for any sample_size",
@@ -149,7 +149,7 @@ def uses_the_sample_size(iterations_needed: Callable) -> None:
         assert_nearly_right(iterations_needed(0.5, size, 0.99), expected, 0.5, size, 0.99)
 
 
-@visible(
+@visible_check(
     "iterations_needed",
     weight=1,
     title="Works for any confidence",
@@ -165,7 +165,7 @@ def uses_the_confidence(iterations_needed: Callable) -> None:
     assert_nearly_right(iterations_needed(0.7, 4, 0.6), 4, 0.7, 4, 0.6)
 
 
-@visible(
+@visible_check(
     "iterations_needed",
     weight=2,
     title="Returns 1 if all points are inliers",
@@ -179,13 +179,13 @@ def returns_one_without_outliers(iterations_needed: Callable) -> None:
         if assert_number(answer) != 1:
             raise CheckFailed(
                 "Every sample is good here, so you need exactly one.",
-                given=_call_text((ratio, size, confidence)),
+                input_text=_call_text((ratio, size, confidence)),
                 yours=brief_text(answer),
                 expected="1",
             )
 
 
-@visible(
+@visible_check(
     "iterations_needed",
     weight=2,
     title="Returns infinity if there are no inliers",

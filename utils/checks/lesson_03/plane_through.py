@@ -15,7 +15,7 @@ from utils.checks.assertions import (
     precondition,
 )
 from utils.checks.common_checks import Case
-from utils.checks.core import visible
+from utils.checks.core import visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.failures import fixed
 from utils.checks.lesson_03.planes import (
@@ -28,7 +28,7 @@ from utils.checks.lesson_03.planes import (
     same_plane,
     triangle_text,
 )
-from utils.geometry import best_plane, gaps_from, plane_at
+from utils.geometry import best_plane, distances_from_plane, plane_through_point
 
 _TINY = frozen(np.array([[3.0, 1.0, -1.7], [3.1, 1.0, -1.7], [3.0, 1.08, -1.68]]))
 _LINES = frozen(
@@ -63,7 +63,7 @@ def as_plane_of_triangle(answer: object, triangle: np.ndarray) -> np.ndarray:
     if answer is None:
         raise CheckFailed(
             "The function returned None for three points that define a plane.",
-            given=triangle_text(triangle),
+            input_text=triangle_text(triangle),
             yours="None",
             expected="four numbers (a, b, c, d)",
             hint="Return None only for points on one line. Does every other path through the "
@@ -88,7 +88,7 @@ def assert_perpendicular(answer: object, triangle: np.ndarray) -> None:
     if angle > 0.1:
         raise CheckFailed(
             f"(a, b, c) is not perpendicular to the triangle: it is off by {angle:.1f} degrees.",
-            given=triangle_text(triangle),
+            input_text=triangle_text(triangle),
             yours=plane_text(plane),
             expected=expected_text(plane, best_plane(triangle)[0]),
         )
@@ -103,12 +103,12 @@ def assert_contains_points(answer: object, triangle: np.ndarray) -> None:
     triangle : numpy.ndarray, shape (3, 3)
     """
     plane = as_plane_of_triangle(answer, triangle)
-    worst = triangle[np.argmax(gaps_from(triangle, plane))]
-    if gaps_from(worst[None], plane)[0] > 2e-3:
+    worst = triangle[np.argmax(distances_from_plane(triangle, plane))]
+    if distances_from_plane(worst[None], plane)[0] > 2e-3:
         raise CheckFailed(
             f"The points do not lie on the plane: at {point_text(worst)}, for example, "
             f"a x + b y + c z + d is {worst @ plane[:3] + plane[3]:.3g}, {fixed('not 0')}.",
-            given=triangle_text(triangle),
+            input_text=triangle_text(triangle),
             yours=plane_text(plane),
             expected=expected_text(plane, best_plane(triangle)[0]),
         )
@@ -127,7 +127,7 @@ def assert_no_plane(answer: object, line: np.ndarray, nearly: str = "") -> None:
     if answer is not None:
         raise CheckFailed(
             f"These three points lie on one line{nearly}: infinitely many planes contain them.",
-            given=triangle_text(line),
+            input_text=triangle_text(line),
             yours=brief_text(as_array(answer, description="None, or four numbers")),
             expected="None",
         )
@@ -147,7 +147,7 @@ def require_planes(plane_through: Callable) -> None:
             as_plane_of_triangle(plane_through(*triangle.copy()), triangle)
 
 
-@visible(
+@visible_check(
     "plane_through",
     weight=3,
     title="(a, b, c) is perpendicular to the triangle",
@@ -160,7 +160,7 @@ def normal_is_perpendicular(plane_through: Callable) -> None:
         assert_perpendicular(plane_through(*triangle.copy()), triangle)
 
 
-@visible(
+@visible_check(
     "plane_through",
     weight=18,
     title="The three points lie on the plane",
@@ -174,7 +174,7 @@ def contains_its_points(plane_through: Callable) -> None:
             assert_contains_points(plane_through(*points.copy()), points)
 
 
-@visible(
+@visible_check(
     "plane_through",
     weight=5,
     title="The normal has length 1",
@@ -187,7 +187,7 @@ def has_a_unit_normal(plane_through: Callable) -> None:
         assert_unit_normal(as_plane_of_triangle(plane_through(*triangle.copy()), triangle))
 
 
-@visible(
+@visible_check(
     "plane_through",
     weight=4,
     title="Returns None for points on one line",
@@ -201,7 +201,7 @@ def returns_none_for_a_line(plane_through: Callable) -> None:
         assert_no_plane(plane_through(*line.copy()), line)
 
 
-@visible(
+@visible_check(
     "plane_through",
     weight=2,
     title="Returns None for points on a line in spite of rounding errors",
@@ -220,7 +220,7 @@ def allows_for_rounding_errors(plane_through: Callable) -> None:
     assert_no_plane(plane_through(*line.copy()), line, nearly)
 
 
-@visible(
+@visible_check(
     "plane_through",
     weight=2,
     title="Finds the plane of a small triangle",
@@ -235,7 +235,7 @@ def finds_small_triangles(plane_through: Callable) -> None:
             fixed(
                 "These points are 8 and 10 cm apart and not on one line, so they define a plane."
             ),
-            given=triangle_text(_TINY),
+            input_text=triangle_text(_TINY),
             yours="None",
             expected=plane_text(best_plane(_TINY)[0]),
         )
@@ -298,7 +298,7 @@ declare_mistakes(
     *(
         Mistake(
             f"The cross product is computed from the points {names} themselves, not from sides.",
-            lambda right, *points, pair=pair: plane_at(
+            lambda right, *points, pair=pair: plane_through_point(
                 points[0], best_plane(np.array([0 * points[0], *(points[k] for k in pair)]))[0][:3]
             ),
             "Use the sides of the triangle, q - p and r - p. They lie in the plane; the points as "
@@ -308,7 +308,9 @@ declare_mistakes(
     ),
     Mistake(
         "p is subtracted from q, but not from r.",
-        lambda right, p, q, r: plane_at(p, best_plane(np.array([0 * p, q - p, r]))[0][:3]),
+        lambda right, p, q, r: plane_through_point(
+            p, best_plane(np.array([0 * p, q - p, r]))[0][:3]
+        ),
         "Both sides start at p: q - p and r - p.",
     ),
     Mistake(

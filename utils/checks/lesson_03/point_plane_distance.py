@@ -18,9 +18,9 @@ from utils.checks.assertions import (
     precondition,
 )
 from utils.checks.common_checks import Case
-from utils.checks.core import visible
+from utils.checks.core import visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 
 # A unit normal, and points in front of the plane with this normal through the sensor.
 _NORMAL = (0.6, 0.0, 0.8)
@@ -84,7 +84,7 @@ def assert_distances(answer: object, points: np.ndarray, plane: ArrayLike) -> No
         count = f"{len(wrong)} of {len(expected)} distances {'is' if len(wrong) == 1 else 'are'}"
         raise CheckFailed(
             f"{count if len(expected) > 1 else 'The distance is'} wrong.",
-            given=f"point {point_text(points[first])}, "
+            input_text=f"point {point_text(points[first])}, "
             f"plane {brief_text(np.asarray(plane, float))}",
             yours=f"{yours[first]:.4g} m",
             expected=f"{expected[first]:.4g} m",
@@ -114,13 +114,13 @@ def assert_ignores_intensity(
     if not np.abs(yours - plain).max() <= 1e-3:
         raise CheckFailed(
             "With the intensity in a fourth column, the distances differ from those without it.",
-            given=f"a plane with d = {plane[3]:.3g}",
+            input_text=f"a plane with d = {plane[3]:.3g}",
             yours=brief_text(yours),
             expected=brief_text(plain),
         )
 
 
-@once
+@once_per_run
 def require_plain_distances(point_plane_distance: Callable) -> None:
     """Raise `NotYet` if distances are wrong in front of planes through the sensor."""
     with precondition("the distances from a plane through the sensor are right"):
@@ -138,7 +138,7 @@ def _assert_plain(point_plane_distance: Callable) -> None:
         assert_distances(answer, points, plane)
 
 
-@visible(
+@visible_check(
     "point_plane_distance",
     weight=4,
     title="Measures distances from planes through the sensor",
@@ -150,7 +150,7 @@ def measures_distances(point_plane_distance: Callable) -> None:
     _assert_plain(point_plane_distance)
 
 
-@visible(
+@visible_check(
     "point_plane_distance",
     weight=2,
     title="Works for planes that do not pass through the sensor",
@@ -165,7 +165,7 @@ def adds_d(point_plane_distance: Callable) -> None:
         assert_distances(answer, _IN_FRONT, plane)
 
 
-@visible(
+@visible_check(
     "point_plane_distance",
     weight=2,
     title="Returns no negative distances on either side of the plane",
@@ -183,7 +183,7 @@ def returns_no_negative_distances(point_plane_distance: Callable) -> None:
     assert_distances(point_plane_distance(points.copy(), -plane), points, -plane)
 
 
-@visible(
+@visible_check(
     "point_plane_distance",
     weight=18,
     title="Takes the absolute value of the whole sum, including d",
@@ -200,7 +200,7 @@ def takes_abs_last(point_plane_distance: Callable) -> None:
         assert_distances(point_plane_distance(points.copy(), plane.copy()), points, plane)
 
 
-@visible(
+@visible_check(
     "point_plane_distance",
     weight=5,
     title="Ignores the fourth column",
@@ -214,7 +214,7 @@ def ignores_intensity(point_plane_distance: Callable) -> None:
     assert_ignores_intensity(point_plane_distance, _IN_FRONT * [1, 1, 1, 255], plane)
 
 
-@visible(
+@visible_check(
     "point_plane_distance",
     weight=2,
     title="Accepts the plane as a tuple",
@@ -227,7 +227,7 @@ def accepts_a_tuple(point_plane_distance: Callable) -> None:
     assert_distances(point_plane_distance(xyz.copy(), (*_NORMAL, 0.0)), xyz, (*_NORMAL, 0.0))
 
 
-@visible(
+@visible_check(
     "point_plane_distance",
     weight=1,
     title="Works on a single point and on no points",
@@ -241,7 +241,7 @@ def works_on_few_points(point_plane_distance: Callable) -> None:
         assert_distances(point_plane_distance(points.copy(), plane.copy()), points, plane)
 
 
-@visible(
+@visible_check(
     "point_plane_distance",
     weight=1,
     title="Leaves points and plane untouched",
@@ -269,7 +269,7 @@ common_checks.promise_names(
 )
 
 
-@visible(
+@visible_check(
     "point_plane_distance",
     weight=1,
     title="Returns a NumPy array",

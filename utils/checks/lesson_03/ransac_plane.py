@@ -14,7 +14,7 @@ from utils.checks.assertions import (
     precondition,
 )
 from utils.checks.common_checks import Case
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.failures import NotYet, fixed
 from utils.checks.lesson_03.planes import (
     TRIANGLES,
@@ -32,8 +32,8 @@ from utils.checks.lesson_03.results import (
     assert_nearest_are_inliers,
     assert_nothing_found,
 )
-from utils.checks.run_cache import once
-from utils.geometry import gaps_from
+from utils.checks.run_cache import once_per_run
+from utils.geometry import distances_from_plane
 
 # The small example of the notebook: five points on a floor and two above it.
 _SEVEN_POINTS = frozen(
@@ -51,7 +51,7 @@ _SEVEN_POINTS = frozen(
 )
 
 
-@once
+@once_per_run
 def require_plane_among_outliers(ransac_plane: Callable) -> None:
     """Raise `NotYet` if the plane is not found among outliers."""
     with precondition("the plane is found among outliers"):
@@ -70,7 +70,7 @@ def require_plane_without_outliers(ransac_plane: Callable) -> None:
         assert_finds_plane(answer, points, 0.5, on_plane, share=0.5)
 
 
-@once
+@once_per_run
 def _assert_masks_belong_to_models(ransac_plane: Callable) -> None:
     for seed in range(4):
         points, _ = scattered_plane(10 + seed, 50, 20, noise=0.1)
@@ -104,7 +104,7 @@ def _half_equal_points(seed: int) -> tuple[np.ndarray, np.ndarray]:
     return np.random.default_rng(seed).permutation(points), on_plane
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=5,
     title="Finds the plane among outliers",
@@ -121,7 +121,7 @@ def finds_the_plane(ransac_plane: Callable) -> None:
         _SEVEN_POINTS,
         0.1,
         on_floor,
-        given="seven points, five of them on a floor at z = -1.7",
+        input_text="seven points, five of them on a floor at z = -1.7",
     )
     for seed in (1, 2, 3):
         points, on_plane = scattered_plane(seed, 60, 30, noise=0.02)
@@ -130,7 +130,7 @@ def finds_the_plane(ransac_plane: Callable) -> None:
         assert_finds_plane(ransac_plane(points.copy(), 90, 0.2, rng), points, 0.2, on_plane)
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=14,
     title="Returns a model and the mask that belongs to it",
@@ -143,7 +143,7 @@ def mask_belongs_to_model(ransac_plane: Callable) -> None:
     _assert_masks_belong_to_models(ransac_plane)
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=4,
     title="Marks the points within distance_tolerance as inliers",
@@ -161,7 +161,7 @@ def uses_the_tolerance(ransac_plane: Callable) -> None:
         assert_inliers_within_tolerance(answer, points, tolerance)
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=1,
     title="Returns a model whose normal has length 1",
@@ -176,7 +176,7 @@ def model_has_a_unit_normal(ransac_plane: Callable) -> None:
     assert_unit_normal(answer[0])
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=2,
     title="Draws as many samples as max_iterations allows",
@@ -221,7 +221,7 @@ def assert_no_round_is_missing(ransac_plane: Callable) -> None:
     )
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=1,
     title="Draws no more samples than max_iterations allows",
@@ -233,7 +233,7 @@ def draws_no_more_samples(ransac_plane: Callable) -> None:
     points, on_plane = scattered_plane(32, 20, 40)
     generators = map(np.random.default_rng, range(48))
     found = sum(
-        np.count_nonzero(on_plane & (gaps_from(points, plane) <= 0.2)) > 17
+        np.count_nonzero(on_plane & (distances_from_plane(points, plane) <= 0.2)) > 17
         for plane in _quick_planes(ransac_plane, points, 1, 0.2, generators)
         if plane is not None
     )
@@ -249,7 +249,7 @@ def draws_no_more_samples(ransac_plane: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=3,
     title="Continues after samples that do not define a plane",
@@ -264,16 +264,16 @@ def continues_after_degenerate_samples(ransac_plane: Callable) -> None:
             ramp_with_collinear_points(np.random.default_rng(seed)),
             _half_equal_points(40 + seed),
         )
-        for (points, on_plane), given in (
+        for (points, on_plane), input_text in (
             (ramp, "48 points on one plane, 40 of them on one line"),
             (half_equal, "40 points on one plane, 20 of them equal"),
         ):
             # Four samples in ten are good, so 40 rounds fail with a probability of 0.58^40 < 1e-9.
             answer = ransac_plane(points.copy(), 40, 0.2, np.random.default_rng(seed))
-            assert_finds_plane(answer, points, 0.2, on_plane, given=given)
+            assert_finds_plane(answer, points, 0.2, on_plane, input_text=input_text)
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=2,
     title="Works on three points and returns (None, all False) for fewer",
@@ -299,14 +299,14 @@ def assert_three_points_are_enough(ransac_plane: Callable, triangle: np.ndarray)
     raise CheckFailed(
         "Three points that are not on one line define a plane, but no plane is found with any "
         "seed.",
-        given="three points and max_iterations=10",
+        input_text="three points and max_iterations=10",
         yours="None",
         expected="four numbers (a, b, c, d)",
         hint="Three points are enough for a sample. Return early only if len(points) < 3.",
     )
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=1,
     title="Returns (None, all False) if all points lie on one line",
@@ -321,7 +321,7 @@ def returns_none_for_points_on_a_line(ransac_plane: Callable) -> None:
     assert_nothing_found(ransac_plane(line.copy(), 20, 0.2, np.random.default_rng(8)), 12)
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=2,
     title="Draws three different rows for each sample",
@@ -340,7 +340,7 @@ def assert_rows_differ(ransac_plane: Callable, points: np.ndarray) -> None:
     if n_without_plane:
         raise CheckFailed(
             "Any three of these points define a plane. In some runs no plane was found.",
-            given=f"{len(points)} points and max_iterations=2",
+            input_text=f"{len(points)} points and max_iterations=2",
             yours=f"None in {n_without_plane} of {len(planes)} runs",
             expected="a plane in every run",
         )
@@ -370,7 +370,7 @@ def planes_from_two_rounds(ransac_plane: Callable, points: np.ndarray) -> list[n
     return planes
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=2,
     title="Draws from all points, including the first and the last",
@@ -384,7 +384,7 @@ def draws_from_all_rows(ransac_plane: Callable) -> None:
     for plane in planes_from_two_rounds(ransac_plane, _FIVE_POINTS):
         if plane is not None:
             planes.append(plane)
-            rows = np.flatnonzero(gaps_from(_FIVE_POINTS, plane) < 2e-3)
+            rows = np.flatnonzero(distances_from_plane(_FIVE_POINTS, plane) < 2e-3)
             drawn[rows] = True
             has_distant_rows |= frozenset(rows) not in neighbours
         if drawn.all() and has_distant_rows:
@@ -394,7 +394,7 @@ def draws_from_all_rows(ransac_plane: Callable) -> None:
     if drawn.all():
         raise CheckFailed(
             "Only neighbouring rows are drawn together.",
-            given="five points and max_iterations=2",
+            input_text="five points and max_iterations=2",
             yours=f"every plane passes through three neighbouring rows in {len(planes)} runs",
             expected="planes through any three rows",
             hint="Draw three different rows, independently of each other: "
@@ -403,13 +403,13 @@ def draws_from_all_rows(ransac_plane: Callable) -> None:
     row = int(np.flatnonzero(~drawn)[0])
     raise CheckFailed(
         f"Row {row} of the five points was never drawn.",
-        given="five points and max_iterations=2",
+        input_text="five points and max_iterations=2",
         yours=f"no plane through row {row} in {len(planes)} runs",
         expected="a plane through each row in more than half of the runs",
     )
 
 
-@noted(
+@note_check(
     "ransac_plane",
     title="Counts a point at exactly distance_tolerance as an inlier",
     why="In the docstring, distance_tolerance is the largest distance of an inlier: write <=. "
@@ -443,7 +443,7 @@ def assert_threshold_is_inclusive(ransac_plane: Callable, points: np.ndarray) ->
         if not as_mask(answer, 4)[3]:
             raise CheckFailed(
                 "A point at exactly distance_tolerance from the plane is not marked.",
-                given=f"distance_tolerance=1.0, the plane {plane_text(plane)} and the point "
+                input_text=f"distance_tolerance=1.0, the plane {plane_text(plane)} and the point "
                 f"{point_text(points[3])}",
                 yours="False",
                 expected="True",
@@ -453,7 +453,7 @@ def assert_threshold_is_inclusive(ransac_plane: Callable, points: np.ndarray) ->
             return
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=3,
     title="Ignores the fourth column",
@@ -467,7 +467,7 @@ def ignores_intensity(ransac_plane: Callable) -> None:
     assert_finds_plane(ransac_plane(points.copy(), 90, 0.2, rng), points, 0.2, on_plane)
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=2,
     title="Finds a wall as well as a road",
@@ -481,7 +481,7 @@ def finds_a_wall(ransac_plane: Callable) -> None:
     assert_finds_plane(ransac_plane(points.copy(), 90, 0.2, rng), points, 0.2, on_plane)
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=1,
     title="Leaves its input untouched",
@@ -495,7 +495,7 @@ def leaves_the_cloud(ransac_plane: Callable) -> None:
     assert_untouched(ransac_plane, points, 50, 0.2, np.random.default_rng(12))
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=3,
     title="Returns the same plane for the same seed, and other planes for other seeds",
@@ -513,7 +513,7 @@ def depends_only_on_rng(ransac_plane: Callable) -> None:
         if not _planes_equal(first, again):
             raise CheckFailed(
                 "The same seed gave two different planes: not all random numbers come from rng.",
-                given="the same points, max_iterations=2 and "
+                input_text="the same points, max_iterations=2 and "
                 f"rng=np.random.default_rng({seed}), twice",
                 yours=f"{plane_text(first)} and {plane_text(again)}",
                 expected="the same plane twice",
@@ -551,7 +551,7 @@ def _planes_equal(first: np.ndarray | None, second: np.ndarray | None) -> bool:
     return np.allclose(first, second, atol=1e-6) or np.allclose(first, -second, atol=1e-6)
 
 
-@visible(
+@visible_check(
     "ransac_plane",
     weight=3,
     title="Accepts an integer seed as rng",
@@ -602,7 +602,7 @@ common_checks.promise_names(
 )
 
 
-@noted(
+@note_check(
     "ransac_plane",
     title="Returns the mask as a NumPy array",
     why="The next cells select the remaining points with ~inliers, which does not work with a "

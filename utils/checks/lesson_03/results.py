@@ -6,7 +6,7 @@ import numpy as np
 
 from utils.checks.assertions import CheckFailed, WrongForm, as_array, as_shape, brief_text
 from utils.checks.lesson_03.planes import as_plane, draw_edge_on
-from utils.geometry import best_plane, gaps_from
+from utils.geometry import best_plane, distances_from_plane
 
 
 def as_pair(answer: object) -> Sequence:
@@ -26,13 +26,13 @@ def as_pair(answer: object) -> Sequence:
     return answer
 
 
-def as_model(answer: object, given: str | None = None) -> np.ndarray:
+def as_model(answer: object, input_text: str | None = None) -> np.ndarray:
     """Return the model of an answer for points that contain a plane; ignore the mask.
 
     Parameters
     ----------
     answer : object
-    given : str, optional
+    input_text : str, optional
         The input of the function, for the message.
 
     Returns
@@ -49,7 +49,7 @@ def as_model(answer: object, given: str | None = None) -> np.ndarray:
     if model is None:
         raise CheckFailed(
             "The model is None, although the points contain a plane.",
-            given=given,
+            input_text=input_text,
             yours="None",
             expected="four numbers (a, b, c, d)",
         )
@@ -94,7 +94,7 @@ def assert_finds_plane(
     distance_tolerance: float,
     on_plane: np.ndarray,
     share: float = 0.9,
-    given: str | None = None,
+    input_text: str | None = None,
 ) -> None:
     """Assert that most points of the right plane are near the model; ignore the mask.
 
@@ -108,18 +108,18 @@ def assert_finds_plane(
         True for the points of the right plane.
     share : float
         Share of these points that must be near the model.
-    given : str, optional
+    input_text : str, optional
         The input of the function, for the message.
     """
-    plane = as_model(answer, given)
-    near = gaps_from(points, plane) <= distance_tolerance
+    plane = as_model(answer, input_text)
+    near = distances_from_plane(points, plane) <= distance_tolerance
     found, total = np.count_nonzero(near & on_plane), np.count_nonzero(on_plane)
     if found < share * total:
         subject = f"{total} of the" if total < len(points) else "all"
         raise CheckFailed(
             f"There is a plane with many more points near it: {subject} {len(points)} points "
             "lie on it.",
-            given=given,
+            input_text=input_text,
             yours=f"{np.count_nonzero(near)} points within {distance_tolerance:g} m",
             expected=f"about {total}",
             draw=lambda: draw_edge_on(
@@ -137,7 +137,7 @@ def assert_nearest_are_inliers(answer: object, points: np.ndarray) -> None:
     points : numpy.ndarray, shape (n, 3) or (n, 4)
     """
     plane, mask = as_model(answer), as_mask(answer, len(points))
-    gaps = gaps_from(points, plane)
+    gaps = distances_from_plane(points, plane)
     if not mask.any():
         raise CheckFailed(
             "The function returned a model, but its mask does not mark any points.",
@@ -169,7 +169,7 @@ def assert_inliers_within_tolerance(
         Largest distance of an inlier, in metres.
     """
     plane, mask = as_model(answer), as_mask(answer, len(points))
-    gaps = gaps_from(points, plane)
+    gaps = distances_from_plane(points, plane)
     clear = np.abs(gaps - distance_tolerance) > 1e-4
     wrong = np.flatnonzero((mask != (gaps <= distance_tolerance)) & clear)
     if len(wrong):

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from utils.checks.assertions import frozen
-from utils.geometry import TreeNode, grown
+from utils.geometry import TreeNode, grow_tree
 
 ELEVEN_POINTS = frozen(
     np.array(
@@ -31,7 +31,7 @@ BALANCED_ORDER = (7, 0, 3, 9, 1, 2, 5, 8, 10, 4, 6)
 
 def balanced_tree() -> TreeNode:
     """Return a balanced tree of the eleven points, four levels deep."""
-    return grown(ELEVEN_POINTS[list(BALANCED_ORDER)], BALANCED_ORDER)
+    return grow_tree(ELEVEN_POINTS[list(BALANCED_ORDER)], BALANCED_ORDER)
 
 
 def chain_tree(count: int) -> TreeNode:

@@ -16,7 +16,7 @@ from utils.checks.assertions import (
     observe,
     precondition,
 )
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.failures import fixed
 from utils.checks.lesson_04.cases import ELEVEN_POINTS, chain_tree, diagonal_points
@@ -27,8 +27,8 @@ from utils.checks.lesson_04.trees import (
     build_tree,
     error_names,
 )
-from utils.checks.run_cache import once
-from utils.geometry import grown, places_of
+from utils.checks.run_cache import once_per_run
+from utils.geometry import grow_tree, nodes_by_path
 
 # Comparing y at the root would put the second and third points on the wrong sides.
 _TWO_LEVELS = frozen(np.array([[5.0, 5.0], [2.0, 8.0], [8.0, 3.0]]))
@@ -47,7 +47,7 @@ def _tree_of(KdTree: Callable, points: ArrayLike, indices: Sequence[int] | None 
     return tree
 
 
-@once
+@once_per_run
 def require_root(KdTree: Callable) -> None:
     """Assert that the first point becomes the root; otherwise raise `NotYet`.
 
@@ -57,20 +57,20 @@ def require_root(KdTree: Callable) -> None:
         first_is_root(KdTree)
 
 
-@once
+@once_per_run
 def _assert_sides(KdTree: Callable) -> None:
     with precondition("at the root, a smaller x goes left and a greater x goes right"):
         assert_tree(_tree_of(KdTree, _TWO_LEVELS), _TWO_LEVELS)
 
 
-@once
+@once_per_run
 def _assert_axes_alternate(KdTree: Callable) -> None:
     _assert_sides(KdTree)
     with precondition("x is compared at the root and y one level below"):
         assert_tree(_tree_of(KdTree, _THREE_LEVELS), _THREE_LEVELS)
 
 
-@visible(
+@visible_check(
     "insert",
     weight=2,
     title="The first point becomes the root",
@@ -85,7 +85,7 @@ def first_is_root(KdTree: Callable) -> None:
     assert_tree(tree, [[3.0, 1.0]], [7])
 
 
-@visible(
+@visible_check(
     "insert",
     weight=2,
     title="At the root, a smaller x goes left and a greater x goes right",
@@ -98,7 +98,7 @@ def compares_x_first(KdTree: Callable) -> None:
     assert_tree(_tree_of(KdTree, _TWO_LEVELS), _TWO_LEVELS)
 
 
-@visible(
+@visible_check(
     "insert",
     weight=10,
     title="One level below the root, y is compared",
@@ -111,7 +111,7 @@ def axes_alternate(KdTree: Callable) -> None:
     assert_tree(_tree_of(KdTree, _THREE_LEVELS), _THREE_LEVELS)
 
 
-@visible(
+@visible_check(
     "insert",
     weight=6,
     title="Puts each of ten points in its place, down to the eighth level",
@@ -126,7 +126,7 @@ def places_ten_points(KdTree: Callable) -> None:
     assert_tree(_tree_of(KdTree, ELEVEN_POINTS[rows], rows), ELEVEN_POINTS[rows], rows)
 
 
-@visible(
+@visible_check(
     "insert",
     weight=5,
     title="Sends a point with an equal coordinate to the right",
@@ -139,7 +139,7 @@ def equal_goes_right(KdTree: Callable) -> None:
     assert_tree(_tree_of(KdTree, points), points)
 
 
-@visible(
+@visible_check(
     "insert",
     weight=4,
     title="Works on points with three coordinates: compares x, y, z and then x again",
@@ -159,7 +159,7 @@ def handles_three_coordinates(KdTree: Callable) -> None:
     assert_tree(_tree_of(KdTree, points), points)
 
 
-@visible(
+@visible_check(
     "insert",
     weight=4,
     title="Stores the index of each point in its node",
@@ -175,7 +175,7 @@ def keeps_the_index(KdTree: Callable) -> None:
     assert_indices(tree, _DIAGONAL, indices)
 
 
-@visible(
+@visible_check(
     "insert",
     weight=1,
     title="Accepts points as lists and tuples as well as arrays",
@@ -192,7 +192,7 @@ def accepts_lists_and_tuples(KdTree: Callable) -> None:
         assert_tree(tree, _DIAGONAL, may_be_mirrored=True)
 
 
-@visible(
+@visible_check(
     "insert",
     weight=1,
     title="Keeps two trees separate",
@@ -209,7 +209,7 @@ def keeps_trees_apart(KdTree: Callable) -> None:
         assert_tree(tree, _DIAGONAL[side::2], list(range(side, 7, 2)), may_be_mirrored=True)
 
 
-@visible(
+@visible_check(
     "insert",
     weight=1,
     title="Does not change the point",
@@ -225,7 +225,7 @@ def leaves_the_point(KdTree: Callable) -> None:
         assert_tree(tree, _DIAGONAL, may_be_mirrored=True)
 
 
-@noted(
+@note_check(
     "insert",
     title="Works on a tree with more than a thousand levels",
     why="The sorted wall later in this lesson gives a tree with one level per point. A function "
@@ -275,7 +275,7 @@ def _student_indices_by_path(KdTree: Callable, points: np.ndarray) -> dict[str, 
 
 def _indices_by_path(points: np.ndarray, **rule: Callable) -> dict[str, int]:
     """Return the indices of a tree built by a right or wrong rule, keyed by path."""
-    return {path: node.index for path, node in places_of(grown(points, **rule)).items()}
+    return {path: node.index for path, node in nodes_by_path(grow_tree(points, **rule)).items()}
 
 
 def _replace_children_of_root(right: dict[str, int], points: np.ndarray) -> dict[str, int]:

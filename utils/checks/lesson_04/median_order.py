@@ -15,13 +15,13 @@ from utils.checks.assertions import (
     precondition,
 )
 from utils.checks.common_checks import Case
-from utils.checks.core import visible
+from utils.checks.core import visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.failures import fixed
 from utils.checks.lesson_04.cases import ELEVEN_POINTS, distinct_points
 from utils.checks.lesson_04.trees import few_points_text
-from utils.checks.run_cache import once
-from utils.geometry import grown, in_turn, places_of
+from utils.checks.run_cache import once_per_run
+from utils.geometry import alternating_axis, grow_tree, nodes_by_path
 
 _SHORT_HINT = (
     "Put the rows before the median and the rows after it on the list of parts, and process every "
@@ -78,13 +78,13 @@ def assert_minimal_depth(answer: object, points: np.ndarray) -> None:
     points : numpy.ndarray, shape (n, 2) or (n, 3)
     """
     order = _order_of(answer, points)
-    root = grown(points[order], order.tolist())
-    depth, least = max(map(len, places_of(root)), default=-1) + 1, len(points).bit_length()
+    root = grow_tree(points[order], order.tolist())
+    depth, least = max(map(len, nodes_by_path(root)), default=-1) + 1, len(points).bit_length()
     if depth > least:
         raise CheckFailed(
             f"Inserted in this order, {len(points)} points make a tree of {depth} levels; "
             f"with medians first, {least} levels are enough.",
-            given=few_points_text(points),
+            input_text=few_points_text(points),
             yours=f"{depth} levels",
             expected=f"{least} levels",
             draw=_draw_tree(order, points),
@@ -111,7 +111,7 @@ def assert_lower_medians(answer: object, points: np.ndarray) -> None:
     raise CheckFailed(
         f"{point} is not the {'lower ' * (len(values) % 2 == 0)}median of the {len(values)} points "
         f"along {letter}.",
-        given=f"{letter} of these points, sorted: {_list_text(np.sort(values))}",
+        input_text=f"{letter} of these points, sorted: {_list_text(np.sort(values))}",
         yours=f"{letter} = {values[0]:g}",
         expected=f"{letter} = {median:g}",
         draw=_draw_tree(order, points),
@@ -121,7 +121,7 @@ def assert_lower_medians(answer: object, points: np.ndarray) -> None:
 def _wrong_parts(
     points: np.ndarray,
     order: np.ndarray,
-    axis_at: Callable[[int, int], int] = in_turn,
+    axis_at: Callable[[int, int], int] = alternating_axis,
     place: Callable[[int], int] = lambda m: (m - 1) // 2,
     growths: tuple[int, int] = (1, 1),
 ) -> Iterator[tuple]:
@@ -162,7 +162,7 @@ def _wrong_parts(
 
 # The correct sequence of axes, and wrong ones that still allow a function to halve every part.
 _AXIS_RULES = (
-    in_turn,
+    alternating_axis,
     lambda depth, k: 0,
     lambda depth, k: 1,
     lambda depth, k: (depth + 1) % k,
@@ -188,23 +188,23 @@ def _list_text(values: np.ndarray) -> str:
 
 
 def _draw_tree(order: np.ndarray, points: np.ndarray) -> Callable:
-    root = grown(points[order], order.tolist())
+    root = grow_tree(points[order], order.tolist())
     return lambda: utils.plots.kd_tree(root, title="The tree that your order makes")
 
 
-@once
+@once_per_run
 def _assert_medians(median_order: Callable) -> None:
     with precondition("every part begins with its median, along x and y in turn"):
         assert_lower_medians(median_order(_SEVEN_POINTS.copy()), _SEVEN_POINTS)
 
 
-@once
+@once_per_run
 def _assert_halves(median_order: Callable) -> None:
     with precondition("every part begins with its median"):
         assert_halves(median_order(_SEVEN_POINTS.copy()), _SEVEN_POINTS)
 
 
-@visible(
+@visible_check(
     "median_order",
     weight=2,
     title="Returns every row number exactly once",
@@ -217,7 +217,7 @@ def returns_every_row(median_order: Callable) -> None:
         as_order(median_order(points.copy()), len(points))
 
 
-@visible(
+@visible_check(
     "median_order",
     weight=3,
     title="Starts with the median along x",
@@ -236,13 +236,14 @@ def starts_with_the_median(median_order: Callable) -> None:
         if x != median:
             raise CheckFailed(
                 "The first point of the order is not the median along x.",
-                given=f"x of the {len(points)} points, sorted: {_list_text(np.sort(points[:, 0]))}",
+                input_text=f"x of the {len(points)} points, sorted: "
+                f"{_list_text(np.sort(points[:, 0]))}",
                 yours=f"x = {x:g}",
                 expected=f"x = {median:g}",
             )
 
 
-@visible(
+@visible_check(
     "median_order",
     weight=4,
     title="Puts the median first in every part, before both halves",
@@ -257,7 +258,7 @@ def halves_every_part(median_order: Callable) -> None:
         assert_halves(median_order(points.copy()), points)
 
 
-@visible(
+@visible_check(
     "median_order",
     weight=3,
     title="Takes the median along x first, then along y, then along x again",
@@ -272,7 +273,7 @@ def alternates_axes(median_order: Callable) -> None:
         assert_lower_medians(median_order(points.copy()), points)
 
 
-@visible(
+@visible_check(
     "median_order",
     weight=2,
     title="Takes the lower of two middle points",
@@ -288,7 +289,7 @@ def takes_the_lower_median(median_order: Callable) -> None:
         assert_lower_medians(median_order(points.copy()), points)
 
 
-@visible(
+@visible_check(
     "median_order",
     weight=2,
     title="Works on points with three coordinates: takes x, y, z and then x again",
@@ -301,7 +302,7 @@ def handles_three_coordinates(median_order: Callable) -> None:
     assert_lower_medians(median_order(points.copy()), points)
 
 
-@visible(
+@visible_check(
     "median_order",
     weight=3,
     title="Gives a tree with the fewest possible levels",
@@ -317,7 +318,7 @@ def gives_minimal_depth(median_order: Callable) -> None:
         assert_minimal_depth(median_order(points.copy()), points)
 
 
-@visible(
+@visible_check(
     "median_order",
     weight=1,
     title="Works on an empty cloud and on a single point",
@@ -330,7 +331,7 @@ def takes_the_smallest(median_order: Callable) -> None:
     as_order(median_order(np.array([[1.0, 2.0, 3.0]])), 1)
 
 
-@visible(
+@visible_check(
     "median_order",
     weight=1,
     title="Works on points with equal coordinates",

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from utils.checks.assertions import CheckFailed, assert_untouched, frozen, precondition
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.lesson_04.cases import (
     BALANCED_ORDER,
@@ -26,8 +26,8 @@ from utils.checks.lesson_04.search_results import (
     assert_same_tree,
 )
 from utils.checks.lesson_04.trees import build_tree
-from utils.checks.run_cache import once
-from utils.geometry import SIDES, TreeNode, grown, in_turn, places_of
+from utils.checks.run_cache import once_per_run
+from utils.geometry import SIDES, TreeNode, alternating_axis, grow_tree, nodes_by_path
 
 # Distances of the splits from the target, from 8 times the radius down to a tenth of it.
 _SIZES = frozen(np.concatenate([np.geomspace(8, 1.2, 15), np.geomspace(0.9, 0.1, 12)]))
@@ -35,13 +35,13 @@ _SIZES = frozen(np.concatenate([np.geomspace(8, 1.2, 15), np.geomspace(0.9, 0.1,
 _SCATTERED_POINTS = frozen(4 * distinct_points(np.random.default_rng(46), 11, 2))
 
 
-@once
+@once_per_run
 def _assert_at_target(KdTree: Callable) -> None:
     with precondition("the point at the target is found"):
         finds_the_target(KdTree)
 
 
-@visible(
+@visible_check(
     "search",
     weight=3,
     title="Finds the point at the target, wherever it is in the tree",
@@ -50,13 +50,13 @@ def _assert_at_target(KdTree: Callable) -> None:
     "decide for each side whether to search there.",
 )
 def finds_the_target(KdTree: Callable) -> None:
-    root = grown(_SCATTERED_POINTS)
+    root = grow_tree(_SCATTERED_POINTS)
     tree = build_tree(KdTree, root)
     for point in _SCATTERED_POINTS:
         assert_found(tree, root, point + [0.03, -0.02], 0.1)
 
 
-@visible(
+@visible_check(
     "search",
     weight=5,
     title="Searches both sides if the circle crosses the split",
@@ -67,7 +67,7 @@ def finds_the_target(KdTree: Callable) -> None:
 )
 def searches_both_sides(KdTree: Callable) -> None:
     # The root is far from the target, but its split is between two neighbours of the target.
-    root = grown([[0.0, 3.0], [-0.5, 0.0], [0.5, 0.1]])
+    root = grow_tree([[0.0, 3.0], [-0.5, 0.0], [0.5, 0.1]])
     for x in (0.1, -0.1):
         assert_found(build_tree(KdTree, root), root, np.array([x, 0.0]), 1.0)
     for target, tolerance in (([-6.0, 7.0], 3.0), ([-6.5, 7.5], 2.5)):
@@ -76,7 +76,7 @@ def searches_both_sides(KdTree: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "search",
     weight=3,
     title="Finds points in the circle only, not in the corners of the box",
@@ -90,11 +90,11 @@ def measures_a_circle(KdTree: Callable) -> None:
     points = nested_points(
         np.random.default_rng(3), np.geomspace(0.96, 0.5, 8), 2, is_off_circle, -1
     )
-    root = grown(points)
+    root = grow_tree(points)
     assert_found(build_tree(KdTree, root), root, np.zeros(2), 1.0)
 
 
-@visible(
+@visible_check(
     "search",
     weight=6,
     title="Uses the tolerance as the radius, whether small or large",
@@ -107,11 +107,11 @@ def follows_the_tolerance(KdTree: Callable) -> None:
         np.random.default_rng(4), [2.2, 1.6, 1.3, 0.9, 0.8, 0.7, 0.6, 0.3], 2, is_off_corners, -1
     )
     for tolerance in (0.3, 1.0, 3.0):
-        root = grown(points * tolerance)
+        root = grow_tree(points * tolerance)
         assert_found(build_tree(KdTree, root), root, np.zeros(2), tolerance)
 
 
-@noted(
+@note_check(
     "search",
     title="Finds a point at exactly the tolerance",
     why="A distance equal to the tolerance is still within it, so write <=. Measured points are "
@@ -119,7 +119,7 @@ def follows_the_tolerance(KdTree: Callable) -> None:
 )
 def includes_the_border(KdTree: Callable) -> None:
     points = np.array([[0.0, 2.0], [1.0, 1.0], [2.0, 2.0], [1.0, 3.0], [1.2, 2.5]])
-    root = grown(points)
+    root = grow_tree(points)
     assert_found(build_tree(KdTree, root), root, np.array([1.0, 2.0]), 1.0)
 
 
@@ -135,7 +135,7 @@ def finds_the_border(KdTree: Callable) -> bool:
     return True
 
 
-@visible(
+@visible_check(
     "search",
     weight=2,
     title="Searches the right side even if the box ends exactly at the split",
@@ -149,11 +149,11 @@ def reaches_the_split(KdTree: Callable) -> None:
     if not finds_the_border(KdTree):
         return
     points = np.array([[2.0, 9.0], [-3.0, 3.0], [2.0, 2.0], [1.0, 3.0], [1.2, 2.5]])
-    root = grown(points)
+    root = grow_tree(points)
     assert_found(build_tree(KdTree, root), root, np.array([1.0, 2.0]), 1.0)
 
 
-@visible(
+@visible_check(
     "search",
     weight=6,
     title="Works on points with three coordinates",
@@ -165,11 +165,11 @@ def searches_space(KdTree: Callable) -> None:
     points = nested_points(np.random.default_rng(5), _SIZES, 3, is_off_corners)
     # Seen from above, all three are near the target; two of them are far above or below it.
     above = np.array([[0.3, 0.2, 5.0], [0.1, 0.4, 0.2], [0.6, -0.3, -4.0]])
-    for root in (grown(points), grown(above)):
+    for root in (grow_tree(points), grow_tree(above)):
         assert_found(build_tree(KdTree, root), root, np.zeros(3), 1.0)
 
 
-@visible(
+@visible_check(
     "search",
     weight=8,
     title="Skips regions that cannot contain a neighbour",
@@ -187,7 +187,7 @@ def skips_regions(KdTree: Callable) -> None:
             assert_pruned(KdTree, balanced_tree(), np.array(target), 1.0, trap, decoy, place)
 
 
-@visible(
+@visible_check(
     "search",
     weight=1,
     title="Works on an empty tree and on a tree with a single node",
@@ -198,12 +198,12 @@ def skips_regions(KdTree: Callable) -> None:
 def handles_an_empty_tree(KdTree: Callable) -> None:
     _assert_at_target(KdTree)
     assert_found(build_tree(KdTree, None), None, np.zeros(2), 1.0)
-    root = grown([[1.0, 2.0]])
+    root = grow_tree([[1.0, 2.0]])
     assert_found(build_tree(KdTree, root), root, np.array([1.1, 2.0]), 0.5)
     assert_found(build_tree(KdTree, root), root, np.array([5.0, 5.0]), 1.0)
 
 
-@visible(
+@visible_check(
     "search",
     weight=1,
     title="Returns each index once",
@@ -217,7 +217,7 @@ def returns_each_once(KdTree: Callable) -> None:
     if repeated:
         raise CheckFailed(
             f"Index {repeated[0]} is returned {yours.count(repeated[0])} times.",
-            given="target (-6, 7), tolerance 3 m",
+            input_text="target (-6, 7), tolerance 3 m",
             yours=_indices_text(yours),
             expected="each index once",
         )
@@ -227,7 +227,7 @@ def _indices_text(indices: list[int]) -> str:
     return f"{indices}" if len(indices) <= 12 else f"{len(indices)} indices"
 
 
-@visible(
+@visible_check(
     "search",
     weight=1,
     title="Accepts targets and points that are lists, tuples or arrays",
@@ -235,14 +235,14 @@ def _indices_text(indices: list[int]) -> str:
     hint="math.dist(p, q) works for all of them; p - q needs an array: np.asarray(p) - q.",
 )
 def accepts_any_sequence(KdTree: Callable) -> None:
-    root = grown(
+    root = grow_tree(
         nested_points(np.random.default_rng(6), [3.0, 2.0, 0.8, 0.5, 0.3], 2, is_off_corners, -1)
     )
     for as_lists, target in ((True, [0.0, 0.0]), (True, np.zeros(2)), (False, (0.0, 0.0))):
         assert_found(build_tree(KdTree, root, as_lists), root, target, 1.0)
 
 
-@visible(
+@visible_check(
     "search",
     weight=1,
     title="Does not change the tree or the target",
@@ -257,7 +257,7 @@ def leaves_the_tree(KdTree: Callable) -> None:
     assert_same_tree(tree, ELEVEN_POINTS[order], order)
 
 
-@noted(
+@note_check(
     "search",
     title="Works on a tree with more than a thousand levels",
     why="The last part of this lesson searches the tree of a sorted wall. A function that calls "
@@ -296,11 +296,11 @@ def _visited_indices(
     target: np.ndarray,
     tolerance: float,
     rule: Callable[[_Split], bool],
-    axis_at: Callable[[int, int], int] = in_turn,
+    axis_at: Callable[[int, int], int] = alternating_axis,
     depth_of: Callable[[str], int] = len,
 ) -> set[int]:
     """Return the indices of the nodes that a search with this rule visits, near or not."""
-    places = places_of(grown(points))
+    places = nodes_by_path(grow_tree(points))
 
     def passes(path: str, depth: int) -> bool:
         axis = axis_at(depth_of(path[:depth]), len(target))
@@ -326,7 +326,7 @@ def _reaches_side(node: _Split) -> bool:
 
 
 def _prediction_from_rule(
-    rule: Callable, axis_at: Callable = in_turn, depth_of: Callable = len
+    rule: Callable, axis_at: Callable = alternating_axis, depth_of: Callable = len
 ) -> Callable:
     """Return a function that predicts the near points visited by a search with this rule."""
     return lambda right, points, target, tolerance: (
@@ -338,11 +338,11 @@ def _predict_stop_at_first_gap(
     right: set, points: np.ndarray, target: np.ndarray, tolerance: float
 ) -> set:
     """Predict the result of a level-by-level search that ends at the first missing child."""
-    places, found, pending = places_of(grown(points)), set(), [""]
+    places, found, pending = nodes_by_path(grow_tree(points)), set(), [""]
     for path in pending:  # the list grows inside the loop
         if path not in places:
             break
-        node, axis = places[path], in_turn(len(path), len(target))
+        node, axis = places[path], alternating_axis(len(path), len(target))
         found.add(node.index)
         pending += [
             path + letter
@@ -368,7 +368,7 @@ def _prediction_from_distance(is_near: Callable) -> Callable:
     """
 
     def predict(right: set, points: np.ndarray, target: np.ndarray, tolerance: float) -> set:
-        depths = {node.index: len(path) for path, node in places_of(grown(points)).items()}
+        depths = {node.index: len(path) for path, node in nodes_by_path(grow_tree(points)).items()}
         return {
             index
             for index in _visited_indices(points, target, tolerance, _reaches_side)
@@ -549,7 +549,7 @@ declare_mistakes(
         index for index, point in enumerate(points) if math.dist(point, target) <= tolerance
     },
     is_same=_same_indices,
-    call=lambda KdTree, points, target, tolerance: build_tree(KdTree, grown(points)).search(
+    call=lambda KdTree, points, target, tolerance: build_tree(KdTree, grow_tree(points)).search(
         target, tolerance
     ),
     class_name="KdTree",

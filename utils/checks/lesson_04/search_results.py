@@ -9,7 +9,7 @@ import numpy as np
 import utils
 from utils.checks.assertions import CheckFailed, WrongForm, as_array, brief_text
 from utils.checks.lesson_04.trees import assert_indices, assert_tree, build_tree_with, exact_text
-from utils.geometry import TreeNode, table_of
+from utils.geometry import TreeNode, tree_as_lists
 
 
 def as_indices(answer: object) -> list[int]:
@@ -40,7 +40,7 @@ def assert_found(
     target : sequence of float
     tolerance : float
     """
-    points, _, _, indices = table_of(root)
+    points, _, _, indices = tree_as_lists(root)
     points_by_index = dict(zip(indices, points, strict=True))
     expected = {
         index for index in points_by_index if math.dist(points_by_index[index], target) <= tolerance
@@ -62,7 +62,7 @@ def assert_found(
         )
     raise CheckFailed(
         f"{'. '.join(parts)}.",
-        given=f"target {exact_text(target)}, tolerance {tolerance:g} m",
+        input_text=f"target {exact_text(target)}, tolerance {tolerance:g} m",
         yours=_indices_text(yours),
         expected=_indices_text(expected),
         draw=_make_search_drawing(
@@ -92,7 +92,7 @@ def _make_search_drawing(
     """Return a function that draws a search; None for an empty tree or points in space."""
     if root is None or len(target) != 2:
         return None
-    points, _, _, indices = table_of(root)
+    points, _, _, indices = tree_as_lists(root)
     rows = {index: row for row, index in enumerate(sorted(indices))}
     box = [np.subtract(target, tolerance), np.add(target, tolerance)]
     corners = np.vstack([*points, *box])
@@ -139,7 +139,7 @@ def assert_pruned(
     place : sequence of float
         New place of the decoy, within the tolerance and beyond a split.
     """
-    _, left, right, indices = table_of(root)
+    _, left, right, indices = tree_as_lists(root)
     rows = indices.index(trap), indices.index(decoy)
     assert all(left[row] == right[row] == -1 for row in rows)
     assert math.dist(place, target) < tolerance
@@ -148,7 +148,7 @@ def assert_pruned(
     if trap in answer:
         raise CheckFailed(
             "search visited a region in which every point is farther away than the tolerance.",
-            given=f"target {exact_text(target)}, tolerance {tolerance:g} m",
+            input_text=f"target {exact_text(target)}, tolerance {tolerance:g} m",
             yours=f"visits node {trap}",
             expected="skips the whole region of this node",
             draw=_make_search_drawing(
@@ -171,7 +171,7 @@ def assert_same_tree(tree: object, points: np.ndarray, indices: list[int]) -> No
     tree : object
         Instance of the student's class.
     points, indices
-        As for `grown`.
+        As for `grow_tree`.
     """
     try:
         assert_tree(tree, points, indices)

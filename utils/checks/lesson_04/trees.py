@@ -17,10 +17,10 @@ from utils.checks.assertions import (
     get_attribute_path,
     precondition,
 )
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 from utils.checks.size_limits import MOST_OF_A_POINT
-from utils.geometry import SIDES, TreeNode, grown, places_of, table_of
-from utils.remote_objects import Remote, RemoteError, RemoteStopped
+from utils.geometry import SIDES, TreeNode, grow_tree, nodes_by_path, tree_as_lists
+from utils.remote_objects import RemoteError, RemoteObject, RemoteStopped
 
 # At most this many nodes of a wrong tree are visited, because it may contain a cycle.
 MAX_NODES = 200
@@ -54,7 +54,7 @@ def build_tree(KdTree: Callable, root: TreeNode | None, as_lists: bool = False) 
         Instance of the student's class.
     """
     tree = KdTree()
-    points, left, right, indices = table_of(root)
+    points, left, right, indices = tree_as_lists(root)
     points = points if as_lists else np.array(points)
     plant = method_of(tree, "plant")
     if plant and _uses_plant(KdTree):
@@ -87,7 +87,7 @@ def build_tree_with(KdTree: Callable, root: TreeNode, places: dict[int, Sequence
         If the class cannot build such a tree.
     """
     tree = KdTree()
-    points, left, right, indices = table_of(root)
+    points, left, right, indices = tree_as_lists(root)
     plant = method_of(tree, "plant")
     if not plant or not _uses_plant(KdTree):
         tree = build_tree(KdTree, root)
@@ -110,7 +110,7 @@ def build_tree_with(KdTree: Callable, root: TreeNode, places: dict[int, Sequence
 
 def _move_points(tree: object, root: TreeNode, places: dict[int, Sequence[float]]) -> bool:
     """Set the points of some nodes; return whether the nodes allow it."""
-    for path, node in places_of(root).items():
+    for path, node in nodes_by_path(root).items():
         if node.index in places:
             names = ["root", *(SIDES[letter] for letter in path), "__setattr__"]
             try:
@@ -136,7 +136,7 @@ def _uses_plant(KdTree: Callable) -> bool:
     return False
 
 
-@once
+@once_per_run
 def _assert_stores_more(KdTree: Callable) -> None:
     """Assert that a tree or its nodes store more than the lesson's, or have another class."""
     try:
@@ -160,7 +160,7 @@ def _root_class(tree: object) -> object:
     return get_attribute_path(tree, ["root", "__class__", "__qualname__"])
 
 
-@once
+@once_per_run
 def _assert_inserts(KdTree: Callable) -> None:
     """Assert that inserted points are in their places, so that a tree can be built by inserting."""
     for points in _SAMPLES:
@@ -176,7 +176,7 @@ def _assert_inserts(KdTree: Callable) -> None:
 
 def _student_errors(KdTree: Callable) -> type[Exception] | tuple[type[Exception], ...]:
     """Return the exceptions that a student's code may raise, here or in the sandbox."""
-    return (RemoteError, RemoteStopped) if isinstance(KdTree, Remote) else Exception
+    return (RemoteError, RemoteStopped) if isinstance(KdTree, RemoteObject) else Exception
 
 
 def method_of(tree: object, name: str) -> Callable | None:
@@ -207,20 +207,20 @@ def assert_tree(
     tree : object
         Instance of the student's class.
     points, indices
-        As for `grown`.
+        As for `grow_tree`.
     may_be_mirrored : bool
         Whether left and right may be swapped in the whole tree, for properties that do not depend
         on the sides.
     """
-    mirrored = grown(points, indices, goes_left=operator.gt)
+    mirrored = grow_tree(points, indices, goes_left=operator.gt)
     if may_be_mirrored and not _describe_first_misplaced_node(tree, mirrored)[0]:
         return
-    root = grown(points, indices)
+    root = grow_tree(points, indices)
     message, hint = _describe_first_misplaced_node(tree, root)
     if message:
         raise CheckFailed(
             message[0].upper() + message[1:],
-            given=few_points_text(points),
+            input_text=few_points_text(points),
             hint=hint,
             draw=_draw_two_trees(tree, root),
         )
@@ -228,9 +228,9 @@ def assert_tree(
 
 def _describe_first_misplaced_node(tree: object, root: TreeNode | None) -> tuple[str, str]:
     """Return a message about the first point out of place, and a hint; both may be empty."""
-    expected = places_of(root)
+    expected = nodes_by_path(root)
     yours = _nodes_by_path(tree, expected)
-    for path in sorted(expected, key=lambda path: expected[path].arrival):
+    for path in sorted(expected, key=lambda path: expected[path].input_row):
         if path not in yours or not _same_point(yours[path][0], expected[path]):
             return _describe_misplaced_node(tree, path, expected, yours)
     return _describe_extra_node(expected, yours)
@@ -244,14 +244,14 @@ def assert_indices(tree: object, points: ArrayLike, indices: Sequence[int]) -> N
     tree, points, indices
         As for `assert_tree`.
     """
-    places = places_of(grown(points, indices))
+    places = nodes_by_path(grow_tree(points, indices))
     for point, index in _nodes_by_path(tree, places).values():
         node = next((other for other in places.values() if _same_point(point, other)), None)
         if node and not _is_number(index, node.index):
             raise CheckFailed(
                 f"The node of the point {exact_text(node.point)} does not have the index that was "
                 "inserted with it.",
-                given=few_points_text(points),
+                input_text=few_points_text(points),
                 yours=f"index {brief_text(index)}",
                 expected=f"index {node.index}",
             )

@@ -44,7 +44,7 @@ from utils.checks.clusters import (
     require_simplest_clusters,
     row_of_points,
 )
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.failures import fixed
 from utils.checks.lesson_10.steps import SEVEN_POINTS, WIDE_THRESHOLD
@@ -54,7 +54,7 @@ _NAME = "euclidean_clustering_accelerated"
 _CELL_SIDE = 1 / np.sqrt(3)
 
 
-@visible(
+@visible_check(
     _NAME,
     weight=3,
     title="Puts groups that are far apart into separate clusters",
@@ -65,7 +65,7 @@ def separates_groups(euclidean_clustering_accelerated: Callable) -> None:
     assert_clusters(euclidean_clustering_accelerated(GROUPS.copy(), 1.0), LABELS, GROUPS, 1.0)
 
 
-@visible(
+@visible_check(
     _NAME,
     weight=4,
     title="Joins six of the lesson's seven points",
@@ -83,7 +83,7 @@ def joins_six_of_seven_points(euclidean_clustering_accelerated: Callable) -> Non
     )
 
 
-@visible(
+@visible_check(
     _NAME,
     weight=8,
     title="Numbers N clusters from 1 to N",
@@ -96,7 +96,7 @@ def counts_from_one(euclidean_clustering_accelerated: Callable) -> None:
     assert_labels_from_one(euclidean_clustering_accelerated(GROUPS.copy(), 1.0), len(GROUPS))
 
 
-@visible(
+@visible_check(
     _NAME,
     weight=3,
     title="Joins a chain of neighbours into one cluster, however long it is",
@@ -112,7 +112,7 @@ def joins_chains(euclidean_clustering_accelerated: Callable) -> None:
     assert_clusters(answer, np.repeat([1, 2], 40)[order], cloud[order], 1.0)
 
 
-@visible(
+@visible_check(
     _NAME,
     weight=4,
     title="Joins pairs just below the threshold in every direction, even across cell borders",
@@ -128,7 +128,7 @@ def joins_across_borders(euclidean_clustering_accelerated: Callable) -> None:
     assert_clusters(euclidean_clustering_accelerated(cloud.copy(), 1.0), labels, cloud, 1.0)
 
 
-@visible(
+@visible_check(
     _NAME,
     weight=4,
     title="Keeps pairs just above the threshold apart",
@@ -144,7 +144,7 @@ def separates_pairs_above_the_threshold(euclidean_clustering_accelerated: Callab
         assert_clusters(answer, np.arange(len(cloud)), cloud, 1.0)
 
 
-@visible(
+@visible_check(
     _NAME,
     weight=5,
     title="Keeps pairs just above the threshold apart when the cloud begins with a heap",
@@ -167,7 +167,7 @@ def separates_pairs_behind_a_heap(euclidean_clustering_accelerated: Callable) ->
     assert_clusters(answer, labels, cloud, 1.0)
 
 
-@visible(
+@visible_check(
     _NAME,
     weight=4,
     title="Uses cells of the same size around the sensor as elsewhere",
@@ -187,7 +187,7 @@ def separates_pairs_around_the_sensor(euclidean_clustering_accelerated: Callable
         assert_clusters(answer, np.array([1, 2]), pair, 1.0)
 
 
-@visible(
+@visible_check(
     _NAME,
     weight=6,
     title="Finds the only close pair of points in two crowded cells",
@@ -203,7 +203,7 @@ def finds_the_close_pair(euclidean_clustering_accelerated: Callable) -> None:
     assert_clusters(euclidean_clustering_accelerated(cloud.copy(), 0.3), labels, cloud, 0.3)
 
 
-@visible(
+@visible_check(
     _NAME,
     weight=19,
     title="Finds the right clusters at the far end of the lesson's street",
@@ -218,7 +218,7 @@ def clusters_the_street(euclidean_clustering_accelerated: Callable) -> None:
     assert_clusters(euclidean_clustering_accelerated(cloud.copy(), 0.5), labels, cloud, 0.5)
 
 
-@visible(
+@visible_check(
     _NAME,
     weight=6,
     title="Uses the parameter threshold to decide which points are close",
@@ -267,7 +267,7 @@ common_checks.promise_names(
 )
 
 
-@visible(
+@visible_check(
     _NAME,
     weight=2,
     title="Measures distances in x, y and z",
@@ -307,7 +307,7 @@ common_cluster_checks.promise_untouched(_CASE, "leaves_its_input")
 # ---- in time -----------------------------------------------------------------------------------
 
 
-@visible(
+@visible_check(
     _NAME,
     weight=4,
     title="Clusters many points on many objects quickly",
@@ -325,7 +325,7 @@ def is_quick(euclidean_clustering_accelerated: Callable) -> None:
     assert_in_time(euclidean_clustering_accelerated, cloud[order], labels, 90)
 
 
-@visible(
+@visible_check(
     _NAME,
     weight=16,
     title="Clusters a dense heap of points quickly",
@@ -340,7 +340,7 @@ def is_quick_on_a_heap(euclidean_clustering_accelerated: Callable) -> None:
     assert_in_time(euclidean_clustering_accelerated, cloud, labels, 25)
 
 
-@visible(
+@visible_check(
     _NAME,
     weight=12,
     title="Compares two neighbouring heaps quickly",
@@ -389,7 +389,7 @@ def assert_in_time(
         raise CheckFailed(
             f"The clusters are right, but computing them took {ceil(best / allowed * times)} "
             "times as long as finding the nearest neighbour of every point.",
-            given=f"{len(cloud)} points; threshold 0.5 m",
+            input_text=f"{len(cloud)} points; threshold 0.5 m",
             yours=f"{best:.2f} s of processor time",
             expected=f"less than {times:.0f} times as long, {allowed:.2f} s",
         )
@@ -437,7 +437,7 @@ def _two_heaps(n: int, gap: float) -> tuple[np.ndarray, np.ndarray]:
 # ---- notes, which cost no points ---------------------------------------------------------------
 
 
-@noted(
+@note_check(
     _NAME,
     title="Returns labels of an integer type",
     why="Later cells use labels as row numbers, which must be integers. End with .astype(int).",
@@ -446,7 +446,7 @@ def has_integer_labels(euclidean_clustering_accelerated: Callable) -> None:
     assert_integer_labels(euclidean_clustering_accelerated)
 
 
-@noted(
+@note_check(
     _NAME,
     title="Numbers the clusters without gaps",
     why="Later lessons take the largest label as the number of obstacles. When the exact step "
@@ -457,7 +457,7 @@ def leaves_no_gaps(euclidean_clustering_accelerated: Callable) -> None:
     assert_labels_from_one(euclidean_clustering_accelerated(cloud, 0.3), len(cloud))
 
 
-@noted(
+@note_check(
     _NAME,
     title="Numbers the clusters in the order of their first points",
     why="The docstring asks for this order. It lets you compare the labels with those of lesson "
@@ -475,7 +475,7 @@ def numbers_by_appearance(euclidean_clustering_accelerated: Callable) -> None:
         )
 
 
-@noted(
+@note_check(
     _NAME,
     title="Does not join two points exactly at the threshold",
     why='The docstring says "closer than", which is <. The difference hardly ever matters for '
@@ -593,7 +593,7 @@ def _prediction_from_cells(side: float, joins: Callable, rounding: Callable = np
         Rounds coordinates, measured in sides of a cell, to whole cells.
     """
 
-    def predicts(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.ndarray:
+    def predict(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.ndarray:
         def are_joined(line: np.ndarray, order: np.ndarray) -> np.ndarray:
             places = line[:, :3] / threshold
             steps = np.abs(np.diff(rounding(places / side), axis=0)).max(axis=1)
@@ -605,7 +605,7 @@ def _prediction_from_cells(side: float, joins: Callable, rounding: Callable = np
 
         return label_line(cloud, are_joined)
 
-    return predicts
+    return predict
 
 
 def _prediction_from_rows(uses_points: bool) -> Callable:
@@ -616,7 +616,7 @@ def _prediction_from_rows(uses_points: bool) -> Callable:
     still joins all points that are close.
     """
 
-    def predicts(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.ndarray:
+    def predict(right: np.ndarray, cloud: np.ndarray, threshold: float) -> np.ndarray:
         from scipy.spatial import cKDTree
 
         xyz = cloud[:, :3]
@@ -633,7 +633,7 @@ def _prediction_from_rows(uses_points: bool) -> Callable:
             _connected_labels(len(cloud), np.vstack([same, representatives[joined]]))
         )
 
-    return predicts
+    return predict
 
 
 def _is_same_answer(answer: object, predicted: np.ndarray) -> bool:

@@ -21,7 +21,7 @@ from utils.checks.assertions import (
     observe,
     precondition,
 )
-from utils.checks.core import visible
+from utils.checks.core import visible_check
 from utils.checks.failures import fixed
 
 # At this threshold a cell is 1 m wide.
@@ -59,14 +59,14 @@ def _results(answer: object, names: Sequence[str]) -> tuple:
     return tuple(answer)
 
 
-def _assert_same_pieces(answer: object, expected: np.ndarray, given: str) -> None:
+def _assert_same_pieces(answer: object, expected: np.ndarray, input_text: str) -> None:
     """Assert that the cells are joined into the expected pieces, whatever their labels."""
     yours = as_labels(answer, len(expected), noun="cells")
     shared, number_yours, number_expected = count_overlaps(yours, expected)
     if not shared == number_yours == number_expected:
         raise CheckFailed(
             "The cells are not joined into the right pieces.",
-            given=given,
+            input_text=input_text,
             yours=f"pieces {_pieces_text(yours)}",
             expected=f"pieces {_pieces_text(expected)}",
         )
@@ -80,7 +80,7 @@ def _pieces_text(label: np.ndarray) -> str:
 # ---- step 1 ------------------------------------------------------------------------------------
 
 
-def _assert_cells(answer: object, points: np.ndarray, threshold: float, given: str) -> None:
+def _assert_cells(answer: object, points: np.ndarray, threshold: float, input_text: str) -> None:
     cells, first, cell_of_point = _results(answer, ("cells", "first", "cell_of_point"))
     cells = as_array(
         cells, columns=3, description="cells with three numbers each", row_noun="cell"
@@ -93,7 +93,7 @@ def _assert_cells(answer: object, points: np.ndarray, threshold: float, given: s
     if len(cells) != n_cells or cell_rows.min() < 0 or cell_rows.max() >= len(cells):
         raise CheckFailed(
             f"The points are in {n_cells} different cells, {fixed('numbered from 0')}.",
-            given=given,
+            input_text=input_text,
             yours=f"{len(cells)} cells; cell_of_point is {brief_text(cell_rows)}",
             expected=f"{n_cells} cells",
         )
@@ -102,7 +102,7 @@ def _assert_cells(answer: object, points: np.ndarray, threshold: float, given: s
         row = wrong[0]
         raise CheckFailed(
             f"The cell of point {row}, at {brief_text(points[row])}, is wrong.",
-            given=given,
+            input_text=input_text,
             yours=f"cell {brief_text(cells[cell_rows[row]])}",
             expected=f"cell {brief_text(right[row])}",
         )
@@ -118,13 +118,13 @@ def _assert_cells(answer: object, points: np.ndarray, threshold: float, given: s
         cell = misplaced[0]
         raise CheckFailed(
             f"The representative of cell {cell} is in another cell.",
-            given=given,
+            input_text=input_text,
             yours=f"row {rows[cell]:g}",
             expected=f"one of the rows {brief_text(np.flatnonzero(cell_rows == cell))}",
         )
 
 
-@visible(
+@visible_check(
     "points_in_cells",
     title="Finds the six cells of the seven points",
     why="Points that share a cell are joined without measuring. A wrong cell joins points that "
@@ -139,7 +139,7 @@ def finds_the_cells(points_in_cells: Callable) -> None:
     )
 
 
-@visible(
+@visible_check(
     "points_in_cells",
     title="Makes cells that are threshold / √3 wide for any threshold",
     why="Two points in a larger cell may be too far apart to be neighbours. Smaller cells only "
@@ -155,13 +155,13 @@ def scales_with_the_threshold(points_in_cells: Callable) -> None:
             _GIVEN,
         )
     for threshold in (0.5, 2.5):
-        given = f"the seven points, threshold {threshold:g} m"
+        input_text = f"the seven points, threshold {threshold:g} m"
         _assert_cells(
-            points_in_cells(SEVEN_POINTS.copy(), threshold), SEVEN_POINTS, threshold, given
+            points_in_cells(SEVEN_POINTS.copy(), threshold), SEVEN_POINTS, threshold, input_text
         )
 
 
-@visible(
+@visible_check(
     "points_in_cells",
     title="Does not change the points",
     why="Step 2 uses the same points. If step 1 changes them, step 2 measures wrong distances, "
@@ -188,7 +188,7 @@ def _join_seven(join_cheaply: Callable) -> tuple:
     return _results(join_cheaply(*arguments), ("pairs", "label"))
 
 
-@visible(
+@visible_check(
     "join_cheaply",
     title="Finds all seven pairs of neighbouring cells",
     why="A pair that is missing here is never measured, so one object can become two clusters.",
@@ -203,13 +203,13 @@ def finds_the_neighbours(join_cheaply: Callable) -> None:
         raise CheckFailed(
             "pairs must contain every pair of cells that are at most two steps apart, and each "
             "pair only once.",
-            given=_GIVEN,
+            input_text=_GIVEN,
             yours=brief_text(yours.tolist()),
             expected=brief_text(_PAIRS.tolist()),
         )
 
 
-@visible(
+@visible_check(
     "join_cheaply",
     title="Joins neighbours whose representatives are close",
     why="One distance between representatives can replace thousands of distances between points.",
@@ -220,7 +220,7 @@ def joins_close_representatives(join_cheaply: Callable) -> None:
     _assert_same_pieces(_join_seven(join_cheaply)[1], _PIECES, _GIVEN)
 
 
-@visible(
+@visible_check(
     "join_cheaply",
     title="Measures distances between representatives",
     why="Cell 3 is not point 3. Code that confuses the two joins objects that are far apart.",
@@ -230,9 +230,9 @@ def joins_close_representatives(join_cheaply: Callable) -> None:
 def measures_representatives(join_cheaply: Callable) -> None:
     arguments = _HEAP.copy(), _HEAP_CELLS.copy(), _HEAP_FIRST.copy(), WIDE_THRESHOLD
     _, label = _results(join_cheaply(*arguments), ("pairs", "label"))
-    given = "six points in cell (0, 0, 0), then one in each of (2, 0, 0), (2, 2, 0), (2, 2, 2)"
+    input_text = "six points in cell (0, 0, 0), then one in each of (2, 0, 0), (2, 2, 0), (2, 2, 2)"
     _assert_same_pieces(
-        label, np.arange(4), f"{given}; neighbouring cells are about 2 m apart, threshold √3 m"
+        label, np.arange(4), f"{input_text}; neighbouring cells are about 2 m apart, threshold √3 m"
     )
 
 
@@ -254,7 +254,7 @@ def _exact_arguments(label: np.ndarray) -> tuple:
     return SEVEN_POINTS, _CELL_OF_POINT, _PAIRS, label, WIDE_THRESHOLD
 
 
-@visible(
+@visible_check(
     "join_exactly",
     title="Joins all cells of both pieces that points 3 and 4 connect",
     why="If only one cell of a piece gets the new label, the rest of a car keeps the old one.",
@@ -273,7 +273,7 @@ def joins_exactly(join_exactly: Callable) -> None:
         )
 
 
-@visible(
+@visible_check(
     "join_exactly",
     title="Does not change the labels of step 2",
     why="If you run the cell below a second time, it must start from the pieces of step 2, not "
@@ -288,7 +288,7 @@ def keeps_the_labels_unchanged(join_exactly: Callable) -> None:
     )
 
 
-@visible(
+@visible_check(
     "join_exactly",
     title="Joins neighbouring pieces in a row, and stops at the first gap",
     why="After step 2, a wall may consist of dozens of pieces, each of them close only to the "
@@ -299,8 +299,8 @@ def keeps_the_labels_unchanged(join_exactly: Callable) -> None:
 def joins_a_row_of_pieces(join_exactly: Callable) -> None:
     label = np.array([3, 0, 4, 1, 2])
     answer = join_exactly(_ROW.copy(), _ROW_CELLS.copy(), _ROW_PAIRS.copy(), label, WIDE_THRESHOLD)
-    given = (
+    input_text = (
         "five cells in a row, each a separate piece with three or four points; the closest points "
         "of neighbouring cells are 1.2 m apart up to the fourth cell, threshold √3 m"
     )
-    _assert_same_pieces(answer, np.array([0, 0, 0, 0, 1]), given)
+    _assert_same_pieces(answer, np.array([0, 0, 0, 0, 1]), input_text)

@@ -14,7 +14,7 @@ from utils.checks.assertions import (
     observe,
     precondition,
 )
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.detections import (
     as_boxes,
     assert_boxes_turned,
@@ -37,22 +37,22 @@ from utils.checks.failures import fixed
 from utils.checks.scans import (
     GAP,
     car_across,
-    climb,
-    crossing,
+    car_crossing,
+    climbing_road,
     ego_car_points,
     insert_invalid,
-    rain,
+    raindrops,
     square,
+    square_with_people,
     street,
-    street_before,
-    walk,
+    street_further_back,
 )
 from utils.checks.static_analysis import functions_used
 
 SQUARE_SEED, WALK_SEED, CLIMB_SEED = 25, 7, 4
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=5,
     title="Finds isolated cars near the sensor",
@@ -64,11 +64,16 @@ SQUARE_SEED, WALK_SEED, CLIMB_SEED = 25, 7, 4
 def finds_cars(detect_obstacles: Callable) -> None:
     # Include every scan that later checks use, because those checks wait until the cars in their
     # scan are found.
-    for frame in (street(), street_before(), square(SQUARE_SEED), walk(WALK_SEED)):
+    for frame in (
+        street(),
+        street_further_back(),
+        square(SQUARE_SEED),
+        square_with_people(WALK_SEED),
+    ):
         assert_cars_found([detect_once(detect_obstacles, frame)], [frame])
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=9,
     title="Finds isolated people near the sensor",
@@ -77,11 +82,13 @@ def finds_cars(detect_obstacles: Callable) -> None:
     "larger than that number.",
 )
 def finds_people(detect_obstacles: Callable) -> None:
-    require_cars_found_in_frame(detect_obstacles, walk(WALK_SEED))
-    assert_people_found(detect_once(detect_obstacles, walk(WALK_SEED)), walk(WALK_SEED))
+    require_cars_found_in_frame(detect_obstacles, square_with_people(WALK_SEED))
+    assert_people_found(
+        detect_once(detect_obstacles, square_with_people(WALK_SEED)), square_with_people(WALK_SEED)
+    )
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=3,
     title="Finds a car across the road, 8 to 10 m ahead",
@@ -91,11 +98,11 @@ def finds_people(detect_obstacles: Callable) -> None:
 )
 def looks_far_enough(detect_obstacles: Callable) -> None:
     require_cars_found_in_frame(detect_obstacles, square(SQUARE_SEED))
-    frame = crossing(SQUARE_SEED)
+    frame = car_crossing(SQUARE_SEED)
     assert_contained(detect_once(detect_obstacles, frame), car_across(frame), frame)
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=3,
     title="Puts boxes around obstacles, not around road or empty space",
@@ -105,8 +112,10 @@ def looks_far_enough(detect_obstacles: Callable) -> None:
     "points, filter_clusters should have removed these points.",
 )
 def avoids_ghosts(detect_obstacles: Callable) -> None:
-    require_cars_found_in_frame(detect_obstacles, street_before())
-    assert_few_ghosts([detect_once(detect_obstacles, street_before())], [street_before()])
+    require_cars_found_in_frame(detect_obstacles, street_further_back())
+    assert_few_ghosts(
+        [detect_once(detect_obstacles, street_further_back())], [street_further_back()]
+    )
 
 
 def _assert_found_on_the_climb(detect_obstacles: Callable, kind: str) -> None:
@@ -114,12 +123,12 @@ def _assert_found_on_the_climb(detect_obstacles: Callable, kind: str) -> None:
 
     Raise `NotYet` if even the cars in an ordinary street are not found.
     """
-    require_cars_found_in_frame(detect_obstacles, street_before())
-    frame = climb(CLIMB_SEED)
+    require_cars_found_in_frame(detect_obstacles, street_further_back())
+    frame = climbing_road(CLIMB_SEED)
     assert_kind_contained(detect_once(detect_obstacles, frame), kind, frame)
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=3,
     title="Finds a person next to the bumper",
@@ -131,7 +140,7 @@ def finds_the_person_at_the_bumper(detect_obstacles: Callable) -> None:
     _assert_found_on_the_climb(detect_obstacles, "pedestrian")
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=3,
     title="Finds cars at the edge of the road, up to 7 m to the side",
@@ -142,7 +151,7 @@ def looks_to_the_side(detect_obstacles: Callable) -> None:
     _assert_found_on_the_climb(detect_obstacles, "car")
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=3,
     title="Finds a lorry, although it has many points",
@@ -154,7 +163,7 @@ def finds_the_lorry(detect_obstacles: Callable) -> None:
     _assert_found_on_the_climb(detect_obstacles, "truck")
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=3,
     title="Gives two cars that are parked close together separate boxes",
@@ -164,11 +173,11 @@ def finds_the_lorry(detect_obstacles: Callable) -> None:
 def keeps_parked_cars_apart(detect_obstacles: Callable) -> None:
     with precondition("the detector finds cars at the edge of the road"):
         _assert_found_on_the_climb(detect_obstacles, "car")
-    frame = climb(CLIMB_SEED)
+    frame = climbing_road(CLIMB_SEED)
     assert_separate_boxes(detect_once(detect_obstacles, frame), frame, GAP)
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=12,
     title="Does not put a box around the ego car",
@@ -184,7 +193,7 @@ def ignores_the_ego_car(detect_obstacles: Callable) -> None:
     assert_no_box_on_ego_car(answer, frame)
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=12,
     title="Turns boxes with the cars",
@@ -198,7 +207,7 @@ def turns_boxes(detect_obstacles: Callable) -> None:
     assert_boxes_turned(detect_once(detect_obstacles, square(SQUARE_SEED)), square(SQUARE_SEED))
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=2,
     title="Returns upright boxes with a level floor, right angles and each roof corner above a "
@@ -211,7 +220,7 @@ def returns_upright_boxes(detect_obstacles: Callable) -> None:
     assert_upright(detect_once(detect_obstacles, square(SQUARE_SEED)))
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=13,
     title="Ignores single returns in the air, such as raindrops",
@@ -220,13 +229,13 @@ def returns_upright_boxes(detect_obstacles: Callable) -> None:
     "these labels.",
 )
 def ignores_rain(detect_obstacles: Callable) -> None:
-    frame, drops = square(SQUARE_SEED), rain(SQUARE_SEED)
+    frame, drops = square(SQUARE_SEED), raindrops(SQUARE_SEED)
     answer = detect_obstacles(np.vstack([frame.cloud, drops]))
     require_cars_found(answer, frame)
     assert_raindrops_ignored(answer, frame, drops)
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=2,
     title="Works on scans with non-finite returns and with hundreds of returns at (0, 0, 0)",
@@ -240,7 +249,7 @@ def drops_invalid(detect_obstacles: Callable) -> None:
     assert_no_box_at_sensor(answer, frame)
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=1,
     title="Works on an empty scan",
@@ -255,7 +264,7 @@ def works_on_an_empty_scan(detect_obstacles: Callable) -> None:
         raise CheckFailed("An empty scan has no obstacles.", yours=f"{len(boxes)} boxes")
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=5,
     title="Works on scans without intensity",
@@ -268,7 +277,7 @@ def works_without_intensity(detect_obstacles: Callable) -> None:
     assert_cars_found([detect_obstacles(frame.cloud[:, :3].copy())], [frame])
 
 
-@visible(
+@visible_check(
     "detect_obstacles",
     weight=1,
     title="Does not change its input",
@@ -283,7 +292,7 @@ def keeps_the_cloud_unchanged(detect_obstacles: Callable) -> None:
     assert_arguments_unchanged(observed, cloud)
 
 
-@noted(
+@note_check(
     "detect_obstacles",
     title="Does not mistake a climbing road for an obstacle",
     why="If a road climbs by 4 %, a fixed ground level leaves points of the road in the cloud "
@@ -291,16 +300,18 @@ def keeps_the_cloud_unchanged(detect_obstacles: Callable) -> None:
     "climbs with the road.",
 )
 def ignores_a_climbing_road(detect_obstacles: Callable) -> None:
-    assert_no_boxes_on_road(detect_once(detect_obstacles, climb(CLIMB_SEED)), climb(CLIMB_SEED))
+    assert_no_boxes_on_road(
+        detect_once(detect_obstacles, climbing_road(CLIMB_SEED)), climbing_road(CLIMB_SEED)
+    )
 
 
-@noted(
+@note_check(
     "detect_obstacles",
     title="Returns an array",
     why="The cells below select boxes with a mask, which does not work on a list.",
 )
 def returns_an_array(detect_obstacles: Callable) -> None:
-    for cloud in (street_before().cloud.copy(), np.empty((0, 4))):
+    for cloud in (street_further_back().cloud.copy(), np.empty((0, 4))):
         answer = detect_obstacles(cloud)
         if np.shape(answer)[1:] != (8, 3) or not isinstance(answer, np.ndarray):
             raise CheckFailed(
@@ -312,20 +323,20 @@ def returns_an_array(detect_obstacles: Callable) -> None:
             )
 
 
-@noted(
+@note_check(
     "detect_obstacles",
     title="Lists the four floor corners first, or the four roof corners",
     why="The score card uses the first four corners as the ground that a box covers.",
 )
 def lists_the_floor_first(detect_obstacles: Callable) -> None:
-    for box in as_boxes(detect_obstacles(street_before().cloud.copy())):
+    for box in as_boxes(detect_obstacles(street_further_back().cloud.copy())):
         if np.ptp(box[:4, 2]) > 2e-3:
             raise CheckFailed(
                 "The first four corners are not at the same height.", yours=brief_text(box)
             )
 
 
-@noted(
+@note_check(
     "detect_obstacles",
     title="Uses only functions of this notebook",
     why="The judge runs only this notebook, so a detector that needs another notebook fails and "

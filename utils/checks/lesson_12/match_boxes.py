@@ -19,10 +19,10 @@ from utils.checks.assertions import (
     precondition,
 )
 from utils.checks.common_checks import Case
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.failures import fixed
-from utils.checks.run_cache import once
+from utils.checks.run_cache import once_per_run
 
 
 def cubes(centres: ArrayLike, size: float = 1.0, turn: int = 0) -> np.ndarray:
@@ -104,7 +104,7 @@ def assert_matched(
     previous: np.ndarray,
     current: np.ndarray,
     compared_rows: ArrayLike | slice = slice(None),
-    given: str | None = None,
+    input_text: str | None = None,
 ) -> None:
     """Assert that the answer contains the index of the right previous box for each current box.
 
@@ -116,7 +116,7 @@ def assert_matched(
     previous, current : numpy.ndarray, shape (N, 8, 3)
     compared_rows : array_like or slice
         Rows of the current boxes to compare; by default all.
-    given : str, optional
+    input_text : str, optional
         Other arguments of the function as text, for the message.
     """
     expected = np.asarray(expected, dtype=int).ravel()
@@ -137,7 +137,7 @@ def assert_matched(
         message = f"Current box {first} was previous box {expected[first]}."
     raise CheckFailed(
         message,
-        given=_centres_text(previous, current, given),
+        input_text=_centres_text(previous, current, input_text),
         yours=brief_text(yours),
         expected=brief_text(expected),
         hint=_SWAPPED_HINT if _is_inverse(yours, expected) else "",
@@ -161,7 +161,7 @@ def _is_inverse(yours: np.ndarray, expected: np.ndarray) -> bool:
 
 
 def assert_one_to_one(
-    answer: object, previous: np.ndarray, current: np.ndarray, given: str | None = None
+    answer: object, previous: np.ndarray, current: np.ndarray, input_text: str | None = None
 ) -> None:
     """Assert that no previous box has two partners, whether they are right or wrong.
 
@@ -169,7 +169,7 @@ def assert_one_to_one(
     ----------
     answer : object
     previous, current : numpy.ndarray, shape (N, 8, 3)
-    given : str, optional
+    input_text : str, optional
         Other arguments of the function as text, for the message.
     """
     yours = as_indices(answer, previous, current)
@@ -180,7 +180,7 @@ def assert_one_to_one(
         raise CheckFailed(
             f"Previous box {shared:.0f} is the partner of several current boxes, for example of "
             f"{owners[0]} and {owners[1]}.",
-            given=_centres_text(previous, current, given),
+            input_text=_centres_text(previous, current, input_text),
             yours=brief_text(yours),
             draw=functools.partial(_draw_matches, previous, current, yours, np.empty(0)),
         )
@@ -222,14 +222,14 @@ def assert_limit_respected(
     raise CheckFailed(
         f"Current box {first} is {gap:.2f} m from the nearest previous box, and max_distance is "
         f"{max_distance:g} m, so {text}.",
-        given=_centres_text(previous, current, f"max_distance {max_distance:g}"),
+        input_text=_centres_text(previous, current, f"max_distance {max_distance:g}"),
         yours=brief_text(yours),
         expected=brief_text(expected),
         draw=functools.partial(_draw_matches, previous, current, yours, expected),
     )
 
 
-@once
+@once_per_run
 def require_matching(match_boxes: Callable) -> None:
     """Assert that boxes are found again after a small move; raise `NotYet` if not."""
     with precondition("each box is found again after a small move"):
@@ -248,7 +248,7 @@ def _centres_text(previous: np.ndarray, current: np.ndarray, more: str | None = 
     return "; ".join([*parts, more] if more else parts)
 
 
-@visible(
+@visible_check(
     "match_boxes",
     weight=4,
     title="Finds each box again after a small move, whatever the order of the boxes",
@@ -259,10 +259,10 @@ def _centres_text(previous: np.ndarray, current: np.ndarray, more: str | None = 
 )
 def finds_again(match_boxes: Callable) -> None:
     answer = match_boxes(_BEFORE.copy(), _AFTER.copy(), 1.5)
-    assert_matched(answer, _ORDER, _BEFORE, _AFTER, given="max_distance 1.5")
+    assert_matched(answer, _ORDER, _BEFORE, _AFTER, input_text="max_distance 1.5")
 
 
-@visible(
+@visible_check(
     "match_boxes",
     weight=2,
     title="Returns -1 for a box without a partner, because it is new",
@@ -277,7 +277,7 @@ def marks_new_boxes(match_boxes: Callable) -> None:
     assert_matched(answer, [-1, 1, 0, -1], previous, current, [0, 3], "max_distance 1.5")
 
 
-@visible(
+@visible_check(
     "match_boxes",
     weight=6,
     title="Does not pair boxes that are farther apart than max_distance",
@@ -306,7 +306,7 @@ def respects_max_distance(match_boxes: Callable) -> None:
     )
 
 
-@visible(
+@visible_check(
     "match_boxes",
     weight=10,
     title="Never gives two boxes the same partner",
@@ -323,7 +323,7 @@ def is_one_to_one(match_boxes: Callable) -> None:
         assert_one_to_one(answer, previous, ordered, "max_distance 2")
 
 
-@visible(
+@visible_check(
     "match_boxes",
     weight=4,
     title="Gives a partner to the nearer of two rival boxes",
@@ -339,7 +339,7 @@ def prefers_the_nearer_rival(match_boxes: Callable) -> None:
     assert_matched(answer, [-1, 1], previous, current, [1], "max_distance 2")
 
 
-@visible(
+@visible_check(
     "match_boxes",
     weight=2,
     title="Pairs a box with the nearer of two previous boxes",
@@ -351,10 +351,10 @@ def prefers_the_nearer_previous_box(match_boxes: Callable) -> None:
     require_matching(match_boxes)
     previous, current = cubes([[6.3, 0.4], [5, 0]]), cubes([[5.2, 0]])
     answer = match_boxes(previous.copy(), current.copy(), 2.0)
-    assert_matched(answer, [1], previous, current, given="max_distance 2")
+    assert_matched(answer, [1], previous, current, input_text="max_distance 2")
 
 
-@visible(
+@visible_check(
     "match_boxes",
     weight=6,
     title="Compares centres, even if the corners of a box are in another order",
@@ -366,10 +366,10 @@ def compares_centres(match_boxes: Callable) -> None:
     previous = cubes([[4, 1], [15, 2], [-8, -4]], 2.0)
     current = cubes([[15.2, 2], [-8, -4.3], [4.1, 1]], 2.0, turn=2)
     answer = match_boxes(previous.copy(), current.copy(), 1.0)
-    assert_matched(answer, [1, 2, 0], previous, current, given="max_distance 1")
+    assert_matched(answer, [1, 2, 0], previous, current, input_text="max_distance 1")
 
 
-@visible(
+@visible_check(
     "match_boxes",
     weight=3,
     title="Works when either list is empty",
@@ -393,7 +393,7 @@ def works_without_boxes(match_boxes: Callable) -> None:
                     "Without previous boxes, every current box is new, but not all are marked "
                     "with -1."
                 ),
-                given=f"{len(previous)} previous and {len(current)} current boxes",
+                input_text=f"{len(previous)} previous and {len(current)} current boxes",
                 yours=brief_text(yours),
                 expected=brief_text(np.full(len(current), -1)),
             )
@@ -422,7 +422,7 @@ common_checks.promise_untouched(
 )
 
 
-@noted(
+@note_check(
     "match_boxes",
     title="Returns whole-number indices",
     why="The tracker below looks up track IDs with the indices, and 2.0 is not an index.",

@@ -19,7 +19,7 @@ from utils.checks.assertions import (
     observe,
     precondition,
 )
-from utils.checks.core import visible
+from utils.checks.core import visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes, same_array
 from utils.checks.failures import fixed
 from utils.checks.lesson_12.match_boxes import cubes
@@ -89,26 +89,26 @@ def _assert_moved(
     if not len(wrong):
         return
     row = wrong[0]
-    given = (
+    input_text = (
         f"a box at {brief_text(_centres(boxes)[row])}, velocity {brief_text(velocities[row])} m/s, "
         f"{seconds:g} s"
     )
     if np.allclose(_centres(yours)[row], _centres(right)[row], atol=1e-3):
         raise CheckFailed(
             f"Box {row} has the right centre but wrong corners.",
-            given=given,
+            input_text=input_text,
             yours=f"corner 0 at {brief_text(yours[row, 0])}",
             expected=f"corner 0 at {brief_text(right[row, 0])}",
         )
     raise CheckFailed(
         f"Box {row} has not moved by its velocity times the time.",
-        given=given,
+        input_text=input_text,
         yours=f"centre at {brief_text(_centres(yours)[row])}",
         expected=f"centre at {brief_text(_centres(right)[row])}",
     )
 
 
-@visible(
+@visible_check(
     "predict_boxes",
     title="Moves each box by its own velocity for a tenth of a second",
     why="The tracker looks for the next box of an object where the object should be by now.",
@@ -120,7 +120,7 @@ def moves_the_boxes(predict_boxes: Callable) -> None:
     _assert_moved(predict_boxes, _PARKED, _PARKED_VELOCITIES, 0.1)
 
 
-@visible(
+@visible_check(
     "predict_boxes",
     title="Moves twice as far in twice the time",
     why="Some scanners turn only five times a second, and some frames are lost.",
@@ -131,7 +131,7 @@ def uses_the_time(predict_boxes: Callable) -> None:
         _assert_moved(predict_boxes, _PARKED, _PARKED_VELOCITIES, seconds)
 
 
-@visible(
+@visible_check(
     "predict_boxes",
     title="Moves each of eight boxes as a whole",
     why="With eight boxes, NumPy may silently move each corner by the velocity of another box, "
@@ -142,7 +142,7 @@ def moves_eight_boxes(predict_boxes: Callable) -> None:
     _assert_moved(predict_boxes, _EIGHT, _EIGHT_VELOCITIES, 0.1)
 
 
-@visible(
+@visible_check(
     "predict_boxes",
     title="Works without boxes",
     why="An empty road is not an error.",
@@ -152,7 +152,7 @@ def predicts_no_boxes(predict_boxes: Callable) -> None:
     _as_boxes(predict_boxes(_NO_BOXES.copy(), np.empty((0, 3)), 0.1), 0)
 
 
-@visible(
+@visible_check(
     "predict_boxes",
     title="Does not change boxes or velocities",
     why="A later cell draws the boxes of the previous frame.",
@@ -270,13 +270,13 @@ def _assert_placed(correct_boxes: Callable, gain: float, seconds: float) -> None
         raise CheckFailed(
             f"The centre of box {row} is not at the expected centre plus gain times the offset to "
             "the found centre.",
-            given=_given_text(row, gain, seconds),
+            input_text=_given_text(row, gain, seconds),
             yours=f"centre at {brief_text(_centres(yours)[row])}",
             expected=f"centre at {brief_text(_centres(right)[row])}",
         )
 
 
-@visible(
+@visible_check(
     "correct_boxes",
     title="Places each box between its expected and its found position",
     why="A detected box wobbles. With a gain below 1, the track wobbles less.",
@@ -288,7 +288,7 @@ def places_boxes_between(correct_boxes: Callable) -> None:
         _assert_placed(correct_boxes, gain, seconds)
 
 
-@visible(
+@visible_check(
     "correct_boxes",
     title="Returns the found box, moved as a whole",
     why="The size and heading of the found box were measured just now. The expected box has an "
@@ -306,15 +306,15 @@ def keeps_the_shape(correct_boxes: Callable) -> None:
         row = wrong[0]
         raise CheckFailed(
             f"Box {row} does not have the size and corners of the found box.",
-            given="a found box that is twice as large as the expected box and starts with another "
-            "corner",
+            input_text="a found box that is twice as large as the expected box and starts with "
+            "another corner",
             yours=f"corners 0 and 1 at {brief_text(yours[row, 0])} and {brief_text(yours[row, 1])}",
             expected=f"corners 0 and 1 at {brief_text(right[row, 0])} and "
             f"{brief_text(right[row, 1])}",
         )
 
 
-@visible(
+@visible_check(
     "correct_boxes",
     title="Corrects the velocity with the second gain",
     why="Without this correction, a track never learns that a car is coming towards us. If the "
@@ -331,13 +331,13 @@ def corrects_the_velocity(correct_boxes: Callable) -> None:
             row = wrong[0]
             raise CheckFailed(
                 f"The velocity of track {row} is wrong.",
-                given=_given_text(row, gain, seconds),
+                input_text=_given_text(row, gain, seconds),
                 yours=f"{brief_text(yours[row])} m/s",
                 expected=f"{brief_text(right[row])} m/s",
             )
 
 
-@visible(
+@visible_check(
     "correct_boxes",
     title="Uses the expected position at gain 0 and the found position at gain 1",
     why="The two extreme gains show whether the gain is the weight of the found box, as it should "
@@ -352,13 +352,13 @@ def uses_extreme_gains(correct_boxes: Callable) -> None:
     if not np.allclose(yours, _VELOCITIES, atol=1e-3):
         raise CheckFailed(
             fixed("With a gain of 0 a velocity must not change."),
-            given=_given_text(0, 0.0, 0.1),
+            input_text=_given_text(0, 0.0, 0.1),
             yours=brief_text(yours[0]),
             expected=brief_text(_VELOCITIES[0]),
         )
 
 
-@visible(
+@visible_check(
     "correct_boxes",
     title="Does not change its input",
     why="A later cell draws the boxes that were found.",
@@ -378,14 +378,14 @@ def _prediction_from_velocity_rule(
 ) -> Callable:
     """Return a prediction with another rule for the velocity or another gain for the position."""
 
-    def predicts(right: tuple, *case: object) -> tuple:
+    def predict(right: tuple, *case: object) -> tuple:
         expected, velocities, found, gain, seconds = case
         offset = _mean_corners(found) - _mean_corners(expected)
         beta = 2 * (1 - np.sqrt(1 - gain)) ** 2
         moved = found - ((1 - share(gain)) * offset)[:, None]
         return moved, velocity_rule(velocities, offset, gain, beta, seconds)
 
-    return predicts
+    return predict
 
 
 declare_mistakes(
@@ -491,7 +491,7 @@ def _call_coast(coast: Callable, *case: object) -> tuple[np.ndarray, np.ndarray]
     return counts, kept.astype(bool)
 
 
-@visible(
+@visible_check(
     "coast",
     title="Resets the count of each track that has a box, and adds 1 to all others",
     why="If a count is never reset, a track is dropped although it has a box in every second "
@@ -509,13 +509,13 @@ def counts_missed_frames(coast: Callable) -> None:
         state = "has a box" if row in _PARTNERS else "has no box"
         raise CheckFailed(
             f"Track {row} {state}, but its count is wrong.",
-            given=_GIVEN,
+            input_text=_GIVEN,
             yours=f"missed {brief_text(yours)}",
             expected=f"missed {brief_text(_RIGHT_COUNTS)}",
         )
 
 
-@visible(
+@visible_check(
     "coast",
     title="Keeps a track while it has missed at most patience frames",
     why="If a track is dropped too early, its object gets a new track ID. If it is dropped too "
@@ -533,13 +533,13 @@ def drops_tracks_after_patience(coast: Callable) -> None:
                 f"Track {row} has missed {_RIGHT_COUNTS[row]} frames in a row and should be {verb}."
                 if _RIGHT_COUNTS[row]
                 else f"Track {row} has a box and should be kept.",
-                given=_GIVEN.replace("patience 3", f"patience {patience}"),
+                input_text=_GIVEN.replace("patience 3", f"patience {patience}"),
                 yours=f"kept {brief_text(yours)}",
                 expected=f"kept {brief_text(right)}",
             )
 
 
-@visible(
+@visible_check(
     "coast",
     title="Works on frames without boxes, and without tracks",
     why="In fog a whole frame may be empty, and the tracks must last until the boxes return.",
@@ -553,13 +553,14 @@ def works_on_empty_frames(coast: Callable) -> None:
         if not (same_array(counts, right_counts) and same_array(kept, right_kept)):
             raise CheckFailed(
                 "In a frame without boxes, every track misses one more frame.",
-                given=f"missed {brief_text(missed)}, partners {brief_text(partners)}, patience 10",
+                input_text=f"missed {brief_text(missed)}, partners {brief_text(partners)}, "
+                "patience 10",
                 yours=f"missed {brief_text(counts)}, kept {brief_text(kept)}",
                 expected=f"missed {brief_text(right_counts)}, kept {brief_text(right_kept)}",
             )
 
 
-@visible(
+@visible_check(
     "coast",
     title="Does not change the counts",
     why="If the function changed its input, running the cell above twice would count the frame "
@@ -573,12 +574,12 @@ def keeps_the_counts_unchanged(coast: Callable) -> None:
 def _prediction_from_counts(count: Callable) -> Callable:
     """Return a prediction with another rule for the counts, which decide which tracks stay."""
 
-    def predicts(right: tuple, missed: np.ndarray, partners: np.ndarray, patience: int) -> tuple:
+    def predict(right: tuple, missed: np.ndarray, partners: np.ndarray, patience: int) -> tuple:
         has_box = np.isin(np.arange(len(missed)), partners)
         counts = count(missed, has_box, partners)
         return counts, counts <= patience
 
-    return predicts
+    return predict
 
 
 def _count_last_track(missed: np.ndarray, has_box: np.ndarray, partners: np.ndarray) -> np.ndarray:

@@ -15,7 +15,7 @@ from utils.checks.assertions import (
     precondition,
 )
 from utils.checks.compiled import assert_compiles
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.failures import fixed
 from utils.checks.lesson_13.compile_note import COMPILES_TITLE, COMPILES_WHY
@@ -69,14 +69,14 @@ def _assert_answer(any_close: Callable, points: np.ndarray, cells: tuple, distan
             "Two of these points are closer than the limit."
             if right
             else "No two of these points are closer than the limit.",
-            given=f"rows {a} to {a_end - 1}: {points_text(points[a:a_end])}; rows {b} to "
+            input_text=f"rows {a} to {a_end - 1}: {points_text(points[a:a_end])}; rows {b} to "
             f"{b_end - 1}: {points_text(points[b:b_end])}; limit {distance:g}² = {distance**2:.3g}",
             yours=str(yours),
             expected=str(bool(right)),
         )
 
 
-@visible(
+@visible_check(
     "any_close",
     title="Compares the squared distance with the limit",
     why="If a pair counts as close by mistake, two cars merge. If a close pair is missed, one car "
@@ -91,7 +91,7 @@ def compares_squares(any_close: Callable) -> None:
     _assert_answer(any_close, 5 * _ROWS[[3, 7]], (0, 1, 1, 2), 5 * _BELOW)
 
 
-@visible(
+@visible_check(
     "any_close",
     title="Compares each point of one cell with each point of the other",
     why="Any pair may be the closest: the first points of both cells, or the last.",
@@ -107,7 +107,7 @@ def compares_all_pairs(any_close: Callable) -> None:
             _assert_answer(any_close, cell_points[rows], (0, 3, 3, 6), distance)
 
 
-@visible(
+@visible_check(
     "any_close",
     title="Reads only the rows of the two cells",
     why="A compiled function reads beyond its rows without an error. It then uses a point of the "
@@ -122,7 +122,7 @@ def reads_only_its_rows(any_close: Callable) -> None:
             _assert_answer(any_close, points, _CELLS, distance)
 
 
-@visible(
+@visible_check(
     "any_close",
     title="Does not count a pair exactly at the limit as close",
     why="Lessons 05 and 10 join points that are strictly closer than the threshold. The labels "
@@ -136,13 +136,13 @@ def is_strict(any_close: Callable) -> None:
     if _as_bool(any_close(points, 0, 1, 1, 2, 0.25)):
         raise CheckFailed(
             "The two points are exactly at the limit, not closer.",
-            given=fixed("two points 0.5 m apart, limit 0.5² = 0.25"),
+            input_text=fixed("two points 0.5 m apart, limit 0.5² = 0.25"),
             yours="True",
             expected="False",
         )
 
 
-@visible(
+@visible_check(
     "any_close",
     title="Stops at the first close pair",
     why="Stopping early makes the loop fast: two crowded cells may have a million pairs.",
@@ -165,13 +165,13 @@ def stops_at_the_first_close_pair(any_close: Callable) -> None:
     if not _as_bool(any_close(points.view(CountingArray), 0, n, n, 2 * n, 0.1)) or reads > n:
         raise CheckFailed(
             "The function continues although the answer is already known.",
-            given=f"two cells of {n} points, whose first points are at the same position",
+            input_text=f"two cells of {n} points, whose first points are at the same position",
             yours=f"{reads} values read from points",
             expected="6 values",
         )
 
 
-@visible(
+@visible_check(
     "any_close",
     title="Does not change the points",
     why="The same rows are compared again with other cells.",
@@ -182,7 +182,7 @@ def keeps_the_points_unchanged(any_close: Callable) -> None:
     assert_arguments_unchanged(observe(any_close, *arguments), *arguments)
 
 
-@noted("any_close", title=COMPILES_TITLE, why=COMPILES_WHY)
+@note_check("any_close", title=COMPILES_TITLE, why=COMPILES_WHY)
 def any_close_compiles(any_close: Callable) -> None:
     def call_twice(function: Callable) -> list[bool]:
         return [bool(function(_ROWS.copy(), *_CELLS, distance**2)) for distance in (_ABOVE, _BELOW)]
@@ -197,11 +197,11 @@ def _is_close(points: np.ndarray, a: int, a_end: int, b: int, b_end: int, limit:
 def _prediction_from_squares(decide: Callable) -> Callable:
     """Return a prediction that `decide` makes from the squared distances and the limit."""
 
-    def predicts(right: bool, points: np.ndarray, *cells_and_limit: float) -> bool:
+    def predict(right: bool, points: np.ndarray, *cells_and_limit: float) -> bool:
         *cells, limit = cells_and_limit
         return bool(decide(_squared_distances(points, *cells), limit))
 
-    return predicts
+    return predict
 
 
 def _prediction_with_shifted_rows(first: int, last: int) -> Callable:

@@ -13,7 +13,7 @@ from utils.checks.assertions import (
     precondition,
 )
 from utils.checks.compiled import assert_compiles
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.lesson_03.iterations_needed import assert_number
 from utils.checks.lesson_13.compile_note import COMPILES_TITLE, COMPILES_WHY
@@ -39,13 +39,13 @@ def _assert_counts(
     if yours != expected:
         raise CheckFailed(
             "The number of points within the tolerance is wrong.",
-            given=f"points {brief_text(offsets)} m off the plane, tolerance {tolerance:g} m",
+            input_text=f"points {brief_text(offsets)} m off the plane, tolerance {tolerance:g} m",
             yours=brief_text(yours[()]),
             expected=str(expected),
         )
 
 
-@visible(
+@visible_check(
     "count_near",
     title="Counts the points within the tolerance on both sides of the plane",
     why="RANSAC chooses the plane with the largest count. A wrong count leads to a wrong road.",
@@ -59,7 +59,7 @@ def counts_both_sides(count_near: Callable) -> None:
     _assert_counts(count_near, _OFFSETS, 0.93, 7)
 
 
-@visible(
+@visible_check(
     "count_near",
     title="Counts points exactly at the tolerance",
     why="The loop should give the same number as NumPy and lesson 03.",
@@ -74,13 +74,13 @@ def counts_points_at_the_tolerance(count_near: Callable) -> None:
     if yours != 2:
         raise CheckFailed(
             "Two of these points are exactly at the tolerance.",
-            given="points 0.25, -0.25 and 0.5 m above a level plane, tolerance 0.25 m",
+            input_text="points 0.25, -0.25 and 0.5 m above a level plane, tolerance 0.25 m",
             yours=brief_text(yours[()]),
             expected="2",
         )
 
 
-@visible(
+@visible_check(
     "count_near",
     title="Returns 0 when the cloud is empty or no point is near",
     why="An empty cloud is not an error: the sensor may see only sky.",
@@ -91,7 +91,7 @@ def returns_zero(count_near: Callable) -> None:
     _assert_counts(count_near, _OFFSETS, 0.02, 0)
 
 
-@visible(
+@visible_check(
     "count_near",
     title="Does not change the points",
     why="The next round of RANSAC counts the same points again.",
@@ -102,7 +102,7 @@ def keeps_the_points_unchanged(count_near: Callable) -> None:
     assert_arguments_unchanged(observe(count_near, *arguments), *arguments)
 
 
-@noted("count_near", title=COMPILES_TITLE, why=COMPILES_WHY)
+@note_check("count_near", title=COMPILES_TITLE, why=COMPILES_WHY)
 def count_near_compiles(count_near: Callable) -> None:
     points, plane = _points_at(_OFFSETS), _PLANE.copy()
     assert_compiles(count_near, lambda function: int(function(points, plane, _TOLERANCE)))

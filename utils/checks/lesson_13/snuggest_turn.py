@@ -14,7 +14,7 @@ from utils.checks.assertions import (
     precondition,
 )
 from utils.checks.compiled import assert_compiles
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.lesson_03.iterations_needed import assert_number
 from utils.checks.lesson_13.compile_note import COMPILES_TITLE, COMPILES_WHY
@@ -61,13 +61,13 @@ def _assert_finds_turn(snuggest_turn: Callable, turn: int, x: float = 0.0, y: fl
         area = _area(points)
         raise CheckFailed(
             "The rectangle at this angle is not the smallest.",
-            given=f"a rectangle of 4 by 2 m around ({x:g}, {y:g}), turned by {turn}°",
+            input_text=f"a rectangle of 4 by 2 m around ({x:g}, {y:g}), turned by {turn}°",
             yours=f"{yours}, with {area[yours]:.2f} m²",
             expected=f"{turn % 90}, with {area[turn % 90]:.2f} m²",
         )
 
 
-@visible(
+@visible_check(
     "snuggest_turn",
     title="Finds the angle of a rectangle around the sensor",
     why="The angle becomes the yaw of the box. At a wrong angle the box is larger than the car.",
@@ -79,7 +79,7 @@ def finds_the_angle(snuggest_turn: Callable) -> None:
         _assert_finds_turn(snuggest_turn, turn)
 
 
-@visible(
+@visible_check(
     "snuggest_turn",
     title="Finds the same angle away from the sensor",
     why="The sensor is never inside the box of another car.",
@@ -101,7 +101,7 @@ def _random_points(seed: int) -> np.ndarray:
     return points + rng.uniform(-12, 12, 3)
 
 
-@visible(
+@visible_check(
     "snuggest_turn",
     title="Finds the angle of the smallest area for any points",
     why="The scanner sees two sides and a mirror of a car, which do not form a rectangle.",
@@ -117,13 +117,14 @@ def finds_the_smallest_area(snuggest_turn: Callable) -> None:
         if area[yours] > area.min() * (1 + 1e-9):
             raise CheckFailed(
                 "The rectangle is smaller at another angle.",
-                given=f"nine points, x {brief_text(points[:, 0])}, y {brief_text(points[:, 1])}",
+                input_text=f"nine points, x {brief_text(points[:, 0])}, "
+                f"y {brief_text(points[:, 1])}",
                 yours=f"{yours}, with {area[yours]:.2f} m²",
                 expected=f"{area.argmin()}, with {area.min():.2f} m²",
             )
 
 
-@visible(
+@visible_check(
     "snuggest_turn",
     title="Works on a single point",
     why="Some clusters are a single return. Any angle is right for them, but the function must "
@@ -134,7 +135,7 @@ def works_on_one_point(snuggest_turn: Callable) -> None:
     _answer_of(snuggest_turn, _rectangle(20, 5, 3)[:1])
 
 
-@visible(
+@visible_check(
     "snuggest_turn",
     title="Does not change the points",
     why="A later cell draws the points.",
@@ -145,7 +146,7 @@ def keeps_the_points_unchanged(snuggest_turn: Callable) -> None:
     assert_arguments_unchanged(observe(snuggest_turn, points), points)
 
 
-@noted("snuggest_turn", title=COMPILES_TITLE, why=COMPILES_WHY)
+@note_check("snuggest_turn", title=COMPILES_TITLE, why=COMPILES_WHY)
 def snuggest_turn_compiles(snuggest_turn: Callable) -> None:
     points = _rectangle(30, 12, -7)
     assert_compiles(snuggest_turn, lambda function: int(function(points)))

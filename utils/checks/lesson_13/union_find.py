@@ -6,7 +6,7 @@ import numpy as np
 
 from utils.checks.assertions import CheckFailed, brief_text, frozen, precondition
 from utils.checks.compiled import assert_compiles
-from utils.checks.core import noted, visible
+from utils.checks.core import note_check, visible_check
 from utils.checks.diagnosis import Mistake, declare_mistakes
 from utils.checks.lesson_03.iterations_needed import assert_number
 from utils.checks.lesson_13.compile_note import COMPILES_TITLE, COMPILES_WHY
@@ -28,7 +28,7 @@ def _path(parent: np.ndarray, cell: int) -> list[int] | None:
     return path
 
 
-def _roots(parent: np.ndarray, given: str) -> np.ndarray:
+def _roots(parent: np.ndarray, input_text: str) -> np.ndarray:
     """Return the root of each cell after a call to the student's function.
 
     Raises
@@ -39,7 +39,7 @@ def _roots(parent: np.ndarray, given: str) -> np.ndarray:
     if not ((parent >= 0) & (parent < len(parent))).all():
         raise CheckFailed(
             "An entry of parent is not the number of a cell.",
-            given=given,
+            input_text=input_text,
             yours=f"parent {brief_text(parent)}",
             expected=f"numbers from 0 to {len(parent) - 1}",
         )
@@ -47,7 +47,7 @@ def _roots(parent: np.ndarray, given: str) -> np.ndarray:
     if None in paths:
         raise CheckFailed(
             f"The parents of cell {paths.index(None)} form a cycle and never lead to a root.",
-            given=given,
+            input_text=input_text,
             yours=f"parent {brief_text(parent)}",
         )
     return np.array([path[-1] for path in paths])
@@ -56,7 +56,7 @@ def _roots(parent: np.ndarray, given: str) -> np.ndarray:
 # ---- root_of -----------------------------------------------------------------------------------
 
 
-@visible(
+@visible_check(
     "root_of",
     title="Follows the parents up to the root",
     why="Two cells are in the same piece if they have the same root. Their parents may differ.",
@@ -71,13 +71,13 @@ def finds_the_root(root_of: Callable) -> None:
             path = " → ".join(map(str, _path(_PARENT, cell)))
             raise CheckFailed(
                 f"This is not the root of cell {cell}.",
-                given=f"{_GIVEN}, so the path is {path}",
+                input_text=f"{_GIVEN}, so the path is {path}",
                 yours=brief_text(yours[()]),
                 expected=str(_ROOTS[cell]),
             )
 
 
-@visible(
+@visible_check(
     "root_of",
     title="Returns the cell itself if it is a root",
     why="At the start every cell is its own root.",
@@ -90,13 +90,13 @@ def stays_at_a_root(root_of: Callable) -> None:
         if yours != cell:
             raise CheckFailed(
                 f"Cell {cell} is its own parent.",
-                given=_GIVEN,
+                input_text=_GIVEN,
                 yours=brief_text(yours[()]),
                 expected=str(cell),
             )
 
 
-@visible(
+@visible_check(
     "root_of",
     title="Keeps every cell in its piece",
     why="Looking up a root must not join or split any pieces.",
@@ -107,19 +107,19 @@ def keeps_the_pieces(root_of: Callable) -> None:
     for cell in (9, 6, 8, 5):
         parent = _PARENT.copy()
         root_of(parent, cell)
-        given = f"{_GIVEN}, after root_of(parent, {cell})"
-        yours = _roots(parent, given)
+        input_text = f"{_GIVEN}, after root_of(parent, {cell})"
+        yours = _roots(parent, input_text)
         wrong = np.flatnonzero(yours != _ROOTS)
         if len(wrong):
             raise CheckFailed(
                 f"The root of cell {wrong[0]} has changed.",
-                given=given,
+                input_text=input_text,
                 yours=f"root {yours[wrong[0]]}; parent {brief_text(parent)}",
                 expected=f"root {_ROOTS[wrong[0]]}",
             )
 
 
-@visible(
+@visible_check(
     "root_of",
     title="Shortens a long path to half its length or less",
     why="Otherwise a path may become as long as the number of cells, and every call follows it "
@@ -134,19 +134,19 @@ def shortens_the_path(root_of: Callable) -> None:
     n = 9  # a line in which each cell points at the cell before it
     parent = np.maximum(np.arange(n) - 1, 0)
     root_of(parent, n - 1)
-    given = f"each of {n} cells points at the cell before it, after root_of(parent, {n - 1})"
-    _roots(parent, given)
+    input_text = f"each of {n} cells points at the cell before it, after root_of(parent, {n - 1})"
+    _roots(parent, input_text)
     steps = len(_path(parent, n - 1)) - 1
     if steps > n // 2:
         raise CheckFailed(
             f"The path from cell {n - 1} is still too long.",
-            given=given,
+            input_text=input_text,
             yours=f"{steps} steps; parent {brief_text(parent)}",
             expected=f"at most {n // 2} steps",
         )
 
 
-@noted("root_of", title=COMPILES_TITLE, why=COMPILES_WHY)
+@note_check("root_of", title=COMPILES_TITLE, why=COMPILES_WHY)
 def root_of_compiles(root_of: Callable) -> None:
     def call_twice(function: Callable) -> list[int]:
         parent = _PARENT.copy()
@@ -158,11 +158,11 @@ def root_of_compiles(root_of: Callable) -> None:
 def _prediction_steps_up(steps: int) -> Callable:
     """Return a prediction: the cell `steps` steps up, or the root if the path is shorter."""
 
-    def predicts(right: int, parent: np.ndarray, cell: int) -> int:
+    def predict(right: int, parent: np.ndarray, cell: int) -> int:
         path = _path(parent, cell)
         return path[min(steps, len(path) - 1)]
 
-    return predicts
+    return predict
 
 
 # One long path that is not sorted by number: 7 → 0 → 3 → 6 → 2 → 5 → 4 → 1.
@@ -209,8 +209,8 @@ def _roots_after_unite(unite: Callable, a: int, b: int) -> tuple[np.ndarray, str
     """Return the roots after a call, and its arguments as text."""
     parent = _PARENT.copy()
     unite(parent, a, b)
-    given = f"{_GIVEN}, after unite(parent, {a}, {b})"
-    return _roots(parent, given), given
+    input_text = f"{_GIVEN}, after unite(parent, {a}, {b})"
+    return _roots(parent, input_text), input_text
 
 
 def _groups(roots: np.ndarray) -> list[list[int]]:
@@ -218,18 +218,18 @@ def _groups(roots: np.ndarray) -> list[list[int]]:
 
 
 def _assert_joined(unite: Callable, a: int, b: int) -> None:
-    yours, given = _roots_after_unite(unite, a, b)
+    yours, input_text = _roots_after_unite(unite, a, b)
     right = _groups(_joined_roots(a, b))
     if _groups(yours) != right:
         raise CheckFailed(
             "The cells are not joined into the right pieces.",
-            given=given,
+            input_text=input_text,
             yours=f"pieces {brief_text(_groups(yours))}",
             expected=f"pieces {brief_text(right)}",
         )
 
 
-@visible(
+@visible_check(
     "unite",
     title="Joins all cells of both pieces, and no others",
     why="If only the two cells are joined, the rest of their pieces stays apart and a car splits.",
@@ -242,7 +242,7 @@ def joins_the_pieces(unite: Callable) -> None:
         _assert_joined(unite, a, b)
 
 
-@visible(
+@visible_check(
     "unite",
     title="Changes nothing if both cells are in one piece",
     why="Most pairs of close cells are already in one piece.",
@@ -255,7 +255,7 @@ def accepts_joined_cells(unite: Callable) -> None:
         _assert_joined(unite, a, b)
 
 
-@visible(
+@visible_check(
     "unite",
     title="Makes the larger root point at the smaller",
     why="The smallest cell of a piece is then its root, whatever the order of the pairs.",
@@ -266,18 +266,18 @@ def points_at_the_smaller_root(unite: Callable) -> None:
     with precondition("all cells of both pieces are joined"):
         joins_the_pieces(unite)
     for a, b in ((6, 9), (9, 6), (5, 8), (2, 5)):
-        yours, given = _roots_after_unite(unite, a, b)
+        yours, input_text = _roots_after_unite(unite, a, b)
         right = _joined_roots(a, b)
         if not np.array_equal(yours, right):
             raise CheckFailed(
                 "The pieces are joined under the larger root instead of the smaller.",
-                given=given,
+                input_text=input_text,
                 yours=f"root {yours[a]}",
                 expected=f"root {right[a]}",
             )
 
 
-@noted("unite", title=COMPILES_TITLE, why=COMPILES_WHY)
+@note_check("unite", title=COMPILES_TITLE, why=COMPILES_WHY)
 def unite_compiles(unite: Callable) -> None:
     def call_unite(function: Callable) -> list[int]:
         parent = _PARENT.copy()
@@ -299,12 +299,12 @@ def _prediction_with_parent(choose: Callable) -> Callable:
     `choose` takes both cells and both roots; it returns the cell and its new parent.
     """
 
-    def predicts(right: list, parent: np.ndarray, a: int, b: int) -> list[list[int]]:
+    def predict(right: list, parent: np.ndarray, a: int, b: int) -> list[list[int]]:
         child, new_parent = choose(a, b, _path(parent, a)[-1], _path(parent, b)[-1])
         parent[child] = new_parent
         return _groups(_roots(parent, ""))
 
-    return predicts
+    return predict
 
 
 declare_mistakes(

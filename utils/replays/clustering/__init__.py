@@ -5,24 +5,24 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable
 
-from utils.replays.clustering.faults import first_wrong
+from utils.replays.clustering.faults import find_first_fault
 from utils.replays.clustering.frames import ReplayFrame, format_label, frames_of
 from utils.replays.clustering.observer import (
     LabelObserver,
     as_labels,
-    groups_in,
-    labels_among,
-    queue_among,
+    find_labels,
+    find_queue,
+    group_numbers,
 )
 from utils.replays.clustering.points import GROUP_OF, POINTS, THRESHOLD
-from utils.replays.endings import how_it_ended
+from utils.replays.endings import describe_ending
 from utils.replays.player import Fault, Replay, ReplayStep
 from utils.replays.tracer import Ending, record
 
 MOST_STEPS = 200
 
 
-def run_of(euclidean_clustering: Callable) -> Replay:
+def replay_clustering(euclidean_clustering: Callable) -> Replay:
     """Record how a function clusters twelve points.
 
     Parameters
@@ -33,13 +33,13 @@ def run_of(euclidean_clustering: Callable) -> Replay:
     observer = LabelObserver()
     ending = record(euclidean_clustering, (POINTS.copy(), THRESHOLD), observer.see)
     answer = as_labels(ending.answer)
-    labels = labels_among(observer.tracks, ending.answer, answer)
+    labels = find_labels(observer.tracks, ending.answer, answer)
     if labels is None:
-        return _replay_of_answer(euclidean_clustering, ending, answer)
-    frames = frames_of(labels, queue_among(observer.queues))
-    wrong = first_wrong(euclidean_clustering, frames, answer, ending)
+        return _replay_answer(euclidean_clustering, ending, answer)
+    frames = frames_of(labels, find_queue(observer.queues))
+    wrong = find_first_fault(euclidean_clustering, frames, answer, ending)
     count = max(MOST_STEPS, wrong.step + 1 if wrong else 0)
-    steps = [ReplayStep(frame.says, frame.draw) for frame in frames[:count]]
+    steps = [ReplayStep(frame.description, frame.draw) for frame in frames[:count]]
     return Replay(steps, wrong, _remark(ending, answer, frames, wrong))
 
 
@@ -49,7 +49,7 @@ def _remark(
     about = f"Twelve points, threshold {THRESHOLD} m."
     if ending.stopped:
         return f"{about} Your function was stopped because it did not end."
-    if not wrong and answer is not None and groups_in(answer) == groups_in(GROUP_OF):
+    if not wrong and answer is not None and group_numbers(answer) == group_numbers(GROUP_OF):
         about += " Your labels are right."
     visited = Counter(frame.visited for frame in frames if frame.visited is not None)
     if more := [row for row, count in visited.items() if count > 1]:
@@ -57,16 +57,16 @@ def _remark(
     return about
 
 
-def _replay_of_answer(function: Callable, ending: Ending, answer: list | None) -> Replay:
+def _replay_answer(function: Callable, ending: Ending, answer: list | None) -> Replay:
     """Return a replay of the answer alone, for a run in which no labels were found."""
     if answer is None:
-        return Replay(remark=how_it_ended(ending, function))
+        return Replay(remark=describe_ending(ending, function))
     blank = object()
     frame = ReplayFrame((blank,) * len(POINTS), tuple(answer), blank)
     remark = (
         "While your function runs, no variable contains one label per point, so its steps cannot "
         "be shown. The picture shows its answer."
     )
-    wrong = first_wrong(function, [frame], answer, ending)
+    wrong = find_first_fault(function, [frame], answer, ending)
     says = f"Labels of points 0 to {len(POINTS) - 1}: {', '.join(map(format_label, answer))}."
     return Replay([ReplayStep(says, frame.draw)], wrong, remark)

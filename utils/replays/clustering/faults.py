@@ -8,29 +8,33 @@ import numpy as np
 
 from utils.replays.clustering.frames import ReplayFrame, format_label, named
 from utils.replays.clustering.points import GAPS, GROUP_OF, NEAR, ROWS, THRESHOLD
-from utils.replays.endings import how_it_ended
-from utils.replays.player import Fault, first_of
+from utils.replays.endings import describe_ending
+from utils.replays.player import Fault, earliest_fault
 from utils.replays.tracer import Ending
 
 
-def first_wrong(
+def find_first_fault(
     function: Callable, frames: list[ReplayFrame], answer: list | None, ending: Ending
 ) -> Fault | None:
     """Return the first step that is certainly wrong because its mistake is in the answer."""
     last = len(frames) - 1
     if ending.stopped:
-        return _visited_twice(frames)
+        return _find_second_visit(frames)
     if ending.error:
-        return Fault(last, how_it_ended(ending, function))
+        return Fault(last, describe_ending(ending, function))
     if answer is None:
         return Fault(
-            last, f"{how_it_ended(ending, function)} It should return one label for each point."
+            last, f"{describe_ending(ending, function)} It should return one label for each point."
         )
-    faults = [_merged(frames, answer), _split(frames, answer), _misnumbered(frames, answer)]
-    return first_of([wrong for wrong in faults if wrong])
+    faults = [
+        _find_merged_clusters(frames, answer),
+        _find_split_cluster(frames, answer),
+        _find_wrong_number(frames, answer),
+    ]
+    return earliest_fault([fault for fault in faults if fault])
 
 
-def _merged(frames: list[ReplayFrame], answer: list) -> Fault | None:
+def _find_merged_clusters(frames: list[ReplayFrame], answer: list) -> Fault | None:
     """Find points that have the same label but are not joined by a chain of neighbours."""
     for position, frame in enumerate(frames):
         for row in frame.joined:
@@ -53,7 +57,7 @@ def _merged(frames: list[ReplayFrame], answer: list) -> Fault | None:
     return None
 
 
-def _split(frames: list[ReplayFrame], answer: list) -> Fault | None:
+def _find_split_cluster(frames: list[ReplayFrame], answer: list) -> Fault | None:
     """Find neighbours with different labels in the answer, or points without a label."""
     pairs = [
         (row, other) for row, other in np.argwhere(NEAR).tolist() if answer[row] != answer[other]
@@ -77,7 +81,7 @@ def _split(frames: list[ReplayFrame], answer: list) -> Fault | None:
     return None
 
 
-def _misnumbered(frames: list[ReplayFrame], answer: list) -> Fault | None:
+def _find_wrong_number(frames: list[ReplayFrame], answer: list) -> Fault | None:
     """Find a label outside 1 to the number of clusters."""
     count = len(set(answer))
     for position, frame in enumerate(frames):
@@ -91,7 +95,7 @@ def _misnumbered(frames: list[ReplayFrame], answer: list) -> Fault | None:
     return None
 
 
-def _visited_twice(frames: list[ReplayFrame]) -> Fault | None:
+def _find_second_visit(frames: list[ReplayFrame]) -> Fault | None:
     """Find the first point that an endless run visits a second time."""
     seen = set()
     for position, frame in enumerate(frames):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from utils.replays.clustering.observer import VariableTrack, groups_in
+from utils.replays.clustering.observer import VariableTrack, group_numbers
 from utils.replays.clustering.points import ABOVE, NEAR, POINTS, ROWS, THRESHOLD
 
 
@@ -46,7 +46,7 @@ class ReplayFrame:
         return self.labels[row] != self.blank
 
     @property
-    def says(self) -> str:
+    def description(self) -> str:
         """Description of the step in words."""
         if self.is_first:
             return "Before the first point: no point has a label."
@@ -68,7 +68,7 @@ class ReplayFrame:
 
         from utils import plots
 
-        shown = [1 + number for number in groups_in((self.blank, *self.labels))[1:]]
+        shown = [1 + number for number in group_numbers((self.blank, *self.labels))[1:]]
         shown = [number - 1 if self.has_label(row) else 0 for row, number in enumerate(shown)]
         _, axes = plt.subplots(figsize=(7.0, 5.4), layout="compressed")
         pairs = np.argwhere(np.triu(NEAR))

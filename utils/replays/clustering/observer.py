@@ -108,7 +108,7 @@ def as_labels(answer: object) -> list | None:
     return None
 
 
-def labels_among(
+def find_labels(
     tracks: list[VariableTrack], returned: object, answer: list | None
 ) -> VariableTrack | None:
     """Find the variable with the labels: the returned one, or one with the same final groups."""
@@ -118,20 +118,22 @@ def labels_among(
             return track
     if answer is not None:
         changing = [
-            track for track in changing if groups_in(track.states[-1][1]) == groups_in(answer)
+            track
+            for track in changing
+            if group_numbers(track.states[-1][1]) == group_numbers(answer)
         ]
     # Labels begin with the same value for all points; several such variables are ambiguous.
     begins_alike = [track for track in changing if len(set(track.states[0][1])) == 1]
     return begins_alike[0] if len(begins_alike) == 1 else None
 
 
-def groups_in(labels: Sequence) -> list[int]:
+def group_numbers(labels: Sequence) -> list[int]:
     """Number the labels in order of appearance, so that equal groups give equal numbers."""
     order = {label: number for number, label in enumerate(dict.fromkeys(labels))}
     return [order[label] for label in labels]
 
 
-def queue_among(queues: list[VariableTrack]) -> VariableTrack | None:
+def find_queue(queues: list[VariableTrack]) -> VariableTrack | None:
     """Find the queue, which gains points and loses one at a time; None if it is ambiguous."""
 
     def is_queue(track: VariableTrack) -> bool:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from utils.lent import own
-from utils.replays.endings import how_it_ended
+from utils.replays.endings import describe_ending
 from utils.replays.player import Fault, Replay, ReplayStep
 from utils.replays.ransac.faults import ModelAndMask, Rounds
 from utils.replays.ransac.observer import Round, SampleObserver
@@ -15,17 +15,17 @@ from utils.replays.ransac.tasks import LINE, PLANE, ROUNDS, Task
 from utils.replays.tracer import Ending, record
 
 
-def run_of_line(ransac_line: Callable) -> Replay:
+def replay_ransac_line(ransac_line: Callable) -> Replay:
     """Record how a student's `ransac_line` works on twenty points."""
-    return run_of(LINE, ransac_line)
+    return replay_search(LINE, ransac_line)
 
 
-def run_of_plane(ransac_plane: Callable) -> Replay:
+def replay_ransac_plane(ransac_plane: Callable) -> Replay:
     """Record how a student's `ransac_plane` works on a small street."""
-    return run_of(PLANE, ransac_plane)
+    return replay_search(PLANE, ransac_plane)
 
 
-def run_of(task: Task, search: Callable) -> Replay:
+def replay_search(task: Task, search: Callable) -> Replay:
     """Record ten rounds of a search.
 
     Parameters
@@ -43,17 +43,19 @@ def run_of(task: Task, search: Callable) -> Replay:
     answer = ModelAndMask.of(task, ending.answer) if ending.returned_normally else None
     rounds, outcome = observer.rounds, Rounds(task, observer.rounds, answer)
     if not rounds and answer is None:
-        return Replay(remark=how_it_ended(ending, search))
+        return Replay(remark=describe_ending(ending, search))
     steps = [_step(outcome, number) for number in range(1, len(rounds) + 1)]
-    wrong = outcome.wrong
+    wrong = outcome.fault
     if answer:
         steps.append(_last_step(outcome))
     elif not wrong and not ending.stopped:
-        wrong = Fault(len(steps) - 1, how_it_ended(ending, search) + _expected(task, ending))
+        wrong = Fault(
+            len(steps) - 1, describe_ending(ending, search) + _expected_text(task, ending)
+        )
     return Replay(steps, wrong, _remark(task, ending, rounds, observer.was_called))
 
 
-def _expected(task: Task, ending: Ending) -> str:
+def _expected_text(task: Task, ending: Ending) -> str:
     if ending.error:
         return ""
     return f" It should return the {task.model} and the mask of its inliers, in this order."
@@ -83,12 +85,12 @@ def _step(outcome: Rounds, number: int) -> ReplayStep:
         )
     elif round_.model is None:
         makes = "are drawn." if round_.raised else f"do not define a {task.model}."
-        says.append(f"{_listed(round_.rows)} {makes}")
+        says.append(f"{_rows_text(round_.rows)} {makes}")
     else:
         most = max((before.count for before in outcome.rounds[: number - 1]), default=0)
         rank = "the most so far" if round_.count > most else f"while the most so far is {most}"
         says.append(
-            f"{_listed(round_.rows)} are drawn. {round_.count} of {len(task.points)} points are "
+            f"{_rows_text(round_.rows)} are drawn. {round_.count} of {len(task.points)} points are "
             f"within {task.tolerance} m of their {task.model}, {rank}."
         )
     mask = round_.masks.get(outcome.name_of_mask)
@@ -108,7 +110,7 @@ def _last_step(outcome: Rounds) -> ReplayStep:
     return ReplayStep(says, lambda title: _draw(task, f"{title}, the answer", model, mask, None))
 
 
-def _listed(rows: list[int]) -> str:
+def _rows_text(rows: list[int]) -> str:
     *others, last = map(str, rows)
     return f"points {', '.join(others)} and {last}"
 

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from utils.replays.player import Fault, first_of
+from utils.replays.player import Fault, earliest_fault
 from utils.replays.ransac.observer import Round, as_mask, as_model, gaps_from
 from utils.replays.ransac.tasks import HAIR, ROUNDS, Task
 
@@ -89,13 +89,18 @@ class Rounds:
         return next((name for name, mask in self.winner.masks.items() if mask == wanted), None)
 
     @property
-    def wrong(self) -> Fault | None:
+    def fault(self) -> Fault | None:
         """The first mistake, or None."""
-        found = [_own_mistake(round_) for round_ in self.rounds]
+        found = [_find_mistake_in_round(round_) for round_ in self.rounds]
         if self.answer is not None:
-            found += [self._without_a_model(), self._mask(), self._length(), self._not_the_best()]
-        found.append(self._extra_sample())
-        return first_of([wrong for wrong in found if wrong])
+            found += [
+                self._find_missing_model(),
+                self._find_wrong_mask(),
+                self._find_wrong_normal_length(),
+                self._find_better_round(),
+            ]
+        found.append(self._find_extra_sample())
+        return earliest_fault([fault for fault in found if fault])
 
     @property
     def _last(self) -> int:
@@ -107,13 +112,13 @@ class Rounds:
         best = max(self.rounds, key=lambda round_: round_.count, default=None)
         return best if best and best.count else None
 
-    def _without_a_model(self) -> Fault | None:
+    def _find_missing_model(self) -> Fault | None:
         if self._best is None or self.answer.model is not None:
             return None
         why = f"{_count_in_words(self._best)}, but your answer has no {self.task.model}."
         return Fault(self._best.number - 1, why)
 
-    def _mask(self) -> Fault | None:
+    def _find_wrong_mask(self) -> Fault | None:
         if self.answer.fits:
             return None
         task, mask = self.task, tuple(self.answer.mask.tolist())
@@ -137,7 +142,7 @@ class Rounds:
                 return Fault(step, f"{why}. It is the mask of round {round_.number}.")
         return Fault(self.winner.number - 1, f"{why}.")
 
-    def _length(self) -> Fault | None:
+    def _find_wrong_normal_length(self) -> Fault | None:
         length = 1 if self.answer.model is None else np.linalg.norm(self.answer.model[:-1])
         if abs(length - 1) < HAIR:
             return None
@@ -145,7 +150,7 @@ class Rounds:
             self._last, f"The normal of your {self.task.model} has length {length:.2f}, not 1."
         )
 
-    def _not_the_best(self) -> Fault | None:
+    def _find_better_round(self) -> Fault | None:
         best, winner = self._best, self.winner
         if not best or not winner or winner.count == best.count or self._was_closest():
             return None
@@ -164,7 +169,7 @@ class Rounds:
         }
         return self.winner.number == min(costs, key=costs.get)
 
-    def _extra_sample(self) -> Fault | None:
+    def _find_extra_sample(self) -> Fault | None:
         samples = set()
         for round_ in self.rounds:
             if round_.rows is not None:
@@ -177,7 +182,7 @@ class Rounds:
         return None
 
 
-def _own_mistake(round_: Round) -> Fault | None:
+def _find_mistake_in_round(round_: Round) -> Fault | None:
     """Return the mistake in a round's own sample or model, if any."""
     task, step, rows = round_.task, round_.number - 1, round_.rows
     if rows is not None and len(set(rows)) < task.size:

@@ -111,7 +111,7 @@ class SampleObserver:
             self._points = held
             self._begin(self._inferred, np.array([point[:size] for point in held], dtype=float))
             if len(set(self._inferred[-1].rows)) == size:
-                self._inferred[-1].model = _through(self._inferred[-1].sample)
+                self._inferred[-1].model = _model_through(self._inferred[-1].sample)
 
     def _is_point(self, value: object) -> bool:
         if not isinstance(value, np.ndarray) or value.ndim != 1 or value.dtype.kind != "f":
@@ -122,7 +122,7 @@ class SampleObserver:
         return bool((np.linalg.norm(self._task.xyz - xyz, axis=1) < HAIR).any())
 
 
-def _through(sample: np.ndarray) -> np.ndarray:
+def _model_through(sample: np.ndarray) -> np.ndarray:
     """Return the line or plane through a sample, with a unit normal."""
     model = np.linalg.svd(np.column_stack([sample, np.ones(len(sample))]))[2][-1]
     return model / np.linalg.norm(model[:-1])
