@@ -43,8 +43,8 @@ LEGEND = {
 }
 
 
-LEAST_FINISHED = 3  # items; several run at the same time, so the first alone would mislead
-LONG = 60.0  # seconds
+MIN_FINISHED = 3  # items; several run at the same time, so the first alone would mislead
+MIN_SECONDS_SHOWN = 60.0  # seconds
 
 
 @contextlib.contextmanager
@@ -76,7 +76,7 @@ def progress_bar(title: str) -> Iterator[Callable[[int, int, object], None]]:
         )
         if total or text != title:
             progress.start()
-        if is_first and (estimate.seconds or 0) >= LONG:
+        if is_first and (estimate.seconds or 0) >= MIN_SECONDS_SHOWN:
             tell(f"{title}: {estimate.in_words()}, estimated after {done} of {total}.")
 
     try:
@@ -111,12 +111,12 @@ class RemainingTime:
             return
         now = self._clock()
         begin, first = self._begin = self._begin or (now, done)
-        if done - first >= LEAST_FINISHED:
+        if done - first >= MIN_FINISHED:
             self.seconds = (now - begin) / (done - first) * (total - done)
 
     def in_words(self) -> str:
         """Return a phrase such as "about 13 minutes left", or nothing for a short time."""
-        if self.seconds is None or self.seconds < LONG:
+        if self.seconds is None or self.seconds < MIN_SECONDS_SHOWN:
             return ""
         minutes = round(self.seconds / 60)
         return f"about {minutes} minute{'s' * (minutes != 1)} left"

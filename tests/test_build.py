@@ -331,7 +331,7 @@ def test_optional_sections_are_listed_but_not_counted():
 
 def test_places_to_stop_are_at_most_ninety_minutes_apart(lesson):
     notebook = nbformat.read(lesson.solved, as_version=4)
-    assert max(durations.sitting_minutes(notebook)) <= durations.MOST_MINUTES_WITHOUT_STOP
+    assert max(durations.sitting_minutes(notebook)) <= durations.MAX_MINUTES_WITHOUT_STOP
 
 
 def test_the_tests_in_this_file_run_in_one_process(request):

@@ -1363,7 +1363,7 @@ def test_zip_bombs_are_refused_with_a_reason(course, monkeypatch):
     deep = notebook(NINE)
     for _ in range(4):
         deep = zipped([(f"{NINE}.ipynb" if deep[:1] == b"{" else "more.zip", deep)])
-    many = zipped([(f"{n}.txt", b"") for n in range(zips.MOST_FILES_OF_A_STUDENT + 1)])
+    many = zipped([(f"{n}.txt", b"") for n in range(zips.MAX_FILES_PER_STUDENT + 1)])
     files = [
         (f"ada/{SIX}.ipynb", zeros),
         ("ada/ratio.zip", zipped([(f"{SEVEN}.ipynb", zeros)])),
@@ -1383,7 +1383,7 @@ def test_zip_bombs_are_refused_with_a_reason(course, monkeypatch):
 
 
 def test_too_many_bytes_in_one_zip_are_refused(course, monkeypatch):
-    monkeypatch.setattr("grader.classroom.collect.inspection.MOST_BYTES_OF_A_STUDENT", 2000)
+    monkeypatch.setattr("grader.classroom.collect.inspection.MAX_BYTES_PER_STUDENT", 2000)
     inner = zipped([(f"{n}.ipynb", notebook(text=str(n) * 90)) for n in range(20)])
     outcome = collect(course, archive(course, [("ada/homework.zip", inner)]))
     assert "unpacks to more than" in questions(outcome)["ada/homework.zip"]
@@ -1718,7 +1718,7 @@ def test_a_damaged_zip_is_read_or_reported():
 
 
 def test_too_many_bytes_in_several_zips_are_refused(course, monkeypatch):
-    monkeypatch.setattr("grader.classroom.collect.inspection.MOST_BYTES_OF_A_STUDENT", 2000)
+    monkeypatch.setattr("grader.classroom.collect.inspection.MAX_BYTES_PER_STUDENT", 2000)
     archives = [
         zipped([(f"{n}.ipynb", notebook(text=str(n) * 90)) for n in range(k, k + 5)])
         for k in (0, 5, 10)

@@ -62,7 +62,7 @@ def wait(): time.sleep(1.5)
 @pytest.fixture(autouse=True)
 def empty_cache(monkeypatch):
     """Empty the cache of right notebooks, which earlier tests may have filled."""
-    monkeypatch.setattr(judging, "_FULL_MARKS", {})
+    monkeypatch.setattr(judging, "_full_mark_decisions", {})
 
 
 class Inline(Executor):
@@ -213,7 +213,7 @@ def test_a_failure_that_does_not_recur_costs_no_points(answers, sandbox, tmp_pat
     path.write_text(fill_in(LESSON, answers), "utf-8")
     expected = judging.judge(path, SEED, sandbox)
     calls = fail_once(monkeypatch)
-    judging._FULL_MARKS.clear()
+    judging._full_mark_decisions.clear()
     verdict = judging.judge(path, SEED, sandbox)
     assert (verdict.status, verdict.score) == (JUDGED, expected.score)
     assert verdict.exercises == expected.exercises

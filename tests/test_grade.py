@@ -524,7 +524,7 @@ def test_the_report_escapes_text_of_students(judged_course, sandbox):
     [(stage, 12 if stage == "stage2_clustering" else 4) for stage in stages()],
 )
 def test_demo_grades_its_class(stage, students, sandbox, monkeypatch, tmp_path, capsys):
-    monkeypatch.setattr(demo, "DEMO", tmp_path / "demo")
+    monkeypatch.setattr(demo, "DEMO_FOLDER", tmp_path / "demo")
     options = ["--students", str(students), "--stages", stage]
     assert cli.main(["demo", *options, "--workers", "2"]) == 0
     output = capsys.readouterr().out
@@ -553,7 +553,7 @@ def test_demo_grades_its_class(stage, students, sandbox, monkeypatch, tmp_path, 
 
 def test_demo_of_all_stages_has_every_lesson(monkeypatch, tmp_path):
     graded = []
-    monkeypatch.setattr(demo, "DEMO", tmp_path / "demo")
+    monkeypatch.setattr(demo, "DEMO_FOLDER", tmp_path / "demo")
     monkeypatch.setattr(
         commands, "grade_course", lambda course, *_: graded.append(find_submissions(course)) or 0
     )
@@ -566,7 +566,7 @@ def test_demo_of_all_stages_has_every_lesson(monkeypatch, tmp_path):
 
 
 def test_demo_has_every_kind_of_student(tmp_path, monkeypatch):
-    monkeypatch.setattr(demo, "DEMO", tmp_path / "demo")
+    monkeypatch.setattr(demo, "DEMO_FOLDER", tmp_path / "demo")
     course = make_class(13, hostile=True)
     names = {path.name for path in course.submitted.iterdir()}
     assert len(names) == 13

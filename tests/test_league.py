@@ -13,8 +13,8 @@ import pytest
 from extension.league import drives, page, season
 from extension.league.drives import (
     DETECTOR,
-    MOST_BOXES,
-    MOST_FAILURES,
+    MAX_BOXES,
+    MAX_FAILURES,
     DriveResult,
     drive_in_sandbox,
     from_json,
@@ -142,7 +142,7 @@ ODD = {
     "a function": "detect_obstacles",
     "flat": "np.zeros((5, 3))",
     "texts": "[[['1'] * 3] * 8] * 2 + ['x']",
-    "too many boxes": f"np.zeros(({MOST_BOXES + 1}, 8, 3))",
+    "too many boxes": f"np.zeros(({MAX_BOXES + 1}, 8, 3))",
     "raises": "1 / 0",
     "raises a word": "(_ for _ in ()).throw(type('Secret', (Exception,), {})('a word'))",
     "not written": "(_ for _ in ()).throw(NotImplementedError('write it'))",
@@ -152,8 +152,8 @@ ODD = {
 @pytest.mark.parametrize("answer", ODD.values(), ids=ODD)
 def test_a_detector_without_boxes_is_stopped_with_a_fixed_message(answer, sandbox):
     driven = drive_with(sandbox, returning(answer), seconds=4.0)
-    assert driven.failed == MOST_FAILURES and driven.metres == 0
-    assert driven.stopped.startswith(f"It returned no boxes for {MOST_FAILURES} scans. ")
+    assert driven.failed == MAX_FAILURES and driven.metres == 0
+    assert driven.stopped.startswith(f"It returned no boxes for {MAX_FAILURES} scans. ")
     assert driven.failure in driven.stopped
     assert "Secret" not in driven.stopped and "word" not in driven.stopped
 

@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import pytest
 
 from grader.course.lessons import all_lessons
-from grader.course.mathml import LONGEST_FORMULA, formula, markdown_page
+from grader.course.mathml import MAX_FORMULA_LENGTH, formula, markdown_page
 
 NAME = "{http://www.w3.org/1998/Math/MathML}"
 
@@ -54,7 +54,7 @@ def test_every_formula_of_the_course_is_drawn():
         "{" * 1500,
         r"\frac" * 300,
         r"\left(" * 300,
-        "x" * (LONGEST_FORMULA + 1),
+        "x" * (MAX_FORMULA_LENGTH + 1),
     ],
 )
 def test_invalid_formulas_are_shown_as_code(latex):

@@ -17,7 +17,7 @@ from grader.judging.messages import (
 from grader.judging.runner import JudgeTimeout
 from grader.judging.verdict import MessageKind
 from grader.sandbox.failures import StudentError, StudentStopped
-from grader.sandbox.quotation import LONGEST_LINE, describe_error, describe_failed_cell
+from grader.sandbox.quotation import MAX_LINE_LENGTH, describe_error, describe_failed_cell
 from utils.checks import Check, CheckFailed
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import (
@@ -214,7 +214,7 @@ def test_a_word_is_quoted_only_if_it_is_in_the_line(kind, message, line, says):
 def test_long_lines_are_cut():
     line = "x = " + "1 + " * 100 + "clod"
     sentence = describe_error(raised("NameError", MISSING, line=line))
-    assert sentence == f"f raised NameError (code cell 3, line 2: `{line[:LONGEST_LINE]}…`)."
+    assert sentence == f"f raised NameError (code cell 3, line 2: `{line[:MAX_LINE_LENGTH]}…`)."
 
 
 def test_a_message_may_have_no_place():

@@ -288,7 +288,7 @@ def test_an_answer_gets_no_edits_if_its_first_hidden_test_passes_when_repeated(p
 def test_after_a_hang_in_the_first_check_other_edits_get_less_time_for_it(passing):
     student = EditedStudent(["abxy", "a", "bx", "A", "b", "A", ""])
     assert passing(student) == [5]
-    long, short = repair.SECONDS_OF_A_CALL, repair.SECONDS_OF_A_FIRST_CALL
+    long, short = repair.CALL_SECONDS, repair.FIRST_CALL_SECONDS
     assert short < long / 5
     first_times = [seconds for letter, seconds in student.given if letter == "a"]
     # The first limit applied to the answer without an edit.
@@ -397,7 +397,7 @@ def test_the_time_is_checked_after_each_slow_edit(passing):
 def test_calls_are_limited_to_the_time_of_a_right_answer(passing):
     student = EditedStudent(["abxy", ""])
     passing(student)
-    limits = Limits(call_seconds=2 * repair.SECONDS_OF_A_CALL, restarts=repair.MOST_RESTARTS)
+    limits = Limits(call_seconds=2 * repair.CALL_SECONDS, restarts=repair.MAX_RESTARTS)
     assert student.limits == limits and 0.1 < limits.call_seconds < 1
     passing(student, limits=Limits(call_seconds=0.1, memory=7))
     assert (student.limits.call_seconds, student.limits.memory) == (0.1, 7)
@@ -406,9 +406,9 @@ def test_calls_are_limited_to_the_time_of_a_right_answer(passing):
 def test_edits_use_the_notebooks_remaining_time(passing):
     budget = Budget(Limits())
     student = EditedStudent(["abxy"] * 100, slept=0.56)  # nine seconds pass between two time checks
-    assert passing(student, budget=budget) == [] and student.tried == 2 * repair.EDITS_PER_LOOK
+    assert passing(student, budget=budget) == [] and student.tried == 2 * repair.EDITS_PER_POLL
     assert student.budget is budget
-    assert budget.seconds == pytest.approx(180 - 0.56 * 2 * repair.EDITS_PER_LOOK)
+    assert budget.seconds == pytest.approx(180 - 0.56 * 2 * repair.EDITS_PER_POLL)
     # Time between edits does not count, for example the time for judging an edit completely.
     student = EditedStudent(["abxy", *["", "a"] * 40], slept=0.01)
 
@@ -423,7 +423,7 @@ def test_wall_clock_time_ends_the_search_in_any_case(passing):
     clock = itertools.count(100.0)
     student = EditedStudent(["abxy"] * 500)
     assert passing(student, clock=lambda: next(clock)) == []
-    assert 10 < student.tried < repair.MOST_SECONDS
+    assert 10 < student.tried < repair.MAX_SECONDS
 
 
 def test_time_lost_by_one_edit_does_not_count_for_the_next(passing):

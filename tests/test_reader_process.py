@@ -31,7 +31,7 @@ def fill_memory():
 
 
 def return_long_answer():
-    return "a" * (reader_process.LARGEST_REPLY + 1)
+    return "a" * (reader_process.MAX_REPLY_BYTES + 1)
 
 
 def stop_own_process():
@@ -59,8 +59,8 @@ def short_limits(monkeypatch):
     """Set small limits, and return a function that also shortens the wall-clock limit."""
     monkeypatch.setattr(reader_process, "CPU_SECONDS", 1)
     monkeypatch.setattr(reader_process, "MEGABYTES", 128)
-    monkeypatch.setattr(reader_process, "LARGEST_REPLY", 2**22)
-    return lambda: monkeypatch.setattr(reader_process, "LONGEST_WAIT", 0.5)
+    monkeypatch.setattr(reader_process, "MAX_REPLY_BYTES", 2**22)
+    return lambda: monkeypatch.setattr(reader_process, "MAX_WAIT_SECONDS", 0.5)
 
 
 @pytest.mark.end_to_end
@@ -187,12 +187,12 @@ def test_lower_hard_limits_are_respected(limits):
 
 
 def test_the_reply_limit_fits_the_largest_file_and_the_memory():
-    assert 64 * 2**20 < reader_process.LARGEST_REPLY < reader_process.MEGABYTES * 2**20
+    assert 64 * 2**20 < reader_process.MAX_REPLY_BYTES < reader_process.MEGABYTES * 2**20
 
 
 def test_a_busy_machine_has_enough_time():
     """The wait is long, because six seconds of work once took two minutes on a busy machine."""
-    assert 50 * reader_process.CPU_SECONDS < reader_process.LONGEST_WAIT < pool.LONGEST_JOB
+    assert 50 * reader_process.CPU_SECONDS < reader_process.MAX_WAIT_SECONDS < pool.MAX_JOB_SECONDS
 
 
 def test_exit_codes_of_exceeded_limits_mean_too_costly():
@@ -239,7 +239,7 @@ def test_an_answer_is_read_until_its_end_or_its_deadline(monkeypatch):
 
 @pytest.mark.parametrize(("largest", "read"), [(3, b"abcd"), (4, b"abcdef"), (5, b"abcdef")])
 def test_reading_stops_once_an_answer_is_too_long(largest, read, monkeypatch):
-    monkeypatch.setattr(reader_process, "LARGEST_REPLY", largest)
+    monkeypatch.setattr(reader_process, "MAX_REPLY_BYTES", largest)
     Pipe(monkeypatch, [b"ab", b"cd", b"ef", b"gh"])
     assert reader_process._read(7, 102.0) == read
     assert reader_process._excess(0, read) and not reader_process._excess(0, read[:largest])
@@ -253,7 +253,7 @@ def test_the_deadline_follows_from_the_patience(monkeypatch):
         return json.dumps(["done", 7]).encode()
 
     monkeypatch.setattr(reader_process, "_read", read)
-    monkeypatch.setattr(reader_process, "LONGEST_WAIT", 60)
+    monkeypatch.setattr(reader_process, "MAX_WAIT_SECONDS", 60)
     monkeypatch.setattr(reader_process.time, "monotonic", lambda: 1000.5)
     assert reader_process.run_in_child("file.ipynb", sleep_long) == 7
     assert deadlines == [1060.5]

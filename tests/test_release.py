@@ -411,11 +411,14 @@ def test_solutions_run_for_the_site_become_portable_notebooks():
 
     answer = {"question": "How many?", "answer": "7 <m>", "why": "Because."}
     cells = [
-        [output(widget_states.QUESTION, {"question": "How many?"})],
-        [nbformat.v4.new_output("stream", text="said"), output(widget_states.ANSWER, answer)],
+        [output(widget_states.QUESTION_TYPE, {"question": "How many?"})],
+        [nbformat.v4.new_output("stream", text="said"), output(widget_states.ANSWER_TYPE, answer)],
         [
-            *(output(widget_states.POSITION, {"all": [["height", "3"]]}), picture("one")),
-            *(output(widget_states.POSITION, {"slider": "height", "value": "4"}), picture("two")),
+            *(output(widget_states.POSITION_TYPE, {"all": [["height", "3"]]}), picture("one")),
+            *(
+                output(widget_states.POSITION_TYPE, {"slider": "height", "value": "4"}),
+                picture("two"),
+            ),
         ],
     ]
     notebook = nbformat.v4.new_notebook(

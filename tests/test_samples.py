@@ -48,8 +48,8 @@ def test_an_oracle_runs_once_for_each_content(counted):
 
 
 def test_the_cache_of_an_oracle_is_bounded(counted, monkeypatch):
-    assert 100 <= hidden_tests.MOST_CACHED <= 1000
-    monkeypatch.setattr(hidden_tests, "MOST_CACHED", 3)
+    assert 100 <= hidden_tests.MAX_CACHED_ANSWERS <= 1000
+    monkeypatch.setattr(hidden_tests, "MAX_CACHED_ANSWERS", 3)
     doubled, calls = counted
     clouds = [np.full((2, 3), float(number)) for number in range(4)]
     for cloud in clouds[:3] * 2:

@@ -58,8 +58,8 @@ def names_of(comparison):
 @pytest.mark.parametrize("exercise", ALL)
 def test_independent_answers_are_not_flagged(exercise, monkeypatch):
     """Right answers, which were written independently, are not flagged even at lower thresholds."""
-    monkeypatch.setattr(comparison, "LEAST_SHARE", comparison.LEAST_SHARE - 0.1)
-    monkeypatch.setattr(comparison, "LEAST_BITS", comparison.LEAST_BITS - 3)
+    monkeypatch.setattr(comparison, "MIN_SHARE", comparison.MIN_SHARE - 0.1)
+    monkeypatch.setattr(comparison, "MIN_BITS", comparison.MIN_BITS - 3)
     assert compared(exercise, written(exercise, right=True)).pairs == ()
 
 

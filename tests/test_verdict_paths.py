@@ -24,7 +24,7 @@ from grader.judging.verdict import (
 )
 from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError, StudentStopped
-from grader.sandbox.program import PACKAGES, Given, Program
+from grader.sandbox.program import INSTALLED_PACKAGES, Given, Program
 from utils.checks import Check
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import CheckFailed
@@ -72,7 +72,9 @@ def judge_with(monkeypatch):
             return dataclasses.replace(again, outcomes=outcomes)
 
         monkeypatch.setattr(judging, "run_program", run)
-        monkeypatch.setattr(judging, "_FULL_MARKS", {})  # clears the cache of right submissions
+        monkeypatch.setattr(
+            judging, "_full_mark_decisions", {}
+        )  # clears the cache of right submissions
         monkeypatch.setattr(judging, "complaints_about_reference", lambda *about: complaints)
         monkeypatch.setattr(judging, "carry_forward", lambda *about: (better or {}, late))
         monkeypatch.setattr(judging, "find_slips", lambda *about: {})
@@ -114,7 +116,7 @@ def test_the_program_has_the_rules_of_its_lesson():
             {"helper": "y = 2"},
             given,
             header.forbidden,
-            PACKAGES,
+            INSTALLED_PACKAGES,
             lesson.steps,
         )
     tree = find_lesson("04_kd_tree")

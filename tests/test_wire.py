@@ -171,8 +171,8 @@ def test_a_value_that_is_too_large_is_refused_before_it_is_sent(value):
 
 
 def test_commas_in_texts_do_not_count(monkeypatch):
-    monkeypatch.setattr(wire_format, "MAXIMUM_COMMAS", 1000)
-    monkeypatch.setattr(wire_format, "MAXIMUM_BRACKETS", 500)
+    monkeypatch.setattr(wire_format, "MAX_COMMAS", 1000)
+    monkeypatch.setattr(wire_format, "MAX_BRACKETS", 500)
     cells = ["pasted = [" + "1," * 1100 + "]", "[" * 600, '"\\' * 1100]
     assert there_and_back({"cells": cells}) == {"cells": cells}
     values = [[1]] * 600
@@ -188,7 +188,7 @@ def test_unterminated_texts_take_linear_time():
         return time.process_time() - begin
 
     for end in (b'"', b'\\"', b'"a', b"\\"):
-        commas = b"," * (wire_format.MAXIMUM_COMMAS + 1)
+        commas = b"," * (wire_format.MAX_COMMAS + 1)
         assert seconds(commas + end * 500_000) < 5
 
 
@@ -306,7 +306,7 @@ def test_two_arrays_cannot_share_bytes():
 )
 def test_many_small_values_are_refused_before_memory_is_allocated(unit):
     """Decoding the values would take ten seconds and fifty times as much memory as the message."""
-    most = wire_format.MAXIMUM_TREE - 20
+    most = wire_format.MAX_TREE_BYTES - 20
     tree = bytearray(b'{"list":[' + b",".join([unit] * (most // (len(unit) + 1))) + b"]}")
     tracemalloc.start()
     try:

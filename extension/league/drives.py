@@ -39,15 +39,15 @@ from utils.notebooks.reading import UnreadableNotebook
 from utils.simulator.sensor import Sensor
 
 DETECTOR = "detect_obstacles"
-SECONDS = 20.0
+DRIVE_SECONDS = 20.0
 LIMITS = Limits(call_seconds=5.0, total_seconds=120.0)
-MOST_BOXES = 300
+MAX_BOXES = 300
 """Maximum number of boxes in a scan; there are fewer square metres in front of the car."""
-MOST_FAILURES = 20
+MAX_FAILURES = 20
 """Number of scans without an answer after which a drive ends."""
-READING_SECONDS = 30.0
+REPLY_SECONDS = 30.0
 """Processor time in which this process may read the answers of a drive; usually it takes 1 s."""
-FARTHEST = 1000.0
+MAX_DISTANCE = 1000.0
 """Distance in metres beyond which a box is dropped; no scanner has such a range."""
 
 
@@ -153,7 +153,7 @@ def drive_in_sandbox(
     student: StudentProxy,
     key: str = "",
     *,
-    seconds: float = SECONDS,
+    seconds: float = DRIVE_SECONDS,
     sensor: Sensor = SCANNER,
 ) -> DriveResult:
     """Drive a street with a student's `DETECTOR`; see `drive_submission`."""
@@ -190,7 +190,7 @@ def _summarize_drive(
 
 
 class _SandboxedDetector:
-    """A detector in a sandbox that returns at most `MOST_BOXES` finite boxes for a scan."""
+    """A detector in a sandbox that returns at most `MAX_BOXES` finite boxes for a scan."""
 
     def __init__(self, student: StudentProxy) -> None:
         self._student = student
@@ -203,13 +203,13 @@ class _SandboxedDetector:
         boxes, failure = self._detect(cloud)
         # A quarter of a million empty lists contain not one box, but take seconds to read.
         self._seconds += time.process_time() - before
-        if self._seconds > READING_SECONDS:
+        if self._seconds > REPLY_SECONDS:
             raise StudentStopped(
-                f"Its answers were so large that reading them took {READING_SECONDS:g} seconds."
+                f"Its answers were so large that reading them took {REPLY_SECONDS:g} seconds."
             )
         if failure:
             self.failed, self.failure = self.failed + 1, self.failure or failure
-        if self.failed >= MOST_FAILURES:
+        if self.failed >= MAX_FAILURES:
             raise StudentStopped(f"It returned no boxes for {self.failed} scans. {self.failure}")
         self.answers.append(boxes)
         return boxes / 1000
@@ -227,14 +227,14 @@ class _SandboxedDetector:
             boxes = checked_boxes(found)
         except Exception:  # NumPy may raise any exception on untrusted data
             return no_boxes, f"{DETECTOR} did not return boxes of shape (N, 8, 3)."
-        if len(boxes) > MOST_BOXES:
-            return no_boxes, f"{DETECTOR} returned more than {MOST_BOXES} boxes."
-        is_near = (np.abs(boxes) < FARTHEST).all(axis=(1, 2))  # False for NaN
+        if len(boxes) > MAX_BOXES:
+            return no_boxes, f"{DETECTOR} returned more than {MAX_BOXES} boxes."
+        is_near = (np.abs(boxes) < MAX_DISTANCE).all(axis=(1, 2))  # False for NaN
         return np.round(1000 * boxes[is_near]).astype(np.int32), ""
 
 
 def repeat_drive(
-    result: DriveResult, street: Street, *, seconds: float = SECONDS, sensor: Sensor = SCANNER
+    result: DriveResult, street: Street, *, seconds: float = DRIVE_SECONDS, sensor: Sensor = SCANNER
 ) -> tuple[Drive, Report]:
     """Repeat a drive with the stored answers of its detector.
 

@@ -13,10 +13,10 @@ from pathlib import Path
 
 from extension.league.drives import (
     LIMITS,
-    MOST_BOXES,
-    MOST_FAILURES,
-    READING_SECONDS,
-    SECONDS,
+    MAX_BOXES,
+    MAX_FAILURES,
+    REPLY_SECONDS,
+    DRIVE_SECONDS,
     DriveResult,
     repeat_drive,
 )
@@ -110,13 +110,13 @@ def write_league(course: Course, season: Season, seed: int, warning: str = "") -
         film=_film_best_drive(season, ranked, display_name),
         made=datetime.now().strftime("%d %B %Y, %H:%M"),
         warning=warning,
-        seconds=SECONDS,
+        seconds=DRIVE_SECONDS,
         free=stopping_distance(SPEED),
         cost=NEEDLESS_COST,
         limits=LIMITS,
-        most_boxes=MOST_BOXES,
-        most_failures=MOST_FAILURES,
-        reading_seconds=READING_SECONDS,
+        most_boxes=MAX_BOXES,
+        most_failures=MAX_FAILURES,
+        reading_seconds=REPLY_SECONDS,
         close=CLOSE,
         fast=FAST,
     )

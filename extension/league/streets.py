@@ -19,7 +19,7 @@ from utils.simulator.streets import EGO_LANE, StreetPlan, placed
 from utils.simulator.traffic import car, truck
 
 SPEED = 30 / 3.6
-CROWDED = StreetPlan(parked=1.5, furniture=6.0, walkers=7.0, clearance=1.2)
+CROWDED_STREET = StreetPlan(parked=1.5, furniture=6.0, walkers=7.0, clearance=1.2)
 
 WAIT_DISTANCE = 18.0
 """Distance in metres from our scanner to the waiting vehicle at which its wait begins.
@@ -77,10 +77,10 @@ def _crowded_street(rng: np.random.Generator) -> dict:
     x = _later_place(rng)
     pair = adult(x, SPEED), adult(x + rng.uniform(0.8, 1.0), SPEED)
     slope = -rng.uniform(0.02, 0.05)
-    return {"title": "Two people, downhill", "slope": slope, "plan": CROWDED, "actors": pair}
+    return {"title": "Two people, downhill", "slope": slope, "plan": CROWDED_STREET, "actors": pair}
 
 
-KINDS: tuple[Callable[[np.random.Generator], dict], ...] = (
+STREET_KINDS: tuple[Callable[[np.random.Generator], dict], ...] = (
     _waiting_street,
     _child_street,
     _cyclist_street,
@@ -101,14 +101,14 @@ def draw_streets(seed: int) -> tuple[Street, ...]:
         The course's secret. Streets are drawn from digests of the seed. A digest does not reveal
         the seed, and no hidden test uses it.
     """
-    return tuple(_draw_street(seed, number) for number in range(1, len(KINDS) + 1))
+    return tuple(_draw_street(seed, number) for number in range(1, len(STREET_KINDS) + 1))
 
 
 def _draw_street(seed: int, number: int) -> Street:
     source = derive_secret(seed, f"street {number}")
     rng = np.random.default_rng((source, 29))
     first = _waiting_vehicle(rng)
-    settings = KINDS[number - 1](rng)
+    settings = STREET_KINDS[number - 1](rng)
     actors = (first, *settings.pop("actors", ()))
     return Street(number, **settings, actors=actors, drawn_from=source)
 

@@ -5,18 +5,18 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from grader.course.lessons import OPTIONAL, every_lesson
+from grader.course.lessons import OPTIONAL_FOLDER, every_lesson
 from grader.course.paths import PROJECT
 
 TEMPLATES = Path(__file__).with_name("templates")
-OWN_STAGE = "stage5_own"
+DEFAULT_STAGE = "stage5_own"
 
 
 class UnusableName(ValueError):
     """A new lesson cannot have this name; `str()` says why and what to do."""
 
 
-def write_skeleton(name: str, stage: str = OWN_STAGE) -> list[Path]:
+def write_skeleton(name: str, stage: str = DEFAULT_STAGE) -> list[Path]:
     """Write the files of a small lesson that builds and can be judged.
 
     Parameters
@@ -42,10 +42,10 @@ def write_skeleton(name: str, stage: str = OWN_STAGE) -> list[Path]:
             f"{name!r} is not a valid lesson name. Write two digits, _ and the name of the "
             "function, such as 14_free_distance."
         )
-    if not re.fullmatch(rf"stage\w+|{OPTIONAL}", stage):
+    if not re.fullmatch(rf"stage\w+|{OPTIONAL_FOLDER}", stage):
         raise UnusableName(
             f"{stage!r} is not a valid stage name. Begin the name with stage, such as "
-            f"--stage {OWN_STAGE}."
+            f"--stage {DEFAULT_STAGE}."
         )
     number, exercise = found.groups()
     _check_not_taken(number, exercise)

@@ -23,7 +23,7 @@ from utils.checks import checks_of
 from utils.checks.diagnosis import known_mistakes
 
 SEEDS = (1, 2, 3)
-FEWEST_CHECKS = 3
+MIN_CHECKS = 3
 
 
 @dataclass(frozen=True)
@@ -128,11 +128,11 @@ def _judge_answers(lesson: Lesson, sandbox: Sandbox) -> Iterator[Finding]:
 
 def _missing_from_exercise(exercise: Exercise, lesson: Lesson) -> Iterator[Finding]:
     name, count = exercise.name, _count_checks(exercise.name)
-    if count < FEWEST_CHECKS:
+    if count < MIN_CHECKS:
         yield Finding(
             False,
             f"Visible checks for {name}: {count}. Add one for each property in "
-            f"utils/checks/lesson_{lesson.number}.py, until there are at least {FEWEST_CHECKS}.",
+            f"utils/checks/lesson_{lesson.number}.py, until there are at least {MIN_CHECKS}.",
         )
     if lesson.tests.is_file() and f'"{name}"' not in lesson.tests.read_text("utf-8"):
         yield Finding(

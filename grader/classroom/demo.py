@@ -9,7 +9,7 @@ from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import PROJECT, Course
 
-DEMO = PROJECT / "demo"
+DEMO_FOLDER = PROJECT / "demo"
 STAGE = "stage3_obstacles"  # the default stage
 NAMES = (
     "ada",
@@ -54,7 +54,7 @@ configure(get_config(), HERE)  # noqa: F821
 """
 
 # Code that tries to cheat or to do damage instead of solving the exercise.
-HOSTILE = """\
+HOSTILE_CODE = """\
 import os, sys, gc
 
 def {name}(*arguments, **keywords):
@@ -92,7 +92,7 @@ def make_class(count: int, hostile: bool, stages: Sequence[str] = (STAGE,)) -> C
     stages : sequence of str
         Stages that every student submits.
     """
-    course = Course(DEMO)
+    course = Course(DEMO_FOLDER)
     shutil.rmtree(course.root, ignore_errors=True)
     for folder, stage in itertools.product(("solutions", "notebooks"), stages):
         shutil.copytree(
@@ -132,7 +132,7 @@ def sample_students(count: int, hostile: bool, stages: Sequence[str]) -> Iterato
                     lesson: fill_in(
                         lesson,
                         {
-                            exercise.name: HOSTILE.format(name=exercise.name)
+                            exercise.name: HOSTILE_CODE.format(name=exercise.name)
                             for exercise in lesson.machine_graded
                         },
                     )

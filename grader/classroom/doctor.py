@@ -27,7 +27,7 @@ from grader.course.roster import Roster, RosterError, read_roster
 from grader.sandbox import SANDBOXES, Sandbox, SandboxUnavailable
 from grader.sandbox.boundary import is_shown
 
-LEAST_FREE_BYTES = 2**30
+MIN_FREE_BYTES = 2**30
 
 
 @dataclass(frozen=True)
@@ -146,7 +146,7 @@ def _boundary(course: Course) -> Finding:
 
 def _space(course: Course) -> Finding:
     free = shutil.disk_usage(course.root).free
-    return Finding("disk", free > LEAST_FREE_BYTES, f"{free / 2**30:.1f} GB free at {course.root}")
+    return Finding("disk", free > MIN_FREE_BYTES, f"{free / 2**30:.1f} GB free at {course.root}")
 
 
 def _seed(course: Course) -> Finding:

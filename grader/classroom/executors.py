@@ -13,7 +13,7 @@ from pathlib import Path
 from grader.classroom.pool import Pool
 from grader.classroom.protocol import ExecutorLost
 
-NEEDED_BY_CLUSTERS = ("cloudpickle", "dask", "distributed")
+CLUSTER_PACKAGES = ("cloudpickle", "dask", "distributed")
 
 
 def processors() -> int:
@@ -32,7 +32,7 @@ def scheduler(address: str, sandbox: str, notify: Callable[[str], None]) -> Exec
     try:
         from grader.classroom.cluster import connect  # importing Dask takes a second
     except ModuleNotFoundError as error:
-        if error.name not in NEEDED_BY_CLUSTERS:
+        if error.name not in CLUSTER_PACKAGES:
             raise
         raise ExecutorLost(
             f"A cluster needs Dask, and {error.name} is not installed here. "

@@ -11,7 +11,7 @@ from grader.judging.messages import common_text, without_numbers
 from grader.judging.verdict import ExerciseResult, MessageKind, Verdict
 
 # With fewer students, chance alone can produce a discrimination of 0.4.
-LEAST_STUDENTS = 20
+MIN_STUDENTS = 20
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Item:
         How many students passed the check, and how many have started its exercise.
     discrimination : float or None
         Correlation between passing this check and the points for the rest of the lesson. None for
-        fewer than `LEAST_STUDENTS` students, or if either quantity is the same for all students.
+        fewer than `MIN_STUDENTS` students, or if either quantity is the same for all students.
     """
 
     exercise: str
@@ -101,7 +101,7 @@ def items_of(verdicts: Sequence[Verdict]) -> list[Item]:
 
 def _discrimination(outcomes: Sequence[tuple[float, float]]) -> float | None:
     passed, rest = zip(*outcomes, strict=True)
-    if len(outcomes) < LEAST_STUDENTS or len(set(passed)) == 1 or len(set(rest)) == 1:
+    if len(outcomes) < MIN_STUDENTS or len(set(passed)) == 1 or len(set(rest)) == 1:
         return None
     return statistics.correlation(passed, rest)
 

@@ -26,7 +26,7 @@ from grader.intake.submission import (
 
 # Files that nbgrader's exchange adds: the submission time and the key for the feedback.
 EXCHANGE_FILES = {"timestamp.txt", "submission_secret.txt"}
-MOST_LISTED = 10  # files of one folder that are listed one by one
+MAX_LISTED_FILES = 10  # files of one folder that are listed one by one
 
 
 class ReplacedSubmission(Exception):
@@ -182,7 +182,7 @@ def _folded(found: Iterable[tuple[Path, str]]) -> Iterator[tuple[Path, str]]:
         folder = Path(*path.parent.parts[:4])
         groups.setdefault((folder, reason), []).append(path)
     for (folder, reason), paths in groups.items():
-        if len(paths) > MOST_LISTED:
+        if len(paths) > MAX_LISTED_FILES:
             yield folder, f"{len(paths)} files: {reason}"
         else:
             yield from ((path, reason) for path in paths)

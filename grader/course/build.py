@@ -30,12 +30,12 @@ if TYPE_CHECKING:
 # two versions, separated by a line `---`. The first is for a course with a public address.
 COMMON_CELLS = {"setup": "setup_cell.py", "badge": "badge_cell.md", "footer": "footer_cell.md"}
 KERNEL = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
-FORBIDDEN = PROJECT / "utils" / "checks" / "forbidden.json"
-CELL_KEYS = PROJECT / "utils" / "lent" / "cells.json"
-# Characters. Shorter lines do not reveal a solution, and neither do lines that match `HARMLESS`.
+FORBIDDEN_FILE = PROJECT / "utils" / "checks" / "forbidden.json"
+CELL_KEYS_FILE = PROJECT / "utils" / "lent" / "cells.json"
+# Characters. Shorter lines do not reveal a solution, and neither do lines that match `HARMLESS_LINE`.
 LEAK_LENGTH = 12
 # Cell metadata that folds the code in JupyterLab, Colab and Kaggle.
-HIDDEN = {"jupyter": {"source_hidden": True}, "cellView": "form", "_kg_hide-input": True}
+HIDDEN_METADATA = {"jupyter": {"source_hidden": True}, "cellView": "form", "_kg_hide-input": True}
 # Unusual characters are refused, because the address and the revision are inserted into links and
 # a shell command.
 ADDRESS = re.compile(r"https?://[\w.:-]+/([\w.-]+/[\w.-]+?)")
@@ -43,7 +43,7 @@ REVISION = re.compile(r"\w[\w./-]*")
 # Placeholder for the points of an exercise, such as `` `insert` (points)``.
 POINTS_MARK = re.compile(r"`(?P<exercise>\w+)` \(points\)")
 NEXT_LINE = re.compile(r"\*\*Next:\*\* (?P<title>(?P<number>\d\d) · [^\n]*)")
-HARMLESS = re.compile(r"(return|continue|break|pass|else:|try:|if|import|from)\b[\w ,.]*$")
+HARMLESS_LINE = re.compile(r"(return|continue|break|pass|else:|try:|if|import|from)\b[\w ,.]*$")
 
 
 class RegistryFault(Exception):
@@ -115,7 +115,12 @@ def build_all(origin: Origin | None = None) -> dict[Path, bytes]:
     origin = origin or read_origin()
     solved = {lesson.solved: to_bytes(solved_notebook(lesson, origin)) for lesson in every_lesson()}
     released = _released_notebooks(solved)
-    return {**solved, **released, FORBIDDEN: _forbidden_modules(), CELL_KEYS: _cell_keys(released)}
+    return {
+        **solved,
+        **released,
+        FORBIDDEN_FILE: _forbidden_modules(),
+        CELL_KEYS_FILE: _cell_keys(released),
+    }
 
 
 def _forbidden_modules() -> bytes:
@@ -203,7 +208,7 @@ def secret_lines(solved: bytes, others: Collection[bytes] = ()) -> set[str]:
         ):
             lines = {line.strip() for line in region.splitlines()}
             secret |= lines.difference(*map(lines_of, others)) if from_earlier else lines
-    return {line for line in secret if len(line) >= LEAK_LENGTH and not HARMLESS.match(line)}
+    return {line for line in secret if len(line) >= LEAK_LENGTH and not HARMLESS_LINE.match(line)}
 
 
 def lines_of(notebook: bytes) -> set[str]:
@@ -354,7 +359,7 @@ def _insert_points(notebook: NotebookNode) -> None:
 def _fold_tagged_cell(cell: NotebookNode) -> None:
     """Fold a code cell with the tag `folded`."""
     if "folded" in cell.metadata.get("tags", ()):
-        cell.metadata.update(HIDDEN)
+        cell.metadata.update(HIDDEN_METADATA)
 
 
 def _allow_errors_after_answers(notebook: NotebookNode) -> None:

@@ -22,7 +22,7 @@ from utils.notebooks import pasting
 
 TAG = "earlier"
 REFERENCE = re.compile(r"^# from (\d\d_\w+): (\w+(?:, \w+)*)$", re.M)
-MARKS = ("### BEGIN SOLUTION", "### END SOLUTION")
+SOLUTION_MARKS = ("### BEGIN SOLUTION", "### END SOLUTION")
 SOLUTION_REGION = re.compile(r"\n?### BEGIN SOLUTION\n.*?### END SOLUTION", re.S)
 
 
@@ -92,4 +92,4 @@ def _cached_statements(names: tuple[str, ...], source: str, lesson: str) -> tupl
 
 
 def _without_marks(text: str) -> str:
-    return "\n".join(line for line in text.splitlines() if line.strip() not in MARKS)
+    return "\n".join(line for line in text.splitlines() if line.strip() not in SOLUTION_MARKS)

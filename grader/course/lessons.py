@@ -18,7 +18,7 @@ from grader.course.paths import PROJECT, Course
 from utils.notebooks import slicing
 
 # Folder of the optional lessons in ``solutions/``.
-OPTIONAL = "optional"
+OPTIONAL_FOLDER = "optional"
 
 
 @dataclass(frozen=True)
@@ -148,7 +148,7 @@ def all_lessons() -> tuple[Lesson, ...]:
 @functools.cache
 def optional_lessons() -> tuple[Lesson, ...]:
     """Return the optional lessons, which have no stage and no points and are not submitted."""
-    return _lessons_in(OPTIONAL)
+    return _lessons_in(OPTIONAL_FOLDER)
 
 
 def _lessons_in(stage: str) -> tuple[Lesson, ...]:
@@ -176,7 +176,7 @@ def registry_faults() -> list[str]:
             faults.append(
                 f"{source.relative_to(PROJECT)} is ignored. Move it to "
                 "solutions/STAGE/NN_NAME/lesson.py. STAGE must begin with stage, or be "
-                f"{OPTIONAL}."
+                f"{OPTIONAL_FOLDER}."
             )
         elif re.fullmatch(r"\d\d_\w+", source.stem) and source.parent != PROJECT / "solutions":
             faults.append(

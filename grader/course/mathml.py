@@ -16,7 +16,7 @@ from nbconvert.exporters import HTMLExporter
 from nbconvert.filters.markdown_mistune import IPythonRenderer, MarkdownWithMath
 
 NAMESPACE = "http://www.w3.org/1998/Math/MathML"
-LONGEST_FORMULA = 2_000  # characters; longer formulas are not converted
+MAX_FORMULA_LENGTH = 2_000  # characters; longer formulas are not converted
 _ELEMENTS = """
 math mrow mi mn mo mtext mspace mfrac msqrt mroot mstyle mpadded mphantom menclose msub msup msubsup
 munder mover munderover mmultiscripts mprescripts none mtable mtr mtd
@@ -61,7 +61,7 @@ def formula(latex: str, display: bool) -> str:
     display : bool
         Whether the formula is on a separate line.
     """
-    if len(latex) <= LONGEST_FORMULA:
+    if len(latex) <= MAX_FORMULA_LENGTH:
         translated = re.sub(r"(?<=\\begin\{)\w+|(?<=\\end\{)\w+", _replace_alias, latex)
         try:
             element = ElementTree.fromstring(

@@ -15,10 +15,10 @@ from traitlets.config.loader import PyFileConfigLoader
 if TYPE_CHECKING:
     from nbgrader.converters.base import BaseConverter
 
-COURSE = "lidar_obstacle_lab"
+COURSE_ID = "lidar_obstacle_lab"
 STUB = "raise NotImplementedError"
 # Files next to a notebook that nbgrader must not copy into the release.
-IGNORED = [".ipynb_checkpoints", "*.pyc", "__pycache__", "feedback", "*.py"]
+IGNORED_PATTERNS = [".ipynb_checkpoints", "*.pyc", "__pycache__", "feedback", "*.py"]
 # nbgrader's steps that turn the instructor's notebook into the student's, in default order.
 RELEASE_STEPS = (
     "IncludeHeaderFooter",
@@ -51,12 +51,12 @@ def configure(c: Config, root: Path) -> Config:
         The object `c`.
     """
     c.CourseDirectory.root = str(root)
-    c.CourseDirectory.course_id = COURSE
+    c.CourseDirectory.course_id = COURSE_ID
     c.CourseDirectory.source_directory = "solutions"
     c.CourseDirectory.release_directory = "notebooks"
     # nbgrader must not release the folders of lessons, which are next to the solved notebooks.
     folders = (root / "solutions").glob("*/[0-9][0-9]_*/")
-    c.CourseDirectory.ignore = [*IGNORED, *sorted(folder.name for folder in folders)]
+    c.CourseDirectory.ignore = [*IGNORED_PATTERNS, *sorted(folder.name for folder in folders)]
     c.ClearSolutions.code_stub = {"python": STUB}
 
     c.GenerateAssignment.preprocessors = [

@@ -13,7 +13,7 @@ from pathlib import Path
 from grader.course.paths import Course
 from grader.course.tables import Table, TableError, read_table
 
-MOST_CHARACTERS = 128  # the limit of nbgrader's gradebook
+MAX_CHARACTERS = 128  # the limit of nbgrader's gradebook
 COLUMN_ALIASES = {"lms_user_id": "lms_id"}  # the name that `nbgrader db student import` uses
 
 
@@ -229,9 +229,9 @@ def _check(person: Person, location: str) -> None:
             f"slash and does not begin with a dot."
         )
     for name in COLUMNS:
-        if len(getattr(person, name)) > MOST_CHARACTERS:
+        if len(getattr(person, name)) > MAX_CHARACTERS:
             raise RosterError(
-                f"{location}: {name} is longer than {MOST_CHARACTERS} characters, the limit of the "
+                f"{location}: {name} is longer than {MAX_CHARACTERS} characters, the limit of the "
                 f"gradebook. Shorten it."
             )
 

@@ -8,7 +8,7 @@ import tempfile
 from grader.course.paths import Course
 
 # From one hidden test's input, student code could find a smaller seed by trying all seeds.
-SHORTEST = 2**64
+MIN_SEED = 2**64
 
 
 class ShortSeed(Exception):
@@ -32,7 +32,7 @@ def course_seed(course: Course, given: int | None = None) -> int:
     Raises
     ------
     ShortSeed
-        If the seed is less than `SHORTEST`.
+        If the seed is less than `MIN_SEED`.
     """
     if given is not None:
         return _require_long_seed(given, "Leave --seed out")
@@ -50,8 +50,8 @@ def course_seed(course: Course, given: int | None = None) -> int:
 
 
 def _require_long_seed(seed: int, remedy: str) -> int:
-    if seed < SHORTEST:
-        better = secrets.randbits(127) | SHORTEST
+    if seed < MIN_SEED:
+        better = secrets.randbits(127) | MIN_SEED
         raise ShortSeed(
             f"The seed {seed} is so small that students could guess it and predict every hidden "
             f"test. {remedy} to let the grader draw a seed, or use this one: {better}"

@@ -24,8 +24,8 @@ from grader.course.release import TOP_FOLDER, course_tools
 from grader.course.standalone import ReleaseError
 
 TEMPLATES = Path(__file__).parent / "templates"
-MARKS = re.compile(r"^[ \t]*### (?:BEGIN|END) SOLUTION[ \t]*\n?", re.M)
-WIDGET = "application/vnd.jupyter.widget-view+json"
+SOLUTION_MARKS = re.compile(r"^[ \t]*### (?:BEGIN|END) SOLUTION[ \t]*\n?", re.M)
+WIDGET_TYPE = "application/vnd.jupyter.widget-view+json"
 
 
 def reason_still_open(
@@ -175,7 +175,7 @@ def _run_solved_notebook(lesson: Lesson, extra_code: str) -> bytes:
     notebook = nbformat.read(lesson.solved, as_version=4)
     for cell in notebook.cells:
         if cell.cell_type == "code":
-            cell.source = MARKS.sub("", cell.source).rstrip("\n")
+            cell.source = SOLUTION_MARKS.sub("", cell.source).rstrip("\n")
     extra = nbformat.v4.new_code_cell(extra_code)
     tags = [cell.metadata.get("tags", ()) for cell in notebook.cells]
     setup = next(number for number, names in enumerate(tags) if "setup" in names)
@@ -201,6 +201,6 @@ def remove_volatile_data(notebook: NotebookNode) -> None:
         cell.metadata.pop("execution", None)  # timestamps
         if cell.cell_type == "code":
             cell.outputs = [
-                output for output in cell.outputs if WIDGET not in output.get("data", {})
+                output for output in cell.outputs if WIDGET_TYPE not in output.get("data", {})
             ]
     CoalesceStreamsPreprocessor().preprocess(notebook, {})

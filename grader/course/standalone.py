@@ -14,7 +14,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from grader.course.atomic_files import write_atomically
-from grader.course.build import COMMON_CELLS, HIDDEN, leaks
+from grader.course.build import COMMON_CELLS, HIDDEN_METADATA, leaks
 from grader.course.extension import course_constant
 from grader.course.lessons import Lesson, all_lessons, every_lesson
 from grader.course.paths import PROJECT
@@ -27,7 +27,7 @@ BADGE_TEXT = (
     "Code or JupyterLab with NumPy, SciPy and matplotlib installed.*"
 )
 OTHER_STAGE = re.compile(r"\]\(\.\./stage\w+/(?=\w+\.ipynb\))")
-LARGEST = 450_000  # bytes
+MAX_NOTEBOOK_BYTES = 450_000  # bytes
 
 
 class ReleaseError(Exception):
@@ -55,9 +55,9 @@ def write_standalone(folder: Path, stages: Iterable[str] = ()) -> list[Path]:
             continue
         text = make_standalone(lesson.released.read_bytes())
         check_no_leaks(lesson, text)
-        if len(text) > LARGEST:
+        if len(text) > MAX_NOTEBOOK_BYTES:
             raise ReleaseError(
-                f"{lesson.name} would have {len(text)} bytes, more than the limit of {LARGEST}. It "
+                f"{lesson.name} would have {len(text)} bytes, more than the limit of {MAX_NOTEBOOK_BYTES}. It "
                 "was not written."
             )
         path = folder / f"{lesson.name}.ipynb"
@@ -96,7 +96,7 @@ def make_standalone(notebook: bytes) -> bytes:
         tags = COMMON_CELLS.keys() & set(cell["metadata"].get("tags", ()))
         if "setup" in tags:
             cell["source"] = setup_cell(course_metadata["lesson"]).splitlines(keepends=True)
-            cell["metadata"] |= HIDDEN
+            cell["metadata"] |= HIDDEN_METADATA
         elif "badge" in tags:
             cell["source"] = [BADGE_TEXT]
         elif cell["cell_type"] == "markdown":

@@ -18,13 +18,13 @@ import babel
 
 from grader.untrusted import one_line
 
-LONGEST_TIME = 80
+MAX_TEXT_LENGTH = 80
 # In these years, no time zone and no day more leads out of the range of `datetime`.
 YEARS = range(2000, 3000)
 _CLOCK = r"(?P<hour>\d{1,2}) ?[:.h] ?(?P<minute>\d\d)(?:[:.](?P<second>\d\d)(?:\.(?P<part>\d+))?)?"
-_HALF = r"(?: ?(?:(?P<half>[ap])\.? ?m\b\.?|uhr\b))?"
+_HALF_OF_DAY = r"(?: ?(?:(?P<half>[ap])\.? ?m\b\.?|uhr\b))?"
 _ZONE = r"(?: ?(?P<zone>[+-]\d\d(?::?[0-5]\d)?|[a-z][a-z0-9_+/-]*))?"
-_TIME = re.compile(rf"(?P<date>.+?)[t,， ]*(?<!\d){_CLOCK}{_HALF}{_ZONE}", re.IGNORECASE)
+_TIME = re.compile(rf"(?P<date>.+?)[t,， ]*(?<!\d){_CLOCK}{_HALF_OF_DAY}{_ZONE}", re.IGNORECASE)
 _ISO = re.compile(r"(\d{4})-(\d\d)-(\d\d)", re.ASCII)
 _CHINESE = re.compile(r"(\d{4})年(\d{1,2})月(\d{1,2})日[,， ]*(?:星期\w)?")
 _OFFSET = re.compile(r"([+-])(\d\d):?(\d\d)?")
@@ -53,7 +53,7 @@ def read_time(text: str, language: str = "en") -> datetime:
     UnclearTime
     """
     text = " ".join(unicodedata.normalize("NFC", text).split())
-    match = _TIME.fullmatch(text) if len(text) <= LONGEST_TIME else None
+    match = _TIME.fullmatch(text) if len(text) <= MAX_TEXT_LENGTH else None
     date = _date(match["date"], language) if match else None
     clock = _clock(match) if match else None
     if date is None or clock is None or date[0] not in YEARS:
@@ -74,7 +74,7 @@ def read_time(text: str, language: str = "en") -> datetime:
 def quoted(text: str) -> str:
     """Return the beginning of an untrusted text in quotation marks."""
     line = one_line(text)
-    return repr(line if len(line) <= LONGEST_TIME else f"{line[: LONGEST_TIME - 1]}…")
+    return repr(line if len(line) <= MAX_TEXT_LENGTH else f"{line[: MAX_TEXT_LENGTH - 1]}…")
 
 
 def to_utc(when: datetime, zone: tzinfo | None) -> datetime:

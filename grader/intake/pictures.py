@@ -20,17 +20,17 @@ from urllib.parse import unquote, urlsplit
 from grader.untrusted import one_line
 from utils.notebooks.reading import Cell
 
-LARGEST_PICTURE = 5 * 2**20
+MAX_PICTURE_BYTES = 5 * 2**20
 """Bytes of a picture."""
-LONGEST_NAME = 80
-LONGEST_DESCRIPTION = 200
+MAX_NAME_LENGTH = 80
+MAX_DESCRIPTION_LENGTH = 200
 _SIGNATURES = (
     (re.compile(rb"\x89PNG"), "png"),
     (re.compile(rb"\xff\xd8\xff"), "jpeg"),
     (re.compile(rb"GIF8"), "gif"),
     (re.compile(rb"RIFF....WEBP", re.DOTALL), "webp"),
 )
-_NOT_IN_A_DESCRIPTION = re.compile(r"[][\\\n]")
+_MARKDOWN_SYNTAX = re.compile(r"[][\\\n]")
 _PLAIN_NAME = re.compile(r"[\w.+\-]{1,100}", re.ASCII)  # nbconvert encodes other letters
 
 # Each repetition has a limit or ends before the next match could begin, so the time is linear.
@@ -115,7 +115,7 @@ def _replace(
         digest = hashlib.sha256(data.encode()).hexdigest()[:16]
         name = f"{digest}.{mime_type.removeprefix('image/')}"
     attachments[name] = picture
-    words = _NOT_IN_A_DESCRIPTION.sub(" ", description)[:LONGEST_DESCRIPTION]
+    words = _MARKDOWN_SYNTAX.sub(" ", description)[:MAX_DESCRIPTION_LENGTH]
     return f"![{words}](attachment:{name})"
 
 
@@ -153,7 +153,7 @@ def _name_of(description: str, address: str) -> str:
         name = _attachment_name(rest)
     else:
         name = address
-    return one_line(name.replace("`", ""))[:LONGEST_NAME] or "picture"
+    return one_line(name.replace("`", ""))[:MAX_NAME_LENGTH] or "picture"
 
 
 def _attachment_name(address: str) -> str:
@@ -193,8 +193,8 @@ def _first_picture(content: dict) -> tuple[str, str]:
 def _checked(data: str) -> tuple[str, str]:
     """Return the MIME type and the text of a picture; its bytes decide what it is."""
     data = "".join(data.split())
-    if len(data) > LARGEST_PICTURE * 4 / 3 + 4:
-        raise _NotShown(f"is larger than {LARGEST_PICTURE // 2**20} MB")
+    if len(data) > MAX_PICTURE_BYTES * 4 / 3 + 4:
+        raise _NotShown(f"is larger than {MAX_PICTURE_BYTES // 2**20} MB")
     try:
         content = base64.b64decode(data, validate=True)
     except (binascii.Error, ValueError):

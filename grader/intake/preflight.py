@@ -22,12 +22,12 @@ from dataclasses import dataclass, field
 from grader.course.lessons import Lesson, all_lessons
 from grader.intake.pictures import illustrate
 from grader.intake.reader_process import TooCostly, run_in_child
-from grader.intake.submission import MOST_MODULES, SubmittedFiles
+from grader.intake.submission import MAX_MODULES, SubmittedFiles
 from utils.notebooks.reading import Cell, Notebook, UnreadableNotebook
 
-LARGEST_CODE = 15 * 2**20
+MAX_CODE_BYTES = 15 * 2**20
 """Bytes of all code cells as JSON; a message to the sandbox may have one more MB."""
-MOST_NAMES = 5
+MAX_NAMES = 5
 """Number of pictures that a sentence names."""
 _WRITES_MODULE = re.compile(r"%%(?:writefile|file)[ \t]+\"?([A-Za-z_]\w{0,99})\.py\"?")
 
@@ -169,10 +169,10 @@ def prepare_to_judge(submitted_files: SubmittedFiles, lesson: Lesson) -> JudgeIn
     def work() -> tuple:
         prepared = prepare(submitted_files, lesson)
         size = len(json.dumps(prepared.code))
-        if size > LARGEST_CODE:
+        if size > MAX_CODE_BYTES:
             raise UnreadableNotebook(
                 f"The code cells of {submitted_files.name} contain {size / 2**20:.0f} MB, but the "
-                f"judge reads at most {LARGEST_CODE // 2**20} MB. Delete the cells that contain "
+                f"judge reads at most {MAX_CODE_BYTES // 2**20} MB. Delete the cells that contain "
                 "large tables, read the tables from a file, and submit the notebook again."
             )
         untouched = prepared.is_complete and _is_as_released(lesson, prepared.code)
@@ -372,7 +372,7 @@ def _find_written_modules(draft: _Draft) -> Iterator[str]:
     for cell in draft.cells:
         command, _, body = cell.source.lstrip().partition("\n")
         module = _WRITES_MODULE.fullmatch(command.strip()) if cell.kind == "code" else None
-        if module and len(draft.modules) < MOST_MODULES:
+        if module and len(draft.modules) < MAX_MODULES:
             draft.modules[module[1]] = body
     if used := _imported(draft, draft.modules):
         yield f"The judge used {used}, which a cell of the notebook writes."
@@ -457,9 +457,9 @@ def _collect_written_answers(draft: _Draft) -> Iterator[str]:
 
 def _not_shown_sentence(name: str, pictures: Sequence[str]) -> str:
     """Say which pictures of an answer a grader cannot see, and how to submit them."""
-    named = list(pictures[:MOST_NAMES])
-    if len(pictures) > MOST_NAMES:
-        named.append(f"and {len(pictures) - MOST_NAMES} more")
+    named = list(pictures[:MAX_NAMES])
+    if len(pictures) > MAX_NAMES:
+        named.append(f"and {len(pictures) - MAX_NAMES} more")
     return (
         f"A grader cannot see every picture in the answer for {name}: {', '.join(named)}. Drag "
         "these pictures into the text cell in JupyterLab, and submit the notebook again."

@@ -30,8 +30,8 @@ CPU_SECONDS = 10
 MEGABYTES = 768
 # Wall-clock time in seconds. A process that computes reaches `CPU_SECONDS` first, unless it gets
 # less than a sixtieth of a processor, so this limit is for a process that waits.
-LONGEST_WAIT = 600
-LARGEST_REPLY = 2**28
+MAX_WAIT_SECONDS = 600
+MAX_REPLY_BYTES = 2**28
 _OUT_OF_MEMORY = 77
 
 
@@ -76,7 +76,7 @@ def run_in_child(name: str, work: Callable[[], object]) -> object:
         _work_and_end(work, write_end)
     os.close(write_end)
     try:
-        reply = _read(read_end, time.monotonic() + LONGEST_WAIT)
+        reply = _read(read_end, time.monotonic() + MAX_WAIT_SECONDS)
     finally:
         os.close(read_end)
         os.kill(child, signal.SIGKILL)  # the child may still be running
@@ -92,7 +92,7 @@ def run_in_child(name: str, work: Callable[[], object]) -> object:
         kind, content = json.loads(reply)
     except (ValueError, TypeError, RecursionError):
         raise ReadingFailed(
-            f"The process that read {name} did not reply within {LONGEST_WAIT} seconds, or another "
+            f"The process that read {name} did not reply within {MAX_WAIT_SECONDS} seconds, or another "
             "program ended it. Is this machine very busy, or short of memory?"
         ) from None
     if kind == "unreadable":
@@ -106,7 +106,7 @@ def _excess(code: int, reply: bytes) -> str:
     """Describe the limit that the process exceeded; empty if it exceeded none."""
     if code == -signal.SIGXCPU:
         return f"more than {CPU_SECONDS} seconds"
-    if code == _OUT_OF_MEMORY or len(reply) > LARGEST_REPLY:
+    if code == _OUT_OF_MEMORY or len(reply) > MAX_REPLY_BYTES:
         return f"more than {MEGABYTES} MB of memory"
     return ""
 
@@ -116,7 +116,7 @@ def _read(pipe: int, deadline: float) -> bytes:
     parts, size = [], 0
     ready = select.poll()
     ready.register(pipe, select.POLLIN)
-    while size <= LARGEST_REPLY and ready.poll(max(0.0, 1000 * (deadline - time.monotonic()))):
+    while size <= MAX_REPLY_BYTES and ready.poll(max(0.0, 1000 * (deadline - time.monotonic()))):
         part = os.read(pipe, 2**20)
         if not part:
             break

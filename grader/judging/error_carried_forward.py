@@ -26,7 +26,7 @@ from grader.sandbox.program import Given, Program
 from utils.checks.outcomes import Outcome
 from utils.notebooks import slicing
 
-_INCONSISTENT = (
+_INCONSISTENT_RUNS = (
     "{name} was run a second time because it calls a function that is wrong. A check that passed "
     "the first time but failed the second time earns no points. Does {name} use random numbers?"
 )
@@ -104,7 +104,7 @@ def carry_forward(
             sentence = _describe_gain(exercise, helpers, before, after)
             improved[exercise.name] = CarriedForward(outcomes, sentence, programs[-1])
         elif any(one.failure and not was.failure for was, one in zip(first, outcomes, strict=True)):
-            sentence = _INCONSISTENT.format(name=exercise.name)
+            sentence = _INCONSISTENT_RUNS.format(name=exercise.name)
             improved[exercise.name] = CarriedForward(outcomes, sentence, program)
     return improved, starved
 

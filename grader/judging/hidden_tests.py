@@ -11,7 +11,7 @@ import pytest
 from utils.checks import Check
 from utils.checks.assertions import frozen
 
-MOST_CACHED = 256
+MAX_CACHED_ANSWERS = 256
 
 
 def hidden(exercise: str, *, title: str, hint: str, weight: float = 1.0) -> pytest.MarkDecorator:
@@ -48,7 +48,7 @@ def cached_by_content(oracle: Callable[..., np.ndarray]) -> Callable[..., np.nda
         array = np.ascontiguousarray(array)
         key = hashlib.blake2b(array).digest(), array.dtype.str, array.shape, settings
         if key not in cache:
-            if len(cache) >= MOST_CACHED:
+            if len(cache) >= MAX_CACHED_ANSWERS:
                 cache.pop(next(iter(cache)))
             cache[key] = frozen(oracle(array, *settings))
         return cache[key]

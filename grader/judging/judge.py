@@ -23,7 +23,7 @@ from grader.judging.results import result_of, unjudged_results
 from grader.judging.runner import EXPECTED_FAILURES
 from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict, with_shared_parts
 from grader.sandbox import Limits, Sandbox
-from grader.sandbox.program import PACKAGES, Given, Program
+from grader.sandbox.program import INSTALLED_PACKAGES, Given, Program
 from grader.sandbox.time_budget import Budget
 from grader.untrusted import one_line
 from utils.checks.outcomes import Outcome
@@ -158,7 +158,7 @@ class _Decision:
 
 
 # Results of notebooks with full marks. The key contains everything that a result depends on.
-_FULL_MARKS: dict[tuple, _Decision] = {}
+_full_mark_decisions: dict[tuple, _Decision] = {}
 
 
 def _decide_cached(setting: Setting, judge_input: JudgeInput) -> _Decision:
@@ -171,14 +171,14 @@ def _decide_cached(setting: Setting, judge_input: JudgeInput) -> _Decision:
     text = json.dumps(parts, sort_keys=True).encode()
     rules = (setting.lesson, setting.seed, setting.sandbox, setting.limits)
     key = (*rules, hashlib.sha256(text).digest())
-    if key in _FULL_MARKS:
-        return _FULL_MARKS[key]
+    if key in _full_mark_decisions:
+        return _full_mark_decisions[key]
     decision = _decide(setting, judge_input)
     if not decision.faults and all(
         exercise.score == exercise.max_score for exercise in decision.exercises
     ):
         # The parts are shared to save memory: a class may have ten thousand students.
-        _FULL_MARKS[key] = replace(
+        _full_mark_decisions[key] = replace(
             decision, exercises=tuple(map(with_shared_parts, decision.exercises))
         )
     return decision
@@ -284,7 +284,7 @@ def program_for(lesson: Lesson, cells: tuple[str, ...], modules: dict[str, str])
         modules,
         Given(lesson.header.given, given_code(lesson), open=lesson.header.given),
         lesson.header.forbidden,
-        PACKAGES,
+        INSTALLED_PACKAGES,
         lesson.steps,
     )
 

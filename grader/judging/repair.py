@@ -40,23 +40,23 @@ from utils.checks.run_cache import cached_run
 LIKELIEST_EDITS = 320
 # Limits on the processor seconds for the edits of one exercise, in the judge and the sandbox
 # together. The lower limit is for edits beyond the likeliest ones, the upper limit for all edits.
-LEAST_CPU_SECONDS, MOST_CPU_SECONDS = 2.0, 16.0
+MIN_CPU_SECONDS, MAX_CPU_SECONDS = 2.0, 16.0
 # Limit on elapsed seconds, because code that sleeps in each call uses little processor time. It is
 # far above the other limits, because the search may have to wait for a processor.
-MOST_SECONDS = 300.0
+MAX_SECONDS = 300.0
 # Limit per call, because an edit may create an endless loop. A right answer needs less time.
-SECONDS_OF_A_CALL = 0.25
-SECONDS_OF_A_FIRST_CALL = SECONDS_OF_A_CALL / 16  # after the first edit that did not finish
+CALL_SECONDS = 0.25
+FIRST_CALL_SECONDS = CALL_SECONDS / 16  # after the first edit that did not finish
 # Maximum number of worker processes that edits may end. The time limit is usually reached first.
-MOST_RESTARTS = 100
+MAX_RESTARTS = 100
 # The search stops after it has found this many edits that pass the failed checks.
-MOST_JUDGED = 3
+MAX_JUDGED_EDITS = 3
 # Missing modules are not listed here: deleting a progress bar may make an answer right.
 UNREPAIRABLE_ERRORS = ("NotImplementedError", "ImportError")
 # The time is checked after this many edits, because reading the processor's clock takes longer
 # than most edits, and after this many seconds, because an edit with an endless loop takes long.
-EDITS_PER_LOOK = 16
-SECONDS_BETWEEN_LOOKS = 0.1
+EDITS_PER_POLL = 16
+POLLING_INTERVAL = 0.1
 
 
 @dataclass(frozen=True)
@@ -166,7 +166,7 @@ def find_repair(
     failed : tuple of utils.checks.outcomes.Outcome
         Outcomes of the checks that the exercise failed.
     likeliest : int
-        Number of edits that are tried even after `LEAST_CPU_SECONDS`.
+        Number of edits that are tried even after `MIN_CPU_SECONDS`.
     """
     for cell, first, last, text in _passing_edits(setting, program, exercise, failed, likeliest):
         program_with_edit = program.edited(cell, first, last, text)
@@ -227,7 +227,7 @@ class _FailedChecks:
     ) -> None:
         checks = [outcome.check for outcome in failed]
         self._student, self._budget = student, budget
-        self._first_seconds = SECONDS_OF_A_CALL
+        self._first_seconds = CALL_SECONDS
         self._visible = visible_calls(student, checks)
         self._hidden = functools.cache(
             lambda: hidden_calls(setting.lesson, student, setting.seed, checks)
@@ -247,7 +247,7 @@ class _FailedChecks:
         with cached_run():
             failure = _catch_failure(next(iter(self)))
         if _was_stopped(failure):
-            self._first_seconds = SECONDS_OF_A_FIRST_CALL
+            self._first_seconds = FIRST_CALL_SECONDS
         return failure is not None
 
     def pass_with(self, number: int) -> bool:
@@ -259,7 +259,7 @@ class _FailedChecks:
         self._budget.failed_seconds.pop(self._student.exercise, None)
         if _catch_failure(functools.partial(self._student.edit, number)) or self.first_fails():
             return False
-        self._student.interrupts_after = SECONDS_OF_A_CALL
+        self._student.interrupts_after = CALL_SECONDS
         with cached_run():  # answers that were computed with another edit must not be reused
             for index, call in enumerate(self):
                 failure = _catch_failure(call) if index else None
@@ -296,10 +296,10 @@ def _passing_edits(
     failed: tuple[Outcome, ...],
     likeliest: int,
 ) -> Iterator[tuple[int, int, int, str]]:
-    """Yield edits that pass the checks that the answer failed, at most `MOST_JUDGED`."""
+    """Yield edits that pass the checks that the answer failed, at most `MAX_JUDGED_EDITS`."""
     limits = setting.limits or Limits()
-    seconds = min(2 * SECONDS_OF_A_CALL, limits.call_seconds)
-    limits = replace(limits, call_seconds=seconds, restarts=MOST_RESTARTS)
+    seconds = min(2 * CALL_SECONDS, limits.call_seconds)
+    limits = replace(limits, call_seconds=seconds, restarts=MAX_RESTARTS)
     budget = setting.budget or Budget(limits)
     with StudentProxy(program, setting.sandbox, limits, budget, exercise) as student:
         # A separate name, so that a stopped edit does not count against the student's own answer.
@@ -309,7 +309,7 @@ def _passing_edits(
         except StudentStopped:
             return
         begin, slept, found, next_look = time.process_time() + student.cpu_seconds, 0.0, 0, 0.0
-        until = time.monotonic() + MOST_SECONDS
+        until = time.monotonic() + MAX_SECONDS
         failed_checks = _FailedChecks(setting, student, budget, failed)
         if not failed_checks.first_fails():  # the answer passed by chance, and gets no second try
             return
@@ -320,10 +320,10 @@ def _passing_edits(
             if edit[0] not in given
         ]
         for tried, (number, edit) in enumerate(edits):
-            if tried % EDITS_PER_LOOK == 0 or time.monotonic() > next_look:
-                next_look = time.monotonic() + SECONDS_BETWEEN_LOOKS
+            if tried % EDITS_PER_POLL == 0 or time.monotonic() > next_look:
+                next_look = time.monotonic() + POLLING_INTERVAL
                 worked = time.process_time() + student.cpu_seconds - begin
-                most_work = LEAST_CPU_SECONDS if tried >= likeliest else MOST_CPU_SECONDS
+                most_work = MIN_CPU_SECONDS if tried >= likeliest else MAX_CPU_SECONDS
                 if max(worked, slept) > most_work or time.monotonic() > until:
                     return
             seconds_left = budget.seconds
@@ -332,5 +332,5 @@ def _passing_edits(
             if passes:
                 yield edit
                 found += 1
-            if found == MOST_JUDGED:
+            if found == MAX_JUDGED_EDITS:
                 return

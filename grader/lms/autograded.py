@@ -37,7 +37,7 @@ from grader.untrusted import one_line
 from utils.notebooks.reading import Cell
 
 _PICTURE = re.compile(r"(?<!\u200b)attachment:([^\s)>\"']*)")
-LONG_COPY = 40_000
+MIN_LONG_COPY = 40_000
 """Number of characters up to which every page is rendered within a few seconds."""
 MISSING_ANSWER_NOTE = (
     "*This cell was missing. Text elsewhere in the notebook may be the answer. Please look for it.*"
@@ -99,7 +99,7 @@ def _render_if_long(copy: NotebookNode, lesson: Lesson) -> None:
     A copy that takes too long to render fails here, within the limits of the separate process.
     """
     released = {cell.source for cell in _released_notebook(lesson).cells}
-    if sum(len(cell.source) for cell in copy.cells if cell.source not in released) > LONG_COPY:
+    if sum(len(cell.source) for cell in copy.cells if cell.source not in released) > MIN_LONG_COPY:
         HTMLExporter(template_name="classic").from_notebook_node(copy)
 
 

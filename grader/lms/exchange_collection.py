@@ -20,14 +20,14 @@ from typing import BinaryIO
 from nbgrader.exchange.default import ExchangeCollect
 from nbgrader.utils import parse_utc
 
-from grader.classroom.collect.zips import MOST_BYTES_OF_A_STUDENT
+from grader.classroom.collect.zips import MAX_BYTES_PER_STUDENT
 from grader.intake.submission import is_skipped_folder
 from grader.untrusted import one_line
 
 # Maximum number of files and folders to examine in one submission, from the top folder down.
-MOST_ENTRIES = 200
+MAX_ENTRIES = 200
 # `nbgrader submit` takes only seconds from writing the time to copying the last file.
-LONGEST_SUBMISSION = timedelta(minutes=10)
+MAX_SUBMISSION_TIME = timedelta(minutes=10)
 _NO_LINK = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK
 
 
@@ -100,7 +100,7 @@ class CollectOrdinaryFiles(ExchangeCollect):
     def _read(self, folder: Path, student: str) -> tuple[dict[str, bytes], datetime]:
         """Return the files of a submission by relative path, and the time of its latest change."""
         files: dict[str, bytes] = {}
-        entries, left = 0, MOST_BYTES_OF_A_STUDENT
+        entries, left = 0, MAX_BYTES_PER_STUDENT
         top = os.open(folder, _NO_LINK | os.O_DIRECTORY)
         try:
             latest = self._examine(os.fstat(top), student, "the folder")
@@ -109,7 +109,7 @@ class CollectOrdinaryFiles(ExchangeCollect):
                 folders[:] = sorted(name for name in folders if not is_skipped_folder(name))
                 names = [name for name in names if not name.startswith(".")]
                 entries += 1 + len(names)
-                if entries > MOST_ENTRIES:
+                if entries > MAX_ENTRIES:
                     self._leave_out(f"{folder.name}/{place}", "has too many files or folders")
                     break
                 for name in sorted(names):
@@ -167,7 +167,7 @@ class CollectOrdinaryFiles(ExchangeCollect):
     def _compare_times(self, record: dict, changed: datetime) -> None:
         """Report a folder that was changed long after the time in its name, which can be forged."""
         claimed = record["timestamp"]
-        if changed - claimed > LONGEST_SUBMISSION:
+        if changed - claimed > MAX_SUBMISSION_TIME:
             self.log.warning(
                 "%s: the time in the name is %s, but the folder was changed at %s (UTC). Decide "
                 "which time counts.",

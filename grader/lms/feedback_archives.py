@@ -20,7 +20,7 @@ from grader.lms.feedback_notebook import feedback_notebook
 from grader.lms.feedback_page import feedback_page
 from grader.lms.results import WAITING
 
-_TEAM = "submitted as {}, which may be a team"
+_TEAM_REASON = "submitted as {}, which may be a team"
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ def build_moodle_archive(
             name = owner.removesuffix(f"_{number}")
             named = roster is None or person in roster.find_people(name) or name.endswith(number)
             if owner in teams or not named:
-                skipped.append(f"{person.id}: {_TEAM.format(name)}")
+                skipped.append(f"{person.id}: {_TEAM_REASON.format(name)}")
                 continue
             path = f"{owner}_assignsubmission_file_{stage}_feedback.html"
             files[path] = feedback_page(feedback).encode()
@@ -94,7 +94,7 @@ def build_canvas_archive(
         }
         files |= contents
         if team:
-            skipped.append(f"{id}: {_TEAM.format(min(team))}")
+            skipped.append(f"{id}: {_TEAM_REASON.format(min(team))}")
         elif not contents:
             skipped.append(f"{id}: no notebook was collected from a Canvas zip")
     return FeedbackArchive(files, tuple(skipped))

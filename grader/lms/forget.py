@@ -18,7 +18,7 @@ from pathlib import Path
 from sqlalchemy import make_url
 
 from grader.classroom.collect.answers import count_answers_about, delete_answers_about
-from grader.classroom.collect.record import NAME as RECORD
+from grader.classroom.collect.record import RECORD_NAME as RECORD
 from grader.classroom.collect.record import read_record, without_archives, write_record
 from grader.classroom.folders import UnknownStudent, find_student
 from grader.course.deadlines_file import deadlines_path

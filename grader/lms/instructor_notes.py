@@ -14,7 +14,7 @@ from grader.course.times import time_late, to_utc
 from grader.lms.marks_table import duration
 from grader.lms.results import WAITING, ClassResults, NotebookResult, StageResult, format_points
 
-DEADLINES = "deadlines.toml"
+DEADLINES_FILE = "deadlines.toml"
 
 
 def counted_lessons(results: ClassResults) -> dict[str, str]:
@@ -41,7 +41,7 @@ def assignment_notes(results: ClassResults, deadlines: Deadlines | None) -> Iter
         students.setdefault(lesson, []).append(student)
     for lesson, names in students.items():
         yield (
-            f"{lesson} of {', '.join(names)} does not count, because {DEADLINES} does not list it "
+            f"{lesson} of {', '.join(names)} does not count, because {DEADLINES_FILE} does not list it "
             "below the stage."
         )
     for stage in dict.fromkeys(result.stage for result in results.notebooks):
@@ -78,7 +78,7 @@ def _rarely_submitted(results: ClassResults, stage: str) -> Iterator[str]:
         who += [f"only {names[0]} submitted {lesson}" for lesson, names in rare.items() if names]
         yield (
             f"{stage}: {'; '.join(who)}. All released lessons count. If you have not assigned all "
-            f"of them, write lessons = [{others}] below [{stage}] in {DEADLINES}."
+            f"of them, write lessons = [{others}] below [{stage}] in {DEADLINES_FILE}."
         )
 
 

@@ -27,7 +27,7 @@ from grader.lms.history import (
     read_changes,
 )
 
-MOST_NAMES = 10  # at most this many students are named in a sentence
+MAX_NAMES = 10  # at most this many students are named in a sentence
 
 
 def lost_marks(course: Course, book: Gradebook, students: Collection[str]) -> list[MarkChange]:
@@ -165,7 +165,7 @@ def _listed(changes: Collection[MarkChange]) -> str:
     for change in changes:
         students.setdefault((change.lesson, change.exercise), []).append(change.student)
     return "; ".join(
-        f"{exercise} in {lesson} of {', '.join(names[:MOST_NAMES])}"
-        + (f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else "")
+        f"{exercise} in {lesson} of {', '.join(names[:MAX_NAMES])}"
+        + (f" and {len(names) - MAX_NAMES} more" if len(names) > MAX_NAMES else "")
         for (lesson, exercise), names in students.items()
     )

@@ -18,7 +18,7 @@ from markupsafe import Markup
 
 from grader.classroom.collect.answers import teams_in
 from grader.classroom.item_analysis import (
-    LEAST_STUDENTS,
+    MIN_STUDENTS,
     common_messages,
     hardest_checks,
     items_of,
@@ -116,7 +116,7 @@ def write_report(
         "distributions": _distributions(lessons, results, counted),
         "hardest": hardest_checks(counted),
         "items": _items(lessons, counted),
-        "enough": LEAST_STUDENTS,
+        "enough": MIN_STUDENTS,
         "not_started": not_started(counted),
         "notebooks": len(pairs),
     }

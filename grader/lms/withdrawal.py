@@ -10,10 +10,10 @@ from nbgrader.api import Comment, Gradebook, MissingEntry, SubmittedNotebook
 from sqlalchemy import exists, func, or_
 
 from grader.course.paths import Course
-from grader.lms.gradebook_rows import MARKED_BY_HAND
+from grader.lms.gradebook_rows import HAS_MARK_BY_HAND
 
 # SQL condition on a notebook: a person has commented on it.
-_COMMENTED = exists().where(
+_HAS_COMMENT = exists().where(
     Comment.notebook_id == SubmittedNotebook.id, func.coalesce(Comment.manual_comment, "") != ""
 )
 
@@ -39,7 +39,7 @@ def withdraw(
                     continue
                 graded_by_hand = book.db.query(SubmittedNotebook.id).filter(
                     SubmittedNotebook.assignment_id == submission.id,
-                    or_(MARKED_BY_HAND, _COMMENTED),
+                    or_(HAS_MARK_BY_HAND, _HAS_COMMENT),
                 )
                 if graded_by_hand.first():
                     trouble.append(

@@ -19,8 +19,8 @@ from grader.sandbox.boundary import (
     BASE_PREFIX,
     PREFIX,
     PYTHON,
-    SHOWN,
-    SYSTEM,
+    SHOWN_PATHS,
+    SYSTEM_FOLDERS,
     files_of_packages,
     folders_of_modules,
     folders_of_packages,
@@ -28,7 +28,7 @@ from grader.sandbox.boundary import (
 from grader.sandbox.fork_client import client_for, preloaded
 from grader.sandbox.inside.syscalls import MACHINES
 from grader.sandbox.launcher import launch
-from grader.sandbox.program import PACKAGES
+from grader.sandbox.program import INSTALLED_PACKAGES
 from grader.sandbox.protocol import Limits, SandboxUnavailable, Worker
 
 
@@ -114,7 +114,7 @@ def _can_join_namespaces() -> bool:
     command = [*_sandbox_command(Limits()), *_options_for_files((), ()), "--remount-ro", "/"]
     try:
         # The trial uses the fork server that most lessons need, so that server starts only once.
-        launch(command, "/tmp", rules, Limits(), client_for(preloaded(PACKAGES))).stop()
+        launch(command, "/tmp", rules, Limits(), client_for(preloaded(INSTALLED_PACKAGES))).stop()
     except SandboxUnavailable:
         return False
     return True
@@ -142,7 +142,8 @@ def _isolation_options(limits: Limits) -> list[str]:
     else:
         options += ["--unshare-user", "--disable-userns"]
     system = [
-        ("--ro-bind-try", path, path) for path in (*SYSTEM, "/etc/ld.so.cache", "/etc/alternatives")
+        ("--ro-bind-try", path, path)
+        for path in (*SYSTEM_FOLDERS, "/etc/ld.so.cache", "/etc/alternatives")
     ]
     system += [
         ("--symlink", os.readlink(path), path)
@@ -186,13 +187,13 @@ def _isolation_options(limits: Limits) -> list[str]:
 
 def _options_for_files(packages: tuple[str, ...], forbidden: Iterable[str]) -> list[str]:
     """Return options that show Python and the files in the boundary, but no forbidden modules."""
-    ours = [PYTHON, f"{PREFIX}/pyvenv.cfg", *map(str, (*SHOWN, *files_of_packages(packages)))]
+    ours = [PYTHON, f"{PREFIX}/pyvenv.cfg", *map(str, (*SHOWN_PATHS, *files_of_packages(packages)))]
     shown = [path for path in dict.fromkeys(ours) if os.path.exists(path)]
     # The project or a folder of packages may be inside a visible folder. Such folders are hidden
     # first, and then only the files in `shown` are added again.
     covered = [str(PROJECT), *map(str, folders_of_packages())]
-    covered = [path for path in covered if _is_in_any(path, (*SYSTEM, BASE_PREFIX))]
-    options = [] if _is_in_any(BASE_PREFIX, SYSTEM) else _options_to_show([BASE_PREFIX])
+    covered = [path for path in covered if _is_in_any(path, (*SYSTEM_FOLDERS, BASE_PREFIX))]
+    options = [] if _is_in_any(BASE_PREFIX, SYSTEM_FOLDERS) else _options_to_show([BASE_PREFIX])
     options += itertools.chain(*(("--tmpfs", path) for path in covered))
     options += _options_to_show(shown)
     for hidden in map(str, folders_of_modules(forbidden, packages)):

@@ -30,7 +30,7 @@ ENVIRONMENT = {
     "OPENBLAS_NUM_THREADS": "1",
     "MKL_NUM_THREADS": "1",
 }
-LONGEST_REPORT = 400
+MAX_REPORT_LENGTH = 400
 
 
 @dataclass
@@ -145,7 +145,7 @@ def read_line(descriptor: int, seconds: float) -> str:
     poll, text = select.poll(), b""
     poll.register(descriptor, select.POLLIN)
     deadline = time.monotonic() + seconds
-    while not text.endswith(b"\n") and len(text) < LONGEST_REPORT:
+    while not text.endswith(b"\n") and len(text) < MAX_REPORT_LENGTH:
         if not poll.poll(max(0.0, 1000 * (deadline - time.monotonic()))):
             break
         # Read one byte at a time, because the next line is for a later call.

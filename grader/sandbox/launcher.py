@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from subprocess import Popen
 
-from grader.sandbox.boundary import PYTHON, WORKER
+from grader.sandbox.boundary import PYTHON, WORKER_SCRIPT
 from grader.sandbox.fork_client import ENVIRONMENT, ForkClient, Forked, read_line
 from grader.sandbox.inside import wire
 from grader.sandbox.protocol import MEBIBYTE, Limits, SandboxUnavailable, Thread, Worker
@@ -26,16 +26,16 @@ from grader.sandbox.usage import (
     threads_of_tree,
 )
 
-SECONDS_BETWEEN_LOOKS = 0.2
+MEMORY_POLLING_INTERVAL = 0.2
 SECONDS_TO_REPORT = 60
 SECONDS_TO_END = 10
-KILLED = (-signal.SIGKILL, 128 + signal.SIGKILL)
-LEAST_MEMORY_LEFT = 0.03
+KILLED_CODES = (-signal.SIGKILL, 128 + signal.SIGKILL)
+MIN_MEMORY_LEFT = 0.03
 MEMORY_WHEN_SCARCE = 1024 * MEBIBYTE
 # The first process in the sandbox reports that the sandbox is built, then waits until its input
 # closes, which also happens if the judge is killed. Bubblewrap's own --die-with-parent is not
 # enough: if bubblewrap is killed while it builds the sandbox, it leaves a process behind.
-WAIT = "echo ready && read line"
+WAIT_COMMAND = "echo ready && read line"
 
 
 @dataclass
@@ -80,7 +80,7 @@ class WorkerProcess:
         if self.forked:
             # When the first process in a sandbox ends, the kernel ends all others there.
             code = self.forked.end(SECONDS_TO_END)
-        if code in KILLED and not self._above_limit and not had_to_be_killed:
+        if code in KILLED_CODES and not self._above_limit and not had_to_be_killed:
             # The kernel may have killed other processes while the worker killed itself. The
             # notebook is then judged once more, which does not help the student.
             self._lacked_memory |= killed_for_memory() > self.killed_before
@@ -123,8 +123,8 @@ class WorkerProcess:
         """
 
         def watch() -> None:
-            while not self._stopped.wait(SECONDS_BETWEEN_LOOKS):
-                most = limit if memory_left() > LEAST_MEMORY_LEFT else MEMORY_WHEN_SCARCE
+            while not self._stopped.wait(MEMORY_POLLING_INTERVAL):
+                most = limit if memory_left() > MIN_MEMORY_LEFT else MEMORY_WHEN_SCARCE
                 used = sum(map(memory_of_tree, self.pids))
                 if used > most:
                     with self._signals:
@@ -185,7 +185,7 @@ def launch(
                 PYTHON,
                 "-I",
                 "-B",
-                str(WORKER),
+                str(WORKER_SCRIPT),
                 str(their_read),
                 str(their_write),
             ]
@@ -293,7 +293,7 @@ def _start_and_join(
     """Build a sandbox around a process that only waits, and make a forked worker join it."""
     info, number = os.pipe()
     # When process 1 of a PID namespace ends, the kernel kills all other processes in it.
-    options = ["--as-pid-1", "--info-fd", str(number), "--", "/bin/sh", "-c", WAIT]
+    options = ["--as-pid-1", "--info-fd", str(number), "--", "/bin/sh", "-c", WAIT_COMMAND]
     try:
         # Bubblewrap inherits both ends of the pipe, so that it cannot fail to write to the pipe.
         # After a failed write, bubblewrap would end and leave its child behind.

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from utils import in_sandbox
 
-PACKAGES = in_sandbox.INSTALLED
+INSTALLED_PACKAGES = in_sandbox.INSTALLED
 
 # If a notebook has more lines than this, messages do not show its lines, because student code could
 # send a message by choosing the line that fails. Solved lessons have fewer lines.
@@ -66,7 +66,7 @@ class Program:
     modules: dict[str, str] = field(default_factory=dict)
     given: Given = Given()
     forbidden: tuple[str, ...] = ()
-    packages: tuple[str, ...] = PACKAGES
+    packages: tuple[str, ...] = INSTALLED_PACKAGES
     steps: tuple[str, ...] = ()
     python: tuple[int, ...] = ()
 

@@ -9,18 +9,18 @@ from collections.abc import Iterator
 
 from grader.untrusted import one_line
 
-LONGEST_TEXT = 500
-MOST_ITEMS = 20
+MAX_TEXT_LENGTH = 500
+MAX_ITEMS = 20
 
 
 def texts(values: object) -> list[str]:
     """Return the first few texts of an untrusted list, each as one line."""
-    return [readable(value) for value in values[:MOST_ITEMS]] if isinstance(values, list) else []
+    return [readable(value) for value in values[:MAX_ITEMS]] if isinstance(values, list) else []
 
 
 def readable(value: object) -> str:
     """Return one line of text without control characters, safe to print on a terminal."""
-    return one_line(value[:LONGEST_TEXT]) if isinstance(value, str) else ""
+    return one_line(value[:MAX_TEXT_LENGTH]) if isinstance(value, str) else ""
 
 
 def rows(columns: object, width: int) -> Iterator[tuple]:
@@ -52,7 +52,7 @@ def positions(values: object) -> list[int]:
     """Return the whole numbers among the first few items of an untrusted list."""
     if not isinstance(values, list):
         return []
-    return [value for value in values[:MOST_ITEMS] if type(value) is int]
+    return [value for value in values[:MAX_ITEMS] if type(value) is int]
 
 
 def has_valid_object(reply: dict) -> bool:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import NoReturn
 
 from grader.sandbox.failures import (
-    MOST_LINES,
+    MAX_LINES,
     CellSkipped,
     StudentError,
     StudentStopped,
@@ -29,14 +29,14 @@ from grader.sandbox.time_budget import Budget, Meter, TimeLimit
 from utils.remote_objects import ENDLESS, Observed, Remote
 
 # Names of the steps that are not exercises: running the cells that exercises need, or all cells.
-_NEEDED, _ALL = "the cells that are needed", "all cells"
+_NEEDED_CELLS, _ALL_CELLS = "the cells that are needed", "all cells"
 # Once the failed calls of a step have together used up its time limit, each later call gets only
 # this share of the limit. An endless loop then costs little more than one limit.
 SHARE_AFTER_FAILURES = 1 / 8
 # The exception that the worker raises in a call that it interrupts.
 TOOK_TOO_LONG = "TookTooLong"
 # Maximum number of failed cells that are described. Later cells usually fail because of these.
-MOST_FAILED_CELLS = 3
+MAX_FAILED_CELLS = 3
 
 
 @dataclass(frozen=True)
@@ -365,16 +365,16 @@ class StudentProxy:
         failures = failures if isinstance(failures, list) else []
         sentences = [
             describe_failed_cell(self._student_error("", failure))
-            for failure in failures[:MOST_FAILED_CELLS]
+            for failure in failures[:MAX_FAILED_CELLS]
         ]
-        more = len(failures) > MOST_FAILED_CELLS
+        more = len(failures) > MAX_FAILED_CELLS
         return [*sentences, *["Later cells failed as well."] * more]
 
     def _ensure_running(self) -> None:
         self._check_elapsed_time()
         if self._worker:
             return
-        for what in (self.exercise, _NEEDED):
+        for what in (self.exercise, _NEEDED_CELLS):
             self._check_restarts(what)
         if self._budget.seconds <= 0:
             raise StudentStopped(
@@ -418,7 +418,7 @@ class StudentProxy:
             self._lines, self._own_lines = found["lines"], found["own_lines"]
             self.edits = changes(found.get("edits"))
             self._has_reported = True
-        if self._missing and _ALL not in (*self._stops, *self._budget.timeouts):
+        if self._missing and _ALL_CELLS not in (*self._stops, *self._budget.timeouts):
             self._try_whole_notebook()
 
     def _check_elapsed_time(self) -> None:
@@ -434,7 +434,7 @@ class StudentProxy:
     def _check_restarts(self, task: str) -> None:
         stops = self._stops.get(task, [])
         if len(stops) > (0 if task in self._timed_out_before else self._limits.restarts):
-            code = "the notebook's own cells" if task == _NEEDED else "this exercise's code"
+            code = "the notebook's own cells" if task == _NEEDED_CELLS else "this exercise's code"
             times = "once" if len(stops) == 1 else f"{len(stops)} times"
             raise StudentStopped(
                 f"Not run: {code} had already been stopped {times}. {stops[-1]}",
@@ -445,7 +445,9 @@ class StudentProxy:
     def _try_whole_notebook(self) -> None:
         """Run all cells, to find names whose definitions are not visible in the source."""
         try:
-            found = self._exchange_at_start({"all_cells": True}, _ALL, self._limits.whole_seconds)
+            found = self._exchange_at_start(
+                {"all_cells": True}, _ALL_CELLS, self._limits.whole_seconds
+            )
             self._missing &= set(texts(found.get("missing")))
         except StudentStopped:  # because of a cell that no exercise needs
             self._ensure_running()
@@ -453,7 +455,7 @@ class StudentProxy:
     def _exchange_at_start(
         self,
         message: dict | None = None,
-        task: str = _NEEDED,
+        task: str = _NEEDED_CELLS,
         seconds: float | None = None,
         too_slow: str = "The notebook's own cells did not finish within {seconds:g} seconds.",
     ) -> dict:
@@ -483,7 +485,7 @@ class StudentProxy:
                 )
             sentence = too_slow.format(seconds=round(seconds, 1))
             reason = self._budget.timeouts.setdefault(task, sentence)
-            self._stop(task, sentence, reason, out_of_time=task not in (_NEEDED, _ALL))
+            self._stop(task, sentence, reason, out_of_time=task not in (_NEEDED_CELLS, _ALL_CELLS))
         except wire_format.WireError:
             self._stop(
                 task,
@@ -520,7 +522,7 @@ class StudentProxy:
 
 
 def _is_in_short_ranges(place: str, ranges: Sequence[Sequence[int]]) -> bool:
-    """Return whether a place is in ranges of lines with at most `MOST_LINES` lines in total.
+    """Return whether a place is in ranges of lines with at most `MAX_LINES` lines in total.
 
     The place comes from the student's process. In a long exercise, the line number could encode a
     message.
@@ -534,4 +536,4 @@ def _is_in_short_ranges(place: str, ranges: Sequence[Sequence[int]]) -> bool:
     """
     cell, line = cell_and_line(place) or (0, 0)
     is_there = any(cell == where and first <= line <= last for where, first, last in ranges)
-    return is_there and sum(1 + last - first for _, first, last in ranges) <= MOST_LINES
+    return is_there and sum(1 + last - first for _, first, last in ranges) <= MAX_LINES

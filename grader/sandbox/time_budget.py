@@ -13,8 +13,8 @@ from grader.sandbox.usage import own_seconds
 
 # Elapsed time that a step may take, in multiples of its limit. This applies only if the kernel does
 # not show whether a process sleeps or waits for a processor.
-MOST_ELAPSED = 3
-SOON = 0.05  # seconds; most replies arrive within this time
+MAX_ELAPSED_FACTOR = 3
+FIRST_MEASUREMENT = 0.05  # seconds; most replies arrive within this time
 # The next measurement follows after one to two times this share of the elapsed time. The moment is
 # random, so that student code cannot predict it.
 NEXT_MEASUREMENT = 1 / 16
@@ -164,7 +164,7 @@ class TimeLimit:
     ) -> None:
         self._worker, self._seconds, self._until = worker, seconds, until
         # A measurement takes longer than most exchanges, so the first measurement is delayed.
-        self._measure_at, self._meter = time.monotonic() + SOON, meter
+        self._measure_at, self._meter = time.monotonic() + FIRST_MEASUREMENT, meter
         self.starved = False
 
     def __call__(self) -> float:
@@ -185,14 +185,14 @@ class TimeLimit:
         if self._meter is None:
             self._meter = Meter(self._worker)
             if not self._meter.sees_waiting:
-                self._until = min(self._until, now + MOST_ELAPSED * self._seconds)
+                self._until = min(self._until, now + MAX_ELAPSED_FACTOR * self._seconds)
         self._meter.measure()
         left = self._seconds - self._meter.seconds
         if left <= 0 or now >= self._until:
             self.starved = left > 0
             raise wire.WireTimeout
         pause = _RANDOM.uniform(1, 2) * NEXT_MEASUREMENT * self._meter.waited
-        return max(SOON, min(left, self._until - now, pause))
+        return max(FIRST_MEASUREMENT, min(left, self._until - now, pause))
 
     def used_seconds(self) -> float:
         """Return the seconds used so far; 0 if the exchange ended before the first measurement."""

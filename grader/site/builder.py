@@ -25,7 +25,9 @@ from grader.site.settings import conf
 STATIC = Path(__file__).parent / "static"
 THEME = Path(__file__).parent / "templates" / "theme"
 SITE_MARKER = "searchindex.js"  # an existing folder with this file is a site
-EARLIEST = "315532800"  # 1 January 1980 in seconds, so that the site does not depend on the clock
+SOURCE_DATE = (
+    "315532800"  # 1 January 1980 in seconds, so that the site does not depend on the clock
+)
 REPLACEMENTS = {
     # The icons come from a font, so this 1.5 MB script is not needed.
     re.compile(r' *<script [^>]*src="[^"]*fontawesome\.js[^"]*"></script>\n'): "",
@@ -134,7 +136,7 @@ def _run_sphinx(source: Path, pages: Path) -> None:
     command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html"]
     process = subprocess.run(
         [*command, "-d", str(source.parent / "read"), str(source), str(pages)],
-        env=os.environ | {"SOURCE_DATE_EPOCH": EARLIEST, "PYTHONHASHSEED": "0"},
+        env=os.environ | {"SOURCE_DATE_EPOCH": SOURCE_DATE, "PYTHONHASHSEED": "0"},
         capture_output=True,
         text=True,
     )

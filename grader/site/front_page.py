@@ -13,7 +13,7 @@ from PIL import Image, ImageSequence
 
 from grader.course import durations
 from grader.course.build import Origin
-from grader.course.lessons import OPTIONAL, Lesson, every_lesson, optional_lessons, stages
+from grader.course.lessons import OPTIONAL_FOLDER, Lesson, every_lesson, optional_lessons, stages
 from grader.course.paths import PROJECT
 from grader.course.settings import stage_title
 from grader.site.html_outputs import TEMPLATES
@@ -23,10 +23,10 @@ from grader.site.pictures import Pictures
 README = PROJECT / "README.md"
 FILM = re.compile(r"^!\[(.+?)\]\((\S+\.gif)\)$", re.M)
 PREVIEW = re.compile(r"!\[(.*?)\]\(attachment:(\S+?)\)")
-CARD = 480  # longer side of a card's picture in pixels
-QUALITY = 80  # WebP quality of the film
+CARD_PIXELS = 480  # longer side of a card's picture in pixels
+WEBP_QUALITY = 80  # WebP quality of the film
 # Position of the still picture in the film, 0 to 1. Readers who turn off motion see it.
-STILL = 0.45
+STILL_POSITION = 0.45
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ def titles() -> list[tuple[str, str]]:
         (stage, f"Stage {number}: {stage_title(stage)}")
         for number, stage in enumerate(stages(), start=1)
     ]
-    return [*titled, (OPTIONAL, "Optional")] if optional_lessons() else titled
+    return [*titled, (OPTIONAL_FOLDER, "Optional")] if optional_lessons() else titled
 
 
 def _lessons_of(stage: str) -> list[Lesson]:
@@ -95,7 +95,7 @@ def _small(content: bytes) -> bytes:
     """Scale a picture down to the size of a card, as PNG."""
     with Image.open(io.BytesIO(content)) as picture:
         small = picture.convert("RGB")
-    small.thumbnail((CARD, CARD))
+    small.thumbnail((CARD_PIXELS, CARD_PIXELS))
     return _png(small)
 
 
@@ -112,7 +112,7 @@ def _as_webp(film: bytes) -> bytes:
         append_images=others,
         duration=duration,
         loop=0,
-        quality=QUALITY,
+        quality=WEBP_QUALITY,
         method=2,
     )
     return buffer.getvalue()
@@ -121,7 +121,7 @@ def _as_webp(film: bytes) -> bytes:
 def _still(film: bytes) -> bytes:
     """Extract the still picture of a film, as PNG."""
     with Image.open(io.BytesIO(film)) as picture:
-        picture.seek(int(picture.n_frames * STILL))
+        picture.seek(int(picture.n_frames * STILL_POSITION))
         return _png(picture.convert("RGB"))
 
 

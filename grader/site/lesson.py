@@ -16,7 +16,7 @@ from grader.site.errors import SiteError
 from grader.site.html_outputs import page_outputs
 from grader.site.live import address_of
 from grader.site.pictures import Pictures
-from grader.site.widget_states import QUESTION
+from grader.site.widget_states import QUESTION_TYPE
 
 FOLDED_TAGS = {"folded", "setup"}
 TITLE = re.compile(r"# @title (.*?)(?: \(you need not read this\))?(?: \{.*\})?\n")
@@ -80,7 +80,9 @@ def _title(cell: NotebookNode) -> str:
 
 def _only_asks(cell: NotebookNode) -> bool:
     """Return whether all outputs of a cell are questions, which the page shows as forms."""
-    return bool(cell.outputs) and all(QUESTION in output.get("data", {}) for output in cell.outputs)
+    return bool(cell.outputs) and all(
+        QUESTION_TYPE in output.get("data", {}) for output in cell.outputs
+    )
 
 
 def _fold(cell: NotebookNode, title: str) -> None:

@@ -3,7 +3,7 @@
 from importlib import metadata
 
 PACKAGE = "sphinx-mathjax-offline"
-WANTED = ("tex-chtml.js", ".woff")
+FILE_ENDINGS = ("tex-chtml.js", ".woff")
 
 
 def files() -> dict[str, bytes]:
@@ -11,6 +11,6 @@ def files() -> dict[str, bytes]:
     contents = {}
     for path in metadata.files(PACKAGE):
         place = path.as_posix().partition("static/mathjax/")[2]
-        if place and (place == WANTED[0] or place.endswith(WANTED[1])):
+        if place and (place == FILE_ENDINGS[0] or place.endswith(FILE_ENDINGS[1])):
             contents[f"_static/mathjax/{place}"] = path.locate().read_bytes()
     return contents

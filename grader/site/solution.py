@@ -8,7 +8,7 @@ import nbformat
 from nbformat import NotebookNode
 from nbformat.v4 import new_output
 
-from grader.site.widget_states import ANSWER, POSITION, QUESTION
+from grader.site.widget_states import ANSWER_TYPE, POSITION_TYPE, QUESTION_TYPE
 from utils.predictions import as_html_and_text
 
 
@@ -31,12 +31,12 @@ def _outputs(outputs: Iterable[NotebookNode]) -> Iterator[NotebookNode]:
     positions = 0  # the first is the lesson's own; later ones are left out
     for output in outputs:
         data = output.get("data", {})
-        positions += POSITION in data
-        if ANSWER in data:
-            about = data[ANSWER]
+        positions += POSITION_TYPE in data
+        if ANSWER_TYPE in data:
+            about = data[ANSWER_TYPE]
             html, text = as_html_and_text(
                 about["question"], {"Answer": about["answer"]}, about["why"]
             )
             yield new_output("display_data", data={"text/html": html, "text/plain": text})
-        elif positions < 2 and POSITION not in data and QUESTION not in data:
+        elif positions < 2 and POSITION_TYPE not in data and QUESTION_TYPE not in data:
             yield output

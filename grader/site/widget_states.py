@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.legend import Legend
 
-POSITION = "application/vnd.lidar-obstacle-lab.position+json"
-QUESTION = "application/vnd.lidar-obstacle-lab.question+json"
-ANSWER = "application/vnd.lidar-obstacle-lab.answer+json"
+POSITION_TYPE = "application/vnd.lidar-obstacle-lab.position+json"
+QUESTION_TYPE = "application/vnd.lidar-obstacle-lab.question+json"
+ANSWER_TYPE = "application/vnd.lidar-obstacle-lab.answer+json"
 POSITIONS = {1: 4, 2: 3}  # positions per slider, without the lesson's own, by number of sliders
-FEW_POSITIONS = 2  # the same, if there are more sliders
+DEFAULT_POSITIONS = 2  # the same, if there are more sliders
 TITLES = ("left", "center", "right")  # places of a title above the axes
 
 
@@ -47,7 +47,7 @@ def interact(**sliders: Widget) -> Callable[[Callable], Callable]:
     def run(function: Callable) -> Callable:
         for about, values in positions(sliders):
             text = ", ".join(f"{name} {value:g}" for name, value in values.items())
-            _display(POSITION, about, text)
+            _display(POSITION_TYPE, about, text)
             function(**values)
         return function
 
@@ -72,7 +72,7 @@ def positions(sliders: dict[str, Widget]) -> Iterator[tuple[dict, dict]]:
     current = {name: slider.value for name, slider in sliders.items()}
     titles = {name: slider.description or name for name, slider in sliders.items()}
     yield {"all": [[titles[name], f"{current[name]:g}"] for name in sliders]}, current
-    count = POSITIONS.get(len(sliders), FEW_POSITIONS)
+    count = POSITIONS.get(len(sliders), DEFAULT_POSITIONS)
     for name, slider in sliders.items():
         for value in _spread(slider, count):
             yield {"slider": titles[name], "value": f"{value:g}"}, current | {name: value}
@@ -107,7 +107,7 @@ def predict(
     about = {"question": question, "choices": list(choices), "unit": unit}
     if between:
         about |= {"between": [*between], "step": step}
-    _display(QUESTION, about, f"Guess first: {question}")
+    _display(QUESTION_TYPE, about, f"Guess first: {question}")
     return prediction
 
 
@@ -117,7 +117,7 @@ def compare(prediction: object, answer: float | str, why: str) -> None:
         raise ValueError(f"{answer!r} is not one of the choices: {', '.join(prediction._choices)}.")
     text = prediction._as_text(answer)
     about = {"question": prediction._question, "answer": text, "why": why}
-    _display(ANSWER, about, f"{prediction._question} Answer: {text}. {why}")
+    _display(ANSWER_TYPE, about, f"{prediction._question} Answer: {text}. {why}")
 
 
 def _display(kind: str, about: dict, text: str) -> None:

@@ -81,7 +81,7 @@ def detect_obstacles(cloud):
 
 def test_answers_that_take_long_to_read_end_the_drive(monkeypatch):
     """Such lists are "no boxes", but reading one takes a second of this process's time."""
-    monkeypatch.setattr(drives, "READING_SECONDS", 0.1)
+    monkeypatch.setattr(drives, "REPLY_SECONDS", 0.1)
     street = draw_streets(SEED)[0]
     with StudentProxy(Program((EMPTY_LISTS,), (DETECTOR,)), SANDBOX, Limits(**SHORT)) as student:
         driven = drive_in_sandbox(street, student, seconds=0.5, sensor=BLINKERED)

@@ -154,7 +154,7 @@ def test_too_much_is_refused_and_the_earlier_submission_stays(inbound, collect, 
     submit(inbound, {NOTEBOOK: "first"})
     assert collect()[0][f"{ME}/{STAGE}/{NOTEBOOK}"] == "first"
     submit(inbound, {NOTEBOOK: "second" * 100}, time=LATER)
-    monkeypatch.setattr(exchange_collection, "MOST_BYTES_OF_A_STUDENT", 100)
+    monkeypatch.setattr(exchange_collection, "MAX_BYTES_PER_STUDENT", 100)
     collected, warnings = collect(update=True)
     assert collected[f"{ME}/{STAGE}/{NOTEBOOK}"] == "first"
     assert any("is larger than the remaining" in text for text in warnings)

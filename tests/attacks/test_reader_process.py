@@ -54,7 +54,7 @@ def small_limits(monkeypatch):
     """Set small limits, so that the tests reach them quickly."""
     monkeypatch.setattr(reader_process, "CPU_SECONDS", 1)
     monkeypatch.setattr(reader_process, "MEGABYTES", 128)
-    monkeypatch.setattr(reader_process, "LARGEST_REPLY", 2**22)
+    monkeypatch.setattr(reader_process, "MAX_REPLY_BYTES", 2**22)
 
 
 def test_reading_in_another_process_gives_the_same_result():

@@ -24,7 +24,7 @@ from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
 from grader.course.roster import Roster
 
-NOBODY = "-"
+NO_OWNER = "-"
 
 
 @dataclass(frozen=True)
@@ -151,7 +151,7 @@ def _store(course: Course, stages: Sequence[str], new: dict[str, tuple[str, ...]
 
 def ids_in(answer: str) -> tuple[str, ...]:
     """Return the ids in an answer about an owner, as typed."""
-    return () if answer == NOBODY else tuple(answer.split(","))
+    return () if answer == NO_OWNER else tuple(answer.split(","))
 
 
 def normalized(label: str) -> str:

@@ -27,7 +27,7 @@ from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
 from grader.course.roster import Roster, read_roster
 
-_SORT_FILES = (
+_SORTING_ADVICE = (
     "Their names show that they may belong to several students. Put each student's files into a "
     "folder named after the student's id, and collect the folder that contains these folders"
 )
@@ -142,7 +142,7 @@ def _by_owner(
             ids_by_owner[archive, owner] = owners.ids_of(owner)
         except UnknownOwner as question:
             if owner.is_folder and _may_belong_to_several([file for _, file in files]):
-                report.add_question(owner.label, f"{_files(len(files))}. {_SORT_FILES}")
+                report.add_question(owner.label, f"{_files(len(files))}. {_SORTING_ADVICE}")
             else:
                 text = f"{_files(len(files))} from this student. {question}"
                 report.add_question(owner.label, text)

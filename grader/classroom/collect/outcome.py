@@ -9,7 +9,7 @@ from pathlib import Path
 from grader.course.lessons import Lesson
 from grader.course.roster import Roster
 
-UNANSWERED = "?"
+UNANSWERED_MARK = "?"
 
 
 @dataclass(frozen=True)

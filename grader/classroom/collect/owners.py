@@ -8,16 +8,16 @@ import shlex
 import unicodedata
 from collections.abc import Collection, Sequence
 
-from grader.classroom.collect.answers import NOBODY, Answers, ids_in, normalized
+from grader.classroom.collect.answers import NO_OWNER, Answers, ids_in, normalized
 from grader.classroom.collect.models import CollectError, Owner
 from grader.classroom.collect.worksheet import SubmissionRow, SubmissionTable
 from grader.classroom.collect.zips import names_in_other_code_pages
 from grader.course.roster import Person, Roster, has_other_lms_id, letters
 
-LONGEST_NAME = 80
-_FOR_A_TEAM = "For a team, write several ids: ID,ID"
+MAX_NAME_LENGTH = 80
+_TEAM_HINT = "For a team, write several ids: ID,ID"
 # Windows does not allow folders with these names, with or without an extension.
-_DEVICES = re.compile(r"(?:con|prn|aux|nul|com\d|lpt\d)(?:\..*)?", re.IGNORECASE)
+_RESERVED_NAME = re.compile(r"(?:con|prn|aux|nul|com\d|lpt\d)(?:\..*)?", re.IGNORECASE)
 
 
 class UnknownOwner(Exception):
@@ -63,7 +63,7 @@ class Owners:
             return tuple(person.id for person in team)
         guessed = self._guessed(owner)
         if guessed:
-            raise UnknownOwner(f"{_choice(owner, guessed)}. {_FOR_A_TEAM}")
+            raise UnknownOwner(f"{_choice(owner, guessed)}. {_TEAM_HINT}")
         raise UnknownOwner(self._question(owner))
 
     def is_answered(self, owner: Owner) -> bool:
@@ -174,7 +174,7 @@ class Owners:
             if "/" in label and ids_in(answer):
                 raise CollectError(
                     f"--who {shlex.quote(label)}=…: a single file can only be ignored, not "
-                    f"assigned. Write {NOBODY} instead of an id."
+                    f"assigned. Write {NO_OWNER} instead of an id."
                 )
             for id in ids_in(answer):
                 self._check_answer(label, id)
@@ -278,8 +278,8 @@ class Owners:
             remedy = "add Moodle's worksheet with --timestamps FILE, or "
         return (
             f"No student on the roster has this name. To assign the files, {remedy}add "
-            f"{_owner_option(owner, 'ID')}. {_FOR_A_TEAM}. To ignore "
-            f"the files, add {_owner_option(owner, NOBODY)}"
+            f"{_owner_option(owner, 'ID')}. {_TEAM_HINT}. To ignore "
+            f"the files, add {_owner_option(owner, NO_OWNER)}"
         )
 
     def _folder(self, owner: Owner) -> str:
@@ -297,8 +297,8 @@ def safe_folder(name: str) -> str:
     """Return the given name, changed where necessary to be a valid folder name on every system."""
     text = unicodedata.normalize("NFC", name)
     text = "".join(c if c.isalnum() or c in " _-.@+()" else "-" for c in text)
-    text = " ".join(text.split())[:LONGEST_NAME].strip(" .-").lstrip("_") or "unnamed"
-    return f"{text}_" if _DEVICES.fullmatch(text) else text
+    text = " ".join(text.split())[:MAX_NAME_LENGTH].strip(" .-").lstrip("_") or "unnamed"
+    return f"{text}_" if _RESERVED_NAME.fullmatch(text) else text
 
 
 def _choice(owner: Owner, people: Sequence[Person]) -> str:

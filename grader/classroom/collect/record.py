@@ -17,7 +17,7 @@ from grader.classroom.timestamp_file import read_timestamp
 from grader.course.atomic_files import write_atomically
 from grader.course.times import UnclearTime
 
-NAME = ".collected.json"
+RECORD_NAME = ".collected.json"
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ class Record:
 def read_record(folder: Path) -> Record:
     """Return the record of a folder; an empty record if the file is missing or unreadable."""
     with contextlib.suppress(OSError, ValueError, TypeError, KeyError, AttributeError):
-        content = json.loads((folder / NAME).read_text("utf-8"))
+        content = json.loads((folder / RECORD_NAME).read_text("utf-8"))
         files = {name: FileOrigin(**origin) for name, origin in content["files"].items()}
         return Record(**(content | {"files": files}))
     return Record()
@@ -129,7 +129,7 @@ def file_time(path: Path) -> datetime | None:
 
 def write_record(record: Record, folder: Path) -> None:
     """Write the record of a folder."""
-    write_atomically(json.dumps(dataclasses.asdict(record), indent=1), folder / NAME)
+    write_atomically(json.dumps(dataclasses.asdict(record), indent=1), folder / RECORD_NAME)
 
 
 def without_archives(record: Record, archives: Collection[str]) -> Record:

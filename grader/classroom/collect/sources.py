@@ -8,7 +8,7 @@ from datetime import datetime
 from pathlib import Path
 
 from grader.classroom.collect.models import Archive, ArchiveEntry, CollectError, UnreadableFile
-from grader.classroom.collect.zips import MOST_FILES, clean_path, is_hidden, open_zip
+from grader.classroom.collect.zips import MAX_FILES, clean_path, is_hidden, open_zip
 from grader.intake.notebook import read_file
 from grader.intake.submission import walk_submitted
 from utils.notebooks.reading import UnreadableNotebook
@@ -27,7 +27,7 @@ def open_archive(path: Path) -> Archive:
         raise CollectError(f"{path} does not exist. Correct the path.")
     elif zipfile.is_zipfile(path):
         try:
-            files = open_zip(str(path), MOST_FILES)
+            files = open_zip(str(path), MAX_FILES)
         except UnreadableFile as error:
             raise CollectError(f"{path} {error}. Download it again.") from None
     elif path.suffix.lower() == ".zip":

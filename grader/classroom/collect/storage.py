@@ -29,8 +29,10 @@ from utils.notebooks.reading import UnreadableNotebook
 
 NEW, NEWER, SAME, KEPT = "new", "newer", "same", "kept"
 OLDER_FOLDER = ".older"
-_INTERRUPTED = "collecting was interrupted before the submission time was written; collect again"
-_RESUBMITTED = "the work was submitted again, and the time is unknown"
+_INTERRUPTED_REASON = (
+    "collecting was interrupted before the submission time was written; collect again"
+)
+_RESUBMITTED_REASON = "the work was submitted again, and the time is unknown"
 
 
 class UnclearVersion(Exception):
@@ -172,7 +174,7 @@ class StageFolder:
         self._remove_time()
         self._is_new = True
         reason = self._stated.undecided or (
-            _RESUBMITTED if was_timed and not self._stated.when else ""
+            _RESUBMITTED_REASON if was_timed and not self._stated.when else ""
         )
         if older:
             self._back_up(older)
@@ -211,7 +213,7 @@ class StageFolder:
         A time that `write_time` did not write was entered by hand and applies to all files.
         """
         path = self.path / TIMESTAMP_FILE
-        record = dataclasses.replace(self._record, undecided=_INTERRUPTED)
+        record = dataclasses.replace(self._record, undecided=_INTERRUPTED_REASON)
         if self._is_time_by_hand():
             record = self._with_time_set_by_hand(record)
         if path.is_file():

@@ -18,11 +18,11 @@ from grader.classroom.collect.inspection import (
     MODULE,
     NOTEBOOK,
     OTHER,
-    TOO_MUCH_OF_A_STUDENT,
+    TOO_LARGE,
     unpack_file,
 )
 from grader.classroom.collect.models import SubmittedFile
-from grader.classroom.collect.outcome import UNANSWERED, CollectionReport, Question
+from grader.classroom.collect.outcome import UNANSWERED_MARK, CollectionReport, Question
 from grader.classroom.collect.selection import StudentFile, newest
 from grader.classroom.collect.stated_time import NOTHING_STATED, StatedTime
 from grader.classroom.collect.storage import KEPT, StageFolder, UnclearVersion
@@ -33,7 +33,7 @@ from grader.classroom.timestamp_file import TIMESTAMP_FILE
 from grader.course.lessons import Lesson
 from grader.course.paths import Course
 
-_TABLE = "the table of submission times"
+_TABLE_NAME = "the table of submission times"
 
 
 class StudentCollector:
@@ -104,8 +104,8 @@ class StudentCollector:
                 continue
             unpacked_files = unpack_file(submitted_file.entry, submitted_file.path[-1])
             size += sum(len(unpacked.data) for unpacked in unpacked_files)
-            if size > inspection.MOST_BYTES_OF_A_STUDENT:
-                total = f"brings the student's total to {TOO_MUCH_OF_A_STUDENT}"
+            if size > inspection.MAX_BYTES_PER_STUDENT:
+                total = f"brings the student's total to {TOO_LARGE}"
                 text = f"{total}. Ask for smaller files"
                 self._add_problem(
                     submitted_file.name, text, lesson_by_name(submitted_file.path[-1])
@@ -147,7 +147,7 @@ class StudentCollector:
             except Unrecognised as problem:
                 self._add_problem(file.name, str(problem))
             except Contradiction as question:
-                self._states.update(dict.fromkeys(question.lessons, UNANSWERED))
+                self._states.update(dict.fromkeys(question.lessons, UNANSWERED_MARK))
                 self._report.add_question(file.name, str(question))
             else:
                 notebooks.setdefault(lesson, []).append(file)
@@ -177,7 +177,7 @@ class StudentCollector:
                 f"{lesson_option(newest_files[0], lesson.number)}, or the same option for the "
                 "other file",
             )
-            return UNANSWERED
+            return UNANSWERED_MARK
         file = newest_files[0]
         if answered:
             outdated_digests = {one.digest for one in candidates} - {file.digest}
@@ -186,7 +186,7 @@ class StudentCollector:
             state = folder.place(name, file.unpacked.data, origin, self._existing.get(lesson))
         except UnclearVersion as question:
             self._report.add_question(file.name, str(question))
-            return UNANSWERED
+            return UNANSWERED_MARK
         if state != KEPT:
             self._place_modules(folder, file, files)
         if file.unpacked.complaint:
@@ -280,14 +280,14 @@ def _stated_time(
     """Return when a student submitted according to the table of submission times."""
     for row in rows or ():
         if row.unclear:
-            return StatedTime(None, row.time_text, f"{_TABLE} {row.unclear}")
+            return StatedTime(None, row.time_text, f"{_TABLE_NAME} {row.unclear}")
     timed = [row for row in rows or () if row.when]
     if timed:
         latest = max(timed, key=lambda row: row.when)
         return StatedTime(latest.when, latest.time_text)
     if rows:
-        return StatedTime(undecided=f"{_TABLE} has no time for this student")
+        return StatedTime(undecided=f"{_TABLE_NAME} has no time for this student")
     # If the platform marks late work, all other work is on time and needs no row in the table.
     if rows is None or all(one.late is False for _, one in submitted):
         return StatedTime()
-    return StatedTime(undecided=f"{_TABLE} has no row or several rows for this student")
+    return StatedTime(undecided=f"{_TABLE_NAME} has no row or several rows for this student")

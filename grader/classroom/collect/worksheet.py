@@ -2,7 +2,7 @@
 
 Moodle writes titles and dates in the language of the teacher who downloads the worksheet. The first
 column has a word and the participant's number, and the second column has the full name. An
-instructor's own table has ids in the first column, and submission times under one of `TITLES`.
+instructor's own table has ids in the first column, and submission times under one of `TIME_TITLES`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from grader.course.tables import TableError, read_table
 from grader.course.times import UnclearTime, read_time, to_utc
 
 # Moodle's translations of "Last modified (submission)", and the language of the dates below them.
-TITLES = {
+TIME_TITLES = {
     "last modified (submission)": "en",
     "zuletzt geändert (abgabe)": "de",
     "dernière modification (travail remis)": "fr",
@@ -33,7 +33,7 @@ TITLES = {
     "последнее изменение (ответ)": "ru",
     "上次修改（作业）": "zh",
 }
-STATUS = ("status", "statut", "estado", "stato", "статус", "состояние", "状态")
+STATUS_TITLES = ("status", "statut", "estado", "stato", "статус", "состояние", "状态")
 _NUMBER = re.compile(r"\D*[^\W\d]\D*(\d+)")  # a word and a number
 _NO_TIME = ("", "-")  # Moodle writes - for students who did not submit
 
@@ -120,15 +120,15 @@ def read_worksheet(path: Path, zone: tzinfo | None) -> SubmissionTable:
             else f"{path} is not in UTF-8. Save it as CSV UTF-8."
         ) from None
     titles = [_folded(cell) for cell in table.titles]
-    column = next((index for index, title in enumerate(titles) if title in TITLES), None)
+    column = next((index for index, title in enumerate(titles) if title in TIME_TITLES), None)
     if column is None:
         raise CollectError(
             f"{path}: no column has a known title for submission times. The columns are: "
             f'{", ".join(table.titles) or "none"}. Rename the right one to "Last '
             'modified (submission)", and write times like 2026-10-12 23:59.'
         )
-    language = TITLES[titles[column]]
-    status = next((index for index, title in enumerate(titles) if title in STATUS), 1)
+    language = TIME_TITLES[titles[column]]
+    status = next((index for index, title in enumerate(titles) if title in STATUS_TITLES), 1)
     return SubmissionTable(
         tuple(_row(cells, column, status, language, zone) for cells in table.rows[1:])
     )

@@ -20,8 +20,8 @@ from grader.intake.submission import SubmittedFiles
 from utils.notebooks import slicing
 
 # Real answers are far below both limits, and a person could not compare longer answers by eye.
-MOST_STEPS = 1000
-MOST_CHARACTERS = 50_000
+MAX_STEPS = 1000
+MAX_CHARACTERS = 50_000
 
 
 @dataclass(frozen=True)
@@ -122,7 +122,7 @@ def answers_in(code: Iterable[str], lesson: Lesson) -> tuple[dict[str, ComparedA
         except RecursionError:
             problems.append(f"{name} is nested too deeply to be compared.")
             continue
-        if len(answer.steps) > MOST_STEPS or len(answer.text) > MOST_CHARACTERS:
+        if len(answer.steps) > MAX_STEPS or len(answer.text) > MAX_CHARACTERS:
             problems.append(f"{name} is too long to be compared.")
         elif answer.steps:
             answers[name] = answer

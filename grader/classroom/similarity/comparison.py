@@ -13,8 +13,8 @@ from grader.classroom.similarity.weights import Document, Weights
 # A pair is reported if the two answers share at least this fraction of their unusual parts, and if
 # their common part has this many bits more than are needed to single out one pair in the class.
 # `tests/test_similarity.py` measures hits and false alarms.
-LEAST_SHARE = 0.6
-LEAST_BITS = 7.0
+MIN_SHARE = 0.6
+MIN_BITS = 7.0
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ def compare(
     documents = {student: Document(answer) for student, answer in answers.items()}
     kept_documents = [Document(answer) for answer in kept]
     weights = Weights([*documents.values(), *kept_documents], map(Document, suggested))
-    least_bits = LEAST_BITS + math.log2(max(1, math.comb(len(documents), 2)))
+    least_bits = MIN_BITS + math.log2(max(1, math.comb(len(documents), 2)))
     shares = {
         (one, other): weights.share(documents[one], documents[other])
         for one, other in itertools.combinations(documents, 2)
@@ -104,7 +104,7 @@ def compare(
     nearest, pairs = _two_nearest(shares), []
     for (one, other), share in shares.items():
         first, second = documents[one], documents[other]
-        if share >= LEAST_SHARE and weights.bits(first, second) >= least_bits:
+        if share >= MIN_SHARE and weights.bits(first, second) >= least_bits:
             pairs.append(
                 Pair(
                     exercise,

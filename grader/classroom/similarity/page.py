@@ -14,7 +14,7 @@ from grader.classroom.similarity.stage import StageComparison
 from grader.course.atomic_files import write_atomically
 from grader.course.paths import Course
 
-MOST_PAIRS = 50
+MAX_PAIRS = 50
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ def write_similarity(course: Course, compared: StageComparison) -> Path:
             pair.pairs,
             tuple(_shared_function(answers, compared) for answers in pair.pairs),
         )
-        for pair in pairs[:MOST_PAIRS]
+        for pair in pairs[:MAX_PAIRS]
     ]
     page = render(
         "similarity.html",

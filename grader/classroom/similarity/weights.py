@@ -20,7 +20,7 @@ from grader.classroom.similarity.answers import ComparedAnswer
 
 PIECE_LENGTH = 6
 # A piece in more than a quarter of the other answers has no weight.
-LARGEST_RARE_SHARE = 0.25
+MAX_RARE_SHARE = 0.25
 
 Piece = tuple[str, ...]
 
@@ -80,7 +80,7 @@ class Weights:
         }
 
     def _bits(self, piece: Piece, holders: int, others: int) -> float:
-        if piece in self._suggested or holders > LARGEST_RARE_SHARE * others:
+        if piece in self._suggested or holders > MAX_RARE_SHARE * others:
             return 0.0
         return math.log2((others + 1) / (max(0, holders) + 0.5))
 

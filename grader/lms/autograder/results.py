@@ -11,10 +11,10 @@ from grader.judging.points import sum_points
 from grader.judging.verdict import ExerciseResult
 from grader.lms.autograder.judging import JudgedLesson, JudgedSubmission
 
-NOW, AFTERWARDS = "visible", "after_published"
+VISIBLE_NOW, VISIBLE_AFTERWARDS = "visible", "after_published"
 """Visibility of a result. Students may submit repeatedly, so the results of hidden tests are shown
 only after the last submission."""
-MISSING = "Nothing was submitted for this lesson."
+MISSING_NOTE = "Nothing was submitted for this lesson."
 
 
 def build_results(judged: JudgedSubmission) -> dict:
@@ -29,7 +29,7 @@ def build_results(judged: JudgedSubmission) -> dict:
         "output_format": "text",
         "test_output_format": "text",
         "test_name_format": "text",
-        "visibility": NOW,
+        "visibility": VISIBLE_NOW,
         "stdout_visibility": "hidden",
         "tests": tests,
     }
@@ -39,10 +39,12 @@ def _tests(judged: JudgedLesson) -> Iterator[dict]:
     number = judged.lesson.number
     if judged.verdict is None:
         for row, exercise in enumerate(judged.lesson.machine_graded, start=1):
-            yield _scored(f"{number}.{row}", exercise.name, 0.0, exercise.points, MISSING, NOW)
+            yield _scored(
+                f"{number}.{row}", exercise.name, 0.0, exercise.points, MISSING_NOTE, VISIBLE_NOW
+            )
         return
     later = [problem for problem in judged.verdict.problems if problem not in judged.notes]
-    for messages, visibility in ((judged.notes, NOW), (later, AFTERWARDS)):
+    for messages, visibility in ((judged.notes, VISIBLE_NOW), (later, VISIBLE_AFTERWARDS)):
         if messages:
             yield _message(number, f"About {judged.lesson.name}", "\n".join(messages), visibility)
     for row, exercise in enumerate(judged.verdict.exercises, start=1):
@@ -52,13 +54,17 @@ def _tests(judged: JudgedLesson) -> Iterator[dict]:
 def _exercise(number: str, exercise: ExerciseResult) -> Iterator[dict]:
     for row, test in enumerate(exercise.tests, start=1):
         name = f"{exercise.name}: {test.title}"
-        visibility = NOW if test.visible else AFTERWARDS
+        visibility = VISIBLE_NOW if test.visible else VISIBLE_AFTERWARDS
         yield _scored(f"{number}.{row}", name, test.score, test.max_score, test.message, visibility)
     if not exercise.tests:
         message = "This exercise could not be judged. The message about the lesson says why."
-        yield _scored(number, exercise.name, exercise.score, exercise.max_score, message, NOW)
+        yield _scored(
+            number, exercise.name, exercise.score, exercise.max_score, message, VISIBLE_NOW
+        )
     if exercise.slip:
-        fields = _message(number, f"{exercise.name}: one slip", exercise.slip.sentence, AFTERWARDS)
+        fields = _message(
+            number, f"{exercise.name}: one slip", exercise.slip.sentence, VISIBLE_AFTERWARDS
+        )
         yield {**fields, "score": exercise.slip.score, "max_score": 0.0}
 
 

@@ -30,7 +30,7 @@ COMPUTED_COLUMN = re.compile(
 POINTS_POSSIBLE = "Points Possible"
 EXCUSED, NOT_ASSIGNED = "EX", "N/A"
 TEST_STUDENT = "Student, Test"
-CLAIMS = (
+CLAIM_COLUMNS = (
     {"ID": ("lms_id",), "SIS User ID": ("id", "email"), "SIS Login ID": ("id", "email")},
     {"ID": ("id",), "SIS User ID": ("lms_id",), "SIS Login ID": ("lms_id",)},
 )
@@ -124,7 +124,7 @@ def _person_row(sheet: MarksTableFile, row: tuple[str, ...], name: str) -> Perso
             if title in sheet.head
             for attribute in attributes
         )
-        for rank in CLAIMS
+        for rank in CLAIM_COLUMNS
     )
     number = row[sheet.head.index("ID")].strip() if "ID" in sheet.head else ""
     return PersonRow(name, claims, name, number)

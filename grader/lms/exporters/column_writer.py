@@ -14,10 +14,10 @@ from grader.lms.exporters.assignment_marks import Marks, list_sentence
 from grader.lms.exporters.protocol import ExportError
 from grader.lms.exporters.row_matching import PersonRow, match_rows
 from grader.lms.exporters.worksheet import read_number
-from grader.lms.instructor_notes import DEADLINES
+from grader.lms.instructor_notes import DEADLINES_FILE
 from grader.lms.results import EXCUSED, format_points
 
-TOLERANCE = 0.005  # points are written with two decimal places
+POINTS_TOLERANCE = 0.005  # points are written with two decimal places
 
 
 @dataclass(frozen=True)
@@ -145,7 +145,7 @@ def scale_factor(marks: Marks, most: float | None, title: str, scale: bool) -> f
             f"The platform has no maximum for {title!r}. Set {format_points(marks.max_points)}"
             " points there, and download the file again."
         )
-    if abs(most - marks.max_points) < TOLERANCE:
+    if abs(most - marks.max_points) < POINTS_TOLERANCE:
         return 1.0
     if scale:
         return most / marks.max_points
@@ -154,7 +154,7 @@ def scale_factor(marks: Marks, most: float | None, title: str, scale: bool) -> f
     )
     choice = (
         "If you have not assigned all of these lessons, list those that count below "
-        f'[{marks.assignment}] in {DEADLINES}: lessons = ["{min(marks.lesson_points)[:2]}", …]. '
+        f'[{marks.assignment}] in {DEADLINES_FILE}: lessons = ["{min(marks.lesson_points)[:2]}", …]. '
         if len(marks.lesson_points) > 1
         else ""
     )
@@ -196,7 +196,7 @@ def find_column(
 def _is_unchanged(before: str, points: float) -> bool:
     """Return whether a cell is blank or already contains these points."""
     number = read_number(before)
-    return not before.strip() or (number is not None and abs(number - points) < TOLERANCE)
+    return not before.strip() or (number is not None and abs(number - points) < POINTS_TOLERANCE)
 
 
 def _with_cell(row: tuple[str, ...], column: Column, cell: str) -> tuple[str, ...]:

@@ -15,7 +15,7 @@ from grader.course.roster import Person, letters
 from grader.lms.collected_files import collected_files
 from grader.lms.exporters.assignment_marks import collect_marks
 from grader.lms.exporters.column_writer import (
-    TOLERANCE,
+    POINTS_TOLERANCE,
     Column,
     RowPlace,
     fill_column,
@@ -29,7 +29,7 @@ from grader.lms.results import format_points
 
 PARTICIPANT = re.compile(r"\D*\d+")  # "Participant 12" in the site's language
 # Values of the column "Grade can be changed" for a locked grade, in various languages.
-LOCKED = frozenset(
+LOCKED_VALUES = frozenset(
     [
         "no",
         "nein",
@@ -154,9 +154,9 @@ def _row(row: tuple[str, ...], column: int, hidden: bool, owners: Mapping[str, s
 
 def _refusal(column: int, most: float) -> Callable[[tuple[str, ...], float], str]:
     def refuse(row: tuple[str, ...], points: float) -> str:
-        if points > most + TOLERANCE:
+        if points > most + POINTS_TOLERANCE:
             return f"Moodle silently ignores marks above {format_points(most)}"
-        if any(cell.strip().casefold() in LOCKED for cell in row[column + 2 : column + 4]):
+        if any(cell.strip().casefold() in LOCKED_VALUES for cell in row[column + 2 : column + 4]):
             return "the grade is locked in Moodle, which would silently ignore the mark"
         return ""
 

@@ -24,8 +24,8 @@ from grader.lms.results import (
 )
 from grader.lms.term import TermResult, term_result
 
-ABOUT_PERSON = ("Student", "Last name", "First name", "E-mail", "Section")
-ABOUT_STAGE = ("submitted", "days late", "late penalty", "status")
+PERSON_TITLES = ("Student", "Last name", "First name", "E-mail", "Section")
+STAGE_TITLES = ("submitted", "days late", "late penalty", "status")
 
 
 def scores_csv(options: ExportOptions) -> ExportResult:
@@ -72,7 +72,7 @@ def notebooks_of(options: ExportOptions) -> list[NotebookResult]:
 def person_titles(options: ExportOptions) -> list[str]:
     """Return the titles of the columns about a person, with the roster's additional columns."""
     people = options.results.people
-    return [*ABOUT_PERSON, *(harmless_cell(title) for title, _ in people[0].more)]
+    return [*PERSON_TITLES, *(harmless_cell(title) for title, _ in people[0].more)]
 
 
 def person_cells(person: Person) -> list[str]:
@@ -86,7 +86,7 @@ def _head(
 ) -> list[str]:
     columns = person_titles(options)
     for stage, lessons in stages.items():
-        columns += [*lessons, *(f"{stage}: {title}" for title in ABOUT_STAGE)]
+        columns += [*lessons, *(f"{stage}: {title}" for title in STAGE_TITLES)]
     return [*columns, "Total", "Out of", *["Passed"] * (rules.pass_mark is not None)]
 
 
@@ -95,7 +95,7 @@ def _out_of(
 ) -> list[str]:
     cells = ["out of", *[""] * (len(person_titles(options)) - 1)]
     for lessons in stages.values():
-        cells += [*map(format_points, lessons.values()), *[""] * len(ABOUT_STAGE)]
+        cells += [*map(format_points, lessons.values()), *[""] * len(STAGE_TITLES)]
     most = format_points(sum(sum(lessons.values()) for lessons in stages.values()))
     return [*cells, most, most, *[""] * (rules.pass_mark is not None)]
 

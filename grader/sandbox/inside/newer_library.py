@@ -14,7 +14,7 @@ from itertools import accumulate
 from utils.notebooks.newer_syntax import RUNNING
 
 # From the lists of changes in Python's documentation; only what an answer may use.
-_ADDED = {
+_NAMES_ADDED = {
     (3, 12): (
         *("collections.abc.Buffer", "itertools.batched", "math.sumprod"),
         *("random.binomialvariate", "types.get_original_bases", "typing.TypeAliasType"),
@@ -34,9 +34,9 @@ _ADDED = {
         *("string.templatelib", "typing.evaluate_forward_ref"),
     ),
 }
-ADDED_IN = {name: version for version, names in _ADDED.items() for name in names}
+ADDED_IN = {name: version for version, names in _NAMES_ADDED.items() for name in names}
 """The version of Python that added a name."""
-_TESTS = {"hasattr", "getattr", "version_info"}
+_VERSION_TESTS = {"hasattr", "getattr", "version_info"}
 
 
 def newer_names(
@@ -62,7 +62,7 @@ def newer_names(
         The rest of a sentence that begins with the cell or file.
     """
     nodes = list(nodes)
-    if any(_name(inner) in _TESTS for node in nodes for inner in ast.walk(node)):
+    if any(_name(inner) in _VERSION_TESTS for node in nodes for inner in ast.walk(node)):
         return
     modules = {}
     for node in nodes:

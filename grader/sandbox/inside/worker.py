@@ -37,16 +37,16 @@ from utils.notebooks.edits import Edit, edits_of  # noqa: E402
 from utils.notebooks.forbidden import forbidden_part, refusal  # noqa: E402
 from utils.notebooks.skipped_cells import SkippedCell  # noqa: E402
 
-LONGEST_TEXT = 400
+MAX_TEXT_LENGTH = 400
 # Limit on the lines that are reported for an exception in nested calls.
-MOST_PLACES = 8
+MAX_PLACES = 8
 # Limits on the data sent along with an attribute. They are large enough for a tree of small nodes.
-MOST_OBJECTS, MOST_ATTRIBUTES, MOST_NUMBERS = 64, 12, 12
+MAX_OBJECTS, MAX_ATTRIBUTES, MAX_ELEMENTS = 64, 12, 12
 SCALARS = (type(None), bool, int, float, np.generic)
 # Names that are undefined because an import was refused, mapped to the refused module.
-_REFUSED: dict[str, str] = {}
+_refusals: dict[str, str] = {}
 # Names that are undefined because a module is missing, mapped to Python's message.
-_ABSENT: dict[str, str] = {}
+_absences: dict[str, str] = {}
 
 
 def main(read_end: int, write_end: int) -> None:
@@ -274,7 +274,7 @@ def without_forbidden(
 ) -> tuple[list[slicing.Statement], list[str]]:
     """Remove forbidden imports; also return a sentence for each cell that contains one.
 
-    The names that such an import binds are recorded in `_REFUSED`, for the message if one of them
+    The names that such an import binds are recorded in `_refusals`, for the message if one of them
     is used. An import inside another statement becomes a statement that raises an error.
     """
     kept, sentences = [], {}
@@ -286,7 +286,7 @@ def without_forbidden(
                 f"Code cell {statement.cell} imports {refused}, which is not allowed in this "
                 "lesson: it does the exercise for you."
             ] = True
-            _REFUSED.update(dict.fromkeys(statement.binds, refused))
+            _refusals.update(dict.fromkeys(statement.binds, refused))
             importing.refuse_imports(statement.node, forbidden)
         if not refused or not isinstance(statement.node, ast.Import | ast.ImportFrom):
             kept.append(statement)
@@ -390,7 +390,7 @@ def run(statements: Iterable[slicing.Statement], namespace: dict) -> list[dict]:
                 failure["place"] or f"code cell {statement.cell}, line {statement.node.lineno}"
             )
             if failure["type"] == "ModuleNotFoundError":
-                _ABSENT.update(dict.fromkeys(statement.binds, failure["message"]))
+                _absences.update(dict.fromkeys(statement.binds, failure["message"]))
             failures.append(failure)
     return failures
 
@@ -475,7 +475,7 @@ def nearby_attributes(number: int, objects: dict[int, object]) -> list:
     waiting = [number]
     for number in waiting:  # the list grows in this loop
         attributes = getattr(objects[number], "__dict__", None)
-        if type(attributes) is not dict or len(attributes) > MOST_ATTRIBUTES:
+        if type(attributes) is not dict or len(attributes) > MAX_ATTRIBUTES:
             continue
         for name, value in attributes.items():
             if is_small(value):
@@ -485,7 +485,7 @@ def nearby_attributes(number: int, objects: dict[int, object]) -> list:
             else:
                 stored = store_object(value, objects)
                 row, table = (number, str(name), *stored.values()), others
-                if len(waiting) < MOST_OBJECTS:
+                if len(waiting) < MAX_OBJECTS:
                     waiting.append(stored["object"])
             for column, content in zip(table, row, strict=True):
                 column.append(content)
@@ -495,16 +495,16 @@ def nearby_attributes(number: int, objects: dict[int, object]) -> list:
 def is_small(value: object) -> bool:
     """Return whether a value is a scalar or has only a few elements."""
     if type(value) is np.ndarray:
-        return value.size <= MOST_NUMBERS
+        return value.size <= MAX_ELEMENTS
     if type(value) in (list, tuple):
-        return len(value) <= MOST_NUMBERS and all(isinstance(item, SCALARS) for item in value)
+        return len(value) <= MAX_ELEMENTS and all(isinstance(item, SCALARS) for item in value)
     return isinstance(value, SCALARS)
 
 
 def public_methods(value: object) -> list[str]:
-    """Return the names of at most `MOST_ATTRIBUTES` public methods of an object's class."""
+    """Return the names of at most `MAX_ATTRIBUTES` public methods of an object's class."""
     names = [name for name, member in vars(type(value)).items() if callable(member)]
-    return [name for name in names if not name.startswith("_")][:MOST_ATTRIBUTES]
+    return [name for name in names if not name.startswith("_")][:MAX_ATTRIBUTES]
 
 
 def observe_arguments(result: object, arguments: list) -> dict:
@@ -557,17 +557,17 @@ def describe(error: BaseException) -> dict:
         message = str(error)
     except BaseException:
         message = ""
-    if isinstance(error, NameError) and error.name in _REFUSED:
-        error = refusal(_REFUSED[error.name])
+    if isinstance(error, NameError) and error.name in _refusals:
+        error = refusal(_refusals[error.name])
         message = str(error)
-    if isinstance(error, NameError) and error.name in _ABSENT:
-        message = _ABSENT[error.name]
+    if isinstance(error, NameError) and error.name in _absences:
+        message = _absences[error.name]
         error = ModuleNotFoundError(message)
     return {
         "type": type(error).__name__[:100],
-        "message": message[:LONGEST_TEXT],
+        "message": message[:MAX_TEXT_LENGTH],
         "place": place,
-        "through": through[:MOST_PLACES],
+        "through": through[:MAX_PLACES],
         "function": function and function[:100],
     }
 
