@@ -12,11 +12,11 @@ from datetime import datetime
 from pathlib import Path
 
 from extension.league.drives import (
+    DRIVE_SECONDS,
     LIMITS,
     MAX_BOXES,
     MAX_FAILURES,
     REPLY_SECONDS,
-    DRIVE_SECONDS,
     DriveResult,
     repeat_drive,
 )

@@ -32,7 +32,8 @@ COMMON_CELLS = {"setup": "setup_cell.py", "badge": "badge_cell.md", "footer": "f
 KERNEL = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
 FORBIDDEN_FILE = PROJECT / "utils" / "checks" / "forbidden.json"
 CELL_KEYS_FILE = PROJECT / "utils" / "lent" / "cells.json"
-# Characters. Shorter lines do not reveal a solution, and neither do lines that match `HARMLESS_LINE`.
+# Characters. Shorter lines do not reveal a solution, and neither do lines that match
+# `HARMLESS_LINE`.
 LEAK_LENGTH = 12
 # Cell metadata that folds the code in JupyterLab, Colab and Kaggle.
 HIDDEN_METADATA = {"jupyter": {"source_hidden": True}, "cellView": "form", "_kg_hide-input": True}

@@ -109,8 +109,8 @@ def stored_bytes(lesson: Lesson, path: Path) -> bytes:
             for name, answers in functions.items()
         }
         raise UnstorableAnswers(
-            f"{lesson.name}: the answers take up {len(text):,} bytes, but at most {MAX_FILE_BYTES:,} may "
-            "be stored. Under `lent:` in the header, list a function of the notebook that "
+            f"{lesson.name}: the answers take up {len(text):,} bytes, but at most {MAX_FILE_BYTES:,} "
+            "may be stored. Under `lent:` in the header, list a function of the notebook that "
             f"summarises them. Bytes per function: {sizes}"
         )
     return text.encode()

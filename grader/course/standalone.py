@@ -57,8 +57,8 @@ def write_standalone(folder: Path, stages: Iterable[str] = ()) -> list[Path]:
         check_no_leaks(lesson, text)
         if len(text) > MAX_NOTEBOOK_BYTES:
             raise ReleaseError(
-                f"{lesson.name} would have {len(text)} bytes, more than the limit of {MAX_NOTEBOOK_BYTES}. It "
-                "was not written."
+                f"{lesson.name} would have {len(text)} bytes, more than the limit of "
+                f"{MAX_NOTEBOOK_BYTES}. It was not written."
             )
         path = folder / f"{lesson.name}.ipynb"
         write_atomically(text, path)

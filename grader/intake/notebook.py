@@ -42,8 +42,8 @@ def read_file(path: Path) -> bytes:
                 )
             if status.st_size > MAX_FILE_BYTES:
                 raise UnreadableNotebook(
-                    f"{path.name} is larger than {MAX_FILE_BYTES // 2**20} MB. Clear its outputs (in "
-                    "JupyterLab: Edit, Clear Outputs of All Cells), save, and submit it again."
+                    f"{path.name} is larger than {MAX_FILE_BYTES // 2**20} MB. Clear its outputs "
+                    "(in JupyterLab: Edit, Clear Outputs of All Cells), save, and submit it again."
                 )
             return file.read(MAX_FILE_BYTES)
     except OSError as error:

@@ -92,8 +92,8 @@ def run_in_child(name: str, work: Callable[[], object]) -> object:
         kind, content = json.loads(reply)
     except (ValueError, TypeError, RecursionError):
         raise ReadingFailed(
-            f"The process that read {name} did not reply within {MAX_WAIT_SECONDS} seconds, or another "
-            "program ended it. Is this machine very busy, or short of memory?"
+            f"The process that read {name} did not reply within {MAX_WAIT_SECONDS} seconds, or "
+            "another program ended it. Is this machine very busy, or short of memory?"
         ) from None
     if kind == "unreadable":
         raise UnreadableNotebook(content)

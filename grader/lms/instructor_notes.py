@@ -41,8 +41,8 @@ def assignment_notes(results: ClassResults, deadlines: Deadlines | None) -> Iter
         students.setdefault(lesson, []).append(student)
     for lesson, names in students.items():
         yield (
-            f"{lesson} of {', '.join(names)} does not count, because {DEADLINES_FILE} does not list it "
-            "below the stage."
+            f"{lesson} of {', '.join(names)} does not count, because {DEADLINES_FILE} does not list "
+            "it below the stage."
         )
     for stage in dict.fromkeys(result.stage for result in results.notebooks):
         if deadlines is None or deadlines.assigned(stage) is None:

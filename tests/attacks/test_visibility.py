@@ -398,7 +398,10 @@ def elsewhere(tmp_path, monkeypatch):
             "SHOWN_PATHS": (project / "grader" / "sandbox" / "inside",),
             "PREFIX": str(prefix),
             "BASE_PREFIX": str(base),
-            "SYSTEM_FOLDERS": (*bubblewrap.SYSTEM_FOLDERS, *(str(tmp_path / place) for place in system)),
+            "SYSTEM_FOLDERS": (
+                *bubblewrap.SYSTEM_FOLDERS,
+                *(str(tmp_path / place) for place in system),
+            ),
             "PYTHON": str(base / "lib" / "standard.py"),
             "files_of_packages": lambda names: (installed / "wanted",),
             "folders_of_packages": lambda: (installed,),

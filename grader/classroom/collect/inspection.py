@@ -141,7 +141,8 @@ def _unpack_zip(data: bytes, path: tuple[str, ...], depth: int) -> list[Unpacked
             UnpackedFile(
                 path,
                 SUBSTITUTE,
-                complaint=f"is nested in {MAX_ZIP_DEPTH} zips, too deep to open. {_ASK_FOR_NOTEBOOK}",
+                complaint=f"is nested in {MAX_ZIP_DEPTH} zips, too deep to open. "
+                + _ASK_FOR_NOTEBOOK,
             )
         ]
     try:

@@ -154,7 +154,8 @@ def scale_factor(marks: Marks, most: float | None, title: str, scale: bool) -> f
     )
     choice = (
         "If you have not assigned all of these lessons, list those that count below "
-        f'[{marks.assignment}] in {DEADLINES_FILE}: lessons = ["{min(marks.lesson_points)[:2]}", …]. '
+        f"[{marks.assignment}] in {DEADLINES_FILE}: "
+        f'lessons = ["{min(marks.lesson_points)[:2]}", …]. '
         if len(marks.lesson_points) > 1
         else ""
     )
