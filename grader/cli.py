@@ -9,7 +9,7 @@ from pathlib import Path
 
 from grader import commands
 from grader.authoring.skeleton import DEFAULT_STAGE
-from grader.classroom.executors import processors
+from grader.classroom.executors import processor_count
 from grader.course.deadlines_file import DeadlinesError
 from grader.course.extension import course_constant
 from grader.course.roster import RosterError
@@ -632,7 +632,7 @@ def add_workers_option(
     command.add_argument(
         "--workers",
         type=positive_number,
-        default=processors(),
+        default=processor_count(),
         metavar="N",
         help=f"number of {description} at the same time (default: one per core)",
     )

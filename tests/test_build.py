@@ -63,7 +63,7 @@ def test_a_student_notebook_equals_the_solved_one_up_to_its_first_stub(built, le
     )
     for ours, theirs in zip(solved[:first], released[:first], strict=True):
         if earlier_lessons.TAG in ours["metadata"].get("tags", ()):
-            ours["source"] = earlier_lessons.without_solution(source_of(ours))
+            ours["source"] = earlier_lessons.remove_solution(source_of(ours))
         assert (ours["cell_type"], source_of(ours)) == (theirs["cell_type"], source_of(theirs))
     namespace = {"np": np}
     exec(source_of(released[first]), namespace)  # defines the stub, which raises only when called
@@ -129,10 +129,10 @@ def test_a_planted_leak_is_found(built):
     notebook["cells"].append(
         {"cell_type": "markdown", "metadata": {}, "id": "x", "source": f"Try this:\n    {line}\n"}
     )
-    found = build.leaks(built[lesson.solved], json.dumps(notebook).encode())
+    found = build.find_leaks(built[lesson.solved], json.dumps(notebook).encode())
     assert found == [line]
     notebook["cells"][-1]["source"] = "### BEGIN SOLUTION"
-    assert build.leaks(built[lesson.solved], json.dumps(notebook).encode())
+    assert build.find_leaks(built[lesson.solved], json.dumps(notebook).encode())
 
 
 PASTED = """\
@@ -156,7 +156,7 @@ def test_functions_of_earlier_lessons_are_inserted_with_their_dependencies():
     assert box.tolist() == right.tolist()
     assert text.count("import numpy as np") == 1 and text.count("### ") == 2
     assert "remove_ego_returns" not in text and "plots" not in text
-    assert earlier_lessons.without_solution(text) == "# Paste here.\n"
+    assert earlier_lessons.remove_solution(text) == "# Paste here.\n"
 
 
 @pytest.mark.parametrize(
@@ -193,7 +193,9 @@ def test_students_do_not_get_functions_of_earlier_lessons(built):
     for line, found in ((theirs, [theirs]), (given, [])):
         assert line in built[lesson.solved].decode()
         notebook["cells"][-1]["source"] = f"x = 1\n{line}\n"
-        assert build.leaks(built[lesson.solved], json.dumps(notebook).encode(), others) == found
+        assert (
+            build.find_leaks(built[lesson.solved], json.dumps(notebook).encode(), others) == found
+        )
 
 
 @pytest.mark.slow
@@ -203,7 +205,7 @@ def test_stale_files_are_named(monkeypatch):
     monkeypatch.setattr(
         build, "build_all", lambda: {**real, lesson.released: b"{}" + real[lesson.released]}
     )
-    monkeypatch.setattr(build, "leaks", lambda solved, released, others: [])
+    monkeypatch.setattr(build, "find_leaks", lambda solved, released, others: [])
     assert [fault for fault in build.check() if f"{lesson.name}.ipynb is out of date" in fault]
 
 

@@ -20,7 +20,7 @@ from grader.classroom import contents
 from grader.classroom.collect import CollectError, inspection, zips
 from grader.classroom.collect import collection as module
 from grader.classroom.collect.owners import safe_folder
-from grader.classroom.collect.record import read_record, reason_without_time
+from grader.classroom.collect.record import read_record, unknown_time_reason
 from grader.classroom.submissions import find_submissions, unaccounted_files
 from grader.course.paths import PROJECT, Course
 from grader.lms.submission_times import SubmissionTimeUnknown, submission_time
@@ -140,7 +140,7 @@ def test_late_work_from_canvas_has_no_time(course):
     ]
     assert files[0][0] == f"lovelaceada_LATE_4001_1_{SIX}.ipynb"
     outcome = collect(course, archive(course, files))
-    assert outcome.late == ["ada"]
+    assert outcome.late_students == ["ada"]
     assert set(placed(course, "ada")) == {f"{SIX}.ipynb"}
     folders = [course.submitted / student / STAGE for student in ("ada", "bjorn")]
     with pytest.raises(SubmissionTimeUnknown, match="marks the work as late"):
@@ -155,7 +155,7 @@ def test_a_late_mark_is_removed_with_the_next_archive(course):
     for late, modified in ((True, MONDAY), (False, TUESDAY)):
         files = canvas_files("Lovelace, Ada", 4001, [(1, f"{SIX}.ipynb", notebook())], late)
         outcome = collect(course, archive(course, files, when=modified))
-        assert outcome.late == ["ada"] * late
+        assert outcome.late_students == ["ada"] * late
 
 
 @pytest.mark.parametrize("form", ["NFC", "NFD"])
@@ -200,7 +200,7 @@ def test_anonymous_work_from_canvas_is_collected_under_its_code(course, anonymou
     path = archive(anonymous_course, files)
     outcome = collect(anonymous_course, path)
     assert states(outcome) == {"anon_aB3x9": {"06": "new"}}
-    assert outcome.late == ["anon_aB3x9"]
+    assert outcome.late_students == ["anon_aB3x9"]
 
 
 def test_the_command_asks_for_the_members_of_a_canvas_group(course):
@@ -379,7 +379,7 @@ def test_an_unreadable_time_leaves_lateness_undecided(course, said):
     outcome = collect(course, archive(course, files), times=table)
     assert ("no time" if said in ("", "-") else repr(said)) in outcome.undecided["ada"]
     assert "timestamp.txt" not in placed(course, "ada")
-    assert reason_without_time(course.submitted / "ada" / STAGE) == outcome.undecided["ada"]
+    assert unknown_time_reason(course.submitted / "ada" / STAGE) == outcome.undecided["ada"]
 
 
 def test_times_are_read_from_a_table_by_id(course):
@@ -388,7 +388,7 @@ def test_times_are_read_from_a_table_by_id(course):
     files = canvas_files("Lovelace, Ada", 4001, [(1, f"{SIX}.ipynb", notebook())], late=True)
     outcome = collect(course, archive(course, files), times=table)
     assert placed(course, "ada")["timestamp.txt"] == b"2026-10-14 14:14:00 UTC\n"
-    assert not outcome.late and not outcome.undecided
+    assert not outcome.late_students and not outcome.undecided
 
 
 def test_a_table_of_late_students_is_enough_if_the_platform_marks_late_work(course):
@@ -402,7 +402,7 @@ def test_a_table_of_late_students_is_enough_if_the_platform_marks_late_work(cour
     ]
     outcome = collect(course, archive(course, files), times=table)
     assert set(outcome.undecided) == {"cy"}
-    assert reason_without_time(course.submitted / "bjorn" / STAGE) == ""
+    assert unknown_time_reason(course.submitted / "bjorn" / STAGE) == ""
     files = [(f"{name}/{SEVEN}.ipynb", notebook(SEVEN)) for name in ("ada", "bjorn")]
     outcome = collect(course, archive(course, files, "folders.zip"), times=table)
     assert set(outcome.undecided) == {"bjorn"}
@@ -455,7 +455,7 @@ def test_a_file_of_a_team_has_one_submission_time(course, rows, times):
     path = archive(course, [(f"ada/{SIX}.ipynb", notebook())])
     outcome = collect(course, path, who={"ada": "cy,ada"}, times=table)
     written = [placed(course, id)["timestamp.txt"].decode()[11:16] for id in ("ada", "cy")]
-    assert (written, outcome.undecided, outcome.timed) == (times, {}, ["ada", "cy"])
+    assert (written, outcome.undecided, outcome.students_with_time) == (times, {}, ["ada", "cy"])
 
 
 # ---- other platforms ----------------------------------------------------------------------------

@@ -117,7 +117,7 @@ def remaining(times, total, first=0):
     phrases = []
     for done in range(first, first + len(times) + 1):
         estimate.update(done, total)
-        phrases.append(estimate.in_words())
+        phrases.append(estimate.describe())
     return phrases
 
 

@@ -26,7 +26,7 @@ from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict
 from grader.lms import gradebook, gradebook_writer, registration
 from grader.lms.differences import differences
 from grader.lms.entries import StageEntry
-from grader.lms.feedback import FeedbackWriter
+from grader.lms.feedback import FeedbackCollector
 from grader.lms.gradebook_check import check_gradebook
 from grader.lms.gradebook_rows import GradebookRow
 from grader.lms.gradebook_writer import GradebookError, enter_verdicts
@@ -174,7 +174,7 @@ def test_entered_marks_agree_with_the_verdicts(course):
         ("bob", DISTANCE.name, 20.75),
     ]
     assert {(result.stage, result.max_score) for result in results.notebooks} == {(STAGE, 30.0)}
-    assert [result.standing for result in results.notebooks] == [MARKED, MARKED, MISSING, MARKED]
+    assert [result.status for result in results.notebooks] == [MARKED, MARKED, MISSING, MARKED]
     assert penalties(course) == {}
 
 
@@ -781,7 +781,7 @@ def test_a_changed_answer_must_be_graded_again(written):
     course, enter_answer = written
     enter_answer("It finds 14 of 17 cars.")
     assert about_answer(course) == (None, True, None)
-    assert class_results(course).notebooks[0].standing == WAITING
+    assert class_results(course).notebooks[0].status == WAITING
     about_answer(course, 7.5)
     (course.autograded / "ada" / STREAM.stage / f"{STREAM.name}.ipynb").unlink()
     enter_answer("It finds 14 of 17 cars.")  # the same answer again
@@ -850,12 +850,12 @@ def test_a_gradebook_of_an_older_nbgrader_is_named_with_the_remedy(entered):
     for use in (
         lambda: enter_verdicts(entered, verdicts(entered), [STAGE], quiet),
         lambda: class_results(entered),
-        lambda: FeedbackWriter(entered, STAGE),
+        lambda: FeedbackCollector(entered, STAGE),
     ):
         with pytest.raises(GradebookUnavailable, match="older .* Run: nbgrader db upgrade"):
             use()
     (finding,) = check_gradebook(entered)
-    assert not finding.good and finding.text.endswith("Run: nbgrader db upgrade")
+    assert not finding.is_good and finding.text.endswith("Run: nbgrader db upgrade")
 
 
 @pytest.mark.parametrize("lock", ["EXCLUSIVE", "IMMEDIATE"])

@@ -248,7 +248,7 @@ def test_cluster_oracle_agrees_with_brute_force():
 
     from extension import samples
 
-    cloud = samples.without_ties(np.random.default_rng(3).uniform(0, 4, (200, 3)), 0.5)
+    cloud = samples.remove_ties(np.random.default_rng(3).uniform(0, 4, (200, 3)), 0.5)
     labels = samples.cluster_labels(cloud, 0.5)
     reach = np.linalg.norm(cloud[:, None] - cloud[None], axis=2) < 0.5
     for _ in range(8):  # 2^8 steps are enough for any cluster of 200 points

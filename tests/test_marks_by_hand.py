@@ -59,7 +59,7 @@ def enter(course, **more):
         verdict = verdict_on(course, submission, [POINTS] * len(STREAM.machine_graded))
         key = f"of {verdict.fingerprint}"
         judged.append((submission, dataclasses.replace(verdict, key=key)))
-    enter_verdicts(course, judged, [STAGE], quiet, tell=told.append, **more)
+    enter_verdicts(course, judged, [STAGE], quiet, notify=told.append, **more)
     return told
 
 
@@ -87,7 +87,7 @@ def lose_gradebook(course):
 
 
 def wrong_findings(course):
-    return [finding.text for finding in check_gradebook(course) if not finding.good]
+    return [finding.text for finding in check_gradebook(course) if not finding.is_good]
 
 
 def test_marks_and_comments_of_a_lost_gradebook_are_named_and_restored(course):
@@ -263,7 +263,7 @@ def test_different_marks_in_a_team_are_not_passed_on(course):
 def test_a_written_answer_that_is_added_in_mid_term_waits_for_a_person(course):
     forget_cells(course, "write_up")
     assert len(enter(course)) == 1
-    assert {result.standing for result in class_results(course).notebooks} == {WAITING}
+    assert {result.status for result in class_results(course).notebooks} == {WAITING}
     assert given(course, "ada") == given(course, "bob") == (None, True, None)
 
 
@@ -276,7 +276,7 @@ def test_a_lesson_that_is_added_in_mid_term_is_entered(course):
         book.db.commit()
         book.remove_notebook(LESSON, STAGE)
     enter(course)
-    assert {result.standing for result in class_results(course).notebooks} == {WAITING}
+    assert {result.status for result in class_results(course).notebooks} == {WAITING}
 
 
 def test_an_exercise_that_is_not_in_the_release_any_more_is_removed(course):

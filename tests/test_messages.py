@@ -10,9 +10,9 @@ from grader.judging.messages import (
     common_text,
     message_of,
     messages_of,
+    remove_numbers,
     shareable_failure,
     shareable_outcome,
-    without_numbers,
 )
 from grader.judging.runner import JudgeTimeout
 from grader.judging.verdict import MessageKind
@@ -292,7 +292,7 @@ def test_one_cause_is_shown_once_and_others_in_full():
     ],
 )
 def test_a_message_has_a_kind_and_a_subject(failure, kind, subject):
-    message = message_of(Outcome(SHOWN, failure), hinted=False)
+    message = message_of(Outcome(SHOWN, failure), has_hint=False)
     assert (message.kind, message.subject, message.hint) == (kind, subject, "")
 
 
@@ -318,7 +318,7 @@ def test_a_call_that_takes_too_long_is_marked():
     ],
 )
 def test_numbers_that_depend_on_the_cloud_are_removed(message, kind):
-    assert without_numbers(message) == kind
+    assert remove_numbers(message) == kind
 
 
 def test_fixed_numbers_stay_in_messages_about_hidden_tests():

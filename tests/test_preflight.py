@@ -560,7 +560,7 @@ VOXELS = "def voxel_grid(cloud):\n    return {}"
 def test_prepared_notebooks_are_immutable():
     for kind in (WrittenAnswer, PreparedNotebook, JudgeInput):
         assert kind.__dataclass_params__.frozen
-    assert WrittenAnswer("a").certain
+    assert WrittenAnswer("a").is_certain
     assert preflight.cells_as_released(LESSON) is preflight.cells_as_released(LESSON)  # read once
 
 
@@ -947,7 +947,7 @@ def write_up(*cells):
     answer, index = prepared.answers["write_up"], prepared.graded.get("write_up")
     own = None if index is None else prepared.cells[index].source
     notes = [note for note in prepared.notes if "write_up" in note]
-    return answer.text, answer.certain, [cell.source for cell in prepared.cells][1:], own, notes
+    return answer.text, answer.is_certain, [cell.source for cell in prepared.cells][1:], own, notes
 
 
 STUB = text("YOUR ANSWER HERE")

@@ -14,8 +14,8 @@ from grader.course import rules
 from grader.course.lessons import all_lessons, find_lesson, lesson_of, load_reference
 from grader.intake.preflight import cells_as_released
 from grader.judging import mistake_diagnosis, repair, results
-from grader.judging.error_carried_forward import CarriedForward
-from grader.judging.program_run import RunResults, Setting
+from grader.judging.error_carried_forward import CarriedForwardResult
+from grader.judging.program_run import JudgingContext, RunResults
 from grader.judging.runner import run_checks
 from grader.judging.verdict import Slip
 from grader.sandbox import Limits
@@ -34,7 +34,7 @@ LINE = find_lesson("02_ransac_line")
 FAIL = CheckFailed("no")
 HANGS = StudentError("line_through", TOOK_TOO_LONG)
 SUBMITTED, REPAIRED = Program(("a",), ()), Program(("b",), ())
-SETTING = Setting(LINE, 1, None)
+SETTING = JudgingContext(LINE, 1, None)
 PLACES = ("1, line 3", "2")
 RAISED = [StudentError("f", "ValueError", place=f"code cell {place}") for place in PLACES]
 
@@ -78,12 +78,16 @@ def test_an_exercise_that_lost_points_is_tried_with_its_failed_checks(tried):
 def test_a_function_that_calls_a_wrong_one_is_tried_with_a_right_one(tried):
     run = RunResults(outcomes_of("ransac_line", FAIL, FAIL, FAIL))
     carried = {
-        "ransac_line": CarriedForward(outcomes_of("ransac_line", None, FAIL, None), "", REPAIRED)
+        "ransac_line": CarriedForwardResult(
+            outcomes_of("ransac_line", None, FAIL, None), "", REPAIRED
+        )
     }
     repair.find_slips(SETTING, SUBMITTED, run, carried)
     assert tried == [(REPAIRED, "ransac_line", ["ransac_line 1"])]
     right = {
-        "ransac_line": CarriedForward(outcomes_of("ransac_line", None, None, None), "", REPAIRED)
+        "ransac_line": CarriedForwardResult(
+            outcomes_of("ransac_line", None, None, None), "", REPAIRED
+        )
     }
     repair.find_slips(SETTING, SUBMITTED, run, right)
     assert len(tried) == 1
@@ -138,7 +142,9 @@ def test_a_named_mistake_may_explain_an_answer_that_no_edit_repairs(tried, monke
         (SETTING, SUBMITTED, "ransac_line", {"ransac_line 0"}),
     ]
     # A mistake found with a wrong helper does not explain the answers with a right helper.
-    carried = {"line_through": CarriedForward(outcomes_of("line_through", FAIL), "", REPAIRED)}
+    carried = {
+        "line_through": CarriedForwardResult(outcomes_of("line_through", FAIL), "", REPAIRED)
+    }
     assert repair.find_slips(SETTING, SUBMITTED, run, carried) == {}
 
 
@@ -243,7 +249,7 @@ def passing(monkeypatch):
         # The judge's own process appears to use as much processor time as the student's.
         monkeypatch.setattr(repair.time, "process_time", lambda: 50.0 + student.cpu_seconds)
         monkeypatch.setattr(repair.time, "monotonic", clock)
-        setting = Setting(LINE, 1, None, limits, budget)
+        setting = JudgingContext(LINE, 1, None, limits, budget)
         found = []
         for edit in repair._passing_edits(setting, SUBMITTED, "line_through", failed, likeliest):
             found.append(edit)
@@ -434,7 +440,7 @@ def test_time_lost_by_one_edit_does_not_count_for_the_next(passing):
 def test_a_notebook_whose_cells_never_end_is_not_started_again(tried):
     run = RunResults(outcomes_of("line_through", FAIL))
     budget = Budget(Limits())
-    setting = Setting(LINE, 1, None, None, budget)
+    setting = JudgingContext(LINE, 1, None, None, budget)
     repair.find_slips(setting, SUBMITTED, run, {})
     assert len(tried) == 1
     budget.cells_finish = False

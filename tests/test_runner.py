@@ -478,7 +478,9 @@ def run_once(monkeypatch):
         monkeypatch.setattr(program_run, "StudentProxy", lambda *about: fake_student)
         monkeypatch.setattr(program_run, "run_checks", run)
         monkeypatch.setattr(program_run, "diagnose", diagnose)
-        return program_run.run_program(program_run.Setting(FILTER, SEED, None), None, **options)
+        return program_run.run_program(
+            program_run.JudgingContext(FILTER, SEED, None), None, **options
+        )
 
     return run_with, seen
 
@@ -536,6 +538,6 @@ def test_a_fault_is_recorded_and_the_process_stopped(run_once):
 
 def test_results_and_settings_are_immutable(run_once):
     run_with, _ = run_once
-    for made in (run_with(ENDED), program_run.Setting(FILTER, SEED, None)):
+    for made in (run_with(ENDED), program_run.JudgingContext(FILTER, SEED, None)):
         with pytest.raises(dataclasses.FrozenInstanceError):
             made.starved = False

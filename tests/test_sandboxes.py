@@ -65,7 +65,7 @@ class Container:
     def protections(self):
         return "none"
 
-    def start(self, limits, forbidden=(), packages=(), named=()):
+    def start(self, limits, forbidden=(), packages=(), named_packages=()):
         worker = Streams()
         rules = {"user": None, "limits": limits.resources(), "forbidden": list(forbidden)}
         send_rules(worker, rules)

@@ -374,7 +374,7 @@ def test_a_line_of_a_solution_is_found_in_any_notation(tmp_path, suffix):
         ".ipynb": json.dumps({"source": [line]}),
     }
     (tmp_path / f"file{suffix}").write_text(text[suffix], "utf-8")
-    (fault,) = site_checks.faults(tmp_path)
+    (fault,) = site_checks.find_faults(tmp_path)
     assert "reveals a line" in fault and LESSON.name in fault
 
 
@@ -392,20 +392,20 @@ def test_a_line_of_a_solution_is_found_in_any_notation(tmp_path, suffix):
 )
 def test_broken_links_and_requests_to_other_hosts_are_found(tmp_path, page, said):
     (tmp_path / "page.html").write_text(page, "utf-8")
-    found = site_checks.faults(tmp_path)
+    found = site_checks.find_faults(tmp_path)
     assert [said in fault for fault in found] == [True] * bool(said)
 
 
 def test_styles_that_load_from_another_host_are_found(tmp_path):
     style = "@import 'https://example.org/a.css'; a {background: url(img.png)}"
     (tmp_path / "a.css").write_text(style, "utf-8")
-    assert len(site_checks.faults(tmp_path)) == 1
+    assert len(site_checks.find_faults(tmp_path)) == 1
 
 
 def test_a_folder_with_other_files_is_not_overwritten(tmp_path):
     (tmp_path / "thesis.txt").write_text("mine", "utf-8")
     with pytest.raises(SiteError, match="contains something other than a website"):
-        builder.ready(tmp_path)
+        builder.check_ready(tmp_path)
     assert cli.main(["site", "--to", str(tmp_path)]) == 1
     assert (tmp_path / "thesis.txt").read_text("utf-8") == "mine"
 

@@ -15,7 +15,7 @@ from hypothesis.extra import numpy as st_numpy
 
 from grader.sandbox.inside import wire, wire_format
 from grader.sandbox.inside.wire import WireClosed, WireTimeout
-from grader.sandbox.inside.wire_format import Opaque, TooLarge, WireError
+from grader.sandbox.inside.wire_format import OpaqueValue, TooLarge, WireError
 
 SCALARS = st.one_of(
     st.none(),
@@ -74,7 +74,7 @@ def is_plain(value):
         return all(is_plain(item) for pair in value.items() for item in pair)
     if isinstance(value, (list, tuple, set)):
         return all(map(is_plain, value))
-    return type(value) in (type(None), bool, int, float, str, Opaque)
+    return type(value) in (type(None), bool, int, float, str, OpaqueValue)
 
 
 @given(VALUES)
@@ -148,7 +148,7 @@ def test_a_list_of_many_rows_is_quick():
 )
 def test_other_objects_arrive_as_the_name_of_their_type(value, name):
     back = there_and_back([value, 1, np.ones(2)])
-    assert isinstance(back[0], Opaque) and name in back[0].type_name
+    assert isinstance(back[0], OpaqueValue) and name in back[0].type_name
     assert back[1] == 1 and np.array_equal(back[2], [1, 1])
 
 
@@ -164,7 +164,7 @@ def test_deep_and_endless_nesting_is_replaced_with_a_text():
 )
 def test_a_value_that_is_too_large_is_refused_before_it_is_sent(value):
     if getattr(value, "size", 1) == 0:
-        assert isinstance(there_and_back(value), Opaque)
+        assert isinstance(there_and_back(value), OpaqueValue)
         return
     with pytest.raises(TooLarge):
         wire_format.encode(value)

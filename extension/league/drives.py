@@ -26,7 +26,7 @@ from grader.intake.preflight import prepare_to_judge
 from grader.intake.reader_process import ReadingFailed
 from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import program_for
-from grader.judging.key import key_of_files, with_imports
+from grader.judging.key import add_imports, key_of_files
 from grader.sandbox import SANDBOXES, Limits
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.student import StudentProxy
@@ -113,7 +113,7 @@ def from_json(text: str) -> DriveResult:
 
 
 def drive_submission(
-    submitted_files: SubmittedFiles | None, lesson: str, number: int, seed: int, sandbox: str
+    submitted_files: SubmittedFiles | None, lesson: str, street_number: int, seed: int, sandbox: str
 ) -> DriveResult:
     """Return the result of driving one street.
 
@@ -125,14 +125,14 @@ def drive_submission(
         The submission, or None to drive with the true boxes.
     lesson : str
         Name of the submission's lesson.
-    number : int
+    street_number : int
         Number of the street.
     seed : int
         The course's secret.
     sandbox : str
         A name in `grader.sandbox.SANDBOXES`.
     """
-    street = draw_streets(seed)[number - 1]
+    street = draw_streets(seed)[street_number - 1]
     key = drive_key(submitted_files, street, find_lesson(lesson))
     if submitted_files is None:
         return _summarize_drive(drive(street), key)
@@ -140,9 +140,9 @@ def drive_submission(
         judge_input = prepare_to_judge(submitted_files, find_lesson(lesson))
     except UnreadableNotebook:
         # Only the verdict states the reason, which may contain a file name that the student chose.
-        return DriveResult(number, stopped="The notebook cannot be read.", key=key)
+        return DriveResult(street_number, stopped="The notebook cannot be read.", key=key)
     except ReadingFailed as error:
-        return DriveResult(number, fault=str(error))
+        return DriveResult(street_number, fault=str(error))
     program = program_for(find_lesson(lesson), judge_input.code, submitted_files.modules)
     with StudentProxy(program, SANDBOXES[sandbox], LIMITS) as student:
         return drive_in_sandbox(street, student, key)
@@ -184,7 +184,7 @@ def _summarize_drive(
         report.near_misses,
         failed=detector.failed if detector else 0,
         failure=detector.failure if detector else "",
-        answers=_pack(detector.answers) if detector else "",
+        answers=_pack_answers(detector.answers) if detector else "",
         key=key,
     )
 
@@ -218,13 +218,13 @@ class _SandboxedDetector:
         """Return boxes in whole millimetres and an empty text, or no boxes and the reason."""
         no_boxes = np.empty((0, 8, 3), dtype=np.int32)
         try:
-            found = getattr(self._student, DETECTOR)(cloud)
+            returned = getattr(self._student, DETECTOR)(cloud)
         except StudentError as error:
             if error.type_name == "NotImplementedError":
                 return no_boxes, "It calls a function that the student has not written."
             return no_boxes, f"{DETECTOR} raised {error.shown_type}."
         try:
-            boxes = checked_boxes(found)
+            boxes = checked_boxes(returned)
         except Exception:  # NumPy may raise any exception on untrusted data
             return no_boxes, f"{DETECTOR} did not return boxes of shape (N, 8, 3)."
         if len(boxes) > MAX_BOXES:
@@ -245,14 +245,14 @@ def repeat_drive(
     street : utils.drive.Street
         The street of that drive.
     """
-    answers = _unpack(result.answers)
+    answers = _unpack_answers(result.answers)
     drive_ = drive(
         street, lambda cloud: next(answers) / 1000, clock=on_time, seconds=seconds, sensor=sensor
     )
     return drive_, measure(drive_)
 
 
-def _pack(answers: Sequence[np.ndarray]) -> str:
+def _pack_answers(answers: Sequence[np.ndarray]) -> str:
     counts = np.array([len(boxes) for boxes in answers], dtype=np.int32)
     all_boxes = np.concatenate(answers) if answers else np.empty(0, dtype=np.int32)
     header = np.array([len(counts)], dtype=np.int32)
@@ -260,7 +260,7 @@ def _pack(answers: Sequence[np.ndarray]) -> str:
     return base64.b64encode(zlib.compress(data)).decode()
 
 
-def _unpack(text: str) -> Iterator[np.ndarray]:
+def _unpack_answers(text: str) -> Iterator[np.ndarray]:
     numbers = np.frombuffer(zlib.decompress(base64.b64decode(text)), "<i4")
     counts = numbers[1 : 1 + numbers[0]]
     boxes = numbers[1 + numbers[0] :].reshape(-1, 8, 3)
@@ -279,4 +279,4 @@ def _rules_fingerprint(lesson: Lesson) -> str:
     entries = (Path(__file__), PROJECT / "grader" / "sandbox" / "fork_server.py")
     # The header of the lesson's source lists forbidden modules; the notebooks contain given code.
     notebooks = {lesson.source, lesson.solved, lesson.released}
-    return key_of_files("league", with_imports(entries) | notebooks)
+    return key_of_files("league", add_imports(entries) | notebooks)

@@ -121,7 +121,7 @@ def sample_students(count: int, hostile: bool, stages: Sequence[str]) -> Iterato
         SampleStudent("not_started", {lesson: fill_in(lesson, {}) for lesson in lessons}),
         SampleStudent(
             "cut_off_file",
-            {lesson: fill_in(lesson, best_answers(lesson))[:20_000] for lesson in lessons},
+            {lesson: fill_in(lesson, right_answers(lesson))[:20_000] for lesson in lessons},
         ),
     ]
     if hostile:
@@ -143,7 +143,8 @@ def sample_students(count: int, hostile: bool, stages: Sequence[str]) -> Iterato
     # Every fourth student is a special case until all are used, so small classes include some.
     students = (
         SampleStudent(
-            next(names), {lesson: fill_in(lesson, answers(lesson, number)) for lesson in lessons}
+            next(names),
+            {lesson: fill_in(lesson, sample_answers(lesson, number)) for lesson in lessons},
         )
         for number in itertools.count()
     )
@@ -151,7 +152,7 @@ def sample_students(count: int, hostile: bool, stages: Sequence[str]) -> Iterato
         yield special_students.pop(0) if position % 4 == 3 and special_students else next(students)
 
 
-def answers(lesson: Lesson, number: int) -> dict[str, str]:
+def sample_answers(lesson: Lesson, number: int) -> dict[str, str]:
     """Return one student's answers, which are wrong for every third student."""
     chosen = {}
     for exercise in lesson.machine_graded:
@@ -161,7 +162,7 @@ def answers(lesson: Lesson, number: int) -> dict[str, str]:
     return chosen
 
 
-def best_answers(lesson: Lesson) -> dict[str, str]:
+def right_answers(lesson: Lesson) -> dict[str, str]:
     """Return a right answer to every exercise."""
     return {
         exercise.name: next(answer.source for answer in answers_to(exercise.name) if answer.right)

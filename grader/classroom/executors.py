@@ -16,7 +16,7 @@ from grader.classroom.protocol import ExecutorLost
 CLUSTER_PACKAGES = ("cloudpickle", "dask", "distributed")
 
 
-def processors() -> int:
+def processor_count() -> int:
     """Return the number of available processors; a container may have fewer than its machine."""
     count = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     try:
@@ -27,7 +27,7 @@ def processors() -> int:
     return max(1, count)
 
 
-def scheduler(address: str, sandbox: str, notify: Callable[[str], None]) -> Executor:
+def connect_to_scheduler(address: str, sandbox: str, notify: Callable[[str], None]) -> Executor:
     """Connect to a Dask cluster; see `grader.classroom.cluster.connect`."""
     try:
         from grader.classroom.cluster import connect  # importing Dask takes a second
@@ -42,4 +42,7 @@ def scheduler(address: str, sandbox: str, notify: Callable[[str], None]) -> Exec
     return connect(address, sandbox, notify)
 
 
-EXECUTORS: dict[str, Callable[..., Executor]] = {"processes": Pool, "scheduler": scheduler}
+EXECUTORS: dict[str, Callable[..., Executor]] = {
+    "processes": Pool,
+    "scheduler": connect_to_scheduler,
+}

@@ -38,7 +38,7 @@ def serve(descriptor: int, workers: int, sandbox: str) -> None:
         Name of a sandbox in `grader.sandbox.SANDBOXES`.
     """
     pipe, lock = Connection(descriptor), threading.Lock()
-    pipe.send({"versions": versions(), "complaint": _complaint(sandbox)})
+    pipe.send({"versions": versions(), "complaint": _sandbox_complaint(sandbox)})
     pool = Pool(workers)
 
     def answer(number: int, future: Future) -> None:
@@ -54,7 +54,7 @@ def serve(descriptor: int, workers: int, sandbox: str) -> None:
         os._exit(1)  # the results of unfinished jobs are not needed
 
 
-def _complaint(sandbox: str) -> str:
+def _sandbox_complaint(sandbox: str) -> str:
     try:
         SANDBOXES[sandbox].available()
     except SandboxUnavailable as error:

@@ -88,10 +88,10 @@ def check() -> list[str]:
     """
     if faults := registry_faults():
         return faults
-    built = build_all()
+    is_built = build_all()
     faults = [
         f"{path.relative_to(PROJECT)} is out of date. Run: python -m grader build"
-        for path, text in built.items()
+        for path, text in is_built.items()
         if not path.exists() or path.read_bytes() != text
     ]
     faults += [
@@ -99,14 +99,14 @@ def check() -> list[str]:
         for path in _stray_notebooks()
     ]
     for lesson in every_lesson():
-        others = [built[other.released] for other in every_lesson() if other != lesson]
-        if b"](pictures/" in built[lesson.solved]:
+        others = [is_built[other.released] for other in every_lesson() if other != lesson]
+        if b"](pictures/" in is_built[lesson.solved]:
             faults.append(
                 f"{lesson.name} refers to a picture that does not exist. Run: make pictures"
             )
         faults += [
             f"{lesson.released.relative_to(PROJECT)} gives away a line of the solution: {line!r}"
-            for line in leaks(built[lesson.solved], built[lesson.released], others)
+            for line in find_leaks(is_built[lesson.solved], is_built[lesson.released], others)
         ]
     return faults
 
@@ -156,7 +156,7 @@ def solved_notebook(lesson: Lesson, origin: Origin) -> NotebookNode:
         "lidar_obstacle_lab": {"lesson": lesson.name, "stage": lesson.stage},
     }
     notebook.nbformat, notebook.nbformat_minor = 4, 5
-    seen = {}
+    id_counts = {}
     _insert_points(notebook)
     durations.insert_durations(notebook)
     for cell in notebook.cells:
@@ -169,7 +169,7 @@ def solved_notebook(lesson: Lesson, origin: Origin) -> NotebookNode:
             _attach_pictures(cell, lesson.folder)
         else:
             _fold_tagged_cell(cell)
-        cell.id = _stable_id(cell, seen)
+        cell.id = _stable_id(cell, id_counts)
     _allow_errors_after_answers(notebook)
     return notebook
 
@@ -182,12 +182,14 @@ def to_bytes(notebook: NotebookNode) -> bytes:
     return (nbformat.writes(notebook).rstrip("\n") + "\n").encode()
 
 
-def leaks(solved: bytes, released: bytes, others: Collection[bytes] = ()) -> list[str]:
+def find_leaks(
+    solved_notebook_bytes: bytes, released: bytes, others: Collection[bytes] = ()
+) -> list[str]:
     """Return the lines of a solution that are also in the student's notebook.
 
     Parameters
     ----------
-    solved, released : bytes
+    solved_notebook_bytes, released : bytes
         The two notebooks.
     others : collection of bytes
         The student notebooks of the other lessons. Code that students get in another lesson is
@@ -195,12 +197,13 @@ def leaks(solved: bytes, released: bytes, others: Collection[bytes] = ()) -> lis
     """
     shown = lines_of(released)
     return sorted(
-        secret_lines(solved, others) & shown | {line for line in shown if "SOLUTION" in line}
+        secret_lines(solved_notebook_bytes, others) & shown
+        | {line for line in shown if "SOLUTION" in line}
     )
 
 
 def secret_lines(solved: bytes, others: Collection[bytes] = ()) -> set[str]:
-    """Return the lines that would reveal a solution; see `leaks` for the parameters."""
+    """Return the lines that would reveal a solution; see `find_leaks` for the parameters."""
     secret = set()
     for cell in json.loads(solved)["cells"]:
         from_earlier = earlier_lessons.TAG in cell["metadata"].get("tags", ())
@@ -328,14 +331,14 @@ def common_cell(tag: str, lesson: Lesson, origin: Origin) -> str:
     )
 
 
-def _next_lesson_link(lesson: Lesson, found: re.Match) -> str:
+def _next_lesson_link(lesson: Lesson, match: re.Match) -> str:
     """Return the line that names the next lesson, with a link if that lesson exists."""
     lessons = {lesson.number: lesson for lesson in every_lesson()}
-    following = lessons.get(found["number"])
+    following = lessons.get(match["number"])
     if following is None:
-        return found[0]
+        return match[0]
     folder = "" if following.stage == lesson.stage else f"../{following.stage}/"
-    return f"**Next:** [{found['title']}]({folder}{following.name}.ipynb)"
+    return f"**Next:** [{match['title']}]({folder}{following.name}.ipynb)"
 
 
 def _insert_points(notebook: NotebookNode) -> None:

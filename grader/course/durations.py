@@ -111,9 +111,9 @@ def sitting_minutes(notebook: NotebookNode) -> list[float]:
     """Estimate the minutes of each sitting, from one good place to stop to the next."""
     from nbformat.v4 import new_notebook
 
-    parts: list[list] = [[]]
+    sittings: list[list] = [[]]
     for cell in notebook.cells:
-        parts[-1].append(cell)
+        sittings[-1].append(cell)
         if cell.cell_type == "markdown" and STOP_MARK in cell.source:
-            parts.append([])
-    return [_required_minutes(section_minutes(new_notebook(cells=cells))) for cells in parts]
+            sittings.append([])
+    return [_required_minutes(section_minutes(new_notebook(cells=cells))) for cells in sittings]

@@ -109,7 +109,8 @@ def stored_bytes(lesson: Lesson, path: Path) -> bytes:
             for name, answers in functions.items()
         }
         raise UnstorableAnswers(
-            f"{lesson.name}: the answers take up {len(text):,} bytes, but at most {MAX_FILE_BYTES:,} "
+            f"{lesson.name}: the answers take up {len(text):,} bytes, but at most "
+            f"{MAX_FILE_BYTES:,} "
             "may be stored. Under `lent:` in the header, list a function of the notebook that "
             f"summarises them. Bytes per function: {sizes}"
         )
@@ -143,8 +144,8 @@ def changed_answers(stored: bytes, recorded: bytes) -> list[str]:
 
 def _answers_by_call(stored: bytes) -> dict[tuple[str, str, str], object]:
     return {
-        (kind, name, key): answer["answer"]
-        for kind, functions in json.loads(stored).items()
+        (call_kind, name, key): answer["answer"]
+        for call_kind, functions in json.loads(stored).items()
         for name, answers in functions.items()
         for key, answer in answers.items()
     }

@@ -14,7 +14,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from grader.course.atomic_files import write_atomically
-from grader.course.build import COMMON_CELLS, HIDDEN_METADATA, leaks
+from grader.course.build import COMMON_CELLS, HIDDEN_METADATA, find_leaks
 from grader.course.extension import course_constant
 from grader.course.lessons import Lesson, all_lessons, every_lesson
 from grader.course.paths import PROJECT
@@ -69,7 +69,7 @@ def write_standalone(folder: Path, stages: Iterable[str] = ()) -> list[Path]:
 def check_no_leaks(lesson: Lesson, notebook: bytes) -> None:
     """Raise `ReleaseError` if a student's notebook contains a line of the solution."""
     others = [other.released.read_bytes() for other in all_lessons() if other != lesson]
-    leaked_lines = leaks(lesson.solved.read_bytes(), notebook, others)
+    leaked_lines = find_leaks(lesson.solved.read_bytes(), notebook, others)
     if leaked_lines:
         raise ReleaseError(
             f"{lesson.name} reveals a line of the solution, {leaked_lines[0]!r}. It was not "

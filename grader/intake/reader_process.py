@@ -76,12 +76,12 @@ def run_in_child(name: str, work: Callable[[], object]) -> object:
         _work_and_end(work, write_end)
     os.close(write_end)
     try:
-        reply = _read(read_end, time.monotonic() + MAX_WAIT_SECONDS)
+        reply = _read_pipe(read_end, time.monotonic() + MAX_WAIT_SECONDS)
     finally:
         os.close(read_end)
         os.kill(child, signal.SIGKILL)  # the child may still be running
         _, status = os.waitpid(child, 0)
-    excess = _excess(os.waitstatus_to_exitcode(status), reply)
+    excess = _exceeded_limit(os.waitstatus_to_exitcode(status), reply)
     if excess:
         raise TooCostly(
             f"Reading {name} takes {excess}. Clear its outputs (in JupyterLab: Edit, Clear "
@@ -89,20 +89,20 @@ def run_in_child(name: str, work: Callable[[], object]) -> object:
             "submit it again."
         )
     try:
-        kind, content = json.loads(reply)
+        reply_kind, content = json.loads(reply)
     except (ValueError, TypeError, RecursionError):
         raise ReadingFailed(
             f"The process that read {name} did not reply within {MAX_WAIT_SECONDS} seconds, or "
             "another program ended it. Is this machine very busy, or short of memory?"
         ) from None
-    if kind == "unreadable":
+    if reply_kind == "unreadable":
         raise UnreadableNotebook(content)
-    if kind == "failed":
+    if reply_kind == "failed":
         raise ReadingFailed(f"Reading {name} failed:\n{content}")
     return content
 
 
-def _excess(code: int, reply: bytes) -> str:
+def _exceeded_limit(code: int, reply: bytes) -> str:
     """Describe the limit that the process exceeded; empty if it exceeded none."""
     if code == -signal.SIGXCPU:
         return f"more than {CPU_SECONDS} seconds"
@@ -111,7 +111,7 @@ def _excess(code: int, reply: bytes) -> str:
     return ""
 
 
-def _read(pipe: int, deadline: float) -> bytes:
+def _read_pipe(pipe: int, deadline: float) -> bytes:
     """Read from a pipe until it closes, the reply is too large, or the time is up."""
     parts, size = [], 0
     ready = select.poll()

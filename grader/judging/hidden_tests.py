@@ -56,7 +56,7 @@ def cached_by_content(oracle: Callable[..., np.ndarray]) -> Callable[..., np.nda
     return cached_oracle
 
 
-def generator_for_students(seed: int, label: str) -> np.random.Generator:
+def generator_for_students(seed: int, purpose: str) -> np.random.Generator:
     """Return a random generator that may be passed to a student's function.
 
     NumPy's seeding can be reversed, so the state of a generator reveals its seed. This generator
@@ -66,8 +66,8 @@ def generator_for_students(seed: int, label: str) -> np.random.Generator:
     ----------
     seed : int
         The secret.
-    label : str
+    purpose : str
         Purpose of the generator. Each label results in a different digest.
     """
-    digest = hashlib.sha256(f"for students: {seed} {label}".encode()).digest()
+    digest = hashlib.sha256(f"for students: {seed} {purpose}".encode()).digest()
     return np.random.default_rng(int.from_bytes(digest, "big"))

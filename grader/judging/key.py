@@ -78,20 +78,20 @@ def files_that_decide(lesson: Lesson) -> frozenset[Path]:
     # The source lists forbidden modules, the solution contains correct helpers, and the released
     # notebook contains given code.
     notebooks = {lesson.source, lesson.solved, lesson.released}
-    return frozenset(with_imports(entries) | notebooks | {*ARRAY_FILES})
+    return frozenset(add_imports(entries) | notebooks | {*ARRAY_FILES})
 
 
-def with_imports(files: Iterable[Path]) -> set[Path]:
+def add_imports(files: Iterable[Path]) -> set[Path]:
     """Return the files, all project files that they import, and the files shown in the sandbox."""
-    found, waiting = set(), set(files)
+    files_with_imports, waiting = set(), set(files)
     while waiting:
         file = waiting.pop()
-        found.add(file)
-        waiting |= _imported_files(file) - found
+        files_with_imports.add(file)
+        waiting |= _imported_files(file) - files_with_imports
     sandbox_files = {
         file for path in SHOWN_PATHS for file in ([path] if path.is_file() else path.rglob("*.py"))
     }
-    return found | sandbox_files
+    return files_with_imports | sandbox_files
 
 
 @functools.cache

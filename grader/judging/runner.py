@@ -262,7 +262,7 @@ def run_checks(
     lesson: Lesson,
     student: StudentProxy,
     seed: int,
-    selected: Callable[[Check], bool] = every_check,
+    is_selected: Callable[[Check], bool] = every_check,
     keep_going: bool = True,
     budget: Budget | None = None,
 ) -> list[Outcome]:
@@ -277,7 +277,7 @@ def run_checks(
     student : grader.sandbox.student.StudentProxy
     seed : int
         The course's secret.
-    selected : callable
+    is_selected : callable
         Takes a check and returns whether to run it.
     keep_going : bool
         Whether to continue after a failure. If not, all later checks fail without being run.
@@ -297,7 +297,7 @@ def run_checks(
     KeyboardInterrupt
         Pytest catches it, so it is raised again here.
     """
-    return _run_all_checks(lesson, _Runner(student, seed, selected, keep_going, budget))
+    return _run_all_checks(lesson, _Runner(student, seed, is_selected, keep_going, budget))
 
 
 @functools.cache

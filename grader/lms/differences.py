@@ -45,10 +45,10 @@ def differences(
     for notebook in submission.notebooks:
         label = f"{entry.name}, {notebook.name}"
         verdict = verdicts.get(notebook.name)
-        wanted = _scores(verdict)
+        expected_scores = _scores(verdict)
         for grade in notebook.grades:
-            score, max_score = wanted.get(grade.name, (None if verdict else 0.0, None))
-            is_judged = verdict is None or grade.name in wanted
+            score, max_score = expected_scores.get(grade.name, (None if verdict else 0.0, None))
+            is_judged = verdict is None or grade.name in expected_scores
             # Rows for new exercises have no score, and wait for a person until they are entered.
             if is_judged and (grade.auto_score is None or not _is_close(grade.auto_score, score)):
                 sentences.append(

@@ -13,9 +13,9 @@ from pathlib import Path
 from grader.course.archives import make_zip
 from grader.course.atomic_files import write_atomically
 from grader.course.paths import Course
-from grader.course.roster import in_file_name, read_roster
+from grader.course.roster import file_name_part, read_roster
 from grader.lms.collected_files import CollectedFile, collected_files
-from grader.lms.feedback import Feedback, FeedbackNotReady, FeedbackWriter, LessonFeedback
+from grader.lms.feedback import Feedback, FeedbackCollector, FeedbackNotReady, LessonFeedback
 from grader.lms.feedback_notebook import feedback_notebook
 from grader.lms.feedback_page import feedback_page
 from grader.lms.results import WAITING
@@ -31,12 +31,12 @@ class FeedbackArchive:
     ----------
     files : dict of str to bytes
         File contents by name.
-    left : tuple of str
+    skipped : tuple of str
         One sentence for each student for whom the archive has no feedback.
     """
 
     files: dict[str, bytes] = field(default_factory=dict)
-    left: tuple[str, ...] = ()
+    skipped: tuple[str, ...] = ()
 
 
 def build_moodle_archive(
@@ -106,13 +106,13 @@ class Platform:
 
     Attributes
     ----------
-    returns : callable
+    build_archive : callable
         Builds a `FeedbackArchive` from course, stage and feedback.
     next_step : str
         Instructions for uploading the zip.
     """
 
-    returns: Callable[[Course, str, Sequence[Feedback]], FeedbackArchive]
+    build_archive: Callable[[Course, str, Sequence[Feedback]], FeedbackArchive]
     next_step: str
 
 
@@ -141,7 +141,7 @@ class WrittenFeedback:
         One page per student.
     archive : pathlib.Path or None
         The zip for the LMS; None without an LMS, or if the zip would be empty.
-    left : tuple of str
+    skipped : tuple of str
         One sentence for each student without a page.
     unreached : tuple of str
         One sentence for each student with a page for whom the zip contains nothing.
@@ -151,7 +151,7 @@ class WrittenFeedback:
 
     pages: tuple[Path, ...]
     archive: Path | None
-    left: tuple[str, ...]
+    skipped: tuple[str, ...]
     unreached: tuple[str, ...] = ()
     waiting: tuple[str, ...] = ()
 
@@ -186,14 +186,14 @@ def write_feedback(
     ------
     grader.course.roster.RosterError, grader.course.deadlines.DeadlinesError
     """
-    writer = FeedbackWriter(course, stage)
-    people = writer.people(students)
+    collector = FeedbackCollector(course, stage)
+    people = collector.people(students)
     all_feedback, pages = [], []
-    unlisted = () if section else writer.unlisted()
+    unlisted = () if section else collector.unlisted_ids()
     skipped = [f"{id}: has marks but is not on the roster" for id in unlisted]
     for done, person in enumerate(people, start=1):
         try:
-            feedback = writer.feedback(person)
+            feedback = collector.feedback(person)
         except FeedbackNotReady as reason:
             skipped.append(str(reason))
         else:
@@ -202,25 +202,25 @@ def write_feedback(
             all_feedback.append(feedback)
             pages.append(path)
         progress(done, len(people), person.id)
-    waiting = tuple(_waiting(all_feedback))
+    waiting = tuple(_waiting_lessons(all_feedback))
     if not platform or not pages:
         return WrittenFeedback(tuple(pages), None, tuple(skipped), waiting=waiting)
-    returned = PLATFORMS[platform].returns(course, stage, all_feedback)
-    parts = [stage, platform, *[in_file_name(section)] * bool(section)]
-    archive = folder / f"{'_'.join(parts)}.zip" if returned.files else None
+    upload = PLATFORMS[platform].build_archive(course, stage, all_feedback)
+    parts = [stage, platform, *[file_name_part(section)] * bool(section)]
+    archive = folder / f"{'_'.join(parts)}.zip" if upload.files else None
     if archive:
-        write_atomically(make_zip(returned.files), archive)
-    return WrittenFeedback(tuple(pages), archive, tuple(skipped), returned.left, waiting)
+        write_atomically(make_zip(upload.files), archive)
+    return WrittenFeedback(tuple(pages), archive, tuple(skipped), upload.skipped, waiting)
 
 
-def _waiting(all_feedback: Sequence[Feedback]) -> Iterator[str]:
+def _waiting_lessons(all_feedback: Sequence[Feedback]) -> Iterator[str]:
     """Yield the lessons with a part that a grader still has to grade, each with its students."""
-    students: dict[str, list[str]] = {}
+    students_by_lesson: dict[str, list[str]] = {}
     for feedback in all_feedback:
         for lesson in feedback.lessons:
-            if lesson.result.standing == WAITING:
-                students.setdefault(lesson.lesson.name, []).append(feedback.person.id)
-    for lesson, ids in students.items():
+            if lesson.result.status == WAITING:
+                students_by_lesson.setdefault(lesson.lesson.name, []).append(feedback.person.id)
+    for lesson, ids in students_by_lesson.items():
         yield f"{lesson} of {', '.join(ids)}"
 
 

@@ -41,7 +41,7 @@ class ClearEarlier(NbGraderPreprocessor):
     ) -> tuple[NotebookNode, dict]:
         """Remove the solution from a cell with the tag for earlier lessons."""
         if earlier_lessons.TAG in cell.metadata.get("tags", ()):
-            cell.source = earlier_lessons.without_solution(cell.source)
+            cell.source = earlier_lessons.remove_solution(cell.source)
         return cell, resources
 
 

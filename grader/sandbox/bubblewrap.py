@@ -25,7 +25,7 @@ from grader.sandbox.boundary import (
     folders_of_modules,
     folders_of_packages,
 )
-from grader.sandbox.fork_client import client_for, preloaded
+from grader.sandbox.fork_client import client_for, modules_to_preload
 from grader.sandbox.inside.syscalls import MACHINES
 from grader.sandbox.launcher import launch
 from grader.sandbox.program import INSTALLED_PACKAGES
@@ -66,7 +66,7 @@ class Bubblewrap:
         limits: Limits,
         forbidden: Iterable[str] = (),
         packages: Iterable[str] = (),
-        named: Iterable[str] = (),
+        named_packages: Iterable[str] = (),
     ) -> Worker:
         """Start a worker in the sandbox; see `grader.sandbox.protocol.Sandbox`."""
         # The kernel counts processes by user, and separately in each user namespace. Without a
@@ -81,8 +81,15 @@ class Bubblewrap:
         file_options = _options_for_files(packages, forbidden)
         command = [*_sandbox_command(limits), *file_options, "--remount-ro", "/"]
         if _can_join_namespaces():
-            client = client_for(preloaded(packages), forbidden)
-            return launch(command, "/tmp", rules, limits, client, bool(preloaded(tuple(named))))
+            client = client_for(modules_to_preload(packages), forbidden)
+            return launch(
+                command,
+                "/tmp",
+                rules,
+                limits,
+                client,
+                bool(modules_to_preload(tuple(named_packages))),
+            )
         return launch([*command, "--die-with-parent", "--"], "/tmp", rules, limits)
 
 
@@ -114,7 +121,9 @@ def _can_join_namespaces() -> bool:
     command = [*_sandbox_command(Limits()), *_options_for_files((), ()), "--remount-ro", "/"]
     try:
         # The trial uses the fork server that most lessons need, so that server starts only once.
-        launch(command, "/tmp", rules, Limits(), client_for(preloaded(INSTALLED_PACKAGES))).stop()
+        launch(
+            command, "/tmp", rules, Limits(), client_for(modules_to_preload(INSTALLED_PACKAGES))
+        ).stop()
     except SandboxUnavailable:
         return False
     return True

@@ -60,7 +60,7 @@ class Chroot:
         limits: Limits,
         forbidden: Iterable[str] = (),
         packages: Iterable[str] = (),
-        named: Iterable[str] = (),
+        named_packages: Iterable[str] = (),
     ) -> Worker:
         """Start a worker in a chroot; see `grader.sandbox.protocol.Sandbox`."""
         user, kind = users.unused_user_id(), (tuple(packages), tuple(forbidden))

@@ -47,13 +47,13 @@ class ForkClient:
         Environment variables of the workers.
     """
 
-    preloaded: tuple[str, ...]
+    modules_to_preload: tuple[str, ...]
     forbidden: tuple[str, ...]
     environment: dict[str, str]
     _requests: socket.socket | None = None
     _turn: threading.Lock = field(default_factory=threading.Lock)
 
-    def fork(self, request: dict, read_end: int, write_end: int) -> Forked:
+    def fork(self, request: dict, read_end: int, write_end: int) -> ForkedWorker:
         """Make the server fork a worker, and return the worker.
 
         Parameters
@@ -80,7 +80,7 @@ class ForkClient:
         if not line.isdigit():
             os.close(report)
             raise SandboxUnavailable(f"The sandbox could not start a worker: {line or 'no reply'}")
-        return Forked(int(line), report)
+        return ForkedWorker(int(line), report)
 
     def _send(self, data: bytes, pipes: list[int]) -> None:
         # Try twice, because the server may have been killed.
@@ -118,7 +118,7 @@ class ForkClient:
 
 
 @dataclass
-class Forked:
+class ForkedWorker:
     """A forked worker: its process ID outside the sandbox, and a pipe that reports its exit."""
 
     pid: int
@@ -156,7 +156,7 @@ def read_line(descriptor: int, seconds: float) -> str:
     return text.decode(errors="replace").strip()
 
 
-def preloaded(packages: Sequence[str]) -> tuple[str, ...]:
+def modules_to_preload(packages: Sequence[str]) -> tuple[str, ...]:
     """Return those modules of a lesson's packages that are slow to import."""
     return SLOW_TO_IMPORT if "scipy" in packages else ()
 

@@ -66,7 +66,7 @@ def _exec_in_chroot(folder: str, home: str, command: list[str]) -> None:
     os.chroot(folder)
     os.chdir(home)
     # With root's capabilities, student code could escape from the chroot.
-    privileges.give_up(keep_user_changes=True)
+    privileges.drop_privileges(keep_user_changes=True)
     os.execv(command[0], command)
 
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from subprocess import Popen
 
 from grader.sandbox.boundary import PYTHON, WORKER_SCRIPT
-from grader.sandbox.fork_client import ENVIRONMENT, ForkClient, Forked, read_line
+from grader.sandbox.fork_client import ENVIRONMENT, ForkClient, ForkedWorker, read_line
 from grader.sandbox.inside import wire
 from grader.sandbox.protocol import MEBIBYTE, Limits, SandboxUnavailable, Thread, Worker
 from grader.sandbox.usage import (
@@ -47,20 +47,20 @@ class WorkerProcess:
     process : subprocess.Popen
         The sandbox's own process, or the worker itself if there is no sandbox.
     read_end, write_end : int
-    forked : grader.sandbox.fork_client.Forked, optional
+    forked : grader.sandbox.fork_client.ForkedWorker, optional
         The worker, if a fork server created it and it joined the sandbox later.
     release_folder : callable
         Called when all processes have ended, so that another worker can use the same folder.
-    killed_before : int
+    initial_kill_count : int
         The result of `killed_for_memory` when the worker started.
     """
 
     process: subprocess.Popen
     read_end: int
     write_end: int
-    forked: Forked | None = None
+    forked: ForkedWorker | None = None
     release_folder: Callable[[], object] = lambda: None
-    killed_before: int = 0
+    initial_kill_count: int = 0
     _stopped: threading.Event = field(default_factory=threading.Event)
     _signals: threading.Lock = field(default_factory=threading.Lock)
     _above_limit = _lacked_memory = False
@@ -83,7 +83,7 @@ class WorkerProcess:
         if code in KILLED_CODES and not self._above_limit and not had_to_be_killed:
             # The kernel may have killed other processes while the worker killed itself. The
             # notebook is then judged once more, which does not help the student.
-            self._lacked_memory |= killed_for_memory() > self.killed_before
+            self._lacked_memory |= killed_for_memory() > self.initial_kill_count
         self.process.stderr.close()
         for end in (self.read_end, self.write_end):
             os.close(end)
@@ -176,8 +176,8 @@ def launch(
     """
     their_read, our_write = os.pipe()
     our_read, their_write = os.pipe()
-    for end in (our_read, our_write):
-        os.set_blocking(end, False)
+    for deadline in (our_read, our_write):
+        os.set_blocking(deadline, False)
     try:
         if client is None:
             command = [
@@ -201,8 +201,8 @@ def launch(
                 sandbox_command, request, client, their_read, their_write
             )
     except SandboxUnavailable:
-        for end in (our_read, our_write):
-            os.close(end)
+        for deadline in (our_read, our_write):
+            os.close(deadline)
         raise
     finally:
         os.close(their_read)
@@ -289,7 +289,7 @@ def _start_process(
 
 def _start_and_join(
     sandbox_command: Sequence[str], request: dict, client: ForkClient, read_end: int, write_end: int
-) -> tuple[Popen, Forked]:
+) -> tuple[Popen, ForkedWorker]:
     """Build a sandbox around a process that only waits, and make a forked worker join it."""
     info, number = os.pipe()
     # When process 1 of a PID namespace ends, the kernel kills all other processes in it.

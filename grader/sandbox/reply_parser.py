@@ -13,17 +13,17 @@ MAX_TEXT_LENGTH = 500
 MAX_ITEMS = 20
 
 
-def texts(values: object) -> list[str]:
+def parse_texts(values: object) -> list[str]:
     """Return the first few texts of an untrusted list, each as one line."""
-    return [readable(value) for value in values[:MAX_ITEMS]] if isinstance(values, list) else []
+    return [parse_text(value) for value in values[:MAX_ITEMS]] if isinstance(values, list) else []
 
 
-def readable(value: object) -> str:
+def parse_text(value: object) -> str:
     """Return one line of text without control characters, safe to print on a terminal."""
     return one_line(value[:MAX_TEXT_LENGTH]) if isinstance(value, str) else ""
 
 
-def rows(columns: object, width: int) -> Iterator[tuple]:
+def parse_rows(columns: object, width: int) -> Iterator[tuple]:
     """Yield the rows that begin with a number and a name, from an untrusted list of columns.
 
     If there are not exactly `width` columns, nothing is yielded.
@@ -35,7 +35,7 @@ def rows(columns: object, width: int) -> Iterator[tuple]:
             yield row
 
 
-def changes(values: object) -> tuple[tuple[int, int, int, str], ...]:
+def parse_edits(values: object) -> tuple[tuple[int, int, int, str], ...]:
     """Return the valid edits in an untrusted table.
 
     An edit consists of a cell, a first line, a last line, and the text that replaces these lines.
@@ -48,7 +48,7 @@ def changes(values: object) -> tuple[tuple[int, int, int, str], ...]:
     )
 
 
-def positions(values: object) -> list[int]:
+def parse_positions(values: object) -> list[int]:
     """Return the whole numbers among the first few items of an untrusted list."""
     if not isinstance(values, list):
         return []

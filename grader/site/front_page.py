@@ -47,19 +47,19 @@ def page(origin: Origin, pictures: Pictures) -> str:
     film = (PROJECT / place).read_bytes()
     return TEMPLATES.get_template("index.md").render(
         film=pictures.keep(_as_webp(film), ".webp"),
-        still=pictures.keep(_still(film), ".png"),
+        still=pictures.keep(_extract_still(film), ".png"),
         size=Image.open(io.BytesIO(film)).size,
         alt=alt,
         stages={
             name: [card(lesson, pictures) for lesson in _lessons_of(stage)]
-            for stage, name in titles()
+            for stage, name in stage_titles()
         },
-        lessons={name: _lessons_of(stage) for stage, name in titles()},
+        lessons={name: _lessons_of(stage) for stage, name in stage_titles()},
         origin=origin,
     )
 
 
-def titles() -> list[tuple[str, str]]:
+def stage_titles() -> list[tuple[str, str]]:
     """Return each stage with its title. The last entry is for optional lessons, if any."""
     titled = [
         (stage, f"Stage {number}: {stage_title(stage)}")
@@ -80,7 +80,7 @@ def card(lesson: Lesson, pictures: Pictures) -> LessonCard:
     if preview:
         content = base64.b64decode(first["attachments"][preview[2]]["image/png"])
         # The alt text is empty, because the title next to the picture already describes the link.
-        picture = pictures.tag(_small(content), "", "")
+        picture = pictures.tag(_scale_down(content), "", "")
     return LessonCard(
         lesson.number,
         title_of(lesson),
@@ -91,12 +91,12 @@ def card(lesson: Lesson, pictures: Pictures) -> LessonCard:
     )
 
 
-def _small(content: bytes) -> bytes:
+def _scale_down(content: bytes) -> bytes:
     """Scale a picture down to the size of a card, as PNG."""
     with Image.open(io.BytesIO(content)) as picture:
         small = picture.convert("RGB")
     small.thumbnail((CARD_PIXELS, CARD_PIXELS))
-    return _png(small)
+    return _as_png(small)
 
 
 def _as_webp(film: bytes) -> bytes:
@@ -118,14 +118,14 @@ def _as_webp(film: bytes) -> bytes:
     return buffer.getvalue()
 
 
-def _still(film: bytes) -> bytes:
+def _extract_still(film: bytes) -> bytes:
     """Extract the still picture of a film, as PNG."""
     with Image.open(io.BytesIO(film)) as picture:
         picture.seek(int(picture.n_frames * STILL_POSITION))
-        return _png(picture.convert("RGB"))
+        return _as_png(picture.convert("RGB"))
 
 
-def _png(picture: Image.Image) -> bytes:
+def _as_png(picture: Image.Image) -> bytes:
     buffer = io.BytesIO()
     picture.quantize(128).save(buffer, "PNG", optimize=True)
     return buffer.getvalue()

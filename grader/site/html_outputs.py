@@ -49,7 +49,7 @@ def page_outputs(outputs: Sequence[NotebookNode], pictures: Pictures) -> list[No
     first = next(
         (n for n, output in enumerate(outputs) if POSITION_TYPE in _data(output)), len(outputs)
     )
-    converted = [_plain(output, pictures) for output in outputs[:first]]
+    converted = [_simplify_output(output, pictures) for output in outputs[:first]]
     if first < len(outputs):
         converted.append(_as_html(_positions(outputs[first:], pictures)))
     return converted
@@ -59,7 +59,7 @@ def _data(output: NotebookNode) -> dict:
     return output.get("data", {})
 
 
-def _plain(output: NotebookNode, pictures: Pictures) -> NotebookNode:
+def _simplify_output(output: NotebookNode, pictures: Pictures) -> NotebookNode:
     if output.output_type == "stream":
         return new_output("stream", name=output.name, text=OVERWRITTEN_TEXT.sub("", output.text))
     html = html_of(output, pictures)
@@ -87,7 +87,7 @@ def html_of(output: NotebookNode, pictures: Pictures) -> str:
             content = base64.b64decode(data[kind])
             return pictures.tag(content, about.get("alt", alt), PATH_TO_ROOT, about.get("width"))
     if "text/html" in data:
-        return _with_files(data["text/html"], pictures)
+        return _extract_files(data["text/html"], pictures)
     return ""
 
 
@@ -96,39 +96,39 @@ def key_of(question: str) -> str:
     return hashlib.sha256(question.encode()).hexdigest()[:12]
 
 
-def _with_files(html: str, pictures: Pictures) -> str:
+def _extract_files(html: str, pictures: Pictures) -> str:
     """Replace embedded scenes and pictures in HTML with links to separate files."""
 
-    def scene(match: re.Match) -> str:
+    def save_scene(match: re.Match) -> str:
         page, title, width, height, fallback = match.groups()
         place = pictures.keep(unescape(page).encode(), ".html")
         # The scene needs JavaScript, and the fallback is a picture for readers without it.
         return (
             f'<iframe class="scene" src="{PATH_TO_ROOT}{place}" title="{title}" loading="lazy" '
             f'width="{width}" height="{height}"></iframe>'
-            f"<noscript>{EMBEDDED_PICTURE.sub(picture, fallback)}</noscript>"
+            f"<noscript>{EMBEDDED_PICTURE.sub(save_picture, fallback)}</noscript>"
         )
 
-    def picture(match: re.Match) -> str:
+    def save_picture(match: re.Match) -> str:
         alt = unescape((match[2] or ' alt="A picture."')[6:-1])
         return pictures.tag(base64.b64decode(match[1]), alt, PATH_TO_ROOT)
 
-    return EMBEDDED_PICTURE.sub(picture, EMBEDDED_SCENE.sub(scene, html))
+    return EMBEDDED_PICTURE.sub(save_picture, EMBEDDED_SCENE.sub(save_scene, html))
 
 
 def _positions(outputs: Sequence[NotebookNode], pictures: Pictures) -> str:
     """Format recorded slider positions, between which readers can switch without a script."""
-    parts: list[dict] = []
+    positions: list[dict] = []
     for output in outputs:
         if POSITION_TYPE in _data(output):
-            parts.append({"about": _data(output)[POSITION_TYPE], "html": ""})
+            positions.append({"about": _data(output)[POSITION_TYPE], "html": ""})
         else:
-            parts[-1]["html"] += html_of(output, pictures) or _as_text(output)
-    own_values = parts[0]["about"]["all"]
-    name = hashlib.sha256("".join(part["html"] for part in parts).encode()).hexdigest()[:12]
+            positions[-1]["html"] += html_of(output, pictures) or _as_text(output)
+    own_values = positions[0]["about"]["all"]
+    name = hashlib.sha256("".join(part["html"] for part in positions).encode()).hexdigest()[:12]
     return TEMPLATES.get_template("positions.html").render(
-        rows=list(_rows(own_values, parts)),
-        positions=[part["html"] for part in parts],
+        rows=list(_rows(own_values, positions)),
+        positions=[part["html"] for part in positions],
         name=name,
         own=own_values,
     )

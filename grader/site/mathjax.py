@@ -6,7 +6,7 @@ PACKAGE = "sphinx-mathjax-offline"
 FILE_ENDINGS = ("tex-chtml.js", ".woff")
 
 
-def files() -> dict[str, bytes]:
+def mathjax_files() -> dict[str, bytes]:
     """Return the content of each file that pages with formulas load, by path in the site."""
     contents = {}
     for path in metadata.files(PACKAGE):

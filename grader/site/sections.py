@@ -19,7 +19,7 @@ def write(pages: Path) -> None:
     """Write the script for all pages in a folder and its subfolders."""
     sections = []
     for path in sorted(pages.rglob("*.html")):
-        reader = _Reader()
+        reader = _SectionParser()
         reader.feed(path.read_text("utf-8"))
         name = path.relative_to(pages).as_posix()
         sections += [[name, *section] for section in reader.sections()]
@@ -27,7 +27,7 @@ def write(pages: Path) -> None:
     (pages / SCRIPT_PATH).write_text(f"const SECTIONS = {text};\n", "utf-8")
 
 
-class _Reader(HTMLParser):
+class _SectionParser(HTMLParser):
     """Parser that collects the text of a page by section."""
 
     def __init__(self) -> None:

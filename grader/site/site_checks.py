@@ -22,7 +22,7 @@ OTHER_HOST = re.compile(r"\s*(?:[a-z][a-z0-9+.-]*:)?//", re.I)
 STYLE_REFERENCE = re.compile(r"(?:url\(|@import)\s*[\"']?\s*((?:https?:)?//[^\"')\s]*)", re.I)
 
 
-def faults(folder: Path) -> list[str]:
+def find_faults(folder: Path) -> list[str]:
     """Return the faults of a site, one sentence each."""
     # JupyterLite's own pages are not checked.
     live = folder / FOLDER

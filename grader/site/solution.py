@@ -12,15 +12,15 @@ from grader.site.widget_states import ANSWER_TYPE, POSITION_TYPE, QUESTION_TYPE
 from utils.predictions import as_html_and_text
 
 
-def as_notebook(ran: bytes) -> bytes:
+def as_notebook(solved_run: bytes) -> bytes:
     """Convert the outputs of a solved notebook, so that any notebook viewer can show them.
 
     Parameters
     ----------
-    ran : bytes
+    solved_run : bytes
         Executed notebook, from `grader.site.runs.solved_runs`.
     """
-    notebook = nbformat.reads(ran.decode(), as_version=4)
+    notebook = nbformat.reads(solved_run.decode(), as_version=4)
     for cell in notebook.cells:
         if cell.cell_type == "code":
             cell.outputs = list(_outputs(cell.outputs))

@@ -120,10 +120,10 @@ def compare(prediction: object, answer: float | str, why: str) -> None:
     _display(ANSWER_TYPE, about, f"{prediction._question} Answer: {text}. {why}")
 
 
-def _display(kind: str, about: dict, text: str) -> None:
+def _display(kind: str, content: dict, text: str) -> None:
     from IPython.display import display
 
-    display({kind: about, "text/plain": text}, raw=True)
+    display({kind: content, "text/plain": text}, raw=True)
 
 
 def _describe_figures(shell: object) -> None:
@@ -144,30 +144,30 @@ def _describe_figures(shell: object) -> None:
 
 def describe_figure(figure: Figure) -> str:
     """Return a description of a figure in words, from its titles, axis labels and legends."""
-    parts = [_text(figure.get_suptitle()), *map(_described_axes, figure.axes)]
-    parts += [_legend(legend) for legend in figure.legends]
+    parts = [_plain_text(figure.get_suptitle()), *map(_describe_axes, figure.axes)]
+    parts += [_describe_legend(legend) for legend in figure.legends]
     parts = [part[:1].upper() + part[1:] for part in parts if part]
     return "Figure. " + "".join(f"{part}. " for part in dict.fromkeys(parts)).strip()
 
 
-def _described_axes(axes: Axes) -> str:
-    title = " ".join(filter(None, (_text(axes.get_title(loc)) for loc in TITLES)))
-    x_label, y_label = _text(axes.get_xlabel()), _text(axes.get_ylabel())
+def _describe_axes(axes: Axes) -> str:
+    title = " ".join(filter(None, (_plain_text(axes.get_title(loc)) for loc in TITLES)))
+    x_label, y_label = _plain_text(axes.get_xlabel()), _plain_text(axes.get_ylabel())
     if axes.get_label() == "<colorbar>":
         return f"colours: {y_label or x_label}" if y_label or x_label else ""
     plotted = f"{y_label or 'drawn'} over {x_label}" if x_label else y_label
     legends = [
         artist for artist in (axes.get_legend(), *axes.artists) if hasattr(artist, "get_texts")
     ]
-    return "; ".join(filter(None, (title, plotted, *map(_legend, legends))))
+    return "; ".join(filter(None, (title, plotted, *map(_describe_legend, legends))))
 
 
-def _legend(legend: Legend) -> str:
-    names = [_text(text.get_text()) for text in legend.get_texts()]
+def _describe_legend(legend: Legend) -> str:
+    names = [_plain_text(text.get_text()) for text in legend.get_texts()]
     return f"shown are {', '.join(dict.fromkeys(filter(None, names)))}" if any(names) else ""
 
 
-def _text(words: str) -> str:
+def _plain_text(words: str) -> str:
     """Remove the characters of a label that are markup in matplotlib."""
     plain = words.replace("$", "").replace("\\", "").replace("\n", " ")
     return plain.strip().rstrip(".:")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from extension.league import drives
-from extension.league.drives import DETECTOR, _unpack, drive_in_sandbox, repeat_drive
+from extension.league.drives import DETECTOR, _unpack_answers, drive_in_sandbox, repeat_drive
 from extension.league.page import problem_sentences
 from extension.league.streets import draw_streets
 from grader.course.paths import PROJECT
@@ -45,7 +45,7 @@ def answers_of(sandbox, source):
         street = draw_streets(SEED)[0]
         driven = drive_in_sandbox(street, student, seconds=0.5, sensor=BLINKERED)
     assert not driven.stopped and not driven.failed
-    return {float(boxes.max()) / 1000 for boxes in _unpack(driven.answers)}
+    return {float(boxes.max()) / 1000 for boxes in _unpack_answers(driven.answers)}
 
 
 def test_a_detector_finds_no_street_seed_or_other_submission(tmp_path):

@@ -146,7 +146,7 @@ def test_the_class_is_graded_despite_a_costly_file(
     said = " ".join((lambda seen: seen.out + seen.err)(capsys.readouterr()).split())
     results = {result.student: result for result in class_results(course).notebooks}
     assert [results[student].score for student in ("mallory", "zoe")] == [score, 25]
-    assert results["mallory"].standing == WAITING, "a person looks for the written answer"
+    assert results["mallory"].status == WAITING, "a person looks for the written answer"
     path = course.autograded / "mallory" / LESSON.stage / f"{LESSON.name}.ipynb"
     copy = nbformat.read(path, as_version=4)
     nbformat.validate(copy)

@@ -69,7 +69,7 @@ class UnpackedFile:
 
 def unpack_file(entry: ArchiveEntry, name: str) -> list[UnpackedFile]:
     """Unpack one submitted file, given its original name."""
-    if kind_of(name) == OTHER and not name.lower().endswith(".zip"):
+    if file_kind(name) == OTHER and not name.lower().endswith(".zip"):
         return [UnpackedFile((), OTHER)]
     contents.cache_releases()
     try:
@@ -98,7 +98,7 @@ def unpack_file(entry: ArchiveEntry, name: str) -> list[UnpackedFile]:
     return [_from_json(*parts) for parts in replies]
 
 
-def kind_of(name: str) -> str:
+def file_kind(name: str) -> str:
     """Return the kind of a file according to its name."""
     path = PurePath(name.lower())
     lesson = lesson_by_name(name)
@@ -117,7 +117,7 @@ def _unpack(
     depth: int = 0,
 ) -> list[UnpackedFile]:
     """Do the work of `unpack_file` in the separate process."""
-    kind = kind_of(name)
+    kind = file_kind(name)
     if name.lower().endswith(".zip"):
         return _unpack_zip(data, path, depth + 1)
     if kind == NOTEBOOK and is_lfs_pointer(data):
@@ -150,11 +150,11 @@ def _unpack_zip(data: bytes, path: tuple[str, ...], depth: int) -> list[Unpacked
     except UnreadableFile as error:
         return [UnpackedFile(path, SUBSTITUTE, complaint=str(error))]
     files, size = [], 0
-    for parts, entry in entries:
-        inner = (*path, *parts)
-        if is_hidden(parts):
+    for entry_path, entry in entries:
+        inner = (*path, *entry_path)
+        if is_hidden(entry_path):
             continue
-        if kind_of(parts[-1]) == OTHER:
+        if file_kind(entry_path[-1]) == OTHER:
             files.append(UnpackedFile(inner, OTHER))
             continue
         try:
@@ -162,7 +162,7 @@ def _unpack_zip(data: bytes, path: tuple[str, ...], depth: int) -> list[Unpacked
         except UnreadableFile as error:
             files.append(UnpackedFile(inner, SUBSTITUTE, complaint=str(error)))
             continue
-        inside = _unpack(content, parts[-1], inner, entry.moment, depth)
+        inside = _unpack(content, entry_path[-1], inner, entry.moment, depth)
         size += sum(len(unpacked.data) for unpacked in inside)
         if size > MAX_BYTES_PER_STUDENT:
             return [UnpackedFile(path, SUBSTITUTE, complaint=f"unpacks to {TOO_LARGE}")]

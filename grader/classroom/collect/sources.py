@@ -47,12 +47,12 @@ def _files_below(root: Path) -> Iterator[tuple[tuple[str, ...], ArchiveEntry]]:
         folders[:] = sorted(name for name in folders if name == ".git" or not is_hidden((name,)))
         for name in sorted(files):
             path = folder / name
-            parts = clean_path(path.relative_to(root).as_posix())
-            yield parts, _entry(path, parts)
+            path_parts = clean_path(path.relative_to(root).as_posix())
+            yield path_parts, _entry(path, path_parts)
         if ".git" in folders:
             folders.remove(".git")
-            parts = (*clean_path(folder.relative_to(root).as_posix()), ".git")
-            yield parts, ArchiveEntry(parts, datetime.min, bytes)
+            path_parts = (*clean_path(folder.relative_to(root).as_posix()), ".git")
+            yield path_parts, ArchiveEntry(path_parts, datetime.min, bytes)
 
 
 def _entry(path: Path, parts: tuple[str, ...]) -> ArchiveEntry:

@@ -69,13 +69,13 @@ def open_zip(file: IO[bytes] | str, limit: int) -> list[tuple[tuple[str, ...], A
     try:
         archive = zipfile.ZipFile(file)
     except _DAMAGE_ERRORS as error:
-        raise UnreadableFile(f"cannot be opened as a zip: {_reason(error)}") from None
+        raise UnreadableFile(f"cannot be opened as a zip: {_error_reason(error)}") from None
     # `ZipInfo.is_dir` fails for empty names.
     infos = [info for info in archive.infolist() if not info.filename.endswith("/")]
     if len(infos) > limit:
         raise UnreadableFile(f"contains {len(infos):,} files, more than the limit of {limit:,}")
     return [
-        (path, ArchiveEntry(path, _moment(info), _reader(archive, info)))
+        (path, ArchiveEntry(path, _time_saved(info), _reader(archive, info)))
         for info in infos
         if (path := clean_path(_name(info)))
     ]
@@ -104,7 +104,7 @@ def names_in_other_code_pages(name: str) -> tuple[str, ...]:
     return tuple(name for name in dict.fromkeys(names) if name)
 
 
-def _moment(info: zipfile.ZipInfo) -> datetime:
+def _time_saved(info: zipfile.ZipInfo) -> datetime:
     try:
         return datetime(*info.date_time)
     except ValueError:
@@ -113,17 +113,17 @@ def _moment(info: zipfile.ZipInfo) -> datetime:
 
 def _reader(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> Callable[[], bytes]:
     def read() -> bytes:
-        _check(info)
+        _check_entry(info)
         try:
             with archive.open(info) as file:
                 return file.read(MAX_FILE_BYTES)
         except _DAMAGE_ERRORS as error:
-            raise UnreadableFile(f"cannot be unpacked: {_reason(error)}") from None
+            raise UnreadableFile(f"cannot be unpacked: {_error_reason(error)}") from None
 
     return read
 
 
-def _check(info: zipfile.ZipInfo) -> None:
+def _check_entry(info: zipfile.ZipInfo) -> None:
     """Reject links, passwords and large declared sizes, which unpacking never exceeds."""
     if stat.S_ISLNK(info.external_attr >> 16):
         raise UnreadableFile("is a link to another file. Ask for the file itself")
@@ -140,5 +140,5 @@ def _check(info: zipfile.ZipInfo) -> None:
         )
 
 
-def _reason(error: Exception) -> str:
+def _error_reason(error: Exception) -> str:
     return str(error).rstrip(".") or type(error).__name__

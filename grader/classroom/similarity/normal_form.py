@@ -117,7 +117,7 @@ class _Normalizer:
         if isinstance(node, ast.Name):
             return [self._name(node.id)]
         if isinstance(node, ast.Constant):
-            return [_constant(node.value)]
+            return [_constant_word(node.value)]
         if isinstance(node, ast.Attribute):
             dotted = self._dotted(node)
             return [dotted] if dotted else [*self._words(node.value), f".{node.attr}"]
@@ -196,7 +196,7 @@ def _counting_range(node: ast.While) -> ast.expr | None:
     return None
 
 
-def _constant(value: object) -> str:
+def _constant_word(value: object) -> str:
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         try:
             return repr(float(value))

@@ -57,7 +57,7 @@ class JudgedSubmission:
     """A judged submission: the lessons in order, and a sentence for each unjudged file."""
 
     lessons: tuple[JudgedLesson, ...]
-    left: tuple[str, ...]
+    unjudged_notes: tuple[str, ...]
 
 
 def lessons_of(assignment: str) -> tuple[Lesson, ...]:

@@ -40,7 +40,7 @@ _VERSION_TESTS = {"hasattr", "getattr", "version_info"}
 
 
 def newer_names(
-    nodes: Iterable[ast.AST], python: tuple[int, ...] = (), own: Container[str] = ()
+    nodes: Iterable[ast.AST], python: tuple[int, ...] = (), own_modules: Container[str] = ()
 ) -> Iterator[tuple[int, str]]:
     """Yield the names that only a newer Python has.
 
@@ -51,12 +51,12 @@ def newer_names(
     python : tuple of int, optional
         The version of Python that ran the code, if it is known. If that version lacks a name as
         well, the name is not reported.
-    own : container of str, optional
+    own_modules : container of str, optional
         Names of the student's own modules, which replace those of the standard library.
 
     Yields
     ------
-    place : int
+    index : int
         Index of the statement in `nodes`.
     reason : str
         The rest of a sentence that begins with the cell or file.
@@ -71,14 +71,18 @@ def newer_names(
                 for alias in inner.names:
                     root = alias.name.partition(".")[0]
                     modules[alias.asname or root] = alias.name if alias.asname else root
-    for place, node in enumerate(nodes):
+    for index, node in enumerate(nodes):
         for inner in _unguarded(node):
             for name in _library_names(inner, modules):
                 version = ADDED_IN.get(name, RUNNING)
                 was_absent = python and python < version
-                if version > RUNNING and not was_absent and name.partition(".")[0] not in own:
+                if (
+                    version > RUNNING
+                    and not was_absent
+                    and name.partition(".")[0] not in own_modules
+                ):
                     needed = ".".join(map(str, version))
-                    yield place, f"uses {name}, which needs Python {needed} or later"
+                    yield index, f"uses {name}, which needs Python {needed} or later"
 
 
 def _unguarded(node: ast.AST) -> Iterator[ast.AST]:

@@ -174,7 +174,7 @@ class _FilterProgram(ctypes.Structure):
     _fields_ = [("length", ctypes.c_ushort), ("instructions", ctypes.c_char_p)]
 
 
-def deny(*, sockets: bool = True) -> None:
+def install_filter(*, sockets: bool = True) -> None:
     """Permanently install the filter for this process and its children.
 
     The filter is only an additional protection. On architectures that are not in `MACHINES`,

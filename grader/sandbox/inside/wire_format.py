@@ -2,8 +2,8 @@
 
 A message is a JSON tree followed by the bytes of its arrays. It can contain numbers, strings,
 containers, arrays of a plain dtype and NumPy's default random generators. Any other value arrives
-as an `Opaque`, which contains only the name of its type, and only if that is a type of Python or
-NumPy. The other end may be hostile, so nothing is unpickled, and every size is checked before
+as an `OpaqueValue`, which contains only the name of its type, and only if that is a type of Python
+or NumPy. The other end may be hostile, so nothing is unpickled, and every size is checked before
 memory is allocated.
 """
 
@@ -66,7 +66,7 @@ class TooLarge(Exception):
 
 
 @dataclass(frozen=True)
-class Opaque:
+class OpaqueValue:
     """A placeholder for a value that is not plain data."""
 
     type_name: str
@@ -78,7 +78,7 @@ def encode(value: object) -> bytes:
     Parameters
     ----------
     value : object
-        Any value. Parts that are not plain data become an `Opaque`.
+        Any value. Parts that are not plain data become an `OpaqueValue`.
 
     Raises
     ------
@@ -159,7 +159,7 @@ def _to_tree(value: object, blob: bytearray, depth: int) -> object:
         if isinstance(value, np.longdouble):
             return float(value)  # `item()` would return a longdouble again
         plain = value.dtype.kind in "biufU"
-        return _to_tree(value.item() if plain else Opaque(type(value).__name__), blob, depth)
+        return _to_tree(value.item() if plain else OpaqueValue(type(value).__name__), blob, depth)
     if isinstance(value, int):
         return int(value) if _is_small(value) else {"opaque": _LARGE_INTEGER}
     if isinstance(value, float):
@@ -173,7 +173,7 @@ def _to_tree(value: object, blob: bytearray, depth: int) -> object:
         return _keyed_to_tree(value, blob, depth)
     if _is_generator(value):
         return {"generator": _state_of(value)}
-    if isinstance(value, Opaque):
+    if isinstance(value, OpaqueValue):
         return {"opaque": value.type_name}
     if hasattr(value, "__array__"):  # results of pandas and torch are valid answers
         return _array_to_tree(np.asarray(value), blob, depth)
@@ -262,13 +262,13 @@ def _from_tree(tree: object, remainder: _Remainder, depth: int) -> object:
         remainder.take_generator()
         return _generator_from(content)
     if kind == "opaque" and isinstance(content, str):
-        return Opaque(known_type(content))
+        return OpaqueValue(known_type(content))
     raise WireError("unknown kind of value")
 
 
 def _key_from_tree(tree: object, remainder: _Remainder, depth: int) -> object:
     key = _from_tree(tree, remainder, depth + 1)
-    if not isinstance(key, (*_SCALARS, Opaque)):
+    if not isinstance(key, (*_SCALARS, OpaqueValue)):
         raise WireError("unknown kind of key")
     return key
 
