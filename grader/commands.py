@@ -140,7 +140,7 @@ def _release_solutions(options: argparse.Namespace) -> int:
     from grader.course.deadlines_file import read_deadlines
     from grader.course.lessons import all_lessons
     from grader.course.solutions import reason_still_open, write_solutions
-    from grader.lms.dates import gradebook_extensions
+    from grader.lms.gradebook_dates import gradebook_extensions
     from grader.site.runs import solved_runs
     from grader.site.solution import as_notebook
 
@@ -335,7 +335,7 @@ def run_report(options: argparse.Namespace) -> int:
     from grader.classroom.folders import UnknownStudent
     from grader.classroom.submissions import unaccounted_files
     from grader.lms.report import write_report
-    from grader.lms.standings import class_results
+    from grader.lms.results_reader import class_results
 
     course = Course()
     judged = _read_verdicts(course)
@@ -396,7 +396,7 @@ def run_export(options: argparse.Namespace) -> int:
     from grader.course.roster import file_name_part
     from grader.lms.exporters import EXPORTERS, ExportError, ExportOptions
     from grader.lms.exporters.destination import write_export
-    from grader.lms.standings import class_results
+    from grader.lms.results_reader import class_results
 
     course, exporter = Course(), EXPORTERS[options.format]
     if bool(exporter.fills) != bool(options.into):
@@ -486,7 +486,7 @@ def run_feedback(options: argparse.Namespace) -> int:
     from grader.course.deadlines_file import read_deadlines
     from grader.lms.feedback_archives import PLATFORMS, write_feedback
     from grader.lms.instructor_notes import assignment_notes
-    from grader.lms.standings import class_results
+    from grader.lms.results_reader import class_results
 
     if not stages_exist(options.stages):
         return USAGE_ERROR
@@ -711,7 +711,7 @@ def _grade_with_lock(
     from grader.classroom.rehearsals import RehearsalFailed
     from grader.classroom.submissions import unaccounted_files
     from grader.lms.report import GradingRun, write_report
-    from grader.lms.standings import class_results
+    from grader.lms.results_reader import class_results
 
     start_time = time.perf_counter()
     try:
@@ -828,7 +828,7 @@ def _print_student(
     course: Course, student: str, judged: JudgedSubmissions, results: ClassResults
 ) -> None:
     """Print the verdicts on a student's work, the results of the term, and their history."""
-    from grader.lms.history import read_changes
+    from grader.lms.mark_history import read_changes
     from grader.lms.term import describe_term, term_result
 
     for _, verdict in judged:

@@ -21,7 +21,7 @@ from rich.text import Text
 from grader.judging.verdict import FAILED
 
 if TYPE_CHECKING:
-    from grader.classroom.collect.outcome import CollectionReport, Question
+    from grader.classroom.collect.collection_report import CollectionReport, Question
     from grader.classroom.doctor import Finding
     from grader.classroom.similarity.stage import StageComparison
     from grader.classroom.submissions import Submission
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from grader.judging.verdict import Verdict
     from grader.lms.exporters import ExportResult
     from grader.lms.feedback_archives import WrittenFeedback
-    from grader.lms.history import MarkChange
+    from grader.lms.mark_history import MarkChange
     from grader.lms.results import ClassResults, NotebookResult
     from grader.sandbox import Sandbox
 

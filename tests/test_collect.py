@@ -16,7 +16,7 @@ from functools import partial
 import pytest
 
 from grader import cli, commands
-from grader.classroom import contents
+from grader.classroom import lesson_recognition
 from grader.classroom.collect import CollectError, inspection, zips
 from grader.classroom.collect import collection as module
 from grader.classroom.collect.owners import safe_folder
@@ -1703,7 +1703,7 @@ def test_a_damaged_zip_is_read_or_reported():
     """Most of the randomly changed bytes are in the central directory."""
     whole = zipped([(f"{SIX}.ipynb", notebook()), ("mine.py", b"x = 1"), ("b/y.txt", b"y" * 50)])
     directory = whole.find(b"PK\1\2")
-    contents.cache_releases()
+    lesson_recognition.cache_releases()
     rng = random.Random(1)
     seen = set()
     for _ in range(600):
@@ -1739,7 +1739,7 @@ def test_a_long_text_in_moodles_worksheet_is_read(course):
     table.write_text(worksheet(rows), "utf-8")
     files = moodle_files("Ada Lovelace", 5001, [(f"{SIX}.ipynb", notebook())])
     code = "import sys, csv; sys.path.insert(0, '.'); from pathlib import Path; " + (
-        "from grader.classroom.collect.worksheet import read_worksheet; "
+        "from grader.classroom.collect.submission_table import read_worksheet; "
         f"print(len(read_worksheet(Path({str(table)!r}), None).rows))"
     )  # in its own process, where no other test has raised the limit
     result = subprocess.run(

@@ -11,7 +11,7 @@ import pytest
 from grader import cli, commands
 from grader.course.paths import Course
 from grader.course.roster import Person
-from grader.lms import standings
+from grader.lms import results_reader
 from grader.lms.exporters import EXPORTERS, ExportError, ExportOptions
 from grader.lms.exporters.assignment_marks import collect_marks
 from grader.lms.exporters.destination import write_export
@@ -289,7 +289,7 @@ def export(tmp_path, monkeypatch):
     monkeypatch.setattr(commands, "Course", lambda: Course(tmp_path))
 
     def run(*options, results=CLASS):
-        monkeypatch.setattr(standings, "class_results", lambda course: results)
+        monkeypatch.setattr(results_reader, "class_results", lambda course: results)
         return cli.main(["export", *map(str, options)])
 
     return run

@@ -32,7 +32,7 @@ from grader.judging.verdict import (
     Verdict,
     write_verdict,
 )
-from grader.lms.cells import CellMark
+from grader.lms.cell_marks import CellMark
 from grader.lms.check_summary import summarise_checks
 from grader.lms.feedback import ExerciseFeedback, Feedback, LessonFeedback, lateness_sentences
 from grader.lms.feedback_page import feedback_page

@@ -24,7 +24,7 @@ from grader.lms import gradebook
 from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.registration import register_stages
 from grader.lms.report import write_report
-from grader.lms.standings import class_results
+from grader.lms.results_reader import class_results
 from tests.prerequisites import PATIENCE
 
 LESSON = find_lesson("06_filter_ground")
@@ -484,7 +484,7 @@ def test_a_problem_is_text_and_not_markup(judged_course, sandbox):
     import nbformat
 
     from grader.judging.verdict import Verdict
-    from grader.lms.autograded import write_verdict
+    from grader.lms.autograded_copy import write_verdict
 
     notebook = nbformat.reads(LESSON.released.read_text(), as_version=4)
     verdicts_by_student = {

@@ -25,7 +25,6 @@ from grader.course.paths import Course
 from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict
 from grader.lms import gradebook, gradebook_writer, registration
 from grader.lms.differences import differences
-from grader.lms.entries import StageEntry
 from grader.lms.feedback import FeedbackCollector
 from grader.lms.gradebook_check import check_gradebook
 from grader.lms.gradebook_rows import GradebookRow
@@ -34,7 +33,8 @@ from grader.lms.nbgrader_plugin import LatePenalties
 from grader.lms.penalties import load_penalty_plugin
 from grader.lms.registration import register_stages
 from grader.lms.results import MARKED, MISSING, WAITING, GradebookUnavailable
-from grader.lms.standings import class_results
+from grader.lms.results_reader import class_results
+from grader.lms.stage_entries import StageEntry
 
 GROUND = find_lesson("06_filter_ground")
 DISTANCE = find_lesson("07_filter_by_distance")

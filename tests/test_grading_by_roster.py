@@ -17,9 +17,9 @@ from grader.course.roster import Person
 from grader.judging.verdict import JUDGED, Verdict, write_verdict
 from grader.lms import gradebook
 from grader.lms.gradebook_check import check_gradebook
-from grader.lms.history import read_changes
+from grader.lms.mark_history import read_changes
 from grader.lms.results import MARKED, ClassResults, NotebookResult, StageResult
-from grader.lms.standings import class_results
+from grader.lms.results_reader import class_results
 from grader.sandbox import SANDBOXES
 from tests.test_faults import Inline
 from tests.test_gradebook import EARNED, GROUND, LATE, STAGE, make_course, submit, verdicts

@@ -14,10 +14,10 @@ from grader.course.paths import Course
 from grader.lms import gradebook
 from grader.lms.gradebook_check import check_gradebook
 from grader.lms.gradebook_writer import GradebookError, enter_verdicts
-from grader.lms.history import read_changes
 from grader.lms.instructor_notes import notes
+from grader.lms.mark_history import read_changes
 from grader.lms.results import WAITING
-from grader.lms.standings import class_results
+from grader.lms.results_reader import class_results
 from tests.test_gradebook import LATE, STREAM, quiet, verdict_on
 
 STAGE, LESSON = STREAM.stage, STREAM.name

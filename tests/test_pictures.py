@@ -15,8 +15,8 @@ from grader.course.mathml import markdown_page
 from grader.intake.pictures import MAX_PICTURE_BYTES, illustrate
 from grader.intake.preflight import prepare
 from grader.intake.submission import SubmittedFiles
-from grader.lms.answers import fingerprints
-from grader.lms.autograded import build_copy, graded_cells
+from grader.lms.answer_fingerprints import fingerprints
+from grader.lms.autograded_copy import build_copy, graded_cells
 from utils.notebooks.reading import Cell
 
 LESSON = find_lesson("12_streaming_obstacles")

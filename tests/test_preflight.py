@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from nbconvert.exporters import HTMLExporter
 
-from grader.classroom import contents
+from grader.classroom import lesson_recognition
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
 from grader.intake import preflight
@@ -28,7 +28,7 @@ from grader.intake.preflight import (
 from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import judge_files
 from grader.judging.verdict import FAILED
-from grader.lms.autograded import MISSING_ANSWER_NOTE, build_copy, graded_cells
+from grader.lms.autograded_copy import MISSING_ANSWER_NOTE, build_copy, graded_cells
 from tests.students import answers_in
 from utils.notebooks.reading import UnreadableNotebook
 
@@ -503,11 +503,13 @@ def test_a_cut_off_file_keeps_the_complete_answer():
 
 def test_nothing_is_concluded_from_a_part_of_a_file():
     released = LESSON.released.read_bytes()
-    assert contents.content_of(released, "a.ipynb").untouched
-    assert not contents.content_of(released[:-9], "a.ipynb").untouched
+    assert lesson_recognition.content_of(released, "a.ipynb").untouched
+    assert not lesson_recognition.content_of(released[:-9], "a.ipynb").untouched
     with_odd_cell = json.loads(released)
     with_odd_cell["cells"].append(7)
-    assert not contents.content_of(json.dumps(with_odd_cell).encode(), "a.ipynb").untouched
+    assert not lesson_recognition.content_of(
+        json.dumps(with_odd_cell).encode(), "a.ipynb"
+    ).untouched
 
     whole = SubmittedFiles("06_filter_ground.ipynb", released)
     assert preflight.prepare_to_judge(whole, LESSON).is_as_released

@@ -25,7 +25,7 @@ from grader.judging.verdict import (
 )
 from grader.lms import gradebook_writer
 from grader.lms.differences import differences
-from grader.lms.entries import StageEntry
+from grader.lms.stage_entries import StageEntry
 from grader.lms.submission_times import known_time
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import GivenCode, Program

@@ -12,7 +12,7 @@ from grader.course.paths import Course
 from grader.course.roster import file_name_part
 from grader.judging.verdict import write_verdict
 from grader.lms.gradebook_writer import enter_verdicts
-from grader.lms.standings import class_results
+from grader.lms.results_reader import class_results
 from tests.platforms import Canvas, CanvasStudent
 from tests.test_gradebook import DISTANCE, GROUND, STAGE, make_course, quiet, verdicts
 

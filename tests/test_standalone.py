@@ -21,7 +21,7 @@ from grader.course.paths import PROJECT
 from grader.intake.preflight import prepare
 from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import judge_files
-from grader.lms.autograded import build_copy, graded_cells
+from grader.lms.autograded_copy import build_copy, graded_cells
 from tests.test_requirements import imports
 
 pytestmark = pytest.mark.slow

@@ -25,7 +25,7 @@ from grader.lms.results import (
     StageResult,
     combined_status,
 )
-from grader.lms.standings import class_results
+from grader.lms.results_reader import class_results
 from tests.test_gradebook import (
     DISTANCE,
     GROUND,

@@ -29,7 +29,7 @@ from grader.lms.instructor_notes import counted_lessons, excessive_notes, notes
 from grader.lms.nbgrader_plugin import LatePenalties
 from grader.lms.report import write_report
 from grader.lms.results import AUDITOR, EXCUSED, MARKED, MISSING, WAITING
-from grader.lms.standings import class_results
+from grader.lms.results_reader import class_results
 from tests.test_gradebook import (
     DISTANCE,
     GROUND,

@@ -8,7 +8,7 @@ from zoneinfo import ZoneInfo
 import pytest
 
 from grader.classroom.collect.models import CollectError
-from grader.classroom.collect.worksheet import read_submission_table
+from grader.classroom.collect.submission_table import read_submission_table
 from grader.classroom.timestamp_file import read_timestamp
 from grader.course.times import UnclearTime, compute_lateness, read_time, to_utc
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.classroom.contents import (
+from grader.classroom.lesson_recognition import (
     copy_number,
     is_notebook_name,
     lesson_by_content,

@@ -16,7 +16,7 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 import babel
 
-from grader.untrusted import one_line
+from grader.untrusted_text import one_line
 
 MAX_TEXT_LENGTH = 80
 # In these years, no time zone and no day more leads out of the range of `datetime`.

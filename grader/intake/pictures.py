@@ -17,7 +17,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from urllib.parse import unquote, urlsplit
 
-from grader.untrusted import one_line
+from grader.untrusted_text import one_line
 from utils.notebooks.reading import Cell
 
 MAX_PICTURE_BYTES = 5 * 2**20

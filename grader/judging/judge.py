@@ -25,7 +25,7 @@ from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict, with
 from grader.sandbox import Limits, Sandbox
 from grader.sandbox.program import INSTALLED_PACKAGES, GivenCode, Program
 from grader.sandbox.time_budget import Budget
-from grader.untrusted import one_line
+from grader.untrusted_text import one_line
 from utils.checks.outcomes import Outcome
 from utils.notebooks.reading import UnreadableNotebook, is_lfs_pointer
 

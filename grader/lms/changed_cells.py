@@ -26,7 +26,7 @@ from nbgrader.utils import is_grade, is_solution
 from sqlalchemy import exists
 
 from grader.course.lessons import Lesson
-from grader.lms.history import exercise_of
+from grader.lms.mark_history import exercise_of
 from grader.lms.results import format_points
 
 

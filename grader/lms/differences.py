@@ -8,10 +8,10 @@ from nbgrader.preprocessors import AssignLatePenalties
 from grader.course.deadlines import Deadlines
 from grader.course.paths import Course
 from grader.judging.verdict import Verdict
-from grader.lms.autograded import verdict_key_of_copy
-from grader.lms.dates import extension_of
-from grader.lms.entries import StageEntry
+from grader.lms.autograded_copy import verdict_key_of_copy
+from grader.lms.gradebook_dates import extension_of
 from grader.lms.penalties import penalty_of
+from grader.lms.stage_entries import StageEntry
 from grader.lms.submission_times import known_time
 
 TOLERANCE = 1e-6  # points are written with two decimal places

@@ -22,7 +22,7 @@ from nbgrader.utils import parse_utc
 
 from grader.classroom.collect.zips import MAX_BYTES_PER_STUDENT
 from grader.intake.submission import is_skipped_folder
-from grader.untrusted import one_line
+from grader.untrusted_text import one_line
 
 # Maximum number of files and folders to examine in one submission, from the top folder down.
 MAX_ENTRIES = 200

@@ -16,8 +16,8 @@ from grader.course.lessons import Exercise, Lesson, find_lesson
 from grader.course.paths import Course
 from grader.course.roster import Person
 from grader.judging.verdict import FAILED, ExerciseResult, Verdict, read_verdict
-from grader.lms.autograded import graded_cells
-from grader.lms.cells import CellMark, CellMarks, cell_marks
+from grader.lms.autograded_copy import graded_cells
+from grader.lms.cell_marks import CellMark, CellMarks, cell_marks
 from grader.lms.check_summary import ExerciseSummary, summarise_checks
 from grader.lms.gradebook import open_gradebook
 from grader.lms.results import (
@@ -29,8 +29,8 @@ from grader.lms.results import (
     StageResult,
     format_points,
 )
+from grader.lms.results_reader import class_results
 from grader.lms.sanitizer import sanitize_markdown
-from grader.lms.standings import class_results
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class ExerciseFeedback:
     Attributes
     ----------
     exercise : grader.course.lessons.Exercise
-    mark : grader.lms.cells.CellMark
+    mark : grader.lms.cell_marks.CellMark
     judged : grader.judging.verdict.ExerciseResult or None
         None if a person grades the exercise.
     summary : grader.lms.check_summary.ExerciseSummary or None

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from sqlalchemy import make_url
 
-from grader.classroom.collect.answers import count_answers_about, delete_answers_about
+from grader.classroom.collect.instructor_answers import count_answers_about, delete_answers_about
 from grader.classroom.collect.record import RECORD_NAME as RECORD
 from grader.classroom.collect.record import read_record, remove_archives, write_record
 from grader.classroom.folders import UnknownStudent, find_student
@@ -26,7 +26,7 @@ from grader.course.nbgrader_settings import course_settings
 from grader.course.paths import Course
 from grader.course.roster import Roster, normalized_text, read_roster, roster_path
 from grader.lms.gradebook import database_url, gradebook_exists, open_gradebook
-from grader.lms.history import count_changes_of, delete_changes_of
+from grader.lms.mark_history import count_changes_of, delete_changes_of
 
 CLASS_PAGES = ("report", "league", "scores*", "handed_back/*.zip")
 """Files and folders about the whole class, which are written again without the student."""

@@ -23,19 +23,24 @@ from grader.course.deadlines_file import read_deadlines
 from grader.course.paths import Course
 from grader.course.roster import read_roster
 from grader.judging.verdict import Verdict
-from grader.lms.answers import fingerprints, read_fingerprints, regrade, write_fingerprints
-from grader.lms.autograded import build_judged_copy, graded_cells
-from grader.lms.copies import replace_folder, write_draft
-from grader.lms.dates import enter_due_dates, set_extension
+from grader.lms.answer_fingerprints import (
+    fingerprints,
+    read_fingerprints,
+    regrade,
+    write_fingerprints,
+)
+from grader.lms.autograded_copy import build_judged_copy, graded_cells
+from grader.lms.autograded_folder import replace_folder, write_draft
 from grader.lms.differences import differences
-from grader.lms.entries import StageEntry, group_entries
 from grader.lms.gradebook import database_problem, open_gradebook
-from grader.lms.history import log_changes
-from grader.lms.inputs import record_inputs
+from grader.lms.gradebook_dates import enter_due_dates, set_extension
+from grader.lms.gradebook_students import enrol
+from grader.lms.mark_history import log_changes
+from grader.lms.mark_inputs import record_inputs
 from grader.lms.marks_by_hand import lost_marks, lost_sentence, restore_marks, share_in_teams
 from grader.lms.penalties import load_penalty_plugin, penalty_of
-from grader.lms.people import enrol
 from grader.lms.registration import register_stages
+from grader.lms.stage_entries import StageEntry, group_entries
 from grader.lms.submission_times import known_time
 from grader.lms.withdrawal import withdraw
 

@@ -11,12 +11,12 @@ from dataclasses import replace
 
 from nbgrader.api import Gradebook, MissingEntry
 
-from grader.classroom.collect.answers import teams_in
+from grader.classroom.collect.instructor_answers import teams_in
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
-from grader.lms.answers import read_fingerprints
+from grader.lms.answer_fingerprints import read_fingerprints
 from grader.lms.gradebook import gradebook_location
-from grader.lms.history import (
+from grader.lms.mark_history import (
     A_PERSON,
     REMOVED,
     CurrentMark,

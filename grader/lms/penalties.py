@@ -16,7 +16,7 @@ from grader.course.deadlines import Deadlines
 from grader.course.nbgrader_settings import course_settings
 from grader.course.paths import Course
 from grader.course.times import compute_lateness
-from grader.lms.history import exercise_of
+from grader.lms.mark_history import exercise_of
 
 
 def load_penalty_plugin(course: Course) -> AssignLatePenalties:

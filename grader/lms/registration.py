@@ -12,7 +12,7 @@ from nbgrader.utils import is_grade, is_solution
 
 from grader.course.lessons import Lesson, released_lessons
 from grader.course.paths import Course
-from grader.lms.autograded import graded_cells
+from grader.lms.autograded_copy import graded_cells
 from grader.lms.changed_cells import change_cells, complete_submissions
 from grader.lms.gradebook import database_url
 

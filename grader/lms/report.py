@@ -16,7 +16,7 @@ from urllib.parse import quote
 
 from markupsafe import Markup
 
-from grader.classroom.collect.answers import teams_in
+from grader.classroom.collect.instructor_answers import teams_in
 from grader.classroom.item_analysis import (
     MIN_STUDENTS,
     common_messages,

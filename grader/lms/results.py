@@ -161,7 +161,7 @@ class ClassResults:
         list the lesson.
     rules : grader.course.deadlines.TermRules
     outdated : tuple of (str, str)
-        Student and stage of marks whose inputs have changed; see `grader.lms.inputs`.
+        Student and stage of marks whose inputs have changed; see `grader.lms.mark_inputs`.
     """
 
     people: tuple[Person, ...]

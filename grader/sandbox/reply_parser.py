@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from grader.untrusted import one_line
+from grader.untrusted_text import one_line
 
 MAX_TEXT_LENGTH = 500
 MAX_ITEMS = 20

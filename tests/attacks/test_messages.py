@@ -13,7 +13,7 @@ from grader.console import print_class, print_verdict
 from grader.course.lessons import all_lessons, find_lesson
 from grader.course.paths import PROJECT, Course
 from grader.judging.messages import FEW_NUMBERS
-from grader.lms.autograded import score_output
+from grader.lms.autograded_copy import score_output
 from grader.lms.report import write_report
 from grader.sandbox.failures import KNOWN_EXCEPTIONS, MAX_LINES, StudentError
 from grader.sandbox.program import MAX_NOTEBOOK_LINES

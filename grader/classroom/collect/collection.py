@@ -7,19 +7,23 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from grader.classroom.collect import open_archives
-from grader.classroom.collect.answers import (
+from grader.classroom.collect.collection_report import CollectionReport, Question
+from grader.classroom.collect.folder import student_name_in
+from grader.classroom.collect.inspection import OTHER, file_kind
+from grader.classroom.collect.instructor_answers import (
     InstructorAnswers,
     read_answers,
     store_answers,
     store_ignored,
 )
-from grader.classroom.collect.folder import student_name_in
-from grader.classroom.collect.inspection import OTHER, file_kind
 from grader.classroom.collect.models import Owner, SubmittedArchive, SubmittedFile
-from grader.classroom.collect.outcome import CollectionReport, Question
 from grader.classroom.collect.owners import Owners, UnknownOwner
 from grader.classroom.collect.student import StudentCollector
-from grader.classroom.collect.worksheet import SubmissionRow, SubmissionTable, read_submission_table
+from grader.classroom.collect.submission_table import (
+    SubmissionRow,
+    SubmissionTable,
+    read_submission_table,
+)
 from grader.classroom.submissions import Submission, find_submissions
 from grader.course.deadlines import Deadlines
 from grader.course.deadlines_file import read_deadlines

@@ -10,7 +10,7 @@ from pathlib import PurePath
 
 from grader.classroom.collect.models import Archive, ArchiveEntry, Owner, SubmittedFile
 from grader.classroom.collect.name_patterns import shared_folders
-from grader.classroom.contents import lesson_by_name
+from grader.classroom.lesson_recognition import lesson_by_name
 from grader.course.lessons import all_lessons, stages
 
 

@@ -6,7 +6,7 @@ import shlex
 from collections.abc import Callable, Collection
 
 from grader.classroom.collect.selection import StudentFile
-from grader.classroom.contents import lesson_by_name
+from grader.classroom.lesson_recognition import lesson_by_name
 from grader.course.lessons import Lesson, all_lessons, find_lesson
 
 

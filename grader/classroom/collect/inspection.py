@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from pathlib import PurePath
 
-from grader.classroom import contents
+from grader.classroom import lesson_recognition
 from grader.classroom.collect.models import ArchiveEntry, UnreadableFile
 from grader.classroom.collect.zips import (
     MAX_BYTES_PER_STUDENT,
@@ -20,7 +20,7 @@ from grader.classroom.collect.zips import (
     is_hidden,
     open_zip,
 )
-from grader.classroom.contents import NotebookContent, lesson_by_name
+from grader.classroom.lesson_recognition import NotebookContent, lesson_by_name
 from grader.intake.reader_process import ReadingFailed, TooCostly, run_in_child
 from grader.intake.submission import MAX_MODULE_BYTES
 from utils.notebooks.reading import UnreadableNotebook, is_lfs_pointer
@@ -53,7 +53,7 @@ class UnpackedFile:
         Only for notebooks and modules.
     saved : datetime or None
         The file's time in the zip that contains it.
-    content : grader.classroom.contents.NotebookContent
+    content : grader.classroom.lesson_recognition.NotebookContent
         Only for notebooks.
     complaint : str
         Why the file cannot be read: the rest of a sentence that begins with the file's name.
@@ -71,7 +71,7 @@ def unpack_file(entry: ArchiveEntry, name: str) -> list[UnpackedFile]:
     """Unpack one submitted file, given its original name."""
     if file_kind(name) == OTHER and not name.lower().endswith(".zip"):
         return [UnpackedFile((), OTHER)]
-    contents.cache_releases()
+    lesson_recognition.cache_releases()
     try:
         data = entry.read()
         replies = run_in_child(
@@ -124,7 +124,9 @@ def _unpack(
         return [UnpackedFile(path, SUBSTITUTE, complaint=_LFS_POINTER)]
     if kind == NOTEBOOK:
         try:
-            return [UnpackedFile(path, kind, data, saved, contents.content_of(data, name))]
+            return [
+                UnpackedFile(path, kind, data, saved, lesson_recognition.content_of(data, name))
+            ]
         except UnreadableNotebook as error:
             complaint = str(error).partition(". ")[0].removeprefix(name).strip(" .")
             # A text file named after a lesson may contain anything.

@@ -8,9 +8,14 @@ import shlex
 import unicodedata
 from collections.abc import Collection, Sequence
 
-from grader.classroom.collect.answers import NO_OWNER, InstructorAnswers, ids_in, normalize_label
+from grader.classroom.collect.instructor_answers import (
+    NO_OWNER,
+    InstructorAnswers,
+    ids_in,
+    normalize_label,
+)
 from grader.classroom.collect.models import CollectError, Owner
-from grader.classroom.collect.worksheet import SubmissionRow, SubmissionTable
+from grader.classroom.collect.submission_table import SubmissionRow, SubmissionTable
 from grader.classroom.collect.zips import names_in_other_code_pages
 from grader.course.roster import Person, Roster, has_other_lms_id, letters_and_digits
 

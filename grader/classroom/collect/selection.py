@@ -11,7 +11,7 @@ from grader.classroom.collect.inspection import UnpackedFile
 from grader.classroom.collect.models import SubmittedFile
 from grader.classroom.collect.record import FileOrigin
 from grader.classroom.collect.storage import digest_of
-from grader.classroom.contents import copy_number
+from grader.classroom.lesson_recognition import copy_number
 
 
 @dataclass(frozen=True)

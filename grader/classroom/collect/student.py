@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from grader.classroom.collect import inspection
-from grader.classroom.collect.answers import InstructorAnswers
+from grader.classroom.collect.collection_report import UNANSWERED_MARK, CollectionReport, Question
 from grader.classroom.collect.identification import (
     ContradictoryLesson,
     UnrecognisedLesson,
@@ -21,13 +21,13 @@ from grader.classroom.collect.inspection import (
     TOO_LARGE,
     unpack_file,
 )
+from grader.classroom.collect.instructor_answers import InstructorAnswers
 from grader.classroom.collect.models import SubmittedFile
-from grader.classroom.collect.outcome import UNANSWERED_MARK, CollectionReport, Question
 from grader.classroom.collect.selection import StudentFile, find_newest
 from grader.classroom.collect.stated_time import NOTHING_STATED, StatedTime
 from grader.classroom.collect.storage import KEPT, StageFolder, UnclearVersion
-from grader.classroom.collect.worksheet import SubmissionRow
-from grader.classroom.contents import lesson_by_name
+from grader.classroom.collect.submission_table import SubmissionRow
+from grader.classroom.lesson_recognition import lesson_by_name
 from grader.classroom.submissions import Submission
 from grader.classroom.timestamp_file import TIMESTAMP_FILE
 from grader.course.lessons import Lesson

@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from grader.classroom.collect.answers import teams_in
+from grader.classroom.collect.instructor_answers import teams_in
 from grader.classroom.pages import printable_name
 from grader.classroom.similarity.answers import (
     ComparedAnswer,

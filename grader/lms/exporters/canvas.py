@@ -18,9 +18,9 @@ from grader.lms.exporters.column_writer import (
     find_column,
     scale_factor,
 )
+from grader.lms.exporters.marks_file import MarksFile, read_marks_file, read_number
 from grader.lms.exporters.protocol import ExportError, ExportOptions, ExportResult
 from grader.lms.exporters.row_matching import PersonRow
-from grader.lms.exporters.worksheet import MarksFile, read_marks_file, read_number
 
 NAMES = (("Student",), ("LastName", "FirstName"))
 LAST_PEOPLE_COLUMN = "Section"  # the last column that identifies a student

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 from grader.course.roster import letters_and_digits
 from grader.lms.exporters.assignment_marks import Marks, list_sentence
+from grader.lms.exporters.marks_file import read_number
 from grader.lms.exporters.protocol import ExportError
 from grader.lms.exporters.row_matching import PersonRow, match_rows
-from grader.lms.exporters.worksheet import read_number
 from grader.lms.instructor_notes import DEADLINES_FILE
 from grader.lms.results import EXCUSED, format_points
 

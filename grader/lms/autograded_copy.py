@@ -33,7 +33,7 @@ from grader.intake.submission import SubmittedFiles
 from grader.judging.verdict import ExerciseResult, Verdict
 from grader.lms.check_summary import summarise_checks
 from grader.lms.sanitizer import ZERO_WIDTH_SPACE, as_code, sanitize_markdown
-from grader.untrusted import one_line
+from grader.untrusted_text import one_line
 from utils.notebooks.reading import Cell
 
 _PICTURE = re.compile(r"(?<!\u200b)attachment:([^\s)>\"']*)")

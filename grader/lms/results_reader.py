@@ -13,12 +13,12 @@ from grader.course.lessons import Lesson, find_lesson, released_lessons
 from grader.course.paths import Course
 from grader.course.roster import Person, read_roster
 from grader.course.times import compute_lateness
-from grader.lms.cells import CellMark, CellMarks, cell_marks
+from grader.lms.cell_marks import CellMark, CellMarks, cell_marks
 from grader.lms.gradebook import open_gradebook
 from grader.lms.gradebook_rows import GradebookRow, read_excessive_marks, read_rows
-from grader.lms.history import exercise_of
-from grader.lms.inputs import outdated_marks
-from grader.lms.people import students_in_gradebook
+from grader.lms.gradebook_students import students_in_gradebook
+from grader.lms.mark_history import exercise_of
+from grader.lms.mark_inputs import outdated_marks
 from grader.lms.results import (
     AUDITOR,
     EXCUSED,

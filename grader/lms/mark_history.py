@@ -30,8 +30,8 @@ from sqlalchemy.orm import Query
 
 from grader.course.atomic_files import write_atomically
 from grader.course.paths import Course
-from grader.lms.answers import read_fingerprints
-from grader.lms.autograded import verdict_key_of_copy
+from grader.lms.answer_fingerprints import read_fingerprints
+from grader.lms.autograded_copy import verdict_key_of_copy
 
 TOLERANCE = 1e-6  # points are written with two decimal places
 LATE_PENALTY = "late penalty"  # used instead of an exercise's name

@@ -16,7 +16,7 @@ from grader.classroom.submissions import Submission
 from grader.course.atomic_files import write_atomically
 from grader.course.deadlines import Deadlines
 from grader.course.paths import Course
-from grader.lms.entries import StageEntry
+from grader.lms.stage_entries import StageEntry
 from grader.lms.submission_times import known_time, lesson_times
 
 
