@@ -85,7 +85,7 @@ def find_line_hint(
     Returns
     -------
     LineHint or None
-        None if no such line is found in time, if there are more than `MAX_LINES`, or if the
+        None if no such line is found in time, if there are more than `MOST_LINES`, or if the
         system cannot fork a process.
     """
     exercise = checks[0].exercise
