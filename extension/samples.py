@@ -56,14 +56,14 @@ def cluster_labels(cloud: np.ndarray, threshold: float) -> np.ndarray:
     if not len(cloud):
         return np.empty(0, dtype=int)
     # With min_samples=1, every point is a core point, so DBSCAN does single-linkage clustering.
-    # DBSCAN joins pairs exactly at the radius and the exercise does not, so `without_ties` removes
+    # DBSCAN joins pairs exactly at the radius and the exercise does not, so `remove_ties` removes
     # such pairs.
     clusters = DBSCAN(eps=float(threshold), min_samples=1)
     return clusters.fit_predict(cloud[:, :3].astype(float)) + 1
 
 
 @cached_by_content
-def without_ties(cloud: np.ndarray, threshold: float, margin: float = 1e-3) -> np.ndarray:
+def remove_ties(cloud: np.ndarray, threshold: float, margin: float = 1e-3) -> np.ndarray:
     """Return a cloud with no pair of points whose distance is within `margin` of `threshold`.
 
     Whether a pair exactly at the threshold counts depends on ``<`` or ``<=`` and on rounding.

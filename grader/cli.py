@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from grader import commands
-from grader.authoring.skeleton import OWN_STAGE
-from grader.classroom.executors import processors
+from grader.authoring.skeleton import DEFAULT_STAGE
+from grader.classroom.executors import processor_count
 from grader.course.deadlines_file import DeadlinesError
 from grader.course.extension import course_constant
 from grader.course.roster import RosterError
@@ -20,8 +20,8 @@ from grader.lms.results import GradebookUnavailable
 from grader.sandbox import AUTO, SANDBOXES, SandboxUnavailable
 
 PROGRAM = "python -m grader"
-WIDTH = 78  # characters per line of a description
-TERM = (
+LINE_WIDTH = 78  # characters per line of a description
+TERM_EXAMPLES = (
     "release stage1_ransac",
     "collect submissions.zip --stage stage1_ransac",
     "grade stage1_ransac",
@@ -84,7 +84,7 @@ def build_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog=PROGRAM,
         description="Build the course, release it to students and grade a class.",
-        epilog=f"a term in five commands:\n{_format_calls(TERM)}",
+        epilog=f"a term in five commands:\n{_format_calls(TERM_EXAMPLES)}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"{course_title()} {version()}")
@@ -119,7 +119,7 @@ def add_command(
     command = subparsers.add_parser(
         name,
         help=f"{first[0].lower()}{first[1:]}".rstrip("."),
-        description=textwrap.fill(description, WIDTH),
+        description=textwrap.fill(description, LINE_WIDTH),
         epilog=f"examples:\n{_format_calls(f'{name} {example}'.strip() for example in examples)}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -511,7 +511,7 @@ def _add_new(subparsers: argparse._SubParsersAction) -> None:
     )
     new.add_argument(
         "--stage",
-        default=OWN_STAGE,
+        default=DEFAULT_STAGE,
         help="folder of the lesson in solutions/ (default: %(default)s)",
     )
 
@@ -632,7 +632,7 @@ def add_workers_option(
     command.add_argument(
         "--workers",
         type=positive_number,
-        default=processors(),
+        default=processor_count(),
         metavar="N",
         help=f"number of {description} at the same time (default: one per core)",
     )

@@ -55,12 +55,14 @@ def run_try(options: argparse.Namespace) -> int:
     from grader.authoring.trial import try_lesson
     from grader.course.lessons import every_lesson
 
-    wanted = options.number
-    lesson = next((each for each in every_lesson() if wanted in (each.number, each.name)), None)
+    requested_number = options.number
+    lesson = next(
+        (each for each in every_lesson() if requested_number in (each.number, each.name)), None
+    )
     if lesson is None:
         print(
-            f"There is no lesson {wanted}. To write it, run: "
-            f"python -m grader new {wanted[:2]}_NAME",
+            f"There is no lesson {requested_number}. To write it, run: "
+            f"python -m grader new {requested_number[:2]}_NAME",
             file=sys.stderr,
         )
         return USAGE_ERROR
@@ -71,10 +73,10 @@ def run_try(options: argparse.Namespace) -> int:
     console.warn_if_unprotected(sandbox)
     findings = []
     for finding in try_lesson(lesson, sandbox):
-        mark = "ok" if finding.good else "!!"
+        mark = "ok" if finding.is_good else "!!"
         print(f"  {mark}   {textwrap.indent(finding.sentence, ' ' * 7).lstrip()}", flush=True)
         findings.append(finding)
-    unfinished = sum(not finding.good for finding in findings)
+    unfinished = sum(not finding.is_good for finding in findings)
     print(
         f"{lesson.name}: {unfinished} left to fix." if unfinished else f"{lesson.name} is complete."
     )
@@ -95,8 +97,8 @@ def run_build(options: argparse.Namespace) -> int:
     except build.RegistryFault as error:
         print(error, file=sys.stderr)
         return FAULT
-    for what, path in changes:
-        print(what, path.relative_to(PROJECT))
+    for action, path in changes:
+        print(action, path.relative_to(PROJECT))
     if not changes:
         print("All generated files are up to date.")
     return SUCCESS
@@ -122,8 +124,10 @@ def run_release(options: argparse.Namespace) -> int:
     except ReleaseError as error:
         print(error, file=sys.stderr)
         return FAULT
-    wanted = options.stages or stages()
-    left_out = deadlines.unassigned(lesson for lesson in all_lessons() if lesson.stage in wanted)
+    requested_stages = options.stages or stages()
+    left_out = deadlines.unassigned_lessons(
+        lesson for lesson in all_lessons() if lesson.stage in requested_stages
+    )
     if left_out:
         names = ", ".join(lesson.name for lesson in left_out)
         print(f"Released, although they do not count according to deadlines.toml: {names}.")
@@ -131,20 +135,22 @@ def run_release(options: argparse.Namespace) -> int:
 
 
 def _release_solutions(options: argparse.Namespace) -> int:
-    from grader.classroom.executors import processors
+    from grader.classroom.executors import processor_count
     from grader.course.deadlines import Deadlines
     from grader.course.deadlines_file import read_deadlines
     from grader.course.lessons import all_lessons
     from grader.course.solutions import reason_still_open, write_solutions
-    from grader.lms.dates import gradebook_extensions
+    from grader.lms.gradebook_dates import gradebook_extensions
     from grader.site.runs import solved_runs
     from grader.site.solution import as_notebook
 
-    wanted, course = options.stages or stages(), Course()
+    requested_stages, course = options.stages or stages(), Course()
     deadlines = read_deadlines(course) or Deadlines({})
-    extensions = gradebook_extensions(course, wanted, deadlines)
+    extensions = gradebook_extensions(course, requested_stages, deadlines)
     now = datetime.now(UTC)
-    open_stages = [reason_still_open(deadlines, stage, now, extensions[stage]) for stage in wanted]
+    open_stages = [
+        reason_still_open(deadlines, stage, now, extensions[stage]) for stage in requested_stages
+    ]
     if any(open_stages):
         print(*filter(None, open_stages), sep="\n", file=sys.stderr)
         if not options.anyway:
@@ -152,9 +158,9 @@ def _release_solutions(options: argparse.Namespace) -> int:
                 "Nothing was written. To write the solutions anyway, add --anyway.", file=sys.stderr
             )
             return FAULT
-    lessons = [lesson for lesson in all_lessons() if lesson.stage in wanted]
+    lessons = [lesson for lesson in all_lessons() if lesson.stage in requested_stages]
     with console.progress_bar("Running the solutions") as advance:
-        ran = solved_runs(lessons, processors(), advance)
+        ran = solved_runs(lessons, processor_count(), advance)
     solutions = {lesson: as_notebook(notebook) for lesson, notebook in ran.items()}
     for path in write_solutions(options.to or PROJECT / "released", solutions):
         print(f"wrote {path} ({path.stat().st_size / 1000:.0f} KB)")
@@ -166,7 +172,7 @@ def run_site(options: argparse.Namespace) -> int:
     from grader.course.build import read_origin
     from grader.course.lessons import all_lessons, optional_lessons
     from grader.course.standalone import ReleaseError
-    from grader.site.builder import ready, write_site
+    from grader.site.builder import check_ready, write_site
     from grader.site.errors import SiteError
     from grader.site.runs import missing_packages, solved_runs
 
@@ -174,7 +180,7 @@ def run_site(options: argparse.Namespace) -> int:
     missing = {lesson: missing_packages(lesson) for lesson in optional_lessons()}
     can_run = [lesson for lesson, packages in missing.items() if not packages]
     try:
-        ready(folder)
+        check_ready(folder)
         with console.progress_bar("Running the lessons") as advance:
             ran = solved_runs([*all_lessons(), *can_run], options.workers, advance)
         write_site(folder, ran, read_origin(), options.live)
@@ -214,7 +220,7 @@ def run_collect(options: argparse.Namespace) -> int:
                 advance,
             )
     except (CollectError, RosterError, DeadlinesError) as error:
-        print(console.plain(error), file=sys.stderr)
+        print(console.printable_text(error), file=sys.stderr)
         return USAGE_ERROR
     except AlreadyRunning as error:
         print(error, file=sys.stderr)
@@ -275,7 +281,7 @@ def run_judge(options: argparse.Namespace) -> int:
 
 def run_grade(options: argparse.Namespace) -> int:
     """Run the command ``grade [STAGE ...]``."""
-    from grader.classroom.executors import processors
+    from grader.classroom.executors import processor_count
     from grader.classroom.folders import UnknownStudent, find_student
     from grader.course.deadlines_file import read_deadlines
     from grader.course.seed import course_seed
@@ -289,11 +295,11 @@ def run_grade(options: argparse.Namespace) -> int:
     try:
         student = find_student(course, options.student) if options.student else None
     except UnknownStudent as error:
-        print(console.plain(error), file=sys.stderr)
+        print(console.printable_text(error), file=sys.stderr)
         return USAGE_ERROR
     sandbox = (sandbox_of_workers if options.scheduler else choose_sandbox)(options.sandbox)
     console.warn_if_unprotected(sandbox)
-    workers = options.workers or processors()
+    workers = options.workers or processor_count()
     seed = course_seed(course, options.seed)
     return grade_course(
         course,
@@ -330,29 +336,32 @@ def run_report(options: argparse.Namespace) -> int:
     from grader.classroom.folders import UnknownStudent
     from grader.classroom.submissions import unaccounted_files
     from grader.lms.report import write_report
-    from grader.lms.standings import class_results
+    from grader.lms.results_reader import class_results
 
     course = Course()
     judged = _read_verdicts(course)
     if not judged:
         print("Nothing has been graded yet. Run: python -m grader grade", file=sys.stderr)
         return USAGE_ERROR
-    left, results, section = unaccounted_files(course), class_results(course), ""
+    unjudged_files, results, section = unaccounted_files(course), class_results(course), ""
     if options.section is not None:
         try:
-            people, section = _section(course, options.section)
+            people, section = _section_and_name(course, options.section)
         except UnknownStudent as error:
-            print(console.plain(error), file=sys.stderr)
+            print(console.printable_text(error), file=sys.stderr)
             return USAGE_ERROR
-        results, left = results.of_people(people), _files_of(course, people, left)
+        results, unjudged_files = (
+            results.of_people(people),
+            _files_of(course, people, unjudged_files),
+        )
         ids = {person.id for person in people}
         judged = [pair for pair in judged if pair[0].student in ids]
-    path = write_report(course, judged, results, left=left, section=section)
+    path = write_report(course, judged, results, unjudged_files=unjudged_files, section=section)
     print(f"Report: {path}")
     return SUCCESS
 
 
-def _section(course: Course, name: str) -> tuple[Sequence[Person], str]:
+def _section_and_name(course: Course, name: str) -> tuple[Sequence[Person], str]:
     """Return the students of a section, and its name as on the roster."""
     from grader.classroom.folders import find_section
 
@@ -375,18 +384,20 @@ def _read_verdicts(course: Course) -> JudgedSubmissions:
     from grader.classroom.submissions import find_submissions
     from grader.judging.verdict import read_verdict
 
-    found = find_submissions(course)
-    verdicts = [(submission, read_verdict(submission.verdict_path(course))) for submission in found]
+    submissions = find_submissions(course)
+    verdicts = [
+        (submission, read_verdict(submission.verdict_path(course))) for submission in submissions
+    ]
     return [(submission, verdict) for submission, verdict in verdicts if verdict]
 
 
 def run_export(options: argparse.Namespace) -> int:
     """Run the command ``export``."""
     from grader.classroom.folders import UnknownStudent
-    from grader.course.roster import in_file_name
+    from grader.course.roster import file_name_part
     from grader.lms.exporters import EXPORTERS, ExportError, ExportOptions
     from grader.lms.exporters.destination import write_export
-    from grader.lms.standings import class_results
+    from grader.lms.results_reader import class_results
 
     course, exporter = Course(), EXPORTERS[options.format]
     if bool(exporter.fills) != bool(options.into):
@@ -401,27 +412,33 @@ def run_export(options: argparse.Namespace) -> int:
     if not any(result.score is not None for result in results.notebooks):
         print("The gradebook contains no marks. Run: python -m grader grade", file=sys.stderr)
         return USAGE_ERROR
-    wanted = (options.assignment, options.provisional, options.into, options.column, options.scale)
+    export_settings = (
+        options.assignment,
+        options.provisional,
+        options.into,
+        options.column,
+        options.scale,
+    )
     section, others = "", ()
     try:
         if options.section is not None:
-            people, section = _section(course, options.section)
+            people, section = _section_and_name(course, options.section)
             others = tuple(person for person in results.people if person not in people)
             results = results.of_people(people)
-        exported = exporter.write(ExportOptions(course, results, *wanted, others))
-        parts = ("scores", options.assignment, in_file_name(section))
+        exported = exporter.write(ExportOptions(course, results, *export_settings, others))
+        parts = ("scores", options.assignment, file_name_part(section))
         name = ".".join(filter(None, parts)) + exporter.ending
         path, backup = write_export(exported.content, options.to, course.root / name, options.into)
     except (ExportError, UnknownStudent) as error:
-        print(console.plain(error), file=sys.stderr)
+        print(console.printable_text(error), file=sys.stderr)
         return USAGE_ERROR
     console.print_exported(exported, path, backup, exporter.next_step)
-    return FAULT if exported.lost else SUCCESS
+    return FAULT if exported.failures else SUCCESS
 
 
 def run_autograder(options: argparse.Namespace) -> int:
     """Run the command ``autograder NAME``."""
-    from grader.classroom.executors import EXECUTORS, processors
+    from grader.classroom.executors import EXECUTORS, processor_count
     from grader.classroom.rehearsals import RehearsalFailed, Rehearsals
     from grader.course.deadlines import Deadlines
     from grader.course.deadlines_file import read_deadlines
@@ -444,7 +461,7 @@ def run_autograder(options: argparse.Namespace) -> int:
     seed, counter = course_seed(course), itertools.count()
     try:
         with (
-            EXECUTORS["processes"](processors()) as executor,
+            EXECUTORS["processes"](processor_count()) as executor,
             console.progress_bar("Judging the course's own solutions") as advance,
         ):
 
@@ -453,14 +470,14 @@ def run_autograder(options: argparse.Namespace) -> int:
 
             Rehearsals(course, lessons, seed, sandbox, announce).finish(executor)
     except RehearsalFailed as error:
-        print(console.plain(error), file=sys.stderr)
+        print(console.printable_text(error), file=sys.stderr)
         return FAULT
     path = options.to or course.root / f"autograder.{options.assignment}.zip"
     write_secret(build_autograder_zip(options.assignment, seed), path)
     deadlines = read_deadlines(course) or Deadlines({})
-    off = [lesson.name for lesson in deadlines.unassigned(lessons)]
-    off += [name for lesson in lessons for name in deadlines.rules.without_in(lesson)]
-    console.print_autograder(path, lessons, off)
+    uncounted_items = [lesson.name for lesson in deadlines.unassigned_lessons(lessons)]
+    uncounted_items += [name for lesson in lessons for name in deadlines.rules.excluded_in(lesson)]
+    console.print_autograder(path, lessons, uncounted_items)
     return SUCCESS
 
 
@@ -470,7 +487,7 @@ def run_feedback(options: argparse.Namespace) -> int:
     from grader.course.deadlines_file import read_deadlines
     from grader.lms.feedback_archives import PLATFORMS, write_feedback
     from grader.lms.instructor_notes import assignment_notes
-    from grader.lms.standings import class_results
+    from grader.lms.results_reader import class_results
 
     if not stages_exist(options.stages):
         return USAGE_ERROR
@@ -478,9 +495,9 @@ def run_feedback(options: argparse.Namespace) -> int:
     try:
         students = [find_student(course, text) for text in options.student]
         if options.section is not None:
-            people, section = _section(course, options.section)
+            people, section = _section_and_name(course, options.section)
     except UnknownStudent as error:
-        print(console.plain(error), file=sys.stderr)
+        print(console.printable_text(error), file=sys.stderr)
         return USAGE_ERROR
     folder = options.to or course.root / "handed_back"
     with console.progress_bar("Writing feedback") as advance:
@@ -508,9 +525,9 @@ def run_feedback(options: argparse.Namespace) -> int:
         print(PLATFORMS[options.platform].next_step)
     without_feedback = set(students) - {path.stem for item in feedback for path in item.pages}
     if without_feedback:
-        names = console.plain(", ".join(sorted(without_feedback)))
+        names = console.printable_text(", ".join(sorted(without_feedback)))
         print(f"There is no feedback for {names}.", file=sys.stderr)
-    is_incomplete = without_feedback or any(item.left or item.lacks_zip for item in feedback)
+    is_incomplete = without_feedback or any(item.skipped or item.lacks_zip for item in feedback)
     return FAULT if is_incomplete else SUCCESS
 
 
@@ -562,16 +579,20 @@ def run_forget(options: argparse.Namespace) -> int:
             for trace in traces:
                 if options.delete:
                     trace.delete()
-                print(console.plain(f"{'deleted ' if options.delete else ''}{trace.sentence}"))
+                print(
+                    console.printable_text(
+                        f"{'deleted ' if options.delete else ''}{trace.sentence}"
+                    )
+                )
             remaining = list(remaining_lines(course, student))
     except UnknownStudent as error:
-        print(console.plain(error), file=sys.stderr)
+        print(console.printable_text(error), file=sys.stderr)
         return USAGE_ERROR
     except AlreadyRunning as error:
         print(error, file=sys.stderr)
         return FAULT
     for sentence in remaining:
-        print(console.plain(f"{sentence} Otherwise, grade enters the student again."))
+        print(console.printable_text(f"{sentence} Otherwise, grade enters the student again."))
     if traces and not options.delete:
         print("Nothing was deleted. To delete all of this, add --delete.", file=sys.stderr)
         return FAULT
@@ -596,7 +617,7 @@ def run_doctor(options: argparse.Namespace) -> int:
         grading_findings = examine(course, seed, sandbox, executor, console.progress_bar)
         for finding in itertools.chain(grading_findings, check_gradebook(course)):
             console.print_finding(finding)
-            all_good &= finding.good
+            all_good &= finding.is_good
     return SUCCESS if all_good else FAULT
 
 
@@ -615,10 +636,10 @@ def run_demo(options: argparse.Namespace) -> int:
             "sample students without a sandbox. Real grading refuses to do this."
         )
         print(warning, file=sys.stderr)
-    wanted = (STAGE,) if options.stages is None else options.stages or stages()
-    course = make_class(options.students, not sandbox.warning, wanted)
+    requested_stages = (STAGE,) if options.stages is None else options.stages or stages()
+    course = make_class(options.students, not sandbox.warning, requested_stages)
     status = grade_course(course, (), 20_170_405, sandbox, options.workers, warning)
-    for stage in wanted:
+    for stage in requested_stages:
         print(f"Feedback pages of {stage}: {_sample_feedback(course, stage)}")
         print(f"Similar answers in {stage}: {_sample_similarity(course, stage)}")
     return status
@@ -645,7 +666,7 @@ def _sample_similarity(course: Course, stage: str) -> Path:
 
 def grade_course(
     course: Course,
-    wanted: Sequence[str],
+    requested_stages: Sequence[str],
     seed: int,
     sandbox: Sandbox,
     workers: int,
@@ -660,7 +681,15 @@ def grade_course(
     try:
         with course_lock(course):
             return _grade_with_lock(
-                course, wanted, seed, sandbox, workers, warning, scheduler, student, restore
+                course,
+                requested_stages,
+                seed,
+                sandbox,
+                workers,
+                warning,
+                scheduler,
+                student,
+                restore,
             )
     except AlreadyRunning as error:
         print(error, file=sys.stderr)
@@ -669,7 +698,7 @@ def grade_course(
 
 def _grade_with_lock(
     course: Course,
-    wanted: Sequence[str],
+    requested_stages: Sequence[str],
     seed: int,
     sandbox: Sandbox,
     workers: int,
@@ -682,17 +711,17 @@ def _grade_with_lock(
     from grader.classroom.rehearsals import RehearsalFailed
     from grader.classroom.submissions import unaccounted_files
     from grader.lms.report import GradingRun, write_report
-    from grader.lms.standings import class_results
+    from grader.lms.results_reader import class_results
 
-    begin = time.perf_counter()
+    start_time = time.perf_counter()
     try:
         judged, stored_count = _judge_all(
-            course, wanted, seed, sandbox, workers, scheduler, student
+            course, requested_stages, seed, sandbox, workers, scheduler, student
         )
     except (RehearsalFailed, ExecutorLost) as error:
-        print(console.plain(error), file=sys.stderr)
+        print(console.printable_text(error), file=sys.stderr)
         return FAULT
-    seconds = time.perf_counter() - begin
+    seconds = time.perf_counter() - start_time
     if not judged:
         print(
             f"There is no notebook in {course.submitted}/{student or '<student>'}/<stage>/. Run: "
@@ -700,18 +729,18 @@ def _grade_with_lock(
             file=sys.stderr,
         )
         return USAGE_ERROR
-    status = _enter_marks(course, judged, wanted or stages(), student, restore)
-    left = unaccounted_files(course)
+    status = _enter_marks(course, judged, requested_stages or stages(), student, restore)
+    unjudged_files = unaccounted_files(course)
     # If a student or a stage is named, `judged` contains only part of the class.
-    reported = _read_verdicts(course) if student or wanted else judged
+    reported = _read_verdicts(course) if student or requested_stages else judged
     results, now = class_results(course), len(judged) - stored_count
     label = "" if scheduler else sandbox.label()
     run = GradingRun(now, len(reported) - now, seconds, label)
-    path = write_report(course, reported, results, run, warning or sandbox.warning, left)
+    path = write_report(course, reported, results, run, warning or sandbox.warning, unjudged_files)
     if student:
         _print_student(course, student, judged, results)
     else:
-        _print_class(course, judged, results, left)
+        _print_class(course, judged, results, unjudged_files)
     _print_summary(course, len(judged), stored_count, seconds, label)
     print(f"Report: {path}")
     return status
@@ -719,7 +748,7 @@ def _grade_with_lock(
 
 def _judge_all(
     course: Course,
-    wanted: Sequence[str],
+    requested_stages: Sequence[str],
     seed: int,
     sandbox: Sandbox,
     workers: int,
@@ -740,7 +769,14 @@ def _judge_all(
             advance(done, total, item)
 
         judged = judge_class(
-            course, wanted, seed, sandbox, open_executor, workers, record_progress, student
+            course,
+            requested_stages,
+            seed,
+            sandbox,
+            open_executor,
+            workers,
+            record_progress,
+            student,
         )
     return judged, counts[0]
 
@@ -748,7 +784,7 @@ def _judge_all(
 def _enter_marks(
     course: Course,
     judged: JudgedSubmissions,
-    wanted: Sequence[str],
+    requested_stages: Sequence[str],
     student: str | None,
     restore: bool,
 ) -> int:
@@ -758,9 +794,11 @@ def _enter_marks(
 
     with console.progress_bar("Entering marks into the gradebook") as advance:
         try:
-            enter_verdicts(course, judged, wanted, advance, student, restore, console.tell)
+            enter_verdicts(
+                course, judged, requested_stages, advance, student, restore, console.print_notice
+            )
         except GradebookError as error:
-            print(console.plain(error), file=sys.stderr)
+            print(console.printable_text(error), file=sys.stderr)
             return FAULT
     return SUCCESS
 
@@ -769,7 +807,7 @@ def _print_class(
     course: Course,
     judged: JudgedSubmissions,
     results: ClassResults,
-    left: Sequence[tuple[Path, str]],
+    unjudged_files: Sequence[tuple[Path, str]],
 ) -> None:
     """Print the results of the class, and everything that needs attention."""
     from grader.classroom.folders import respelt_folders
@@ -781,7 +819,7 @@ def _print_class(
     console.print_class(judged, results)
     for sentence in counted_lessons(results).values():
         print(sentence)
-    console.print_unaccounted(left)
+    console.print_unaccounted(unjudged_files)
     respelt = respelt_folders(course, roster) if roster else ()
     console.print_notes([*respelt, *notes(course, results, read_deadlines(course))])
 
@@ -790,14 +828,14 @@ def _print_student(
     course: Course, student: str, judged: JudgedSubmissions, results: ClassResults
 ) -> None:
     """Print the verdicts on a student's work, the results of the term, and their history."""
-    from grader.lms.history import read_changes
-    from grader.lms.term import term_in_words, term_result
+    from grader.lms.mark_history import read_changes
+    from grader.lms.term import describe_term, term_result
 
     for _, verdict in judged:
-        console.print_verdict(verdict, results.rules.without)
+        console.print_verdict(verdict, results.rules.excluded_exercises)
     if notebooks := results.of_student(student):
         total = term_result(notebooks, results.rules)
-        console.print_term(notebooks, term_in_words(total, results.rules))
+        console.print_term(notebooks, describe_term(total, results.rules))
     lessons = {submission.lesson.name for submission, _ in judged}
     console.print_history(
         [
@@ -833,7 +871,7 @@ def executor_factory(
         @functools.cache
         def open_cluster() -> Executor:
             return stack.enter_context(
-                EXECUTORS["scheduler"](scheduler, sandbox.name, console.tell)
+                EXECUTORS["scheduler"](scheduler, sandbox.name, console.print_notice)
             )
 
         if scheduler:

@@ -21,7 +21,7 @@ from rich.text import Text
 from grader.judging.verdict import FAILED
 
 if TYPE_CHECKING:
-    from grader.classroom.collect.outcome import CollectionReport, Question
+    from grader.classroom.collect.collection_report import CollectionReport, Question
     from grader.classroom.doctor import Finding
     from grader.classroom.similarity.stage import StageComparison
     from grader.classroom.submissions import Submission
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from grader.judging.verdict import Verdict
     from grader.lms.exporters import ExportResult
     from grader.lms.feedback_archives import WrittenFeedback
-    from grader.lms.history import MarkChange
+    from grader.lms.mark_history import MarkChange
     from grader.lms.results import ClassResults, NotebookResult
     from grader.sandbox import Sandbox
 
@@ -43,8 +43,8 @@ LEGEND = {
 }
 
 
-LEAST_FINISHED = 3  # items; several run at the same time, so the first alone would mislead
-LONG = 60.0  # seconds
+MIN_FINISHED = 3  # items; several run at the same time, so the first alone would mislead
+MIN_SECONDS_SHOWN = 60.0  # seconds
 
 
 @contextlib.contextmanager
@@ -72,12 +72,12 @@ def progress_bar(title: str) -> Iterator[Callable[[int, int, object], None]]:
         is_first = estimate.seconds is None
         estimate.update(done, total)
         progress.update(
-            task, completed=done, total=total, description=text, left=estimate.in_words()
+            task, completed=done, total=total, description=text, left=estimate.describe()
         )
         if total or text != title:
             progress.start()
-        if is_first and (estimate.seconds or 0) >= LONG:
-            tell(f"{title}: {estimate.in_words()}, estimated after {done} of {total}.")
+        if is_first and (estimate.seconds or 0) >= MIN_SECONDS_SHOWN:
+            print_notice(f"{title}: {estimate.describe()}, estimated after {done} of {total}.")
 
     try:
         yield advance
@@ -111,25 +111,25 @@ class RemainingTime:
             return
         now = self._clock()
         begin, first = self._begin = self._begin or (now, done)
-        if done - first >= LEAST_FINISHED:
+        if done - first >= MIN_FINISHED:
             self.seconds = (now - begin) / (done - first) * (total - done)
 
-    def in_words(self) -> str:
+    def describe(self) -> str:
         """Return a phrase such as "about 13 minutes left", or nothing for a short time."""
-        if self.seconds is None or self.seconds < LONG:
+        if self.seconds is None or self.seconds < MIN_SECONDS_SHOWN:
             return ""
         minutes = round(self.seconds / 60)
         return f"about {minutes} minute{'s' * (minutes != 1)} left"
 
 
-def plain(text: object) -> str:
+def printable_text(text: object) -> str:
     """Return a text with unprintable characters replaced, such as those in a strange file name."""
     return "".join(c if c.isprintable() or c == "\n" else "\ufffd" for c in str(text))
 
 
-def tell(sentence: str) -> None:
+def print_notice(sentence: str) -> None:
     """Print a sentence on stderr, above the progress bar if there is one."""
-    print(plain(sentence), file=sys.stderr)
+    print(printable_text(sentence), file=sys.stderr)
 
 
 def warn_if_unprotected(sandbox: Sandbox) -> None:
@@ -138,16 +138,16 @@ def warn_if_unprotected(sandbox: Sandbox) -> None:
         Console(stderr=True).print(sandbox.warning, style="bold red", highlight=False)
 
 
-def print_verdict(verdict: Verdict, without: Collection[str] = ()) -> None:
-    """Print one verdict in readable form; exercises in `without` do not count."""
+def print_verdict(verdict: Verdict, excluded: Collection[str] = ()) -> None:
+    """Print one verdict in readable form; exercises in `excluded` do not count."""
     console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
     for sentence in verdict.problems:
-        console.print(f"! {plain(sentence)}", markup=False)
+        console.print(f"! {printable_text(sentence)}", markup=False)
     if verdict.status == FAILED:
         console.print(f"\n{verdict.lesson}: not judged", style="bold", markup=False)
         return
     for exercise in verdict.exercises:
-        remark = " (switched off: does not count)" if exercise.name in without else ""
+        remark = " (switched off: does not count)" if exercise.name in excluded else ""
         console.print(
             f"\n{exercise.name}: {exercise.score:g} of {exercise.max_score:g} points{remark}",
             style="bold",
@@ -160,7 +160,7 @@ def print_verdict(verdict: Verdict, without: Collection[str] = ()) -> None:
         if exercise.slip:
             points_kept = f"+{exercise.slip.score:g}" if exercise.slip.score else ""
             _print_with_mark(console, points_kept, exercise.slip.sentence)
-    points, maximum = verdict.points_without(without)
+    points, maximum = verdict.points_without(excluded)
     console.print(
         f"\n{verdict.lesson}: {points:g} of {maximum:g} points ({verdict.seconds:.1f} s)",
         style="bold",
@@ -172,15 +172,15 @@ def _print_with_mark(console: Console, mark: str, text: str, style: str = "") ->
     """Print a mark and a text side by side, with all lines of the text equally indented."""
     grid = Table.grid(padding=(0, 2, 0, 0))
     grid.add_column(no_wrap=True, width=8)
-    grid.add_row(Text(f"  {mark}"), Text(plain(text), style))
+    grid.add_row(Text(f"  {mark}"), Text(printable_text(text), style))
     console.print(grid)
 
 
 def print_finding(finding: Finding) -> None:
     """Print one finding of the command ``doctor``."""
-    mark = "ok   " if finding.good else "FIX  "
-    style = "" if finding.good else "bold red"
-    text = f"{mark} {finding.subject}: {plain(finding.text)}"
+    mark = "ok   " if finding.is_good else "FIX  "
+    style = "" if finding.is_good else "bold red"
+    text = f"{mark} {finding.subject}: {printable_text(finding.text)}"
     Console(highlight=False, soft_wrap=True).print(text, markup=False, style=style)
 
 
@@ -194,7 +194,7 @@ def print_class(
         marked = [result for result in results.notebooks if result.stage in stages]
         lessons = sorted({result.lesson for result in marked})
     students = {person.id: {} for person in results.people} if results else {}
-    entered = set(students)
+    enrolled = set(students)
     for submission, verdict in judged:
         students.setdefault(submission.student, {})[verdict.lesson] = verdict
     late = _late_texts(results, stages)
@@ -209,14 +209,16 @@ def print_class(
     table.add_column("Student", "out of", overflow="fold", min_width=14, max_width=30)
     for lesson in lessons:
         scores = [verdict.max_score for _, verdict in judged if verdict.lesson == lesson]
-        most = results.lessons[lesson] if results and lesson in results.lessons else max(scores)
-        table.add_column(lesson[:2], f"{most:g}", justify="right", no_wrap=True, width=5)
+        max_score = (
+            results.lessons[lesson] if results and lesson in results.lessons else max(scores)
+        )
+        table.add_column(lesson[:2], f"{max_score:g}", justify="right", no_wrap=True, width=5)
     if late:
         table.add_column("Late", no_wrap=True)
     table.add_column("First problem", no_wrap=True, ratio=1)
     cells = []
     for student, verdicts in students.items():
-        if student in entered:
+        if student in enrolled:
             scores = [_mark_text(results.notebook(student, lesson)) for lesson in lessons]
             first_fault = _first_fault(verdicts.values())
         else:
@@ -224,8 +226,8 @@ def print_class(
             first_fault = "not on the roster, so no mark was entered" if results else ""
             first_fault = first_fault or _first_fault(verdicts.values())
         cells += scores
-        when = (late.get(student, ""),) if late else ()
-        table.add_row(escape(plain(student)), *scores, *when, first_fault)
+        lateness = (late.get(student, ""),) if late else ()
+        table.add_row(escape(printable_text(student)), *scores, *lateness, first_fault)
     console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
     console.print(table)
     legend = [text for sign, text in LEGEND.items() if any(sign in cell for cell in cells)]
@@ -247,7 +249,7 @@ def print_term(notebooks: Sequence[NotebookResult], total: str) -> None:
             f"{result.max_score:g}",
             f"-{result.penalty:.3g}" if result.penalty else "",
             f"{result.late / timedelta(days=1):.1f}" if result.late else "",
-            result.standing,
+            result.status,
         )
     Console(highlight=False, width=None if sys.stdout.isatty() else 120).print(table)
     print(f"Total: {total}")
@@ -268,7 +270,7 @@ def print_history(changes: Sequence[MarkChange]) -> None:
             change.by.partition(" ") if change.by.startswith("verdict") else (change.by, "", "")
         )
         cells = (change.lesson, change.exercise, *marks, f"{by} {key[:8]}".strip())
-        table.add_row(f"{when:%Y-%m-%d %H:%M}", *(escape(plain(cell)) for cell in cells))
+        table.add_row(f"{when:%Y-%m-%d %H:%M}", *(escape(printable_text(cell)) for cell in cells))
     Console(highlight=False, width=None if sys.stdout.isatty() else 120).print(table)
 
 
@@ -277,7 +279,9 @@ def print_similarity(compared: StageComparison, limit: int = 10) -> None:
     console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
     for same in compared.same_files:
         sameness = "identical files" if same.same_bytes else "identical cells"
-        console.print(plain(f"{same.lesson}, {sameness}: {', '.join(same.students)}"), markup=False)
+        console.print(
+            printable_text(f"{same.lesson}, {sameness}: {', '.join(same.students)}"), markup=False
+        )
     pairs = compared.pairs
     if not pairs:
         console.print("No two answers are similar enough to be listed.")
@@ -288,9 +292,9 @@ def print_similarity(compared: StageComparison, limit: int = 10) -> None:
     table.add_column("Highest share with a third answer", justify="right")
     for pair in pairs[:limit]:
         table.add_row(
-            escape(plain(" and ".join(pair.students))),
+            escape(printable_text(" and ".join(pair.students))),
             "\n".join(f"{one.exercise} {one.share:.0%}" for one in pair.pairs),
-            "\n".join(f"{one.nearest[0]:.0%}" for one in pair.pairs),
+            "\n".join(f"{one.nearest_shares[0]:.0%}" for one in pair.pairs),
         )
     console.print(table)
     if len(pairs) > limit:
@@ -304,7 +308,9 @@ def print_unaccounted(files: Sequence[tuple[Path, str]], limit: int = 20) -> Non
     if not files:
         return
     lines = [f"{len(files)} files were not judged:" if len(files) > 1 else "1 file was not judged:"]
-    lines += [f"  {plain(path)}: {plain(reason)}" for path, reason in files[:limit]]
+    lines += [
+        f"  {printable_text(path)}: {printable_text(reason)}" for path, reason in files[:limit]
+    ]
     if len(files) > limit:
         lines.append(f"  and {len(files) - limit} more; the report lists all of them")
     Console(highlight=False, soft_wrap=True).print("\n".join(lines), markup=False)
@@ -313,20 +319,22 @@ def print_unaccounted(files: Sequence[tuple[Path, str]], limit: int = 20) -> Non
 def print_notes(sentences: Sequence[str]) -> None:
     """Print notes that need the instructor's attention."""
     for sentence in sentences:
-        Console(highlight=False, soft_wrap=True).print(f"! {plain(sentence)}", markup=False)
+        Console(highlight=False, soft_wrap=True).print(
+            f"! {printable_text(sentence)}", markup=False
+        )
 
 
 def print_exported(exported: ExportResult, path: Path, backup: Path | None, next_step: str) -> None:
     """Print a summary of an exported file: its marks, missing marks, and the next step."""
-    students = f"{exported.placed} student{'s' * (exported.placed != 1)}"
-    lines = [f"{plain(path)} contains the marks of {students}."]
+    students = f"{exported.mark_count} student{'s' * (exported.mark_count != 1)}"
+    lines = [f"{printable_text(path)} contains the marks of {students}."]
     if backup:
-        lines.append(f"The previous file was renamed to {plain(backup.name)}.")
-    lines += [plain(note) for note in exported.notes]
+        lines.append(f"The previous file was renamed to {printable_text(backup.name)}.")
+    lines += [printable_text(note) for note in exported.notes]
     Console(highlight=False, soft_wrap=True).print("\n".join(lines), markup=False)
-    if exported.lost:
-        title = f"Marks that could not be exported: {len(exported.lost)}"
-        text = "\n  ".join([title, *map(plain, exported.lost)])
+    if exported.failures:
+        title = f"Marks that could not be exported: {len(exported.failures)}"
+        text = "\n  ".join([title, *map(printable_text, exported.failures)])
         Console(highlight=False, soft_wrap=True, stderr=True).print(
             text, markup=False, style="bold red"
         )
@@ -334,13 +342,15 @@ def print_exported(exported: ExportResult, path: Path, backup: Path | None, next
         print(next_step)
 
 
-def print_autograder(path: Path, lessons: Sequence[Lesson], off: Sequence[str] = ()) -> None:
+def print_autograder(
+    path: Path, lessons: Sequence[Lesson], uncounted_items: Sequence[str] = ()
+) -> None:
     """Print which lessons an autograder judges, and how to upload it."""
     exercises = [exercise for lesson in lessons for exercise in lesson.exercises]
     machine = sum(exercise.points for exercise in exercises if not exercise.by_hand)
     by_hand = [exercise for exercise in exercises if exercise.by_hand]
     lines = [
-        f"{plain(path)} judges {', '.join(lesson.name for lesson in lessons)}.",
+        f"{printable_text(path)} judges {', '.join(lesson.name for lesson in lessons)}.",
         f"In Gradescope, create a programming assignment with Autograder Points: {machine:g}. "
         "Upload the zip under Configure Autograder. Then submit the course's solutions under Test "
         "Autograder.",
@@ -351,11 +361,13 @@ def print_autograder(path: Path, lessons: Sequence[Lesson], off: Sequence[str] =
     if by_hand:
         names = ", ".join(f"{exercise.name} ({exercise.points:g} points)" for exercise in by_hand)
         lines.insert(2, f"Grade by hand in Gradescope: {names}.")
-    if off:
+    if uncounted_items:
         lines.append(
-            f"According to deadlines.toml, {', '.join(off)} "
-            f"{'does' if len(off) == 1 else 'do'} not count, but this autograder gives points for "
-            f"{'it' if len(off) == 1 else 'them'}. To leave {'it' if len(off) == 1 else 'them'} "
+            f"According to deadlines.toml, {', '.join(uncounted_items)} "
+            f"{'does' if len(uncounted_items) == 1 else 'do'} not count, but this autograder "
+            "gives points for "
+            f"{'it' if len(uncounted_items) == 1 else 'them'}. To leave "
+            f"{'it' if len(uncounted_items) == 1 else 'them'} "
             "out, judge here, and run: python -m grader export --format gradescope"
         )
     Console(highlight=False, soft_wrap=True).print("\n".join(lines), markup=False)
@@ -366,8 +378,8 @@ def print_feedback(feedback: Sequence[WrittenFeedback]) -> None:
     for item in feedback:
         if item.pages:
             count = f"{len(item.pages)} page{'s' * (len(item.pages) > 1)}"
-            zipped = f", and {plain(item.archive)} for upload" if item.archive else ""
-            text = f"{plain(item.pages[0].parent)}: {count}{zipped}"
+            zipped = f", and {printable_text(item.archive)} for upload" if item.archive else ""
+            text = f"{printable_text(item.pages[0].parent)}: {count}{zipped}"
             Console(highlight=False, soft_wrap=True).print(text, markup=False)
     lists = (
         ("Not final, because a part still has to be graded by hand:", "waiting"),
@@ -376,11 +388,11 @@ def print_feedback(feedback: Sequence[WrittenFeedback]) -> None:
     for title, name in lists:
         sentences = [sentence for item in feedback for sentence in getattr(item, name)]
         if sentences:
-            text = "\n  ".join([title, *map(plain, sentences)])
+            text = "\n  ".join([title, *map(printable_text, sentences)])
             Console(highlight=False, soft_wrap=True).print(text, markup=False)
-    left = [sentence for item in feedback for sentence in item.left]
-    if left:
-        text = "\n  ".join(["No feedback was written for:", *map(plain, left)])
+    skipped = [sentence for item in feedback for sentence in item.skipped]
+    if skipped:
+        text = "\n  ".join(["No feedback was written for:", *map(printable_text, skipped)])
         Console(highlight=False, soft_wrap=True, stderr=True).print(
             text, markup=False, style="bold red"
         )
@@ -390,11 +402,13 @@ def print_collected(report: CollectionReport) -> None:
     """Print the result of collecting, and the files that need a decision."""
     console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
     for path, kind, count in report.archives:
-        console.print(f"{plain(path)}: {kind}, {count} file{'s' * (count != 1)}", markup=False)
+        console.print(
+            f"{printable_text(path)}: {kind}, {count} file{'s' * (count != 1)}", markup=False
+        )
     if report.states:
         console.print(_collected_table(report))
     for sentence in _collection_sentences(report):
-        console.print(plain(sentence), markup=False, soft_wrap=True)
+        console.print(printable_text(sentence), markup=False, soft_wrap=True)
     _print_questions(console, "For your information", report.remarks)
     _print_questions(console, "Collected, but one answer is needed", report.doubts)
     _print_questions(console, "Not collected until you decide", report.questions)
@@ -409,14 +423,14 @@ def _collected_table(report: CollectionReport) -> Table:
     table.add_column("Student", no_wrap=True)
     for lesson in report.lessons:
         table.add_column(lesson.number, no_wrap=True)
-    table.add_column("Submitted" if report.late or report.undecided else "")
+    table.add_column("Submitted" if report.late_students or report.undecided else "")
     for student, states in report.states.items():
-        is_late = student in report.late
+        is_late = student in report.late_students
         when = "unknown" if student in report.undecided else "late" if is_late else ""
         table.add_row(
-            escape(plain(student)),
+            escape(printable_text(student)),
             *(states.get(lesson, "-") for lesson in report.lessons),
-            escape(plain(when)),
+            escape(printable_text(when)),
         )
     return table
 
@@ -440,8 +454,8 @@ def _collection_sentences(report: CollectionReport) -> Iterator[str]:
         absent = [person for person in report.roster.people if person.id not in report.states]
         auditors = [person.id for person in absent if person.is_auditor]
         students = [person.id for person in absent if not person.is_auditor]
-        excused = [student for student in students if student in report.excused]
-        missing = [student for student in students if student not in report.excused]
+        excused = [student for student in students if student in report.excused_students]
+        missing = [student for student in students if student not in report.excused_students]
         if missing:
             yield (
                 f"Students on the roster without a submission: {len(missing)} "
@@ -454,9 +468,10 @@ def _collection_sentences(report: CollectionReport) -> Iterator[str]:
     if report.ignored:
         some = ", ".join(list(report.ignored)[:5]) + (", …" if len(report.ignored) > 5 else "")
         yield f"Files that no lesson needs were not collected: {some}."
-    if report.timed is not None:
+    if report.students_with_time is not None:
         yield (
-            f"The table has submission times for {len(report.timed)} of {len(report.states)} "
+            f"The table has submission times for {len(report.students_with_time)} of "
+            f"{len(report.states)} "
             "students."
         )
     students_by_reason: dict[str, list[str]] = {}
@@ -472,9 +487,10 @@ def _collection_sentences(report: CollectionReport) -> Iterator[str]:
             "Write each missing time, such as 2026-11-22 18:30:00 UTC, into timestamp.txt in the "
             "student's folder."
         )
-    if report.late:
+    if report.late_students:
         yield (
-            f"Late, but without a submission time: {', '.join(report.late)}. No penalty is "
+            f"Late, but without a submission time: {', '.join(report.late_students)}. No penalty "
+            "is "
             "subtracted until the time is known. Add times with --timestamps FILE, or write each "
             "time, such as 2026-11-22 18:30:00 UTC, into timestamp.txt in the student's folder."
         )
@@ -486,7 +502,9 @@ def _print_questions(console: Console, title: str, questions: Sequence[Question]
     console.print(f"\n{title}:", style="bold", markup=False)
     for question in questions:
         console.print(
-            f"  {plain(question.name)}\n      {plain(question.text)}.", markup=False, soft_wrap=True
+            f"  {printable_text(question.name)}\n      {printable_text(question.text)}.",
+            markup=False,
+            soft_wrap=True,
         )
 
 
@@ -496,25 +514,25 @@ def _late_texts(results: ClassResults | None, stages: Collection[str]) -> dict[s
     If there are several stages, the texts name the stage: ``stage3 1.4 d -18``.
     """
     late = {}
-    for one in results.stages if results else ():
-        if one.stage in stages and (one.late or one.undecided):
-            hours = one.late.total_seconds() / 3600
+    for result in results.stages if results else ():
+        if result.stage in stages and (result.late or result.undecided):
+            hours = result.late.total_seconds() / 3600
             time = f"{hours / 24:.1f} d" if hours >= 24 else f"{hours:.1f} h"
-            cost = f" -{one.penalty:.3g}" if one.penalty else ""
-            which = f"{one.stage.partition('_')[0]} " if len(stages) > 1 else ""
-            what = f"{time}{cost}" if one.late else "time unknown"
-            late.setdefault(one.student, []).append(which + what)
+            penalty = f" -{result.penalty:.3g}" if result.penalty else ""
+            prefix = f"{result.stage.partition('_')[0]} " if len(stages) > 1 else ""
+            text = f"{time}{penalty}" if result.late else "time unknown"
+            late.setdefault(result.student, []).append(prefix + text)
     return {student: ", ".join(texts) for student, texts in late.items()}
 
 
 def _mark_text(result: NotebookResult) -> str:
     """Return a student's mark for a lesson, or a sign that `LEGEND` explains."""
     signs = {"missing": "-", "excused": "ex", "auditor": "aud"}
-    if result.standing in signs:
-        return signs[result.standing]
+    if result.status in signs:
+        return signs[result.status]
     if result.score is None:
         return "?"
-    return f"{result.score:.3g}{'*' * (result.standing == 'waiting')}"
+    return f"{result.score:.3g}{'*' * (result.status == 'waiting')}"
 
 
 def _score_text(verdict: Verdict | None, results: ClassResults | None) -> str:
@@ -537,4 +555,4 @@ def _first_fault(verdicts: Iterable[Verdict]) -> str:
         if not any(exercise.tests for exercise in verdict.exercises)
         for sentence in verdict.problems
     ]
-    return escape(plain(next(iter(problems + faults), "")))
+    return escape(printable_text(next(iter(problems + faults), "")))

@@ -68,7 +68,7 @@ TESTS = {
     "grader/intake/notebook.py": ("test_submission.py",),
     "grader/intake/pictures.py": ("test_pictures.py",),
     "grader/intake/preflight.py": ("test_preflight.py", "test_rules.py"),
-    "grader/lms/copies.py": ("test_gradebook.py", "test_enrolment.py"),
+    "grader/lms/autograded_folder.py": ("test_gradebook.py", "test_enrolment.py"),
     "grader/lms/differences.py": ("test_gradebook.py", "test_dates.py"),
     "grader/lms/gradebook_writer.py": (
         "test_gradebook.py",
@@ -76,7 +76,7 @@ TESTS = {
         "test_enrolment.py",
         "test_rules.py",
     ),
-    "grader/lms/entries.py": ("test_gradebook.py", "test_enrolment.py"),
+    "grader/lms/stage_entries.py": ("test_gradebook.py", "test_enrolment.py"),
     "grader/lms/gradebook.py": ("test_gradebook.py",),
     "grader/lms/penalties.py": ("test_gradebook.py", "test_dates.py", "test_term_rules.py"),
     "grader/lms/term.py": ("test_term.py",),

@@ -31,7 +31,7 @@ from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import Lesson, lesson_of, load_reference
 from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import program_for
-from grader.judging.program_run import Setting, run_program
+from grader.judging.program_run import JudgingContext, run_program
 from grader.judging.repair import find_slips
 from grader.judging.results import result_of
 from grader.judging.runner import hidden_calls, run_checks, visible_calls
@@ -491,7 +491,7 @@ def share_lost(mutant, sandbox):
     answer, edit = mutant.answer, mutant.edit
     program = program_for(answer.lesson, answer.cells, {})
     program = program.edited(edit.cell, edit.first, edit.last, edit.text)
-    setting = Setting(answer.lesson, SEED, sandbox)
+    setting = JudgingContext(answer.lesson, SEED, sandbox)
     exercise = next(
         graded for graded in answer.lesson.machine_graded if graded.name == answer.exercise
     )

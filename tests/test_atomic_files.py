@@ -72,7 +72,7 @@ def test_released_files_are_complete_or_unchanged(tmp_path, monkeypatch, full_di
     monkeypatch.setattr(release, "student_files", lambda stage: {"a": content})
     monkeypatch.setattr(standalone, "make_standalone", lambda notebook: content)
     monkeypatch.setattr(standalone, "check_no_leaks", lambda *about: None)
-    monkeypatch.setattr(solutions, "as_page", lambda notebook, lesson: notebook)
+    monkeypatch.setattr(solutions, "render_page", lambda notebook, lesson: notebook)
     write(tmp_path / "there")
     before = {path: path.read_bytes() for path in (tmp_path / "there").iterdir()}
     full_disk()

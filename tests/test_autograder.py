@@ -159,7 +159,7 @@ def test_each_file_that_is_not_judged_is_named(root, judged_calls):
     for name in ("Untitled.ipynb", "07_filter_by_distance.py", "02_ransac_line.ipynb", "notes.txt"):
         (folder / name).write_text("{}")
     os.mkfifo(folder / "pipe.ipynb")
-    assert judge_root(root).left == (
+    assert judge_root(root).unjudged_notes == (
         "02_ransac_line.ipynb is lesson 02_ransac_line, which is not part of this assignment.",
         "07_filter_by_distance.py is not a notebook. Submit 07_filter_by_distance.ipynb, as "
         "Jupyter saves it.",

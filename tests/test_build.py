@@ -63,7 +63,7 @@ def test_a_student_notebook_equals_the_solved_notebook_up_to_the_first_stub(buil
     )
     for ours, theirs in zip(solved[:first], released[:first], strict=True):
         if earlier_lessons.TAG in ours["metadata"].get("tags", ()):
-            ours["source"] = earlier_lessons.without_solution(source_of(ours))
+            ours["source"] = earlier_lessons.remove_solution(source_of(ours))
         assert (ours["cell_type"], source_of(ours)) == (theirs["cell_type"], source_of(theirs))
     namespace = {"np": np}
     exec(source_of(released[first]), namespace)  # defines the stub, which raises only when called
@@ -129,10 +129,10 @@ def test_a_planted_leak_is_found(built_files):
     notebook["cells"].append(
         {"cell_type": "markdown", "metadata": {}, "id": "x", "source": f"Try this:\n    {line}\n"}
     )
-    found = build.leaks(built_files[lesson.solved], json.dumps(notebook).encode())
+    found = build.find_leaks(built_files[lesson.solved], json.dumps(notebook).encode())
     assert found == [line]
     notebook["cells"][-1]["source"] = "### BEGIN SOLUTION"
-    assert build.leaks(built_files[lesson.solved], json.dumps(notebook).encode())
+    assert build.find_leaks(built_files[lesson.solved], json.dumps(notebook).encode())
 
 
 PASTED_FUNCTIONS = """\
@@ -156,7 +156,7 @@ def test_functions_of_earlier_lessons_are_inserted_with_their_dependencies():
     assert box.tolist() == right.tolist()
     assert text.count("import numpy as np") == 1 and text.count("### ") == 2
     assert "remove_ego_returns" not in text and "plots" not in text
-    assert earlier_lessons.without_solution(text) == "# Paste here.\n"
+    assert earlier_lessons.remove_solution(text) == "# Paste here.\n"
 
 
 @pytest.mark.parametrize(
@@ -194,7 +194,8 @@ def test_students_do_not_get_functions_of_earlier_lessons(built_files):
         assert line in built_files[lesson.solved].decode()
         notebook["cells"][-1]["source"] = f"x = 1\n{line}\n"
         assert (
-            build.leaks(built_files[lesson.solved], json.dumps(notebook).encode(), others) == found
+            build.find_leaks(built_files[lesson.solved], json.dumps(notebook).encode(), others)
+            == found
         )
 
 
@@ -205,7 +206,7 @@ def test_stale_files_are_named(monkeypatch):
     monkeypatch.setattr(
         build, "build_all", lambda: {**real, lesson.released: b"{}" + real[lesson.released]}
     )
-    monkeypatch.setattr(build, "leaks", lambda solved, released, others: [])
+    monkeypatch.setattr(build, "find_leaks", lambda solved, released, others: [])
     assert [fault for fault in build.check() if f"{lesson.name}.ipynb is out of date" in fault]
 
 
@@ -333,7 +334,7 @@ def test_optional_sections_are_listed_but_not_counted():
 
 def test_places_to_stop_are_at_most_ninety_minutes_apart(lesson):
     notebook = nbformat.read(lesson.solved, as_version=4)
-    assert max(durations.sitting_minutes(notebook)) <= durations.MOST_MINUTES_WITHOUT_STOP
+    assert max(durations.sitting_minutes(notebook)) <= durations.MAX_MINUTES_WITHOUT_STOP
 
 
 def test_the_tests_in_this_file_run_in_one_process(request):

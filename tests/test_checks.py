@@ -681,7 +681,7 @@ def test_messages_of_hidden_tests_contain_no_words_of_the_student(lesson, name):
         if not outcome.check.is_shown:
             assert isinstance(outcome.failure, CheckFailed), outcome
             assert SECRET not in outcome.failure.message
-            assert SECRET not in message_of(shareable_outcome(outcome, open_to_all=True)).text
+            assert SECRET not in message_of(shareable_outcome(outcome, is_public=True)).text
 
 
 # ---- exercises that share a class ----------------------------------------------------------------

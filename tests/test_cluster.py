@@ -423,7 +423,7 @@ def test_the_error_about_missing_dask_names_the_command_that_installs_it(
 
 
 def test_missing_workers_are_reported(sandbox, monkeypatch, tmp_path):
-    monkeypatch.setattr(cluster, "LONGEST_WAIT", 1)
+    monkeypatch.setattr(cluster, "MAX_WAIT_SECONDS", 1)
     monkeypatch.chdir(tmp_path)
     with (
         distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=None) as there,

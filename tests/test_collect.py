@@ -16,11 +16,11 @@ from functools import partial
 import pytest
 
 from grader import cli, commands
-from grader.classroom import contents
+from grader.classroom import lesson_recognition
 from grader.classroom.collect import CollectError, inspection, zips
 from grader.classroom.collect import collection as module
 from grader.classroom.collect.owners import safe_folder
-from grader.classroom.collect.record import read_record, reason_without_time
+from grader.classroom.collect.record import read_record, unknown_time_reason
 from grader.classroom.submissions import find_submissions, unaccounted_files
 from grader.course.paths import PROJECT, Course
 from grader.lms.submission_times import SubmissionTimeUnknown, submission_time
@@ -144,7 +144,7 @@ def test_late_work_from_canvas_has_no_time(course):
     ]
     assert files[0][0] == f"lovelaceada_LATE_4001_1_{SIX}.ipynb"
     outcome = collect(course, archive(course, files))
-    assert outcome.late == ["ada"]
+    assert outcome.late_students == ["ada"]
     assert set(placed_files(course, "ada")) == {f"{SIX}.ipynb"}
     folders = [course.submitted / student / STAGE for student in ("ada", "bjorn")]
     with pytest.raises(SubmissionTimeUnknown, match="marks the work as late"):
@@ -159,7 +159,7 @@ def test_a_late_mark_is_removed_with_the_next_archive(course):
     for late, modified in ((True, MONDAY), (False, TUESDAY)):
         files = canvas_files("Lovelace, Ada", 4001, [(1, f"{SIX}.ipynb", notebook())], late)
         outcome = collect(course, archive(course, files, when=modified))
-        assert outcome.late == ["ada"] * late
+        assert outcome.late_students == ["ada"] * late
 
 
 @pytest.mark.parametrize("form", ["NFC", "NFD"])
@@ -204,7 +204,7 @@ def test_anonymous_work_from_canvas_is_collected_under_its_code(course, anonymou
     path = archive(anonymous_course, files)
     outcome = collect(anonymous_course, path)
     assert states(outcome) == {"anon_aB3x9": {"06": "new"}}
-    assert outcome.late == ["anon_aB3x9"]
+    assert outcome.late_students == ["anon_aB3x9"]
 
 
 def test_the_command_asks_for_the_members_of_a_canvas_group(course):
@@ -387,7 +387,7 @@ def test_an_unreadable_time_leaves_lateness_undecided(course, written_time):
         "ada"
     ]
     assert "timestamp.txt" not in placed_files(course, "ada")
-    assert reason_without_time(course.submitted / "ada" / STAGE) == outcome.undecided["ada"]
+    assert unknown_time_reason(course.submitted / "ada" / STAGE) == outcome.undecided["ada"]
 
 
 def test_times_are_read_from_a_table_by_id(course):
@@ -396,7 +396,7 @@ def test_times_are_read_from_a_table_by_id(course):
     files = canvas_files("Lovelace, Ada", 4001, [(1, f"{SIX}.ipynb", notebook())], late=True)
     outcome = collect(course, archive(course, files), times=table)
     assert placed_files(course, "ada")["timestamp.txt"] == b"2026-10-14 14:14:00 UTC\n"
-    assert not outcome.late and not outcome.undecided
+    assert not outcome.late_students and not outcome.undecided
 
 
 def test_a_table_of_late_students_is_enough_if_the_platform_marks_late_work(course):
@@ -410,7 +410,7 @@ def test_a_table_of_late_students_is_enough_if_the_platform_marks_late_work(cour
     ]
     outcome = collect(course, archive(course, files), times=table)
     assert set(outcome.undecided) == {"cy"}
-    assert reason_without_time(course.submitted / "bjorn" / STAGE) == ""
+    assert unknown_time_reason(course.submitted / "bjorn" / STAGE) == ""
     files = [(f"{name}/{SEVEN}.ipynb", notebook(SEVEN)) for name in ("ada", "bjorn")]
     outcome = collect(course, archive(course, files, "folders.zip"), times=table)
     assert set(outcome.undecided) == {"bjorn"}
@@ -463,7 +463,7 @@ def test_a_file_of_a_team_has_one_submission_time(course, rows, times):
     path = archive(course, [(f"ada/{SIX}.ipynb", notebook())])
     outcome = collect(course, path, who={"ada": "cy,ada"}, times=table)
     written = [placed_files(course, id)["timestamp.txt"].decode()[11:16] for id in ("ada", "cy")]
-    assert (written, outcome.undecided, outcome.timed) == (times, {}, ["ada", "cy"])
+    assert (written, outcome.undecided, outcome.students_with_time) == (times, {}, ["ada", "cy"])
 
 
 # ---- other platforms ----------------------------------------------------------------------------
@@ -1383,7 +1383,7 @@ def test_zip_bombs_are_refused_with_a_reason(course, monkeypatch):
     deep = notebook(NINE)
     for _ in range(4):
         deep = make_zip([(f"{NINE}.ipynb" if deep[:1] == b"{" else "more.zip", deep)])
-    many = make_zip([(f"{n}.txt", b"") for n in range(zips.MOST_FILES_OF_A_STUDENT + 1)])
+    many = make_zip([(f"{n}.txt", b"") for n in range(zips.MAX_FILES_PER_STUDENT + 1)])
     files = [
         (f"ada/{SIX}.ipynb", zeros),
         ("ada/ratio.zip", make_zip([(f"{SEVEN}.ipynb", zeros)])),
@@ -1403,7 +1403,7 @@ def test_zip_bombs_are_refused_with_a_reason(course, monkeypatch):
 
 
 def test_too_many_bytes_in_one_zip_are_refused(course, monkeypatch):
-    monkeypatch.setattr("grader.classroom.collect.inspection.MOST_BYTES_OF_A_STUDENT", 2000)
+    monkeypatch.setattr("grader.classroom.collect.inspection.MAX_BYTES_PER_STUDENT", 2000)
     inner = make_zip([(f"{n}.ipynb", notebook(text=str(n) * 90)) for n in range(20)])
     outcome = collect(course, archive(course, [("ada/homework.zip", inner)]))
     assert "unpacks to more than" in questions(outcome)["ada/homework.zip"]
@@ -1738,7 +1738,7 @@ def test_a_damaged_zip_is_read_or_reported():
     """Most of the randomly changed bytes are in the central directory."""
     whole = make_zip([(f"{SIX}.ipynb", notebook()), ("mine.py", b"x = 1"), ("b/y.txt", b"y" * 50)])
     directory = whole.find(b"PK\1\2")
-    contents.cache_releases()
+    lesson_recognition.cache_releases()
     rng = random.Random(1)
     seen = set()
     for _ in range(600):
@@ -1753,7 +1753,7 @@ def test_a_damaged_zip_is_read_or_reported():
 
 
 def test_too_many_bytes_in_several_zips_are_refused(course, monkeypatch):
-    monkeypatch.setattr("grader.classroom.collect.inspection.MOST_BYTES_OF_A_STUDENT", 2000)
+    monkeypatch.setattr("grader.classroom.collect.inspection.MAX_BYTES_PER_STUDENT", 2000)
     archives = [
         make_zip([(f"{n}.ipynb", notebook(text=str(n) * 90)) for n in range(k, k + 5)])
         for k in (0, 5, 10)
@@ -1774,7 +1774,7 @@ def test_a_long_text_in_moodles_worksheet_is_read(course):
     table.write_text(worksheet(rows), "utf-8")
     files = moodle_files("Ada Lovelace", 5001, [(f"{SIX}.ipynb", notebook())])
     code = "import sys, csv; sys.path.insert(0, '.'); from pathlib import Path; " + (
-        "from grader.classroom.collect.worksheet import read_worksheet; "
+        "from grader.classroom.collect.submission_table import read_worksheet; "
         f"print(len(read_worksheet(Path({str(table)!r}), None).rows))"
     )  # in its own process, where no other test has raised the limit
     result = subprocess.run(

@@ -30,14 +30,14 @@ def test_every_command_has_a_description_an_example_and_help_for_each_option(nam
 
 
 def test_the_term_in_the_help_can_be_parsed(capsys):
-    for call in cli.TERM:
+    for call in cli.TERM_EXAMPLES:
         PARSER.parse_args(call.split())
     with pytest.raises(SystemExit):
         PARSER.parse_args(["--help"])
     text = capsys.readouterr().out
     places = [text.index(f"\n    {name} ") for name in ("doctor", "release", "grade", "new")]
     assert places == sorted(places)
-    assert f"python -m grader {cli.TERM[0]}" in text
+    assert f"python -m grader {cli.TERM_EXAMPLES[0]}" in text
 
 
 @pytest.mark.parametrize("value", ["0", "-3", "many"])
@@ -117,7 +117,7 @@ def remaining_phrases(times, total, first=0):
     phrases = []
     for done in range(first, first + len(times) + 1):
         estimate.update(done, total)
-        phrases.append(estimate.in_words())
+        phrases.append(estimate.describe())
     return phrases
 
 

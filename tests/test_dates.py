@@ -8,15 +8,15 @@ import pytest
 from grader.course import paths
 from grader.course.deadlines_file import read_deadlines
 from grader.course.paths import Course
-from grader.lms import dates as dates_module
 from grader.lms import gradebook
+from grader.lms import gradebook_dates as dates_module
 from grader.lms.differences import differences
-from grader.lms.entries import StageEntry
 from grader.lms.exporters import EXPORTERS, ExportOptions
 from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.instructor_notes import notes
 from grader.lms.penalties import load_penalty_plugin
-from grader.lms.standings import class_results
+from grader.lms.results_reader import class_results
+from grader.lms.stage_entries import StageEntry
 from tests.postgresql import NotInstalled, server
 from tests.test_gradebook import (
     EARNED,

@@ -50,7 +50,7 @@ def test_composed_and_decomposed_letters_are_equal(course):
         '[stage1_ransac.sections]\n"U\u0308bung" = 2026-10-13T23:59:00Z\n'
         f'[stage1_ransac.students]\n"{decomposed}" = 2026-10-14T23:59:00Z\n',
     )
-    assert dates.due(composed, "stage1_ransac") == utc(2026, 10, 14, 23, 59)
+    assert dates.due_date(composed, "stage1_ransac") == utc(2026, 10, 14, 23, 59)
 
 
 def test_there_are_no_dates_without_a_file(course):
@@ -59,21 +59,21 @@ def test_there_are_no_dates_without_a_file(course):
 
 def test_dates_of_students_take_precedence_over_sections_and_the_class(course):
     dates = read(course, DATES)
-    due = {name: dates.due(name, "stage1_ransac") for name in ("anna", "ben", "cleo", "dora")}
+    due = {name: dates.due_date(name, "stage1_ransac") for name in ("anna", "ben", "cleo", "dora")}
     assert due == {  # UTC is two hours behind summer time
         "anna": utc(2026, 10, 19, 21, 59),
         "ben": utc(2026, 10, 13, 21, 59),
         "cleo": utc(2026, 10, 13, 10, 0),
         "dora": utc(2026, 10, 12, 21, 59),
     }
-    assert dates.due(Person("ben", section="B"), "stage1_ransac") == due["ben"]
-    assert dates.due("another student", "stage1_ransac") == due["dora"]
+    assert dates.due_date(Person("ben", section="B"), "stage1_ransac") == due["ben"]
+    assert dates.due_date("another student", "stage1_ransac") == due["dora"]
 
 
 def test_a_date_may_have_a_time_zone_and_a_stage_may_have_no_date(course):
     dates = read(course, DATES)
-    assert dates.due("anna", "stage2_clustering") == utc(2026, 11, 2, 3)
-    assert dates.due("anna", "stage3_obstacles") is None
+    assert dates.due_date("anna", "stage2_clustering") == utc(2026, 11, 2, 3)
+    assert dates.due_date("anna", "stage3_obstacles") is None
     assert not dates.is_excused("noshow", "stage2_clustering")
 
 
@@ -97,9 +97,9 @@ def test_dates_without_a_time_zone_use_the_zone_of_the_machine(course, monkeypat
     time.tzset()
     try:
         dates = read(course, "[stage1_ransac]\ndue = 2026-10-12T23:59:00\n")
-        assert dates.due("x", "stage1_ransac") == utc(2026, 10, 13, 3, 59)
+        assert dates.due_date("x", "stage1_ransac") == utc(2026, 10, 13, 3, 59)
         later = read(course, "[stage1_ransac]\ndue = 2026-12-12T23:59:00\n")
-        assert later.due("x", "stage1_ransac") == utc(2026, 12, 13, 4, 59)
+        assert later.due_date("x", "stage1_ransac") == utc(2026, 12, 13, 4, 59)
     finally:
         monkeypatch.undo()
         time.tzset()
@@ -113,7 +113,7 @@ def test_students_may_have_their_own_dates_without_a_roster(course):
         '[stage1_ransac]\ndue = 2026-10-12T12:00:00Z\n[stage1_ransac.students]\n"mary jane" = '
         '2026-10-13T12:00:00Z\nghost = "excused"\n',
     )
-    assert dates.due("mary jane", "stage1_ransac") == utc(2026, 10, 13, 12)
+    assert dates.due_date("mary jane", "stage1_ransac") == utc(2026, 10, 13, 12)
     assert dates.is_excused("ghost", "stage1_ransac")
 
 
@@ -215,7 +215,11 @@ def test_dates_with_one_meaning_are_read(course, text):
         f'[stage1_ransac.students]\n"mary jane"={text}\n',
     )
     due = utc(2026, 10, 12, 21, 59)
-    assert dates.due("anna", "stage1_ransac") == dates.due("mary jane", "stage1_ransac") == due
+    assert (
+        dates.due_date("anna", "stage1_ransac")
+        == dates.due_date("mary jane", "stage1_ransac")
+        == due
+    )
 
 
 def test_a_stage_with_only_excuses_needs_no_date(course):
@@ -239,10 +243,10 @@ def test_an_unreadable_roster_raises_a_roster_error(course):
 
 def test_lessons_that_count_are_read_in_their_order(course):
     deadlines = read(course, '[stage1_ransac]\nlessons = ["03", "01"]\n[stage2_clustering]\n')
-    assert deadlines.assigned("stage1_ransac") == ("01_point_clouds", "03_ransac_plane")
-    assert deadlines.assigned("stage2_clustering") is None
-    assert deadlines.assigned("stage3_obstacles") is None
-    assert read(course, "[stage1_ransac]\nlessons = []").assigned("stage1_ransac") == ()
+    assert deadlines.assigned_lessons("stage1_ransac") == ("01_point_clouds", "03_ransac_plane")
+    assert deadlines.assigned_lessons("stage2_clustering") is None
+    assert deadlines.assigned_lessons("stage3_obstacles") is None
+    assert read(course, "[stage1_ransac]\nlessons = []").assigned_lessons("stage1_ransac") == ()
 
 
 LESSON = """
@@ -266,8 +270,8 @@ def lesson_dates(dates, lesson, granted=None):
     """Return the day on which a lesson is due, by student; `granted` is from the gradebook."""
     due = {}
     for name in ("anna", "ben", "cleo", "dora"):
-        of_stage = granted or dates.due(name, "stage1_ransac")
-        due[name] = dates.due_of_lesson(name, "stage1_ransac", lesson, of_stage).day
+        of_stage = granted or dates.due_date(name, "stage1_ransac")
+        due[name] = dates.lesson_due_date(name, "stage1_ransac", lesson, of_stage).day
     return due
 
 
@@ -292,14 +296,14 @@ def test_an_extension_of_the_stage_never_shortens_the_time_for_a_lesson(course):
 
 def test_a_lesson_may_have_a_date_in_a_stage_without_one(course):
     dates = read(course, "[01_point_clouds]\ndue = 2026-10-05T12:00:00Z\n")
-    due = dates.due_of_lesson("anna", "stage1_ransac", "01_point_clouds", None)
+    due = dates.lesson_due_date("anna", "stage1_ransac", "01_point_clouds", None)
     assert due == utc(2026, 10, 5, 12)
-    assert dates.due_of_lesson("anna", "stage1_ransac", "02_ransac_line", None) is None
+    assert dates.lesson_due_date("anna", "stage1_ransac", "02_ransac_line", None) is None
 
 
 def test_everything_counts_without_rules(course):
     rules = read(course, DATES).rules
-    assert (rules.without, rules.drop_lowest, rules.pass_mark) == (frozenset(), 0, None)
+    assert (rules.excluded_exercises, rules.drop_lowest, rules.pass_mark) == (frozenset(), 0, None)
 
 
 def test_rules_are_read_and_described(course):
@@ -313,9 +317,9 @@ def test_rules_are_read_and_described(course):
             1,
         ),
     )
-    assert dates.rules.without == {"drop_invalid", "fit_plane"}
+    assert dates.rules.excluded_exercises == {"drop_invalid", "fit_plane"}
     assert (dates.rules.drop_lowest, dates.rules.pass_mark) == (2, 50.5)
-    assert list(dates.in_words()) == [
+    assert list(dates.descriptions()) == [
         "stage1_ransac due 2026-10-12 12:00 UTC, section B 2026-10-13 12:00 UTC, "
         "1 with an extension, lessons that count: 01 03",
         "01_point_clouds due 2026-10-05 12:00 UTC, 1 with an extension",

@@ -12,7 +12,7 @@ from grader.course.roster import read_roster
 from grader.lms import gradebook
 from grader.lms.gradebook_writer import GradebookError, enter_verdicts
 from grader.lms.instructor_notes import notes
-from grader.lms.standings import class_results
+from grader.lms.results_reader import class_results
 from tests.test_gradebook import (
     DISTANCE,
     EARNED,

@@ -11,7 +11,7 @@ import pytest
 from grader import cli, commands
 from grader.course.paths import Course
 from grader.course.roster import Person
-from grader.lms import standings
+from grader.lms import results_reader
 from grader.lms.exporters import EXPORTERS, ExportError, ExportOptions
 from grader.lms.exporters.assignment_marks import collect_marks
 from grader.lms.exporters.destination import write_export
@@ -111,7 +111,7 @@ def test_the_table_contains_names_scores_times_penalties_statuses_and_totals():
         [*("dee", "", "Dee", "", "", "", "8", "2026-10-12 22:00:00 UTC", "0", "0")]
         + [f"marked; missing: {SIX}", "", "", "", "0", "excused", "8", "50"],
     ]
-    assert (exported.placed, exported.lost) == (3, ())
+    assert (exported.mark_count, exported.failures) == (3, ())
     by_hand = "Provisional, because some work still has to be graded by hand"
     assert exported.notes == (f"{by_hand}: {TWELVE} of ada.",)
 
@@ -140,11 +140,11 @@ def test_totals_of_missing_excused_and_auditing_students_are_empty():
     """In a spreadsheet, a 0 would count in the mean."""
     auditor = dataclasses.replace(CY, role="auditor")
     audited = [
-        dataclasses.replace(one, standing=AUDITOR)
+        dataclasses.replace(one, status=AUDITOR)
         for one in results_of(auditor, {SIX: 30.0, SEVEN: 20.0, TWELVE: 40.0})[0]
     ]
     stages = [
-        dataclasses.replace(one, standing=AUDITOR) for one in results_of(auditor, {SIX: 30.0})[1]
+        dataclasses.replace(one, status=AUDITOR) for one in results_of(auditor, {SIX: 30.0})[1]
     ]
     results = class_of(
         results_of(ADA, {SIX: 0.0}),
@@ -185,8 +185,8 @@ def test_tables_begin_with_a_byte_order_mark_for_excel():
 
 def test_marks_of_students_who_are_not_on_the_roster_are_reported():
     results = class_of(results_of(ADA, {SIX: 1.0}), people=(ADA,), unlisted=("ghost",))
-    (note,) = table(results)[0].lost
-    (other_note,) = collect_marks(ExportOptions(Course(), results, SIX)).lost
+    (note,) = table(results)[0].failures
+    (other_note,) = collect_marks(ExportOptions(Course(), results, SIX)).failures
     for sentence in (note, other_note):
         assert sentence.startswith("'ghost' has marks in the gradebook but is not on the roster")
 
@@ -296,7 +296,7 @@ def export(tmp_path, monkeypatch):
     monkeypatch.setattr(commands, "Course", lambda: Course(tmp_path))
 
     def run(*options, results=CLASS):
-        monkeypatch.setattr(standings, "class_results", lambda course: results)
+        monkeypatch.setattr(results_reader, "class_results", lambda course: results)
         return cli.main(["export", *map(str, options)])
 
     return run

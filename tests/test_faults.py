@@ -15,7 +15,7 @@ import pytest
 
 from grader import cli, commands
 from grader.classroom import doctor, grade, rehearsals
-from grader.classroom.executors import EXECUTORS, processors
+from grader.classroom.executors import EXECUTORS, processor_count
 from grader.classroom.pool import Pool
 from grader.classroom.protocol import ExecutorLost
 from grader.classroom.submissions import find_submissions, unaccounted_files
@@ -62,7 +62,7 @@ def wait(): time.sleep(1.5)
 @pytest.fixture(autouse=True)
 def empty_cache(monkeypatch):
     """Empty the cache of right notebooks, which earlier tests may have filled."""
-    monkeypatch.setattr(judging, "_FULL_MARKS", {})
+    monkeypatch.setattr(judging, "_full_mark_decisions", {})
 
 
 class InlineExecutor(Executor):
@@ -215,7 +215,7 @@ def test_a_failure_that_does_not_recur_costs_no_points(answers, sandbox, tmp_pat
     path.write_text(fill_in(LESSON, answers), "utf-8")
     expected = judging.judge(path, SEED, sandbox)
     calls = fail_once(monkeypatch)
-    judging._FULL_MARKS.clear()
+    judging._full_mark_decisions.clear()
     verdict = judging.judge(path, SEED, sandbox)
     assert (verdict.status, verdict.score) == (JUDGED, expected.score)
     assert verdict.exercises == expected.exercises
@@ -810,7 +810,7 @@ def test_verdict_files_have_ordinary_permissions(course, sandbox):
 
 
 def test_workers_must_be_at_least_one(capsys):
-    assert processors() >= 1
+    assert processor_count() >= 1
     with pytest.raises(SystemExit) as caught:
         cli.main(["grade", "--workers", "0"])
     assert caught.value.code == 2
@@ -908,8 +908,8 @@ def test_the_newest_of_several_files_counts(course):
 def test_the_doctor_shows_progress_of_the_rehearsals(course, sandbox, monkeypatch):
     """No progress bar is shown if the solutions have already been judged."""
     # Sandboxes and versions depend on the machine; other tests cover them.
-    monkeypatch.setattr(doctor, "_sandboxes", lambda: ())
-    monkeypatch.setattr(doctor, "_versions", lambda: ())
+    monkeypatch.setattr(doctor, "_examine_sandboxes", lambda: ())
+    monkeypatch.setattr(doctor, "_examine_versions", lambda: ())
     steps, bars = [], []
     monkeypatch.setattr(rehearsals, "rehearse_one", lambda *about: ())
 
@@ -920,7 +920,8 @@ def test_the_doctor_shows_progress_of_the_rehearsals(course, sandbox, monkeypatc
 
     for _ in range(2):
         assert all(
-            finding.good for finding in doctor.examine(course, 1, sandbox, InlineExecutor(1), bar)
+            finding.is_good
+            for finding in doctor.examine(course, 1, sandbox, InlineExecutor(1), bar)
         )
     assert len(bars) == 1
     assert steps == [(done, 12) for done in range(13)]
@@ -932,7 +933,7 @@ def test_the_doctor_names_problems(course, sandbox, monkeypatch):
     course.seed_file.write_text("1")
     course.seed_file.chmod(0o644)
     findings = list(doctor.examine(course, 1, sandbox, InlineExecutor(1), progress_bar))
-    wrong = {finding.subject: finding.text for finding in findings if not finding.good}
+    wrong = {finding.subject: finding.text for finding in findings if not finding.is_good}
     assert "lost.ipynb" in wrong["submitted"] and "chmod 600" in wrong["seed"]
     subjects = [finding.subject for finding in findings]
     for subject in ("packages", "isolation", "disk", "solutions", "sandbox bubblewrap"):
@@ -952,7 +953,7 @@ def test_the_doctor_compares_the_version_of_an_installed_dask(monkeypatch, with_
         return found.get(name) or version(name)
 
     monkeypatch.setattr(doctor.metadata, "version", version)
-    wrong = [finding.text for finding in doctor._versions() if not finding.good]
+    wrong = [finding.text for finding in doctor._examine_versions() if not finding.is_good]
     assert len(wrong) == 1 + with_dask
     assert "rich is 0.1, should be " in wrong[0]
     assert wrong[0].endswith(". Run: pip install -r requirements.txt")
@@ -965,14 +966,14 @@ def test_the_doctor_compares_the_version_of_an_installed_dask(monkeypatch, with_
 
 def test_the_doctor_reports_a_course_that_student_code_could_read(tmp_path, monkeypatch):
     monkeypatch.setattr(doctor, "is_shown", lambda path: path == tmp_path)
-    finding = doctor._boundary(Course(tmp_path))
-    assert not finding.good and str(tmp_path) in finding.text
+    finding = doctor._examine_boundary(Course(tmp_path))
+    assert not finding.is_good and str(tmp_path) in finding.text
 
 
 def test_the_doctor_checks_that_hidden_tests_cannot_be_read(monkeypatch):
     checked = []
     monkeypatch.setattr(doctor, "is_shown", lambda path: checked.append(path))
-    assert doctor._boundary(Course()).good
+    assert doctor._examine_boundary(Course()).is_good
     for lesson in all_lessons():
         assert any(lesson.tests.is_relative_to(path) and path.is_dir() for path in checked)
 

@@ -32,7 +32,7 @@ from grader.judging.verdict import (
     Verdict,
     write_verdict,
 )
-from grader.lms.cells import CellMark
+from grader.lms.cell_marks import CellMark
 from grader.lms.check_summary import summarise_checks
 from grader.lms.feedback import ExerciseFeedback, Feedback, LessonFeedback, lateness_sentences
 from grader.lms.feedback_page import feedback_page
@@ -97,13 +97,13 @@ def test_the_first_failure_is_shown_and_the_rest_are_folded():
     folded = summarise_checks(WRONG)
     assert folded.first.name == "parts"
     assert [test.name for test in folded.others] == ["hastens"]
-    assert {fold.says: fold.count for fold in folded.groups} == {
+    assert {fold.text: fold.count for fold in folded.groups} == {
         "1 more fails for the same reason.": 1,
         "12 more cannot be tested until this is right.": 12,
         "2 more fail in the same way.": 2,
     }
     assert folded.groups[-1].titles == ("Is correct elsewhere (2 times)",)
-    assert folded.in_words == "1 of 18 checks pass" and folded.started
+    assert folded.description == "1 of 18 checks pass" and folded.is_started
 
 
 def test_every_check_is_counted_once():
@@ -115,7 +115,7 @@ def test_every_check_is_counted_once():
 def test_different_messages_are_not_folded_together():
     tests = (check("a", "One.\n2 rows."), check("b", "4 metres."), check("c", "5 metres."))
     folded = summarise_checks(ExerciseResult("f", 0.0, 3.0, tests, "One.", "a"))
-    assert (folded.others, [fold.says for fold in folded.groups]) == (
+    assert (folded.others, [fold.text for fold in folded.groups]) == (
         (),
         ["2 more fail: … metres."],
     )
@@ -129,7 +129,7 @@ def test_different_messages_are_not_folded_together():
         (alike[1:], "2 more fail: 2 of 5 rows."),
     ):
         folded = summarise_checks(ExerciseResult("f", 0.0, 3.0, (tests[0], *failed), "One.", "a"))
-        assert [fold.says for fold in folded.groups] == [message]
+        assert [fold.text for fold in folded.groups] == [message]
 
 
 @pytest.mark.parametrize(
@@ -142,7 +142,7 @@ def test_different_messages_are_not_folded_together():
 )
 def test_the_number_of_passed_checks_is_stated_in_words(tests, first, words, started):
     folded = summarise_checks(ExerciseResult("f", 0.0, 1.0, tests, "", first))
-    assert (folded.in_words, folded.started) == (words, started)
+    assert (folded.description, folded.is_started) == (words, started)
 
 
 @pytest.mark.parametrize(
@@ -150,7 +150,7 @@ def test_the_number_of_passed_checks_is_stated_in_words(tests, first, words, sta
 )
 def test_a_stub_is_named(stub, message):
     tests = (check("a", "f calls g. Write g first.", kind=MessageKind.NOT_STARTED, subject=stub),)
-    assert summarise_checks(ExerciseResult("f", 0.0, 1.0, tests)).not_started == message
+    assert summarise_checks(ExerciseResult("f", 0.0, 1.0, tests)).not_started_sentence == message
 
 
 # ---- lateness -----------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ from grader.course.lessons import find_lesson
 from grader.course.paths import PROJECT
 from grader.sandbox import Limits
 from grader.sandbox.boundary import files_of_packages
-from grader.sandbox.program import PACKAGES, Program
+from grader.sandbox.program import INSTALLED_PACKAGES, Program
 from grader.sandbox.student import StudentProxy
 from utils.checks.import_guard import BlockedModules
 from utils.notebooks.forbidden import StandIn, StandInModule
@@ -113,15 +113,20 @@ def failed_imports_in_notebook(packages, without, forbidden, first=()):
 def test_all_modules_that_a_lesson_allows_can_be_imported(lesson, sandbox):
     """The result is the same in the sandbox, in a checked notebook, and without rules."""
     forbidden = lesson.header.forbidden
-    plain, count = failed_imports_in_notebook(PACKAGES, forbidden, ())
+    plain, count = failed_imports_in_notebook(INSTALLED_PACKAGES, forbidden, ())
     assert count > 300
-    judged = failed_imports_in_sandbox(PACKAGES, forbidden, forbidden, sandbox)
-    assert judged == failed_imports_in_sandbox(PACKAGES, forbidden, (), sandbox)
-    loaded = tuple(name for name in forbidden if name.partition(".")[0] in import_names(PACKAGES))
+    judged = failed_imports_in_sandbox(INSTALLED_PACKAGES, forbidden, forbidden, sandbox)
+    assert judged == failed_imports_in_sandbox(INSTALLED_PACKAGES, forbidden, (), sandbox)
+    loaded = tuple(
+        name for name in forbidden if name.partition(".")[0] in import_names(INSTALLED_PACKAGES)
+    )
     for first in {(), loaded}:
-        assert failed_imports_in_notebook(PACKAGES, forbidden, forbidden, first) == (plain, count)
+        assert failed_imports_in_notebook(INSTALLED_PACKAGES, forbidden, forbidden, first) == (
+            plain,
+            count,
+        )
     # Modules that are missing only in the sandbox belong to packages that no lesson needs.
-    visible = {path.stem for path in files_of_packages(PACKAGES)}
+    visible = {path.stem for path in files_of_packages(INSTALLED_PACKAGES)}
     only_there = {name: missing for name, (_, missing) in judged[0].items() if name not in plain}
     installed = metadata.packages_distributions()
     for name, missing in only_there.items():
@@ -173,7 +178,9 @@ EXPECTED = {
 @pytest.mark.parametrize("name", USES)
 def test_libraries_that_import_a_forbidden_module_work(name, sandbox):
     header = find_lesson(name).header
-    program = Program((USES[name],), ("f",), forbidden=header.forbidden, packages=PACKAGES)
+    program = Program(
+        (USES[name],), ("f",), forbidden=header.forbidden, packages=INSTALLED_PACKAGES
+    )
     with StudentProxy(program, sandbox, Limits()) as student:
         assert student.f() == pytest.approx(EXPECTED[name])
 

@@ -24,7 +24,7 @@ from grader.lms import gradebook
 from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.registration import register_stages
 from grader.lms.report import write_report
-from grader.lms.standings import class_results
+from grader.lms.results_reader import class_results
 from tests.prerequisites import PATIENCE
 
 LESSON = find_lesson("06_filter_ground")
@@ -490,7 +490,7 @@ def test_a_problem_is_shown_as_text_and_not_as_markup(judged_course, sandbox):
     import nbformat
 
     from grader.judging.verdict import Verdict
-    from grader.lms.autograded import write_verdict
+    from grader.lms.autograded_copy import write_verdict
 
     notebook = nbformat.reads(LESSON.released.read_text(), as_version=4)
     verdicts_by_student = {
@@ -530,7 +530,7 @@ def test_the_report_escapes_text_of_students(judged_course, sandbox):
     [(stage, 12 if stage == "stage2_clustering" else 4) for stage in stages()],
 )
 def test_demo_grades_its_class(stage, students, sandbox, monkeypatch, tmp_path, capsys):
-    monkeypatch.setattr(demo, "DEMO", tmp_path / "demo")
+    monkeypatch.setattr(demo, "DEMO_FOLDER", tmp_path / "demo")
     options = ["--students", str(students), "--stages", stage]
     assert cli.main(["demo", *options, "--workers", "2"]) == 0
     output = capsys.readouterr().out
@@ -559,7 +559,7 @@ def test_demo_grades_its_class(stage, students, sandbox, monkeypatch, tmp_path, 
 
 def test_demo_of_all_stages_has_every_lesson(monkeypatch, tmp_path):
     graded = []
-    monkeypatch.setattr(demo, "DEMO", tmp_path / "demo")
+    monkeypatch.setattr(demo, "DEMO_FOLDER", tmp_path / "demo")
     monkeypatch.setattr(
         commands, "grade_course", lambda course, *_: graded.append(find_submissions(course)) or 0
     )
@@ -572,7 +572,7 @@ def test_demo_of_all_stages_has_every_lesson(monkeypatch, tmp_path):
 
 
 def test_demo_has_every_kind_of_student(tmp_path, monkeypatch):
-    monkeypatch.setattr(demo, "DEMO", tmp_path / "demo")
+    monkeypatch.setattr(demo, "DEMO_FOLDER", tmp_path / "demo")
     course = make_class(13, hostile=True)
     names = {path.name for path in course.submitted.iterdir()}
     assert len(names) == 13

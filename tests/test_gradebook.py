@@ -25,8 +25,7 @@ from grader.course.paths import Course
 from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict
 from grader.lms import gradebook, gradebook_writer, registration
 from grader.lms.differences import differences
-from grader.lms.entries import StageEntry
-from grader.lms.feedback import FeedbackWriter
+from grader.lms.feedback import FeedbackCollector
 from grader.lms.gradebook_check import check_gradebook
 from grader.lms.gradebook_rows import GradebookRow
 from grader.lms.gradebook_writer import GradebookError, enter_verdicts
@@ -34,7 +33,8 @@ from grader.lms.nbgrader_plugin import LatePenalties
 from grader.lms.penalties import load_penalty_plugin
 from grader.lms.registration import register_stages
 from grader.lms.results import MARKED, MISSING, WAITING, GradebookUnavailable
-from grader.lms.standings import class_results
+from grader.lms.results_reader import class_results
+from grader.lms.stage_entries import StageEntry
 
 GROUND = find_lesson("06_filter_ground")
 DISTANCE = find_lesson("07_filter_by_distance")
@@ -174,7 +174,7 @@ def test_entered_marks_agree_with_the_verdicts(course):
         ("bob", DISTANCE.name, 20.75),
     ]
     assert {(result.stage, result.max_score) for result in results.notebooks} == {(STAGE, 30.0)}
-    assert [result.standing for result in results.notebooks] == [MARKED, MARKED, MISSING, MARKED]
+    assert [result.status for result in results.notebooks] == [MARKED, MARKED, MISSING, MARKED]
     assert penalties(course) == {}
 
 
@@ -791,7 +791,7 @@ def test_a_changed_answer_must_be_graded_again(course_with_answer):
     course, enter_answer = course_with_answer
     enter_answer("It finds 14 of 17 cars.")
     assert about_answer(course) == (None, True, None)
-    assert class_results(course).notebooks[0].standing == WAITING
+    assert class_results(course).notebooks[0].status == WAITING
     about_answer(course, 7.5)
     (course.autograded / "ada" / STREAM.stage / f"{STREAM.name}.ipynb").unlink()
     enter_answer("It finds 14 of 17 cars.")  # the same answer again
@@ -860,12 +860,12 @@ def test_a_gradebook_of_an_older_nbgrader_is_named_with_the_remedy(entered_cours
     for use in (
         lambda: enter_verdicts(entered_course, verdicts(entered_course), [STAGE], ignore_progress),
         lambda: class_results(entered_course),
-        lambda: FeedbackWriter(entered_course, STAGE),
+        lambda: FeedbackCollector(entered_course, STAGE),
     ):
         with pytest.raises(GradebookUnavailable, match="older .* Run: nbgrader db upgrade"):
             use()
     (finding,) = check_gradebook(entered_course)
-    assert not finding.good and finding.text.endswith("Run: nbgrader db upgrade")
+    assert not finding.is_good and finding.text.endswith("Run: nbgrader db upgrade")
 
 
 @pytest.mark.parametrize("lock", ["EXCLUSIVE", "IMMEDIATE"])

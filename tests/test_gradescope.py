@@ -16,7 +16,7 @@ from grader.classroom.submissions import find_submissions
 from grader.course.paths import Course
 from grader.course.roster import Person
 from grader.judging.verdict import CheckResult, ExerciseResult, Verdict, write_verdict
-from grader.lms.exporters.gradescope import gradescope
+from grader.lms.exporters.gradescope import export_gradescope
 from grader.lms.exporters.protocol import ExportOptions
 from grader.lms.results import MARKED, MISSING, ClassResults, NotebookResult, StageResult
 
@@ -67,7 +67,7 @@ def results(people=(ANNA, BO), score=15.0, penalty=2.5):
 
 
 def write(course, people=(ANNA, BO), **settings):
-    return gradescope(ExportOptions(course, results(people, **settings), STAGE))
+    return export_gradescope(ExportOptions(course, results(people, **settings), STAGE))
 
 
 @pytest.fixture
@@ -105,7 +105,7 @@ def run(tmp_path, course):
 
 def test_a_submission_gets_its_marks(course, run):
     exported = write(course)
-    assert (exported.placed, exported.lost) == (2, ())
+    assert (exported.mark_count, exported.failures) == (2, ())
     result = run(exported, "anna", "anna@X.edu")
     assert result["score"] == 12.5 and result["visibility"] in VISIBLE
     assert result["output"] == (
@@ -163,7 +163,7 @@ def test_different_marks_of_team_members_are_an_error(course, run):
     assert run(exported, "bo", "anna@x.edu bo@x.edu")["score"] == 12.5
     anna, bo = results((ANNA,)), results((BO,), score=20.0)
     both = (getattr(anna, kind) + getattr(bo, kind) for kind in ("people", "notebooks", "stages"))
-    differing = gradescope(ExportOptions(course, ClassResults(*both), STAGE))
+    differing = export_gradescope(ExportOptions(course, ClassResults(*both), STAGE))
     assert "submitted together but have different marks" in run(
         differing, "bo", "anna@x.edu bo@x.edu"
     )
@@ -172,22 +172,22 @@ def test_different_marks_of_team_members_are_an_error(course, run):
 def test_two_students_with_one_address_are_named_and_get_no_mark(course):
     twin = dataclasses.replace(BO, email=" anna@X.edu")
     exported = write(course, (ANNA, twin))
-    assert exported.placed == 0
-    assert [sentence.partition(" ")[0] for sentence in exported.lost] == ["anna", "bo"]
-    assert all("anna@x.edu also belongs to another" in sentence for sentence in exported.lost)
+    assert exported.mark_count == 0
+    assert [sentence.partition(" ")[0] for sentence in exported.failures] == ["anna", "bo"]
+    assert all("anna@x.edu also belongs to another" in sentence for sentence in exported.failures)
 
 
 def test_marks_that_cannot_be_exported_are_named(course):
     without_email = Person("anna", "Anna", "Schmidt")
-    (lost,) = write(course, (without_email, BO)).lost
+    (lost,) = write(course, (without_email, BO)).failures
     assert lost == (
         "anna (Anna Schmidt), 12.5 points: Gradescope identifies students by e-mail, but the "
         "roster has no address for this student."
     )
     (course.submitted / "anna" / STAGE / f"{SIX}.ipynb").write_text("{}")
-    (lost,) = write(course).lost
+    (lost,) = write(course).failures
     assert "was replaced after it was judged" in lost
     os.remove(course.submitted / "anna" / STAGE / f"{SIX}.ipynb")
-    assert "no longer in submitted/" in write(course).lost[0]
+    assert "no longer in submitted/" in write(course).failures[0]
     shutil.rmtree(course.verdicts / "bo")
-    assert "there is no verdict" in write(course).lost[1]
+    assert "there is no verdict" in write(course).failures[1]

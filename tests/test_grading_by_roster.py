@@ -17,9 +17,9 @@ from grader.course.roster import Person
 from grader.judging.verdict import JUDGED, Verdict, write_verdict
 from grader.lms import gradebook
 from grader.lms.gradebook_check import check_gradebook
-from grader.lms.history import read_changes
+from grader.lms.mark_history import read_changes
 from grader.lms.results import MARKED, ClassResults, NotebookResult, StageResult
-from grader.lms.standings import class_results
+from grader.lms.results_reader import class_results
 from grader.sandbox import SANDBOXES
 from tests.test_faults import InlineExecutor
 from tests.test_gradebook import EARNED, GROUND, LATE_PLUGIN, STAGE, make_course, submit, verdicts
@@ -219,7 +219,7 @@ def test_only_the_named_student_is_judged_again(course, monkeypatch):
     stored = verdicts(course)[0][1]
     monkeypatch.setattr(grading, "stored_verdict", lambda *arguments: stored)
     monkeypatch.setattr(grading, "judge_one", judge_one)
-    monkeypatch.setattr(grading.Rehearsals, "passed", lambda *arguments: True)
+    monkeypatch.setattr(grading.Rehearsals, "has_passed", lambda *arguments: True)
     arguments = (course, (), 2**64, WITHOUT_SANDBOX, InlineExecutor, 1, lambda *news: None)
     done = grading.judge_class(*arguments, student="ada")
     assert {submission.student for submission, _ in done} == {"ada"}
@@ -246,7 +246,7 @@ def findings(course, monkeypatch):
     monkeypatch.setattr(doctor.Rehearsals, "finish", lambda *about: None)
     about_grading = doctor.examine(course, 1, WITHOUT_SANDBOX, InlineExecutor(1), progress_bar)
     found = [*about_grading, *check_gradebook(course)]
-    return [(finding.subject, finding.good, finding.text) for finding in found]
+    return [(finding.subject, finding.is_good, finding.text) for finding in found]
 
 
 def test_the_doctor_uses_the_roster(course, monkeypatch):

@@ -250,7 +250,7 @@ def test_cluster_oracle_agrees_with_brute_force():
 
     from extension import samples
 
-    cloud = samples.without_ties(np.random.default_rng(3).uniform(0, 4, (200, 3)), 0.5)
+    cloud = samples.remove_ties(np.random.default_rng(3).uniform(0, 4, (200, 3)), 0.5)
     labels = samples.cluster_labels(cloud, 0.5)
     reach = np.linalg.norm(cloud[:, None] - cloud[None], axis=2) < 0.5
     for _ in range(8):  # 2^8 steps are enough for any cluster of 200 points
@@ -344,7 +344,7 @@ def test_only_full_marks_are_cached(sandbox, tmp_path, monkeypatch):
 
     original_decide = judging._decide
     monkeypatch.setattr(judging, "_decide", counted_decide)
-    monkeypatch.setattr(judging, "_FULL_MARKS", {})
+    monkeypatch.setattr(judging, "_full_mark_decisions", {})
 
     def judge_notebook(answer, seed=1, student="", module=None):
         folder = tmp_path / str(len(list(tmp_path.iterdir())))
@@ -359,7 +359,7 @@ def test_only_full_marks_are_cached(sandbox, tmp_path, monkeypatch):
 
     first, runs = judge_notebook(right, student="ada")
     assert (first.score, runs) == (first.max_score, 1)
-    (stored,) = judging._FULL_MARKS.values()
+    (stored,) = judging._full_mark_decisions.values()
     second, runs = judge_notebook(right, student="bob")
     assert (second.exercises, second.student, runs) == (first.exercises, "bob", 0)
     assert second.key != first.key
@@ -367,7 +367,7 @@ def test_only_full_marks_are_cached(sandbox, tmp_path, monkeypatch):
     # Other notebooks add only keys to the cache, because they share the first one's results.
     assert all(
         exercise is stored.exercises[0]
-        for others in judging._FULL_MARKS.values()
+        for others in judging._full_mark_decisions.values()
         for exercise in others.exercises
     )
     assert judge_notebook(right, seed=2)[1] == 1

@@ -13,8 +13,8 @@ import pytest
 from extension.league import drives, page, season
 from extension.league.drives import (
     DETECTOR,
-    MOST_BOXES,
-    MOST_FAILURES,
+    MAX_BOXES,
+    MAX_FAILURES,
     DriveResult,
     drive_in_sandbox,
     from_json,
@@ -35,7 +35,7 @@ from extension.league.streets import draw_streets
 from grader import cli
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.paths import PROJECT, Course
-from grader.judging.key import with_imports
+from grader.judging.key import add_imports
 from grader.sandbox import Limits
 from grader.sandbox.program import Program
 from grader.sandbox.student import StudentProxy
@@ -146,7 +146,7 @@ ODD_ANSWERS = {
     "a function": "detect_obstacles",
     "flat": "np.zeros((5, 3))",
     "texts": "[[['1'] * 3] * 8] * 2 + ['x']",
-    "too many boxes": f"np.zeros(({MOST_BOXES + 1}, 8, 3))",
+    "too many boxes": f"np.zeros(({MAX_BOXES + 1}, 8, 3))",
     "raises": "1 / 0",
     "raises a word": "(_ for _ in ()).throw(type('Secret', (Exception,), {})('a word'))",
     "not written": "(_ for _ in ()).throw(NotImplementedError('write it'))",
@@ -156,8 +156,8 @@ ODD_ANSWERS = {
 @pytest.mark.parametrize("answer", ODD_ANSWERS.values(), ids=ODD_ANSWERS)
 def test_a_detector_without_boxes_is_stopped_with_a_fixed_message(answer, sandbox):
     driven = drive_with(sandbox, detector_returning(answer), seconds=4.0)
-    assert driven.failed == MOST_FAILURES and driven.metres == 0
-    assert driven.stopped.startswith(f"It returned no boxes for {MOST_FAILURES} scans. ")
+    assert driven.failed == MAX_FAILURES and driven.metres == 0
+    assert driven.stopped.startswith(f"It returned no boxes for {MAX_FAILURES} scans. ")
     assert driven.failure in driven.stopped
     assert "Secret" not in driven.stopped and "word" not in driven.stopped
 
@@ -215,7 +215,7 @@ def test_the_message_about_an_unreadable_notebook_does_not_quote_it():
 
 
 def test_the_key_of_a_drive_covers_the_files_that_decide_it(monkeypatch):
-    files = with_imports([Path(drives.__file__)])
+    files = add_imports([Path(drives.__file__)])
     names = {path.relative_to(PROJECT).as_posix() for path in files}
     assert {
         "extension/league/streets.py",
@@ -462,7 +462,7 @@ def test_a_starved_detector_drives_again_alone(course, jobs, sandbox, monkeypatc
 
     monkeypatch.setattr(season, "drive_submission", starved)
     result = drive_the_class(course[0], sandbox)
-    assert len(tries) == 2 and not result.faults and not result.left_out
+    assert len(tries) == 2 and not result.faults and not result.omitted_streets
 
 
 def test_a_street_that_stops_the_true_boxes_does_not_count(course, jobs, sandbox, monkeypatch):
@@ -476,7 +476,7 @@ def test_a_street_that_stops_the_true_boxes_does_not_count(course, jobs, sandbox
     monkeypatch.setattr(season, "drive_submission", unfair)
     result = drive_the_class(course[0], sandbox)
     assert [street.number for street in result.streets] == [1, 2, 3, 5, 6]
-    assert [street.number for street in result.left_out] == [4]
+    assert [street.number for street in result.omitted_streets] == [4]
 
 
 def test_a_stage_without_a_detector_has_no_league(capsys):
@@ -549,7 +549,7 @@ def test_names_are_in_a_file_separate_from_the_page(league_files):
     rows = list(csv.DictReader(names_file.splitlines()))
     assert {row["Student"] for row in rows} == {"ada", "finn", HOSTILE, "'=1+1"}
     assert {row["Student"]: row["Pseudonym"] for row in rows}["ada"] in text
-    assert page.page_path(course, "x").parent != page.names_path(course, "x").parent
+    assert page.page_path(course, "x").parent != page.real_names_path(course, "x").parent
 
 
 def test_the_film_shows_the_best_detector_in_the_hardest_street(monkeypatch):

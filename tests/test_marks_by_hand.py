@@ -16,11 +16,11 @@ from grader.lms.exporters import EXPORTERS, ExportOptions
 from grader.lms.exporters.assignment_marks import collect_marks
 from grader.lms.gradebook_check import check_gradebook
 from grader.lms.gradebook_writer import GradebookError, enter_verdicts
-from grader.lms.history import read_changes
 from grader.lms.instructor_notes import notes
+from grader.lms.mark_history import read_changes
 from grader.lms.report import write_report
 from grader.lms.results import WAITING
-from grader.lms.standings import class_results
+from grader.lms.results_reader import class_results
 from tests.test_gradebook import LATE_PLUGIN, STREAM, ignore_progress, verdict_on
 
 STAGE, LESSON = STREAM.stage, STREAM.name
@@ -62,7 +62,7 @@ def enter_class(course, **more):
         verdict = verdict_on(course, submission, [POINTS] * len(STREAM.machine_graded))
         key = f"of {verdict.fingerprint}"
         judged.append((submission, dataclasses.replace(verdict, key=key)))
-    enter_verdicts(course, judged, [STAGE], ignore_progress, tell=told.append, **more)
+    enter_verdicts(course, judged, [STAGE], ignore_progress, notify=told.append, **more)
     return told
 
 
@@ -90,7 +90,7 @@ def lose_gradebook(course):
 
 
 def wrong_findings(course):
-    return [finding.text for finding in check_gradebook(course) if not finding.good]
+    return [finding.text for finding in check_gradebook(course) if not finding.is_good]
 
 
 def test_marks_and_comments_of_a_lost_gradebook_are_named_and_restored(course):
@@ -269,7 +269,7 @@ def test_different_marks_in_a_team_are_not_passed_on(course):
 def test_a_written_answer_that_is_added_in_mid_term_waits_for_a_person(course):
     forget_cells(course, "write_up")
     assert len(enter_class(course)) == 1
-    assert {result.standing for result in class_results(course).notebooks} == {WAITING}
+    assert {result.status for result in class_results(course).notebooks} == {WAITING}
     assert manual_mark(course, "ada") == manual_mark(course, "bob") == (None, True, None)
 
 
@@ -282,7 +282,7 @@ def test_a_lesson_that_is_added_in_mid_term_is_entered(course):
         book.db.commit()
         book.remove_notebook(LESSON, STAGE)
     enter_class(course)
-    assert {result.standing for result in class_results(course).notebooks} == {WAITING}
+    assert {result.status for result in class_results(course).notebooks} == {WAITING}
 
 
 def test_an_exercise_that_is_no_longer_in_the_release_is_removed(course):

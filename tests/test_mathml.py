@@ -7,13 +7,13 @@ from xml.etree import ElementTree
 import pytest
 
 from grader.course.lessons import all_lessons
-from grader.course.mathml import LONGEST_FORMULA, formula, markdown_page
+from grader.course.mathml import MAX_FORMULA_LENGTH, convert_formula, markdown_page
 
 NAME = "{http://www.w3.org/1998/Math/MathML}"
 
 
 def tree(latex, display=False):
-    return ElementTree.fromstring(formula(latex, display))
+    return ElementTree.fromstring(convert_formula(latex, display))
 
 
 def test_a_fraction_has_two_parts():
@@ -39,7 +39,7 @@ def test_every_formula_of_the_course_is_drawn():
         )
     ]
     assert len(found) > 100
-    assert [latex for latex in found if not formula(latex, True).startswith("<math")] == []
+    assert [latex for latex in found if not convert_formula(latex, True).startswith("<math")] == []
 
 
 @pytest.mark.parametrize(
@@ -54,11 +54,11 @@ def test_every_formula_of_the_course_is_drawn():
         "{" * 1500,
         r"\frac" * 300,
         r"\left(" * 300,
-        "x" * (LONGEST_FORMULA + 1),
+        "x" * (MAX_FORMULA_LENGTH + 1),
     ],
 )
 def test_invalid_formulas_are_shown_as_code(latex):
-    shown = formula(latex, False)
+    shown = convert_formula(latex, False)
     assert shown.startswith("<code>$") and shown.endswith("$</code>")
     assert "<" not in shown[6:-7] and ">" not in shown[6:-7]
 

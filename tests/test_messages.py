@@ -10,14 +10,14 @@ from grader.judging.messages import (
     common_text,
     message_of,
     messages_of,
+    remove_numbers,
     shareable_failure,
     shareable_outcome,
-    without_numbers,
 )
 from grader.judging.runner import JudgeTimeout
 from grader.judging.verdict import MessageKind
 from grader.sandbox.failures import StudentError, StudentStopped
-from grader.sandbox.quotation import LONGEST_LINE, describe_error, describe_failed_cell
+from grader.sandbox.quotation import MAX_LINE_LENGTH, describe_error, describe_failed_cell
 from utils.checks import Check, CheckFailed
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import (
@@ -216,7 +216,7 @@ def test_a_word_is_quoted_only_if_it_is_in_the_line(kind, message, line, expecte
 def test_long_lines_are_cut():
     line = "x = " + "1 + " * 100 + "clod"
     sentence = describe_error(raised("NameError", MISSING, line=line))
-    assert sentence == f"f raised NameError (code cell 3, line 2: `{line[:LONGEST_LINE]}…`)."
+    assert sentence == f"f raised NameError (code cell 3, line 2: `{line[:MAX_LINE_LENGTH]}…`)."
 
 
 def test_a_message_without_a_place_is_complete():
@@ -294,7 +294,7 @@ def test_a_shared_cause_is_shown_once_and_other_failures_in_full():
     ],
 )
 def test_a_message_has_a_kind_and_a_subject(failure, kind, subject):
-    message = message_of(Outcome(SHOWN, failure), hinted=False)
+    message = message_of(Outcome(SHOWN, failure), has_hint=False)
     assert (message.kind, message.subject, message.hint) == (kind, subject, "")
 
 
@@ -320,7 +320,7 @@ def test_a_failure_records_whether_the_call_took_too_long():
     ],
 )
 def test_numbers_that_depend_on_the_cloud_are_removed(message, kind):
-    assert without_numbers(message) == kind
+    assert remove_numbers(message) == kind
 
 
 def test_fixed_numbers_stay_in_messages_about_hidden_tests():

@@ -44,6 +44,6 @@ def test_a_failing_check_stops_only_a_solved_notebook(tmp_path):
 def test_a_notebook_that_ends_python_or_never_ends_is_reported(tmp_path, monkeypatch):
     with pytest.raises(NotebookStopped, match="Python ended unexpectedly"):
         run_notebook(notebook_of("import os; os._exit(1)"), tmp_path)
-    monkeypatch.setattr("grader.course.notebook_runs.LONGEST_CELL", 1)
+    monkeypatch.setattr("grader.course.notebook_runs.MAX_CELL_SECONDS", 1)
     with pytest.raises(NotebookStopped, match="a cell took more than 1 seconds"):
         run_notebook(notebook_of("while True: pass"), tmp_path)

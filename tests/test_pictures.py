@@ -12,11 +12,11 @@ from nbconvert.exporters import HTMLExporter
 from grader.course.kept_answers import fill_in
 from grader.course.lessons import find_lesson
 from grader.course.mathml import markdown_page
-from grader.intake.pictures import LARGEST_PICTURE, illustrate
+from grader.intake.pictures import MAX_PICTURE_BYTES, illustrate
 from grader.intake.preflight import prepare
 from grader.intake.submission import SubmittedFiles
-from grader.lms.answers import fingerprints
-from grader.lms.autograded import build_copy, graded_cells
+from grader.lms.answer_fingerprints import fingerprints
+from grader.lms.autograded_copy import build_copy, graded_cells
 from utils.notebooks.reading import Cell
 
 LESSON = find_lesson("12_streaming_obstacles")
@@ -99,7 +99,7 @@ NOT_SHOWN = {
     ),
     "a large picture": (
         "![](attachment:a.png)",
-        attachment("a.png", "A" * (LARGEST_PICTURE * 3 // 2)),
+        attachment("a.png", "A" * (MAX_PICTURE_BYTES * 3 // 2)),
         "a.png is larger than 5 MB",
     ),
 }

@@ -8,8 +8,8 @@ from grader.classroom.collect.record import FileOrigin, Record, write_record
 from grader.course import paths
 from grader.course.paths import Course
 from grader.course.roster import Person
-from grader.lms.exporters.canvas import canvas
-from grader.lms.exporters.moodle import moodle
+from grader.lms.exporters.canvas import export_canvas
+from grader.lms.exporters.moodle import export_moodle
 from grader.lms.exporters.protocol import ExportError, ExportOptions
 from grader.lms.results import EXCUSED, MARKED, MISSING, ClassResults, NotebookResult, StageResult
 from tests.platforms import ENGLISH, GERMAN, Canvas, CanvasStudent, Moodle, MoodleStudent
@@ -44,7 +44,7 @@ def fill_file(tmp_path):
     def fill_in(platform, results, **order):
         path = tmp_path / "downloaded.csv"
         path.write_bytes(platform.export())
-        write = canvas if isinstance(platform, Canvas) else moodle
+        write = export_canvas if isinstance(platform, Canvas) else export_moodle
         return write(ExportOptions(Course(tmp_path), results, STAGE, into=path, **order))
 
     return fill_in
@@ -104,7 +104,7 @@ def test_canvas_gets_each_mark_and_no_other_mark_changes(fill_file, settings):
         42: ["Stage 3: Obstacles", 100.0],
     }
     assert course.notes == {9001: "was ill"}
-    assert (exported.placed, exported.lost) == (4, ())
+    assert (exported.mark_count, exported.failures) == (4, ())
 
 
 def test_a_file_for_canvas_has_the_format_of_the_site(fill_file):
@@ -152,7 +152,7 @@ def test_canvas_rows_are_found_by_any_key_of_the_roster(fill_file, roster):
     if roster == "login":  # the student called cmd has another login
         assert scores.pop(9004, 0.0) == 0.0
     else:
-        assert not exported.lost and scores.pop(9004) == 0.0
+        assert not exported.failures and scores.pop(9004) == 0.0
     assert scores == {9001: 8.5, 9002: 31.25, 9003: 100.0, 9005: 44.0, 9100: 3.0}
 
 
@@ -165,7 +165,7 @@ def test_canvas_rows_found_only_by_name_are_noted(fill_file):
     points = dict(zip([person.id for person in people], POINTS.values(), strict=False))
     exported = fill_file(course, marks(points, people, excused=()))
     course.import_(exported.content)
-    assert (exported.lost, course.scores[9002, 42]) == ((), 31.25)
+    assert (exported.failures, course.scores[9002, 42]) == ((), 31.25)
     assert any(
         note.startswith("Matched only by name: ") and "Müller, Björn" in note
         for note in exported.notes
@@ -179,8 +179,8 @@ def test_ambiguous_students_are_named_and_get_no_mark(fill_file):
     without_number = dataclasses.replace(ANNA, lms_id="", id="as", email="")
     given = marks({"as": 5.0, "anna2": 6.0}, (without_number, other), excused=())
     exported = fill_file(course, given)
-    assert exported.placed == 0
-    assert exported.lost == (
+    assert exported.mark_count == 0
+    assert exported.failures == (
         "as (Anna Schmidt), 5 points: Schmidt, Anna or Schmidt, Anna may be anna2 or as.",
         "anna2 (Anna Schmidt), 6 points: Schmidt, Anna or Schmidt, Anna may be anna2 or as.",
     )
@@ -190,8 +190,8 @@ def test_a_row_that_matches_two_people_gets_no_mark(fill_file):
     course = canvas_course()
     other = Person("sis1", "Thea", "Dieb")  # Thea's ID equals Anna's SIS ID
     exported = fill_file(course, marks({"anna": 8.5, "sis1": 1.0}, (ANNA, other), excused=()))
-    assert exported.placed == 0 and len(exported.lost) == 2
-    assert "Schmidt, Anna may be anna or sis1" in exported.lost[0]
+    assert exported.mark_count == 0 and len(exported.failures) == 2
+    assert "Schmidt, Anna may be anna or sis1" in exported.failures[0]
 
 
 def test_a_canvas_number_takes_precedence_over_an_equal_id(fill_file):
@@ -212,14 +212,16 @@ def test_an_id_that_equals_a_canvas_number_needs_the_same_name(fill_file):
     course.import_(exported.content)
     assert (course.scores[9001, 42], course.scores[9003, 42]) == (1.0, 3.0)
     assert course.scores[9002, 42] == 12.0
-    assert exported.lost == ("9002 (Zoe Zahn), 2 points: the file has no row for this student.",)
+    assert exported.failures == (
+        "9002 (Zoe Zahn), 2 points: the file has no row for this student.",
+    )
 
 
 def test_another_name_with_the_same_number_is_noted(fill_file):
     course = canvas_course()
     course.students[4].name = "Schmidt-Meier, Anna"
     exported = fill_file(course, marks())
-    assert exported.lost == ()
+    assert exported.failures == ()
     note = "Under another name in the file: Schmidt-Meier, Anna for anna (Anna Schmidt)."
     assert note in exported.notes
     assert not any("another name" in note for note in fill_file(canvas_course(), marks()).notes)
@@ -234,14 +236,14 @@ def test_a_number_that_two_systems_give_to_different_people_leads_to_no_mark(fil
     ]
     people = (Person("100", "Anna", "Ash"), Person("200", "Bo", "Bäcker"))
     exported = fill_file(course, marks({"100": 12.5, "200": 31.25}, people, excused=()))
-    assert (exported.placed, b"12.5" in exported.content) == (0, False)
-    assert exported.lost == (
+    assert (exported.mark_count, b"12.5" in exported.content) == (0, False)
+    assert exported.failures == (
         "100 (Anna Ash), 12.5 points: Ash, Anna or Bäcker, Bo may be 100 or 200.",
         "200 (Bo Bäcker), 31.25 points: Ash, Anna or Bäcker, Bo may be 100 or 200.",
     )
     nameless = tuple(Person(person.id) for person in people)
     exported = fill_file(course, marks({"100": 12.5, "200": 31.25}, nameless, excused=()))
-    assert (exported.placed, len(exported.lost)) == (0, 2)
+    assert (exported.mark_count, len(exported.failures)) == (0, 2)
 
 
 @pytest.mark.parametrize("platform", ["canvas", "moodle"])
@@ -253,12 +255,12 @@ def test_a_key_of_one_student_with_the_name_of_another_leads_to_no_mark(fill_fil
         course = moodle_course()
         course.students[1].name, course.students[0].name = "Anna Schmidt", "Björn Müller"
     exported = fill_file(course, marks())
-    assert exported.placed == 2
-    assert [sentence.partition(",")[0] for sentence in exported.lost] == [
+    assert exported.mark_count == 2
+    assert [sentence.partition(",")[0] for sentence in exported.failures] == [
         "anna (Anna Schmidt)",
         "björn (Björn Müller)",
     ]
-    assert all("may be anna or björn" in sentence for sentence in exported.lost)
+    assert all("may be anna or björn" in sentence for sentence in exported.failures)
 
 
 def test_a_namesake_with_another_number_gets_no_mark(fill_file):
@@ -268,7 +270,7 @@ def test_a_namesake_with_another_number_gets_no_mark(fill_file):
     exported = fill_file(course, marks())
     course.import_(exported.content)
     assert (7777, 42) not in course.scores
-    assert exported.lost == (
+    assert exported.failures == (
         "anna (Anna Schmidt), 8.5 points: Schmidt, Anna has the number 7777 instead of 9001.",
     )
     assert not any("by name" in note for note in exported.notes)
@@ -277,7 +279,7 @@ def test_a_namesake_with_another_number_gets_no_mark(fill_file):
     exported = fill_file(course, marks())
     course.import_(exported.content)
     assert (course.scores.get((7777, 42)), course.scores[9001, 42]) == (None, 8.5)
-    assert exported.lost == ()
+    assert exported.failures == ()
     assert "In the file but not on the roster: Schmidt, Anna." in exported.notes
 
 
@@ -287,7 +289,7 @@ def test_numbers_of_another_kind_are_ignored(fill_file):
         for n, person in enumerate(PEOPLE)
     ]
     exported = fill_file(canvas_course(), marks({"x0": 8.5}, people, excused=()))
-    assert (exported.placed, exported.lost) == (1, ())
+    assert (exported.mark_count, exported.failures) == (1, ())
 
 
 @pytest.mark.parametrize(
@@ -319,7 +321,7 @@ def test_an_excuse_that_a_mark_replaces_is_named(fill_file):
 
 def test_excused_students_without_the_assignment_are_named(fill_file):
     exported = fill_file(canvas_course(assigned={42: {9001, 9002, 9003, 9004}}), marks())
-    assert (exported.placed, exported.lost) == (4, ())
+    assert (exported.mark_count, exported.failures) == (4, ())
     assert b"EX" not in exported.content
     (note,) = [note for note in exported.notes if note.startswith("Excused, but not marked")]
     assert "ill (Ilse Krank): Canvas would ignore the mark" in note and "(N/A)" in note
@@ -328,8 +330,8 @@ def test_excused_students_without_the_assignment_are_named(fill_file):
 def test_a_mark_for_an_unassigned_student_is_reported(fill_file):
     course = canvas_course(assigned={42: {9002, 9003, 9004}})
     exported = fill_file(course, marks())
-    assert exported.placed == 3
-    (lost,) = exported.lost
+    assert exported.mark_count == 3
+    (lost,) = exported.failures
     assert lost.startswith("anna (Anna Schmidt), 8.5 points: Canvas would ignore the mark")
 
 
@@ -338,7 +340,7 @@ def test_students_missing_in_the_file_or_on_the_roster_are_named(fill_file):
     course.students = [student for student in course.students if student.id not in (9001, 9005)]
     course.students.append(CanvasStudent(9300, "Gast, Gerd", "sis8", "gg"))
     exported = fill_file(course, marks())
-    assert exported.lost == (
+    assert exported.failures == (
         "anna (Anna Schmidt), 8.5 points: the file has no row for this student.",
     )
     assert "In the file but not on the roster: Gast, Gerd." in exported.notes
@@ -436,7 +438,7 @@ def test_moodle_gets_each_mark_and_no_other_mark_changes(fill_file, settings):
     course.import_(exported.content, ignore_modified=True)
     assert course.grades == {311: 8.5, 312: 31.25, 313: 100.0, 314: 0.0, 315: 60.0}
     assert course.comments[312] == "<p>So, so;\nfine</p>" and course.comments[315] == "graded again"
-    assert (exported.placed, exported.lost, course.skipped) == (4, (), [])
+    assert (exported.mark_count, exported.failures, course.skipped) == (4, (), [])
     mark = settings.get("decimal_mark", ".")
     replaced = f"björn (Björn Müller) from 12{mark}00 to 31{mark}25"
     assert f"Marks changed in the file: {replaced}." in exported.notes
@@ -456,8 +458,8 @@ def test_a_worksheet_keeps_its_format(fill_file):
 def test_marks_that_moodle_would_skip_are_named(fill_file):
     course = moodle_course(locked={311}, words=GERMAN, decimal_mark=",")
     exported = fill_file(course, marks({**POINTS, "mary jane": 101.0}))
-    assert exported.placed == 2
-    locked, above = exported.lost
+    assert exported.mark_count == 2
+    locked, above = exported.failures
     assert locked.startswith("anna (Anna Schmidt), 8.5 points: the grade is locked in Moodle")
     assert above.startswith(
         "mary jane (Mary Jane O'Neil, Jr), 101 points: Moodle silently ignores marks above 100"
@@ -468,7 +470,7 @@ def test_marks_that_moodle_would_skip_are_named(fill_file):
 
 def test_a_lock_is_found_with_the_marking_workflow(fill_file):
     exported = fill_file(moodle_course(locked={312}, workflow=True), marks())
-    assert exported.placed == 3 and exported.lost[0].startswith("björn")
+    assert exported.mark_count == 3 and exported.failures[0].startswith("björn")
 
 
 def test_a_blind_worksheet_is_matched_by_number_only(fill_file):
@@ -479,9 +481,9 @@ def test_a_blind_worksheet_is_matched_by_number_only(fill_file):
     ]
     exported = fill_file(course, marks(people=people, excused=people[5:]))
     course.import_(exported.content)
-    assert exported.lost == () and course.grades[311] == 8.5 and course.grades[314] == 0.0
+    assert exported.failures == () and course.grades[311] == 8.5 and course.grades[314] == 0.0
     plain = fill_file(moodle_course(blind=True), marks())
-    assert plain.placed == 0 and len(plain.lost) == 4
+    assert plain.mark_count == 0 and len(plain.failures) == 4
 
 
 def collect_from(course, student, owner, number):
@@ -505,7 +507,7 @@ def test_anonymous_submissions_are_joined_by_their_label(fill_file, tmp_path, wo
         marks(dict(zip(ids, (8.5, 31.25, 0.0), strict=True)), tuple(map(Person, ids)), excused=()),
     )
     moodle_site.import_(exported.content, ignore_modified=True)
-    assert exported.lost == ()
+    assert exported.failures == ()
     assert moodle_site.grades == {311: 8.5, 312: 31.25, 313: 0.0, 315: 44.0}
 
 
@@ -520,15 +522,15 @@ def test_anonymous_submissions_of_the_roster_are_joined_by_the_archive(fill_file
     exported = fill_file(moodle_site, marks())
     moodle_site.import_(exported.content, ignore_modified=True)
     assert moodle_site.grades == {311: 31.25, 312: 8.5, 315: 44.0}
-    assert [sentence.partition(" (")[0] for sentence in exported.lost] == ["mary jane", "cmd"]
+    assert [sentence.partition(" (")[0] for sentence in exported.failures] == ["mary jane", "cmd"]
 
 
 def test_a_participant_number_is_not_taken_for_an_lms_id(fill_file):
     """Participant numbers differ between assignments, so an lms_id may match one by chance."""
     other = Person("x", "Xaver", "Unbekannt", lms_id="311")
     exported = fill_file(moodle_course(), marks({"x": 50.0}, (other,), excused=()))
-    assert exported.placed == 0
-    assert exported.lost == (
+    assert exported.mark_count == 0
+    assert exported.failures == (
         "x (Xaver Unbekannt), 50 points: the file has no row for this student.",
     )
 
@@ -581,10 +583,10 @@ def test_a_file_of_another_kind_is_refused_with_a_suggestion(tmp_path, content, 
     path.write_bytes(content)
     order = ExportOptions(Course(tmp_path), marks(), STAGE, into=path, column="T")
     with pytest.raises(ExportError, match=message):
-        canvas(order)
+        export_canvas(order)
     if message == "is not ":
         with pytest.raises(ExportError, match="not an offline grading worksheet"):
-            moodle(order)
+            export_moodle(order)
 
 
 def test_a_long_text_in_a_worksheet_is_read(fill_file):

@@ -78,7 +78,7 @@ def test_processes_are_kept_and_end_with_the_pool():
 
 
 def test_a_process_that_hangs_is_killed(monkeypatch):
-    monkeypatch.setattr(pool, "LONGEST_JOB", 0.5)
+    monkeypatch.setattr(pool, "MAX_JOB_SECONDS", 0.5)
     with Pool(1) as judges:
         with pytest.raises(BrokenExecutor, match="signal 9"):
             judges.submit(time.sleep, 600).result(PATIENCE)

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from nbconvert.exporters import HTMLExporter
 
-from grader.classroom import contents
+from grader.classroom import lesson_recognition
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
 from grader.intake import preflight
@@ -28,7 +28,7 @@ from grader.intake.preflight import (
 from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import judge_files
 from grader.judging.verdict import FAILED
-from grader.lms.autograded import MISSING_ANSWER_NOTE, build_copy, graded_cells
+from grader.lms.autograded_copy import MISSING_ANSWER_NOTE, build_copy, graded_cells
 from tests.students import answers_in
 from utils.notebooks.reading import UnreadableNotebook
 
@@ -508,11 +508,13 @@ def test_a_cut_off_file_keeps_the_complete_answer():
 
 def test_an_incomplete_file_never_counts_as_untouched():
     released = LESSON.released.read_bytes()
-    assert contents.content_of(released, "a.ipynb").untouched
-    assert not contents.content_of(released[:-9], "a.ipynb").untouched
+    assert lesson_recognition.content_of(released, "a.ipynb").untouched
+    assert not lesson_recognition.content_of(released[:-9], "a.ipynb").untouched
     with_odd_cell = json.loads(released)
     with_odd_cell["cells"].append(7)
-    assert not contents.content_of(json.dumps(with_odd_cell).encode(), "a.ipynb").untouched
+    assert not lesson_recognition.content_of(
+        json.dumps(with_odd_cell).encode(), "a.ipynb"
+    ).untouched
 
     whole = SubmittedFiles("06_filter_ground.ipynb", released)
     assert preflight.prepare_to_judge(whole, LESSON).is_as_released
@@ -565,7 +567,7 @@ VOXELS = "def voxel_grid(cloud):\n    return {}"
 def test_prepared_notebooks_are_immutable():
     for kind in (WrittenAnswer, PreparedNotebook, JudgeInput):
         assert kind.__dataclass_params__.frozen
-    assert WrittenAnswer("a").certain
+    assert WrittenAnswer("a").is_certain
     assert preflight.cells_as_released(LESSON) is preflight.cells_as_released(LESSON)  # read once
 
 
@@ -990,7 +992,7 @@ def write_up(*cells):
     answer, index = prepared.answers["write_up"], prepared.graded.get("write_up")
     own = None if index is None else prepared.cells[index].source
     notes = [note for note in prepared.notes if "write_up" in note]
-    return answer.text, answer.certain, [cell.source for cell in prepared.cells][1:], own, notes
+    return answer.text, answer.is_certain, [cell.source for cell in prepared.cells][1:], own, notes
 
 
 STUB = text("YOUR ANSWER HERE")

@@ -14,8 +14,8 @@ from grader.course import rules
 from grader.course.lessons import all_lessons, find_lesson, lesson_of, load_reference
 from grader.intake.preflight import cells_as_released
 from grader.judging import mistake_diagnosis, repair, results
-from grader.judging.error_carried_forward import CarriedForward
-from grader.judging.program_run import RunResults, Setting
+from grader.judging.error_carried_forward import CarriedForwardResult
+from grader.judging.program_run import JudgingContext, RunResults
 from grader.judging.runner import run_checks
 from grader.judging.verdict import Slip
 from grader.sandbox import Limits
@@ -34,7 +34,7 @@ LINE = find_lesson("02_ransac_line")
 FAIL = CheckFailed("no")
 HANGS = StudentError("line_through", TOOK_TOO_LONG)
 SUBMITTED, REPAIRED = Program(("a",), ()), Program(("b",), ())
-SETTING = Setting(LINE, 1, None)
+SETTING = JudgingContext(LINE, 1, None)
 PLACES = ("1, line 3", "2")
 RAISED = [StudentError("f", "ValueError", place=f"code cell {place}") for place in PLACES]
 
@@ -78,12 +78,16 @@ def test_an_exercise_that_lost_points_is_tried_with_its_failed_checks(repair_cal
 def test_a_function_that_calls_a_wrong_one_is_tried_with_a_right_one(repair_calls):
     run = RunResults(outcomes_of("ransac_line", FAIL, FAIL, FAIL))
     carried = {
-        "ransac_line": CarriedForward(outcomes_of("ransac_line", None, FAIL, None), "", REPAIRED)
+        "ransac_line": CarriedForwardResult(
+            outcomes_of("ransac_line", None, FAIL, None), "", REPAIRED
+        )
     }
     repair.find_slips(SETTING, SUBMITTED, run, carried)
     assert repair_calls == [(REPAIRED, "ransac_line", ["ransac_line 1"])]
     right = {
-        "ransac_line": CarriedForward(outcomes_of("ransac_line", None, None, None), "", REPAIRED)
+        "ransac_line": CarriedForwardResult(
+            outcomes_of("ransac_line", None, None, None), "", REPAIRED
+        )
     }
     repair.find_slips(SETTING, SUBMITTED, run, right)
     assert len(repair_calls) == 1
@@ -138,7 +142,9 @@ def test_a_named_mistake_may_explain_an_answer_that_no_edit_repairs(repair_calls
         (SETTING, SUBMITTED, "ransac_line", {"ransac_line 0"}),
     ]
     # A mistake found with a wrong helper does not explain the answers with a right helper.
-    carried = {"line_through": CarriedForward(outcomes_of("line_through", FAIL), "", REPAIRED)}
+    carried = {
+        "line_through": CarriedForwardResult(outcomes_of("line_through", FAIL), "", REPAIRED)
+    }
     assert repair.find_slips(SETTING, SUBMITTED, run, carried) == {}
 
 
@@ -243,7 +249,7 @@ def passing_edits(monkeypatch):
         # The judge's own process appears to use as much processor time as the student's.
         monkeypatch.setattr(repair.time, "process_time", lambda: 50.0 + student.cpu_seconds)
         monkeypatch.setattr(repair.time, "monotonic", clock)
-        setting = Setting(LINE, 1, None, limits, budget)
+        setting = JudgingContext(LINE, 1, None, limits, budget)
         found = []
         for edit in repair._passing_edits(setting, SUBMITTED, "line_through", failed, likeliest):
             found.append(edit)
@@ -290,7 +296,7 @@ def test_an_answer_gets_no_edits_if_its_first_hidden_test_passes_when_repeated(p
 def test_other_edits_get_less_time_for_the_first_check_after_a_hang(passing_edits):
     student = EditedStudent(["abxy", "a", "bx", "A", "b", "A", ""])
     assert passing_edits(student) == [5]
-    long, short = repair.SECONDS_OF_A_CALL, repair.SECONDS_OF_A_FIRST_CALL
+    long, short = repair.CALL_SECONDS, repair.FIRST_CALL_SECONDS
     assert short < long / 5
     first_times = [seconds for letter, seconds in student.given if letter == "a"]
     # The first limit applied to the answer without an edit.
@@ -399,7 +405,7 @@ def test_the_time_is_checked_after_each_slow_edit(passing_edits):
 def test_calls_are_limited_to_the_time_of_a_right_answer(passing_edits):
     student = EditedStudent(["abxy", ""])
     passing_edits(student)
-    limits = Limits(call_seconds=2 * repair.SECONDS_OF_A_CALL, restarts=repair.MOST_RESTARTS)
+    limits = Limits(call_seconds=2 * repair.CALL_SECONDS, restarts=repair.MAX_RESTARTS)
     assert student.limits == limits and 0.1 < limits.call_seconds < 1
     passing_edits(student, limits=Limits(call_seconds=0.1, memory=7))
     assert (student.limits.call_seconds, student.limits.memory) == (0.1, 7)
@@ -409,10 +415,10 @@ def test_edits_use_the_notebooks_remaining_time(passing_edits):
     budget = Budget(Limits())
     student = EditedStudent(["abxy"] * 100, slept=0.56)  # nine seconds pass between two time checks
     assert (
-        passing_edits(student, budget=budget) == [] and student.tried == 2 * repair.EDITS_PER_LOOK
+        passing_edits(student, budget=budget) == [] and student.tried == 2 * repair.EDITS_PER_POLL
     )
     assert student.budget is budget
-    assert budget.seconds == pytest.approx(180 - 0.56 * 2 * repair.EDITS_PER_LOOK)
+    assert budget.seconds == pytest.approx(180 - 0.56 * 2 * repair.EDITS_PER_POLL)
     # Time between edits does not count, for example the time for judging an edit completely.
     student = EditedStudent(["abxy", *["", "a"] * 40], slept=0.01)
 
@@ -429,7 +435,7 @@ def test_wall_clock_time_ends_the_search_in_any_case(passing_edits):
     clock = itertools.count(100.0)
     student = EditedStudent(["abxy"] * 500)
     assert passing_edits(student, clock=lambda: next(clock)) == []
-    assert 10 < student.tried < repair.MOST_SECONDS
+    assert 10 < student.tried < repair.MAX_SECONDS
 
 
 def test_time_lost_by_one_edit_does_not_count_for_the_next(passing_edits):
@@ -440,7 +446,7 @@ def test_time_lost_by_one_edit_does_not_count_for_the_next(passing_edits):
 def test_a_notebook_whose_cells_never_end_is_not_started_again(repair_calls):
     run = RunResults(outcomes_of("line_through", FAIL))
     budget = Budget(Limits())
-    setting = Setting(LINE, 1, None, None, budget)
+    setting = JudgingContext(LINE, 1, None, None, budget)
     repair.find_slips(setting, SUBMITTED, run, {})
     assert len(repair_calls) == 1
     budget.cells_finish = False

@@ -31,7 +31,7 @@ def fill_memory():
 
 
 def return_long_answer():
-    return "a" * (reader_process.LARGEST_REPLY + 1)
+    return "a" * (reader_process.MAX_REPLY_BYTES + 1)
 
 
 def stop_own_process():
@@ -59,8 +59,8 @@ def short_limits(monkeypatch):
     """Set small limits, and return a function that also shortens the wall-clock limit."""
     monkeypatch.setattr(reader_process, "CPU_SECONDS", 1)
     monkeypatch.setattr(reader_process, "MEGABYTES", 128)
-    monkeypatch.setattr(reader_process, "LARGEST_REPLY", 2**22)
-    return lambda: monkeypatch.setattr(reader_process, "LONGEST_WAIT", 0.5)
+    monkeypatch.setattr(reader_process, "MAX_REPLY_BYTES", 2**22)
+    return lambda: monkeypatch.setattr(reader_process, "MAX_WAIT_SECONDS", 0.5)
 
 
 @pytest.mark.end_to_end
@@ -187,20 +187,21 @@ def test_lower_hard_limits_are_respected(limits):
 
 
 def test_the_reply_limit_fits_the_largest_file_and_the_memory():
-    assert 64 * 2**20 < reader_process.LARGEST_REPLY < reader_process.MEGABYTES * 2**20
+    assert 64 * 2**20 < reader_process.MAX_REPLY_BYTES < reader_process.MEGABYTES * 2**20
 
 
 def test_the_longest_wait_is_long_enough_for_a_busy_machine():
     """The wait is long, because six seconds of work once took two minutes on a busy machine."""
-    assert 50 * reader_process.CPU_SECONDS < reader_process.LONGEST_WAIT < pool.LONGEST_JOB
+    assert 50 * reader_process.CPU_SECONDS < reader_process.MAX_WAIT_SECONDS < pool.MAX_JOB_SECONDS
 
 
 def test_the_exceeded_limit_follows_from_the_exit_code():
     for code in (0, 1, signal.SIGXCPU, -signal.SIGKILL, -signal.SIGSYS, 76, 78):
-        assert reader_process._excess(code, b"") == ""
-    assert reader_process._excess(-signal.SIGXCPU, b"") == "more than 10 seconds"
+        assert reader_process._exceeded_limit(code, b"") == ""
+    assert reader_process._exceeded_limit(-signal.SIGXCPU, b"") == "more than 10 seconds"
     assert (
-        reader_process._excess(reader_process._OUT_OF_MEMORY, b"") == "more than 768 MB of memory"
+        reader_process._exceeded_limit(reader_process._OUT_OF_MEMORY, b"")
+        == "more than 768 MB of memory"
     )
 
 
@@ -231,18 +232,20 @@ class Pipe:
 
 def test_an_answer_is_read_until_its_end_or_its_deadline(monkeypatch):
     pipe = Pipe(monkeypatch, [b"ab", b"c", b"", b"never"], (100.0, 100.5, 104.0))
-    assert reader_process._read(7, 102.0) == b"abc"
+    assert reader_process._read_pipe(7, 102.0) == b"abc"
     assert pipe.waited == [2000.0, 1500.0, 0.0]  # a negative time would wait forever
     assert min(pipe.sizes) >= 2**16, "a pipe may contain this much"
-    assert reader_process._read(7, 102.0) == b"never"
+    assert reader_process._read_pipe(7, 102.0) == b"never"
 
 
 @pytest.mark.parametrize(("largest", "read"), [(3, b"abcd"), (4, b"abcdef"), (5, b"abcdef")])
 def test_reading_stops_once_an_answer_is_too_long(largest, read, monkeypatch):
-    monkeypatch.setattr(reader_process, "LARGEST_REPLY", largest)
+    monkeypatch.setattr(reader_process, "MAX_REPLY_BYTES", largest)
     Pipe(monkeypatch, [b"ab", b"cd", b"ef", b"gh"])
-    assert reader_process._read(7, 102.0) == read
-    assert reader_process._excess(0, read) and not reader_process._excess(0, read[:largest])
+    assert reader_process._read_pipe(7, 102.0) == read
+    assert reader_process._exceeded_limit(0, read) and not reader_process._exceeded_limit(
+        0, read[:largest]
+    )
 
 
 def test_the_deadline_follows_from_the_patience(monkeypatch):
@@ -252,8 +255,8 @@ def test_the_deadline_follows_from_the_patience(monkeypatch):
         deadlines.append(until)
         return json.dumps(["done", 7]).encode()
 
-    monkeypatch.setattr(reader_process, "_read", read)
-    monkeypatch.setattr(reader_process, "LONGEST_WAIT", 60)
+    monkeypatch.setattr(reader_process, "_read_pipe", read)
+    monkeypatch.setattr(reader_process, "MAX_WAIT_SECONDS", 60)
     monkeypatch.setattr(reader_process.time, "monotonic", lambda: 1000.5)
     assert reader_process.run_in_child("file.ipynb", sleep_long) == 7
     assert deadlines == [1060.5]
@@ -261,6 +264,6 @@ def test_the_deadline_follows_from_the_patience(monkeypatch):
 
 @pytest.mark.parametrize("reply", [b"", b"[", b"7", b"[" * 10**5])
 def test_an_invalid_reply_counts_as_no_answer(reply, monkeypatch):
-    monkeypatch.setattr(reader_process, "_read", lambda pipe, until: reply)
+    monkeypatch.setattr(reader_process, "_read_pipe", lambda pipe, until: reply)
     with pytest.raises(reader_process.ReadingFailed, match="did not reply"):
         reader_process.run_in_child("file.ipynb", sleep_long)

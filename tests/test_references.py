@@ -86,7 +86,7 @@ def test_the_references_process_a_real_frame(real_clouds, ground, cluster):
     assert 0 < len(obstacles) < len(cloud)
     near = obstacles[np.hypot(obstacles[:, 0], obstacles[:, 1]) < 20]
     thinned = ground.voxel_grid(near, 0.2)
-    thinned = samples.without_ties(thinned, 0.5)
+    thinned = samples.remove_ties(thinned, 0.5)
     labels = cluster(thinned, 0.5)
     seconds = time.perf_counter() - start
     expected = samples.cluster_labels(thinned, 0.5)

@@ -118,7 +118,7 @@ def test_student_requirements_cover_all_imports_of_the_notebooks():
 
 
 def test_a_notebook_that_reveals_a_solution_is_not_released(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(standalone, "leaks", lambda *texts: ["answer = 42"])
+    monkeypatch.setattr(standalone, "find_leaks", lambda *texts: ["answer = 42"])
     assert cli.main(["release", STAGE, "--to", str(tmp_path)]) == 1
     assert "reveals a line of the solution, 'answer = 42'" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
@@ -255,7 +255,7 @@ def course(tmp_path, monkeypatch):
     monkeypatch.setattr(
         runs, "executed_notebook", lambda lesson, folder, extra: lesson.solved.read_bytes()
     )
-    monkeypatch.setattr(solutions, "as_page", lambda notebook, lesson: b"page")
+    monkeypatch.setattr(solutions, "render_page", lambda notebook, lesson: b"page")
     monkeypatch.setattr(commands, "Course", lambda: Course(tmp_path))
     return tmp_path
 
@@ -333,7 +333,7 @@ def test_due_dates_in_the_gradebook_also_count_for_solutions(course, capsys):
 
 def test_a_solution_page_loads_no_other_files():
     lesson = find_lesson("02_ransac_line")
-    page = solutions.as_page(lesson.solved.read_bytes(), lesson).decode()
+    page = solutions.render_page(lesson.solved.read_bytes(), lesson).decode()
     assert "<script" not in page and "<link" not in page and "@import" not in page
     assert set(re.findall(r'src="([a-z]+):', page)) == {"data"}
     without_code = re.sub(r"<(style|pre)\b.*?</\1>", "", page, flags=re.S)
@@ -411,11 +411,14 @@ def test_solutions_run_for_the_site_become_portable_notebooks():
 
     answer = {"question": "How many?", "answer": "7 <m>", "why": "Because."}
     cells = [
-        [output(widget_states.QUESTION, {"question": "How many?"})],
-        [nbformat.v4.new_output("stream", text="said"), output(widget_states.ANSWER, answer)],
+        [output(widget_states.QUESTION_TYPE, {"question": "How many?"})],
+        [nbformat.v4.new_output("stream", text="said"), output(widget_states.ANSWER_TYPE, answer)],
         [
-            *(output(widget_states.POSITION, {"all": [["height", "3"]]}), picture("one")),
-            *(output(widget_states.POSITION, {"slider": "height", "value": "4"}), picture("two")),
+            *(output(widget_states.POSITION_TYPE, {"all": [["height", "3"]]}), picture("one")),
+            *(
+                output(widget_states.POSITION_TYPE, {"slider": "height", "value": "4"}),
+                picture("two"),
+            ),
         ],
     ]
     notebook = nbformat.v4.new_notebook(

@@ -11,7 +11,7 @@ from grader.intake.submission import SubmittedFiles
 from grader.judging import repair, results
 from grader.judging.judge import judge_files
 from grader.judging.verdict import read_verdict, write_verdict
-from grader.lms.autograded import score_output
+from grader.lms.autograded_copy import score_output
 from grader.sandbox import Limits
 from tests.test_slips import solution_of
 

@@ -9,9 +9,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from grader.classroom.collect.answers import read_answers, store_answers
-from grader.classroom.item_analysis import common_messages, hardest_checks, items_of, not_started
+
+from grader.classroom.item_analysis import (
+    common_messages,
+    count_not_started,
+    hardest_checks,
+    items_of,
+)
 from grader.classroom.submissions import Submission
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
@@ -27,7 +32,7 @@ from grader.judging.verdict import (
     Verdict,
 )
 from grader.lms.distribution import distribution_of
-from grader.lms.marks_table import duration, marks_table
+from grader.lms.marks_table import format_duration, marks_table
 from grader.lms.report import MIN_SUBMISSIONS, GradingRun, write_report
 from grader.lms.results import (
     EXCUSED,
@@ -101,8 +106,8 @@ def test_a_late_penalty_is_subtracted_and_explained():
     )
     table = marks_table([SIX], results, {})
     (row,) = table.rows
-    assert row.cells[0].text == "15" and "20 minus 5" in row.cells[0].means
-    assert (row.late.text, row.sum.text) == ("1 d 3 h, −5", "15 of 30")
+    assert row.cells[0].text == "15" and "20 minus 5" in row.cells[0].meaning
+    assert (row.late.text, row.total.text) == ("1 d 3 h, −5", "15 of 30")
     assert table.has_late
 
 
@@ -116,8 +121,8 @@ def test_the_sum_includes_missing_notebooks_but_not_excused_ones():
         ]
     )
     ada, bo = marks_table([SIX, SEVEN], results, {}).rows
-    assert (ada.sum.text, ada.sum.means) == ("30 of 60", "1 missing")
-    assert (bo.sum.text, bo.sum.means) == ("10 of 30 …", "1 waiting for a grader")
+    assert (ada.total.text, ada.total.meaning) == ("30 of 60", "1 missing")
+    assert (bo.total.text, bo.total.meaning) == ("10 of 30 …", "1 waiting for a grader")
 
 
 def test_students_missing_from_the_roster_are_counted_separately(tmp_path):
@@ -191,7 +196,7 @@ def test_a_failed_judge_gives_no_mark():
     ],
 )
 def test_a_duration_has_two_units(time, words):
-    assert duration(time) == words
+    assert format_duration(time) == words
 
 
 def test_the_text_about_a_mean_lists_the_included_scores():
@@ -246,7 +251,7 @@ def test_exercises_that_were_not_started_are_not_listed_as_mistakes(tmp_path):
     ]
     wrong = verdict("dee", [check(False)], "`<` stands where `>=` is asked for.")
     calls_a_stub = verdict("ed", [check(False, kind=MessageKind.NOT_STARTED, subject="voxel_grid")])
-    assert not_started([*empty, wrong, calls_a_stub]) == [("filter_ground", 3)]
+    assert count_not_started([*empty, wrong, calls_a_stub]) == [("filter_ground", 3)]
     assert [mistake[2] for mistake in common_messages([*empty, wrong])] == [1]
     assert [item.tried for item in items_of([*empty, wrong])] == [1]
     assert [(c.failed, c.tried) for c in hardest_checks([*empty, wrong])] == [(1, 1)]
@@ -364,7 +369,7 @@ def test_only_the_reports_own_script_runs(tmp_path):
         [bad],
         results,
         warning=HOSTILE_MARKUP,
-        left=[(Path(HOSTILE_MARKUP), HOSTILE_MARKUP)],
+        unjudged_files=[(Path(HOSTILE_MARKUP), HOSTILE_MARKUP)],
     )
     ((kind, script),) = re.findall(r"<script([^>]*)>(.*?)</script>", page, re.DOTALL)
     assert kind == ' type="module"'
@@ -436,7 +441,7 @@ def test_the_page_without_names_contains_no_personal_data(tmp_path):
         verdicts,
         class_of(results, stages, people=tuple(people)),
         warning=secret["warningtext"],
-        left=[(Path(secret["filename"]), secret["reasontext"])],
+        unjudged_files=[(Path(secret["filename"]), secret["reasontext"])],
     )
     page = (tmp_path / "report" / "anonymous.html").read_text("utf-8")
     assert "whostudent0x0" in named and "messagetext" in named, "the page with names contains it"

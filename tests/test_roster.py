@@ -59,8 +59,8 @@ def test_each_person_is_read_in_the_order_of_the_file(course):
         (
             "id,Notes,github\n b ,late?,gh\n\n,,\nc\n",
             [
-                Person("b", github="gh", more=(("Notes", "late?"),)),
-                Person("c", more=(("Notes", ""),)),
+                Person("b", github="gh", additional_cells=(("Notes", "late?"),)),
+                Person("c", additional_cells=(("Notes", ""),)),
             ],
         ),
         ('id,first_name\nb,"Two\nlines"\nc,C\n', [Person("b", "Two\nlines"), Person("c", "C")]),
@@ -164,15 +164,15 @@ def test_an_empty_roster_matches_no_person():
 def test_other_columns_are_kept_with_their_titles(course):
     roster = read(course, "Matriculation No.,ID,EMAIL,, Group ,group\n007,b,b@x,z,1,=2\n8,c\n")
     titles = ("Matriculation No.", "Group", "group")
-    assert [dict(person.more) for person in roster.people] == [
+    assert [dict(person.additional_cells) for person in roster.people] == [
         dict(zip(titles, ("007", "1", "=2"), strict=True)),
         dict(zip(titles, ("8", "", ""), strict=True)),
     ]
     assert [person.email for person in roster.people] == ["b@x", ""]
-    assert read(course, "id,github\nb,gh\n").people[0].more == ()
+    assert read(course, "id,github\nb,gh\n").people[0].additional_cells == ()
 
 
 def test_sections_are_found_without_regard_to_case_and_blanks(course):
     roster = read(course, "id,section\nb,Group  1\nc,\nd,group 1\ne,Group 10\n")
-    assert [person.id for person in roster.in_section(" GROUP 1")] == ["b", "d"]
-    assert roster.in_section("Group") == roster.in_section("") == ()
+    assert [person.id for person in roster.people_in_section(" GROUP 1")] == ["b", "d"]
+    assert roster.people_in_section("Group") == roster.people_in_section("") == ()

@@ -17,7 +17,7 @@ from grader.course.paths import Course
 from grader.intake.preflight import prepare
 from grader.intake.submission import SubmittedFiles
 from grader.judging import error_carried_forward
-from grader.judging.program_run import RunResults, Setting
+from grader.judging.program_run import JudgingContext, RunResults
 from grader.judging.verdict import (
     JUDGED,
     Verdict,
@@ -25,10 +25,10 @@ from grader.judging.verdict import (
 )
 from grader.lms import gradebook_writer
 from grader.lms.differences import differences
-from grader.lms.entries import StageEntry
+from grader.lms.stage_entries import StageEntry
 from grader.lms.submission_times import known_time
 from grader.sandbox.failures import StudentStopped
-from grader.sandbox.program import Given, Program
+from grader.sandbox.program import GivenCode, Program
 from utils.checks import Check
 from utils.checks.failures import CheckFailed
 from utils.checks.outcomes import Outcome
@@ -64,7 +64,7 @@ def follow(monkeypatch, uses, outcomes, again):
 
     monkeypatch.setattr(error_carried_forward, "run_program", run)
     results = RunResults(tuple(outcomes), uses=uses)
-    better, _ = error_carried_forward.carry_forward(Setting(LINE, 1, None), program, results)
+    better, _ = error_carried_forward.carry_forward(JudgingContext(LINE, 1, None), program, results)
     return better, programs
 
 
@@ -97,7 +97,7 @@ def test_a_second_score_counts_only_if_it_is_higher(monkeypatch, passes):
 
 
 def test_a_carried_forward_result_is_immutable():
-    assert error_carried_forward.CarriedForward.__dataclass_params__.frozen
+    assert error_carried_forward.CarriedForwardResult.__dataclass_params__.frozen
 
 
 STOP = StudentStopped("it did not answer")
@@ -157,7 +157,7 @@ def test_a_perfect_exercise_is_also_run_again(monkeypatch):
         monkeypatch.setattr(error_carried_forward, "run_program", run)
         program = Program(("pass",), LINE.names)
         better, _ = error_carried_forward.carry_forward(
-            Setting(LINE, 1, None), program, RunResults(tuple(first), uses=uses)
+            JudgingContext(LINE, 1, None), program, RunResults(tuple(first), uses=uses)
         )
         assert programs == [program], "without right helpers"
         found = better.get("ransac_line")
@@ -172,7 +172,7 @@ def test_a_check_passed_by_chance_is_revoked(monkeypatch):
         error_carried_forward, "run_program", lambda *about: RunResults(tuple(next(tries)))
     )
     better, _ = error_carried_forward.carry_forward(
-        Setting(LINE, 1, None), program, RunResults(tuple(first), uses=uses)
+        JudgingContext(LINE, 1, None), program, RunResults(tuple(first), uses=uses)
     )
     assert all(outcome.failure for outcome in better["ransac_line"].outcomes)
     assert "use random numbers?" in better["ransac_line"].sentence
@@ -189,7 +189,7 @@ def test_a_failed_second_run_does_not_count(monkeypatch, fault, starved):
         "run_program",
         lambda setting, code, wanted: first if code == own else ended,
     )
-    better, late = error_carried_forward.carry_forward(Setting(LINE, 1, None), own, first)
+    better, late = error_carried_forward.carry_forward(JudgingContext(LINE, 1, None), own, first)
     assert (set(better), late) == ((set(), False) if fault else ({"ransac_line"}, starved))
 
 
@@ -199,7 +199,7 @@ def test_each_exercise_is_run_again_separately(monkeypatch):
     names = [exercise.name for exercise in plane.machine_graded]
     lost = [outcome for name in names for outcome in outcomes_of(name, False, name == names[3])]
     hold = [outcome for name in names for outcome in outcomes_of(name, True, True)]
-    given = Given(("KdTree",), "class KdTree: pass", ("KdTree",))
+    given = GivenCode(("KdTree",), "class KdTree: pass", ("KdTree",))
     own, programs, about = Program(("pass",), plane.names, given=given), [], []
 
     def run(setting, program, wanted):
@@ -215,7 +215,7 @@ def test_each_exercise_is_run_again_separately(monkeypatch):
     monkeypatch.setattr(error_carried_forward, "run_program", run)
     uses = {name: tuple(names) for name in names[1:]}
     better, late = error_carried_forward.carry_forward(
-        Setting(plane, 1, None), own, RunResults(tuple(lost), uses=uses)
+        JudgingContext(plane, 1, None), own, RunResults(tuple(lost), uses=uses)
     )
     assert late and list(better) == [names[1], *names[3:]]  # the second of the four runs failed
     assert [one.check.exercise for one in better[names[3]].outcomes] == [names[3]] * 2
@@ -225,7 +225,7 @@ def test_each_exercise_is_run_again_separately(monkeypatch):
         assert program.names == (names[number], "KdTree")
         assert program.given.names == ("KdTree", *names[:number])
         assert program.given.source.startswith("class KdTree: pass\n")
-        assert program.given.open == ("KdTree",)
+        assert program.given.open_names == ("KdTree",)
         for name in names:
             assert (f"def {name}(" in program.given.source) == (name in names[:number])
     assert better[names[1]].sentence == (

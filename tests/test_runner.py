@@ -257,7 +257,7 @@ def test_an_interrupt_in_a_hidden_test_ends_the_run(make_lesson):
 
 
 def test_a_slow_comparison_is_interrupted_and_the_timer_restored(make_lesson, monkeypatch):
-    monkeypatch.setattr(runner, "SECONDS_OF_A_TEST", 0.05)
+    monkeypatch.setattr(runner, "TEST_SECONDS", 0.05)
     hidden = TWO_TESTS.replace(
         'student.g("second")', "for _ in range(10**8): pass"
     )  # would take seconds
@@ -270,15 +270,13 @@ def test_a_slow_comparison_is_interrupted_and_the_timer_restored(make_lesson, mo
 
 
 def test_waiting_for_student_code_does_not_count_as_work_of_the_judge(make_lesson, monkeypatch):
-    monkeypatch.setattr(runner, "SECONDS_OF_A_TEST", 0.2)
+    monkeypatch.setattr(runner, "TEST_SECONDS", 0.2)
     hidden = TWO_TESTS.replace('student.g("second")', "time.sleep(0.4)")
     assert "test_second" not in failures(run_checks(make_lesson(hidden), RecordingStudent(), SEED))
 
 
 def test_a_test_may_compute_for_seconds():
-    assert (
-        5 <= runner.SECONDS_OF_A_TEST <= 60
-    )  # the slowest test of a right answer takes two seconds
+    assert 5 <= runner.TEST_SECONDS <= 60  # the slowest test of a right answer takes two seconds
 
 
 def test_there_is_no_time_limit_in_another_thread(make_lesson):
@@ -328,7 +326,7 @@ def test_giving_up_an_exercise_names_the_number_of_huge_answers(make_lesson):
 
 
 def test_slow_comparisons_of_wrong_answers_have_one_limit(make_lesson, monkeypatch):
-    monkeypatch.setattr(runner, "SECONDS_OF_A_TEST", 0.05)
+    monkeypatch.setattr(runner, "TEST_SECONDS", 0.05)
 
     def compute(function):
         function()
@@ -497,7 +495,9 @@ def run_once(monkeypatch):
         monkeypatch.setattr(program_run, "StudentProxy", lambda *about: fake_student)
         monkeypatch.setattr(program_run, "run_checks", run)
         monkeypatch.setattr(program_run, "diagnose", diagnose)
-        return program_run.run_program(program_run.Setting(FILTER, SEED, None), None, **options)
+        return program_run.run_program(
+            program_run.JudgingContext(FILTER, SEED, None), None, **options
+        )
 
     return run_with, seen
 
@@ -555,6 +555,6 @@ def test_a_fault_is_recorded_and_the_process_stopped(run_once):
 
 def test_results_and_settings_are_immutable(run_once):
     run_with, _ = run_once
-    for made in (run_with(ENDED), program_run.Setting(FILTER, SEED, None)):
+    for made in (run_with(ENDED), program_run.JudgingContext(FILTER, SEED, None)):
         with pytest.raises(dataclasses.FrozenInstanceError):
             made.starved = False

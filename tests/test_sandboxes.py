@@ -14,7 +14,7 @@ from grader import cli
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
 from grader.sandbox import SANDBOXES, Limits, choose_sandbox, jail
-from grader.sandbox.boundary import WORKER
+from grader.sandbox.boundary import WORKER_SCRIPT
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.launcher import send_rules
 from grader.sandbox.program import Program
@@ -25,7 +25,7 @@ class Streams:
     """A worker that communicates through its standard streams, as in a container."""
 
     def __init__(self):
-        command = [sys.executable, "-I", "-B", str(WORKER), "0", "1"]
+        command = [sys.executable, "-I", "-B", str(WORKER_SCRIPT), "0", "1"]
         self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
         self.read_end, self.write_end = self.process.stdout.fileno(), self.process.stdin.fileno()
         for end in (self.read_end, self.write_end):
@@ -65,7 +65,7 @@ class Container:
     def protections(self):
         return "none"
 
-    def start(self, limits, forbidden=(), packages=(), named=()):
+    def start(self, limits, forbidden=(), packages=(), named_packages=()):
         worker = Streams()
         rules = {"user": None, "limits": limits.resources(), "forbidden": list(forbidden)}
         send_rules(worker, rules)

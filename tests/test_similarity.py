@@ -16,7 +16,7 @@ from grader.classroom.similarity.answers import (
     suggested_answers,
 )
 from grader.classroom.similarity.comparison import compare
-from grader.classroom.similarity.page import percent, write_similarity
+from grader.classroom.similarity.page import format_percent, write_similarity
 from grader.classroom.similarity.stage import compare_stage
 from grader.course.kept_answers import ANOTHER_CELL, answers_to, fill_in
 from grader.course.lessons import lesson_of
@@ -58,8 +58,8 @@ def names_of(comparison):
 @pytest.mark.parametrize("exercise", ALL)
 def test_independent_answers_are_not_flagged(exercise, monkeypatch):
     """Right answers, which were written independently, are not flagged even at lower thresholds."""
-    monkeypatch.setattr(comparison, "LEAST_SHARE", comparison.LEAST_SHARE - 0.1)
-    monkeypatch.setattr(comparison, "LEAST_BITS", comparison.LEAST_BITS - 3)
+    monkeypatch.setattr(comparison, "MIN_SHARE", comparison.MIN_SHARE - 0.1)
+    monkeypatch.setattr(comparison, "MIN_BITS", comparison.MIN_BITS - 3)
     assert compare_answers(exercise, written_answers(exercise, right=True)).pairs == ()
 
 
@@ -344,18 +344,18 @@ def test_the_numbers_about_a_pair_are_counted():
     ((pair),) = compare("get_bounding_boxes", answers, [answers["dee"]] * 4).pairs
     assert pair.students == ("bo", "cy")
     assert pair.share == 1.0
-    assert pair.steps == (14, 14)
-    assert pair.alike == (frozenset(range(14)), frozenset(range(14)))
-    assert pair.exclusive == 13  # all steps except the empty dictionary
-    assert pair.others == (1, 4)
-    assert pair.nearest == (0.0, 0.0)  # all students have this dictionary
+    assert pair.step_counts == (14, 14)
+    assert pair.similar_steps == (frozenset(range(14)), frozenset(range(14)))
+    assert pair.exclusive_steps == 13  # all steps except the empty dictionary
+    assert pair.other_counts == (1, 4)
+    assert pair.nearest_shares == (0.0, 0.0)  # all students have this dictionary
 
 
 @pytest.mark.parametrize(
     "share, words", [(1, "100 %"), (0.9999, "99 %"), (0.001, "1 %"), (0, "0 %"), (0.256, "26 %")]
 )
 def test_only_identical_answers_show_100_percent(share, words):
-    assert percent(share) == words
+    assert format_percent(share) == words
 
 
 # A class on disk.

@@ -55,10 +55,12 @@ def displayed_output(data, about=None):
 
 def positions():
     """Yield the outputs of a slider at its initial value and at two other values."""
-    yield displayed_output({widget_states.POSITION: {"all": [["level (m)", "-1.2"]]}})
+    yield displayed_output({widget_states.POSITION_TYPE: {"all": [["level (m)", "-1.2"]]}})
     yield displayed_output({"image/png": picture("red")}, {"image/png": {"alt": 'In "red"'}})
     for value, colour in (("-2.2", "green"), ("0.6", "blue")):
-        yield displayed_output({widget_states.POSITION: {"slider": "level (m)", "value": value}})
+        yield displayed_output(
+            {widget_states.POSITION_TYPE: {"slider": "level (m)", "value": value}}
+        )
         yield displayed_output({"image/png": picture(colour)})
         yield new_output("stream", name="stdout", text=f"at {value} <m>\n")
 
@@ -80,9 +82,12 @@ def solved_notebooks():
     code[0].outputs = [new_output("stream", name="stdout", text="Ready: this machine\n")]
     code[1].outputs = [new_output("stream", name="stdout", text="0 of 2\r1 of 2\r2 of 2\n")]
     code[2].outputs = [displayed_output({"image/gif": picture("red", "GIF")})]
-    code[3].outputs = [displayed_output({widget_states.QUESTION: QUESTION})]
+    code[3].outputs = [displayed_output({widget_states.QUESTION_TYPE: QUESTION})]
     code[4].outputs = [*positions()]
-    code[5].outputs = [displayed_output({widget_states.ANSWER: ANSWER}), displayed_output(scene())]
+    code[5].outputs = [
+        displayed_output({widget_states.ANSWER_TYPE: ANSWER}),
+        displayed_output(scene()),
+    ]
     return {lesson: nbformat.writes(notebook).encode() for lesson, notebook in ran.items()}
 
 
@@ -117,9 +122,9 @@ def test_a_slider_becomes_pictures_at_some_positions_with_labels():
 
 
 def test_several_sliders_share_one_choice():
-    own = {widget_states.POSITION: {"all": [["beams", "32"], ["step", "0.8"]]}}
+    own = {widget_states.POSITION_TYPE: {"all": [["beams", "32"], ["step", "0.8"]]}}
     moved = [
-        {widget_states.POSITION: {"slider": title, "value": value}}
+        {widget_states.POSITION_TYPE: {"slider": title, "value": value}}
         for title, value in (("beams", "4"), ("step", "2.4"), ("step", "6"))
     ]
     (one,) = page_outputs([displayed_output(data) for data in (own, *moved)], Pictures())
@@ -131,15 +136,15 @@ def test_several_sliders_share_one_choice():
 
 
 def test_a_question_becomes_a_field_with_a_folded_answer():
-    question = html_of(displayed_output({widget_states.QUESTION: QUESTION}), Pictures())
-    answer = html_of(displayed_output({widget_states.ANSWER: ANSWER}), Pictures())
+    question = html_of(displayed_output({widget_states.QUESTION_TYPE: QUESTION}), Pictures())
+    answer = html_of(displayed_output({widget_states.ANSWER_TYPE: ANSWER}), Pictures())
     assert '<input type="range" min="0" max="10" step="1"' in question
     key = f'data-question="{key_of("How many?")}"'
     assert key in question and key in answer, "the page can connect the guess with the answer"
     assert answer.startswith("<details") and " open" not in answer.partition(">")[0]
     assert "Because 3 &lt; 4." in answer
     choices = QUESTION | {"choices": ["a < b", "b < a"]}
-    radio = html_of(displayed_output({widget_states.QUESTION: choices}), Pictures())
+    radio = html_of(displayed_output({widget_states.QUESTION_TYPE: choices}), Pictures())
     assert radio.count('type="radio"') == 2 and "a &lt; b" in radio
 
 
@@ -227,9 +232,9 @@ print(sorted(name for name in globals() if "record" in name or name == "np"))
     outputs = notebook.cells[2].outputs
     kinds = [max(output.get("data", {}).keys() - {"text/plain"}, default="") for output in outputs]
     question, *between, answer, _ = kinds
-    assert (question, answer) == (widget_states.QUESTION, widget_states.ANSWER)
-    assert between == [widget_states.POSITION, "image/png"] * 5
-    assert outputs[-2].data[widget_states.ANSWER] == {
+    assert (question, answer) == (widget_states.QUESTION_TYPE, widget_states.ANSWER_TYPE)
+    assert between == [widget_states.POSITION_TYPE, "image/png"] * 5
+    assert outputs[-2].data[widget_states.ANSWER_TYPE] == {
         "question": "How many?",
         "answer": "7 m",
         "why": "So it is.",
@@ -319,7 +324,7 @@ def test_the_search_index_separates_titles_text_and_code(tmp_path):
         <dl><dt>inlier</dt><dd>close to the model</dd></dl></section>"""
     )
     sections.write(tmp_path)
-    text = (tmp_path / sections.PLACE).read_text().removeprefix("const SECTIONS = ")
+    text = (tmp_path / sections.SCRIPT_PATH).read_text().removeprefix("const SECTIONS = ")
     assert json.loads(text.rstrip(";\n")) == [
         [
             "page.html",
@@ -374,7 +379,7 @@ def test_a_line_of_a_solution_is_found_in_any_notation(tmp_path, suffix):
         ".ipynb": json.dumps({"source": [line]}),
     }
     (tmp_path / f"file{suffix}").write_text(text[suffix], "utf-8")
-    (fault,) = site_checks.faults(tmp_path)
+    (fault,) = site_checks.find_faults(tmp_path)
     assert "reveals a line" in fault and LESSON.name in fault
 
 
@@ -392,20 +397,20 @@ def test_a_line_of_a_solution_is_found_in_any_notation(tmp_path, suffix):
 )
 def test_broken_links_and_requests_to_other_hosts_are_found(tmp_path, page, message):
     (tmp_path / "page.html").write_text(page, "utf-8")
-    found = site_checks.faults(tmp_path)
+    found = site_checks.find_faults(tmp_path)
     assert [message in fault for fault in found] == [True] * bool(message)
 
 
 def test_styles_that_load_from_another_host_are_found(tmp_path):
     style = "@import 'https://example.org/a.css'; a {background: url(img.png)}"
     (tmp_path / "a.css").write_text(style, "utf-8")
-    assert len(site_checks.faults(tmp_path)) == 1
+    assert len(site_checks.find_faults(tmp_path)) == 1
 
 
 def test_a_folder_with_other_files_is_not_overwritten(tmp_path):
     (tmp_path / "thesis.txt").write_text("mine", "utf-8")
     with pytest.raises(SiteError, match="contains something other than a website"):
-        builder.ready(tmp_path)
+        builder.check_ready(tmp_path)
     assert cli.main(["site", "--to", str(tmp_path)]) == 1
     assert (tmp_path / "thesis.txt").read_text("utf-8") == "mine"
 

@@ -21,7 +21,7 @@ from grader.course.paths import PROJECT
 from grader.intake.preflight import prepare
 from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import judge_files
-from grader.lms.autograded import build_copy, graded_cells
+from grader.lms.autograded_copy import build_copy, graded_cells
 from tests.test_requirements import imports
 
 pytestmark = pytest.mark.slow
@@ -86,7 +86,7 @@ def test_a_notebook_contains_no_solution_and_no_part_of_the_grader(written_folde
 
 
 def test_a_notebook_that_gives_a_solution_away_is_not_written(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(standalone, "leaks", lambda *texts: ["answer = 42"])
+    monkeypatch.setattr(standalone, "find_leaks", lambda *texts: ["answer = 42"])
     call = ["release", "--standalone", LESSON.stage, "--to", str(tmp_path)]
     assert cli.main(call) == 1
     assert "reveals a line of the solution, 'answer = 42'" in capsys.readouterr().err

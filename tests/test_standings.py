@@ -25,7 +25,7 @@ from grader.lms.results import (
     StageResult,
     combined_status,
 )
-from grader.lms.standings import class_results
+from grader.lms.results_reader import class_results
 from tests.test_gradebook import (
     DISTANCE,
     GROUND,
@@ -75,7 +75,7 @@ def standing(course):
     """Return the standing and score of each notebook by student and number of the lesson."""
     results = class_results(course)
     return {
-        (notebook.student, notebook.lesson[:2]): (notebook.standing, notebook.score)
+        (notebook.student, notebook.lesson[:2]): (notebook.status, notebook.score)
         for notebook in results.notebooks
     }
 
@@ -120,7 +120,7 @@ def test_the_class_has_the_students_and_the_order_of_the_roster(course):
         ("fay", "07"): (MISSING, None),
     }
     assert [
-        (stage.student, stage.standing, stage.score, stage.max_score) for stage in results.stages
+        (stage.student, stage.status, stage.score, stage.max_score) for stage in results.stages
     ] == [
         ("bob", MARKED, 20.5, 60),
         ("ada", MARKED, 18.25, 60),
@@ -142,7 +142,7 @@ def test_students_missing_from_the_roster_are_listed_separately(course):
 def test_a_submission_that_needs_manual_grading_waits(course):
     change(course, "ada", GROUND, needs_manual_grade=True)
     assert standing(course)["ada", "06"] == (WAITING, 0.0)
-    assert class_results(course).stage("ada", STAGE).standing == WAITING
+    assert class_results(course).stage("ada", STAGE).status == WAITING
 
 
 def test_a_submission_that_is_not_in_the_gradebook_waits(course):
@@ -254,7 +254,7 @@ def test_auditors_are_not_missing_and_do_not_count(course):
     }
     results = class_results(course)
     assert {result.student for result in results.notebooks if result.counts} == {"ada"}
-    assert results.stage("idle", STAGE).standing == AUDITOR
+    assert results.stage("idle", STAGE).status == AUDITOR
     table = marks_table([GROUND, DISTANCE], results, {})
     assert [[cell.text for cell in (*row.cells, row.sum)] for row in table.rows] == [
         ["aud.", "(20.5)", "aud."],

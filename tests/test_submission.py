@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from grader.intake.notebook import read_file, read_notebook
 from grader.intake.submission import (
-    LARGEST_MODULE,
-    MOST_MODULES,
+    MAX_MODULE_BYTES,
+    MAX_MODULES,
     SubmittedFiles,
     read_submitted_files,
 )
@@ -93,15 +93,15 @@ def test_a_notebook_is_read_with_its_neighbouring_modules(tmp_path):
 
 
 def test_modules_are_limited_in_number_and_size(tmp_path):
-    assert LARGEST_MODULE == 2**20
-    for number in range(MOST_MODULES + 3):
+    assert MAX_MODULE_BYTES == 2**20
+    for number in range(MAX_MODULES + 3):
         (tmp_path / f"module_{number:02}.py").write_bytes(b"")
-    (tmp_path / "module_00.py").write_bytes(b"#" * LARGEST_MODULE)
-    (tmp_path / "module_01.py").write_bytes(b"#" * (LARGEST_MODULE + 1))
+    (tmp_path / "module_00.py").write_bytes(b"#" * MAX_MODULE_BYTES)
+    (tmp_path / "module_01.py").write_bytes(b"#" * (MAX_MODULE_BYTES + 1))
     modules = read_submitted_files(tmp_path / "06.ipynb").modules
-    assert MOST_MODULES == 20
+    assert MAX_MODULES == 20
     assert list(modules) == ["module_00", *(f"module_{number:02}" for number in range(2, 20))]
-    assert len(modules["module_00"]) == LARGEST_MODULE
+    assert len(modules["module_00"]) == MAX_MODULE_BYTES
 
 
 def refusal(path):

@@ -524,6 +524,6 @@ def test_a_precondition_is_shown_if_no_other_check_fails():
     # The judge shows only the precondition of a hidden test.
     hidden = Check("test_all", "drop_invalid", "All", "")
     shared = shareable_outcome(
-        Outcome(hidden, NotYet("it works", CheckFailed("7"))), open_to_all=False
+        Outcome(hidden, NotYet("it works", CheckFailed("7"))), is_public=False
     )
     assert shared.failure.reason is None

@@ -25,7 +25,7 @@ from grader.lms.results import (
     StageResult,
     combined_status,
 )
-from grader.lms.term import term_in_words, term_result
+from grader.lms.term import describe_term, term_result
 
 LESSONS = ("01_point_clouds", "02_ransac_line", "03_ransac_plane", "06_filter_ground")
 MOST = (10.0, 40.0, 50.0, 30.0)
@@ -53,7 +53,7 @@ def total(results, rules):
 def test_everything_counts_without_rules():
     term = term_result(notebooks(10.0, 20.0, None, 0.0), TermRules())
     assert (term.points, term.max_score, term.dropped) == (30.0, 130.0, ())
-    assert (term.waiting, term.passed) == (False, None)
+    assert (term.is_waiting, term.passed) == (False, None)
 
 
 @pytest.mark.parametrize(
@@ -110,7 +110,7 @@ def test_excused_lessons_are_neither_dropped_nor_counted():
             notebooks(9.0, None, standing=standing), TermRules(drop_lowest=1, pass_mark=50)
         )
         assert (term.points, term.max_score, term.dropped, term.passed) == (None, 0.0, (), None)
-        assert term_in_words(term, PASS) == "Nothing counts."
+        assert describe_term(term, PASS) == "Nothing counts."
 
 
 @pytest.mark.parametrize(
@@ -137,8 +137,8 @@ def test_waiting_work_leaves_the_pass_mark_undecided():
     """Even if the points reach it, because a grader may also give fewer points for new work."""
     for scores in ((10.0, 40.0, (30.0,), 0.0), (0.0, 0.0, (0.0,), 0.0), (1.0, (None,))):
         term = term_result(notebooks(*scores), TermRules(drop_lowest=1, pass_mark=50))
-        assert term.waiting and term.passed is None
-        assert "not final" in term_in_words(term, PASS)
+        assert term.is_waiting and term.passed is None
+        assert "not final" in describe_term(term, PASS)
 
 
 def test_a_dropped_lesson_counts_neither_for_nor_against_passing():
@@ -147,10 +147,10 @@ def test_a_dropped_lesson_counts_neither_for_nor_against_passing():
     assert term_result(notebooks(*scores), PASS).passed is False
     term = term_result(notebooks(*scores), rules)
     assert term.passed is True
-    assert term_in_words(term, rules) == (
+    assert describe_term(term, rules) == (
         "53 of 80 points (66.3 %); without 03_ransac_plane; reaches the pass mark of 60 %."
     )
-    assert "59.99 %" in term_in_words(term_result(notebooks(5.999), TermRules()), TermRules())
+    assert "59.99 %" in describe_term(term_result(notebooks(5.999), TermRules()), TermRules())
 
 
 # ---- where the rules are shown ------------------------------------------------------------------
@@ -219,13 +219,13 @@ def test_the_report_shows_totals_and_pass_marks():
     results = class_with(RULES)
     lessons = [find_lesson(lesson) for lesson in LESSONS]
     table = marks_table(lessons, results, {})
-    assert [(row.sum.text, row.passed.text) for row in table.rows] == [
+    assert [(row.total.text, row.passed.text) for row in table.rows] == [
         ("53 of 80", "yes"),
         ("–", "no"),
         ("80 of 80 …", "…"),
         ("aud.", ""),
     ]
-    assert table.rows[0].sum.means == "without 03"
+    assert table.rows[0].total.meaning == "without 03"
     head = overview_of(results, Deadlines({}, rules=RULES), table, {})
     reach = "60 % of the possible points; 1 of 3 students reach it, 1 not decided yet."
     assert head.passed == reach
@@ -239,5 +239,5 @@ def test_the_report_shows_totals_and_pass_marks():
         "pass mark 60 %"
     )
     plain = marks_table(lessons, class_with(TermRules()), {})
-    assert not plain.has_pass_mark and plain.rows[0].sum.text == "53 of 130"
+    assert not plain.has_pass_mark and plain.rows[0].total.text == "53 of 130"
     assert overview_of(class_with(TermRules()), None, plain, {}).passed == ""

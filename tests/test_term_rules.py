@@ -22,14 +22,14 @@ from grader.lms import gradebook
 from grader.lms.distribution import distribution_of
 from grader.lms.exporters import EXPORTERS, ExportOptions
 from grader.lms.exporters.assignment_marks import collect_marks
-from grader.lms.feedback import FeedbackWriter
+from grader.lms.feedback import FeedbackCollector
 from grader.lms.feedback_page import feedback_page
 from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.instructor_notes import counted_lessons, excessive_notes, notes
 from grader.lms.nbgrader_plugin import LatePenalties
 from grader.lms.report import write_report
 from grader.lms.results import AUDITOR, EXCUSED, MARKED, MISSING, WAITING
-from grader.lms.standings import class_results
+from grader.lms.results_reader import class_results
 from tests.test_gradebook import (
     DISTANCE,
     GROUND,
@@ -111,7 +111,7 @@ def test_an_exercise_that_is_switched_off_counts_in_neither_scores_nor_maxima(co
         (3.25, 10.0),
         (None, 10.0),
     ]
-    assert result(course, "bob").standing == MISSING
+    assert result(course, "bob").status == MISSING
     assert after.stage("ada", STAGE).max_score == before.stage("ada", STAGE).max_score - 20 == 40
     assert after.stage("ada", STAGE).score == 3.25 + 18.25
     assert result(course, "ada", DISTANCE) == before.notebook("ada", DISTANCE.name)
@@ -137,20 +137,20 @@ def test_switching_off_an_exercise_changes_nothing_in_the_gradebook(course):
 
 def test_marks_by_hand_and_waiting_answers_do_not_count_in_an_exercise_that_is_off(course):
     change(course, "ada", GROUND, "voxel_grid", manual_score=25.0, needs_manual_grade=True)
-    assert result(course, "ada").standing == WAITING
+    assert result(course, "ada").status == WAITING
     assert len(list(excessive_notes(class_results(course)))) == 1
     settings(course, f"[{STAGE}]\n{SWITCHED_OFF}")
-    assert (result(course, "ada").standing, result(course, "ada").score) == (MARKED, 3.25)
+    assert (result(course, "ada").status, result(course, "ada").score) == (MARKED, 3.25)
     assert list(excessive_notes(class_results(course))) == []
     change(course, "ada", GROUND, "filter_ground", manual_score=9.0, needs_manual_grade=True)
-    assert (result(course, "ada").standing, result(course, "ada").score) == (WAITING, 9.0)
+    assert (result(course, "ada").status, result(course, "ada").score) == (WAITING, 9.0)
 
 
 def test_a_mark_by_hand_for_an_exercise_that_is_off_is_not_a_mark_for_missing_work(course):
     change(course, "bob", GROUND, "voxel_grid", manual_score=12.0)
-    assert result(course, "bob").standing == MARKED
+    assert result(course, "bob").status == MARKED
     settings(course, f"[{STAGE}]\n{SWITCHED_OFF}")
-    assert (result(course, "bob").standing, result(course, "bob").score) == (MISSING, None)
+    assert (result(course, "bob").status, result(course, "bob").score) == (MISSING, None)
 
 
 def test_late_penalties_ignore_exercises_that_are_off(course):
@@ -179,7 +179,7 @@ def test_a_penalty_is_never_more_than_the_points_that_count(course):
 def test_excused_students_and_auditors_keep_their_status(course):
     submit(course, "aud", GROUND)
     settings(course, f'[{STAGE}]\n{SWITCHED_OFF}[{STAGE}.students]\nada = "excused"\n')
-    assert [result(course, id).standing for id in ("ada", "bob", "idle", "aud")] == [
+    assert [result(course, id).status for id in ("ada", "bob", "idle", "aud")] == [
         EXCUSED,
         MISSING,
         MISSING,
@@ -189,7 +189,7 @@ def test_excused_students_and_auditors_keep_their_status(course):
 
 def test_feedback_says_that_an_exercise_does_not_count(course):
     settings(course, f"[{STAGE}]\n{SWITCHED_OFF}")
-    writer = FeedbackWriter(course, STAGE)
+    writer = FeedbackCollector(course, STAGE)
     (ada,) = writer.people(["ada"])
     page = feedback_page(writer.feedback(ada))
     assert "21.5 of 40 points" in page and "3.25 of 10" in page
@@ -399,7 +399,7 @@ def test_a_missing_lesson_and_an_excused_student_are_not_late(course):
 def test_feedback_names_the_date_of_each_lesson(course):
     submitted_at(course, "ada", ground="2026-02-23T11:00:00", distance="2026-02-28T13:00:00")
     grade(course, UTC_DUE + LESSON_DATE)
-    writer = FeedbackWriter(course, STAGE)
+    writer = FeedbackCollector(course, STAGE)
     page = feedback_page(writer.feedback(writer.people(["ada"])[0]))
     assert (
         f"{GROUND.name}: Submitted 23 hours late, on 23 February 2026 at 11:00 UTC. It was due on "

@@ -8,9 +8,9 @@ from zoneinfo import ZoneInfo
 import pytest
 
 from grader.classroom.collect.models import CollectError
-from grader.classroom.collect.worksheet import read_worksheet
+from grader.classroom.collect.submission_table import read_submission_table
 from grader.classroom.timestamp_file import read_timestamp
-from grader.course.times import UnclearTime, read_time, time_late, to_utc
+from grader.course.times import UnclearTime, compute_lateness, read_time, to_utc
 
 BERLIN = ZoneInfo("Europe/Berlin")
 
@@ -98,15 +98,15 @@ def test_files_from_windows_editors_are_read(tmp_path, encoding):
     assert read_timestamp(tmp_path).when == datetime(2026, 10, 12, 21, 59, tzinfo=UTC)
     table = tmp_path / "times.csv"
     table.write_bytes(encode("id,Last modified (submission)\r\nbjörn,2026-10-12 23:59\r\n"))
-    (row,) = read_worksheet(table, BERLIN).rows
-    assert row.identifying == ("björn",)
+    (row,) = read_submission_table(table, BERLIN).rows
+    assert row.identifiers == ("björn",)
     assert row.when == datetime(2026, 10, 12, 21, 59, tzinfo=UTC)
 
 
 def test_a_table_in_an_unknown_encoding_is_refused(tmp_path):
     (tmp_path / "times.csv").write_bytes("id,name\nx,Björn\n".encode("cp1252"))
     with pytest.raises(CollectError, match="Save it as CSV UTF-8"):
-        read_worksheet(tmp_path / "times.csv", BERLIN)
+        read_submission_table(tmp_path / "times.csv", BERLIN)
 
 
 # ---- days late ----------------------------------------------------------------------------------
@@ -126,7 +126,7 @@ def test_a_table_in_an_unknown_encoding_is_refused(tmp_path):
 )
 def test_days_late_are_days_on_the_clock(due, submitted, days):
     due, submitted = (to_utc(datetime.fromisoformat(text), BERLIN) for text in (due, submitted))
-    assert -(time_late(submitted, due, BERLIN) // -timedelta(1)) == days
+    assert -(compute_lateness(submitted, due, BERLIN) // -timedelta(1)) == days
 
 
 @pytest.mark.parametrize("zone", [BERLIN, ZoneInfo("Australia/Lord_Howe"), UTC, None])
@@ -137,7 +137,7 @@ def test_days_late_agree_with_a_calendar(zone):
         minute = timedelta(minutes=rng.randrange(366 * 1440))
         due = to_utc((datetime(2026, 3, 1, 0, 0, 30) + minute).replace(tzinfo=zone), zone)
         submitted = due + timedelta(minutes=rng.randrange(1, 5000))
-        late = time_late(submitted, due, zone)
+        late = compute_lateness(submitted, due, zone)
         # Walk from one day to the next, until the clock has passed the submission.
         local, expected = due.astimezone(zone), 1
         end = local.replace(tzinfo=None) + timedelta(1)
@@ -152,10 +152,14 @@ def test_minutes_after_the_due_date_are_minutes_even_if_the_clocks_change():
     for due in (datetime(2027, 3, 28, 1, 59), datetime(2026, 10, 25, 2, 59)):
         for fold in (0, 1):
             start = to_utc(due.replace(fold=fold), BERLIN)
-            late = time_late(start + timedelta(minutes=10), start, BERLIN)
+            late = compute_lateness(start + timedelta(minutes=10), start, BERLIN)
             assert late == timedelta(minutes=10)
 
 
 def test_work_on_time_is_not_late():
     due = datetime(2026, 10, 24, 18, tzinfo=UTC)
-    assert time_late(due, due, BERLIN) == time_late(due - timedelta(1), due, None) == timedelta()
+    assert (
+        compute_lateness(due, due, BERLIN)
+        == compute_lateness(due - timedelta(1), due, None)
+        == timedelta()
+    )

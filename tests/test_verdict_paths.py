@@ -12,8 +12,8 @@ from grader.course.lessons import find_lesson
 from grader.intake.reader_process import ReadingFailed
 from grader.intake.submission import SubmittedFiles
 from grader.judging import judge as judging
-from grader.judging.error_carried_forward import CarriedForward
-from grader.judging.program_run import RunResults, Setting
+from grader.judging.error_carried_forward import CarriedForwardResult
+from grader.judging.program_run import JudgingContext, RunResults
 from grader.judging.results import result_of
 from grader.judging.runner import JudgeTimeout, every_check
 from grader.judging.verdict import (
@@ -24,7 +24,7 @@ from grader.judging.verdict import (
 )
 from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError, StudentStopped
-from grader.sandbox.program import PACKAGES, Given, Program
+from grader.sandbox.program import INSTALLED_PACKAGES, GivenCode, Program
 from utils.checks import Check
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import CheckFailed
@@ -72,7 +72,9 @@ def judge_with(monkeypatch):
             return dataclasses.replace(again, outcomes=outcomes)
 
         monkeypatch.setattr(judging, "run_program", run)
-        monkeypatch.setattr(judging, "_FULL_MARKS", {})  # clears the cache of right submissions
+        monkeypatch.setattr(
+            judging, "_full_mark_decisions", {}
+        )  # clears the cache of right submissions
         monkeypatch.setattr(judging, "complaints_about_reference", lambda *about: complaints)
         monkeypatch.setattr(judging, "carry_forward", lambda *about: (better or {}, late))
         monkeypatch.setattr(judging, "find_slips", lambda *about: {})
@@ -98,7 +100,7 @@ def test_a_right_notebook_runs_once_and_earns_everything(judge_with, monkeypatch
     assert verdict.problems == ("A cell is broken.",)
     assert (verdict.faults, verdict.starved, verdict.seconds) == ((), False, 3.257)
     assert runs.explain
-    assert runs.setting == Setting(FILTER, 7, None, FEW, runs.setting.budget)
+    assert runs.setting == JudgingContext(FILTER, 7, None, FEW, runs.setting.budget)
     assert runs.setting.budget.seconds == FEW.total_seconds
     assert len(runs.names) == 4
 
@@ -107,14 +109,14 @@ def test_the_program_has_the_rules_of_its_lesson():
     for lesson in (FILTER, find_lesson("05_euclidean_clustering")):
         program = judging.program_for(lesson, ("x = 1",), {"helper": "y = 2"})
         header = lesson.header
-        given = Given(header.given, lesson.source_of(header.given), header.given)
+        given = GivenCode(header.given, lesson.source_of(header.given), header.given)
         assert program == Program(
             ("x = 1",),
             lesson.names,
             {"helper": "y = 2"},
             given,
             header.forbidden,
-            PACKAGES,
+            INSTALLED_PACKAGES,
             lesson.steps,
         )
     tree = find_lesson("04_kd_tree")
@@ -196,7 +198,7 @@ def test_a_second_definition_is_reported_if_points_are_lost(judge_with):
             source = f"def {name}(cloud):\n    return {number}"
             twice["cells"].append({"cell_type": "code", "metadata": {}, "source": source})
     others = tuple(run_results().outcomes_of("voxel_grid"))
-    better = {"voxel_grid": CarriedForward(others, "A helper is wrong.", PROGRAM)}
+    better = {"voxel_grid": CarriedForwardResult(others, "A helper is wrong.", PROGRAM)}
     about = {"text": json.dumps(twice), "better": better}
     verdict, _ = judge_with(
         run_results((FAILURE, None), (FAILURE, None), problems=("A cell.",)), **about
@@ -251,10 +253,10 @@ def test_a_failed_reader_process_is_a_judge_fault(monkeypatch):
 
 def test_results_of_judging_are_immutable():
     for kind in (
-        CarriedForward,
+        CarriedForwardResult,
         judging._Decision,
         RunResults,
-        Setting,
+        JudgingContext,
         Verdict,
         CheckResult,
         ExerciseResult,
@@ -291,7 +293,7 @@ def test_a_stub_has_no_failed_check():
 
 
 def test_messages_of_a_run_with_right_helpers_are_shortened():
-    better = CarriedForward(
+    better = CarriedForwardResult(
         tuple(
             run_results((None, CheckFailed("4 of 9 rows", yours="9"))).outcomes_of("filter_ground")
         ),

@@ -15,7 +15,7 @@ from hypothesis.extra import numpy as st_numpy
 
 from grader.sandbox.inside import wire, wire_format
 from grader.sandbox.inside.wire import WireClosed, WireTimeout
-from grader.sandbox.inside.wire_format import Opaque, TooLarge, WireError
+from grader.sandbox.inside.wire_format import OpaqueValue, TooLarge, WireError
 
 SCALARS = st.one_of(
     st.none(),
@@ -76,7 +76,7 @@ def is_plain(value):
         return all(is_plain(item) for pair in value.items() for item in pair)
     if isinstance(value, (list, tuple, set)):
         return all(map(is_plain, value))
-    return type(value) in (type(None), bool, int, float, str, Opaque)
+    return type(value) in (type(None), bool, int, float, str, OpaqueValue)
 
 
 @given(VALUES)
@@ -150,7 +150,7 @@ def test_a_list_of_many_rows_is_transferred_quickly():
 )
 def test_objects_that_are_not_plain_data_arrive_as_the_name_of_their_type(value, name):
     back = round_trip([value, 1, np.ones(2)])
-    assert isinstance(back[0], Opaque) and name in back[0].type_name
+    assert isinstance(back[0], OpaqueValue) and name in back[0].type_name
     assert back[1] == 1 and np.array_equal(back[2], [1, 1])
 
 
@@ -166,15 +166,15 @@ def test_deep_and_endless_nesting_is_replaced_with_a_text():
 )
 def test_a_value_that_is_too_large_is_refused_before_it_is_sent(value):
     if getattr(value, "size", 1) == 0:
-        assert isinstance(round_trip(value), Opaque)
+        assert isinstance(round_trip(value), OpaqueValue)
         return
     with pytest.raises(TooLarge):
         wire_format.encode(value)
 
 
 def test_commas_in_texts_do_not_count_as_values(monkeypatch):
-    monkeypatch.setattr(wire_format, "MAXIMUM_COMMAS", 1000)
-    monkeypatch.setattr(wire_format, "MAXIMUM_BRACKETS", 500)
+    monkeypatch.setattr(wire_format, "MAX_COMMAS", 1000)
+    monkeypatch.setattr(wire_format, "MAX_BRACKETS", 500)
     cells = ["pasted = [" + "1," * 1100 + "]", "[" * 600, '"\\' * 1100]
     assert round_trip({"cells": cells}) == {"cells": cells}
     values = [[1]] * 600
@@ -190,7 +190,7 @@ def test_unterminated_texts_take_linear_time():
         return time.process_time() - begin
 
     for end in (b'"', b'\\"', b'"a', b"\\"):
-        commas = b"," * (wire_format.MAXIMUM_COMMAS + 1)
+        commas = b"," * (wire_format.MAX_COMMAS + 1)
         assert seconds(commas + end * 500_000) < 5
 
 
@@ -308,7 +308,7 @@ def test_two_arrays_cannot_share_bytes():
 )
 def test_many_small_values_are_refused_before_memory_is_allocated(unit):
     """Decoding the values would take ten seconds and fifty times as much memory as the message."""
-    most = wire_format.MAXIMUM_TREE - 20
+    most = wire_format.MAX_TREE_BYTES - 20
     tree = bytearray(b'{"list":[' + b",".join([unit] * (most // (len(unit) + 1))) + b"]}")
     tracemalloc.start()
     try:

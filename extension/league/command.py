@@ -50,7 +50,7 @@ def run_league(options: argparse.Namespace) -> int:
     """Run the command ``league STAGE``."""
     from extension.league.page import write_league
     from extension.league.season import drive_class, lesson_of_league
-    from grader.classroom.executors import processors
+    from grader.classroom.executors import processor_count
     from grader.classroom.folders import UnknownStudent, find_student
     from grader.classroom.lock import AlreadyRunning, course_lock
     from grader.classroom.protocol import ExecutorLost
@@ -69,12 +69,12 @@ def run_league(options: argparse.Namespace) -> int:
     try:
         students = [find_student(course, text) for text in options.student]
     except UnknownStudent as error:
-        print(console.plain(error), file=sys.stderr)
+        print(console.printable_text(error), file=sys.stderr)
         return commands.USAGE_ERROR
     choose = commands.sandbox_of_workers if options.scheduler else choose_sandbox
     sandbox = choose(options.sandbox)
     console.warn_if_unprotected(sandbox)
-    seed, workers = course_seed(course, options.seed), options.workers or processors()
+    seed, workers = course_seed(course, options.seed), options.workers or processor_count()
     try:
         with course_lock(course):
             with (
@@ -102,11 +102,11 @@ def run_league(options: argparse.Namespace) -> int:
                 return commands.USAGE_ERROR
             page, names_path = write_league(course, season, seed, sandbox.warning)
     except (AlreadyRunning, ExecutorLost) as error:
-        print(console.plain(error), file=sys.stderr)
+        print(console.printable_text(error), file=sys.stderr)
         return commands.FAULT
     print(f"League: {page}\nReal names (do not show this file to the class): {names_path}")
     for fault in season.faults:
-        console.tell(f"Not driven: {fault}")
+        console.print_notice(f"Not driven: {fault}")
     return commands.FAULT if season.faults else commands.SUCCESS
 
 

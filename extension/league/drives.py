@@ -26,7 +26,7 @@ from grader.intake.preflight import prepare_to_judge
 from grader.intake.reader_process import ReadingFailed
 from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import program_for
-from grader.judging.key import key_of_files, with_imports
+from grader.judging.key import add_imports, key_of_files
 from grader.sandbox import SANDBOXES, Limits
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.student import StudentProxy
@@ -39,15 +39,15 @@ from utils.notebooks.reading import UnreadableNotebook
 from utils.simulator.sensor import Sensor
 
 DETECTOR = "detect_obstacles"
-SECONDS = 20.0
+DRIVE_SECONDS = 20.0
 LIMITS = Limits(call_seconds=5.0, total_seconds=120.0)
-MOST_BOXES = 300
+MAX_BOXES = 300
 """Maximum number of boxes in a scan; there are fewer square metres in front of the car."""
-MOST_FAILURES = 20
+MAX_FAILURES = 20
 """Number of scans without an answer after which a drive ends."""
-READING_SECONDS = 30.0
+REPLY_SECONDS = 30.0
 """Processor time in which this process may read the answers of a drive; usually it takes 1 s."""
-FARTHEST = 1000.0
+MAX_DISTANCE = 1000.0
 """Distance in metres beyond which a box is dropped; no scanner has such a range."""
 
 
@@ -113,7 +113,7 @@ def from_json(text: str) -> DriveResult:
 
 
 def drive_submission(
-    submitted_files: SubmittedFiles | None, lesson: str, number: int, seed: int, sandbox: str
+    submitted_files: SubmittedFiles | None, lesson: str, street_number: int, seed: int, sandbox: str
 ) -> DriveResult:
     """Return the result of driving one street.
 
@@ -125,14 +125,14 @@ def drive_submission(
         The submission, or None to drive with the true boxes.
     lesson : str
         Name of the submission's lesson.
-    number : int
+    street_number : int
         Number of the street.
     seed : int
         The course's secret.
     sandbox : str
         A name in `grader.sandbox.SANDBOXES`.
     """
-    street = draw_streets(seed)[number - 1]
+    street = draw_streets(seed)[street_number - 1]
     key = drive_key(submitted_files, street, find_lesson(lesson))
     if submitted_files is None:
         return _summarize_drive(drive(street), key)
@@ -140,9 +140,9 @@ def drive_submission(
         judge_input = prepare_to_judge(submitted_files, find_lesson(lesson))
     except UnreadableNotebook:
         # Only the verdict states the reason, which may contain a file name that the student chose.
-        return DriveResult(number, stopped="The notebook cannot be read.", key=key)
+        return DriveResult(street_number, stopped="The notebook cannot be read.", key=key)
     except ReadingFailed as error:
-        return DriveResult(number, fault=str(error))
+        return DriveResult(street_number, fault=str(error))
     program = program_for(find_lesson(lesson), judge_input.code, submitted_files.modules)
     with StudentProxy(program, SANDBOXES[sandbox], LIMITS) as student:
         return drive_in_sandbox(street, student, key)
@@ -153,7 +153,7 @@ def drive_in_sandbox(
     student: StudentProxy,
     key: str = "",
     *,
-    seconds: float = SECONDS,
+    seconds: float = DRIVE_SECONDS,
     sensor: Sensor = SCANNER,
 ) -> DriveResult:
     """Drive a street with a student's `DETECTOR`; see `drive_submission`."""
@@ -184,13 +184,13 @@ def _summarize_drive(
         report.near_misses,
         failed=detector.failed if detector else 0,
         failure=detector.failure if detector else "",
-        answers=_pack(detector.answers) if detector else "",
+        answers=_pack_answers(detector.answers) if detector else "",
         key=key,
     )
 
 
 class _SandboxedDetector:
-    """A detector in a sandbox that returns at most `MOST_BOXES` finite boxes for a scan."""
+    """A detector in a sandbox that returns at most `MAX_BOXES` finite boxes for a scan."""
 
     def __init__(self, student: StudentProxy) -> None:
         self._student = student
@@ -203,13 +203,13 @@ class _SandboxedDetector:
         boxes, failure = self._detect(cloud)
         # A quarter of a million empty lists contain not one box, but take seconds to read.
         self._seconds += time.process_time() - before
-        if self._seconds > READING_SECONDS:
+        if self._seconds > REPLY_SECONDS:
             raise StudentStopped(
-                f"Its answers were so large that reading them took {READING_SECONDS:g} seconds."
+                f"Its answers were so large that reading them took {REPLY_SECONDS:g} seconds."
             )
         if failure:
             self.failed, self.failure = self.failed + 1, self.failure or failure
-        if self.failed >= MOST_FAILURES:
+        if self.failed >= MAX_FAILURES:
             raise StudentStopped(f"It returned no boxes for {self.failed} scans. {self.failure}")
         self.answers.append(boxes)
         return boxes / 1000
@@ -218,23 +218,23 @@ class _SandboxedDetector:
         """Return boxes in whole millimetres and an empty text, or no boxes and the reason."""
         no_boxes = np.empty((0, 8, 3), dtype=np.int32)
         try:
-            found = getattr(self._student, DETECTOR)(cloud)
+            returned = getattr(self._student, DETECTOR)(cloud)
         except StudentError as error:
             if error.type_name == "NotImplementedError":
                 return no_boxes, "It calls a function that the student has not written."
             return no_boxes, f"{DETECTOR} raised {error.shown_type}."
         try:
-            boxes = as_boxes(found)
+            boxes = as_boxes(returned)
         except Exception:  # NumPy may raise any exception on untrusted data
             return no_boxes, f"{DETECTOR} did not return boxes of shape (N, 8, 3)."
-        if len(boxes) > MOST_BOXES:
-            return no_boxes, f"{DETECTOR} returned more than {MOST_BOXES} boxes."
-        is_near = (np.abs(boxes) < FARTHEST).all(axis=(1, 2))  # False for NaN
+        if len(boxes) > MAX_BOXES:
+            return no_boxes, f"{DETECTOR} returned more than {MAX_BOXES} boxes."
+        is_near = (np.abs(boxes) < MAX_DISTANCE).all(axis=(1, 2))  # False for NaN
         return np.round(1000 * boxes[is_near]).astype(np.int32), ""
 
 
 def repeat_drive(
-    result: DriveResult, street: Street, *, seconds: float = SECONDS, sensor: Sensor = SCANNER
+    result: DriveResult, street: Street, *, seconds: float = DRIVE_SECONDS, sensor: Sensor = SCANNER
 ) -> tuple[Drive, Report]:
     """Repeat a drive with the stored answers of its detector.
 
@@ -245,14 +245,14 @@ def repeat_drive(
     street : utils.drive.Street
         The street of that drive.
     """
-    answers = _unpack(result.answers)
+    answers = _unpack_answers(result.answers)
     drive_ = drive(
         street, lambda cloud: next(answers) / 1000, clock=on_time, seconds=seconds, sensor=sensor
     )
     return drive_, measure(drive_)
 
 
-def _pack(answers: Sequence[np.ndarray]) -> str:
+def _pack_answers(answers: Sequence[np.ndarray]) -> str:
     counts = np.array([len(boxes) for boxes in answers], dtype=np.int32)
     all_boxes = np.concatenate(answers) if answers else np.empty(0, dtype=np.int32)
     header = np.array([len(counts)], dtype=np.int32)
@@ -260,7 +260,7 @@ def _pack(answers: Sequence[np.ndarray]) -> str:
     return base64.b64encode(zlib.compress(data)).decode()
 
 
-def _unpack(text: str) -> Iterator[np.ndarray]:
+def _unpack_answers(text: str) -> Iterator[np.ndarray]:
     numbers = np.frombuffer(zlib.decompress(base64.b64decode(text)), "<i4")
     counts = numbers[1 : 1 + numbers[0]]
     boxes = numbers[1 + numbers[0] :].reshape(-1, 8, 3)
@@ -279,4 +279,4 @@ def _rules_fingerprint(lesson: Lesson) -> str:
     entries = (Path(__file__), PROJECT / "grader" / "sandbox" / "fork_server.py")
     # The header of the lesson's source lists forbidden modules; the notebooks contain given code.
     notebooks = {lesson.source, lesson.solved, lesson.released}
-    return key_of_files("league", with_imports(entries) | notebooks)
+    return key_of_files("league", add_imports(entries) | notebooks)

@@ -12,11 +12,11 @@ from datetime import datetime
 from pathlib import Path
 
 from extension.league.drives import (
+    DRIVE_SECONDS,
     LIMITS,
-    MOST_BOXES,
-    MOST_FAILURES,
-    READING_SECONDS,
-    SECONDS,
+    MAX_BOXES,
+    MAX_FAILURES,
+    REPLY_SECONDS,
     DriveResult,
     repeat_drive,
 )
@@ -27,7 +27,7 @@ from extension.league.streets import SPEED
 from grader.classroom.pages import render
 from grader.course.atomic_files import write_atomically
 from grader.course.paths import Course
-from grader.course.tables import harmless_cell
+from grader.course.tables import escape_cell
 from utils.drive.film import make_film
 from utils.drive.metrics import NEAR_MISS_GAP, NEAR_MISS_SPEED
 from utils.drive.rules import stopping_distance
@@ -71,7 +71,7 @@ def page_path(course: Course, stage: str) -> Path:
     return course.root / "league" / f"{stage}.html"
 
 
-def names_path(course: Course, stage: str) -> Path:
+def real_names_path(course: Course, stage: str) -> Path:
     """Return the path of the list of real names, next to the report."""
     return course.report / f"league_{stage}.csv"
 
@@ -92,13 +92,19 @@ def write_league(course: Course, season: Season, seed: int, warning: str = "") -
     names = pseudonyms(students, seed)
 
     def display_name(standing: Standing) -> str:
-        return names[standing.entrant.name] if standing.entrant.student else standing.entrant.name
+        return (
+            names[standing.entrant.name] if standing.entrant.is_student else standing.entrant.name
+        )
 
     # Students with equal points are sorted by pseudonym, because the order of their real names
     # would make them easier to identify.
     ranked = sorted(
         standings(season),
-        key=lambda standing: (-standing.points, standing.entrant.student, display_name(standing)),
+        key=lambda standing: (
+            -standing.points,
+            standing.entrant.is_student,
+            display_name(standing),
+        ),
     )
     page = render(
         "league/league.html",
@@ -110,17 +116,17 @@ def write_league(course: Course, season: Season, seed: int, warning: str = "") -
         film=_film_best_drive(season, ranked, display_name),
         made=datetime.now().strftime("%d %B %Y, %H:%M"),
         warning=warning,
-        seconds=SECONDS,
+        seconds=DRIVE_SECONDS,
         free=stopping_distance(SPEED),
         cost=NEEDLESS_COST,
         limits=LIMITS,
-        most_boxes=MOST_BOXES,
-        most_failures=MOST_FAILURES,
-        reading_seconds=READING_SECONDS,
+        most_boxes=MAX_BOXES,
+        most_failures=MAX_FAILURES,
+        reading_seconds=REPLY_SECONDS,
         close=NEAR_MISS_GAP,
         fast=NEAR_MISS_SPEED,
     )
-    paths = [page_path(course, stage), names_path(course, stage)]
+    paths = [page_path(course, stage), real_names_path(course, stage)]
     write_atomically(page, paths[0])
     write_atomically(_real_names_csv(ranked, names), paths[1])
     return paths
@@ -144,7 +150,7 @@ def problem_sentences(result: DriveResult) -> Iterator[str]:
 
 
 def _film_best_drive(
-    season: Season, ranked: Sequence[Standing], display_name: object
+    season: Season, standings_in_order: Sequence[Standing], display_name: object
 ) -> LeagueFilm | None:
     """Film the best student's drive in the street where the most other students earned nothing.
 
@@ -153,7 +159,7 @@ def _film_best_drive(
     LeagueFilm or None
         None if no student has earned a point.
     """
-    students = [standing for standing in ranked if standing.entrant.student]
+    students = [standing for standing in standings_in_order if standing.entrant.is_student]
     if not students or not students[0].points:
         return None
     best, *other_students = students
@@ -191,9 +197,7 @@ def _real_names_csv(ranked: Sequence[Standing], names: dict[str, str]) -> str:
     table = csv.writer(file, lineterminator="\n")
     table.writerow(("Pseudonym", "Student", "Place", "Metres that count"))
     for standing in ranked:
-        if standing.entrant.student:
+        if standing.entrant.is_student:
             student = standing.entrant.name
-            table.writerow(
-                (names[student], harmless_cell(student), standing.place, standing.points)
-            )
+            table.writerow((names[student], escape_cell(student), standing.place, standing.points))
     return file.getvalue()

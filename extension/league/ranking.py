@@ -76,19 +76,19 @@ def counted_metres(street: Street, result: DriveResult) -> int:
 def standings(season: Season) -> list[Standing]:
     """Return the results of all entrants, best first."""
     results = [_standing(season, entrant, drives) for entrant, drives in season.drives.items()]
-    students_points = sorted(standing.points for standing in results if standing.entrant.student)
-    placed = [
+    students_points = sorted(standing.points for standing in results if standing.entrant.is_student)
+    placed_standings = [
         Standing(
             standing.entrant,
             1 + sum(points > standing.points for points in students_points)
-            if standing.entrant.student
+            if standing.entrant.is_student
             else None,
             standing.points,
             standing.drives,
         )
         for standing in results
     ]
-    return sorted(placed, key=lambda standing: -standing.points)
+    return sorted(placed_standings, key=lambda standing: -standing.points)
 
 
 def _standing(season: Season, entrant: Entrant, results: Mapping[int, DriveResult]) -> Standing:

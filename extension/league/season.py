@@ -36,7 +36,7 @@ class Entrant:
     ----------
     name : str
         Name of the student, or one of `TRUE_BOXES` and `COURSE_DETECTOR`.
-    student : bool
+    is_student : bool
         Whether the entrant belongs to the class.
     read : callable
         Returns the submission, or None for the true boxes.
@@ -45,7 +45,7 @@ class Entrant:
     """
 
     name: str
-    student: bool
+    is_student: bool
     read: Callable[[], SubmittedFiles | None]
     folder: Path
 
@@ -59,7 +59,7 @@ class Season:
     lesson : Lesson
     streets : tuple of Street
         Streets that count, because a drive with the true boxes has no collision there.
-    left_out : tuple of Street
+    omitted_streets : tuple of Street
         Streets in which even a drive with the true boxes fails.
     drives : dict of Entrant to dict of int to DriveResult
         Drives of each entrant, by street number.
@@ -67,13 +67,13 @@ class Season:
 
     lesson: Lesson
     streets: tuple[Street, ...]
-    left_out: tuple[Street, ...]
+    omitted_streets: tuple[Street, ...]
     drives: dict[Entrant, dict[int, DriveResult]]
 
     @property
     def students(self) -> list[Entrant]:
         """Entrants that belong to the class."""
-        return [entrant for entrant in self.drives if entrant.student]
+        return [entrant for entrant in self.drives if entrant.is_student]
 
     @property
     def faults(self) -> list[str]:
@@ -137,37 +137,37 @@ def drive_class(
     entrants = list(_entrants(course, lesson))
     drives = {entrant: _read_valid_drives(entrant, streets, lesson) for entrant in entrants}
     drives = {
-        entrant: stored
-        for entrant, stored in drives.items()
+        entrant: stored_drives
+        for entrant, stored_drives in drives.items()
         if not students
-        or not entrant.student
+        or not entrant.is_student
         or entrant.name in students
-        or len(stored) == len(streets)
+        or len(stored_drives) == len(streets)
     }
-    if not any(entrant.student for entrant in drives):
+    if not any(entrant.is_student for entrant in drives):
         return Season(lesson, streets, (), {})
-    missing = [
+    missing_drives = [
         (entrant, street)
         for street in streets
-        for entrant, stored in drives.items()
-        if street.number not in stored
+        for entrant, stored_drives in drives.items()
+        if street.number not in stored_drives
     ]
-    total = len(streets) * len(drives)
+    drive_count = len(streets) * len(drives)
 
     def store(entrant: Entrant, street: Street, result: DriveResult) -> None:
         if not result.fault:
             write_atomically(result.as_json(), _result_path(entrant, street))
         drives[entrant][street.number] = result
-        progress(sum(map(len, drives.values())), total, None)
+        progress(sum(map(len, drives.values())), drive_count, None)
 
     def job_arguments(entrant: Entrant, street: Street) -> tuple:
         return drive_submission, entrant.read(), lesson.name, street.number, seed, sandbox.name
 
-    progress(total - len(missing), total, None)
+    progress(drive_count - len(missing_drives), drive_count, None)
     to_repeat = []
-    if missing:
+    if missing_drives:
         with open_executor(workers) as executor:
-            for entrant, street, future in _as_completed(missing, job_arguments, executor):
+            for entrant, street, future in _as_completed(missing_drives, job_arguments, executor):
                 result = _drive_result(future, street)
                 if result is None or result.starved:
                     to_repeat.append((entrant, street))
@@ -183,10 +183,12 @@ def drive_class(
 
 
 def _as_completed(
-    missing: list[tuple[Entrant, Street]], job_arguments: Callable[..., tuple], executor: Executor
+    missing_drives: list[tuple[Entrant, Street]],
+    job_arguments: Callable[..., tuple],
+    executor: Executor,
 ) -> Iterator[tuple[Entrant, Street, Future]]:
     """Submit drives while the executor has room, and yield each as soon as it ends."""
-    waiting, running = deque(missing), {}
+    waiting, running = deque(missing_drives), {}
     while waiting or running:
         while waiting and len(running) < capacity(executor):
             entrant, street = waiting.popleft()
@@ -213,7 +215,7 @@ def _build_season(
     (true_drives,) = (
         result
         for entrant, result in drives.items()
-        if entrant.name == TRUE_BOXES and not entrant.student
+        if entrant.name == TRUE_BOXES and not entrant.is_student
     )
     bad = {number for number, result in true_drives.items() if result.collision or result.fault}
     return Season(

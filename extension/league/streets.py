@@ -19,7 +19,7 @@ from utils.simulator.streets import EGO_LANE, StreetPlan, placed
 from utils.simulator.traffic import car, truck
 
 SPEED = 30 / 3.6
-CROWDED = StreetPlan(parked=1.5, furniture=6.0, walkers=7.0, clearance=1.2)
+CROWDED_STREET = StreetPlan(parked=1.5, furniture=6.0, walkers=7.0, clearance=1.2)
 
 WAIT_DISTANCE = 18.0
 """Distance in metres from our scanner to the waiting vehicle at which its wait begins.
@@ -41,7 +41,7 @@ def _waiting_vehicle(rng: np.random.Generator) -> Actor:
     return Actor(placed(vehicle, tail, EGO_LANE), place - WAIT_DISTANCE, pace)
 
 
-def _later_place(rng: np.random.Generator) -> float:
+def _random_position(rng: np.random.Generator) -> float:
     """Return a random position along the road, in metres, beyond the waiting vehicle."""
     return rng.uniform(88.0, 100.0)
 
@@ -51,11 +51,11 @@ def _waiting_street(rng: np.random.Generator) -> dict:
 
 
 def _child_street(rng: np.random.Generator) -> dict:
-    return {"title": "A child runs out", "actors": (child(_later_place(rng), SPEED),)}
+    return {"title": "A child runs out", "actors": (child(_random_position(rng), SPEED),)}
 
 
 def _cyclist_street(rng: np.random.Generator) -> dict:
-    rider = crossing_cyclist(_later_place(rng), SPEED, rng.uniform(2.6, 4.2))
+    rider = crossing_cyclist(_random_position(rng), SPEED, rng.uniform(2.6, 4.2))
     return {"title": "A cyclist crosses", "actors": (rider,)}
 
 
@@ -64,23 +64,23 @@ def _uphill_street(rng: np.random.Generator) -> dict:
         "title": "Uphill in the rain",
         "slope": rng.uniform(0.035, 0.06),
         "rain": int(rng.integers(40, 70)),
-        "actors": (adult(_later_place(rng), SPEED, side=int(rng.choice((-1, 1)))),),
+        "actors": (adult(_random_position(rng), SPEED, side=int(rng.choice((-1, 1)))),),
     }
 
 
 def _dirty_bonnet_street(rng: np.random.Generator) -> dict:
-    rider = slow_cyclist(_later_place(rng) - 10.0)
+    rider = slow_cyclist(_random_position(rng) - 10.0)
     return {"title": "Behind a dirty bonnet", "dirt": True, "traffic": True, "actors": (rider,)}
 
 
 def _crowded_street(rng: np.random.Generator) -> dict:
-    x = _later_place(rng)
+    x = _random_position(rng)
     pair = adult(x, SPEED), adult(x + rng.uniform(0.8, 1.0), SPEED)
     slope = -rng.uniform(0.02, 0.05)
-    return {"title": "Two people, downhill", "slope": slope, "plan": CROWDED, "actors": pair}
+    return {"title": "Two people, downhill", "slope": slope, "plan": CROWDED_STREET, "actors": pair}
 
 
-KINDS: tuple[Callable[[np.random.Generator], dict], ...] = (
+STREET_KINDS: tuple[Callable[[np.random.Generator], dict], ...] = (
     _waiting_street,
     _child_street,
     _cyclist_street,
@@ -101,16 +101,16 @@ def draw_streets(seed: int) -> tuple[Street, ...]:
         The course's secret. Streets are drawn from digests of the seed. A digest does not reveal
         the seed, and no hidden test uses it.
     """
-    return tuple(_draw_street(seed, number) for number in range(1, len(KINDS) + 1))
+    return tuple(_draw_street(seed, number) for number in range(1, len(STREET_KINDS) + 1))
 
 
-def _draw_street(seed: int, number: int) -> Street:
-    source = derive_secret(seed, f"street {number}")
+def _draw_street(seed: int, street_number: int) -> Street:
+    source = derive_secret(seed, f"street {street_number}")
     rng = np.random.default_rng((source, 29))
     first = _waiting_vehicle(rng)
-    settings = KINDS[number - 1](rng)
+    settings = STREET_KINDS[street_number - 1](rng)
     actors = (first, *settings.pop("actors", ()))
-    return Street(number, **settings, actors=actors, random_seed=source)
+    return Street(street_number, **settings, actors=actors, random_seed=source)
 
 
 def derive_secret(seed: int, label: str) -> int:

@@ -5,18 +5,18 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from grader.course.lessons import OPTIONAL, every_lesson
+from grader.course.lessons import OPTIONAL_FOLDER, every_lesson
 from grader.course.paths import PROJECT
 
 TEMPLATES = Path(__file__).with_name("templates")
-OWN_STAGE = "stage5_own"
+DEFAULT_STAGE = "stage5_own"
 
 
 class UnusableName(ValueError):
     """A new lesson cannot have this name; `str()` says why and what to do."""
 
 
-def write_skeleton(name: str, stage: str = OWN_STAGE) -> list[Path]:
+def write_skeleton(name: str, stage: str = DEFAULT_STAGE) -> list[Path]:
     """Write the files of a small lesson that builds and can be judged.
 
     Parameters
@@ -36,18 +36,18 @@ def write_skeleton(name: str, stage: str = OWN_STAGE) -> list[Path]:
     UnusableName
         If the name is not valid, or if the number, the exercise or a file already exists.
     """
-    found = re.fullmatch(r"(\d\d)_([a-z]\w*)", name)
-    if not found:
+    match = re.fullmatch(r"(\d\d)_([a-z]\w*)", name)
+    if not match:
         raise UnusableName(
             f"{name!r} is not a valid lesson name. Write two digits, _ and the name of the "
             "function, such as 14_free_distance."
         )
-    if not re.fullmatch(rf"stage\w+|{OPTIONAL}", stage):
+    if not re.fullmatch(rf"stage\w+|{OPTIONAL_FOLDER}", stage):
         raise UnusableName(
             f"{stage!r} is not a valid stage name. Begin the name with stage, such as "
-            f"--stage {OWN_STAGE}."
+            f"--stage {DEFAULT_STAGE}."
         )
-    number, exercise = found.groups()
+    number, exercise = match.groups()
     _check_not_taken(number, exercise)
     folder = PROJECT / "solutions" / stage / name
     files = {
@@ -61,11 +61,17 @@ def write_skeleton(name: str, stage: str = OWN_STAGE) -> list[Path]:
             raise UnusableName(
                 f"{path.relative_to(PROJECT)} already exists. Choose another number."
             )
-    words = {"NUMBER": number, "NAME": exercise, "TITLE": exercise.replace("_", " ").capitalize()}
+    placeholders = {
+        "NUMBER": number,
+        "NAME": exercise,
+        "TITLE": exercise.replace("_", " ").capitalize(),
+    }
     for path, template in files.items():
         text = (TEMPLATES / template).read_text("utf-8")
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(re.sub("|".join(words), lambda word: words[word[0]], text), "utf-8")
+        path.write_text(
+            re.sub("|".join(placeholders), lambda word: placeholders[word[0]], text), "utf-8"
+        )
     return list(files)
 
 

@@ -23,7 +23,7 @@ from utils.checks import checks_of
 from utils.checks.diagnosis import known_mistakes
 
 SEEDS = (1, 2, 3)
-FEWEST_CHECKS = 3
+MIN_CHECKS = 3
 
 
 @dataclass(frozen=True)
@@ -32,13 +32,13 @@ class Finding:
 
     Attributes
     ----------
-    good : bool
+    is_good : bool
     sentence : str
         What was found and, if it is not good, how to fix it. Lines after the first quote
         messages.
     """
 
-    good: bool
+    is_good: bool
     sentence: str
 
 
@@ -128,11 +128,11 @@ def _judge_answers(lesson: Lesson, sandbox: Sandbox) -> Iterator[Finding]:
 
 def _missing_from_exercise(exercise: Exercise, lesson: Lesson) -> Iterator[Finding]:
     name, count = exercise.name, _count_checks(exercise.name)
-    if count < FEWEST_CHECKS:
+    if count < MIN_CHECKS:
         yield Finding(
             False,
             f"Visible checks for {name}: {count}. Add one for each property in "
-            f"utils/checks/lesson_{lesson.number}.py, until there are at least {FEWEST_CHECKS}.",
+            f"utils/checks/lesson_{lesson.number}.py, until there are at least {MIN_CHECKS}.",
         )
     if lesson.tests.is_file() and f'"{name}"' not in lesson.tests.read_text("utf-8"):
         yield Finding(
@@ -224,9 +224,9 @@ def _wrong_losses(
     if not answer.loses:
         yield "Its notes do not list the checks that it fails. Add a line `# loses: ...`."
     names, claimed = [test.name for test in result.tests], {*answer.loses}
-    passed = claimed - _with_short_names(failed)
-    others = [name for name in failed if not _with_short_names([name]) & claimed]
-    if unknown := claimed - _with_short_names(names):
+    passed = claimed - _add_short_names(failed)
+    others = [name for name in failed if not _add_short_names([name]) & claimed]
+    if unknown := claimed - _add_short_names(names):
         checks = _join_names(names)
         yield f"There is no check {_join_names(sorted(unknown))}. The checks are: {checks}."
     elif passed or (answer.loses_only and others):
@@ -246,7 +246,7 @@ def _wrong_quotes(answer: KeptAnswer, result: ExerciseResult, verdict: Verdict) 
         yield f"The student should see {wanted}, but sees {shown or 'none'}."
 
 
-def _with_short_names(tests: Iterable[str]) -> set[str]:
+def _add_short_names(tests: Iterable[str]) -> set[str]:
     """Return the names of tests. For parametrized tests, add the name without the case's ID."""
     return {form for name in tests for form in (name, name.partition("[")[0])}
 

@@ -27,7 +27,7 @@ from grader.course.archives import make_zip
 from grader.course.portable_files import files_for_judging
 from grader.judging.key import versions
 
-LONGEST_WAIT = 15 * 60
+MAX_WAIT_SECONDS = 15 * 60
 """Seconds without a suitable worker after which grading stops."""
 POLLING_INTERVAL = 1.0
 """Seconds between two queries to the scheduler."""
@@ -226,10 +226,10 @@ class Cluster(Executor):
                     "or start another, and run the same command again. Verdicts are kept."
                 )
                 return
-            elif now - last_suitable > LONGEST_WAIT:
+            elif now - last_suitable > MAX_WAIT_SECONDS:
                 self._give_up(
                     f"The scheduler {self._address} has had no suitable worker for "
-                    f"{LONGEST_WAIT / 60:.0f} minutes. Start one with: dask worker "
+                    f"{MAX_WAIT_SECONDS / 60:.0f} minutes. Start one with: dask worker "
                     f"{self._address}\nand run the same command again. Verdicts are kept."
                 )
                 return
@@ -237,7 +237,7 @@ class Cluster(Executor):
                 is_announced = True
                 self._notify(
                     f"The scheduler {self._address} has no suitable worker yet. Start one "
-                    f"within {LONGEST_WAIT / 60:.0f} minutes: dask worker {self._address}"
+                    f"within {MAX_WAIT_SECONDS / 60:.0f} minutes: dask worker {self._address}"
                 )
 
     def _give_up(self, reason: str) -> None:

@@ -9,7 +9,7 @@ from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import PROJECT, Course
 
-DEMO = PROJECT / "demo"
+DEMO_FOLDER = PROJECT / "demo"
 STAGE = "stage3_obstacles"  # the default stage
 NAMES = (
     "ada",
@@ -54,7 +54,7 @@ configure(get_config(), HERE)  # noqa: F821
 """
 
 # Code that tries to cheat or to do damage instead of solving the exercise.
-HOSTILE = """\
+HOSTILE_CODE = """\
 import os, sys, gc
 
 def {name}(*arguments, **keywords):
@@ -92,7 +92,7 @@ def make_class(count: int, hostile: bool, stages: Sequence[str] = (STAGE,)) -> C
     stages : sequence of str
         Stages that every student submits.
     """
-    course = Course(DEMO)
+    course = Course(DEMO_FOLDER)
     shutil.rmtree(course.root, ignore_errors=True)
     for folder, stage in itertools.product(("solutions", "notebooks"), stages):
         shutil.copytree(
@@ -121,7 +121,7 @@ def sample_students(count: int, hostile: bool, stages: Sequence[str]) -> Iterato
         SampleStudent("not_started", {lesson: fill_in(lesson, {}) for lesson in lessons}),
         SampleStudent(
             "cut_off_file",
-            {lesson: fill_in(lesson, best_answers(lesson))[:20_000] for lesson in lessons},
+            {lesson: fill_in(lesson, right_answers(lesson))[:20_000] for lesson in lessons},
         ),
     ]
     if hostile:
@@ -132,7 +132,7 @@ def sample_students(count: int, hostile: bool, stages: Sequence[str]) -> Iterato
                     lesson: fill_in(
                         lesson,
                         {
-                            exercise.name: HOSTILE.format(name=exercise.name)
+                            exercise.name: HOSTILE_CODE.format(name=exercise.name)
                             for exercise in lesson.machine_graded
                         },
                     )
@@ -143,7 +143,8 @@ def sample_students(count: int, hostile: bool, stages: Sequence[str]) -> Iterato
     # Every fourth student is a special case until all are used, so small classes include some.
     students = (
         SampleStudent(
-            next(names), {lesson: fill_in(lesson, answers(lesson, number)) for lesson in lessons}
+            next(names),
+            {lesson: fill_in(lesson, sample_answers(lesson, number)) for lesson in lessons},
         )
         for number in itertools.count()
     )
@@ -151,7 +152,7 @@ def sample_students(count: int, hostile: bool, stages: Sequence[str]) -> Iterato
         yield special_students.pop(0) if position % 4 == 3 and special_students else next(students)
 
 
-def answers(lesson: Lesson, number: int) -> dict[str, str]:
+def sample_answers(lesson: Lesson, number: int) -> dict[str, str]:
     """Return one student's answers, which are wrong for every third student."""
     chosen = {}
     for exercise in lesson.machine_graded:
@@ -161,7 +162,7 @@ def answers(lesson: Lesson, number: int) -> dict[str, str]:
     return chosen
 
 
-def best_answers(lesson: Lesson) -> dict[str, str]:
+def right_answers(lesson: Lesson) -> dict[str, str]:
     """Return a right answer to every exercise."""
     return {
         exercise.name: next(answer.source for answer in answers_to(exercise.name) if answer.right)

@@ -27,7 +27,7 @@ from grader.course.roster import Roster, RosterError, read_roster
 from grader.sandbox import SANDBOXES, Sandbox, SandboxUnavailable
 from grader.sandbox.boundary import is_shown
 
-LEAST_FREE_BYTES = 2**30
+MIN_FREE_BYTES = 2**30
 
 
 @dataclass(frozen=True)
@@ -37,13 +37,13 @@ class Finding:
     Attributes
     ----------
     subject : str
-    good : bool
+    is_good : bool
     text : str
         The result and, if there is a problem, how to fix it.
     """
 
     subject: str
-    good: bool
+    is_good: bool
     text: str
 
 
@@ -66,21 +66,23 @@ def examine(
     progress_bar : callable
         Shows the progress of long work, like `grader.console.progress_bar`.
     """
-    yield from _versions()
-    yield from _sandboxes()
-    yield _boundary(course)
-    yield _space(course)
-    yield _seed(course)
-    yield _solutions(Rehearsals(course, all_lessons(), seed, sandbox), executor, progress_bar)
+    yield from _examine_versions()
+    yield from _examine_sandboxes()
+    yield _examine_boundary(course)
+    yield _examine_free_space(course)
+    yield _examine_seed(course)
+    yield _examine_solutions(
+        Rehearsals(course, all_lessons(), seed, sandbox), executor, progress_bar
+    )
     try:
-        yield from _roster(course)
-        yield from _files(course)
+        yield from _examine_roster(course)
+        yield from _examine_files(course)
     except RosterError as error:
         yield Finding("roster", False, str(error))
-    yield _deadlines(course)
+    yield _examine_deadlines(course)
 
 
-def _versions() -> Iterator[Finding]:
+def _examine_versions() -> Iterator[Finding]:
     newest = ".".join(map(str, sys.version_info[:2]))
     yield Finding(
         "Python",
@@ -88,18 +90,19 @@ def _versions() -> Iterator[Finding]:
         f"{platform.python_version()} on {platform.platform()}. Students may use Python {newest} "
         "or older. A notebook that only a newer Python can read gets no mark, and `grade` names it",
     )
-    yield _packages("requirements.txt")
-    if _version("distributed"):  # installed only for a cluster
-        yield _packages("requirements-cluster.txt")
+    yield _examine_packages("requirements.txt")
+    if _installed_version("distributed"):  # installed only for a cluster
+        yield _examine_packages("requirements-cluster.txt")
 
 
-def _packages(file: str) -> Finding:
+def _examine_packages(file: str) -> Finding:
     lines = re.findall(r"^\w[^#\n]*==[^#\n]*", (PROJECT / file).read_text("utf-8"), re.M)
     pins = [pin for pin in map(Requirement, lines) if not pin.marker or pin.marker.evaluate()]
     mismatches = [
-        f"{pin.name} is {_version(pin.name) or 'missing'}, should be {str(pin.specifier)[2:]}"
+        f"{pin.name} is {_installed_version(pin.name) or 'missing'}, "
+        f"should be {str(pin.specifier)[2:]}"
         for pin in pins
-        if not _version(pin.name) or _version(pin.name) not in pin.specifier
+        if not _installed_version(pin.name) or _installed_version(pin.name) not in pin.specifier
     ]
     return Finding(
         "packages",
@@ -110,14 +113,14 @@ def _packages(file: str) -> Finding:
     )
 
 
-def _version(name: str) -> str | None:
+def _installed_version(name: str) -> str | None:
     try:
         return metadata.version(name)
     except metadata.PackageNotFoundError:
         return None
 
 
-def _sandboxes() -> Iterator[Finding]:
+def _examine_sandboxes() -> Iterator[Finding]:
     for sandbox in SANDBOXES.values():
         if sandbox.warning:
             remark = f"protects less than bubblewrap; used only with --sandbox {sandbox.name}"
@@ -132,7 +135,7 @@ def _sandboxes() -> Iterator[Finding]:
             yield Finding(f"sandbox {sandbox.name}", True, text)
 
 
-def _boundary(course: Course) -> Finding:
+def _examine_boundary(course: Course) -> Finding:
     exposed = [path for path in (PROJECT / "solutions", course.root) if is_shown(path)]
     if not exposed:
         return Finding("isolation", True, "student code sees neither hidden tests nor submissions")
@@ -144,12 +147,12 @@ def _boundary(course: Course) -> Finding:
     )
 
 
-def _space(course: Course) -> Finding:
+def _examine_free_space(course: Course) -> Finding:
     free = shutil.disk_usage(course.root).free
-    return Finding("disk", free > LEAST_FREE_BYTES, f"{free / 2**30:.1f} GB free at {course.root}")
+    return Finding("disk", free > MIN_FREE_BYTES, f"{free / 2**30:.1f} GB free at {course.root}")
 
 
-def _seed(course: Course) -> Finding:
+def _examine_seed(course: Course) -> Finding:
     if not course.seed_file.exists():
         return Finding("seed", True, "not created yet; the first run of `grade` creates it")
     is_readable_by_others = course.seed_file.stat().st_mode & 0o077
@@ -162,7 +165,7 @@ def _seed(course: Course) -> Finding:
     )
 
 
-def _solutions(
+def _examine_solutions(
     rehearsals: Rehearsals,
     executor: Executor,
     progress_bar: Callable[[str], AbstractContextManager],
@@ -180,7 +183,7 @@ def _solutions(
     )
 
 
-def _files(course: Course) -> Iterator[Finding]:
+def _examine_files(course: Course) -> Iterator[Finding]:
     found = unaccounted_files(course)
     if not found:
         yield Finding("submitted", True, "every file is a submission, or belongs to a submission")
@@ -188,33 +191,33 @@ def _files(course: Course) -> Iterator[Finding]:
         yield Finding("submitted", False, f"{path}: {reason}")
 
 
-def _roster(course: Course) -> Iterator[Finding]:
+def _examine_roster(course: Course) -> Iterator[Finding]:
     """Compare the roster with the folders in ``submitted/``."""
-    roster = read_roster(course)
-    if roster is None:
+    class_roster = read_roster(course)
+    if class_roster is None:
         yield Finding(
             "roster",
             True,
             "there is no roster.csv, so every folder in submitted/ counts as a student",
         )
         return
-    sections = Counter(person.section for person in roster.people if person.section)
-    counts = [f"{len(roster.people)} people"]
+    sections = Counter(person.section for person in class_roster.people if person.section)
+    counts = [f"{len(class_roster.people)} people"]
     counts += [f"{count} in section {name}" for name, count in sorted(sections.items())]
-    without_number = [person.id for person in roster.people if not person.lms_id]
+    without_number = [person.id for person in class_roster.people if not person.lms_id]
     counts += [f"{len(without_number)} without an lms_id"] if without_number else []
     yield Finding("roster", True, ", ".join(counts))
-    yield from _submissions(course, roster)
-    for sentence in respelt_folders(course, roster):
+    yield from _examine_submissions(course, class_roster)
+    for sentence in respelt_folders(course, class_roster):
         yield Finding("roster", True, sentence)
-    for sentence in unmatched_folders(course, roster).values():
+    for sentence in unmatched_folders(course, class_roster).values():
         yield Finding("roster", False, sentence)
 
 
-def _submissions(course: Course, roster: Roster) -> Iterator[Finding]:
+def _examine_submissions(course: Course, roster: Roster) -> Iterator[Finding]:
     """Yield the missing and excused students of each stage that has submissions."""
     deadlines = Deadlines({})
-    with contextlib.suppress(DeadlinesError):  # `_deadlines` reports the error
+    with contextlib.suppress(DeadlinesError):  # `_examine_deadlines` reports the error
         deadlines = read_deadlines(course) or deadlines
     by_stage: dict[str, set[str]] = {}
     for submission in find_submissions(course):
@@ -230,7 +233,7 @@ def _submissions(course: Course, roster: Roster) -> Iterator[Finding]:
         yield Finding(stage, True, "; ".join(texts))
 
 
-def _deadlines(course: Course) -> Finding:
+def _examine_deadlines(course: Course) -> Finding:
     try:
         deadlines = read_deadlines(course)
     except (DeadlinesError, RosterError) as error:
@@ -239,5 +242,5 @@ def _deadlines(course: Course) -> Finding:
         return Finding(
             "deadlines", True, "there is no deadlines.toml, so the dates in the gradebook apply"
         )
-    text = "; ".join(deadlines.in_words())
+    text = "; ".join(deadlines.descriptions())
     return Finding("deadlines", True, text or "deadlines.toml does not contain any settings")

@@ -13,10 +13,10 @@ from pathlib import Path
 from grader.classroom.pool import Pool
 from grader.classroom.protocol import ExecutorLost
 
-NEEDED_BY_CLUSTERS = ("cloudpickle", "dask", "distributed")
+CLUSTER_PACKAGES = ("cloudpickle", "dask", "distributed")
 
 
-def processors() -> int:
+def processor_count() -> int:
     """Return the number of available processors; a container may have fewer than its machine."""
     count = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     try:
@@ -27,12 +27,12 @@ def processors() -> int:
     return max(1, count)
 
 
-def scheduler(address: str, sandbox: str, notify: Callable[[str], None]) -> Executor:
+def connect_to_scheduler(address: str, sandbox: str, notify: Callable[[str], None]) -> Executor:
     """Connect to a Dask cluster; see `grader.classroom.cluster.connect`."""
     try:
         from grader.classroom.cluster import connect  # importing Dask takes a second
     except ModuleNotFoundError as error:
-        if error.name not in NEEDED_BY_CLUSTERS:
+        if error.name not in CLUSTER_PACKAGES:
             raise
         raise ExecutorLost(
             f"A cluster needs Dask, and {error.name} is not installed here. "
@@ -42,4 +42,7 @@ def scheduler(address: str, sandbox: str, notify: Callable[[str], None]) -> Exec
     return connect(address, sandbox, notify)
 
 
-EXECUTORS: dict[str, Callable[..., Executor]] = {"processes": Pool, "scheduler": scheduler}
+EXECUTORS: dict[str, Callable[..., Executor]] = {
+    "processes": Pool,
+    "scheduler": connect_to_scheduler,
+}

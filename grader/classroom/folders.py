@@ -8,7 +8,7 @@ from pathlib import Path
 
 from grader.course.lessons import stages
 from grader.course.paths import Course
-from grader.course.roster import Person, Roster, letters, read_roster, roster_path
+from grader.course.roster import Person, Roster, letters_and_digits, read_roster, roster_path
 
 
 class UnknownStudent(Exception):
@@ -35,18 +35,18 @@ def find_student(course: Course, text: str) -> str:
         raise UnknownStudent(f"{text!r} may be {names}. Use the student's id instead.")
     if people:
         return people[0].id
-    if text in _folders(course):
+    if text in _student_folders(course):
         return text
-    beginning = "is not on the roster, and " if roster else ""
+    prefix = "is not on the roster, and " if roster else ""
     similar = " or ".join(
         person.display_name
         for person in (roster.people if roster else ())
-        if letters(text) and letters(text) in letters(f"{person.first_name} {person.last_name}")
+        if letters_and_digits(text)
+        and letters_and_digits(text)
+        in letters_and_digits(f"{person.first_name} {person.last_name}")
     )
     remedy = f"Do you mean {similar}? Use the student's id" if similar else "Correct the name"
-    raise UnknownStudent(
-        f"{text!r} {beginning}has no folder in {course.submitted.name}/. {remedy}."
-    )
+    raise UnknownStudent(f"{text!r} {prefix}has no folder in {course.submitted.name}/. {remedy}.")
 
 
 def find_section(course: Course, name: str) -> tuple[Person, ...]:
@@ -58,7 +58,7 @@ def find_section(course: Course, name: str) -> tuple[Person, ...]:
         If no student on the roster is in this section.
     """
     roster = read_roster(course)
-    people = roster.in_section(name) if roster else ()
+    people = roster.people_in_section(name) if roster else ()
     if not people:
         sections = {person.section for person in roster.people} - {""} if roster else ()
         raise UnknownStudent(
@@ -79,15 +79,15 @@ def unmatched_folders(course: Course, roster: Roster) -> dict[str, str]:
     folder may be misnamed or belong to a person who does not take the course.
     """
     return {
-        folder: _question(course, roster, folder)
-        for folder in _folders(course)
+        folder: _suggested_fix(course, roster, folder)
+        for folder in _student_folders(course)
         if roster.owner_of(folder) is None
     }
 
 
 def respelt_folders(course: Course, roster: Roster) -> Iterator[str]:
     """Yield a sentence about each folder whose name is a different spelling of a student's id."""
-    folders = _folders(course)
+    folders = _student_folders(course)
     for folder in folders:
         owner = roster.owner_of(folder)
         if owner and owner.id != folder:
@@ -97,13 +97,13 @@ def respelt_folders(course: Course, roster: Roster) -> Iterator[str]:
             )
 
 
-def _folders(course: Course) -> list[str]:
+def _student_folders(course: Course) -> list[str]:
     """Return the folders in ``submitted/`` that contain a stage."""
     found = {path.parent.name for stage in stages() for path in course.submitted.glob(f"*/{stage}")}
     return sorted(found)
 
 
-def _question(course: Course, roster: Roster, folder: str) -> str:
+def _suggested_fix(course: Course, roster: Roster, folder: str) -> str:
     add = f"add a line for {folder!r} to {roster_path(course).name}"
     beginning = f"{folder!r} is not on the roster, so its scores are not entered."
     people = roster.find_people(folder) or roster.people_with_zeros(folder)
@@ -112,26 +112,26 @@ def _question(course: Course, roster: Roster, folder: str) -> str:
     if len(people) > 1:
         names = " or ".join(person.display_name for person in people)
         return f"{beginning} It may belong to {names}. Rename the folder to the right id, or {add}."
-    commands = " && ".join(_moves(course, folder, people[0]))
+    commands = " && ".join(_move_commands(course, folder, people[0]))
     return (
         f"{beginning} If it belongs to {people[0].display_name}, run: {commands}; otherwise {add}."
     )
 
 
-def _moves(course: Course, folder: str, person: Person) -> Iterator[str]:
+def _move_commands(course: Course, folder: str, person: Person) -> Iterator[str]:
     """Yield commands that move a folder into a student's folder without overwriting anything."""
     source, destination = course.submitted / folder, course.submitted / person.id
     if not destination.exists():
-        yield _move(course, source, destination)
+        yield _move_command(course, source, destination)
         return
     for path in sorted(source.iterdir()):
         target = destination / path.name
         if target.is_dir():  # files in subfolders are also found, and the newest counts
             target /= f"from {folder}"
-        yield _move(course, path, target)
+        yield _move_command(course, path, target)
 
 
-def _move(course: Course, source: Path, destination: Path) -> str:
+def _move_command(course: Course, source: Path, destination: Path) -> str:
     return shlex.join(
         ["mv", "-n", *(str(path.relative_to(course.root)) for path in (source, destination))]
     )

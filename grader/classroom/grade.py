@@ -77,12 +77,12 @@ def judge_and_store(
     course: Course, submission: Submission, seed: int, sandbox: Sandbox, is_alone: bool = False
 ) -> Verdict:
     """Judge one submission in this process and store the verdict; see `judge_one`."""
-    verdict = judge_one(*_job(course, submission, seed, sandbox), is_alone)
+    verdict = judge_one(*_job_arguments(course, submission, seed, sandbox), is_alone)
     write_verdict(verdict, submission.verdict_path(course))
     return verdict
 
 
-def _job(course: Course, submission: Submission, seed: int, sandbox: Sandbox) -> tuple:
+def _job_arguments(course: Course, submission: Submission, seed: int, sandbox: Sandbox) -> tuple:
     """Read a submission and return the arguments of `judge_one`."""
     submitted_files = submission.read(course)
     return submitted_files, submission.lesson.name, submission.student, seed, sandbox.name
@@ -145,7 +145,7 @@ def judge_class(
 
     def store_result(submission: Submission, future: Future) -> None:
         nonlocal done
-        verdict = _result(future, submission)
+        verdict = _verdict_of(future, submission)
         write_verdict(verdict, submission.verdict_path(course))
         done += verdicts[submission] is None
         verdicts[submission] = verdict
@@ -155,7 +155,7 @@ def judge_class(
         progress(done, len(submissions), f"the course's solution of {lesson.name}")
 
     def job(submission: Submission) -> tuple:
-        return _job(course, submission, seed, sandbox)
+        return _job_arguments(course, submission, seed, sandbox)
 
     if waiting:
         with open_executor(workers) as executor:
@@ -189,19 +189,19 @@ def _judge_all(
     No more submissions are read in advance than the executor has room for. A lesson's submissions
     are judged only after the lesson's own solution has earned all points.
     """
-    coming = deque(sorted(waiting, key=lambda submission: submission.lesson.name))
-    running, finished, died = {}, queue.SimpleQueue(), []
+    upcoming = deque(sorted(waiting, key=lambda submission: submission.lesson.name))
+    running, finished_futures, interrupted = {}, queue.SimpleQueue(), []
 
     def watch(task: Submission | Lesson, future: Future) -> None:
         running[future] = task
-        future.add_done_callback(finished.put)
+        future.add_done_callback(finished_futures.put)
 
     def submit_jobs() -> None:
-        while coming and rehearsals.passed(coming[0].lesson):
+        while upcoming and rehearsals.has_passed(upcoming[0].lesson):
             if len(running) >= capacity(executor):
                 return
-            watch(coming[0], executor.submit(judge_one, *job(coming[0])))
-            coming.popleft()
+            watch(upcoming[0], executor.submit(judge_one, *job(upcoming[0])))
+            upcoming.popleft()
         # Rehearse a few lessons at a time, so that the first verdict need not wait for all of them.
         rehearsing = sum(isinstance(task, Lesson) for task in running.values())
         for lesson in rehearsals.next_lessons(workers - rehearsing, not running):
@@ -211,23 +211,23 @@ def _judge_all(
         submit_jobs()
         if not running:
             rehearsals.verify()
-            return died
-        future = finished.get()
+            return interrupted
+        future = finished_futures.get()
         task = running.pop(future, None)
         if isinstance(task, Lesson):
             rehearsals.record_result(task, future)
-            if rehearsals.failed:  # other lessons may be faulty too, so judging stops
-                coming.clear()
+            if rehearsals.has_failed:  # other lessons may be faulty too, so judging stops
+                upcoming.clear()
                 for other, task in list(running.items()):
                     if isinstance(task, Submission) and other.cancel():
                         del running[other]
         elif task and isinstance(future.exception(), BrokenExecutor):
-            died.append(task)
+            interrupted.append(task)
         elif task:  # without a task, the job was cancelled
             store_result(task, future)
 
 
-def _result(future: Future, submission: Submission) -> Verdict:
+def _verdict_of(future: Future, submission: Submission) -> Verdict:
     """Return the verdict in a future, or a verdict that reports a failure of the judge."""
     try:
         return future.result().compact()

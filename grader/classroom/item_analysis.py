@@ -7,11 +7,11 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from grader.judging.messages import common_text, without_numbers
+from grader.judging.messages import common_text, remove_numbers
 from grader.judging.verdict import ExerciseResult, MessageKind, Verdict
 
 # With fewer students, chance alone can produce a discrimination of 0.4.
-LEAST_STUDENTS = 20
+MIN_STUDENTS = 20
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Item:
         How many students passed the check, and how many have started its exercise.
     discrimination : float or None
         Correlation between passing this check and the points for the rest of the lesson. None for
-        fewer than `LEAST_STUDENTS` students, or if either quantity is the same for all students.
+        fewer than `MIN_STUDENTS` students, or if either quantity is the same for all students.
     """
 
     exercise: str
@@ -55,17 +55,17 @@ def hardest_checks(verdicts: Sequence[Verdict], limit: int = 10) -> list[CheckSu
     Each student counts once per exercise, with the first failure, because further failures may have
     the same cause.
     """
-    tried, first_failures = Counter(), Counter()
+    attempts, first_failures = Counter(), Counter()
     for verdict in verdicts:
-        for exercise in _started(verdict):
-            tried[verdict.lesson, exercise.name] += 1
+        for exercise in _started_exercises(verdict):
+            attempts[verdict.lesson, exercise.name] += 1
             first = next((test for test in exercise.tests if test.name == exercise.first), None)
             if first:
                 first_failures[verdict.lesson, exercise.name, first.title, first.visible] += 1
-    found = [
-        CheckSummary(*check, count, tried[check[:2]]) for check, count in first_failures.items()
+    summaries = [
+        CheckSummary(*check, count, attempts[check[:2]]) for check, count in first_failures.items()
     ]
-    return sorted(found, key=lambda check: -check.failed / check.tried)[:limit]
+    return sorted(summaries, key=lambda check: -check.failed / check.tried)[:limit]
 
 
 def items_of(verdicts: Sequence[Verdict]) -> list[Item]:
@@ -80,30 +80,30 @@ def items_of(verdicts: Sequence[Verdict]) -> list[Item]:
     outcomes: dict[tuple[str, str], list[tuple[float, float]]] = {}
     tests = {}
     for verdict in verdicts:
-        for exercise in _started(verdict):
+        for exercise in _started_exercises(verdict):
             for test in exercise.tests:
-                check = exercise.name, test.name
-                tests.setdefault(check, test)
-                rest = verdict.score - test.score
-                outcomes.setdefault(check, []).append((float(test.passed), rest))
+                check_key = exercise.name, test.name
+                tests.setdefault(check_key, test)
+                score_without_check = verdict.score - test.score
+                outcomes.setdefault(check_key, []).append((float(test.passed), score_without_check))
     return [
         Item(
-            check[0],
-            tests[check].title,
-            tests[check].visible,
+            check_key[0],
+            tests[check_key].title,
+            tests[check_key].visible,
             sum(passed > 0 for passed, _ in results),
             len(results),
             _discrimination(results),
         )
-        for check, results in outcomes.items()
+        for check_key, results in outcomes.items()
     ]
 
 
 def _discrimination(outcomes: Sequence[tuple[float, float]]) -> float | None:
-    passed, rest = zip(*outcomes, strict=True)
-    if len(outcomes) < LEAST_STUDENTS or len(set(passed)) == 1 or len(set(rest)) == 1:
+    passed, other_scores = zip(*outcomes, strict=True)
+    if len(outcomes) < MIN_STUDENTS or len(set(passed)) == 1 or len(set(other_scores)) == 1:
         return None
-    return statistics.correlation(passed, rest)
+    return statistics.correlation(passed, other_scores)
 
 
 def is_not_started(exercise: ExerciseResult) -> bool:
@@ -112,11 +112,11 @@ def is_not_started(exercise: ExerciseResult) -> bool:
     return not exercise.first and exercise.name in stubs
 
 
-def _started(verdict: Verdict) -> list[ExerciseResult]:
+def _started_exercises(verdict: Verdict) -> list[ExerciseResult]:
     return [exercise for exercise in verdict.exercises if not is_not_started(exercise)]
 
 
-def not_started(verdicts: Sequence[Verdict]) -> list[tuple[str, int]]:
+def count_not_started(verdicts: Sequence[Verdict]) -> list[tuple[str, int]]:
     """Return (exercise, number of students who have not started it), in the order of the course."""
     found = Counter(
         exercise.name
@@ -132,20 +132,20 @@ def common_messages(verdicts: Sequence[Verdict], limit: int = 8) -> list[tuple[s
     students: dict[tuple[str, str], set[str]] = {}
     first_lines: dict[tuple[str, str], list[str]] = {}
     for verdict in verdicts:
-        for exercise in _started(verdict):
+        for exercise in _started_exercises(verdict):
             if exercise.cause:
                 first = exercise.cause.splitlines()[0]
-                mistake = (exercise.name, without_numbers(first))
+                mistake = (exercise.name, remove_numbers(first))
                 students.setdefault(mistake, set()).add(verdict.student)
                 first_lines.setdefault(mistake, []).append(first)
-    found = [
+    messages = [
         (mistake[0], common_text(first_lines[mistake]), len(names))
         for mistake, names in students.items()
     ]
-    return sorted(found, key=lambda mistake: -mistake[2])[:limit]
+    return sorted(messages, key=lambda mistake: -mistake[2])[:limit]
 
 
-def out_of_time(verdict: Verdict) -> list[str]:
+def exercises_out_of_time(verdict: Verdict) -> list[str]:
     """Return the exercises of a notebook in which a call took too long."""
     return [
         exercise.name

@@ -17,7 +17,7 @@ from grader.classroom.pool import Pool, run_job
 from grader.judging.key import versions
 from grader.sandbox import SANDBOXES, SandboxUnavailable
 
-LONGEST_IDLE = 30 * 60
+MAX_IDLE_SECONDS = 30 * 60
 """Seconds without a job after which the process ends; the run was probably killed."""
 
 
@@ -38,7 +38,7 @@ def serve(descriptor: int, workers: int, sandbox: str) -> None:
         Name of a sandbox in `grader.sandbox.SANDBOXES`.
     """
     pipe, lock = Connection(descriptor), threading.Lock()
-    pipe.send({"versions": versions(), "complaint": _complaint(sandbox)})
+    pipe.send({"versions": versions(), "complaint": _sandbox_complaint(sandbox)})
     pool = Pool(workers)
 
     def answer(number: int, future: Future) -> None:
@@ -47,14 +47,14 @@ def serve(descriptor: int, workers: int, sandbox: str) -> None:
             pipe.send((number, pickle.dumps((False, error)) if error else future.result()))
 
     try:
-        while pipe.poll(LONGEST_IDLE):
+        while pipe.poll(MAX_IDLE_SECONDS):
             number, job = pipe.recv()
             pool.submit(run_job, job).add_done_callback(functools.partial(answer, number))
     finally:
         os._exit(1)  # the results of unfinished jobs are not needed
 
 
-def _complaint(sandbox: str) -> str:
+def _sandbox_complaint(sandbox: str) -> str:
     try:
         SANDBOXES[sandbox].available()
     except SandboxUnavailable as error:

@@ -50,7 +50,7 @@ def course_lock(course: Course) -> Iterator[None]:
         for pattern in ("*/*/.*.part", "*/*/.older/.*.part"):  # left by `grader.classroom.collect`
             for path in course.submitted.glob(pattern):
                 path.unlink(missing_ok=True)
-        for pattern in ("*/.*.part", "*/.*.old"):  # left by `grader.lms.copies`
+        for pattern in ("*/.*.part", "*/.*.old"):  # left by `grader.lms.autograded_folder`
             for path in course.autograded.glob(pattern):
                 shutil.rmtree(path, ignore_errors=True)
         yield

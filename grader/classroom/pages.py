@@ -25,7 +25,7 @@ def _environment() -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["urlencode"] = lambda text: quote(printable(text))
+    environment.filters["urlencode"] = lambda text: quote(printable_name(text))
     environment.globals |= {"course": course_title(), "version": version()}
     return environment
 
@@ -38,11 +38,11 @@ def render(template: str, **content: object) -> str:
     return _environment().get_template(template).render(**content)
 
 
-def coded(text: str) -> Markup:
+def format_code(text: str) -> Markup:
     """Return a text as HTML with the parts between backticks formatted as code."""
     return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(text))))
 
 
-def printable(student: str) -> str:
+def printable_name(student: str) -> str:
     """Return a student's name as valid Unicode, because a folder's name may contain other bytes."""
     return student.encode("utf-8", "replace").decode()

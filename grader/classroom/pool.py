@@ -20,10 +20,10 @@ from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 
 SLOW_TO_IMPORT = ("grader.judging.judge", "scipy.spatial")
-LONGEST_JOB = 60 * 60
+MAX_JOB_SECONDS = 60 * 60
 """Seconds that one job may take, far more than the sum of a notebook's time limits."""
 SECONDS_TO_END = 10
-MEMORY = 3 * 2**30
+MAX_MEMORY = 3 * 2**30
 """Bytes that one process may allocate; a right notebook needs a tenth."""
 
 
@@ -73,7 +73,7 @@ class Pool(Executor):
 
     def _run_job(self, job: bytes) -> object:
         process = self._take_process()
-        timer = threading.Timer(LONGEST_JOB, process.kill)
+        timer = threading.Timer(MAX_JOB_SECONDS, process.kill)
         timer.start()
         alive = False
         try:
@@ -161,8 +161,8 @@ def _limit_memory() -> None:
         import resource  # not on Windows
 
         _, hard = resource.getrlimit(resource.RLIMIT_DATA)
-        most = MEMORY if hard == resource.RLIM_INFINITY else min(MEMORY, hard)
-        resource.setrlimit(resource.RLIMIT_DATA, (most, hard))
+        limit = MAX_MEMORY if hard == resource.RLIM_INFINITY else min(MAX_MEMORY, hard)
+        resource.setrlimit(resource.RLIMIT_DATA, (limit, hard))
 
 
 def _die_with_parent() -> None:

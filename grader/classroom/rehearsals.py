@@ -61,12 +61,12 @@ class Rehearsals:
         self._started: list[Lesson] = []
         self._died: list[Lesson] = []
 
-    def passed(self, lesson: Lesson) -> bool:
+    def has_passed(self, lesson: Lesson) -> bool:
         """Return whether the lesson's own solution has earned all points."""
         return lesson not in self._missing
 
     @property
-    def failed(self) -> bool:
+    def has_failed(self) -> bool:
         """Whether a solution has failed to earn all points."""
         return bool(self._complaints)
 
@@ -100,7 +100,7 @@ class Rehearsals:
 
     def verify(self) -> None:
         """Raise `RehearsalFailed` if a solution has failed to earn all points."""
-        if self.failed:
+        if self.has_failed:
             found = sorted(self._complaints.items())
             raise RehearsalFailed(
                 "No notebook was graded, because these tests reject the lesson's own "

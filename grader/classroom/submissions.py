@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.classroom.contents import (
+from grader.classroom.lesson_recognition import (
     copy_number,
     is_notebook_name,
     lesson_by_content,
@@ -26,7 +26,7 @@ from grader.intake.submission import (
 
 # Files that nbgrader's exchange adds: the submission time and the key for the feedback.
 EXCHANGE_FILES = {"timestamp.txt", "submission_secret.txt"}
-MOST_LISTED = 10  # files of one folder that are listed one by one
+MAX_LISTED_FILES = 10  # files of one folder that are listed one by one
 
 
 class ReplacedSubmission(Exception):
@@ -142,7 +142,7 @@ def find_submissions(course: Course, stages: Iterable[str] = ()) -> list[Submiss
     grader.course.roster.RosterError
     """
     roster = read_roster(course)
-    found: dict[tuple[str, Lesson], list[Path]] = {}
+    paths_by_lesson: dict[tuple[str, Lesson], list[Path]] = {}
     for stage in dict.fromkeys(lesson.stage for lesson in all_lessons()):
         if stages and stage not in stages:
             continue
@@ -152,9 +152,9 @@ def find_submissions(course: Course, stages: Iterable[str] = ()) -> list[Submiss
             for path in _files_below(folder):
                 lesson = _lesson_of_file(path)
                 if lesson and lesson.stage == stage:
-                    found.setdefault((student, lesson), []).append(path)
+                    paths_by_lesson.setdefault((student, lesson), []).append(path)
     submissions = []
-    for (student, lesson), paths in found.items():
+    for (student, lesson), paths in paths_by_lesson.items():
         *older, newest = sorted(paths, key=_age_key)
         submissions.append(Submission(student, lesson, newest, tuple(older)))
     return sorted(submissions, key=lambda submission: (submission.student, submission.lesson.name))
@@ -167,22 +167,24 @@ def unaccounted_files(course: Course) -> list[tuple[Path, str]]:
     """
     submissions = find_submissions(course)
     judged = {path for submission in submissions for path in (submission.path, *submission.older)}
-    found = []
+    files_with_reason = []
     for path in _files_below(course.submitted):
         if path not in judged and path.name not in EXCHANGE_FILES:
-            reason = _reason(course, path)
+            reason = _reason_not_judged(course, path)
             if reason:
-                found.append((path.relative_to(course.root), reason))
-    return list(_folded(found))
+                files_with_reason.append((path.relative_to(course.root), reason))
+    return list(_summarize_by_folder(files_with_reason))
 
 
-def _folded(found: Iterable[tuple[Path, str]]) -> Iterator[tuple[Path, str]]:
+def _summarize_by_folder(
+    files_with_reason: Iterable[tuple[Path, str]],
+) -> Iterator[tuple[Path, str]]:
     groups: dict[tuple[Path, str], list[Path]] = {}
-    for path, reason in found:  # submitted/<student>/<stage>/<folder>
+    for path, reason in files_with_reason:  # submitted/<student>/<stage>/<folder>
         folder = Path(*path.parent.parts[:4])
         groups.setdefault((folder, reason), []).append(path)
     for (folder, reason), paths in groups.items():
-        if len(paths) > MOST_LISTED:
+        if len(paths) > MAX_LISTED_FILES:
             yield folder, f"{len(paths)} files: {reason}"
         else:
             yield from ((path, reason) for path in paths)
@@ -212,7 +214,7 @@ def _age_key(path: Path) -> tuple[float, int, str]:
     return path.lstat().st_mtime, copy_number(path.name), path.name
 
 
-def _reason(course: Course, file: Path) -> str:
+def _reason_not_judged(course: Course, file: Path) -> str:
     """Return why a file is not a submission and what to do; empty if it belongs to a submission."""
     path = file.relative_to(course.submitted)
     student, *_ = path.parts

@@ -24,7 +24,7 @@ from pathlib import Path
 
 from distributed import Status, Worker, WorkerPlugin, get_worker
 
-SLOWEST_START = 300
+MAX_START_SECONDS = 300
 """Seconds that Python may take to import the modules for judging from a busy disk."""
 
 
@@ -33,7 +33,7 @@ def judge_on_worker(name: str, job: bytes) -> bytes:
     return get_worker().plugins[name].judge(job)
 
 
-LONGEST_JOB = 70 * 60
+MAX_JOB_SECONDS = 70 * 60
 """Seconds after which a job counts as lost; the judging process gives up a job earlier."""
 SECONDS_TO_END = 10
 
@@ -110,11 +110,11 @@ class JudgePlugin(WorkerPlugin):
             client = self.client
             future = client.submit(job)
         try:
-            return future.result(LONGEST_JOB)
+            return future.result(MAX_JOB_SECONDS)
         except TimeoutError:
             client.close()
             raise BrokenExecutor(
-                f"The judging process has not answered for {LONGEST_JOB / 60:.0f} minutes."
+                f"The judging process has not answered for {MAX_JOB_SECONDS / 60:.0f} minutes."
             ) from None
 
     def _prepare(self, parent: str) -> None:
@@ -196,8 +196,8 @@ class JudgeClient:
             self._process.wait(SECONDS_TO_END)
 
     def _receive_greeting(self, folder: Path) -> dict:
-        if not self._pipe.poll(SLOWEST_START):
-            raise UnsuitableWorker(f"Its Python did not start within {SLOWEST_START} s.")
+        if not self._pipe.poll(MAX_START_SECONDS):
+            raise UnsuitableWorker(f"Its Python did not start within {MAX_START_SECONDS} s.")
         try:
             return self._pipe.recv()
         except EOFError:

@@ -5,7 +5,7 @@ import stat
 import zipfile
 from collections.abc import Collection, Mapping
 
-EARLIEST = (1980, 1, 1, 0, 0, 0)  # the earliest date that a zip file can store
+EARLIEST_DATE = (1980, 1, 1, 0, 0, 0)  # the earliest date that a zip file can store
 
 
 def make_zip(files: Mapping[str, bytes], programs: Collection[str] = ()) -> bytes:
@@ -26,7 +26,7 @@ def make_zip(files: Mapping[str, bytes], programs: Collection[str] = ()) -> byte
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
         for name in sorted(files):
-            entry = zipfile.ZipInfo(name, EARLIEST)
+            entry = zipfile.ZipInfo(name, EARLIEST_DATE)
             entry.create_system = 3  # Unix; otherwise unzip ignores the modes
             entry.external_attr = (stat.S_IFREG | (0o755 if name in programs else 0o644)) << 16
             entry.compress_type = zipfile.ZIP_DEFLATED

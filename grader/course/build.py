@@ -30,12 +30,13 @@ if TYPE_CHECKING:
 # two versions, separated by a line `---`. The first is for a course with a public address.
 COMMON_CELLS = {"setup": "setup_cell.py", "badge": "badge_cell.md", "footer": "footer_cell.md"}
 KERNEL = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
-FORBIDDEN = PROJECT / "utils" / "checks" / "forbidden.json"
-CELL_KEYS = PROJECT / "utils" / "lent" / "cells.json"
-# Characters. Shorter lines do not reveal a solution, and neither do lines that match `HARMLESS`.
+FORBIDDEN_FILE = PROJECT / "utils" / "checks" / "forbidden.json"
+CELL_KEYS_FILE = PROJECT / "utils" / "lent" / "cells.json"
+# Characters. Shorter lines do not reveal a solution, and neither do lines that match
+# `HARMLESS_LINE`.
 LEAK_LENGTH = 12
 # Cell metadata that folds the code in JupyterLab, Colab and Kaggle.
-HIDDEN = {"jupyter": {"source_hidden": True}, "cellView": "form", "_kg_hide-input": True}
+HIDDEN_METADATA = {"jupyter": {"source_hidden": True}, "cellView": "form", "_kg_hide-input": True}
 # Unusual characters are refused, because the address and the revision are inserted into links and
 # a shell command.
 ADDRESS = re.compile(r"https?://[\w.:-]+/([\w.-]+/[\w.-]+?)")
@@ -43,7 +44,7 @@ REVISION = re.compile(r"\w[\w./-]*")
 # Placeholder for the points of an exercise, such as `` `insert` (points)``.
 POINTS_MARK = re.compile(r"`(?P<exercise>\w+)` \(points\)")
 NEXT_LINE = re.compile(r"\*\*Next:\*\* (?P<title>(?P<number>\d\d) · [^\n]*)")
-HARMLESS = re.compile(r"(return|continue|break|pass|else:|try:|if|import|from)\b[\w ,.]*$")
+HARMLESS_LINE = re.compile(r"(return|continue|break|pass|else:|try:|if|import|from)\b[\w ,.]*$")
 
 
 class RegistryFault(Exception):
@@ -87,10 +88,10 @@ def check() -> list[str]:
     """
     if faults := registry_faults():
         return faults
-    built = build_all()
+    is_built = build_all()
     faults = [
         f"{path.relative_to(PROJECT)} is out of date. Run: python -m grader build"
-        for path, text in built.items()
+        for path, text in is_built.items()
         if not path.exists() or path.read_bytes() != text
     ]
     faults += [
@@ -98,14 +99,14 @@ def check() -> list[str]:
         for path in _stray_notebooks()
     ]
     for lesson in every_lesson():
-        others = [built[other.released] for other in every_lesson() if other != lesson]
-        if b"](pictures/" in built[lesson.solved]:
+        others = [is_built[other.released] for other in every_lesson() if other != lesson]
+        if b"](pictures/" in is_built[lesson.solved]:
             faults.append(
                 f"{lesson.name} refers to a picture that does not exist. Run: make pictures"
             )
         faults += [
             f"{lesson.released.relative_to(PROJECT)} gives away a line of the solution: {line!r}"
-            for line in leaks(built[lesson.solved], built[lesson.released], others)
+            for line in find_leaks(is_built[lesson.solved], is_built[lesson.released], others)
         ]
     return faults
 
@@ -115,7 +116,12 @@ def build_all(origin: Origin | None = None) -> dict[Path, bytes]:
     origin = origin or read_origin()
     solved = {lesson.solved: to_bytes(solved_notebook(lesson, origin)) for lesson in every_lesson()}
     released = _released_notebooks(solved)
-    return {**solved, **released, FORBIDDEN: _forbidden_modules(), CELL_KEYS: _cell_keys(released)}
+    return {
+        **solved,
+        **released,
+        FORBIDDEN_FILE: _forbidden_modules(),
+        CELL_KEYS_FILE: _cell_keys(released),
+    }
 
 
 def _forbidden_modules() -> bytes:
@@ -150,7 +156,7 @@ def solved_notebook(lesson: Lesson, origin: Origin) -> NotebookNode:
         "lidar_obstacle_lab": {"lesson": lesson.name, "stage": lesson.stage},
     }
     notebook.nbformat, notebook.nbformat_minor = 4, 5
-    seen = {}
+    id_counts = {}
     _insert_points(notebook)
     durations.insert_durations(notebook)
     for cell in notebook.cells:
@@ -163,7 +169,7 @@ def solved_notebook(lesson: Lesson, origin: Origin) -> NotebookNode:
             _attach_pictures(cell, lesson.folder)
         else:
             _fold_tagged_cell(cell)
-        cell.id = _stable_id(cell, seen)
+        cell.id = _stable_id(cell, id_counts)
     _allow_errors_after_answers(notebook)
     return notebook
 
@@ -176,12 +182,14 @@ def to_bytes(notebook: NotebookNode) -> bytes:
     return (nbformat.writes(notebook).rstrip("\n") + "\n").encode()
 
 
-def leaks(solved: bytes, released: bytes, others: Collection[bytes] = ()) -> list[str]:
+def find_leaks(
+    solved_notebook_bytes: bytes, released: bytes, others: Collection[bytes] = ()
+) -> list[str]:
     """Return the lines of a solution that are also in the student's notebook.
 
     Parameters
     ----------
-    solved, released : bytes
+    solved_notebook_bytes, released : bytes
         The two notebooks.
     others : collection of bytes
         The student notebooks of the other lessons. Code that students get in another lesson is
@@ -189,12 +197,13 @@ def leaks(solved: bytes, released: bytes, others: Collection[bytes] = ()) -> lis
     """
     shown = lines_of(released)
     return sorted(
-        secret_lines(solved, others) & shown | {line for line in shown if "SOLUTION" in line}
+        secret_lines(solved_notebook_bytes, others) & shown
+        | {line for line in shown if "SOLUTION" in line}
     )
 
 
 def secret_lines(solved: bytes, others: Collection[bytes] = ()) -> set[str]:
-    """Return the lines that would reveal a solution; see `leaks` for the parameters."""
+    """Return the lines that would reveal a solution; see `find_leaks` for the parameters."""
     secret = set()
     for cell in json.loads(solved)["cells"]:
         from_earlier = earlier_lessons.TAG in cell["metadata"].get("tags", ())
@@ -203,7 +212,7 @@ def secret_lines(solved: bytes, others: Collection[bytes] = ()) -> set[str]:
         ):
             lines = {line.strip() for line in region.splitlines()}
             secret |= lines.difference(*map(lines_of, others)) if from_earlier else lines
-    return {line for line in secret if len(line) >= LEAK_LENGTH and not HARMLESS.match(line)}
+    return {line for line in secret if len(line) >= LEAK_LENGTH and not HARMLESS_LINE.match(line)}
 
 
 def lines_of(notebook: bytes) -> set[str]:
@@ -322,14 +331,14 @@ def common_cell(tag: str, lesson: Lesson, origin: Origin) -> str:
     )
 
 
-def _next_lesson_link(lesson: Lesson, found: re.Match) -> str:
+def _next_lesson_link(lesson: Lesson, match: re.Match) -> str:
     """Return the line that names the next lesson, with a link if that lesson exists."""
     lessons = {lesson.number: lesson for lesson in every_lesson()}
-    following = lessons.get(found["number"])
+    following = lessons.get(match["number"])
     if following is None:
-        return found[0]
+        return match[0]
     folder = "" if following.stage == lesson.stage else f"../{following.stage}/"
-    return f"**Next:** [{found['title']}]({folder}{following.name}.ipynb)"
+    return f"**Next:** [{match['title']}]({folder}{following.name}.ipynb)"
 
 
 def _insert_points(notebook: NotebookNode) -> None:
@@ -354,7 +363,7 @@ def _insert_points(notebook: NotebookNode) -> None:
 def _fold_tagged_cell(cell: NotebookNode) -> None:
     """Fold a code cell with the tag `folded`."""
     if "folded" in cell.metadata.get("tags", ()):
-        cell.metadata.update(HIDDEN)
+        cell.metadata.update(HIDDEN_METADATA)
 
 
 def _allow_errors_after_answers(notebook: NotebookNode) -> None:

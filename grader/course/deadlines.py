@@ -45,7 +45,7 @@ class TermRules:
 
     Attributes
     ----------
-    without : frozenset of str
+    excluded_exercises : frozenset of str
         Exercises that are switched off. They count neither in scores nor in maxima.
     drop_lowest : int
         Number of lessons that each student's total leaves out.
@@ -53,14 +53,16 @@ class TermRules:
         Least percentage of the possible points that a student needs to pass.
     """
 
-    without: frozenset[str] = frozenset()
+    excluded_exercises: frozenset[str] = frozenset()
     drop_lowest: int = 0
     pass_mark: float | None = None
 
-    def without_in(self, lesson: Lesson) -> tuple[str, ...]:
+    def excluded_in(self, lesson: Lesson) -> tuple[str, ...]:
         """Return the exercises of a lesson that are switched off, in the lesson's order."""
         return tuple(
-            exercise.name for exercise in lesson.exercises if exercise.name in self.without
+            exercise.name
+            for exercise in lesson.exercises
+            if exercise.name in self.excluded_exercises
         )
 
 
@@ -86,13 +88,13 @@ class Deadlines:
     lessons: dict[str, DueDates] = field(default_factory=dict)
     rules: TermRules = TermRules()
 
-    def due(self, person: Person | str, stage: str) -> datetime | None:
+    def due_date(self, person: Person | str, stage: str) -> datetime | None:
         """Return the due date of a stage for a student, in UTC, or None if there is none."""
         dates = self.stages.get(stage, DueDates())
         id = person if isinstance(person, str) else person.id
         return dates.students.get(id, self._due_without_extension(id, dates))
 
-    def due_of_lesson(
+    def lesson_due_date(
         self,
         student: str,
         stage: str,
@@ -133,16 +135,16 @@ class Deadlines:
         """Return whether a student is excused from a stage."""
         return id in self.stages.get(stage, DueDates()).excused
 
-    def assigned(self, stage: str) -> tuple[str, ...] | None:
+    def assigned_lessons(self, stage: str) -> tuple[str, ...] | None:
         """Return the names of a stage's lessons that count, or None if the file does not say."""
         return self.stages.get(stage, DueDates()).lessons
 
-    def unassigned(self, lessons: Iterable[Lesson]) -> list[Lesson]:
+    def unassigned_lessons(self, lessons: Iterable[Lesson]) -> list[Lesson]:
         """Return those of the lessons that do not count, because the file lists others."""
         return [
             lesson
             for lesson in lessons
-            if lesson.name not in (self.assigned(lesson.stage) or (lesson.name,))
+            if lesson.name not in (self.assigned_lessons(lesson.stage) or (lesson.name,))
         ]
 
     def extensions(self, name: str) -> dict[str, datetime]:
@@ -158,12 +160,12 @@ class Deadlines:
         person = self.roster.person(id) if self.roster else None
         return dates.sections.get(person.section, dates.due) if person else dates.due
 
-    def in_words(self) -> Iterator[str]:
+    def descriptions(self) -> Iterator[str]:
         """Yield phrases about all settings: one for each stage, lesson and rule."""
         for name, dates in (self.stages | self.lessons).items():
             yield f"{name} {', '.join(self._dates_in_words(name, dates))}"
-        if self.rules.without:
-            names = [name for lesson in all_lessons() for name in self.rules.without_in(lesson)]
+        if self.rules.excluded_exercises:
+            names = [name for lesson in all_lessons() for name in self.rules.excluded_in(lesson)]
             yield f"exercises that do not count: {', '.join(names)}"
         if self.rules.drop_lowest:
             count = self.rules.drop_lowest

@@ -87,58 +87,67 @@ def read_deadlines(course: Course) -> Deadlines | None:
         raise DeadlinesError(f"{path.name} is not in UTF-8. Save it as UTF-8.") from error
     except tomllib.TOMLDecodeError as error:
         raise DeadlinesError(
-            f"{_place_of(error, path.name, text)}. Write dates as {_EXAMPLE}. Put names that "
+            f"{_error_location(error, path.name, text)}. Write dates as {_EXAMPLE}. Put names that "
             "contain anything except plain letters, digits, - and _ in quotation marks, such as "
             '"mary jane".'
         ) from error
-    zone = _zone(path.name, table.pop("timezone", None))
+    zone = _parse_zone(path.name, table.pop("timezone", None))
     settings = {name: table.pop(name, None) for name in _SETTINGS[1:]}
-    known = {lesson.name: lesson for lesson in lessons.all_lessons()}
+    lessons_by_name = {lesson.name: lesson for lesson in lessons.all_lessons()}
     _check_keys(
-        path.name, table, (*lessons.stages(), *_SETTINGS, *known), "stage, lesson or setting"
+        path.name,
+        table,
+        (*lessons.stages(), *_SETTINGS, *lessons_by_name),
+        "stage, lesson or setting",
     )
     roster = read_roster(course)
     dates = {
-        name: _dates(f"{path.name}, [{name}", value, zone, known.get(name))
+        name: _parse_dates(f"{path.name}, [{name}", value, zone, lessons_by_name.get(name))
         for name, value in table.items()
     }
     for name in dates:
         _check_names(f"{path.name}, [{name}", dates[name], roster)
     stages = {
-        name: replace(dates[name], lessons=_assigned(f"{path.name}, [{name}]", table[name], name))
+        name: replace(
+            dates[name],
+            lessons=_parse_assigned_lessons(f"{path.name}, [{name}]", table[name], name),
+        )
         for name in table
-        if name not in known
+        if name not in lessons_by_name
     }
-    counted = [
+    counted_lessons = [
         lesson
         for lesson in lessons.all_lessons()
         if (listed := stages.get(lesson.stage, DueDates()).lessons) is None or lesson.name in listed
     ]
-    for name in table.keys() & {lesson.name for lesson in known.values() if lesson not in counted}:
+    for name in table.keys() & {
+        lesson.name for lesson in lessons_by_name.values() if lesson not in counted_lessons
+    }:
         raise DeadlinesError(
             f"{path.name}, [{name}]: this lesson has a date but does not count. Add "
-            f'"{known[name].number}" to lessons below [{known[name].stage}], or delete this '
+            f'"{lessons_by_name[name].number}" to lessons below [{lessons_by_name[name].stage}], '
+            "or delete this "
             "heading."
         )
-    without = {
+    excluded_exercises = {
         name
         for stage in stages
-        for name in _without(
+        for name in _parse_excluded_exercises(
             f"{path.name}, [{stage}]",
             table[stage],
-            [lesson for lesson in counted if lesson.stage == stage],
+            [lesson for lesson in counted_lessons if lesson.stage == stage],
         )
     }
     rules = TermRules(
-        frozenset(without),
-        _drop_lowest(path.name, settings["drop_lowest"], len(counted)),
-        _pass_mark(path.name, settings["pass_mark"]),
+        frozenset(excluded_exercises),
+        _parse_drop_lowest(path.name, settings["drop_lowest"], len(counted_lessons)),
+        _parse_pass_mark(path.name, settings["pass_mark"]),
     )
-    own_dates = {name: dates[name] for name in known if name in dates}
+    own_dates = {name: dates[name] for name in lessons_by_name if name in dates}
     return Deadlines(stages, roster, zone, own_dates, rules)
 
 
-def _place_of(error: tomllib.TOMLDecodeError, file: str, text: str) -> str:
+def _error_location(error: tomllib.TOMLDecodeError, file: str, text: str) -> str:
     """Return the file, the line and the reader's complaint."""
     line = re.search(r" \(at line (\d+), column \d+\)$", str(error))
     if not line:
@@ -147,7 +156,7 @@ def _place_of(error: tomllib.TOMLDecodeError, file: str, text: str) -> str:
     return f"{file}, line {line[1]}, {content}: {str(error)[: line.start()]}"
 
 
-def _zone(file: str, name: object) -> tzinfo | None:
+def _parse_zone(file: str, name: object) -> tzinfo | None:
     if name is None:
         return None
     try:
@@ -159,7 +168,9 @@ def _zone(file: str, name: object) -> tzinfo | None:
         ) from error
 
 
-def _dates(location: str, table: object, zone: tzinfo | None, lesson: Lesson | None) -> DueDates:
+def _parse_dates(
+    location: str, table: object, zone: tzinfo | None, lesson: Lesson | None
+) -> DueDates:
     """Return the dates of a lesson, or of a stage if `lesson` is None.
 
     Error messages begin with `location`, such as "FILE, [STAGE".
@@ -170,12 +181,12 @@ def _dates(location: str, table: object, zone: tzinfo | None, lesson: Lesson | N
         )
     entries = _LESSON_ENTRIES if lesson else _STAGE_ENTRIES
     _check_keys(f"{location}]", table, entries, "entry")
-    groups = {kind: table.get(kind, {}) for kind in ("sections", "students")}
-    for kind, group in groups.items():
+    groups = {heading: table.get(heading, {}) for heading in ("sections", "students")}
+    for heading, group in groups.items():
         if not isinstance(group, dict):
             raise DeadlinesError(
-                f"{location}]: make {kind} a separate heading, "
-                f"{location.partition(', ')[2]}.{kind}], with one line below it for each date."
+                f"{location}]: make {heading} a separate heading, "
+                f"{location.partition(', ')[2]}.{heading}], with one line below it for each date."
             )
     excused = frozenset(id for id, value in groups["students"].items() if value == EXCUSED)
     if lesson and excused:
@@ -184,56 +195,62 @@ def _dates(location: str, table: object, zone: tzinfo | None, lesson: Lesson | N
             f"stage. Move this line below [{lesson.stage}.students], or write a later date here."
         )
     due = table.get("due")
-    read = DueDates(
-        None if due is None else _date(f"{location}], due", due, zone),
+    due_dates = DueDates(
+        None if due is None else _parse_date(f"{location}], due", due, zone),
         {
-            name: _date(f"{location}.sections], {name}", value, zone)
+            name: _parse_date(f"{location}.sections], {name}", value, zone)
             for name, value in groups["sections"].items()
         },
         {
-            id: _date(f"{location}.students], {id}", value, zone, or_excused=True)
+            id: _parse_date(f"{location}.students], {id}", value, zone, may_be_excused=True)
             for id, value in groups["students"].items()
             if id not in excused
         },
         excused,
     )
-    if read.due is None and (lesson or read.sections or read.students):
-        some_have = read.sections or read.students
+    if due_dates.due is None and (lesson or due_dates.sections or due_dates.students):
+        some_have = due_dates.sections or due_dates.students
         reason = "only some students have a date" if some_have else "no date"
         raise DeadlinesError(
             f"{location}]: {reason}. Add a line due = {_EXAMPLE} below this heading."
         )
-    return read
+    return due_dates
 
 
-def _assigned(location: str, table: dict, stage: str) -> tuple[str, ...] | None:
+def _parse_assigned_lessons(location: str, table: dict, stage: str) -> tuple[str, ...] | None:
     """Return the names of the lessons that count, or None if the table does not list them."""
     numbers = table.get("lessons")
-    known = {
+    names_by_number = {
         lesson.number: lesson.name for lesson in lessons.all_lessons() if lesson.stage == stage
     }
     if numbers is None:
         return None
-    if not isinstance(numbers, list) or not all(number in known for number in map(str, numbers)):
+    if not isinstance(numbers, list) or not all(
+        number in names_by_number for number in map(str, numbers)
+    ):
         raise DeadlinesError(
             f"{location}, lessons: list the numbers of the lessons that count, in quotation marks, "
-            f'such as lessons = ["{min(known)}"]. The lessons of this stage are: '
-            f"{', '.join(known)}."
+            f'such as lessons = ["{min(names_by_number)}"]. The lessons of this stage are: '
+            f"{', '.join(names_by_number)}."
         )
-    return tuple(sorted({known[number] for number in map(str, numbers)}))
+    return tuple(sorted({names_by_number[number] for number in map(str, numbers)}))
 
 
-def _without(location: str, table: dict, counted: Sequence[Lesson]) -> list[str]:
-    """Return the exercises of a stage that are switched off; `counted` are its lessons."""
+def _parse_excluded_exercises(
+    location: str, table: dict, counted_lessons: Sequence[Lesson]
+) -> list[str]:
+    """Return the exercises of a stage that are switched off; `counted_lessons` are its lessons."""
     names = table.get("without", [])
-    exercises = {exercise.name: lesson for lesson in counted for exercise in lesson.exercises}
+    exercises = {
+        exercise.name: lesson for lesson in counted_lessons for exercise in lesson.exercises
+    }
     if not isinstance(names, list) or not all(name in exercises for name in map(str, names)):
         raise DeadlinesError(
             f"{location}, without: list exercises in quotation marks, such as "
             f'without = ["{next(iter(exercises), "NAME")}"]. The exercises that count are: '
             f"{', '.join(exercises) or 'none'}."
         )
-    for lesson in counted:
+    for lesson in counted_lessons:
         if {exercise.name for exercise in lesson.exercises} <= set(names):
             raise DeadlinesError(
                 f"{location}, without: this switches off all exercises of {lesson.name}. To leave "
@@ -242,7 +259,7 @@ def _without(location: str, table: dict, counted: Sequence[Lesson]) -> list[str]
     return names
 
 
-def _drop_lowest(file: str, value: object, count: int) -> int:
+def _parse_drop_lowest(file: str, value: object, count: int) -> int:
     """Return how many lessons are left out of each total; `count` lessons can count."""
     if value is None:
         return 0
@@ -254,7 +271,7 @@ def _drop_lowest(file: str, value: object, count: int) -> int:
     return value
 
 
-def _pass_mark(file: str, value: object) -> float | None:
+def _parse_pass_mark(file: str, value: object) -> float | None:
     if value is not None and (type(value) not in (int, float) or not 0 < value <= 100):
         raise DeadlinesError(
             f"{file}, pass_mark: {value!s} is not a percentage of the points. Write a number from "
@@ -263,7 +280,9 @@ def _pass_mark(file: str, value: object) -> float | None:
     return value
 
 
-def _date(location: str, value: object, zone: tzinfo | None, or_excused: bool = False) -> datetime:
+def _parse_date(
+    location: str, value: object, zone: tzinfo | None, may_be_excused: bool = False
+) -> datetime:
     """Return a date from the file, in UTC."""
     when = value
     if isinstance(value, str):
@@ -272,7 +291,7 @@ def _date(location: str, value: object, zone: tzinfo | None, or_excused: bool = 
     if not isinstance(when, datetime):
         # A date alone could mean the start or the end of the day.
         example = f"{value}T23:59:00" if isinstance(value, date) else _EXAMPLE
-        other = f', or "{EXCUSED}"' if or_excused else ""
+        other = f', or "{EXCUSED}"' if may_be_excused else ""
         raise DeadlinesError(
             f"{location}: {value!s} is not a date with a time. Write it as {example}{other}."
         )
@@ -283,13 +302,16 @@ def _date(location: str, value: object, zone: tzinfo | None, or_excused: bool = 
     return to_utc(when, zone)
 
 
-def _check_keys(location: str, table: dict, known: Iterable[str], what: str) -> None:
+def _check_keys(
+    location: str, table: dict, allowed_keys: Iterable[str], key_description: str
+) -> None:
     for name in table:
-        if name not in known and name in _PLACES:
+        if name not in allowed_keys and name in _PLACES:
             raise DeadlinesError(f"{location}: move {name} {_PLACES[name]}.")
-        if name not in known:
+        if name not in allowed_keys:
             raise DeadlinesError(
-                f"{location}: there is no {what} {name}. Choose from: {', '.join(known)}."
+                f"{location}: there is no {key_description} {name}. Choose from: "
+                f"{', '.join(allowed_keys)}."
             )
 
 

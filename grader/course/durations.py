@@ -18,18 +18,18 @@ if TYPE_CHECKING:
     from nbformat import NotebookNode
 
 TIME_MARK = "(time)"
-WORDS_A_MINUTE = 100
-LINES_A_MINUTE = 8  # lines of code that students read
-MINUTES_AN_EXERCISE, MINUTES_A_LINE = 3, 1.8  # code that students write
-MINUTES_A_NOTEBOOK = 0.5  # finding the functions of an earlier notebook and pasting them
-MINUTES_A_REPORT = 15  # writing an answer that a person grades
-MOST_MINUTES_WITHOUT_STOP = 90
+WORDS_PER_MINUTE = 100
+LINES_PER_MINUTE = 8  # lines of code that students read
+MINUTES_PER_EXERCISE, MINUTES_PER_LINE = 3, 1.8  # code that students write
+MINUTES_PER_NOTEBOOK = 0.5  # finding the functions of an earlier notebook and pasting them
+MINUTES_PER_REPORT = 15  # writing an answer that a person grades
+MAX_MINUTES_WITHOUT_STOP = 90
 # Text that does not count as read: folded hints, pictures, and addresses of links.
-UNREAD = re.compile(r"<details>.*?</details>|!\[[^\]]*\]\([^)]*\)|(?<=\])\([^)]*\)", re.S)
+UNREAD_TEXT = re.compile(r"<details>.*?</details>|!\[[^\]]*\]\([^)]*\)|(?<=\])\([^)]*\)", re.S)
 STOP_MARK = "**A good place to stop.**"
-OPTIONAL = "If you want more"
-_IN_WORDS = "about {} minutes"
-_STATED = re.compile(_IN_WORDS.format(r"(\d+)"))
+OPTIONAL_TITLE = "If you want more"
+_DURATION_TEXT = "about {} minutes"
+_STATED_DURATION = re.compile(_DURATION_TEXT.format(r"(\d+)"))
 
 
 def section_minutes(notebook: NotebookNode) -> dict[str, float]:
@@ -44,14 +44,14 @@ def section_minutes(notebook: NotebookNode) -> dict[str, float]:
     for cell in notebook.cells:
         if cell.metadata.get("nbgrader", {}).get("grade") and cell.cell_type == "markdown":
             # The words are not counted, because they are the model answer.
-            minutes[title] = minutes.get(title, 0) + MINUTES_A_REPORT
+            minutes[title] = minutes.get(title, 0) + MINUTES_PER_REPORT
         elif cell.cell_type == "markdown":
-            text = UNREAD.sub("", cell.source)
+            text = UNREAD_TEXT.sub("", cell.source)
             for part in re.split(r"^(?=## )", text, flags=re.M):
                 if part.startswith("## "):
                     title = part.partition("\n")[0].removeprefix("## ").strip()
                 words = len(re.findall(r"\w+", part))
-                minutes[title] = minutes.get(title, 0) + words / WORDS_A_MINUTE
+                minutes[title] = minutes.get(title, 0) + words / WORDS_PER_MINUTE
         else:
             minutes[title] = minutes.get(title, 0) + _minutes_of_code(cell)
     return minutes
@@ -63,9 +63,9 @@ def _minutes_of_code(cell: NotebookNode) -> float:
     text = re.sub(r"### BEGIN SOLUTION.*?### END SOLUTION", "", cell.source, flags=re.S)
     lines = sum(1 for line in text.splitlines() if line.strip())
     own = re.search(r"# roughly (\d+) lines?", text)
-    writing = MINUTES_AN_EXERCISE + MINUTES_A_LINE * int(own[1]) if own else 0
-    pasting = MINUTES_A_NOTEBOOK * len(earlier_lessons.REFERENCE.findall(cell.source))
-    return lines / LINES_A_MINUTE + writing + pasting
+    writing = MINUTES_PER_EXERCISE + MINUTES_PER_LINE * int(own[1]) if own else 0
+    pasting = MINUTES_PER_NOTEBOOK * len(earlier_lessons.REFERENCE.findall(cell.source))
+    return lines / LINES_PER_MINUTE + writing + pasting
 
 
 def insert_durations(notebook: NotebookNode) -> None:
@@ -76,7 +76,7 @@ def insert_durations(notebook: NotebookNode) -> None:
     notebook : nbformat.NotebookNode
         Changed in place.
     """
-    total, by_section = _IN_WORDS.format(total_minutes(notebook)), _minutes_table(notebook)
+    total, by_section = _DURATION_TEXT.format(total_minutes(notebook)), _minutes_table(notebook)
     for cell in notebook.cells:
         if cell.cell_type == "markdown" and TIME_MARK in cell.source:
             cell.source = f"{cell.source.replace(TIME_MARK, total)}\n\n{by_section}"
@@ -85,7 +85,7 @@ def insert_durations(notebook: NotebookNode) -> None:
 def stated_minutes(notebook: NotebookNode) -> int:
     """Return the duration in minutes that a built notebook states."""
     text = "".join(cell.source for cell in notebook.cells if cell.cell_type == "markdown")
-    return int(_STATED.search(text)[1])
+    return int(_STATED_DURATION.search(text)[1])
 
 
 def _minutes_table(notebook: NotebookNode) -> str:
@@ -93,7 +93,7 @@ def _minutes_table(notebook: NotebookNode) -> str:
     rows = "".join(
         f"<tr><td>{title}</td><td>{round(part)}</td></tr>"
         for title, part in minutes.items()
-        if round(part) > 0 and title != OPTIONAL
+        if round(part) > 0 and title != OPTIONAL_TITLE
     )
     return f"<details><summary>Minutes of each section</summary><table>{rows}</table></details>"
 
@@ -104,16 +104,16 @@ def total_minutes(notebook: NotebookNode) -> int:
 
 
 def _required_minutes(minutes: dict[str, float]) -> float:
-    return sum(part for title, part in minutes.items() if title != OPTIONAL)
+    return sum(part for title, part in minutes.items() if title != OPTIONAL_TITLE)
 
 
 def sitting_minutes(notebook: NotebookNode) -> list[float]:
     """Estimate the minutes of each sitting, from one good place to stop to the next."""
     from nbformat.v4 import new_notebook
 
-    parts: list[list] = [[]]
+    sittings: list[list] = [[]]
     for cell in notebook.cells:
-        parts[-1].append(cell)
+        sittings[-1].append(cell)
         if cell.cell_type == "markdown" and STOP_MARK in cell.source:
-            parts.append([])
-    return [_required_minutes(section_minutes(new_notebook(cells=cells))) for cells in parts]
+            sittings.append([])
+    return [_required_minutes(section_minutes(new_notebook(cells=cells))) for cells in sittings]

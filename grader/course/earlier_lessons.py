@@ -22,7 +22,7 @@ from utils.notebooks import pasting
 
 TAG = "earlier"
 REFERENCE = re.compile(r"^# from (\d\d_\w+): (\w+(?:, \w+)*)$", re.M)
-MARKS = ("### BEGIN SOLUTION", "### END SOLUTION")
+SOLUTION_MARKS = ("### BEGIN SOLUTION", "### END SOLUTION")
 SOLUTION_REGION = re.compile(r"\n?### BEGIN SOLUTION\n.*?### END SOLUTION", re.S)
 
 
@@ -39,23 +39,27 @@ def insert_functions(text: str) -> str:
     ValueError
         If the lesson does not exist or does not define the function.
     """
-    parts: dict[str, list[str]] = {
+    code_by_reference: dict[str, list[str]] = {
         found[0]: statements_of(found[1], found[2].split(", "))
         for found in REFERENCE.finditer(text)
     }
-    imports = [part for code in parts.values() for part in code if pasting.is_import(part)]
-    copied: set[str] = set()
-    for line, code in parts.items():
+    imports = [
+        part for code in code_by_reference.values() for part in code if pasting.is_import(part)
+    ]
+    copied_statements: set[str] = set()
+    for line, code in code_by_reference.items():
         # Code that two earlier lessons share is inserted only once.
-        definitions = [part for part in code if not pasting.is_import(part) and part not in copied]
-        copied.update(definitions)
+        definitions = [
+            part for part in code if not pasting.is_import(part) and part not in copied_statements
+        ]
+        copied_statements.update(definitions)
         header = "\n".join(dict.fromkeys(imports)) + "\n\n\n" if imports else ""
         imports = []  # placed before the functions of the first lesson
         text = text.replace(line, f"{header}{line}\n" + "\n\n\n".join(definitions) + "\n\n")
     return text
 
 
-def without_solution(text: str) -> str:
+def remove_solution(text: str) -> str:
     """Return the text of a cell without its solution, as students get it."""
     return SOLUTION_REGION.sub("", text)
 
@@ -88,8 +92,8 @@ def statements_of(lesson: str, names: list[str]) -> list[str]:
 @functools.lru_cache(maxsize=256)
 def _cached_statements(names: tuple[str, ...], source: str, lesson: str) -> tuple[str, ...]:
     """Return the statements; cached, because several lessons need the same functions."""
-    return tuple(_without_marks(text) for text in pasting.source_texts(names, [source], lesson))
+    return tuple(_remove_marks(text) for text in pasting.source_texts(names, [source], lesson))
 
 
-def _without_marks(text: str) -> str:
-    return "\n".join(line for line in text.splitlines() if line.strip() not in MARKS)
+def _remove_marks(text: str) -> str:
+    return "\n".join(line for line in text.splitlines() if line.strip() not in SOLUTION_MARKS)

@@ -53,19 +53,20 @@ def read_header(source: Path) -> LessonHeader:
     ValueError
         If there is no header, or if it contains an unknown setting or one that is not a list.
     """
-    found = re.match(r"# ---\n((?:#.*\n)*?)# ---\n", source.read_text("utf-8"))
-    if not found:
+    match = re.match(r"# ---\n((?:#.*\n)*?)# ---\n", source.read_text("utf-8"))
+    if not match:
         raise ValueError(
             f"{source.parent.name}/{source.name} has no header. A header begins with a line "
             "`# ---`; see docs/authors.md."
         )
-    content = yaml.safe_load(re.sub(r"^# ?", "", found[1], flags=re.M))
+    content = yaml.safe_load(re.sub(r"^# ?", "", match[1], flags=re.M))
     settings = content["jupyter"].get("lidar_obstacle_lab", {})
-    known = [field.name for field in fields(LessonHeader)]
+    known_settings = [field.name for field in fields(LessonHeader)]
     for name, value in settings.items():
-        if name not in known or not isinstance(value, list):
+        if name not in known_settings or not isinstance(value, list):
             raise ValueError(
                 f"{source.parent.name}/{source.name}: the header contains `{name}: {value}`. The "
-                f"settings below lidar_obstacle_lab are lists of names: {', '.join(known)}."
+                "settings below lidar_obstacle_lab are lists of names: "
+                f"{', '.join(known_settings)}."
             )
     return LessonHeader(**{name: tuple(value) for name, value in settings.items()})

@@ -126,7 +126,9 @@ def apply_edits(source: str, edits: str, name: str) -> str:
     """
     lines, changes = source.split("\n"), []
     for before, after in _hunks(edits):
-        places = [at for at in range(len(lines)) if lines[at : at + len(before)] == before]
+        places = [
+            start for start in range(len(lines)) if lines[start : start + len(before)] == before
+        ]
         if len(places) != 1:
             raise MalformedAnswers(
                 f"{name}: {before[0]!r} and the lines below it occur {len(places)} times in the "
@@ -134,8 +136,8 @@ def apply_edits(source: str, edits: str, name: str) -> str:
                 "with =."
             )
         changes.append((places[0], len(before), after))
-    for at, count, after in reversed(changes):
-        lines[at : at + count] = after
+    for start, count, after in reversed(changes):
+        lines[start : start + count] = after
     return "\n".join(lines)
 
 

@@ -18,7 +18,7 @@ from grader.course.paths import PROJECT, Course
 from utils.notebooks import slicing
 
 # Folder of the optional lessons in ``solutions/``.
-OPTIONAL = "optional"
+OPTIONAL_FOLDER = "optional"
 
 
 @dataclass(frozen=True)
@@ -119,24 +119,24 @@ class Lesson:
     def steps(self) -> tuple[str, ...]:
         """Functions without points that a student writes in preparation for an exercise."""
         graded = {exercise.name for exercise in self.exercises}
-        found = []
+        steps = []
         for cell in json.loads(self.released.read_text("utf-8"))["cells"]:
             grading = cell["metadata"].get("nbgrader", {})
             if grading.get("solution") and grading["grade_id"] not in graded:
-                found.append(grading["grade_id"])
-        return tuple(found)
+                steps.append(grading["grade_id"])
+        return tuple(steps)
 
     @functools.cached_property
     def exercises(self) -> tuple[Exercise, ...]:
         """All exercises, in the order of the notebook."""
-        found = []
+        exercises = []
         for cell in json.loads(self.released.read_text("utf-8"))["cells"]:
             grading = cell["metadata"].get("nbgrader", {})
             if grading.get("grade"):
                 name = grading["grade_id"].removeprefix("test_")
                 points, by_hand = float(grading["points"]), bool(grading.get("solution"))
-                found.append(Exercise(name, points, grading["grade_id"], by_hand))
-        return tuple(found)
+                exercises.append(Exercise(name, points, grading["grade_id"], by_hand))
+        return tuple(exercises)
 
 
 @functools.cache
@@ -148,7 +148,7 @@ def all_lessons() -> tuple[Lesson, ...]:
 @functools.cache
 def optional_lessons() -> tuple[Lesson, ...]:
     """Return the optional lessons, which have no stage and no points and are not submitted."""
-    return _lessons_in(OPTIONAL)
+    return _lessons_in(OPTIONAL_FOLDER)
 
 
 def _lessons_in(stage: str) -> tuple[Lesson, ...]:
@@ -170,13 +170,13 @@ def registry_faults() -> list[str]:
         What is wrong and how to fix it, for each fault.
     """
     lessons, faults = every_lesson(), []
-    known = {lesson.source for lesson in lessons}
+    known_sources = {lesson.source for lesson in lessons}
     for source in sorted((PROJECT / "solutions").rglob("*.py")):
-        if source.name == "lesson.py" and source not in known:
+        if source.name == "lesson.py" and source not in known_sources:
             faults.append(
                 f"{source.relative_to(PROJECT)} is ignored. Move it to "
                 "solutions/STAGE/NN_NAME/lesson.py. STAGE must begin with stage, or be "
-                f"{OPTIONAL}."
+                f"{OPTIONAL_FOLDER}."
             )
         elif re.fullmatch(r"\d\d_\w+", source.stem) and source.parent != PROJECT / "solutions":
             faults.append(
@@ -186,15 +186,17 @@ def registry_faults() -> list[str]:
     by_number: dict[str, Lesson] = {}
     by_exercise: dict[str, Lesson] = {}
     for lesson in lessons:
-        if (other := by_number.setdefault(lesson.number, lesson)) != lesson:
+        if (first_lesson := by_number.setdefault(lesson.number, lesson)) != lesson:
             faults.append(
-                f"{other.name} and {lesson.name} have the same number. Renumber one of them and "
+                f"{first_lesson.name} and {lesson.name} have the same number. Renumber one of "
+                "them and "
                 f"its checks in utils/checks/lesson_{lesson.number}."
             )
         for exercise in re.findall(r'"grade": true, "grade_id": "test_(\w+)"', lesson.text):
-            if (other := by_exercise.setdefault(exercise, lesson)) != lesson:
+            if (first_lesson := by_exercise.setdefault(exercise, lesson)) != lesson:
                 faults.append(
-                    f"{other.name} and {lesson.name} both have an exercise {exercise}. Rename one "
+                    f"{first_lesson.name} and {lesson.name} both have an exercise {exercise}. "
+                    "Rename one "
                     "of the two."
                 )
     return faults
@@ -243,7 +245,7 @@ def lesson_of(exercise: str) -> Lesson:
 
 
 @functools.cache
-def load_reference(lesson_name: str, *more_names: str) -> types.SimpleNamespace:
+def load_reference(lesson_name: str, *additional_names: str) -> types.SimpleNamespace:
     """Return the reference functions of a lesson, as attributes of a namespace.
 
     Parameters
@@ -256,7 +258,7 @@ def load_reference(lesson_name: str, *more_names: str) -> types.SimpleNamespace:
     statements, skipped = slicing.parse_notebook([lesson.text])
     if skipped:
         raise ValueError(f"{lesson.name}: {skipped[0].sentence}")
-    names = (*lesson.names, *more_names)
+    names = (*lesson.names, *additional_names)
     namespace = {"__name__": lesson.name}
     for statement in slicing.slice_for(names, statements):
         exec(slicing.compile_statement(statement, str(lesson.source)), namespace)

@@ -16,7 +16,7 @@ from nbconvert.exporters import HTMLExporter
 from nbconvert.filters.markdown_mistune import IPythonRenderer, MarkdownWithMath
 
 NAMESPACE = "http://www.w3.org/1998/Math/MathML"
-LONGEST_FORMULA = 2_000  # characters; longer formulas are not converted
+MAX_FORMULA_LENGTH = 2_000  # characters; longer formulas are not converted
 _ELEMENTS = """
 math mrow mi mn mo mtext mspace mfrac msqrt mroot mstyle mpadded mphantom menclose msub msup msubsup
 munder mover munderover mmultiscripts mprescripts none mtable mtr mtd
@@ -51,28 +51,28 @@ def markdown_page(markdown: str, attachments: dict | None = None) -> str:
     return MarkdownWithMath(renderer=renderer).render(markdown)
 
 
-def formula(latex: str, display: bool) -> str:
+def convert_formula(latex: str, is_block: bool) -> str:
     """Convert a formula to MathML, or return it as code if it cannot be converted.
 
     Parameters
     ----------
     latex : str
         May be untrusted.
-    display : bool
+    is_block : bool
         Whether the formula is on a separate line.
     """
-    if len(latex) <= LONGEST_FORMULA:
+    if len(latex) <= MAX_FORMULA_LENGTH:
         translated = re.sub(r"(?<=\\begin\{)\w+|(?<=\\end\{)\w+", _replace_alias, latex)
         try:
             element = ElementTree.fromstring(
-                convert(translated, display="block" if display else "inline")
+                convert(translated, display="block" if is_block else "inline")
             )
         except Exception:  # latex2mathml raises various exceptions, even RecursionError
             element = None
         if element is not None and _is_mathematics(element):
             ElementTree.register_namespace("", NAMESPACE)
             return ElementTree.tostring(element, encoding="unicode")
-    mark = "$$" if display else "$"
+    mark = "$$" if is_block else "$"
     return f"<code>{escape(f'{mark}{latex}{mark}')}</code>"
 
 
@@ -93,15 +93,15 @@ class Renderer(IPythonRenderer):
 
     def block_math(self, body: str) -> str:
         """Convert a formula on a separate line."""
-        return formula(body, display=True)
+        return convert_formula(body, is_block=True)
 
     def inline_math(self, body: str) -> str:
         """Convert a formula within a line."""
-        return formula(body, display=False)
+        return convert_formula(body, is_block=False)
 
     def latex_environment(self, name: str, body: str) -> str:
         r"""Convert an environment, from ``\begin`` to ``\end``."""
-        return formula(rf"\begin{{{name}}}{body}\end{{{name}}}", display=True)
+        return convert_formula(rf"\begin{{{name}}}{body}\end{{{name}}}", is_block=True)
 
 
 class MathPage(HTMLExporter):

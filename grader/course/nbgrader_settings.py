@@ -15,10 +15,10 @@ from traitlets.config.loader import PyFileConfigLoader
 if TYPE_CHECKING:
     from nbgrader.converters.base import BaseConverter
 
-COURSE = "lidar_obstacle_lab"
+COURSE_ID = "lidar_obstacle_lab"
 STUB = "raise NotImplementedError"
 # Files next to a notebook that nbgrader must not copy into the release.
-IGNORED = [".ipynb_checkpoints", "*.pyc", "__pycache__", "feedback", "*.py"]
+IGNORED_PATTERNS = [".ipynb_checkpoints", "*.pyc", "__pycache__", "feedback", "*.py"]
 # nbgrader's steps that turn the instructor's notebook into the student's, in default order.
 RELEASE_STEPS = (
     "IncludeHeaderFooter",
@@ -36,54 +36,54 @@ RELEASE_STEPS = (
 )
 
 
-def configure(c: Config, root: Path) -> Config:
+def configure(config: Config, root: Path) -> Config:
     """Set the course's defaults in a traitlets configuration.
 
     Parameters
     ----------
-    c : traitlets.config.Config
+    config : traitlets.config.Config
     root : pathlib.Path
         The folder of the course, with ``submitted/`` and ``gradebook.db``.
 
     Returns
     -------
     traitlets.config.Config
-        The object `c`.
+        The object `config`.
     """
-    c.CourseDirectory.root = str(root)
-    c.CourseDirectory.course_id = COURSE
-    c.CourseDirectory.source_directory = "solutions"
-    c.CourseDirectory.release_directory = "notebooks"
+    config.CourseDirectory.root = str(root)
+    config.CourseDirectory.course_id = COURSE_ID
+    config.CourseDirectory.source_directory = "solutions"
+    config.CourseDirectory.release_directory = "notebooks"
     # nbgrader must not release the folders of lessons, which are next to the solved notebooks.
     folders = (root / "solutions").glob("*/[0-9][0-9]_*/")
-    c.CourseDirectory.ignore = [*IGNORED, *sorted(folder.name for folder in folders)]
-    c.ClearSolutions.code_stub = {"python": STUB}
+    config.CourseDirectory.ignore = [*IGNORED_PATTERNS, *sorted(folder.name for folder in folders)]
+    config.ClearSolutions.code_stub = {"python": STUB}
 
-    c.GenerateAssignment.preprocessors = [
+    config.GenerateAssignment.preprocessors = [
         "grader.lms.nbgrader_plugin.ClearEarlier",
         *(f"nbgrader.preprocessors.{step}" for step in RELEASE_STEPS),
     ]
 
     # Students fetch notebooks alone, without `utils`, so these have to be standalone.
-    c.ExchangeFactory.release_assignment = "grader.lms.exchange.ReleaseStandalone"
-    c.ExchangeFactory.collect = "grader.lms.exchange_collection.CollectOrdinaryFiles"
+    config.ExchangeFactory.release_assignment = "grader.lms.exchange.ReleaseStandalone"
+    config.ExchangeFactory.collect = "grader.lms.exchange_collection.CollectOrdinaryFiles"
 
     # If there is a roster, nbgrader must not create a student for each folder of submissions.
-    c.Autograde.create_student = not (root / "roster.csv").is_file()
+    config.Autograde.create_student = not (root / "roster.csv").is_file()
     # One damaged file must not spoil the whole submission.
-    c.Autograde.exporter_class = "grader.lms.nbgrader_plugin.CopyExporter"
-    c.Autograde.autograde_preprocessors = [
+    config.Autograde.exporter_class = "grader.lms.nbgrader_plugin.CopyExporter"
+    config.Autograde.autograde_preprocessors = [
         "grader.lms.nbgrader_plugin.Judge",  # runs the notebook only in the sandbox
         "nbgrader.preprocessors.LimitOutput",
         "grader.lms.nbgrader_plugin.SaveGrades",
         "grader.lms.nbgrader_plugin.LatePenalties",
         "nbgrader.preprocessors.CheckCellMetadata",
     ]
-    c.GenerateFeedback.exporter_class = "grader.lms.nbgrader_feedback.FeedbackExporter"
+    config.GenerateFeedback.exporter_class = "grader.lms.nbgrader_feedback.FeedbackExporter"
     make_alembic_reachable()
     # SQLAlchemy's warning about the order in which nbgrader adds rows is harmless.
     warnings.filterwarnings("ignore", message="Object of type <Submitted", module="nbgrader")
-    return c
+    return config
 
 
 def make_alembic_reachable() -> None:
@@ -109,13 +109,13 @@ def course_settings(root: Path) -> Config:
 
 
 def make_converter(
-    kind: type[BaseConverter], root: Path, stage: str, **settings: dict
+    converter_class: type[BaseConverter], root: Path, stage: str, **settings: dict
 ) -> BaseConverter:
     """Create one of nbgrader's converters for a stage of a course.
 
     Parameters
     ----------
-    kind : type
+    converter_class : type
         Class of the converter, such as `nbgrader.converters.Autograde`.
     root : pathlib.Path
         The folder of the course.
@@ -127,10 +127,10 @@ def make_converter(
     from nbgrader.coursedir import CourseDirectory
 
     config = configure(Config(), root)
-    config[kind.__name__].force = True
+    config[converter_class.__name__].force = True
     for name, traits in settings.items():
         config[name].update(traits)
-    instance = kind(coursedir=CourseDirectory(config=config), config=config)
+    instance = converter_class(coursedir=CourseDirectory(config=config), config=config)
     instance.coursedir.assignment_id = stage
     instance.log = logging.getLogger("grader.nbgrader")
     instance.log.setLevel(logging.CRITICAL)

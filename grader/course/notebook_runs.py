@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from nbformat import NotebookNode
 
-LONGEST_CELL = 300  # seconds; enough even on a busy machine
+MAX_CELL_SECONDS = 300  # seconds; enough even on a busy machine
 
 
 class NotebookStopped(Exception):
@@ -30,13 +30,13 @@ def run_notebook(notebook: NotebookNode, folder: Path, *, checks_may_fail: bool 
     Raises
     ------
     NotebookStopped
-        If a cell raises, takes more than `LONGEST_CELL` seconds, or crashes the kernel.
+        If a cell raises, takes more than `MAX_CELL_SECONDS` seconds, or crashes the kernel.
     """
     import nbclient
 
     client = nbclient.NotebookClient(
         notebook,
-        timeout=LONGEST_CELL,
+        timeout=MAX_CELL_SECONDS,
         resources={"metadata": {"path": str(folder)}},
         store_widget_state=False,
         force_raise_errors=not checks_may_fail,  # despite raises-exception tags
@@ -49,7 +49,7 @@ def run_notebook(notebook: NotebookNode, folder: Path, *, checks_may_fail: bool 
         pass  # `_first_error` finds the error in the outputs of the cell
     except nbclient.exceptions.CellTimeoutError:
         raise NotebookStopped(
-            f"a cell took more than {LONGEST_CELL} seconds. Is the machine busy? Run the same "
+            f"a cell took more than {MAX_CELL_SECONDS} seconds. Is the machine busy? Run the same "
             "command again."
         ) from None
     except nbclient.exceptions.DeadKernelError:

@@ -10,13 +10,13 @@ LESSON_FILES = ("lesson.py", "hidden_tests.py")
 
 def files_for_judging() -> dict[str, bytes]:
     """Return the content of each file that judging reads, by path in the project, sorted."""
-    found = {}
+    files = {}
     for folder in FOLDERS:
         for path in sorted((PROJECT / folder).rglob("*")):
             name = path.relative_to(PROJECT)
             if path.is_file() and _is_read_by_judging(name):
-                found[name.as_posix()] = path.read_bytes()
-    return found
+                files[name.as_posix()] = path.read_bytes()
+    return files
 
 
 def _is_read_by_judging(name: Path) -> bool:

@@ -19,7 +19,7 @@ from grader.course.lessons import all_lessons  # noqa: E402
 DOTS_PER_INCH = 110
 # Every notebook contains its preview. With this many colours, a preview looks the same and takes
 # half as many bytes.
-COLOURS = 128
+PALETTE_SIZE = 128
 
 
 def main(numbers: Sequence[str]) -> None:
@@ -34,7 +34,7 @@ def main(numbers: Sequence[str]) -> None:
         figure.savefig(path, dpi=DOTS_PER_INCH, metadata={"Software": None})
         plt.close(figure)
         with Image.open(path) as drawn:
-            reduced = drawn.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+            reduced = drawn.convert("RGB").quantize(PALETTE_SIZE, dither=Image.Dither.NONE)
         reduced.save(path, optimize=True)
         print(f"drew {path.name}")
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from nbformat import NotebookNode
 
 ANSWERS_FOLDER = PROJECT / "utils" / "lent"
-LARGEST = 45_000  # bytes
+MAX_FILE_BYTES = 45_000  # bytes
 
 
 class UnstorableAnswers(Exception):
@@ -102,15 +102,16 @@ def stored_bytes(lesson: Lesson, path: Path) -> bytes:
     if faults := recorded.pop("faults"):
         raise UnstorableAnswers(f"{lesson.name}: {faults[0]}")
     text = json.dumps(recorded, indent=0, sort_keys=True, separators=(",", ":")) + "\n"
-    if len(text) > LARGEST:
+    if len(text) > MAX_FILE_BYTES:
         sizes = {
             name: len(json.dumps(answers))
             for functions in recorded.values()
             for name, answers in functions.items()
         }
         raise UnstorableAnswers(
-            f"{lesson.name}: the answers take up {len(text):,} bytes, but at most {LARGEST:,} may "
-            "be stored. Under `lent:` in the header, list a function of the notebook that "
+            f"{lesson.name}: the answers take up {len(text):,} bytes, but at most "
+            f"{MAX_FILE_BYTES:,} "
+            "may be stored. Under `lent:` in the header, list a function of the notebook that "
             f"summarises them. Bytes per function: {sizes}"
         )
     return text.encode()
@@ -143,8 +144,8 @@ def changed_answers(stored: bytes, recorded: bytes) -> list[str]:
 
 def _answers_by_call(stored: bytes) -> dict[tuple[str, str, str], object]:
     return {
-        (kind, name, key): answer["answer"]
-        for kind, functions in json.loads(stored).items()
+        (call_kind, name, key): answer["answer"]
+        for call_kind, functions in json.loads(stored).items()
         for name, answers in functions.items()
         for key, answer in answers.items()
     }

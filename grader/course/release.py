@@ -45,7 +45,7 @@ def write_zips(folder: Path, wanted: Iterable[str] = ()) -> Iterator[Path]:
 
 def student_files(stage: str) -> dict[str, bytes]:
     """Return the content of each file that a student needs for a stage, by path in the zip."""
-    found = {
+    files = {
         "README.md": README.read_bytes(),
         "LICENSE": (PROJECT / "LICENSE").read_bytes(),
         "requirements.txt": student_requirements().encode(),
@@ -55,9 +55,9 @@ def student_files(stage: str) -> dict[str, bytes]:
     for lesson in all_lessons():
         if lesson.stage == stage:
             name = lesson.released.relative_to(PROJECT).as_posix()
-            found[name] = lesson.released.read_bytes()
-            check_no_leaks(lesson, found[name])
-    return {f"{TOP_FOLDER}/{name}": content for name, content in found.items()}
+            files[name] = lesson.released.read_bytes()
+            check_no_leaks(lesson, files[name])
+    return {f"{TOP_FOLDER}/{name}": content for name, content in files.items()}
 
 
 def course_tools() -> dict[str, bytes]:

@@ -13,7 +13,7 @@ from pathlib import Path
 from grader.course.paths import Course
 from grader.course.tables import Table, TableError, read_table
 
-MOST_CHARACTERS = 128  # the limit of nbgrader's gradebook
+MAX_CHARACTERS = 128  # the limit of nbgrader's gradebook
 COLUMN_ALIASES = {"lms_user_id": "lms_id"}  # the name that `nbgrader db student import` uses
 
 
@@ -36,7 +36,7 @@ class Person:
         GitHub login.
     role : str
         "auditor" for a person whose work is judged but does not count; other roles are ignored.
-    more : tuple of (str, str)
+    additional_cells : tuple of (str, str)
         Titles and values of all other columns, which only pass through to tables of marks.
     """
 
@@ -48,12 +48,12 @@ class Person:
     lms_id: str = ""
     github: str = ""
     role: str = ""
-    more: tuple[tuple[str, str], ...] = ()
+    additional_cells: tuple[tuple[str, str], ...] = ()
 
     @property
     def is_auditor(self) -> bool:
         """Whether the person takes the course without earning marks."""
-        return folded(self.role) == "auditor"
+        return normalized_text(self.role) == "auditor"
 
     @property
     def name(self) -> str:
@@ -66,7 +66,9 @@ class Person:
         return self.id if self.name == self.id else f"{self.id} ({self.name})"
 
 
-COLUMNS = tuple(field.name for field in dataclasses.fields(Person) if field.name != "more")
+COLUMNS = tuple(
+    field.name for field in dataclasses.fields(Person) if field.name != "additional_cells"
+)
 # If two students shared one of these, marks could go to the wrong student.
 UNIQUE = ("id", "email", "lms_id", "github")
 
@@ -87,14 +89,16 @@ class Roster:
         Case, surrounding blanks and Unicode forms are ignored. Unlike `find_people`, this method
         compares only IDs, because one student's number in the LMS may be another student's ID.
         """
-        same = self._by_folded_id.get(folded(folder), ())
+        same = self._by_folded_id.get(normalized_text(folder), ())
         return self.person(folder) or (same[0] if len(same) == 1 else None)
 
-    def in_section(self, name: str) -> tuple[Person, ...]:
+    def people_in_section(self, name: str) -> tuple[Person, ...]:
         """Return the students of a section; case and blanks are ignored."""
-        wanted = folded(name)
+        normalized_name = normalized_text(name)
         return tuple(
-            person for person in self.people if wanted and folded(person.section) == wanted
+            person
+            for person in self.people
+            if normalized_name and normalized_text(person.section) == normalized_name
         )
 
     def find_people(self, text: str) -> tuple[Person, ...]:
@@ -113,7 +117,7 @@ class Roster:
         exact = self.person(text)
         if exact:
             return (exact,)
-        same = self._by_folded_id.get(folded(text), ())
+        same = self._by_folded_id.get(normalized_text(text), ())
         return tuple(same) or tuple(person for person in self.people if _is_name_of(text, person))
 
     def people_with_zeros(self, text: str) -> tuple[Person, ...]:
@@ -134,10 +138,10 @@ class Roster:
 
     @functools.cached_property
     def _by_folded_id(self) -> dict[str, list[Person]]:
-        found = {}
+        people_by_id = {}
         for person in self.people:
-            found.setdefault(folded(person.id), []).append(person)
-        return found
+            people_by_id.setdefault(normalized_text(person.id), []).append(person)
+        return people_by_id
 
 
 def roster_path(course: Course) -> Path:
@@ -172,18 +176,18 @@ def read_roster(course: Course) -> Roster | None:
             if error.line
             else f"{path.name} is not in UTF-8. In the spreadsheet, save it again as CSV UTF-8."
         ) from error
-    return Roster(tuple(_people(path.name, table)))
+    return Roster(tuple(_parse_people(path.name, table)))
 
 
-def _people(file: str, table: Table) -> Iterator[Person]:
+def _parse_people(file: str, table: Table) -> Iterator[Person]:
     """Yield the students in a file; raise `RosterError` for an invalid line."""
-    columns = [_column(cell) for cell in table.titles]
+    columns = [_column_name(cell) for cell in table.titles]
     if columns.count("id") != 1 or any(columns.count(name) > 1 for name in COLUMNS):
         raise RosterError(
             f"{file}: the first line must name the columns, each once, such as "
             f"{','.join(COLUMNS)}. Only id is required."
         )
-    seen = {}
+    seen_values = {}
     for line, row in zip(table.lines[1:], table.rows[1:], strict=True):
         cells = [unicodedata.normalize("NFC", cell.strip()) for cell in row]
         if not any(cells):
@@ -195,16 +199,20 @@ def _people(file: str, table: Table) -> Iterator[Person]:
             )
         cells += [""] * (len(columns) - len(cells))
         values = dict(zip(columns, cells, strict=True))
-        more = tuple(
+        additional_cells = tuple(
             (title.strip(), cell)
             for title, name, cell in zip(table.titles, columns, cells, strict=True)
             if title.strip() and name not in COLUMNS
         )
-        person = Person(**{name: values.get(name, "") for name in COLUMNS}, more=more)
-        _check(person, f"{file}, line {line}")
+        person = Person(
+            **{name: values.get(name, "") for name in COLUMNS}, additional_cells=additional_cells
+        )
+        _check_person(person, f"{file}, line {line}")
         for name in UNIQUE:
             value = getattr(person, name)
-            before = seen.setdefault((name, value.casefold() if name != "id" else value), line)
+            before = seen_values.setdefault(
+                (name, value.casefold() if name != "id" else value), line
+            )
             if value and before != line:
                 raise RosterError(
                     f"{file}, line {line}: line {before} has the same {name}, {value}. Correct or "
@@ -213,12 +221,12 @@ def _people(file: str, table: Table) -> Iterator[Person]:
         yield person
 
 
-def _column(cell: str) -> str:
+def _column_name(cell: str) -> str:
     name = "_".join(cell.casefold().replace("-", " ").replace("_", " ").split())
     return COLUMN_ALIASES.get(name, name)
 
 
-def _check(person: Person, location: str) -> None:
+def _check_person(person: Person, location: str) -> None:
     if not person.id:
         raise RosterError(
             f"{location}: the id is missing. Add the name of the folder in submitted/."
@@ -229,19 +237,19 @@ def _check(person: Person, location: str) -> None:
             f"slash and does not begin with a dot."
         )
     for name in COLUMNS:
-        if len(getattr(person, name)) > MOST_CHARACTERS:
+        if len(getattr(person, name)) > MAX_CHARACTERS:
             raise RosterError(
-                f"{location}: {name} is longer than {MOST_CHARACTERS} characters, the limit of the "
+                f"{location}: {name} is longer than {MAX_CHARACTERS} characters, the limit of the "
                 f"gradebook. Shorten it."
             )
 
 
 def _is_name_of(text: str, person: Person) -> bool:
     """Return whether a text is a person's name, e-mail, GitHub login or LMS number."""
-    handles = {folded(handle) for handle in (person.email, person.github, person.lms_id)}
+    handles = {normalized_text(handle) for handle in (person.email, person.github, person.lms_id)}
     first, last = person.first_name, person.last_name
-    names = {letters(first + last), letters(last + first)}
-    return folded(text) in handles - {""} or letters(text) in names - {""}
+    names = {letters_and_digits(first + last), letters_and_digits(last + first)}
+    return normalized_text(text) in handles - {""} or letters_and_digits(text) in names - {""}
 
 
 def has_other_lms_id(person: Person, lms_id: str) -> bool:
@@ -252,16 +260,16 @@ def has_other_lms_id(person: Person, lms_id: str) -> bool:
     return lms_id.isdigit() and person.lms_id.isdigit() and lms_id != person.lms_id
 
 
-def folded(text: str) -> str:
+def normalized_text(text: str) -> str:
     """Normalize a text, so that comparisons ignore case, repeated blanks and Unicode forms."""
     return " ".join(unicodedata.normalize("NFKC", text).casefold().split())
 
 
-def in_file_name(section: str) -> str:
+def file_name_part(section: str) -> str:
     """Return the name of a section with all unusual characters replaced, for names of files."""
     return re.sub(r"[^\w-]+", "_", section)
 
 
-def letters(text: str) -> str:
+def letters_and_digits(text: str) -> str:
     """Return the letters and digits of a name in lower case, as in Canvas's file names."""
-    return "".join(character for character in folded(text) if character.isalnum())
+    return "".join(character for character in normalized_text(text) if character.isalnum())

@@ -8,34 +8,35 @@ import tempfile
 from grader.course.paths import Course
 
 # From one hidden test's input, student code could find a smaller seed by trying all seeds.
-SHORTEST = 2**64
+MIN_SEED = 2**64
 
 
 class ShortSeed(Exception):
     """The seed is so small that students could guess it; `str()` is the sentence to show."""
 
 
-def course_seed(course: Course, given: int | None = None) -> int:
+def course_seed(course: Course, requested_seed: int | None = None) -> int:
     """Return the seed for grading, and draw one if the course does not have one.
 
     Parameters
     ----------
     course : grader.course.paths.Course
-    given : int, optional
+    requested_seed : int, optional
         Seed from the command line, which takes precedence and is not stored.
 
     Returns
     -------
     int
-        `given`, or the seed that is drawn once for a course and stored in ``.course_seed``.
+        `requested_seed`, or the seed that is drawn once for a course and stored in
+        ``.course_seed``.
 
     Raises
     ------
     ShortSeed
-        If the seed is less than `SHORTEST`.
+        If the seed is less than `MIN_SEED`.
     """
-    if given is not None:
-        return _require_long_seed(given, "Leave --seed out")
+    if requested_seed is not None:
+        return _require_long_seed(requested_seed, "Leave --seed out")
     if not course.seed_file.exists():
         # Two graders may start at the same time. The link is made only when the file is complete,
         # and the first grader's link wins.
@@ -50,8 +51,8 @@ def course_seed(course: Course, given: int | None = None) -> int:
 
 
 def _require_long_seed(seed: int, remedy: str) -> int:
-    if seed < SHORTEST:
-        better = secrets.randbits(127) | SHORTEST
+    if seed < MIN_SEED:
+        better = secrets.randbits(127) | MIN_SEED
         raise ShortSeed(
             f"The seed {seed} is so small that students could guess it and predict every hidden "
             f"test. {remedy} to let the grader draw a seed, or use this one: {better}"

@@ -24,8 +24,8 @@ from grader.course.release import TOP_FOLDER, course_tools
 from grader.course.standalone import ReleaseError
 
 TEMPLATES = Path(__file__).parent / "templates"
-MARKS = re.compile(r"^[ \t]*### (?:BEGIN|END) SOLUTION[ \t]*\n?", re.M)
-WIDGET = "application/vnd.jupyter.widget-view+json"
+SOLUTION_MARKS = re.compile(r"^[ \t]*### (?:BEGIN|END) SOLUTION[ \t]*\n?", re.M)
+WIDGET_TYPE = "application/vnd.jupyter.widget-view+json"
 
 
 def reason_still_open(
@@ -91,7 +91,7 @@ def write_solutions(folder: Path, solutions: Mapping[Lesson, bytes]) -> Iterator
             if lesson.stage == stage:
                 name = f"{TOP_FOLDER}/solutions/{stage}/{lesson.name}"
                 files[f"{name}.ipynb"] = notebook
-                files[f"{name}.html"] = as_page(notebook, lesson)
+                files[f"{name}.html"] = render_page(notebook, lesson)
         path = folder / f"{stage}_solutions.zip"
         write_atomically(make_zip(files), path)
         yield path
@@ -128,7 +128,7 @@ def run_all(
     return {lesson: notebooks[lesson] for lesson in lessons}
 
 
-def executed_notebook(lesson: Lesson, cache_folder: Path, extra_code: str) -> bytes:
+def executed_notebook(lesson: Lesson, cache_folder: Path, additional_code: str) -> bytes:
     """Return a lesson's solved notebook with outputs. Run it only if its inputs have changed.
 
     Parameters
@@ -136,7 +136,7 @@ def executed_notebook(lesson: Lesson, cache_folder: Path, extra_code: str) -> by
     lesson : Lesson
     cache_folder : pathlib.Path
         Folder in which executed notebooks are cached.
-    extra_code : str
+    additional_code : str
         Code that runs after the setup cell. The result does not contain it.
 
     Raises
@@ -144,16 +144,16 @@ def executed_notebook(lesson: Lesson, cache_folder: Path, extra_code: str) -> by
     ReleaseError
         If a cell fails.
     """
-    path = cache_folder / f"{lesson.name}-{_fingerprint(lesson, extra_code)}.ipynb"
+    path = cache_folder / f"{lesson.name}-{_fingerprint(lesson, additional_code)}.ipynb"
     if not path.is_file():
-        text = _run_solved_notebook(lesson, extra_code)
+        text = _run_solved_notebook(lesson, additional_code)
         for old in cache_folder.glob(f"{lesson.name}-*"):
             old.unlink()
         write_atomically(text, path)
     return path.read_bytes()
 
 
-def as_page(notebook: bytes, lesson: Lesson) -> bytes:
+def render_page(notebook: bytes, lesson: Lesson) -> bytes:
     """Convert an executed notebook to an HTML page that needs no other files and no network."""
     content = nbformat.reads(notebook.decode(), as_version=4)
     exporter = MathPage(template_name="solution", extra_template_basedirs=[str(TEMPLATES)])
@@ -162,31 +162,31 @@ def as_page(notebook: bytes, lesson: Lesson) -> bytes:
     return page.encode()
 
 
-def _fingerprint(lesson: Lesson, extra_code: str) -> str:
+def _fingerprint(lesson: Lesson, additional_code: str) -> str:
     """Return a digest of everything that affects the outputs of a notebook."""
-    digest = hashlib.sha256(lesson.solved.read_bytes() + extra_code.encode())
+    digest = hashlib.sha256(lesson.solved.read_bytes() + additional_code.encode())
     for name, content in sorted(course_tools().items()):
         digest.update(name.encode() + b"\0" + content + b"\0")
     digest.update((PROJECT / "constraints.txt").read_bytes())
     return digest.hexdigest()[:16]
 
 
-def _run_solved_notebook(lesson: Lesson, extra_code: str) -> bytes:
+def _run_solved_notebook(lesson: Lesson, additional_code: str) -> bytes:
     notebook = nbformat.read(lesson.solved, as_version=4)
     for cell in notebook.cells:
         if cell.cell_type == "code":
-            cell.source = MARKS.sub("", cell.source).rstrip("\n")
-    extra = nbformat.v4.new_code_cell(extra_code)
+            cell.source = SOLUTION_MARKS.sub("", cell.source).rstrip("\n")
+    additional_cell = nbformat.v4.new_code_cell(additional_code)
     tags = [cell.metadata.get("tags", ()) for cell in notebook.cells]
     setup = next(number for number, names in enumerate(tags) if "setup" in names)
-    notebook.cells.insert(setup + 1, extra)
+    notebook.cells.insert(setup + 1, additional_cell)
     try:
         run_notebook(notebook, lesson.released.parent)
     except NotebookStopped as reason:
         raise ReleaseError(
             f"{lesson.name}: the solution does not run to the end, so nothing was written: {reason}"
         ) from None
-    notebook.cells.remove(extra)
+    notebook.cells.remove(additional_cell)
     remove_volatile_data(notebook)
     return (nbformat.writes(notebook) + "\n").encode()
 
@@ -201,6 +201,6 @@ def remove_volatile_data(notebook: NotebookNode) -> None:
         cell.metadata.pop("execution", None)  # timestamps
         if cell.cell_type == "code":
             cell.outputs = [
-                output for output in cell.outputs if WIDGET not in output.get("data", {})
+                output for output in cell.outputs if WIDGET_TYPE not in output.get("data", {})
             ]
     CoalesceStreamsPreprocessor().preprocess(notebook, {})

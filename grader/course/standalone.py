@@ -14,7 +14,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from grader.course.atomic_files import write_atomically
-from grader.course.build import COMMON_CELLS, HIDDEN, leaks
+from grader.course.build import COMMON_CELLS, HIDDEN_METADATA, find_leaks
 from grader.course.extension import course_constant
 from grader.course.lessons import Lesson, all_lessons, every_lesson
 from grader.course.paths import PROJECT
@@ -27,7 +27,7 @@ BADGE_TEXT = (
     "Code or JupyterLab with NumPy, SciPy and matplotlib installed.*"
 )
 OTHER_STAGE = re.compile(r"\]\(\.\./stage\w+/(?=\w+\.ipynb\))")
-LARGEST = 450_000  # bytes
+MAX_NOTEBOOK_BYTES = 450_000  # bytes
 
 
 class ReleaseError(Exception):
@@ -55,10 +55,10 @@ def write_standalone(folder: Path, stages: Iterable[str] = ()) -> list[Path]:
             continue
         text = make_standalone(lesson.released.read_bytes())
         check_no_leaks(lesson, text)
-        if len(text) > LARGEST:
+        if len(text) > MAX_NOTEBOOK_BYTES:
             raise ReleaseError(
-                f"{lesson.name} would have {len(text)} bytes, more than the limit of {LARGEST}. It "
-                "was not written."
+                f"{lesson.name} would have {len(text)} bytes, more than the limit of "
+                f"{MAX_NOTEBOOK_BYTES}. It was not written."
             )
         path = folder / f"{lesson.name}.ipynb"
         write_atomically(text, path)
@@ -69,7 +69,7 @@ def write_standalone(folder: Path, stages: Iterable[str] = ()) -> list[Path]:
 def check_no_leaks(lesson: Lesson, notebook: bytes) -> None:
     """Raise `ReleaseError` if a student's notebook contains a line of the solution."""
     others = [other.released.read_bytes() for other in all_lessons() if other != lesson]
-    leaked_lines = leaks(lesson.solved.read_bytes(), notebook, others)
+    leaked_lines = find_leaks(lesson.solved.read_bytes(), notebook, others)
     if leaked_lines:
         raise ReleaseError(
             f"{lesson.name} reveals a line of the solution, {leaked_lines[0]!r}. It was not "
@@ -96,7 +96,7 @@ def make_standalone(notebook: bytes) -> bytes:
         tags = COMMON_CELLS.keys() & set(cell["metadata"].get("tags", ()))
         if "setup" in tags:
             cell["source"] = setup_cell(course_metadata["lesson"]).splitlines(keepends=True)
-            cell["metadata"] |= HIDDEN
+            cell["metadata"] |= HIDDEN_METADATA
         elif "badge" in tags:
             cell["source"] = [BADGE_TEXT]
         elif cell["cell_type"] == "markdown":

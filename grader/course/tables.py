@@ -68,7 +68,7 @@ def decode_text(data: bytes, errors: str = "strict") -> str:
     return data.decode("utf-16" if is_utf_16 else "utf-8-sig", errors)
 
 
-def harmless_cell(text: str) -> str:
+def escape_cell(text: str) -> str:
     """Escape a text, so that no spreadsheet treats a part of it as a formula."""
     return FORMULA.sub(r"\1'", text)
 
@@ -88,12 +88,12 @@ def read_table(data: bytes, strict: bool = False) -> Table:
     ------
     TableError
     """
-    text, encoding = _decoded(data)
-    separator = max(SEPARATORS, key=lambda separator: _fit(_rows(text, separator)))
+    text, encoding = _decode(data)
+    separator = max(SEPARATORS, key=lambda separator: _rate_separator(_rows(text, separator)))
     numbered = _rows(text, separator, strict)
     width = len(numbered[0][1]) if numbered else 0
     return Table(
-        tuple(_without_empty_end(row, width) for _, row in numbered),
+        tuple(_strip_empty_end(row, width) for _, row in numbered),
         tuple(line for line, _ in numbered),
         separator,
         "\r\n" if "\r\n" in text else "\n",
@@ -101,7 +101,7 @@ def read_table(data: bytes, strict: bool = False) -> Table:
     )
 
 
-def _decoded(data: bytes) -> tuple[str, str]:
+def _decode(data: bytes) -> tuple[str, str]:
     encoding = "utf-8"
     if data.startswith(codecs.BOM_UTF8):
         encoding = "utf-8-sig"
@@ -122,7 +122,7 @@ def _rows(text: str, separator: str, strict: bool = False) -> list[tuple[int, li
         raise TableError(str(error), rows.line_num) from None
 
 
-def _fit(rows: Sequence[tuple[int, Sequence[str]]]) -> tuple[float, int]:
+def _rate_separator(rows: Sequence[tuple[int, Sequence[str]]]) -> tuple[float, int]:
     """Rate a separator by the share of rows as wide as the header, and by the number of columns."""
     width = len(rows[0][1]) if rows else 0
     if width < 2:
@@ -130,7 +130,7 @@ def _fit(rows: Sequence[tuple[int, Sequence[str]]]) -> tuple[float, int]:
     return sum(len(row) == width for _, row in rows) / len(rows), width
 
 
-def _without_empty_end(row: Sequence[str], width: int) -> tuple[str, ...]:
+def _strip_empty_end(row: Sequence[str], width: int) -> tuple[str, ...]:
     """Remove empty cells to the right of the table, which spreadsheets add."""
     end = len(row)
     while end > width and not row[end - 1]:

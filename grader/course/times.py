@@ -16,15 +16,15 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 import babel
 
-from grader.untrusted import one_line
+from grader.untrusted_text import one_line
 
-LONGEST_TIME = 80
+MAX_TEXT_LENGTH = 80
 # In these years, no time zone and no day more leads out of the range of `datetime`.
 YEARS = range(2000, 3000)
 _CLOCK = r"(?P<hour>\d{1,2}) ?[:.h] ?(?P<minute>\d\d)(?:[:.](?P<second>\d\d)(?:\.(?P<part>\d+))?)?"
-_HALF = r"(?: ?(?:(?P<half>[ap])\.? ?m\b\.?|uhr\b))?"
+_HALF_OF_DAY = r"(?: ?(?:(?P<half>[ap])\.? ?m\b\.?|uhr\b))?"
 _ZONE = r"(?: ?(?P<zone>[+-]\d\d(?::?[0-5]\d)?|[a-z][a-z0-9_+/-]*))?"
-_TIME = re.compile(rf"(?P<date>.+?)[t,， ]*(?<!\d){_CLOCK}{_HALF}{_ZONE}", re.IGNORECASE)
+_TIME = re.compile(rf"(?P<date>.+?)[t,， ]*(?<!\d){_CLOCK}{_HALF_OF_DAY}{_ZONE}", re.IGNORECASE)
 _ISO = re.compile(r"(\d{4})-(\d\d)-(\d\d)", re.ASCII)
 _CHINESE = re.compile(r"(\d{4})年(\d{1,2})月(\d{1,2})日[,， ]*(?:星期\w)?")
 _OFFSET = re.compile(r"([+-])(\d\d):?(\d\d)?")
@@ -53,28 +53,31 @@ def read_time(text: str, language: str = "en") -> datetime:
     UnclearTime
     """
     text = " ".join(unicodedata.normalize("NFC", text).split())
-    match = _TIME.fullmatch(text) if len(text) <= LONGEST_TIME else None
-    date = _date(match["date"], language) if match else None
-    clock = _clock(match) if match else None
+    match = _TIME.fullmatch(text) if len(text) <= MAX_TEXT_LENGTH else None
+    date = _parse_date(match["date"], language) if match else None
+    clock = _parse_clock(match) if match else None
     if date is None or clock is None or date[0] not in YEARS:
-        raise UnclearTime(f"has {quoted(text)}, which is not a time such as 2026-10-12 23:59")
-    zone = _zone(match["zone"]) if match["zone"] else None
+        raise UnclearTime(
+            f"has {quote_beginning(text)}, which is not a time such as 2026-10-12 23:59"
+        )
+    zone = _find_zone(match["zone"]) if match["zone"] else None
     if match["zone"] and zone is None:
         raise UnclearTime(
-            f"has {quoted(text)}, whose time zone {quoted(match['zone'])} is unknown on this "
+            f"has {quote_beginning(text)}, whose time zone {quote_beginning(match['zone'])} is "
+            "unknown on this "
             "machine"
         )
     try:
         stated = datetime(*date, *clock, tzinfo=zone)
     except ValueError:
-        raise UnclearTime(f"has {quoted(text)}, a time that does not exist") from None
+        raise UnclearTime(f"has {quote_beginning(text)}, a time that does not exist") from None
     return stated.astimezone(UTC) if zone else stated
 
 
-def quoted(text: str) -> str:
+def quote_beginning(text: str) -> str:
     """Return the beginning of an untrusted text in quotation marks."""
     line = one_line(text)
-    return repr(line if len(line) <= LONGEST_TIME else f"{line[: LONGEST_TIME - 1]}…")
+    return repr(line if len(line) <= MAX_TEXT_LENGTH else f"{line[: MAX_TEXT_LENGTH - 1]}…")
 
 
 def to_utc(when: datetime, zone: tzinfo | None) -> datetime:
@@ -82,7 +85,7 @@ def to_utc(when: datetime, zone: tzinfo | None) -> datetime:
     return when.replace(tzinfo=when.tzinfo or zone).astimezone(UTC)
 
 
-def time_late(submitted_at: datetime, due: datetime, zone: tzinfo | None) -> timedelta:
+def compute_lateness(submitted_at: datetime, due: datetime, zone: tzinfo | None) -> timedelta:
     """Return how late work is, where each day lasts 24 hours even if the clocks change.
 
     A day ends at the hour of the due date on the clock. Between 20:00 and 20:00 on the next day are
@@ -105,21 +108,21 @@ def time_late(submitted_at: datetime, due: datetime, zone: tzinfo | None) -> tim
     return timedelta(days) + min(submitted_at - begin, timedelta(1))
 
 
-def _date(text: str, language: str) -> tuple[int, int, int] | None:
+def _parse_date(text: str, language: str) -> tuple[int, int, int] | None:
     """Return the year, month and day in a text without a clock time."""
     in_figures = _ISO.fullmatch(text) or _CHINESE.fullmatch(text)
     if in_figures:
         return tuple(map(int, in_figures.groups()))
-    words = _folded(text)
-    years = re.findall(r"(?<!\d)\d{4}(?!\d)", words)
-    days = re.findall(r"(?<!\d)\d{1,2}(?!\d)", words)
-    month = _month(words, language)
+    normalized_text = _folded(text)
+    years = re.findall(r"(?<!\d)\d{4}(?!\d)", normalized_text)
+    days = re.findall(r"(?<!\d)\d{1,2}(?!\d)", normalized_text)
+    month = _find_month(normalized_text, language)
     if len(years) != 1 or len(days) != 1 or month is None:
         return None
     return int(years[0]), month, int(days[0])
 
 
-def _clock(match: re.Match) -> tuple[int, int, int, int] | None:
+def _parse_clock(match: re.Match) -> tuple[int, int, int, int] | None:
     """Return the hour, minute, second and microsecond; "14:05 AM" is none."""
     hour = int(match["hour"])
     half = (match["half"] or "").lower()
@@ -131,7 +134,7 @@ def _clock(match: re.Match) -> tuple[int, int, int, int] | None:
     return hour, int(match["minute"]), int(match["second"] or 0), microseconds
 
 
-def _zone(name: str) -> tzinfo | None:
+def _find_zone(name: str) -> tzinfo | None:
     """Return the time zone with a name, or None if this machine does not know it.
 
     nbgrader treats an unknown time zone as UTC, even one that it writes itself because of
@@ -153,14 +156,14 @@ def _zone(name: str) -> tzinfo | None:
         return timezone(timedelta(seconds=-(time.timezone if is_standard else time.altzone)))
 
 
-def _month(text: str, language: str) -> int | None:
+def _find_month(text: str, language: str) -> int | None:
     words = set(re.findall(r"[^\W\d]+", text))
-    months = {number for number, names in _months(language).items() if names & words}
+    months = {number for number, names in _month_names(language).items() if names & words}
     return months.pop() if len(months) == 1 else None
 
 
 @functools.cache
-def _months(language: str) -> dict[int, set[str]]:
+def _month_names(language: str) -> dict[int, set[str]]:
     """Return the full and abbreviated names of each month in all forms, by month number."""
     names_by_month: dict[int, set[str]] = {number: set() for number in range(1, 13)}
     for use in babel.Locale(language).months.values():

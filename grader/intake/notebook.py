@@ -7,7 +7,7 @@ from pathlib import Path
 
 from utils.notebooks.reading import Notebook, UnreadableNotebook, decode_notebook
 
-LARGEST_FILE = 64 * 2**20
+MAX_FILE_BYTES = 64 * 2**20
 # O_NONBLOCK: opening a pipe must not wait for a writer. Windows does not have these flags.
 _OPEN_FLAGS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 
@@ -40,12 +40,12 @@ def read_file(path: Path) -> bytes:
                 raise UnreadableNotebook(
                     f"{path.name} is not an ordinary file. Submit the .ipynb file itself."
                 )
-            if status.st_size > LARGEST_FILE:
+            if status.st_size > MAX_FILE_BYTES:
                 raise UnreadableNotebook(
-                    f"{path.name} is larger than {LARGEST_FILE // 2**20} MB. Clear its outputs (in "
-                    "JupyterLab: Edit, Clear Outputs of All Cells), save, and submit it again."
+                    f"{path.name} is larger than {MAX_FILE_BYTES // 2**20} MB. Clear its outputs "
+                    "(in JupyterLab: Edit, Clear Outputs of All Cells), save, and submit it again."
                 )
-            return file.read(LARGEST_FILE)
+            return file.read(MAX_FILE_BYTES)
     except OSError as error:
         reason = "it is a link to another file" if error.errno == errno.ELOOP else error.strerror
         raise UnreadableNotebook(f"{path.name} cannot be opened: {reason}.") from None

@@ -17,20 +17,20 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from urllib.parse import unquote, urlsplit
 
-from grader.untrusted import one_line
+from grader.untrusted_text import one_line
 from utils.notebooks.reading import Cell
 
-LARGEST_PICTURE = 5 * 2**20
+MAX_PICTURE_BYTES = 5 * 2**20
 """Bytes of a picture."""
-LONGEST_NAME = 80
-LONGEST_DESCRIPTION = 200
+MAX_NAME_LENGTH = 80
+MAX_DESCRIPTION_LENGTH = 200
 _SIGNATURES = (
     (re.compile(rb"\x89PNG"), "png"),
     (re.compile(rb"\xff\xd8\xff"), "jpeg"),
     (re.compile(rb"GIF8"), "gif"),
     (re.compile(rb"RIFF....WEBP", re.DOTALL), "webp"),
 )
-_NOT_IN_A_DESCRIPTION = re.compile(r"[][\\\n]")
+_MARKDOWN_SYNTAX = re.compile(r"[][\\\n]")
 _PLAIN_NAME = re.compile(r"[\w.+\-]{1,100}", re.ASCII)  # nbconvert encodes other letters
 
 # Each repetition has a limit or ends before the next match could begin, so the time is linear.
@@ -73,7 +73,7 @@ class IllustratedText:
     not_shown: tuple[str, ...] = ()
 
 
-class _NotShown(Exception):
+class _PictureNotShown(Exception):
     """The reason why a picture cannot be shown."""
 
 
@@ -85,16 +85,16 @@ def illustrate(cells: Iterable[Cell]) -> IllustratedText:
     for cell in cells:
         own = {unquote(name): content for name, content in cell.attachments.items()}
         found = {
-            _label(definition["label"]): definition["address"]
+            _normalize_label(definition["label"]): definition["address"]
             for definition in _DEFINITION.finditer(cell.source)
         }
-        replace = functools.partial(_replace, own, found, attachments, not_shown)
-        texts.append(_DEFINITION.sub(_without_data, _PICTURE.sub(replace, cell.source)))
+        replace = functools.partial(_replace_picture, own, found, attachments, not_shown)
+        texts.append(_DEFINITION.sub(_remove_data, _PICTURE.sub(replace, cell.source)))
     return IllustratedText("\n\n".join(texts), attachments, tuple(not_shown))
 
 
-def _replace(
-    own: dict[str, object],
+def _replace_picture(
+    cell_attachments: dict[str, object],
     definitions: dict[str, str],
     attachments: dict[str, dict[str, str]],
     not_shown: list[str],
@@ -104,10 +104,10 @@ def _replace(
     description, address = _description_and_address(match, definitions)
     if not address:
         return match[0]
-    name = _name_of(description, address)
+    name = _picture_name(description, address)
     try:
-        mime_type, data = _picture(address, own)
-    except _NotShown as reason:
+        mime_type, data = _find_picture(address, cell_attachments)
+    except _PictureNotShown as reason:
         not_shown.append(f"{name} {reason}")
         return f"(Picture not shown: `{name}` {reason}.)"
     picture = {mime_type: data}
@@ -115,7 +115,7 @@ def _replace(
         digest = hashlib.sha256(data.encode()).hexdigest()[:16]
         name = f"{digest}.{mime_type.removeprefix('image/')}"
     attachments[name] = picture
-    words = _NOT_IN_A_DESCRIPTION.sub(" ", description)[:LONGEST_DESCRIPTION]
+    words = _MARKDOWN_SYNTAX.sub(" ", description)[:MAX_DESCRIPTION_LENGTH]
     return f"![{words}](attachment:{name})"
 
 
@@ -124,27 +124,27 @@ def _description_and_address(match: re.Match, definitions: dict[str, str]) -> tu
     if match["attributes"] is not None:
         source = _SOURCE.search(match["attributes"])
         description = _DESCRIPTION.search(match["attributes"])
-        return _value(description), _value(source)
+        return _attribute_value(description), _attribute_value(source)
     if match["address"] is not None:
         return match["text"], _TITLE.sub("", match["address"]).strip().strip("<>")
-    label = _label(match["label"] or match["described"])
+    label = _normalize_label(match["label"] or match["described"])
     return match["described"], definitions.get(label, "").strip("<>")
 
 
-def _value(attribute: re.Match | None) -> str:
+def _attribute_value(attribute: re.Match | None) -> str:
     return next(filter(None, attribute.groups()), "").strip() if attribute else ""
 
 
-def _label(text: str) -> str:
+def _normalize_label(text: str) -> str:
     return " ".join(text.split()).casefold()
 
 
-def _without_data(definition: re.Match) -> str:
+def _remove_data(definition: re.Match) -> str:
     """Remove a definition that contains a whole picture, because pages would show its letters."""
     return "" if definition["address"].strip("<>").lower().startswith("data:") else definition[0]
 
 
-def _name_of(description: str, address: str) -> str:
+def _picture_name(description: str, address: str) -> str:
     """Return a name for a picture, which can be quoted in a sentence or in Markdown code."""
     scheme, _, rest = address.partition(":")
     if scheme.lower() == "data":
@@ -153,29 +153,29 @@ def _name_of(description: str, address: str) -> str:
         name = _attachment_name(rest)
     else:
         name = address
-    return one_line(name.replace("`", ""))[:LONGEST_NAME] or "picture"
+    return one_line(name.replace("`", ""))[:MAX_NAME_LENGTH] or "picture"
 
 
 def _attachment_name(address: str) -> str:
     return unquote(html.unescape(address))
 
 
-def _picture(address: str, own: dict[str, object]) -> tuple[str, str]:
+def _find_picture(address: str, cell_attachments: dict[str, object]) -> tuple[str, str]:
     """Return the MIME type and the Base64 text of the picture at an address."""
     scheme, _, rest = address.partition(":")
     if scheme.lower() == "data":
         head, _, data = rest.partition(",")
-        return _checked(unquote(data) if head.lower().endswith(";base64") else "")
+        return _check_picture(unquote(data) if head.lower().endswith(";base64") else "")
     if scheme.lower() == "attachment":
-        content = own.get(_attachment_name(rest))
+        content = cell_attachments.get(_attachment_name(rest))
         if not isinstance(content, dict) or not content:
-            raise _NotShown("is missing from the notebook")
+            raise _PictureNotShown("is missing from the notebook")
         return _first_picture(content)
     try:
         is_elsewhere = bool(urlsplit(address).netloc)
     except ValueError:
         is_elsewhere = True
-    raise _NotShown("is on another site" if is_elsewhere else "is not inside the notebook")
+    raise _PictureNotShown("is on another site" if is_elsewhere else "is not inside the notebook")
 
 
 def _first_picture(content: dict) -> tuple[str, str]:
@@ -184,17 +184,17 @@ def _first_picture(content: dict) -> tuple[str, str]:
     for data in content.values():
         lines = data if isinstance(data, list) else [data]
         try:
-            return _checked("".join(line for line in lines if isinstance(line, str)))
-        except _NotShown as error:
+            return _check_picture("".join(line for line in lines if isinstance(line, str)))
+        except _PictureNotShown as error:
             reason = error
     raise reason
 
 
-def _checked(data: str) -> tuple[str, str]:
+def _check_picture(data: str) -> tuple[str, str]:
     """Return the MIME type and the text of a picture; its bytes decide what it is."""
     data = "".join(data.split())
-    if len(data) > LARGEST_PICTURE * 4 / 3 + 4:
-        raise _NotShown(f"is larger than {LARGEST_PICTURE // 2**20} MB")
+    if len(data) > MAX_PICTURE_BYTES * 4 / 3 + 4:
+        raise _PictureNotShown(f"is larger than {MAX_PICTURE_BYTES // 2**20} MB")
     try:
         content = base64.b64decode(data, validate=True)
     except (binascii.Error, ValueError):
@@ -202,4 +202,4 @@ def _checked(data: str) -> tuple[str, str]:
     for signature, kind in _SIGNATURES:
         if signature.match(content):
             return f"image/{kind}", data
-    raise _NotShown("is not a PNG, JPEG, GIF or WebP picture")
+    raise _PictureNotShown("is not a PNG, JPEG, GIF or WebP picture")

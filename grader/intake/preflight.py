@@ -22,12 +22,12 @@ from dataclasses import dataclass, field
 from grader.course.lessons import Lesson, all_lessons
 from grader.intake.pictures import illustrate
 from grader.intake.reader_process import TooCostly, run_in_child
-from grader.intake.submission import MOST_MODULES, SubmittedFiles
+from grader.intake.submission import MAX_MODULES, SubmittedFiles
 from utils.notebooks.reading import Cell, Notebook, UnreadableNotebook
 
-LARGEST_CODE = 15 * 2**20
+MAX_CODE_BYTES = 15 * 2**20
 """Bytes of all code cells as JSON; a message to the sandbox may have one more MB."""
-MOST_NAMES = 5
+MAX_NAMES = 5
 """Number of pictures that a sentence names."""
 _WRITES_MODULE = re.compile(r"%%(?:writefile|file)[ \t]+\"?([A-Za-z_]\w{0,99})\.py\"?")
 
@@ -40,14 +40,14 @@ class WrittenAnswer:
     ----------
     text : str
         The answer; empty if the student wrote nothing.
-    certain : bool
+    is_certain : bool
         False if other text in the notebook may be the answer, so a person has to look for it.
     attachments : dict
         Valid pictures in the answer, in the format of the notebook file.
     """
 
     text: str
-    certain: bool = True
+    is_certain: bool = True
     attachments: dict = field(default_factory=dict, hash=False)
 
 
@@ -169,10 +169,10 @@ def prepare_to_judge(submitted_files: SubmittedFiles, lesson: Lesson) -> JudgeIn
     def work() -> tuple:
         prepared = prepare(submitted_files, lesson)
         size = len(json.dumps(prepared.code))
-        if size > LARGEST_CODE:
+        if size > MAX_CODE_BYTES:
             raise UnreadableNotebook(
                 f"The code cells of {submitted_files.name} contain {size / 2**20:.0f} MB, but the "
-                f"judge reads at most {LARGEST_CODE // 2**20} MB. Delete the cells that contain "
+                f"judge reads at most {MAX_CODE_BYTES // 2**20} MB. Delete the cells that contain "
                 "large tables, read the tables from a file, and submit the notebook again."
             )
         untouched = prepared.is_complete and _is_as_released(lesson, prepared.code)
@@ -198,8 +198,10 @@ def _is_as_released(lesson: Lesson, code: Iterable[str]) -> bool:
     The first cell loads the tools, and differs in standalone notebooks. If a student defines an
     exercise in it, the stub below overwrites that definition.
     """
-    given = [cell.source.strip() for cell in cells_as_released(lesson) if cell.kind == "code"]
-    return [source.strip() for source in code if source.strip()][1:] == given[1:]
+    released_sources = [
+        cell.source.strip() for cell in cells_as_released(lesson) if cell.kind == "code"
+    ]
+    return [source.strip() for source in code if source.strip()][1:] == released_sources[1:]
 
 
 def lesson_name_in(submitted_files: SubmittedFiles) -> str:
@@ -222,11 +224,11 @@ def prepare_too_costly(
 
     Its written answers tell the grader to look in the file.
     """
-    text = _look_in_the_file(submitted_files, "is too large to show")
+    text = _unreadable_answer_text(submitted_files, "is too large to show")
     return _notebook_with_answers(lesson, WrittenAnswer(text), error)
 
 
-def _look_in_the_file(submitted_files: SubmittedFiles, reason: str) -> str:
+def _unreadable_answer_text(submitted_files: SubmittedFiles, reason: str) -> str:
     """Return a text for a grader in place of a written answer."""
     # The text contains a digest, so that it changes when a student submits another file.
     digest = hashlib.sha256(submitted_files.data).hexdigest()[:12]
@@ -287,16 +289,16 @@ def _restore_code_cells(draft: _Draft) -> Iterator[str]:
             )
 
 
-def _restored_sentence(kind: str, judged: list[str], others: list[str]) -> str:
-    """Return the note on a restored cell. Other cells define the functions in `others`."""
-    cell = {"markdown": "a text cell", "raw": "a raw cell"}[kind]
-    was, it = ("was", "it") if len(judged) == 1 else ("were", "them")
-    names, more = " and ".join(judged), " and ".join(others)
+def _restored_sentence(cell_kind: str, judged_names: list[str], other_names: list[str]) -> str:
+    """Return the note on a restored cell. Other cells define the functions in `other_names`."""
+    cell = {"markdown": "a text cell", "raw": "a raw cell"}[cell_kind]
+    was, it = ("was", "it") if len(judged_names) == 1 else ("were", "them")
+    names, more = " and ".join(judged_names), " and ".join(other_names)
     return (
         f"{names} {was} in {cell}, which Jupyter does not run. The grader judged {it} as code. "
-        + (f"For {more}, it judged the code in another cell. " if others else "")
+        + (f"For {more}, it judged the code in another cell. " if other_names else "")
         + "In Jupyter, select the cell and press Y to make it a code cell again"
-        + (f", and delete {more} from it." if others else ".")
+        + (f", and delete {more} from it." if other_names else ".")
     )
 
 
@@ -324,9 +326,9 @@ def _find_graded_cells(draft: _Draft) -> Iterator[str]:
         }
         written = _cells_that_define(draft, name)
         both = [index for index in written if index in marked]
-        found = both or written or [*marked]
-        if found:
-            draft.graded[name] = found[-1]
+        indices = both or written or [*marked]
+        if indices:
+            draft.graded[name] = indices[-1]
     return ()
 
 
@@ -358,12 +360,12 @@ def _report_other_lesson(draft: _Draft) -> Iterator[str]:
 
 def _functions_of_another_lesson(draft: _Draft) -> tuple[str, Lesson] | None:
     """Return the functions of the lesson that has most of its exercises in this notebook."""
-    found = {
+    functions_by_lesson = {
         other: [name for name in _exercise_names(other) if _cells_that_define(draft, name)]
         for other in all_lessons()
     }
-    other = max(found, key=lambda lesson: len(found[lesson]))
-    *some, last = found[other] or [""]
+    other = max(functions_by_lesson, key=lambda lesson: len(functions_by_lesson[lesson]))
+    *some, last = functions_by_lesson[other] or [""]
     return (f"{', '.join(some)} and {last}" if some else last, other) if last else None
 
 
@@ -372,20 +374,20 @@ def _find_written_modules(draft: _Draft) -> Iterator[str]:
     for cell in draft.cells:
         command, _, body = cell.source.lstrip().partition("\n")
         module = _WRITES_MODULE.fullmatch(command.strip()) if cell.kind == "code" else None
-        if module and len(draft.modules) < MOST_MODULES:
+        if module and len(draft.modules) < MAX_MODULES:
             draft.modules[module[1]] = body
-    if used := _imported(draft, draft.modules):
+    if used := _list_imported_files(draft, draft.modules):
         yield f"The judge used {used}, which a cell of the notebook writes."
 
 
 def _report_modules(draft: _Draft) -> Iterator[str]:
     """Report submitted modules that the notebook imports."""
     submitted = draft.submitted_files.modules.keys() - draft.modules.keys()
-    if used := _imported(draft, sorted(submitted)):
+    if used := _list_imported_files(draft, sorted(submitted)):
         yield f"The judge used {used}, which you submitted with the notebook."
 
 
-def _imported(draft: _Draft, modules: Iterable[str]) -> str:
+def _list_imported_files(draft: _Draft, modules: Iterable[str]) -> str:
     """List the files of the modules that a code cell imports, separated by commas."""
     text = "\n".join(cell.source for cell in draft.cells if cell.kind == "code")
     return ", ".join(
@@ -401,30 +403,34 @@ def _collect_written_answers(draft: _Draft) -> Iterator[str]:
     moved = set()
     for name in _hand_graded_cells(draft.lesson):
         stub = _released_cells_by_id(draft.lesson)[name]
-        own = [index for index, cell in enumerate(draft.cells) if cell.grade_id == name]
-        before = _index_before(draft, name)
-        if not own and before is not None and _has_same_source(draft, before + 1, stub):
-            own = [before + 1]  # this cell only lost its metadata
-        filled = [
+        own_text = [index for index, cell in enumerate(draft.cells) if cell.grade_id == name]
+        index_before = _index_before(draft, name)
+        if (
+            not own_text
+            and index_before is not None
+            and _has_same_source(draft, index_before + 1, stub)
+        ):
+            own_text = [index_before + 1]  # this cell only lost its metadata
+        is_filled = [
             index
-            for index in own
+            for index in own_text
             if draft.cells[index].source.split() not in ([], stub.source.split())
         ]
-        if filled:
-            draft.graded[name] = filled[0]
-            texts = [_as_text(draft.cells[index]) for index in filled]
-            moved.update(filled[1:])
-            if any(draft.cells[index].kind == "code" for index in filled):
+        if is_filled:
+            draft.graded[name] = is_filled[0]
+            texts = [_as_text_cell(draft.cells[index]) for index in is_filled]
+            moved.update(is_filled[1:])
+            if any(draft.cells[index].kind == "code" for index in is_filled):
                 yield (
                     f"The answer to {name} was in a code cell. The grader treats it as text. In "
                     "Jupyter, select the cell and press M to make it a text cell again."
                 )
         else:
-            begin = own[0] if own else before
-            below = [] if begin is None else list(_new_text(draft, begin, released))
+            begin = own_text[0] if own_text else index_before
+            below = [] if begin is None else list(_new_text_cells(draft, begin, released))
             texts = [draft.cells[index] for index in below]
-            if own:
-                draft.graded[name] = own[0]
+            if own_text:
+                draft.graded[name] = own_text[0]
                 moved.update(below)
             elif below:
                 draft.graded[name] = below[0]
@@ -439,34 +445,34 @@ def _collect_written_answers(draft: _Draft) -> Iterator[str]:
         text = answer.text
         if answer.not_shown:
             yield _not_shown_sentence(name, answer.not_shown)
-        certain = bool(text) or bool(own) or not _has_stray_text(draft, released)
-        if not certain:
+        is_certain = bool(text) or bool(own_text) or not _has_stray_text(draft, released)
+        if not is_certain:
             yield (
                 f"The cell for {name} is missing, and other text in the notebook may be the "
                 "answer. A grader will look for it."
             )
         elif not text and draft.notebook.repairs:
-            text = _look_in_the_file(draft.submitted_files, "is damaged")
+            text = _unreadable_answer_text(draft.submitted_files, "is damaged")
             yield (
                 f"The part of the file that could be read contains no answer to {name}. A grader "
                 "will look for it."
             )
-        draft.answers[name] = WrittenAnswer(text, certain, answer.attachments)
+        draft.answers[name] = WrittenAnswer(text, is_certain, answer.attachments)
     _remove_cells(draft, moved)
 
 
 def _not_shown_sentence(name: str, pictures: Sequence[str]) -> str:
     """Say which pictures of an answer a grader cannot see, and how to submit them."""
-    named = list(pictures[:MOST_NAMES])
-    if len(pictures) > MOST_NAMES:
-        named.append(f"and {len(pictures) - MOST_NAMES} more")
+    named = list(pictures[:MAX_NAMES])
+    if len(pictures) > MAX_NAMES:
+        named.append(f"and {len(pictures) - MAX_NAMES} more")
     return (
         f"A grader cannot see every picture in the answer for {name}: {', '.join(named)}. Drag "
         "these pictures into the text cell in JupyterLab, and submit the notebook again."
     )
 
 
-def _as_text(cell: Cell) -> Cell:
+def _as_text_cell(cell: Cell) -> Cell:
     """Uncomment a code cell that has only comments, because # begins a heading in Markdown."""
     lines = [line for line in cell.source.splitlines() if line.strip()]
     if cell.kind != "code" or not all(line.startswith("#") for line in lines):
@@ -490,7 +496,7 @@ STEPS: tuple[Callable[[_Draft], Iterable[str]], ...] = (
 
 def _duplicate_sentences(draft: _Draft) -> dict[str, str]:
     """Return a sentence about each exercise that the notebook defines more than once."""
-    found = {}
+    sentences = {}
     numbers = list(itertools.accumulate(int(cell.kind == "code") for cell in draft.cells))
     for name in _exercise_names(draft.lesson):
         indices = _cells_that_define(draft, name)
@@ -501,15 +507,15 @@ def _duplicate_sentences(draft: _Draft) -> dict[str, str]:
         if len(texts) > 1:
             *some, last = (numbers[index] for index in indices)
             listed = ", ".join(map(str, some[:4])) + (", …" if len(some) > 4 else "")
-            found[name] = (
+            sentences[name] = (
                 f"{name} is defined {len(indices)} times, in code cells {listed} and {last}. The "
                 "last definition counts, as when the notebook runs from top to bottom. Delete the "
                 "others."
             )
-    return found
+    return sentences
 
 
-def _new_text(draft: _Draft, begin: int, released: list[list[str]]) -> Iterator[int]:
+def _new_text_cells(draft: _Draft, begin: int, released: list[list[str]]) -> Iterator[int]:
     """Yield the indices of the student's own text cells up to the next released cell."""
     for index in range(begin + 1, len(draft.cells)):
         cell = draft.cells[index]
@@ -521,9 +527,9 @@ def _new_text(draft: _Draft, begin: int, released: list[list[str]]) -> Iterator[
 
 def _index_before(draft: _Draft, name: str) -> int | None:
     """Return the index of the cell that precedes a graded cell in the released notebook."""
-    given = cells_as_released(draft.lesson)
-    position = next(index for index, cell in enumerate(given) if cell.grade_id == name)
-    prompt = given[position - 1].source.split() if position else None
+    released_cells = cells_as_released(draft.lesson)
+    position = next(index for index, cell in enumerate(released_cells) if cell.grade_id == name)
+    prompt = released_cells[position - 1].source.split() if position else None
     indices = [index for index, cell in enumerate(draft.cells) if cell.source.split() == prompt]
     return indices[-1] if indices else None
 

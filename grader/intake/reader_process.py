@@ -30,8 +30,8 @@ CPU_SECONDS = 10
 MEGABYTES = 768
 # Wall-clock time in seconds. A process that computes reaches `CPU_SECONDS` first, unless it gets
 # less than a sixtieth of a processor, so this limit is for a process that waits.
-LONGEST_WAIT = 600
-LARGEST_REPLY = 2**28
+MAX_WAIT_SECONDS = 600
+MAX_REPLY_BYTES = 2**28
 _OUT_OF_MEMORY = 77
 
 
@@ -76,12 +76,12 @@ def run_in_child(name: str, work: Callable[[], object]) -> object:
         _work_and_end(work, write_end)
     os.close(write_end)
     try:
-        reply = _read(read_end, time.monotonic() + LONGEST_WAIT)
+        reply = _read_pipe(read_end, time.monotonic() + MAX_WAIT_SECONDS)
     finally:
         os.close(read_end)
         os.kill(child, signal.SIGKILL)  # the child may still be running
         _, status = os.waitpid(child, 0)
-    excess = _excess(os.waitstatus_to_exitcode(status), reply)
+    excess = _exceeded_limit(os.waitstatus_to_exitcode(status), reply)
     if excess:
         raise TooCostly(
             f"Reading {name} takes {excess}. Clear its outputs (in JupyterLab: Edit, Clear "
@@ -89,34 +89,34 @@ def run_in_child(name: str, work: Callable[[], object]) -> object:
             "submit it again."
         )
     try:
-        kind, content = json.loads(reply)
+        reply_kind, content = json.loads(reply)
     except (ValueError, TypeError, RecursionError):
         raise ReadingFailed(
-            f"The process that read {name} did not reply within {LONGEST_WAIT} seconds, or another "
-            "program ended it. Is this machine very busy, or short of memory?"
+            f"The process that read {name} did not reply within {MAX_WAIT_SECONDS} seconds, or "
+            "another program ended it. Is this machine very busy, or short of memory?"
         ) from None
-    if kind == "unreadable":
+    if reply_kind == "unreadable":
         raise UnreadableNotebook(content)
-    if kind == "failed":
+    if reply_kind == "failed":
         raise ReadingFailed(f"Reading {name} failed:\n{content}")
     return content
 
 
-def _excess(code: int, reply: bytes) -> str:
+def _exceeded_limit(code: int, reply: bytes) -> str:
     """Describe the limit that the process exceeded; empty if it exceeded none."""
     if code == -signal.SIGXCPU:
         return f"more than {CPU_SECONDS} seconds"
-    if code == _OUT_OF_MEMORY or len(reply) > LARGEST_REPLY:
+    if code == _OUT_OF_MEMORY or len(reply) > MAX_REPLY_BYTES:
         return f"more than {MEGABYTES} MB of memory"
     return ""
 
 
-def _read(pipe: int, deadline: float) -> bytes:
+def _read_pipe(pipe: int, deadline: float) -> bytes:
     """Read from a pipe until it closes, the reply is too large, or the time is up."""
     parts, size = [], 0
     ready = select.poll()
     ready.register(pipe, select.POLLIN)
-    while size <= LARGEST_REPLY and ready.poll(max(0.0, 1000 * (deadline - time.monotonic()))):
+    while size <= MAX_REPLY_BYTES and ready.poll(max(0.0, 1000 * (deadline - time.monotonic()))):
         part = os.read(pipe, 2**20)
         if not part:
             break

@@ -14,9 +14,9 @@ from pathlib import Path
 from grader.intake.notebook import read_file
 from utils.notebooks.reading import Notebook, UnreadableNotebook, decode_notebook
 
-MOST_MODULES = 20
-LARGEST_MODULE = 2**20
-DEEPEST_FOLDER = 50
+MAX_MODULES = 20
+MAX_MODULE_BYTES = 2**20
+MAX_FOLDER_DEPTH = 50
 PACKAGE_FOLDERS = ("site-packages", "node_modules")
 """Folders of installed packages, such as those in a virtual environment."""
 
@@ -80,13 +80,13 @@ def is_skipped_folder(name: str) -> bool:
 
 
 def walk_submitted(root: Path) -> Iterator[tuple[Path, list[str], list[str]]]:
-    """Walk through submitted folders like `os.walk`, but at most `DEEPEST_FOLDER` levels deep.
+    """Walk through submitted folders like `os.walk`, but at most `MAX_FOLDER_DEPTH` levels deep.
 
     Before Python 3.12, `os.walk` is recursive, so one very deep folder would end the whole walk.
     """
     for folder, folders, files in os.walk(root):
         path = Path(folder)
-        if len(path.relative_to(root).parts) >= DEEPEST_FOLDER:
+        if len(path.relative_to(root).parts) >= MAX_FOLDER_DEPTH:
             folders.clear()
         yield path, folders, files
 
@@ -102,13 +102,13 @@ def read_submitted_files(path: Path) -> SubmittedFiles:
 
 def _modules_next_to(path: Path) -> dict[str, str]:
     modules = {}
-    for file in sorted(path.parent.glob("*.py"))[:MOST_MODULES]:
+    for file in sorted(path.parent.glob("*.py"))[:MAX_MODULES]:
         if not file.stem.isidentifier():
             continue  # Python cannot import it
         try:
             source = read_file(file)
         except UnreadableNotebook:
             continue
-        if len(source) <= LARGEST_MODULE:
+        if len(source) <= MAX_MODULE_BYTES:
             modules[file.stem] = source.decode("utf-8", "replace")
     return modules

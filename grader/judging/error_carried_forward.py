@@ -20,20 +20,20 @@ from dataclasses import dataclass
 from grader.course.lessons import Exercise, Lesson
 from grader.intake.notebook import read_notebook
 from grader.judging.points import points_of
-from grader.judging.program_run import RunResults, Setting, run_program
+from grader.judging.program_run import JudgingContext, RunResults, run_program
 from grader.sandbox.failures import StudentStopped
-from grader.sandbox.program import Given, Program
+from grader.sandbox.program import GivenCode, Program
 from utils.checks.outcomes import Outcome
 from utils.notebooks import slicing
 
-_INCONSISTENT = (
+_INCONSISTENT_RUNS = (
     "{name} was run a second time because it calls a function that is wrong. A check that passed "
     "the first time but failed the second time earns no points. Does {name} use random numbers?"
 )
 
 
 @dataclass(frozen=True)
-class CarriedForward:
+class CarriedForwardResult:
     """The result of an exercise with correct helpers.
 
     Attributes
@@ -51,13 +51,13 @@ class CarriedForward:
 
 
 def carry_forward(
-    setting: Setting, program: Program, results: RunResults
-) -> tuple[dict[str, CarriedForward], bool]:
+    context: JudgingContext, program: Program, results: RunResults
+) -> tuple[dict[str, CarriedForwardResult], bool]:
     """Repeat the judging of each exercise that calls a wrong helper.
 
     Parameters
     ----------
-    setting : grader.judging.program_run.Setting
+    context : grader.judging.program_run.JudgingContext
     program : grader.sandbox.program.Program
         The notebook.
     results : grader.judging.program_run.RunResults
@@ -66,27 +66,27 @@ def carry_forward(
 
     Returns
     -------
-    improved : dict of str to CarriedForward
+    improved : dict of str to CarriedForwardResult
         The new result of each exercise whose result changes, by the exercise's name.
     starved : bool
         Whether code reached a time limit because it got hardly any processor time.
     """
-    exercises = setting.lesson.machine_graded
+    exercises = context.lesson.machine_graded
     failing = {outcome.check.exercise for outcome in results.outcomes if outcome.failure}
     improved, starved = {}, False
     for number, exercise in enumerate(exercises):
         # Only earlier exercises are replaced. The solution of a later exercise may call this one,
         # and could therefore contain this one's answer.
-        earlier = [before.name for before in exercises[:number]]
+        earlier = [earlier_exercise.name for earlier_exercise in exercises[:number]]
         called = failing.intersection(results.uses.get(exercise.name, ()))
         helpers = tuple(name for name in earlier if name in called)
         if not helpers:
             continue
         programs = [program]
         if exercise.name in failing:
-            programs.append(_with_right_helpers(setting.lesson, program, exercise, helpers))
+            programs.append(_replace_helpers(context.lesson, program, exercise, helpers))
         runs = [
-            run_program(setting, code, lambda check, e=exercise: check.exercise == e.name)
+            run_program(context, code, lambda check, e=exercise: check.exercise == e.name)
             for code in programs
         ]
         if any(run.fault for run in runs):  # in this case the first run counts
@@ -99,13 +99,13 @@ def carry_forward(
             decisive_outcome(outcome, by_check[0][outcome.check], by_check[-1][outcome.check])
             for outcome in first
         )
-        before, after = (points_of(exercise.points, ended) for ended in (first, outcomes))
-        if after > before:
-            sentence = _describe_gain(exercise, helpers, before, after)
-            improved[exercise.name] = CarriedForward(outcomes, sentence, programs[-1])
+        earlier_exercise, after = (points_of(exercise.points, ended) for ended in (first, outcomes))
+        if after > earlier_exercise:
+            sentence = _describe_gain(exercise, helpers, earlier_exercise, after)
+            improved[exercise.name] = CarriedForwardResult(outcomes, sentence, programs[-1])
         elif any(one.failure and not was.failure for was, one in zip(first, outcomes, strict=True)):
-            sentence = _INCONSISTENT.format(name=exercise.name)
-            improved[exercise.name] = CarriedForward(outcomes, sentence, program)
+            sentence = _INCONSISTENT_RUNS.format(name=exercise.name)
+            improved[exercise.name] = CarriedForwardResult(outcomes, sentence, program)
     return improved, starved
 
 
@@ -123,17 +123,17 @@ def decisive_outcome(first: Outcome, repeated: Outcome, with_right_helpers: Outc
     with_right_helpers : Outcome
     """
     if not first.failure:
-        wrong = repeated.failure and not _is_stop(repeated)
-        return repeated if wrong else first
-    alike = repeated.failure and _is_stop(first) == _is_stop(repeated)
-    return with_right_helpers if alike else first
+        fails_again = repeated.failure and not _is_stop(repeated)
+        return repeated if fails_again else first
+    is_same_failure = repeated.failure and _is_stop(first) == _is_stop(repeated)
+    return with_right_helpers if is_same_failure else first
 
 
 def _is_stop(outcome: Outcome) -> bool:
     return isinstance(outcome.failure, StudentStopped)
 
 
-def _with_right_helpers(
+def _replace_helpers(
     lesson: Lesson, program: Program, exercise: Exercise, helpers: tuple[str, ...]
 ) -> Program:
     """Return the notebook with the lesson's helpers in place of the student's.
@@ -142,7 +142,7 @@ def _with_right_helpers(
     may have changed since then.
     """
     statements, _ = slicing.parse_notebook(read_notebook(lesson.solved).code)
-    right = [
+    correct_helpers = [
         ast.unparse(statement.node)
         for statement in slicing.slice_for(helpers, statements)
         if exercise.name not in statement.binds
@@ -151,7 +151,9 @@ def _with_right_helpers(
     return dataclasses.replace(
         program,
         names=(exercise.name, *given.names),
-        given=Given((*given.names, *helpers), "\n".join([given.source, *right]), given.open),
+        given=GivenCode(
+            (*given.names, *helpers), "\n".join([given.source, *correct_helpers]), given.open_names
+        ),
     )
 
 

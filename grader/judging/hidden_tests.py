@@ -11,7 +11,7 @@ import pytest
 from utils.checks import Check
 from utils.checks.assertions import frozen
 
-MOST_CACHED = 256
+MAX_CACHED_ANSWERS = 256
 
 
 def hidden(exercise: str, *, title: str, hint: str, weight: float = 1.0) -> pytest.MarkDecorator:
@@ -48,7 +48,7 @@ def cached_by_content(oracle: Callable[..., np.ndarray]) -> Callable[..., np.nda
         array = np.ascontiguousarray(array)
         key = hashlib.blake2b(array).digest(), array.dtype.str, array.shape, settings
         if key not in cache:
-            if len(cache) >= MOST_CACHED:
+            if len(cache) >= MAX_CACHED_ANSWERS:
                 cache.pop(next(iter(cache)))
             cache[key] = frozen(oracle(array, *settings))
         return cache[key]
@@ -56,7 +56,7 @@ def cached_by_content(oracle: Callable[..., np.ndarray]) -> Callable[..., np.nda
     return cached_oracle
 
 
-def generator_for_students(seed: int, label: str) -> np.random.Generator:
+def generator_for_students(seed: int, purpose: str) -> np.random.Generator:
     """Return a random generator that may be passed to a student's function.
 
     NumPy's seeding can be reversed, so the state of a generator reveals its seed. This generator
@@ -66,8 +66,8 @@ def generator_for_students(seed: int, label: str) -> np.random.Generator:
     ----------
     seed : int
         The secret.
-    label : str
+    purpose : str
         Purpose of the generator. Each label results in a different digest.
     """
-    digest = hashlib.sha256(f"for students: {seed} {label}".encode()).digest()
+    digest = hashlib.sha256(f"for students: {seed} {purpose}".encode()).digest()
     return np.random.default_rng(int.from_bytes(digest, "big"))

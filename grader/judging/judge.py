@@ -17,15 +17,15 @@ from grader.intake.submission import SubmittedFiles, read_submitted_files
 from grader.judging.error_carried_forward import carry_forward
 from grader.judging.key import verdict_key
 from grader.judging.points import sum_points
-from grader.judging.program_run import RunResults, Setting, run_program, untouched_results
+from grader.judging.program_run import JudgingContext, RunResults, run_program, untouched_results
 from grader.judging.repair import find_slips
 from grader.judging.results import result_of, unjudged_results
 from grader.judging.runner import EXPECTED_FAILURES
 from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict, with_shared_parts
 from grader.sandbox import Limits, Sandbox
-from grader.sandbox.program import PACKAGES, Given, Program
+from grader.sandbox.program import INSTALLED_PACKAGES, GivenCode, Program
 from grader.sandbox.time_budget import Budget
-from grader.untrusted import one_line
+from grader.untrusted_text import one_line
 from utils.checks.outcomes import Outcome
 from utils.notebooks.reading import UnreadableNotebook, is_lfs_pointer
 
@@ -92,10 +92,10 @@ def judge_files(
     except ReadingFailed as error:
         decision = _Decision(unjudged_results(lesson), (JUDGE_FAILED_NOTE,), (str(error),))
     else:
-        setting = Setting(lesson, seed, sandbox, limits, Budget(limits or Limits()))
-        decision = _decide_cached(setting, judge_input)
+        context = JudgingContext(lesson, seed, sandbox, limits, Budget(limits or Limits()))
+        decision = _decide_cached(context, judge_input)
     if is_lfs_pointer(submitted_files.data):  # the file is missing from the instructor's checkout
-        decision = _not_judged(lesson, *decision.problems)
+        decision = _unjudged_decision(lesson, *decision.problems)
     return Verdict(
         lesson=lesson.name,
         student=student,
@@ -158,48 +158,48 @@ class _Decision:
 
 
 # Results of notebooks with full marks. The key contains everything that a result depends on.
-_FULL_MARKS: dict[tuple, _Decision] = {}
+_full_mark_decisions: dict[tuple, _Decision] = {}
 
 
-def _decide_cached(setting: Setting, judge_input: JudgeInput) -> _Decision:
+def _decide_cached(context: JudgingContext, judge_input: JudgeInput) -> _Decision:
     """Call `_decide`, or return the cached result of identical code with full marks.
 
     Only full marks are cached. A failure may be the machine's fault, and must not be copied to
     another student's identical notebook.
     """
-    parts = [judge_input.code, judge_input.notes, judge_input.modules, judge_input.python]
-    text = json.dumps(parts, sort_keys=True).encode()
-    rules = (setting.lesson, setting.seed, setting.sandbox, setting.limits)
+    key_parts = [judge_input.code, judge_input.notes, judge_input.modules, judge_input.python]
+    text = json.dumps(key_parts, sort_keys=True).encode()
+    rules = (context.lesson, context.seed, context.sandbox, context.limits)
     key = (*rules, hashlib.sha256(text).digest())
-    if key in _FULL_MARKS:
-        return _FULL_MARKS[key]
-    decision = _decide(setting, judge_input)
+    if key in _full_mark_decisions:
+        return _full_mark_decisions[key]
+    decision = _decide(context, judge_input)
     if not decision.faults and all(
         exercise.score == exercise.max_score for exercise in decision.exercises
     ):
         # The parts are shared to save memory: a class may have ten thousand students.
-        _FULL_MARKS[key] = replace(
+        _full_mark_decisions[key] = replace(
             decision, exercises=tuple(map(with_shared_parts, decision.exercises))
         )
     return decision
 
 
-def _decide(setting: Setting, judge_input: JudgeInput) -> _Decision:
+def _decide(context: JudgingContext, judge_input: JudgeInput) -> _Decision:
     """Run the checks, retry suspicious failures, and build the result."""
-    lesson = setting.lesson
+    lesson = context.lesson
     program = program_for(lesson, judge_input.code, judge_input.modules)
     program = replace(program, python=judge_input.python)
     if judge_input.is_as_released:
         results = untouched_results(lesson)
     else:
-        results = run_program(setting, program, explain=True)
-        if too_new := _too_new(results):
-            return _not_judged(lesson, *judge_input.notes, *results.problems, *too_new)
-        results = _retry_suspicious_checks(setting, program, results)
-    if faults := _judge_faults(setting, results):
+        results = run_program(context, program, explain=True)
+        if too_new := _newer_python_sentences(results):
+            return _unjudged_decision(lesson, *judge_input.notes, *results.problems, *too_new)
+        results = _retry_suspicious_checks(context, program, results)
+    if faults := _judge_faults(context, results):
         return _Decision(unjudged_results(lesson), (JUDGE_FAILED_NOTE,), faults, results.starved)
-    carried, starved = carry_forward(setting, program, results)
-    slips = find_slips(setting, program, results, carried)
+    carried, starved = carry_forward(context, program, results)
+    slips = find_slips(context, program, results, carried)
     exercises = tuple(
         result_of(exercise, results, carried.get(exercise.name), slips.get(exercise.name))
         for exercise in lesson.machine_graded
@@ -215,7 +215,7 @@ def _decide(setting: Setting, judge_input: JudgeInput) -> _Decision:
     return _Decision(exercises, problems, (), bool(incomplete) and (results.starved or starved))
 
 
-def _not_judged(lesson: Lesson, *sentences: str) -> _Decision:
+def _unjudged_decision(lesson: Lesson, *sentences: str) -> _Decision:
     """Return the decision on a notebook that only another machine or file could earn points for.
 
     The last sentence is the reason, which also becomes the first problem.
@@ -225,18 +225,20 @@ def _not_judged(lesson: Lesson, *sentences: str) -> _Decision:
     return _Decision(unjudged_results(lesson), problems, (reason,))
 
 
-def _too_new(results: RunResults) -> tuple[str, ...]:
+def _newer_python_sentences(results: RunResults) -> tuple[str, ...]:
     """Return sentences about lost points that a newer Python might have given."""
     lost = {outcome.check.exercise for outcome in results.outcomes if outcome.failure}
-    parts = dict.fromkeys(part for name, part in results.newer.items() if name in lost)
+    sentences = dict.fromkeys(part for name, part in results.newer_names.items() if name in lost)
     here = platform.python_version()
     return tuple(
         f"{part}, and this judge has Python {here}. Run the grader with the newer version."
-        for part in parts
+        for part in sentences
     )
 
 
-def _retry_suspicious_checks(setting: Setting, program: Program, results: RunResults) -> RunResults:
+def _retry_suspicious_checks(
+    context: JudgingContext, program: Program, results: RunResults
+) -> RunResults:
     """Run suspicious checks again, and return all outcomes with the new ones in place of the old.
 
     A failure that does not recur does not cost any points.
@@ -244,7 +246,7 @@ def _retry_suspicious_checks(setting: Setting, program: Program, results: RunRes
     suspicious = {outcome.check for outcome in _suspicious_outcomes(results)}
     if not suspicious:
         return results
-    again = run_program(setting, program, suspicious.__contains__)
+    again = run_program(context, program, suspicious.__contains__)
     if again.fault:  # in this case the first run counts
         return results
     better = {outcome.check: outcome for outcome in again.outcomes}
@@ -261,12 +263,12 @@ def _suspicious_outcomes(results: RunResults) -> list[Outcome]:
     ]
 
 
-def _judge_faults(setting: Setting, results: RunResults) -> tuple[str, ...]:
+def _judge_faults(context: JudgingContext, results: RunResults) -> tuple[str, ...]:
     """Return descriptions of faults in the judge itself, which make a verdict impossible."""
     if results.fault:
         return (results.fault,)
     suspicious = _suspicious_outcomes(results)
-    if suspicious and complaints_about_reference(setting.lesson, setting.seed, setting.sandbox):
+    if suspicious and complaints_about_reference(context.lesson, context.seed, context.sandbox):
         return tuple(_format_traceback(outcome.failure) for outcome in suspicious)
     return ()
 
@@ -282,9 +284,9 @@ def program_for(lesson: Lesson, cells: tuple[str, ...], modules: dict[str, str])
         cells,
         lesson.names,
         modules,
-        Given(lesson.header.given, given_code(lesson), open=lesson.header.given),
+        GivenCode(lesson.header.given, given_code(lesson), open_names=lesson.header.given),
         lesson.header.forbidden,
-        PACKAGES,
+        INSTALLED_PACKAGES,
         lesson.steps,
     )
 
@@ -307,7 +309,7 @@ def complaints_about_reference(lesson: Lesson, seed: int, sandbox: Sandbox) -> t
 
 def _find_complaints(lesson: Lesson, seed: int, sandbox: Sandbox) -> tuple[str, ...]:
     program = program_for(lesson, read_submitted_files(lesson.solved).notebook().code, {})
-    results = run_program(Setting(lesson, seed, sandbox), program)
+    results = run_program(JudgingContext(lesson, seed, sandbox), program)
     if results.fault:
         return (results.fault,)
     failed = [outcome for outcome in results.outcomes if outcome.failure]

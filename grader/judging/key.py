@@ -19,7 +19,7 @@ from pathlib import Path
 from grader.course.lessons import Lesson
 from grader.course.paths import PROJECT
 from grader.intake.submission import SubmittedFiles
-from grader.sandbox.boundary import SHOWN
+from grader.sandbox.boundary import SHOWN_PATHS
 
 # Entry points of judging: the judge, and the server that forks processes for student code.
 ENTRY_MODULES = (
@@ -29,7 +29,7 @@ ENTRY_MODULES = (
 # Modules that only display results. They are imported on demand, and judging never uses them.
 DISPLAY_MODULES = ("utils.plots.", "utils.scene3d.", "utils.checks.display.")
 # Arrays that checks read.
-ARRAYS = tuple((PROJECT / "data").glob("*.npz"))
+ARRAY_FILES = tuple((PROJECT / "data").glob("*.npz"))
 LIBRARIES = ("numpy", "scipy", "scikit-learn", "shapely", "pytest")
 
 # A regular expression, because parsing a syntax tree takes ten times as long. It may also match
@@ -78,20 +78,20 @@ def files_that_decide(lesson: Lesson) -> frozenset[Path]:
     # The source lists forbidden modules, the solution contains correct helpers, and the released
     # notebook contains given code.
     notebooks = {lesson.source, lesson.solved, lesson.released}
-    return frozenset(with_imports(entries) | notebooks | {*ARRAYS})
+    return frozenset(add_imports(entries) | notebooks | {*ARRAY_FILES})
 
 
-def with_imports(files: Iterable[Path]) -> set[Path]:
+def add_imports(files: Iterable[Path]) -> set[Path]:
     """Return the files, all project files that they import, and the files shown in the sandbox."""
-    found, waiting = set(), set(files)
+    files_with_imports, waiting = set(), set(files)
     while waiting:
         file = waiting.pop()
-        found.add(file)
-        waiting |= _imported_files(file) - found
+        files_with_imports.add(file)
+        waiting |= _imported_files(file) - files_with_imports
     sandbox_files = {
-        file for path in SHOWN for file in ([path] if path.is_file() else path.rglob("*.py"))
+        file for path in SHOWN_PATHS for file in ([path] if path.is_file() else path.rglob("*.py"))
     }
-    return found | sandbox_files
+    return files_with_imports | sandbox_files
 
 
 @functools.cache

@@ -37,20 +37,20 @@ FEW_NUMBERS, SMALL_NUMBER = 4, r"\d{1,2}"
 _EXAMPLE = re.compile(r",? for example \([^)]*\)")
 
 
-def shareable_outcome(outcome: Outcome, open_to_all: bool) -> Outcome:
+def shareable_outcome(outcome: Outcome, is_public: bool) -> Outcome:
     """Return an outcome with its failure replaced by one that may be shown to the student.
 
     Parameters
     ----------
     outcome : Outcome
         The original outcome.
-    open_to_all : bool
+    is_public : bool
         False if the student's code ran together with code that messages must not reveal. In this
         case, visible checks are treated like hidden tests.
     """
     if outcome.failure is None:
         return outcome
-    visible = open_to_all and outcome.check.is_shown
+    visible = is_public and outcome.check.is_shown
     return Outcome(outcome.check, shareable_failure(outcome, visible))
 
 
@@ -64,34 +64,34 @@ class Message:
     hint: str = ""
 
 
-def messages_of(story: Summary) -> dict[Outcome, Message]:
+def messages_of(summary: Summary) -> dict[Outcome, Message]:
     """Return the message about each failed check, explaining a shared cause only once.
 
     Only the message about the first failure includes a hint, as in `check()`. Hints of the other
     checks may not match the cause of their failures.
     """
-    if story.first is None:
+    if summary.first is None:
         return {}
     full_messages = {
-        story.first: message_of(story.first, story.mistake),
+        summary.first: message_of(summary.first, summary.mistake),
         **{
-            outcome: message_of(outcome, hinted=False)
-            for outcome in (*story.others, *story.waiting)
+            outcome: message_of(outcome, has_hint=False)
+            for outcome in (*summary.others, *summary.waiting)
         },
     }
     for outcome, message in full_messages.items():
         if pointer := _notebook_pointer(outcome):
             full_messages[outcome] = dataclasses.replace(message, text=f"{message.text}\n{pointer}")
             break
-    title = story.first.check.title
+    title = summary.first.check.title
     same = Message(f"For the same reason as “{title}”.", MessageKind.SAME_REASON, title)
-    return full_messages | dict.fromkeys(story.same, same)
+    return full_messages | dict.fromkeys(summary.same, same)
 
 
-def message_of(outcome: Outcome, mistake: Mistake | None = None, hinted: bool = True) -> Message:
+def message_of(outcome: Outcome, mistake: Mistake | None = None, has_hint: bool = True) -> Message:
     """Return the message about a failure, with each part on its own line."""
     failure = outcome.failure
-    hint = hint_for(outcome, mistake) if hinted else ""
+    hint = hint_for(outcome, mistake) if has_hint else ""
     hint = hint and f"Hint: {hint}"
     lines = [mistake.description if mistake else "", failure.message, failure.tip, hint]
     kind, subject = _kind_and_subject(failure)
@@ -109,7 +109,7 @@ def _kind_and_subject(failure: CheckFailed) -> tuple[MessageKind, str]:
     return MessageKind.OWN, ""
 
 
-def shareable_failure(outcome: Outcome, visible: bool) -> CheckFailed:
+def shareable_failure(outcome: Outcome, is_visible: bool) -> CheckFailed:
     """Return a failure whose message may be shown, in place of the original one."""
     error, exercise = outcome.failure, outcome.check.exercise
     if isinstance(error, StudentStopped):
@@ -122,16 +122,16 @@ def shareable_failure(outcome: Outcome, visible: bool) -> CheckFailed:
     if isinstance(error, StudentError) and error.type_name == "NotImplementedError":
         return NotStarted(exercise, error.inside or exercise)
     if isinstance(error, StudentError):
-        sentence = describe_error(error) if visible else error.safe_sentence
+        sentence = describe_error(error) if is_visible else error.safe_sentence
         tip = tip_for(error.type_name, error.message, error.line)
-        place = error.place if visible else error.shown_place
+        place = error.place if is_visible else error.shown_place
         return Raised(sentence, kind=error.shown_type, place=place, tip=tip)
     if isinstance(error, NotYet):
         return NotYet(error.basic)
     if isinstance(error, CheckFailed):
         kind = type(error) if isinstance(error, WrongForm) else CheckFailed
-        words = with_few_numbers if visible else without_numbers
-        return kind(words(error.marked), hint=error.hint)
+        number_filter = remove_most_numbers if is_visible else remove_numbers
+        return kind(number_filter(error.marked), hint=error.hint)
     if isinstance(error, JudgeTimeout):
         return WrongForm(
             "Comparing the answer took longer than it does for any right answer. Is the answer "
@@ -143,27 +143,27 @@ def shareable_failure(outcome: Outcome, visible: bool) -> CheckFailed:
     )
 
 
-def without_numbers(message: str, few: int = 0) -> str:
+def remove_numbers(message: str, max_kept: int = 0) -> str:
     """Return a message without numbers and examples, which might reveal a secret answer.
 
-    Numbers that belong to the task stay (see `utils.checks.failures.fixed`). The first `few` small
-    whole numbers stay as well, because they reveal little about the answer.
+    Numbers that belong to the task stay (see `utils.checks.failures.fixed`). The first `max_kept`
+    small whole numbers stay as well, because they reveal little about the answer.
     """
-    whole = iter(range(few))
+    whole = iter(range(max_kept))
 
     def is_kept(number: str) -> bool:
         return bool(re.fullmatch(SMALL_NUMBER, number)) and next(whole, None) is not None
 
-    return _with_some_numbers(message, is_kept)
+    return _filter_numbers(message, is_kept)
 
 
 def common_text(messages: Sequence[str]) -> str:
     """Return the common text of messages that differ only in numbers. Equal numbers are kept."""
     bare, numbers = zip(*map(_split_numbers, messages), strict=True)
     if len({*bare}) > 1 or len({*map(len, numbers)}) > 1:  # the numbers cannot be matched
-        return without_numbers(messages[0])
+        return remove_numbers(messages[0])
     are_equal = iter([len({*column}) == 1 for column in zip(*numbers, strict=True)])
-    return _with_some_numbers(messages[0], lambda number: next(are_equal))
+    return _filter_numbers(messages[0], lambda number: next(are_equal))
 
 
 def _split_numbers(message: str) -> tuple[str, list[str]]:
@@ -178,13 +178,13 @@ def _split_numbers(message: str) -> tuple[str, list[str]]:
     return bare.replace("… row ", "… rows "), numbers
 
 
-def _with_some_numbers(message: str, is_kept: Callable[[str], bool]) -> str:
+def _filter_numbers(message: str, is_kept: Callable[[str], bool]) -> str:
     message = _EXAMPLE.sub("", message)
     message = with_numbers(message, lambda number: number if is_kept(number) else "…")
     return re.sub(r"\(…(, …)*,?\)", "(…)", message).replace("… row ", "… rows ")
 
 
-with_few_numbers = functools.partial(without_numbers, few=FEW_NUMBERS)
+remove_most_numbers = functools.partial(remove_numbers, max_kept=FEW_NUMBERS)
 
 
 def _notebook_pointer(outcome: Outcome) -> str:

@@ -14,7 +14,7 @@ from collections.abc import Callable
 
 from grader.course.lessons import Lesson
 from grader.intake.notebook import read_notebook
-from grader.judging.program_run import Setting
+from grader.judging.program_run import JudgingContext
 from grader.judging.runner import run_checks
 from grader.sandbox.program import Program
 from grader.sandbox.student import StudentProxy
@@ -57,24 +57,28 @@ class _SubstituteProxy:
 
 
 def mistake_explains(
-    setting: Setting, program: Program, exercise: str, mistake: Mistake, failed: frozenset[Check]
+    context: JudgingContext,
+    program: Program,
+    exercise: str,
+    mistake: Mistake,
+    failed: frozenset[Check],
 ) -> bool:
     """Return whether one mistake alone explains the failed checks of an exercise.
 
     Parameters
     ----------
-    setting : grader.judging.program_run.Setting
+    context : grader.judging.program_run.JudgingContext
     program : grader.sandbox.program.Program
         The notebook.
     exercise : str
     mistake : utils.checks.diagnosis.Mistake
     failed : frozenset of utils.checks.Check
     """
-    imitation = imitation_of(exercise, mistake, _load_solution(setting.lesson, exercise))
+    imitation = imitation_of(exercise, mistake, _load_solution(context.lesson, exercise))
     if imitation is None:
         return False
-    with StudentProxy(program, setting.sandbox, setting.limits, setting.budget) as student:
-        failed_alone = _failed_checks(setting, student, exercise, imitation.call)
+    with StudentProxy(program, context.sandbox, context.limits, context.budget) as student:
+        failed_alone = _failed_checks(context, student, exercise, imitation.call)
         if failed_alone != failed:
             return False
         student.exercise = exercise
@@ -87,16 +91,16 @@ def mistake_explains(
                 equal_answers.append(True)
             return answer
 
-        failed_again = _failed_checks(setting, student, exercise, call_and_compare)
+        failed_again = _failed_checks(context, student, exercise, call_and_compare)
         return failed_again == failed and len(equal_answers) == len(calls)
 
 
 def _failed_checks(
-    setting: Setting, student: StudentProxy, exercise: str, function: Callable
+    context: JudgingContext, student: StudentProxy, exercise: str, function: Callable
 ) -> frozenset[Check]:
     """Return the checks of an exercise that fail when a function replaces the student's."""
     proxy = _SubstituteProxy(student, exercise, function)
     outcomes = run_checks(
-        setting.lesson, proxy, setting.seed, lambda check: check.exercise == exercise
+        context.lesson, proxy, context.seed, lambda check: check.exercise == exercise
     )
     return frozenset(outcome.check for outcome in outcomes if outcome.failure)

@@ -17,7 +17,7 @@ from utils.checks.outcomes import Outcome
 
 
 @dataclass(frozen=True)
-class Setting:
+class JudgingContext:
     """The rules for judging a notebook, and the sandbox in which it runs.
 
     Attributes
@@ -56,7 +56,7 @@ class RunResults:
         The mistake that explains the wrong answers to an exercise, by the exercise's name.
     fault : str
         The reason why a check could not be run. If there is one, the student cannot be judged.
-    newer : dict of str to str
+    newer_names : dict of str to str
         The part of the notebook that only a newer Python can run, by the exercise that needs it.
     """
 
@@ -66,7 +66,7 @@ class RunResults:
     starved: bool = False
     mistakes: dict[str, Mistake] = field(default_factory=dict)
     fault: str = ""
-    newer: dict[str, str] = field(default_factory=dict)
+    newer_names: dict[str, str] = field(default_factory=dict)
 
     def outcomes_of(self, exercise: str) -> list[Outcome]:
         """Return the outcomes of one exercise's checks."""
@@ -74,9 +74,9 @@ class RunResults:
 
 
 def run_program(
-    setting: Setting,
+    context: JudgingContext,
     program: Program,
-    selected: Callable[[Check], bool] = every_check,
+    is_selected: Callable[[Check], bool] = every_check,
     explain: bool = False,
     keep_going: bool = True,
 ) -> RunResults:
@@ -84,9 +84,9 @@ def run_program(
 
     Parameters
     ----------
-    setting : Setting
+    context : JudgingContext
     program : grader.sandbox.program.Program
-    selected : callable
+    is_selected : callable
         Takes a check and returns whether to run it.
     explain : bool
         Whether to look for mistakes that explain wrong answers.
@@ -97,19 +97,19 @@ def run_program(
     ------
     grader.sandbox.SandboxUnavailable
     """
-    budget = setting.budget or Budget(setting.limits or Limits())
-    with StudentProxy(program, setting.sandbox, setting.limits, budget) as student:
+    budget = context.budget or Budget(context.limits or Limits())
+    with StudentProxy(program, context.sandbox, context.limits, budget) as student:
         outcomes, mistakes, fault = [], {}, ""
         try:
             outcomes = run_checks(
-                setting.lesson, student, setting.seed, selected, keep_going, budget
+                context.lesson, student, context.seed, is_selected, keep_going, budget
             )
         except JudgeFault as error:
             fault = str(error)
         observed = (tuple(student.problems), student.uses, student.starved)
     if explain:
-        mistakes = _diagnose_mistakes(outcomes, setting, program, budget)
-    return RunResults(tuple(outcomes), *observed, mistakes, fault, student.newer)
+        mistakes = _diagnose_mistakes(outcomes, context, program, budget)
+    return RunResults(tuple(outcomes), *observed, mistakes, fault, student.newer_names)
 
 
 def untouched_results(lesson: Lesson) -> RunResults:
@@ -121,7 +121,7 @@ def untouched_results(lesson: Lesson) -> RunResults:
 
 
 def _diagnose_mistakes(
-    outcomes: Iterable[Outcome], setting: Setting, program: Program, budget: Budget
+    outcomes: Iterable[Outcome], context: JudgingContext, program: Program, budget: Budget
 ) -> dict[str, Mistake]:
     """Return the mistake that explains an exercise's wrong answers, by the exercise's name.
 
@@ -130,10 +130,10 @@ def _diagnose_mistakes(
     wrong = {o.check.exercise for o in outcomes if isinstance(o.failure, CheckFailed)}
     if not wrong:
         return {}
-    found = {}
-    with StudentProxy(program, setting.sandbox, setting.limits, budget) as student:
+    mistakes = {}
+    with StudentProxy(program, context.sandbox, context.limits, budget) as student:
         for exercise in sorted(wrong):
             student.exercise, seconds = exercise, budget.seconds
-            found[exercise] = diagnose(exercise, getattr(student, object_to_diagnose(exercise)))
+            mistakes[exercise] = diagnose(exercise, getattr(student, object_to_diagnose(exercise)))
             budget.add_failed_seconds(exercise, seconds - budget.seconds)
-    return {exercise: mistake for exercise, mistake in found.items() if mistake}
+    return {exercise: mistake for exercise, mistake in mistakes.items() if mistake}

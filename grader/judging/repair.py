@@ -22,9 +22,9 @@ from dataclasses import dataclass, replace
 from grader.course.lessons import Lesson
 from grader.course.rules import ONE_SLIP_KEEPS
 from grader.intake.preflight import cells_as_released
-from grader.judging.error_carried_forward import CarriedForward
+from grader.judging.error_carried_forward import CarriedForwardResult
 from grader.judging.mistake_diagnosis import mistake_explains
-from grader.judging.program_run import RunResults, Setting, run_program
+from grader.judging.program_run import JudgingContext, RunResults, run_program
 from grader.judging.runner import hidden_calls, visible_calls
 from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError, StudentStopped
@@ -40,23 +40,23 @@ from utils.checks.run_cache import cached_run
 LIKELIEST_EDITS = 320
 # Limits on the processor seconds for the edits of one exercise, in the judge and the sandbox
 # together. The lower limit is for edits beyond the likeliest ones, the upper limit for all edits.
-LEAST_CPU_SECONDS, MOST_CPU_SECONDS = 2.0, 16.0
+MIN_CPU_SECONDS, MAX_CPU_SECONDS = 2.0, 16.0
 # Limit on elapsed seconds, because code that sleeps in each call uses little processor time. It is
 # far above the other limits, because the search may have to wait for a processor.
-MOST_SECONDS = 300.0
+MAX_SECONDS = 300.0
 # Limit per call, because an edit may create an endless loop. A right answer needs less time.
-SECONDS_OF_A_CALL = 0.25
-SECONDS_OF_A_FIRST_CALL = SECONDS_OF_A_CALL / 16  # after the first edit that did not finish
+CALL_SECONDS = 0.25
+FIRST_CALL_SECONDS = CALL_SECONDS / 16  # after the first edit that did not finish
 # Maximum number of worker processes that edits may end. The time limit is usually reached first.
-MOST_RESTARTS = 100
+MAX_RESTARTS = 100
 # The search stops after it has found this many edits that pass the failed checks.
-MOST_JUDGED = 3
+MAX_JUDGED_EDITS = 3
 # Missing modules are not listed here: deleting a progress bar may make an answer right.
 UNREPAIRABLE_ERRORS = ("NotImplementedError", "ImportError")
 # The time is checked after this many edits, because reading the processor's clock takes longer
 # than most edits, and after this many seconds, because an edit with an endless loop takes long.
-EDITS_PER_LOOK = 16
-SECONDS_BETWEEN_LOOKS = 0.1
+EDITS_PER_POLL = 16
+POLLING_INTERVAL = 0.1
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,10 @@ class Repair:
 
 
 def find_slips(
-    setting: Setting, program: Program, results: RunResults, carried: dict[str, CarriedForward]
+    context: JudgingContext,
+    program: Program,
+    results: RunResults,
+    carried: dict[str, CarriedForwardResult],
 ) -> dict[str, Repair | Mistake]:
     """Return the proven slips of exercises that lost points, by the exercise's name.
 
@@ -88,10 +91,10 @@ def find_slips(
     answers. If the notebook's own cells do not finish, no edit is tried, because each exercise
     would have to wait for them again.
     """
-    found = {}
-    if setting.budget and not setting.budget.cells_finish:
-        return found
-    for exercise in setting.lesson.machine_graded if ONE_SLIP_KEEPS else ():
+    slips = {}
+    if context.budget and not context.budget.cells_finish:
+        return slips
+    for exercise in context.lesson.machine_graded if ONE_SLIP_KEEPS else ():
         mistake = results.mistakes.get(exercise.name)
         improved = carried.get(exercise.name)
         outcomes = improved.outcomes if improved else results.outcomes_of(exercise.name)
@@ -103,25 +106,25 @@ def find_slips(
             # because an edit then only explains the mistake. It is also 0 if the failed calls have
             # used up the time of one call, because calls with edits would be slow too.
             earns_less = _earned_share(outcomes) < ONE_SLIP_KEEPS
-            has_time = not _has_used_its_time(setting, exercise.name)
-            likeliest = LIKELIEST_EDITS if earns_less and has_time else 0
-            if repair := find_repair(setting, judged_program, exercise.name, failed, likeliest):
-                found[exercise.name] = repair
+            has_time = not _has_used_its_time(context, exercise.name)
+            edit_limit = LIKELIEST_EDITS if earns_less and has_time else 0
+            if repair := find_repair(context, judged_program, exercise.name, failed, edit_limit):
+                slips[exercise.name] = repair
             elif (
                 mistake
                 and not (mistake.is_cheap or mistake.is_the_task or improved)
-                and mistake_explains(setting, program, exercise.name, mistake, failed_checks)
+                and mistake_explains(context, program, exercise.name, mistake, failed_checks)
             ):
-                found[exercise.name] = mistake
-    return found
+                slips[exercise.name] = mistake
+    return slips
 
 
-def _has_used_its_time(setting: Setting, exercise: str) -> bool:
+def _has_used_its_time(context: JudgingContext, exercise: str) -> bool:
     """Return whether an exercise's failed calls together have used up the time of one call."""
-    if setting.budget is None:
+    if context.budget is None:
         return False
-    limit = (setting.limits or Limits()).call_seconds
-    return setting.budget.failed_seconds.get(exercise, 0.0) >= limit
+    limit = (context.limits or Limits()).call_seconds
+    return context.budget.failed_seconds.get(exercise, 0.0) >= limit
 
 
 def _earned_share(outcomes: Sequence[Outcome]) -> float:
@@ -149,29 +152,29 @@ def _raising_lines(failed: tuple[Outcome, ...]) -> frozenset[tuple[int, int]]:
 
 
 def find_repair(
-    setting: Setting,
+    context: JudgingContext,
     program: Program,
     exercise: str,
     failed: tuple[Outcome, ...],
-    likeliest: int = LIKELIEST_EDITS,
+    edit_limit: int = LIKELIEST_EDITS,
 ) -> Repair | None:
     """Return an edit that gives an exercise full marks, or None if none was found.
 
     Parameters
     ----------
-    setting : grader.judging.program_run.Setting
+    context : grader.judging.program_run.JudgingContext
     program : grader.sandbox.program.Program
         The notebook.
     exercise : str
     failed : tuple of utils.checks.outcomes.Outcome
         Outcomes of the checks that the exercise failed.
-    likeliest : int
-        Number of edits that are tried even after `LEAST_CPU_SECONDS`.
+    edit_limit : int
+        Number of edits that are tried even after `MIN_CPU_SECONDS`.
     """
-    for cell, first, last, text in _passing_edits(setting, program, exercise, failed, likeliest):
+    for cell, first, last, text in _passing_edits(context, program, exercise, failed, edit_limit):
         program_with_edit = program.edited(cell, first, last, text)
         results = run_program(
-            setting, program_with_edit, lambda check: check.exercise == exercise, keep_going=False
+            context, program_with_edit, lambda check: check.exercise == exercise, keep_going=False
         )
         if not results.fault and not any(outcome.failure for outcome in results.outcomes):
             before = program.cells[cell - 1].split("\n")[first - 1 : last]
@@ -205,9 +208,9 @@ def _sort_by_likelihood(
 
 def _unchanged_cells(lesson: Lesson, program: Program) -> frozenset[int]:
     """Return the numbers of the cells that the student did not change."""
-    given = {cell.source.strip() for cell in cells_as_released(lesson)}
+    released_sources = {cell.source.strip() for cell in cells_as_released(lesson)}
     cells = enumerate(program.cells, start=1)
-    return frozenset(number for number, cell in cells if cell.strip() in given)
+    return frozenset(number for number, cell in cells if cell.strip() in released_sources)
 
 
 class _FailedChecks:
@@ -215,7 +218,7 @@ class _FailedChecks:
 
     Parameters
     ----------
-    setting : grader.judging.program_run.Setting
+    context : grader.judging.program_run.JudgingContext
     student : grader.sandbox.student.StudentProxy
     budget : grader.sandbox.time_budget.Budget
         The student's remaining time.
@@ -223,14 +226,18 @@ class _FailedChecks:
     """
 
     def __init__(
-        self, setting: Setting, student: StudentProxy, budget: Budget, failed: tuple[Outcome, ...]
+        self,
+        context: JudgingContext,
+        student: StudentProxy,
+        budget: Budget,
+        failed: tuple[Outcome, ...],
     ) -> None:
         checks = [outcome.check for outcome in failed]
         self._student, self._budget = student, budget
-        self._first_seconds = SECONDS_OF_A_CALL
+        self._first_seconds = CALL_SECONDS
         self._visible = visible_calls(student, checks)
         self._hidden = functools.cache(
-            lambda: hidden_calls(setting.lesson, student, setting.seed, checks)
+            lambda: hidden_calls(context.lesson, student, context.seed, checks)
         )
 
     def __iter__(self) -> Iterator[Callable[[], object]]:
@@ -247,7 +254,7 @@ class _FailedChecks:
         with cached_run():
             failure = _catch_failure(next(iter(self)))
         if _was_stopped(failure):
-            self._first_seconds = SECONDS_OF_A_FIRST_CALL
+            self._first_seconds = FIRST_CALL_SECONDS
         return failure is not None
 
     def pass_with(self, number: int) -> bool:
@@ -259,7 +266,7 @@ class _FailedChecks:
         self._budget.failed_seconds.pop(self._student.exercise, None)
         if _catch_failure(functools.partial(self._student.edit, number)) or self.first_fails():
             return False
-        self._student.interrupts_after = SECONDS_OF_A_CALL
+        self._student.interrupts_after = CALL_SECONDS
         with cached_run():  # answers that were computed with another edit must not be reused
             for index, call in enumerate(self):
                 failure = _catch_failure(call) if index else None
@@ -290,47 +297,48 @@ def _was_stopped(failure: Exception | None) -> bool:
 
 
 def _passing_edits(
-    setting: Setting,
+    context: JudgingContext,
     program: Program,
     exercise: str,
     failed: tuple[Outcome, ...],
-    likeliest: int,
+    edit_limit: int,
 ) -> Iterator[tuple[int, int, int, str]]:
-    """Yield edits that pass the checks that the answer failed, at most `MOST_JUDGED`."""
-    limits = setting.limits or Limits()
-    seconds = min(2 * SECONDS_OF_A_CALL, limits.call_seconds)
-    limits = replace(limits, call_seconds=seconds, restarts=MOST_RESTARTS)
-    budget = setting.budget or Budget(limits)
-    with StudentProxy(program, setting.sandbox, limits, budget, exercise) as student:
+    """Yield edits that pass the checks that the answer failed, at most `MAX_JUDGED_EDITS`."""
+    limits = context.limits or Limits()
+    seconds = min(2 * CALL_SECONDS, limits.call_seconds)
+    limits = replace(limits, call_seconds=seconds, restarts=MAX_RESTARTS)
+    budget = context.budget or Budget(limits)
+    with StudentProxy(program, context.sandbox, limits, budget, exercise) as student:
         # A separate name, so that a stopped edit does not count against the student's own answer.
         student.exercise = f"an edit of {exercise}"
         try:
             student.start()
         except StudentStopped:
             return
-        begin, slept, found, next_look = time.process_time() + student.cpu_seconds, 0.0, 0, 0.0
-        until = time.monotonic() + MOST_SECONDS
-        failed_checks = _FailedChecks(setting, student, budget, failed)
+        start_seconds = time.process_time() + student.cpu_seconds
+        sleep_seconds, yielded_count, next_poll = 0.0, 0, 0.0
+        deadline = time.monotonic() + MAX_SECONDS
+        failed_checks = _FailedChecks(context, student, budget, failed)
         if not failed_checks.first_fails():  # the answer passed by chance, and gets no second try
             return
-        given = _unchanged_cells(setting.lesson, program)
+        released_cells = _unchanged_cells(context.lesson, program)
         edits = [
             (number, edit)
             for number, edit in _sort_by_likelihood(student.edits, failed)
-            if edit[0] not in given
+            if edit[0] not in released_cells
         ]
-        for tried, (number, edit) in enumerate(edits):
-            if tried % EDITS_PER_LOOK == 0 or time.monotonic() > next_look:
-                next_look = time.monotonic() + SECONDS_BETWEEN_LOOKS
-                worked = time.process_time() + student.cpu_seconds - begin
-                most_work = LEAST_CPU_SECONDS if tried >= likeliest else MOST_CPU_SECONDS
-                if max(worked, slept) > most_work or time.monotonic() > until:
+        for edit_count, (number, edit) in enumerate(edits):
+            if edit_count % EDITS_PER_POLL == 0 or time.monotonic() > next_poll:
+                next_poll = time.monotonic() + POLLING_INTERVAL
+                cpu_seconds = time.process_time() + student.cpu_seconds - start_seconds
+                cpu_limit = MIN_CPU_SECONDS if edit_count >= edit_limit else MAX_CPU_SECONDS
+                if max(cpu_seconds, sleep_seconds) > cpu_limit or time.monotonic() > deadline:
                     return
             seconds_left = budget.seconds
             passes = failed_checks.pass_with(number)
-            slept += seconds_left - budget.seconds
+            sleep_seconds += seconds_left - budget.seconds
             if passes:
                 yield edit
-                found += 1
-            if found == MOST_JUDGED:
+                yielded_count += 1
+            if yielded_count == MAX_JUDGED_EDITS:
                 return

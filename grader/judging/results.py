@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from grader.course.lessons import Exercise, Lesson
 from grader.course.rules import MISSED_TASK_KEEPS, ONE_SLIP_KEEPS
-from grader.judging.error_carried_forward import CarriedForward
+from grader.judging.error_carried_forward import CarriedForwardResult
 from grader.judging.messages import Message, message_of, messages_of, shareable_outcome
 from grader.judging.points import divide_points, sum_points
 from grader.judging.program_run import RunResults
@@ -26,8 +26,8 @@ def unjudged_results(lesson: Lesson) -> tuple[ExerciseResult, ...]:
 def result_of(
     exercise: Exercise,
     run_results: RunResults,
-    carried: CarriedForward | None,
-    proven: Repair | Mistake | None = None,
+    carried: CarriedForwardResult | None,
+    proven_slip: Repair | Mistake | None = None,
 ) -> ExerciseResult:
     """Return the result of an exercise.
 
@@ -36,9 +36,9 @@ def result_of(
     exercise : grader.course.lessons.Exercise
     run_results : grader.judging.program_run.RunResults
         The results of running the checks on the notebook.
-    carried : grader.judging.error_carried_forward.CarriedForward or None
+    carried : grader.judging.error_carried_forward.CarriedForwardResult or None
         The result with correct helpers, if that is better.
-    proven : grader.judging.repair.Repair, utils.checks.diagnosis.Mistake or None
+    proven_slip : grader.judging.repair.Repair, utils.checks.diagnosis.Mistake or None
         The proven slip, if there is one.
     """
     sentences, mistake = [], run_results.mistakes.get(exercise.name)
@@ -46,31 +46,33 @@ def result_of(
     if carried:
         sentences, mistake, outcomes = [carried.sentence], None, carried.outcomes
     shareable_outcomes = [
-        shareable_outcome(outcome, open_to_all=carried is None) for outcome in outcomes
+        shareable_outcome(outcome, is_public=carried is None) for outcome in outcomes
     ]
-    story = summarise(shareable_outcomes, mistake=mistake, one_mistake=proven is not None)
-    messages = messages_of(story)
+    summary = summarise(shareable_outcomes, mistake=mistake, one_mistake=proven_slip is not None)
+    messages = messages_of(summary)
     maxima = divide_points(exercise.points, [outcome.check.weight for outcome in outcomes])
     checks = tuple(
         _build_check_result(outcome, points, messages.get(outcome, Message("")))
         for outcome, points in zip(shareable_outcomes, maxima, strict=True)
     )
-    sentences += [message_of(story.first, story.mistake).text] if story.first else []
-    first = story.first.check.name if story.first and not story.not_started else ""
+    sentences += [message_of(summary.first, summary.mistake).text] if summary.first else []
+    first = summary.first.check.name if summary.first and not summary.not_started else ""
     score = sum_points([result.score for result in checks])
     keeps = MISSED_TASK_KEEPS if mistake and mistake.is_the_task else ONE_SLIP_KEEPS
-    slip = _build_slip(proven, exercise.points, score, keeps) if proven else None
+    slip = _build_slip(proven_slip, exercise.points, score, keeps) if proven_slip else None
     score = sum_points([score, slip.score]) if slip else score
     cause = "\n".join(sentences)
     return ExerciseResult(exercise.name, score, exercise.points, checks, cause, first, slip)
 
 
-def _build_slip(proven: Repair | Mistake, points: float, score: float, keeps: float) -> Slip:
+def _build_slip(
+    proven_slip: Repair | Mistake, points: float, score: float, kept_share: float
+) -> Slip:
     """Return the slip, with the points that the answer keeps in addition to those of its checks."""
-    kept = max(round(100 * keeps * points) - round(100 * score), 0) / 100
-    if isinstance(proven, Mistake):
+    kept = max(round(100 * kept_share * points) - round(100 * score), 0) / 100
+    if isinstance(proven_slip, Mistake):
         return Slip(0, 0, "", "", kept)
-    return Slip(proven.cell, proven.line, proven.before, proven.after, kept)
+    return Slip(proven_slip.cell, proven_slip.line, proven_slip.before, proven_slip.after, kept)
 
 
 def _build_check_result(outcome: Outcome, points: float, message: Message) -> CheckResult:

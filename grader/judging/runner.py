@@ -37,10 +37,10 @@ from utils.checks.run_cache import cached_run
 
 # Limit on the processor seconds of one test in this process, not counting the student's code. The
 # same limit applies to all failed checks of an exercise together.
-SECONDS_OF_A_TEST = 15.0
+TEST_SECONDS = 15.0
 # After this many answers that are far too large, an exercise is not called again, because reading
 # each of them takes seconds.
-MOST_TOO_LARGE = 5
+MAX_TOO_LARGE = 5
 # Pytest plugins that hidden tests do not need. Loading one takes a quarter of a millisecond.
 _NOT_NEEDED = (
     *("assertion", "cacheprovider", "capture", "debugging", "doctest", "faulthandler", "junitxml"),
@@ -109,12 +109,12 @@ class _Runner:
         self.proxy.exercise = exercise = check.exercise
         if not self.continues:
             raise StudentStopped("Not run: another check has failed.")
-        if self.too_large[exercise] >= MOST_TOO_LARGE:
+        if self.too_large[exercise] >= MAX_TOO_LARGE:
             raise StudentStopped(
                 f"Not run: {self.too_large[exercise]} answers of this exercise were far larger "
                 "than any right answer."
             )
-        if self.own_seconds[exercise] >= SECONDS_OF_A_TEST:
+        if self.own_seconds[exercise] >= TEST_SECONDS:
             raise StudentStopped(
                 "Not run: comparing earlier answers of this exercise took longer than any right "
                 "answer needs."
@@ -124,7 +124,7 @@ class _Runner:
             self.budget.charge_if_failed(exercise) if self.budget else contextlib.nullcontext()
         )
         try:
-            with charged, _limited_cpu_time(SECONDS_OF_A_TEST):
+            with charged, _limited_cpu_time(TEST_SECONDS):
                 yield
         except Exception:
             self.own_seconds[exercise] += time.process_time() - begin
@@ -262,7 +262,7 @@ def run_checks(
     lesson: Lesson,
     student: StudentProxy,
     seed: int,
-    selected: Callable[[Check], bool] = every_check,
+    is_selected: Callable[[Check], bool] = every_check,
     keep_going: bool = True,
     budget: Budget | None = None,
 ) -> list[Outcome]:
@@ -277,7 +277,7 @@ def run_checks(
     student : grader.sandbox.student.StudentProxy
     seed : int
         The course's secret.
-    selected : callable
+    is_selected : callable
         Takes a check and returns whether to run it.
     keep_going : bool
         Whether to continue after a failure. If not, all later checks fail without being run.
@@ -297,7 +297,7 @@ def run_checks(
     KeyboardInterrupt
         Pytest catches it, so it is raised again here.
     """
-    return _run_all_checks(lesson, _Runner(student, seed, selected, keep_going, budget))
+    return _run_all_checks(lesson, _Runner(student, seed, is_selected, keep_going, budget))
 
 
 @functools.cache

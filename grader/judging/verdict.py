@@ -13,7 +13,7 @@ from pathlib import Path
 
 from grader.course.atomic_files import write_atomically
 
-LONGEST_LINE = 100
+MAX_LINE_LENGTH = 100
 JUDGED, FAILED = "judged", "judge_failed"
 
 
@@ -91,7 +91,7 @@ class Slip:
         """The sentence that says where the slip is, but not how to correct it."""
         if not self.cell:
             return "The mistake named above explains every wrong answer."
-        line = self.before.split("\n")[0].strip()[:LONGEST_LINE]
+        line = self.before.split("\n")[0].strip()[:MAX_LINE_LENGTH]
         where = f"code cell {self.cell}, line {self.line} (`{line}`)"
         return f"One change in {where} would correct this exercise."
 

@@ -26,12 +26,12 @@ from nbgrader.utils import is_grade, is_solution
 from sqlalchemy import exists
 
 from grader.course.lessons import Lesson
-from grader.lms.history import exercise_of
+from grader.lms.mark_history import exercise_of
 from grader.lms.results import format_points
 
 
 def change_cells(
-    book: Gradebook, lesson: Lesson, cells: Sequence[NotebookNode], tell: Callable[[str], None]
+    book: Gradebook, lesson: Lesson, cells: Sequence[NotebookNode], notify: Callable[[str], None]
 ) -> None:
     """Add and remove cells of a registered lesson, so that nbgrader can register the new release.
 
@@ -41,7 +41,7 @@ def change_cells(
     lesson : grader.course.lessons.Lesson
     cells : list of NotebookNode
         The cells of the release that carry nbgrader metadata.
-    tell : callable
+    notify : callable
         Called with a sentence about each change that affects submissions.
     """
     try:
@@ -50,17 +50,17 @@ def change_cells(
         return
     if not notebook.submissions:
         return
-    released = {(kind, _name(cell)): cell for cell in cells for kind in _kinds(cell)}
-    existing = {
+    released_cells = {(kind, _name(cell)): cell for cell in cells for kind in _cell_tables(cell)}
+    existing_cells = {
         (type(cell), cell.name): cell for cell in (*notebook._base_cells, *notebook.source_cells)
     }
-    _tell_about_exercises(book, lesson, released, existing, tell)
-    for key in existing.keys() - released.keys():
+    _announce_changed_exercises(book, lesson, released_cells, existing_cells, notify)
+    for key in existing_cells.keys() - released_cells.keys():
         for table in (Grade, Comment):
-            book.db.query(table).filter(table.cell_id == existing[key].id).delete()
-        book.db.delete(existing[key])
-    for kind, name in released.keys() - existing.keys():
-        cell, fields = released[kind, name], {}
+            book.db.query(table).filter(table.cell_id == existing_cells[key].id).delete()
+        book.db.delete(existing_cells[key])
+    for kind, name in released_cells.keys() - existing_cells.keys():
+        cell, fields = released_cells[kind, name], {}
         if kind is not SolutionCell:
             fields["cell_type"] = cell.cell_type
         if kind is GradeCell:
@@ -106,14 +106,14 @@ def complete_submissions(book: Gradebook, stage: str) -> None:
     book.db.commit()
 
 
-def _tell_about_exercises(
-    book: Gradebook, lesson: Lesson, released: dict, existing: dict, tell: Callable[[str], None]
+def _announce_changed_exercises(
+    book: Gradebook, lesson: Lesson, released: dict, existing: dict, notify: Callable[[str], None]
 ) -> None:
     """Say which exercises are new, gone or worth other points, and what happens to their marks."""
     before = {name: cell for (kind, name), cell in existing.items() if kind is GradeCell}
-    now = {name: cell for (kind, name), cell in released.items() if kind is GradeCell}
-    for name in now.keys() - before.keys():
-        tell(
+    new_points = {name: cell for (kind, name), cell in released.items() if kind is GradeCell}
+    for name in new_points.keys() - before.keys():
+        notify(
             f"{lesson.name}: {exercise_of(name)} was added to the gradebook, also for earlier "
             "submissions. All other marks are kept."
         )
@@ -124,21 +124,22 @@ def _tell_about_exercises(
             .count()
         )
         exercise, marks = exercise_of(name), f"{by_hand} mark{'s' * (by_hand != 1)} by hand"
-        if name not in now:
+        if name not in new_points:
             kept = f" Only marks.jsonl still contains its {marks}." if by_hand else ""
-            tell(
+            notify(
                 f"{lesson.name}: {exercise} is no longer in the release, so it was removed "
                 f"from the gradebook.{kept}"
             )
-        elif by_hand and cell.max_score != _points(now[name]):
-            tell(
-                f"{lesson.name}: {exercise} is now worth {format_points(_points(now[name]))} "
+        elif by_hand and cell.max_score != _points(new_points[name]):
+            notify(
+                f"{lesson.name}: {exercise} is now worth "
+                f"{format_points(_points(new_points[name]))} "
                 f"points instead of {format_points(cell.max_score)}, but {marks} did not change. "
                 "Review these marks."
             )
 
 
-def _kinds(cell: NotebookNode) -> list[type]:
+def _cell_tables(cell: NotebookNode) -> list[type]:
     """Return the tables in which nbgrader registers a cell."""
     return [GradeCell] * is_grade(cell) + [SolutionCell] * is_solution(cell) + [SourceCell]
 

@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from grader.judging.messages import common_text, without_numbers
+from grader.judging.messages import common_text, remove_numbers
 from grader.judging.verdict import CheckResult, ExerciseResult, MessageKind
 
 # Kinds of messages that are grouped, each with the wording for one check and for several.
@@ -26,14 +26,14 @@ class CheckGroup:
 
     Attributes
     ----------
-    says : str
+    text : str
         One line about the group.
     count : int
     titles : tuple of str
         Titles of the checks, with a count if several have the same title.
     """
 
-    says: str
+    text: str
     count: int
     titles: tuple[str, ...]
 
@@ -51,8 +51,8 @@ class ExerciseSummary:
         Failures whose message no other failed check has.
     groups : tuple of CheckGroup
     passed : tuple of CheckResult
-    started : bool
-        False for an untouched stub; then only `not_started` is worth showing.
+    is_started : bool
+        False for an untouched stub; then only `not_started_sentence` is worth showing.
     """
 
     exercise: str
@@ -60,26 +60,26 @@ class ExerciseSummary:
     others: tuple[CheckResult, ...]
     groups: tuple[CheckGroup, ...]
     passed: tuple[CheckResult, ...]
-    started: bool
+    is_started: bool
 
     @property
-    def not_started(self) -> str:
+    def not_started_sentence(self) -> str:
         """Sentence about an unchanged stub, without the advice that the notebook shows."""
         stub = self.first.subject
         return f"{stub} is not started." if stub == self.exercise else self.first.message
 
     @property
-    def in_words(self) -> str:
+    def description(self) -> str:
         """Number of checks that pass, in words."""
         failed = (
             (self.first is not None) + len(self.others) + sum(group.count for group in self.groups)
         )
-        most = failed + len(self.passed)
-        if not most:
+        check_count = failed + len(self.passed)
+        if not check_count:
             return "nothing could be checked"
         if not failed:
-            return f"all {most} checks pass" if most > 1 else "the only check passes"
-        return f"{len(self.passed) or 'none'} of {most} checks pass"
+            return f"all {check_count} checks pass" if check_count > 1 else "the only check passes"
+        return f"{len(self.passed) or 'none'} of {check_count} checks pass"
 
 
 def summarise_checks(exercise: ExerciseResult) -> ExerciseSummary:
@@ -91,28 +91,28 @@ def summarise_checks(exercise: ExerciseResult) -> ExerciseSummary:
     groups: dict[str | tuple[str, str], list[CheckResult]] = {}
     for test in failed:
         if test is not first:
-            groups.setdefault(_kind(test, first), []).append(test)
+            groups.setdefault(_group_key(test, first), []).append(test)
     alone = {kind for kind, group in groups.items() if len(group) == 1 and isinstance(kind, str)}
     return ExerciseSummary(
         exercise.name,
         first,
         tuple(groups[kind][0] for kind in groups if kind in alone),
-        tuple(_fold(kind, group) for kind, group in groups.items() if kind not in alone),
+        tuple(_build_group(kind, group) for kind, group in groups.items() if kind not in alone),
         passed,
-        started=not failed or bool(exercise.first),
+        is_started=not failed or bool(exercise.first),
     )
 
 
-def _kind(test: CheckResult, first: CheckResult) -> str | tuple[str, str]:
+def _group_key(test: CheckResult, first: CheckResult) -> str | tuple[str, str]:
     """Return the key of a check's group: its message, or the wording for one check and several."""
     if test.kind in GROUPED_OPENINGS:
         return GROUPED_OPENINGS[test.kind]
-    message = without_numbers(test.message)
-    said = without_numbers(first.message).splitlines()
+    message = remove_numbers(test.message)
+    said = remove_numbers(first.message).splitlines()
     return SAME_FAILURE if set(message.splitlines()) <= set(said) else message
 
 
-def _fold(kind: str | tuple[str, str], group: Sequence[CheckResult]) -> CheckGroup:
+def _build_group(kind: str | tuple[str, str], group: Sequence[CheckResult]) -> CheckGroup:
     many = len(group) > 1
     says = f"{len(group)} more {kind[many]}." if isinstance(kind, tuple) else ""
     counts = Counter(test.title for test in group)

@@ -8,10 +8,10 @@ from nbgrader.preprocessors import AssignLatePenalties
 from grader.course.deadlines import Deadlines
 from grader.course.paths import Course
 from grader.judging.verdict import Verdict
-from grader.lms.autograded import verdict_key_of_copy
-from grader.lms.dates import extension_of
-from grader.lms.entries import StageEntry
+from grader.lms.autograded_copy import verdict_key_of_copy
+from grader.lms.gradebook_dates import extension_of
 from grader.lms.penalties import penalty_of
+from grader.lms.stage_entries import StageEntry
 from grader.lms.submission_times import known_time
 
 TOLERANCE = 1e-6  # points are written with two decimal places
@@ -45,10 +45,10 @@ def differences(
     for notebook in submission.notebooks:
         label = f"{entry.name}, {notebook.name}"
         verdict = verdicts.get(notebook.name)
-        wanted = _scores(verdict)
+        expected_scores = _scores(verdict)
         for grade in notebook.grades:
-            score, max_score = wanted.get(grade.name, (None if verdict else 0.0, None))
-            is_judged = verdict is None or grade.name in wanted
+            score, max_score = expected_scores.get(grade.name, (None if verdict else 0.0, None))
+            is_judged = verdict is None or grade.name in expected_scores
             # Rows for new exercises have no score, and wait for a person until they are entered.
             if is_judged and (grade.auto_score is None or not _is_close(grade.auto_score, score)):
                 sentences.append(

@@ -78,7 +78,7 @@ def distribution_of(
     max_score = results.lessons.get(lesson.name)
     if not own and judged:
         scores, max_score = [verdict.score for verdict in judged], judged[0].max_score
-    kinds = Counter((result.standing, result.score is not None) for result in own)
+    kinds = Counter((result.status, result.score is not None) for result in own)
     histogram = [0] * BINS
     for score in scores:
         histogram[max(0, min(BINS - 1, int(BINS * score / max_score)))] += 1

@@ -20,14 +20,14 @@ from typing import BinaryIO
 from nbgrader.exchange.default import ExchangeCollect
 from nbgrader.utils import parse_utc
 
-from grader.classroom.collect.zips import MOST_BYTES_OF_A_STUDENT
+from grader.classroom.collect.zips import MAX_BYTES_PER_STUDENT
 from grader.intake.submission import is_skipped_folder
-from grader.untrusted import one_line
+from grader.untrusted_text import one_line
 
 # Maximum number of files and folders to examine in one submission, from the top folder down.
-MOST_ENTRIES = 200
+MAX_ENTRIES = 200
 # `nbgrader submit` takes only seconds from writing the time to copying the last file.
-LONGEST_SUBMISSION = timedelta(minutes=10)
+MAX_SUBMISSION_TIME = timedelta(minutes=10)
 _NO_LINK = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK
 
 
@@ -100,57 +100,61 @@ class CollectOrdinaryFiles(ExchangeCollect):
     def _read(self, folder: Path, student: str) -> tuple[dict[str, bytes], datetime]:
         """Return the files of a submission by relative path, and the time of its latest change."""
         files: dict[str, bytes] = {}
-        entries, left = 0, MOST_BYTES_OF_A_STUDENT
-        top = os.open(folder, _NO_LINK | os.O_DIRECTORY)
+        entries, bytes_left = 0, MAX_BYTES_PER_STUDENT
+        root_descriptor = os.open(folder, _NO_LINK | os.O_DIRECTORY)
         try:
-            latest = self._examine(os.fstat(top), student, "the folder")
-            for place, folders, names, here in os.fwalk(".", dir_fd=top):
+            latest = self._examine(os.fstat(root_descriptor), student, "the folder")
+            for place, folders, names, folder_descriptor in os.fwalk(".", dir_fd=root_descriptor):
                 # Hidden files include the record of `collect`, which a student could forge.
                 folders[:] = sorted(name for name in folders if not is_skipped_folder(name))
                 names = [name for name in names if not name.startswith(".")]
                 entries += 1 + len(names)
-                if entries > MOST_ENTRIES:
+                if entries > MAX_ENTRIES:
                     self._leave_out(f"{folder.name}/{place}", "has too many files or folders")
                     break
                 for name in sorted(names):
                     path = os.path.normpath(os.path.join(place, name))
-                    with self._opened(name, here, f"{folder.name}/{path}", left) as file:
+                    with self._opened(
+                        name, folder_descriptor, f"{folder.name}/{path}", bytes_left
+                    ) as file:
                         if file is not None:
                             status = os.fstat(file.fileno())
                             latest = max(latest, self._examine(status, student, path))
-                            files[path] = file.read(left)
-                            left -= len(files[path])
+                            files[path] = file.read(bytes_left)
+                            bytes_left -= len(files[path])
         finally:
-            os.close(top)
+            os.close(root_descriptor)
         if not files:
             raise NotCollected("contains no file that can be collected.")
         return files, datetime.fromtimestamp(latest, UTC).replace(tzinfo=None)
 
     @contextlib.contextmanager
-    def _opened(self, name: str, folder: int, shown: str, most: int) -> Iterator[BinaryIO | None]:
-        """Open an ordinary file of at most `most` bytes; yield None for any other file."""
+    def _opened(
+        self, name: str, folder: int, shown_path: str, max_bytes: int
+    ) -> Iterator[BinaryIO | None]:
+        """Open an ordinary file of at most `max_bytes` bytes; yield None for any other file."""
         try:
             descriptor = os.open(name, _NO_LINK, dir_fd=folder)
         except OSError as error:
             reason = "is a link" if error.errno == errno.ELOOP else f"cannot be read: {error}"
-            self._leave_out(shown, reason)
+            self._leave_out(shown_path, reason)
             yield None
             return
         with open(descriptor, "rb") as file:
             status = os.fstat(descriptor)
             if not stat.S_ISREG(status.st_mode):
-                self._leave_out(shown, "is not an ordinary file")
+                self._leave_out(shown_path, "is not an ordinary file")
                 yield None
-            elif status.st_size > most:
-                self._leave_out(shown, f"is larger than the remaining {most // 2**20} MB")
+            elif status.st_size > max_bytes:
+                self._leave_out(shown_path, f"is larger than the remaining {max_bytes // 2**20} MB")
                 yield None
             else:
                 yield file
 
-    def _leave_out(self, shown: str, reason: str) -> None:
-        self.log.warning("Left out: %s %s", one_line(shown), one_line(reason))
+    def _leave_out(self, shown_path: str, reason: str) -> None:
+        self.log.warning("Left out: %s %s", one_line(shown_path), one_line(reason))
 
-    def _examine(self, status: os.stat_result, student: str, what: str) -> float:
+    def _examine(self, status: os.stat_result, student: str, description: str) -> float:
         """Return when a file or folder was last changed; raise if another account owns it."""
         if self.check_owner:
             try:
@@ -159,7 +163,8 @@ class CollectOrdinaryFiles(ExchangeCollect):
                 owner = f"user {status.st_uid}"
             if owner != student:
                 raise NotCollected(
-                    f"claims to be from {student}, but {what} belongs to {owner}. If accounts and "
+                    f"claims to be from {student}, but {description} belongs to {owner}. If "
+                    "accounts and "
                     "students have different names, set `c.ExchangeCollect.check_owner = False`."
                 )
         return status.st_ctime
@@ -167,7 +172,7 @@ class CollectOrdinaryFiles(ExchangeCollect):
     def _compare_times(self, record: dict, changed: datetime) -> None:
         """Report a folder that was changed long after the time in its name, which can be forged."""
         claimed = record["timestamp"]
-        if changed - claimed > LONGEST_SUBMISSION:
+        if changed - claimed > MAX_SUBMISSION_TIME:
             self.log.warning(
                 "%s: the time in the name is %s, but the folder was changed at %s (UTC). Decide "
                 "which time counts.",

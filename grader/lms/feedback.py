@@ -16,8 +16,8 @@ from grader.course.lessons import Exercise, Lesson, find_lesson
 from grader.course.paths import Course
 from grader.course.roster import Person
 from grader.judging.verdict import FAILED, ExerciseResult, Verdict, read_verdict
-from grader.lms.autograded import graded_cells
-from grader.lms.cells import CellMark, CellMarks, cell_marks
+from grader.lms.autograded_copy import graded_cells
+from grader.lms.cell_marks import CellMark, CellMarks, cell_marks
 from grader.lms.check_summary import ExerciseSummary, summarise_checks
 from grader.lms.gradebook import open_gradebook
 from grader.lms.results import (
@@ -29,8 +29,8 @@ from grader.lms.results import (
     StageResult,
     format_points,
 )
+from grader.lms.results_reader import class_results
 from grader.lms.sanitizer import sanitize_markdown
-from grader.lms.standings import class_results
 
 
 @dataclass(frozen=True)
@@ -48,10 +48,10 @@ class ExerciseFeedback:
     Attributes
     ----------
     exercise : grader.course.lessons.Exercise
-    mark : grader.lms.cells.CellMark
+    mark : grader.lms.cell_marks.CellMark
     judged : grader.judging.verdict.ExerciseResult or None
         None if a person grades the exercise.
-    folded : grader.lms.check_summary.ExerciseSummary or None
+    summary : grader.lms.check_summary.ExerciseSummary or None
         Summary of the checks; None if a person grades the exercise.
     answer : SanitizedText or None
         The student's written answer; None if it is blank or the exercise does not require one.
@@ -64,7 +64,7 @@ class ExerciseFeedback:
     exercise: Exercise
     mark: CellMark
     judged: ExerciseResult | None
-    folded: ExerciseSummary | None
+    summary: ExerciseSummary | None
     answer: SanitizedText | None
     comment: SanitizedText | None
     counts: bool = True
@@ -124,11 +124,11 @@ class Feedback:
     @property
     def sentences(self) -> tuple[str, ...]:
         """Sentences about the stage as a whole."""
-        if self.result.standing == EXCUSED:
+        if self.result.status == EXCUSED:
             return ("You are excused from this stage, so none of these points count.",)
-        if self.result.standing == AUDITOR:
+        if self.result.status == AUDITOR:
             return ("You audit the course, so none of these points count.",)
-        waiting = self.result.standing == WAITING
+        waiting = self.result.status == WAITING
         untouched = (
             "No exercise in this stage was started. If you can still submit, replace "
             "`raise NotImplementedError` with your code and submit the notebooks again."
@@ -146,16 +146,16 @@ class Feedback:
 def _is_untouched(exercise: ExerciseFeedback) -> bool:
     if exercise.comment or exercise.mark.score:
         return False
-    if exercise.folded is None:
+    if exercise.summary is None:
         return exercise.answer is None
-    return not exercise.folded.started
+    return not exercise.summary.is_started
 
 
 class FeedbackNotReady(Exception):
     """Feedback for a student is not ready yet; the message is shown to the user."""
 
 
-class FeedbackWriter:
+class FeedbackCollector:
     """Collects the feedback for the students of one stage."""
 
     def __init__(self, course: Course, stage: str) -> None:
@@ -166,15 +166,15 @@ class FeedbackWriter:
         with open_gradebook(course) as book:
             self._cells: CellMarks = cell_marks(book, stage)
 
-    def people(self, wanted: Collection[str] = ()) -> list[Person]:
-        """Return the students with a submission; only those in `wanted` if it is not empty."""
+    def people(self, requested_ids: Collection[str] = ()) -> list[Person]:
+        """Return the students with a submission; only the requested ones if any are given."""
         return [
             person
             for person in self._results.people
-            if (not wanted or person.id in wanted) and self._has_submitted(person.id)
+            if (not requested_ids or person.id in requested_ids) and self._has_submitted(person.id)
         ]
 
-    def unlisted(self) -> tuple[str, ...]:
+    def unlisted_ids(self) -> tuple[str, ...]:
         """Return the IDs that have marks in this stage but are not on the roster."""
         with_marks = {student for student, _, _ in self._cells.marks}
         return tuple(id for id in self._results.unlisted if id in with_marks)
@@ -193,7 +193,7 @@ class FeedbackWriter:
 
     def _has_submitted(self, student: str) -> bool:
         results = self._notebooks(student)
-        return any(result.score is not None or result.standing == WAITING for result in results)
+        return any(result.score is not None or result.status == WAITING for result in results)
 
     def _notebooks(self, student: str) -> list[NotebookResult]:
         results = (self._results.notebook(student, lesson) for lesson in self._results.lessons)
@@ -201,20 +201,22 @@ class FeedbackWriter:
 
     def _lesson(self, result: NotebookResult) -> LessonFeedback:
         lesson = find_lesson(result.lesson)
-        if result.score is None and result.standing != WAITING:
+        if result.score is None and result.status != WAITING:
             return LessonFeedback(lesson, title_of(lesson), result)
         place = (result.student, lesson.stage)
         verdict = read_verdict(self._course.verdicts.joinpath(*place, f"{lesson.name}.json"))
-        copy = self._copy(*place, lesson)
+        autograded_copy = self._copy(*place, lesson)
         if verdict and verdict.status == FAILED:
             raise FeedbackNotReady(f"{result.student}, {lesson.name}: {verdict.reason}")
         # A student with a mark given by hand but without a file has neither a key nor a verdict.
-        if result.score is None or copy.metadata.get("verdict_key") != (verdict and verdict.key):
+        if result.score is None or autograded_copy.metadata.get("verdict_key") != (
+            verdict and verdict.key
+        ):
             raise FeedbackNotReady(
                 f"{result.student}, {lesson.name}: the latest verdict is not in the gradebook. "
                 "Run: python -m grader grade"
             )
-        answers = {cell.metadata.nbgrader.grade_id: cell for cell in graded_cells(copy)}
+        answers = {cell.metadata.nbgrader.grade_id: cell for cell in graded_cells(autograded_copy)}
         exercises = tuple(
             self._exercise(result, exercise, verdict, answers) for exercise in lesson.exercises
         )
@@ -252,7 +254,7 @@ class FeedbackWriter:
             if written
             else None,
             SanitizedText(sanitize_markdown(comment)) if comment else None,
-            exercise.name not in self._results.rules.without,
+            exercise.name not in self._results.rules.excluded_exercises,
         )
 
 

@@ -13,14 +13,14 @@ from pathlib import Path
 from grader.course.archives import make_zip
 from grader.course.atomic_files import write_atomically
 from grader.course.paths import Course
-from grader.course.roster import in_file_name, read_roster
+from grader.course.roster import file_name_part, read_roster
 from grader.lms.collected_files import CollectedFile, collected_files
-from grader.lms.feedback import Feedback, FeedbackNotReady, FeedbackWriter, LessonFeedback
+from grader.lms.feedback import Feedback, FeedbackCollector, FeedbackNotReady, LessonFeedback
 from grader.lms.feedback_notebook import feedback_notebook
 from grader.lms.feedback_page import feedback_page
 from grader.lms.results import WAITING
 
-_TEAM = "submitted as {}, which may be a team"
+_TEAM_REASON = "submitted as {}, which may be a team"
 
 
 @dataclass(frozen=True)
@@ -31,14 +31,14 @@ class FeedbackArchive:
     ----------
     files : dict of str to bytes
         File contents by name.
-    left : tuple of str
+    skipped : tuple of str
         One sentence for each student whose submission did not come from this LMS.
     teams : tuple of str
         One sentence for each submission of a team, to which the LMS cannot return feedback.
     """
 
     files: dict[str, bytes] = field(default_factory=dict)
-    left: tuple[str, ...] = ()
+    skipped: tuple[str, ...] = ()
     teams: tuple[str, ...] = ()
 
 
@@ -65,7 +65,7 @@ def build_moodle_archive(
             name = owner.removesuffix(f"_{number}")
             named = roster is None or person in roster.find_people(name) or name.endswith(number)
             if owner in teams or not named:
-                team_sentences.append(f"{person.id}: {_TEAM.format(name)}")
+                team_sentences.append(f"{person.id}: {_TEAM_REASON.format(name)}")
                 continue
             path = f"{owner}_assignsubmission_file_{stage}_feedback.html"
             files[path] = feedback_page(feedback).encode()
@@ -97,7 +97,7 @@ def build_canvas_archive(
         }
         files |= contents
         if team:
-            team_sentences.append(f"{id}: {_TEAM.format(min(team))}")
+            team_sentences.append(f"{id}: {_TEAM_REASON.format(min(team))}")
         elif not contents:
             skipped.append(f"{id}: no notebook was collected from a Canvas zip")
     return FeedbackArchive(files, tuple(skipped), tuple(team_sentences))
@@ -109,13 +109,13 @@ class Platform:
 
     Attributes
     ----------
-    returns : callable
+    build_archive : callable
         Builds a `FeedbackArchive` from course, stage and feedback.
     next_step : str
         Instructions for uploading the zip.
     """
 
-    returns: Callable[[Course, str, Sequence[Feedback]], FeedbackArchive]
+    build_archive: Callable[[Course, str, Sequence[Feedback]], FeedbackArchive]
     next_step: str
 
 
@@ -144,7 +144,7 @@ class WrittenFeedback:
         One page per student.
     archive : pathlib.Path or None
         The zip for the LMS; None without an LMS, or if the zip would be empty.
-    left : tuple of str
+    skipped : tuple of str
         One sentence for each student without a page.
     unreached : tuple of str
         One sentence for each student with a page for whom the zip contains nothing.
@@ -156,7 +156,7 @@ class WrittenFeedback:
 
     pages: tuple[Path, ...]
     archive: Path | None
-    left: tuple[str, ...]
+    skipped: tuple[str, ...]
     unreached: tuple[str, ...] = ()
     waiting: tuple[str, ...] = ()
     lacks_zip: bool = False
@@ -192,14 +192,14 @@ def write_feedback(
     ------
     grader.course.roster.RosterError, grader.course.deadlines.DeadlinesError
     """
-    writer = FeedbackWriter(course, stage)
-    people = writer.people(students)
+    collector = FeedbackCollector(course, stage)
+    people = collector.people(students)
     all_feedback, pages = [], []
-    unlisted = () if section else writer.unlisted()
+    unlisted = () if section else collector.unlisted_ids()
     skipped = [f"{id}: has marks but is not on the roster" for id in unlisted]
     for done, person in enumerate(people, start=1):
         try:
-            feedback = writer.feedback(person)
+            feedback = collector.feedback(person)
         except FeedbackNotReady as reason:
             skipped.append(str(reason))
         else:
@@ -208,32 +208,32 @@ def write_feedback(
             all_feedback.append(feedback)
             pages.append(path)
         progress(done, len(people), person.id)
-    waiting = tuple(_waiting(all_feedback))
+    waiting = tuple(_waiting_lessons(all_feedback))
     if not platform or not pages:
         return WrittenFeedback(tuple(pages), None, tuple(skipped), waiting=waiting)
-    returned = PLATFORMS[platform].returns(course, stage, all_feedback)
-    parts = [stage, platform, *[in_file_name(section)] * bool(section)]
-    archive = folder / f"{'_'.join(parts)}.zip" if returned.files else None
+    upload = PLATFORMS[platform].build_archive(course, stage, all_feedback)
+    parts = [stage, platform, *[file_name_part(section)] * bool(section)]
+    archive = folder / f"{'_'.join(parts)}.zip" if upload.files else None
     if archive:
-        write_atomically(make_zip(returned.files), archive)
+        write_atomically(make_zip(upload.files), archive)
     return WrittenFeedback(
         tuple(pages),
         archive,
         tuple(skipped),
-        (*returned.left, *returned.teams),
+        (*upload.skipped, *upload.teams),
         waiting,
-        lacks_zip=archive is None and bool(returned.left),
+        lacks_zip=archive is None and bool(upload.skipped),
     )
 
 
-def _waiting(all_feedback: Sequence[Feedback]) -> Iterator[str]:
+def _waiting_lessons(all_feedback: Sequence[Feedback]) -> Iterator[str]:
     """Yield the lessons with a part that a grader still has to grade, each with its students."""
-    students: dict[str, list[str]] = {}
+    students_by_lesson: dict[str, list[str]] = {}
     for feedback in all_feedback:
         for lesson in feedback.lessons:
-            if lesson.result.standing == WAITING:
-                students.setdefault(lesson.lesson.name, []).append(feedback.person.id)
-    for lesson, ids in students.items():
+            if lesson.result.status == WAITING:
+                students_by_lesson.setdefault(lesson.lesson.name, []).append(feedback.person.id)
+    for lesson, ids in students_by_lesson.items():
         yield f"{lesson} of {', '.join(ids)}"
 
 

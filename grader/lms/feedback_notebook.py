@@ -14,12 +14,12 @@ import nbformat
 from grader.lms.feedback import Feedback, LessonFeedback, SanitizedText
 from grader.lms.feedback_page import render_template
 
-SENTENCE = "This notebook contains your feedback. The notebook that you submitted is unchanged."
+INTRODUCTION = "This notebook contains your feedback. The notebook that you submitted is unchanged."
 
 
 def feedback_notebook(feedback: Feedback, lesson: LessonFeedback) -> bytes:
     """Build the feedback notebook for one lesson, with the sentences about the whole stage."""
-    head = render_template("notebook.html", feedback=feedback, lesson=lesson, sentence=SENTENCE)
+    head = render_template("notebook.html", feedback=feedback, lesson=lesson, sentence=INTRODUCTION)
     cells = [_html(head)]
     for exercise in lesson.exercises:
         cells.append(_html(render_template("exercise.html", one=exercise)))

@@ -9,7 +9,7 @@ from pathlib import Path
 import jinja2
 from markupsafe import Markup
 
-from grader.classroom.pages import coded
+from grader.classroom.pages import format_code
 from grader.course.mathml import STYLE, markdown_page
 from grader.course.settings import course_title, stage_title
 from grader.lms.feedback import ExerciseFeedback, Feedback, LessonFeedback, SanitizedText
@@ -26,7 +26,7 @@ def render_template(template: str, **content: object) -> str:
     return _environment().get_template(template).render(content)
 
 
-def stage_in_words(stage: str) -> str:
+def format_stage(stage: str) -> str:
     """Format a stage name as in "Stage 1 · Numbers"; other names are returned unchanged."""
     match = re.fullmatch(r"stage(\d+)_\w+", stage)
     return f"Stage {match[1]} · {stage_title(stage)}" if match else stage
@@ -43,9 +43,9 @@ def _environment() -> jinja2.Environment:
     )
     environment.filters |= {
         "points": format_points,
-        "coded": coded,
+        "coded": format_code,
         "as_html": _as_html,
-        "in_words": stage_in_words,
+        "in_words": format_stage,
     }
     environment.globals |= {
         "name_of": _name,
@@ -69,7 +69,7 @@ def _name(feedback: ExerciseFeedback) -> str:
 def _mark(feedback: ExerciseFeedback) -> str:
     if not feedback.counts:
         return "does not count"
-    if feedback.mark.waiting:
+    if feedback.mark.is_waiting:
         return f"not graded yet, of {format_points(feedback.exercise.points)}"
     return f"{format_points(feedback.mark.score)} of {format_points(feedback.exercise.points)}"
 
@@ -77,5 +77,5 @@ def _mark(feedback: ExerciseFeedback) -> str:
 def _score(lesson: LessonFeedback) -> str:
     maximum = format_points(lesson.result.max_score)
     if lesson.result.score is None:
-        return f"{lesson.result.standing}, of {maximum}"
+        return f"{lesson.result.status}, of {maximum}"
     return f"{format_points(lesson.result.score)} of {maximum}"

@@ -17,16 +17,16 @@ from pathlib import Path
 
 from sqlalchemy import make_url
 
-from grader.classroom.collect.answers import count_answers_about, delete_answers_about
-from grader.classroom.collect.record import NAME as RECORD
-from grader.classroom.collect.record import read_record, without_archives, write_record
+from grader.classroom.collect.instructor_answers import count_answers_about, delete_answers_about
+from grader.classroom.collect.record import RECORD_NAME as RECORD
+from grader.classroom.collect.record import read_record, remove_archives, write_record
 from grader.classroom.folders import UnknownStudent, find_student
 from grader.course.deadlines_file import deadlines_path
 from grader.course.nbgrader_settings import course_settings
 from grader.course.paths import Course
-from grader.course.roster import Roster, folded, read_roster, roster_path
+from grader.course.roster import Roster, normalized_text, read_roster, roster_path
 from grader.lms.gradebook import database_url, gradebook_exists, open_gradebook
-from grader.lms.history import count_changes_of, delete_changes_of
+from grader.lms.mark_history import count_changes_of, delete_changes_of
 
 CLASS_PAGES = ("report", "league", "scores*", "handed_back/*.zip")
 """Files and folders about the whole class, which are written again without the student."""
@@ -71,7 +71,7 @@ def student_to_forget(course: Course, text: str) -> str:
 def find_traces(course: Course, student: str) -> list[Trace]:
     """Return all data about a student, except lines in the roster and in the due dates."""
     own = list(_own_traces(course, student))
-    return [*own, *_about_the_class(course)] if own else []
+    return [*own, *_class_page_traces(course)] if own else []
 
 
 def remaining_lines(course: Course, student: str) -> Iterator[str]:
@@ -82,19 +82,25 @@ def remaining_lines(course: Course, student: str) -> Iterator[str]:
     with contextlib.suppress(OSError, ValueError):
         stages = tomllib.loads(deadlines_path(course).read_text("utf-8")).values()
         tables = [stage.get("students", {}) for stage in stages if isinstance(stage, dict)]
-        if any(folded(str(name)) == folded(student) for table in tables for name in table):
+        if any(
+            normalized_text(str(name)) == normalized_text(student)
+            for table in tables
+            for name in table
+        ):
             yield f"Delete each line of {student} in {deadlines_path(course).name}."
 
 
 def _own_traces(course: Course, student: str) -> Iterator[Trace]:
-    yield from _team_records(course, student)  # they are found through the student's own folders
-    yield from _folders(course, student)
-    yield from _pages(course, student)
-    yield from _gradebook(course, student)
-    yield from _logs(course, student)
+    yield from _team_record_traces(
+        course, student
+    )  # they are found through the student's own folders
+    yield from _folder_traces(course, student)
+    yield from _page_traces(course, student)
+    yield from _gradebook_traces(course, student)
+    yield from _log_traces(course, student)
 
 
-def _folders(course: Course, student: str) -> Iterator[Trace]:
+def _folder_traces(course: Course, student: str) -> Iterator[Trace]:
     feedback = course_settings(course.root).CourseDirectory.get("feedback_directory", "feedback")
     kinds = {
         course.submitted: "submissions",
@@ -107,7 +113,7 @@ def _folders(course: Course, student: str) -> Iterator[Trace]:
             count = sum(file.is_file() for file in path.rglob("*"))
             yield Trace(
                 f"{kind}: {_relative(course, path)}/ with {count} file{'s' * (count != 1)}",
-                _deletion(path),
+                _make_deletion(path),
             )
 
 
@@ -125,14 +131,14 @@ def _is_name_of(student: str, name: str, roster: Roster | None) -> bool:
     return owner is not None and owner.id == student
 
 
-def _pages(course: Course, student: str) -> Iterator[Trace]:
+def _page_traces(course: Course, student: str) -> Iterator[Trace]:
     for folder in sorted((course.root / "handed_back").glob("*/")):
         path = folder / f"{student}.html"
         if path.is_file():
             yield Trace(f"feedback page: {_relative(course, path)}", path.unlink)
 
 
-def _team_records(course: Course, student: str) -> Iterator[Trace]:
+def _team_record_traces(course: Course, student: str) -> Iterator[Trace]:
     """Yield records of other students that contain the name under which this one submitted."""
     own = _folders_of(course, student, course.submitted)
     archives = {
@@ -143,7 +149,7 @@ def _team_records(course: Course, student: str) -> Iterator[Trace]:
     }
     for path in sorted(course.submitted.glob(f"*/*/{RECORD}")) if archives else ():
         record = read_record(path.parent)
-        kept = without_archives(record, archives)
+        kept = remove_archives(record, archives)
         if path.parent.parent not in own and kept != record:
             yield Trace(
                 f"the name in the archive of a team: {_relative(course, path)}",
@@ -151,7 +157,7 @@ def _team_records(course: Course, student: str) -> Iterator[Trace]:
             )
 
 
-def _gradebook(course: Course, student: str) -> Iterator[Trace]:
+def _gradebook_traces(course: Course, student: str) -> Iterator[Trace]:
     if not gradebook_exists(course):
         return
     with open_gradebook(course) as book:
@@ -172,7 +178,7 @@ def _remove_from_gradebook(course: Course, student: str) -> None:
             database.execute("vacuum")
 
 
-def _logs(course: Course, student: str) -> Iterator[Trace]:
+def _log_traces(course: Course, student: str) -> Iterator[Trace]:
     logs = (
         ("marks.jsonl", count_changes_of, delete_changes_of),
         (f"{course.submitted.name}/.whose.jsonl", count_answers_about, delete_answers_about),
@@ -186,10 +192,10 @@ def _logs(course: Course, student: str) -> Iterator[Trace]:
             )
 
 
-def _about_the_class(course: Course) -> Iterator[Trace]:
+def _class_page_traces(course: Course) -> Iterator[Trace]:
     for pattern in CLASS_PAGES:
         for path in sorted(course.root.glob(pattern)):
-            yield Trace(f"about the whole class: {_relative(course, path)}", _deletion(path))
+            yield Trace(f"about the whole class: {_relative(course, path)}", _make_deletion(path))
     url = make_url(database_url(course))
     if url.drivername == "sqlite" and url.database:
         database = Path(url.database)
@@ -197,7 +203,7 @@ def _about_the_class(course: Course) -> Iterator[Trace]:
             yield Trace(f"older copy of the whole gradebook: {path.name}", path.unlink)
 
 
-def _deletion(path: Path) -> Callable[[], None]:
+def _make_deletion(path: Path) -> Callable[[], None]:
     is_folder = path.is_dir() and not path.is_symlink()
     return functools.partial(shutil.rmtree, path) if is_folder else path.unlink
 

@@ -21,7 +21,7 @@ from grader.course.paths import Course
 from grader.lms.results import GradebookUnavailable
 
 # What SQLite and PostgreSQL say about a column or a table that the database does not have.
-_OUTDATED = re.compile(r"no such (column|table)|(column|relation) \S+ does not exist")
+_OUTDATED_SCHEMA = re.compile(r"no such (column|table)|(column|relation) \S+ does not exist")
 
 
 @contextlib.contextmanager
@@ -84,7 +84,7 @@ def database_problem(error: Exception) -> str:
             "The gradebook is locked, because another program is writing to it. Run the same "
             "command again in a minute."
         )
-    if _OUTDATED.search(text):
+    if _OUTDATED_SCHEMA.search(text):
         return (
             f"The gradebook was created by an older version of nbgrader: {_reason(error)}. Run: "
             "nbgrader db upgrade"

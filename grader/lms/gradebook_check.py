@@ -13,7 +13,7 @@ from grader.lms.gradebook import gradebook_location, open_gradebook
 from grader.lms.instructor_notes import excessive_notes, unlisted_notes
 from grader.lms.marks_by_hand import lost_marks, lost_sentence
 from grader.lms.results import GradebookUnavailable
-from grader.lms.standings import class_results
+from grader.lms.results_reader import class_results
 
 
 def check_gradebook(course: Course) -> Iterator[Finding]:

@@ -17,7 +17,7 @@ from nbgrader.api import (
 from sqlalchemy import exists, func, or_
 
 # SQL condition on a notebook: a person has given points for it.
-MARKED_BY_HAND = exists().where(
+HAS_MARK_BY_HAND = exists().where(
     Grade.notebook_id == SubmittedNotebook.id,
     or_(Grade.manual_score.is_not(None), func.coalesce(Grade.extra_credit, 0.0) != 0.0),
 )
@@ -65,7 +65,7 @@ def read_rows(book: Gradebook) -> list[GradebookRow]:
         SubmittedNotebook.max_score,
         func.coalesce(SubmittedNotebook.late_submission_penalty, 0.0),
         SubmittedNotebook.needs_manual_grade,
-        MARKED_BY_HAND,
+        HAS_MARK_BY_HAND,
         SubmittedAssignment.timestamp,
         Assignment.duedate,
         SubmittedAssignment.extension,

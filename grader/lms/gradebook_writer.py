@@ -23,19 +23,24 @@ from grader.course.deadlines_file import read_deadlines
 from grader.course.paths import Course
 from grader.course.roster import read_roster
 from grader.judging.verdict import Verdict
-from grader.lms.answers import fingerprints, read_fingerprints, regrade, write_fingerprints
-from grader.lms.autograded import build_judged_copy, graded_cells
-from grader.lms.copies import replace_folder, write_draft
-from grader.lms.dates import enter_due_dates, set_extension
+from grader.lms.answer_fingerprints import (
+    fingerprints,
+    read_fingerprints,
+    regrade,
+    write_fingerprints,
+)
+from grader.lms.autograded_copy import build_judged_copy, graded_cells
+from grader.lms.autograded_folder import replace_folder, write_draft
 from grader.lms.differences import differences
-from grader.lms.entries import StageEntry, group_entries
 from grader.lms.gradebook import database_problem, open_gradebook
-from grader.lms.history import log_changes
-from grader.lms.inputs import record_inputs
+from grader.lms.gradebook_dates import enter_due_dates, set_extension
+from grader.lms.gradebook_students import enrol
+from grader.lms.mark_history import log_changes
+from grader.lms.mark_inputs import record_inputs
 from grader.lms.marks_by_hand import lost_marks, lost_sentence, restore_marks, share_in_teams
 from grader.lms.penalties import load_penalty_plugin, penalty_of
-from grader.lms.people import enrol
 from grader.lms.registration import register_stages
+from grader.lms.stage_entries import StageEntry, group_entries
 from grader.lms.submission_times import known_time
 from grader.lms.withdrawal import withdraw
 
@@ -51,7 +56,7 @@ def enter_verdicts(
     progress: Callable[[int, int, object], None],
     student: str | None = None,
     restore: bool = False,
-    tell: Callable[[str], None] = print,
+    notify: Callable[[str], None] = print,
 ) -> None:
     """Update the gradebook to match the verdicts, and log the marks that changed.
 
@@ -67,7 +72,7 @@ def enter_verdicts(
         Enter only this student, and do not change the others.
     restore : bool
         Whether to restore marks and comments by hand that are only in the log.
-    tell : callable
+    notify : callable
         Called with a sentence about each change apart from entering scores.
 
     Raises
@@ -82,7 +87,7 @@ def enter_verdicts(
     with open_gradebook(course) as book:
         log_changes(course, book)  # log marks given by hand since the last run
         late = load_penalty_plugin(course)
-        register_stages(course, book, dict.fromkeys(stages), tell)
+        register_stages(course, book, dict.fromkeys(stages), notify)
         if roster:
             enrol(book, roster)
         enter_due_dates(course, book, deadlines)
@@ -101,7 +106,7 @@ def enter_verdicts(
         restored = restore_marks(course, book, lost) if lost and restore else []
         entered = [*restored, *share_in_teams(course, book, stages)]
         for sentence in entered:
-            tell(sentence)
+            notify(sentence)
         if entered:
             for entry in entries:  # a late penalty depends on the marks by hand
                 if differences(course, book, entry, late, deadlines):
@@ -151,13 +156,13 @@ def _enter_one(
     list of str
         One sentence for each copy that does not show the student's work.
     """
-    copies, modules, trouble = {}, {}, []
+    copies, modules, problems = {}, {}, []
     for submission, verdict in entry.judged:
         submitted_files = submission.read_again(course, verdict.fingerprint)
         copy, complaint = build_judged_copy(submitted_files, submission.lesson, verdict)
         copies[submission.lesson.name] = copy
         if complaint:
-            trouble.append(
+            problems.append(
                 f"{entry.name}: the points were entered, but the copy in autograded/ does not show "
                 f"the student's work. {complaint}"
             )
@@ -192,20 +197,20 @@ def _enter_one(
             notebook.late_submission_penalty = penalty
     replace_folder(draft, folder)
     write_fingerprints(course, entry.student, entry.stage, answers)
-    return trouble
+    return problems
 
 
 def _save(
     notebook: SubmittedNotebook,
-    copy: nbformat.NotebookNode,
-    before: dict[str, str],
-    now: dict[str, str],
+    autograded_copy: nbformat.NotebookNode,
+    old_fingerprints: dict[str, str],
+    new_fingerprints: dict[str, str],
 ) -> None:
     """Save the scores in the cells of a copy, like nbgrader's SaveAutoGrades."""
-    cells = {cell.metadata.nbgrader.grade_id: cell for cell in graded_cells(copy)}
+    cells = {cell.metadata.nbgrader.grade_id: cell for cell in graded_cells(autograded_copy)}
     for grade in notebook.grades:
         score, _ = determine_grade(cells[grade.name])
-        regrade(grade, score, before.get(grade.name) == now.get(grade.name))
+        regrade(grade, score, old_fingerprints.get(grade.name) == new_fingerprints.get(grade.name))
     for comment in notebook.comments:
         cell = cells[comment.name]
         untouched = cell.metadata.nbgrader.get("checksum") == compute_checksum(cell)

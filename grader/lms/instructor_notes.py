@@ -10,11 +10,11 @@ from grader.course.deadlines import Deadlines
 from grader.course.deadlines_file import deadlines_path
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
-from grader.course.times import time_late, to_utc
-from grader.lms.marks_table import duration
+from grader.course.times import compute_lateness, to_utc
+from grader.lms.marks_table import format_duration
 from grader.lms.results import WAITING, ClassResults, NotebookResult, StageResult, format_points
 
-DEADLINES = "deadlines.toml"
+DEADLINES_FILE = "deadlines.toml"
 
 
 def counted_lessons(results: ClassResults) -> dict[str, str]:
@@ -25,7 +25,7 @@ def counted_lessons(results: ClassResults) -> dict[str, str]:
     sentences = {}
     for stage, points in stages.items():
         numbers = ", ".join(name[:2] for name in points)
-        off = [name for lesson in points for name in results.rules.without_in(find_lesson(lesson))]
+        off = [name for lesson in points for name in results.rules.excluded_in(find_lesson(lesson))]
         without = f", without {', '.join(off)}" if off else ""
         total = format_points(sum(points.values()))
         sentences[stage] = (
@@ -41,11 +41,12 @@ def assignment_notes(results: ClassResults, deadlines: Deadlines | None) -> Iter
         students.setdefault(lesson, []).append(student)
     for lesson, names in students.items():
         yield (
-            f"{lesson} of {', '.join(names)} does not count, because {DEADLINES} does not list it "
-            "below the stage."
+            f"{lesson} of {', '.join(names)} does not count, because {DEADLINES_FILE} does not "
+            "list "
+            "it below the stage."
         )
     for stage in dict.fromkeys(result.stage for result in results.notebooks):
-        if deadlines is None or deadlines.assigned(stage) is None:
+        if deadlines is None or deadlines.assigned_lessons(stage) is None:
             yield from _rarely_submitted(results, stage)
         yield from outdated_notes(results, stage)
 
@@ -66,7 +67,7 @@ def _rarely_submitted(results: ClassResults, stage: str) -> Iterator[str]:
     students: dict[str, list[str]] = {}
     for result in results.notebooks:
         if result.stage == stage:
-            has_work = result.score is not None or result.standing == WAITING
+            has_work = result.score is not None or result.status == WAITING
             students.setdefault(result.lesson, []).extend([result.student] * has_work)
     submitters = {student for names in students.values() for student in names}
     least = 2 if len(submitters) > 2 else 1
@@ -78,7 +79,7 @@ def _rarely_submitted(results: ClassResults, stage: str) -> Iterator[str]:
         who += [f"only {names[0]} submitted {lesson}" for lesson, names in rare.items() if names]
         yield (
             f"{stage}: {'; '.join(who)}. All released lessons count. If you have not assigned all "
-            f"of them, write lessons = [{others}] below [{stage}] in {DEADLINES}."
+            f"of them, write lessons = [{others}] below [{stage}] in {DEADLINES_FILE}."
         )
 
 
@@ -127,7 +128,7 @@ def unlisted_notes(results: ClassResults) -> Iterator[str]:
 
 def _shared_time_notes(results: ClassResults) -> Iterator[str]:
     """Yield a sentence if lessons may be late only because of another lesson of their stage."""
-    students: dict[str, list[str]] = {}
+    students_by_stage: dict[str, list[str]] = {}
     for stage in results.stages:
         submitted = [
             result
@@ -137,8 +138,8 @@ def _shared_time_notes(results: ClassResults) -> Iterator[str]:
         if len(submitted) > 1 and any(
             result.late and result.has_shared_time for result in submitted
         ):
-            students.setdefault(stage.stage, []).append(stage.student)
-    for stage, names in students.items():
+            students_by_stage.setdefault(stage.stage, []).append(stage.student)
+    for stage, names in students_by_stage.items():
         yield (
             f"{stage}: lessons have their own due dates, but only the time of the whole stage is "
             f"known for {', '.join(names)}, so a lesson that was on time may count as late. "
@@ -155,23 +156,24 @@ def _zone_notes(
     if not (stage.lacks_zone and stage.submitted_at and dues):
         return
     local = to_utc(stage.submitted_at.replace(tzinfo=None), zone).astimezone(zone)
-    late = max(time_late(local, due, zone) for due in dues)
+    late = max(compute_lateness(local, due, zone) for due in dues)
     if late == stage.late:
         return
     yield (
         f"{stage.student}, {stage.stage}: the time in timestamp.txt has no time zone and was read "
-        f"as UTC: {_lateness(stage.late)}. In the time zone of the course, the work would be "
-        f"{_lateness(late)}. Add the zone to that time, as in "
+        f"as UTC: {_format_lateness(stage.late)}. In the time zone of the course, the work would "
+        "be "
+        f"{_format_lateness(late)}. Add the zone to that time, as in "
         f"{stage.submitted_at:%Y-%m-%d %H:%M:%S} UTC or {local:%Y-%m-%d %H:%M:%S%z}, and run grade "
         "again."
     )
 
 
-def _lateness(late: timedelta) -> str:
-    return f"{duration(late)} late" if late else "on time"
+def _format_lateness(late: timedelta) -> str:
+    return f"{format_duration(late)} late" if late else "on time"
 
 
 def _is_granted(stage: StageResult, deadlines: Deadlines) -> bool:
     """Return whether the gradebook grants more time than deadlines.toml."""
-    due = deadlines.due(stage.student, stage.stage)
+    due = deadlines.due_date(stage.student, stage.stage)
     return due is not None and stage.due is not None and stage.due > due

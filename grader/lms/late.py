@@ -13,7 +13,7 @@ import math
 from nbgrader.plugins import LateSubmissionPlugin
 from traitlets import Float
 
-SECONDS_OF_A_DAY = 24 * 60 * 60
+SECONDS_PER_DAY = 24 * 60 * 60
 
 
 class PercentPerDay(LateSubmissionPlugin):
@@ -42,5 +42,5 @@ class PercentPerDay(LateSubmissionPlugin):
         """
         if total_seconds_late <= 60 * self.grace_minutes:
             return None
-        days = math.ceil(total_seconds_late / SECONDS_OF_A_DAY)
+        days = math.ceil(total_seconds_late / SECONDS_PER_DAY)
         return score * min(self.percent * days, self.most_percent) / 100

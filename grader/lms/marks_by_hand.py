@@ -11,23 +11,23 @@ from dataclasses import replace
 
 from nbgrader.api import Gradebook, MissingEntry
 
-from grader.classroom.collect.answers import teams_in
+from grader.classroom.collect.instructor_answers import teams_in
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
-from grader.lms.answers import read_fingerprints
+from grader.lms.answer_fingerprints import read_fingerprints
 from grader.lms.gradebook import gradebook_location
-from grader.lms.history import (
+from grader.lms.mark_history import (
     A_PERSON,
     REMOVED,
     CurrentMark,
     MarkChange,
-    Place,
+    MarkKey,
     current_marks,
     exercise_of,
     read_changes,
 )
 
-MOST_NAMES = 10  # at most this many students are named in a sentence
+MAX_NAMES = 10  # at most this many students are named in a sentence
 
 
 def lost_marks(course: Course, book: Gradebook, students: Collection[str]) -> list[MarkChange]:
@@ -36,48 +36,48 @@ def lost_marks(course: Course, book: Gradebook, students: Collection[str]) -> li
     Only the given students and exercises that still exist are considered. A mark that a person
     removed from the gradebook is not lost, because the log contains its removal.
     """
-    given = _given_by_hand(course)
-    existing = current_marks(course, book) if given else {}
+    last_changes = _last_marks_by_hand(course)
+    existing = current_marks(course, book) if last_changes else {}
     lost = []
-    for place, change in given.items():
-        mark = existing.get(place, CurrentMark())
+    for key, change in last_changes.items():
+        mark = existing.get(key, CurrentMark())
         is_lost = (change.by_hand and not mark.by_hand) or (change.comment and not mark.comment)
         if is_lost and change.student in students and _exists(change):
             lost.append(change)
     return lost
 
 
-def _given_by_hand(course: Course) -> dict[Place, MarkChange]:
+def _last_marks_by_hand(course: Course) -> dict[MarkKey, MarkChange]:
     """Return the last mark and comment that a person gave for each exercise."""
-    given: dict[Place, MarkChange] = {}
-    removed: set[Place] = set()
+    last_changes: dict[MarkKey, MarkChange] = {}
+    removed: set[MarkKey] = set()
     for change in read_changes(course):
         if change.by == REMOVED:
-            removed.add(change.place)
+            removed.add(change.key)
         elif change.by == A_PERSON:
-            before = given.get(change.place)
-            if before and change.place in removed:
+            before = last_changes.get(change.key)
+            if before and change.key in removed:
                 # A new mark in a new gradebook does not mean that a person removed the comment.
-                given[change.place] = replace(
+                last_changes[change.key] = replace(
                     change,
                     by_hand=change.by_hand or before.by_hand,
                     comment=change.comment or before.comment,
                     graded=change.graded if change.by_hand else before.graded,
                 )
-                if given[change.place] != change:
+                if last_changes[change.key] != change:
                     continue
-            removed.discard(change.place)
-            given[change.place] = change
-    return given
+            removed.discard(change.key)
+            last_changes[change.key] = change
+    return last_changes
 
 
 def restore_marks(course: Course, book: Gradebook, lost: Collection[MarkChange]) -> list[str]:
     """Enter lost marks and comments again; return sentences about what was restored."""
     restored, waiting = _enter(course, book, lost)
-    sentences = [f"Restored from marks.jsonl: {_listed(restored)}."] if restored else []
+    sentences = [f"Restored from marks.jsonl: {_list_exercises(restored)}."] if restored else []
     if waiting:
         sentences.append(
-            f"Review these marks, because the work may have changed: {_listed(waiting)}."
+            f"Review these marks, because the work may have changed: {_list_exercises(waiting)}."
         )
     return sentences
 
@@ -87,24 +87,30 @@ def share_in_teams(course: Course, book: Gradebook, stages: Iterable[str]) -> li
 
     The other members must have submitted the same answer, and must not have a mark or a comment.
     """
-    found: dict[Place, set[MarkChange]] = {}
+    team_changes: dict[MarkKey, set[MarkChange]] = {}
     teams = {stage: teams_in(course, stage) for stage in stages}
     marks = current_marks(course, book) if any(teams.values()) else {}
     for (student, stage, lesson, exercise), mark in marks.items():
         mates = {mate for team in teams.get(stage, ()) if student in team for mate in team}
         for mate in sorted(mates - {student}) if mark.by_hand and mark.graded else ():
-            place = (mate, stage, lesson, exercise)
-            other = marks.get(place)
+            key = (mate, stage, lesson, exercise)
+            other = marks.get(key)
             answers = read_fingerprints(course, mate, stage).get(lesson, {})
             is_free = other is not None and not (other.by_hand or other.comment)
             if is_free and answers.get(exercise) == mark.graded:
                 by_person = (mark.by_hand, mark.comment, mark.graded)
-                change = MarkChange("", *place, None, None, A_PERSON, *by_person)
-                found.setdefault(place, set()).add(change)
+                change = MarkChange("", *key, None, None, A_PERSON, *by_person)
+                team_changes.setdefault(key, set()).add(change)
     # If the other members have different marks, a person has to decide.
-    agreed = [change for changes in found.values() if len(changes) == 1 for change in changes]
+    agreed = [
+        change for changes in team_changes.values() if len(changes) == 1 for change in changes
+    ]
     entered, _ = _enter(course, book, agreed)
-    return [f"Entered a team's mark for its other members: {_listed(entered)}."] if entered else []
+    return (
+        [f"Entered a team's mark for its other members: {_list_exercises(entered)}."]
+        if entered
+        else []
+    )
 
 
 def _enter(
@@ -146,7 +152,8 @@ def lost_sentence(course: Course, lost: Collection[MarkChange]) -> str:
     counts += [f"{comments} comment{'s' * (comments != 1)}"] * bool(comments)
     return (
         f"{gradebook_location(course)} lacks {' and '.join(counts)} from marks.jsonl: "
-        f"{_listed(lost)}. If this is the wrong gradebook, correct c.CourseDirectory.db_url in "
+        f"{_list_exercises(lost)}. If this is the wrong gradebook, correct "
+        "c.CourseDirectory.db_url in "
         "nbgrader_config.py. If the gradebook was lost, run: python -m grader grade "
         "--restore-marks"
     )
@@ -159,13 +166,13 @@ def _exists(change: MarkChange) -> bool:
     }
 
 
-def _listed(changes: Collection[MarkChange]) -> str:
+def _list_exercises(changes: Collection[MarkChange]) -> str:
     """List exercises, each with some of its students."""
     students: dict[tuple[str, str], list[str]] = {}
     for change in changes:
         students.setdefault((change.lesson, change.exercise), []).append(change.student)
     return "; ".join(
-        f"{exercise} in {lesson} of {', '.join(names[:MOST_NAMES])}"
-        + (f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else "")
+        f"{exercise} in {lesson} of {', '.join(names[:MAX_NAMES])}"
+        + (f" and {len(names) - MAX_NAMES} more" if len(names) > MAX_NAMES else "")
         for (lesson, exercise), names in students.items()
     )

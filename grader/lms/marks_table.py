@@ -23,7 +23,7 @@ from grader.lms.results import (
 )
 from grader.lms.term import TermResult, term_result
 
-# For each standing that does not count: the text of a cell without a score, and its meaning.
+# For each status that does not count: the text of a cell without a score, and its meaning.
 NOT_COUNTED = {
     EXCUSED: ("exc.", "excused: no submission needed"),
     AUDITOR: ("aud.", "auditor: no work counts"),
@@ -35,7 +35,7 @@ class MarkCell:
     """The text of a cell, its explanation, and a number for sorting."""
 
     text: str
-    means: str = ""
+    meaning: str = ""
     order: float = -1.0
 
 
@@ -50,7 +50,7 @@ class StudentRow:
         Whether the student is in the gradebook; False if the student only submitted.
     cells : tuple of MarkCell
     late : MarkCell
-    sum : MarkCell
+    total : MarkCell
     share : float or None
         Fraction of the possible points that the student earned; None without a mark.
     passed : MarkCell
@@ -61,7 +61,7 @@ class StudentRow:
     is_known: bool
     cells: tuple[MarkCell, ...]
     late: MarkCell
-    sum: MarkCell
+    total: MarkCell
     share: float | None = None
     passed: MarkCell = MarkCell("")
 
@@ -74,15 +74,15 @@ class Section:
     ----------
     name : str
         Empty for students without a section.
-    people, marked : int
+    student_count, marked_count : int
         The number of students in the section, and how many of them have a mark.
     mean : float or None
         Mean share of the possible points of students with a mark, from 0 to 1.
     """
 
     name: str
-    people: int
-    marked: int
+    student_count: int
+    marked_count: int
     mean: float | None
 
 
@@ -93,7 +93,7 @@ class MarksTable:
     Attributes
     ----------
     lessons : tuple of Lesson
-    most : tuple of str
+    max_points : tuple of str
         Possible points in each lesson.
     rows : tuple of StudentRow
     sections : tuple of Section
@@ -106,7 +106,7 @@ class MarksTable:
     """
 
     lessons: tuple[Lesson, ...]
-    most: tuple[str, ...]
+    max_points: tuple[str, ...]
     rows: tuple[StudentRow, ...]
     sections: tuple[Section, ...]
     has_late: bool
@@ -192,16 +192,16 @@ def _sections(rows: Sequence[StudentRow]) -> Iterator[Section]:
 def _lesson_cell(result: NotebookResult | None, verdict: Verdict | None) -> MarkCell:
     if verdict and verdict.status != JUDGED:
         return _unjudged_cell(verdict)
-    if result is None or result.standing == MISSING:
+    if result is None or result.status == MISSING:
         return MarkCell("–", "missing: nothing was submitted")
     if not result.counts and result.score is None:
-        return MarkCell(*NOT_COUNTED[result.standing])
+        return MarkCell(*NOT_COUNTED[result.status])
     if result.score is None:
         return MarkCell("…", "submitted, but not in the gradebook yet")
     text, notes = rounded_points(result.points), []
     if not result.counts:
-        text, notes = f"({text})", [f"{result.standing}: does not count"]
-    elif result.standing == WAITING:
+        text, notes = f"({text})", [f"{result.status}: does not count"]
+    elif result.status == WAITING:
         text, notes = f"{text} …", ["partly waiting for a grader"]
     if result.penalty:
         notes.append(
@@ -217,9 +217,9 @@ def _sum_cell(results: Sequence[NotebookResult], term: TermResult) -> MarkCell:
     """
     counted = [result for result in results if result.counts]
     if not counted:
-        return MarkCell(NOT_COUNTED[results[0].standing][0] if results else "–")
-    waiting = sum(result.standing == WAITING for result in counted)
-    missing = sum(result.standing == MISSING for result in counted)
+        return MarkCell(NOT_COUNTED[results[0].status][0] if results else "–")
+    waiting = sum(result.status == WAITING for result in counted)
+    missing = sum(result.status == MISSING for result in counted)
     kinds = {"waiting for a grader": waiting, "missing": missing}
     parts = [f"{number} {label}" for label, number in kinds.items() if number]
     if term.points is None:
@@ -233,22 +233,22 @@ def _late_cell(stages: Sequence[StageResult]) -> MarkCell:
     penalty = sum(stage.penalty for stage in stages)
     late = max((stage.late for stage in stages), default=timedelta())
     undecided = [stage for stage in stages if stage.undecided]
-    parts = [duration(late)] if late else []
+    parts = [format_duration(late)] if late else []
     parts += [f"−{rounded_points(penalty)}"] if penalty else []
     parts += ["time unknown"] if undecided else []
     explanation = "; ".join(
-        f"{stage.stage}: {stage.undecided or f'{duration(stage.late)} late'}"
+        f"{stage.stage}: {stage.undecided or f'{format_duration(stage.late)} late'}"
         for stage in stages
         if stage.late or stage.undecided
     )
     return MarkCell(", ".join(parts), explanation, late.total_seconds())
 
 
-def duration(time: timedelta) -> str:
+def format_duration(time: timedelta) -> str:
     """Format a time span in two units, such as ``1 d 3 h`` or ``5 h 20 min``; at least 1 min."""
     minutes = max(1, round(time.total_seconds() / 60))
-    days, hours, rest = minutes // 1440, minutes % 1440 // 60, minutes % 60
-    parts = [(days, "d"), (hours, "h"), (0 if days else rest, "min")]
+    days, hours, remainder = minutes // 1440, minutes % 1440 // 60, minutes % 60
+    parts = [(days, "d"), (hours, "h"), (0 if days else remainder, "min")]
     return " ".join(f"{number} {unit}" for number, unit in parts if number)
 
 

@@ -25,9 +25,14 @@ from grader.course.paths import Course
 from grader.course.seed import course_seed
 from grader.intake.submission import read_submitted_files
 from grader.judging.verdict import JUDGED
-from grader.lms.answers import fingerprints, read_fingerprints, regrade, write_fingerprints
-from grader.lms.autograded import build_copy_in_process, build_judged_copy
-from grader.lms.dates import enter_due_dates, set_extension
+from grader.lms.answer_fingerprints import (
+    fingerprints,
+    read_fingerprints,
+    regrade,
+    write_fingerprints,
+)
+from grader.lms.autograded_copy import build_copy_in_process, build_judged_copy
+from grader.lms.gradebook_dates import enter_due_dates, set_extension
 from grader.lms.penalties import penalty_of
 from grader.lms.submission_times import known_time, lesson_times
 from grader.sandbox import AUTO, SANDBOXES, choose_sandbox
@@ -41,7 +46,7 @@ class ClearEarlier(NbGraderPreprocessor):
     ) -> tuple[NotebookNode, dict]:
         """Remove the solution from a cell with the tag for earlier lessons."""
         if earlier_lessons.TAG in cell.metadata.get("tags", ()):
-            cell.source = earlier_lessons.without_solution(cell.source)
+            cell.source = earlier_lessons.remove_solution(cell.source)
         return cell, resources
 
 

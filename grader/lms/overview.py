@@ -82,7 +82,7 @@ def overview_of(
     if not results.people:
         return None
     waiting = sum(
-        result.standing == WAITING and result.score is not None for result in results.notebooks
+        result.status == WAITING and result.score is not None for result in results.notebooks
     )
     counts = {"waiting": waiting, **sections}
     return Overview(
@@ -91,7 +91,7 @@ def overview_of(
             *assignment_notes(results, deadlines),
             *excessive_notes(results),
         ),
-        "; ".join(deadlines.in_words()) if deadlines else "",
+        "; ".join(deadlines.descriptions()) if deadlines else "",
         _passed(table, results),
         _mean([row.share for row in table.rows]) + _auditors(results),
         _missing(results),
@@ -130,17 +130,17 @@ def _passed(table: MarksTable, results: ClassResults) -> str:
 
 
 def _missing(results: ClassResults) -> str:
-    standings: dict[str, set[str]] = {}
+    statuses: dict[str, set[str]] = {}
     for result in results.notebooks:
-        standings.setdefault(result.student, set()).add(result.standing)
+        statuses.setdefault(result.student, set()).add(result.status)
     nothing = sum(
-        MISSING in kinds and kinds <= {MISSING, EXCUSED, AUDITOR} for kinds in standings.values()
+        MISSING in kinds and kinds <= {MISSING, EXCUSED, AUDITOR} for kinds in statuses.values()
     )
-    some = sum(MISSING in kinds for kinds in standings.values()) - nothing
-    parts = [f"{_students(nothing)} submitted nothing"] * bool(nothing)
-    parts += [f"{_students(some)} submitted only some lessons"] * bool(some)
+    some = sum(MISSING in kinds for kinds in statuses.values()) - nothing
+    parts = [f"{_format_student_count(nothing)} submitted nothing"] * bool(nothing)
+    parts += [f"{_format_student_count(some)} submitted only some lessons"] * bool(some)
     return f"{'; '.join(parts) or 'nothing'}."
 
 
-def _students(count: int) -> str:
+def _format_student_count(count: int) -> str:
     return f"{count} student{'s' * (count > 1)}"

@@ -15,8 +15,8 @@ from nbgrader.preprocessors import AssignLatePenalties
 from grader.course.deadlines import Deadlines
 from grader.course.nbgrader_settings import course_settings
 from grader.course.paths import Course
-from grader.course.times import time_late
-from grader.lms.history import exercise_of
+from grader.course.times import compute_lateness
+from grader.lms.mark_history import exercise_of
 
 
 def load_penalty_plugin(course: Course) -> AssignLatePenalties:
@@ -44,17 +44,17 @@ def penalty_of(
     of_class = submission.assignment.duedate
     of_stage = submission.duedate.replace(tzinfo=UTC) if of_class else None
     of_class = of_class and of_class.replace(tzinfo=UTC)
-    due = deadlines.due_of_lesson(student, submission.assignment.name, lesson, of_stage, of_class)
+    due = deadlines.lesson_due_date(student, submission.assignment.name, lesson, of_stage, of_class)
     if due is None:
         return None
     submitted_at = times.get(lesson, submission.timestamp.replace(tzinfo=UTC))
-    seconds = time_late(submitted_at, due, deadlines.zone).total_seconds()
+    seconds = compute_lateness(submitted_at, due, deadlines.zone).total_seconds()
     if not seconds:
         return None
     score = notebook.score - sum(
         grade.score
         for grade in notebook.grades
-        if exercise_of(grade.name) in deadlines.rules.without
+        if exercise_of(grade.name) in deadlines.rules.excluded_exercises
     )
     penalty = late.plugin_inst.late_submission_penalty(student, score, seconds)
     return None if penalty is None else min(score, late._check_late_penalty(notebook, penalty))

@@ -12,7 +12,7 @@ from nbgrader.utils import is_grade, is_solution
 
 from grader.course.lessons import Lesson, released_lessons
 from grader.course.paths import Course
-from grader.lms.autograded import graded_cells
+from grader.lms.autograded_copy import graded_cells
 from grader.lms.changed_cells import change_cells, complete_submissions
 from grader.lms.gradebook import database_url
 
@@ -21,7 +21,7 @@ def register_stages(
     course: Course,
     book: Gradebook,
     stages: Iterable[str],
-    tell: Callable[[str], None] = print,
+    notify: Callable[[str], None] = print,
 ) -> None:
     """Register stages in the gradebook, with the cells and points of the release.
 
@@ -33,7 +33,7 @@ def register_stages(
     course : grader.course.paths.Course
     book : nbgrader.api.Gradebook
     stages : iterable of str
-    tell : callable
+    notify : callable
         Called with a sentence about each change that affects submissions in the gradebook.
     """
     for stage in stages:
@@ -43,7 +43,7 @@ def register_stages(
         if lessons:
             book.update_or_create_assignment(stage)
             for lesson in lessons:
-                change_cells(book, lesson, graded_cells(_released_notebook(lesson)), tell)
+                change_cells(book, lesson, graded_cells(_released_notebook(lesson)), notify)
             book.db.commit()  # because SaveCells opens its own connection to the database
             for lesson in lessons:
                 about = {"notebook": lesson.name, "assignment": stage}

@@ -16,30 +16,30 @@ from urllib.parse import quote
 
 from markupsafe import Markup
 
-from grader.classroom.collect.answers import teams_in
+from grader.classroom.collect.instructor_answers import teams_in
 from grader.classroom.item_analysis import (
-    LEAST_STUDENTS,
+    MIN_STUDENTS,
     common_messages,
+    count_not_started,
+    exercises_out_of_time,
     hardest_checks,
     items_of,
-    not_started,
-    out_of_time,
 )
-from grader.classroom.pages import TEMPLATES, coded, printable, render
+from grader.classroom.pages import TEMPLATES, format_code, printable_name, render
 from grader.classroom.submissions import Submission
 from grader.course.atomic_files import write_atomically
 from grader.course.deadlines_file import read_deadlines
 from grader.course.extension import course_constant
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
-from grader.course.roster import Person, in_file_name, read_roster
+from grader.course.roster import Person, file_name_part, read_roster
 from grader.intake.submission import SubmittedFiles
 from grader.judging.verdict import JUDGED, Verdict
 from grader.lms.distribution import Distribution, distribution_of
-from grader.lms.marks_table import duration, marks_table
+from grader.lms.marks_table import format_duration, marks_table
 from grader.lms.overview import overview_of
 from grader.lms.results import ClassResults, rounded_points
-from grader.lms.term import term_in_words, term_result
+from grader.lms.term import describe_term, term_result
 
 NO_RESULTS = ClassResults((), (), ())
 # With fewer submissions, results could be traced to individual students even without names.
@@ -54,7 +54,7 @@ class GradingRun:
 
     Attributes
     ----------
-    judged, before : int
+    judged_count, stored_count : int
         Number of notebooks judged in this run, and of notebooks judged in earlier runs.
     seconds : float
         Wall-clock time of judging.
@@ -62,8 +62,8 @@ class GradingRun:
         Program that built the sandbox; empty if each worker of a cluster chose one.
     """
 
-    judged: int
-    before: int
+    judged_count: int
+    stored_count: int
     seconds: float
     sandbox: str = ""
 
@@ -74,7 +74,7 @@ def write_report(
     results: ClassResults = NO_RESULTS,
     run: GradingRun | None = None,
     warning: str = "",
-    left: Sequence[tuple[Path, str]] = (),
+    unjudged_files: Sequence[tuple[Path, str]] = (),
     section: str = "",
 ) -> Path:
     """Write the report, and ``anonymous.html`` without names next to it.
@@ -92,7 +92,7 @@ def write_report(
         Statistics of the run that has just ended.
     warning : str, optional
         Sentence at the top of the page.
-    left : list of (Path, str), optional
+    unjudged_files : list of (Path, str), optional
         Files that were not judged, each with the reason.
     section : str, optional
         Name of the section to which `judged` and `results` are limited.
@@ -102,7 +102,7 @@ def write_report(
     pathlib.Path
         ``report/index.html`` or ``report/section_NAME.html`` in the course's folder.
     """
-    pairs = [(printable(submission.student), verdict) for submission, verdict in judged]
+    pairs = [(printable_name(submission.student), verdict) for submission, verdict in judged]
     counted = [verdict for _, verdict in pairs if verdict.status == JUDGED]
     lessons = _lessons(pairs, results)
     by_student: dict[str, dict[str, Verdict]] = {}
@@ -116,25 +116,27 @@ def write_report(
         "distributions": _distributions(lessons, results, counted),
         "hardest": hardest_checks(counted),
         "items": _items(lessons, counted),
-        "enough": LEAST_STUDENTS,
-        "not_started": not_started(counted),
+        "enough": MIN_STUDENTS,
+        "not_started": count_not_started(counted),
         "notebooks": len(pairs),
     }
     sections = {
         "undecided": [stage for stage in results.stages if stage.undecided],
         "same": _same_files(course, pairs),
         "stopped": [
-            (student, v.lesson, names) for student, v in pairs if (names := out_of_time(v))
+            (student, v.lesson, names)
+            for student, v in pairs
+            if (names := exercises_out_of_time(v))
         ],
         "repaired": [(student, v) for student, v in pairs if v.problems],
-        "left": left,
+        "left": unjudged_files,
     }
     page = render(
         "report.html",
         **common,
-        coded=coded,
+        coded=format_code,
         points=rounded_points,
-        duration=duration,
+        duration=format_duration,
         zone=deadlines.zone if deadlines else None,
         script=Markup(script),
         script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
@@ -151,17 +153,17 @@ def write_report(
         mistakes=common_messages(counted),
         slowest=sorted(pairs, key=lambda pair: -pair[1].seconds)[:5],
         people=_people(by_student, results),
-        without=results.rules.without,
+        without=results.rules.excluded_exercises,
         links=() if section else _links(course),
         section=section,
     )
     if section:
-        path = course.report / f"section_{in_file_name(section)}.html"
+        path = course.report / f"section_{file_name_part(section)}.html"
         write_atomically(page, path)
         return path
     path = course.report / "index.html"
     write_atomically(page, path)
-    write_atomically(_anonymous(common, counted), course.report / "anonymous.html")
+    write_atomically(_render_anonymous(common, counted), course.report / "anonymous.html")
     return path
 
 
@@ -219,17 +221,17 @@ def _people(
     by_student: dict[str, dict[str, Verdict]], results: ClassResults
 ) -> list[tuple[Person, list, str, dict[str, Verdict]]]:
     """Return each student with stage results, a sentence about the total, and verdicts."""
-    known = {person.id: person for person in results.people}
-    ids = dict.fromkeys([*known, *by_student])
+    people_by_id = {person.id: person for person in results.people}
+    ids = dict.fromkeys([*people_by_id, *by_student])
     stages: dict[str, list] = {}
     for stage in results.stages:
         stages.setdefault(stage.student, []).append(stage)
     people = []
     for id in ids:
         total = term_result(results.of_student(id), results.rules)
-        sentence = term_in_words(total, results.rules) if total.max_score else ""
+        sentence = describe_term(total, results.rules) if total.max_score else ""
         verdicts = by_student.get(id, {})
-        people.append((known.get(id) or Person(id), stages.get(id, []), sentence, verdicts))
+        people.append((people_by_id.get(id) or Person(id), stages.get(id, []), sentence, verdicts))
     return people
 
 
@@ -245,8 +247,8 @@ def _links(course: Course) -> list[tuple[str, str]]:
     for path in sorted(course.report.glob("similarity_*.html")):
         stage = path.stem.removeprefix("similarity_")
         links.append((quote(path.name), f"similar answers in {stage}"))
-    for more in course_constant("REPORT_LINKS"):
-        links += more(course)
+    for course_links in course_constant("REPORT_LINKS"):
+        links += course_links(course)
     for path in sorted(course.root.glob("scores*.csv")):
         links.append((f"../{quote(path.name)}", f"exported marks: {path.name}"))
     for path in sorted((course.root / "handed_back").glob("*/")):
@@ -254,21 +256,27 @@ def _links(course: Course) -> list[tuple[str, str]]:
     return links
 
 
-def _anonymous(common: dict, counted: Sequence[Verdict]) -> str:
+def _render_anonymous(common: dict, counted: Sequence[Verdict]) -> str:
     """Render the page without names from numbers and check titles, without any student's text."""
     submission_counts = Counter(verdict.lesson for verdict in counted)
-    few = sorted(lesson for lesson, count in submission_counts.items() if count < MIN_SUBMISSIONS)
-    shown = [verdict for verdict in counted if verdict.lesson not in few]
+    small_lessons = sorted(
+        lesson for lesson, count in submission_counts.items() if count < MIN_SUBMISSIONS
+    )
+    shown_verdicts = [verdict for verdict in counted if verdict.lesson not in small_lessons]
     content = {
         **common,
         "distributions": [
             distribution
             for distribution in common["distributions"]
-            if distribution.count >= MIN_SUBMISSIONS and distribution.name not in few
+            if distribution.count >= MIN_SUBMISSIONS and distribution.name not in small_lessons
         ],
-        "hardest": [check for check in common["hardest"] if check.lesson not in few],
-        "items": [(lesson, items) for lesson, items in common["items"] if lesson not in few],
-        "not_started": not_started(shown),
+        "hardest": [check for check in common["hardest"] if check.lesson not in small_lessons],
+        "items": [
+            (lesson, items) for lesson, items in common["items"] if lesson not in small_lessons
+        ],
+        "not_started": count_not_started(shown_verdicts),
     }
-    stopped = sum(bool(out_of_time(verdict)) for verdict in shown)
-    return render("anonymous.html", **content, few=few, fewest=MIN_SUBMISSIONS, stopped=stopped)
+    stopped = sum(bool(exercises_out_of_time(verdict)) for verdict in shown_verdicts)
+    return render(
+        "anonymous.html", **content, few=small_lessons, fewest=MIN_SUBMISSIONS, stopped=stopped
+    )

@@ -1,7 +1,7 @@
 """The results of a class, as used by the report, the marks table and the exporters.
 
 A missing lesson, a mark of 0, an excused student, an auditor and a waiting submission are
-different states, which `standing` distinguishes.
+different states, which `status` distinguishes.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ class NotebookResult:
     student : str
         ID of the student.
     stage, lesson : str
-    standing : str
+    status : str
         `MISSING`, `EXCUSED`, `AUDITOR`, `WAITING` or `MARKED`.
     score : float or None
         Points earned so far, by machine and by hand, before the penalty. None if the lesson is
@@ -73,7 +73,7 @@ class NotebookResult:
     student: str
     stage: str
     lesson: str
-    standing: str
+    status: str
     score: float | None
     max_score: float
     penalty: float = 0.0
@@ -86,7 +86,7 @@ class NotebookResult:
     @property
     def counts(self) -> bool:
         """Whether the result counts in sums and means."""
-        return self.standing not in (EXCUSED, AUDITOR)
+        return self.status not in (EXCUSED, AUDITOR)
 
     @property
     def points(self) -> float | None:
@@ -101,7 +101,7 @@ class StageResult:
     Attributes
     ----------
     student, stage : str
-    standing : str
+    status : str
         `AUDITOR`, `EXCUSED`, `MISSING` if no lesson was submitted, `WAITING` if a lesson waits,
         otherwise `MARKED`. In a marked stage, a missing lesson counts as 0.
     score : float or None
@@ -122,7 +122,7 @@ class StageResult:
 
     student: str
     stage: str
-    standing: str
+    status: str
     score: float | None
     max_score: float
     penalty: float = 0.0
@@ -161,7 +161,7 @@ class ClassResults:
         list the lesson.
     rules : grader.course.deadlines.TermRules
     outdated : tuple of (str, str)
-        Student and stage of marks whose inputs have changed; see `grader.lms.inputs`.
+        Student and stage of marks whose inputs have changed; see `grader.lms.mark_inputs`.
     """
 
     people: tuple[Person, ...]
@@ -201,7 +201,7 @@ class ClassResults:
 
     def judged_points(self, verdict: Verdict) -> float:
         """Return the judge's points in the exercises that count."""
-        return verdict.points_without(self.rules.without)[0]
+        return verdict.points_without(self.rules.excluded_exercises)[0]
 
     @functools.cached_property
     def lessons(self) -> dict[str, float]:
@@ -210,10 +210,10 @@ class ClassResults:
 
     @functools.cached_property
     def _by_student(self) -> dict[str, list[NotebookResult]]:
-        found: dict[str, list[NotebookResult]] = {}
+        results_by_student: dict[str, list[NotebookResult]] = {}
         for result in self.notebooks:
-            found.setdefault(result.student, []).append(result)
-        return found
+            results_by_student.setdefault(result.student, []).append(result)
+        return results_by_student
 
     @functools.cached_property
     def _notebooks(self) -> dict[tuple[str, str], NotebookResult]:
@@ -225,10 +225,10 @@ class ClassResults:
 
 
 def combined_status(lessons: Iterable[NotebookResult]) -> str:
-    """Combine the standings in the lessons of a stage into one."""
-    present = {result.standing for result in lessons}
+    """Combine the statuses in the lessons of a stage into one."""
+    present = {result.status for result in lessons}
     return next(
-        (standing for standing in (AUDITOR, EXCUSED, WAITING, MARKED) if standing in present),
+        (status for status in (AUDITOR, EXCUSED, WAITING, MARKED) if status in present),
         MISSING,
     )
 

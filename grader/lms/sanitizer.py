@@ -21,7 +21,7 @@ _ADDRESS = re.compile(
     r"(?![(:]\s*+[^:&\\<>()/?#\s\x00-\x1f\u200b-\u200f]{0,200}+(?:[/?#)\s]|\Z))"
 )
 # A browser would fetch a picture from another address with the cookies of the page's reader.
-_FETCHED = re.compile(r"!(?=\[)(?!\[[^\[\]\n]{0,200}+\]\(attachment:)")
+_FETCHED_PICTURE = re.compile(r"!(?=\[)(?!\[[^\[\]\n]{0,200}+\]\(attachment:)")
 _DIAGRAM = re.compile(r"((?<!`)`{3,}+[^\S\n]*+|(?<!~)~{3,}+[^\S\n]*+)(?=mermaid)")
 
 
@@ -39,7 +39,7 @@ def sanitize_markdown(markdown: str) -> str:
     text = sanitize_formulas(markdown)
     text = _TAG.sub("<" + ZERO_WIDTH_SPACE, text)
     text = _ADDRESS.sub("]" + ZERO_WIDTH_SPACE, text)
-    text = _FETCHED.sub("!" + ZERO_WIDTH_SPACE, text)
+    text = _FETCHED_PICTURE.sub("!" + ZERO_WIDTH_SPACE, text)
     return _DIAGRAM.sub(r"\1text ", text)
 
 

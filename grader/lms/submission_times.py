@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from datetime import datetime
 from pathlib import Path
 
-from grader.classroom.collect.record import file_time, reason_without_time
+from grader.classroom.collect.record import file_time, unknown_time_reason
 from grader.classroom.submissions import Submission
 from grader.classroom.timestamp_file import read_timestamp
 from grader.course.deadlines import Deadlines
@@ -81,6 +81,6 @@ def _time(folder: Path) -> datetime | None:
         raise SubmissionTimeUnknown(str(reason)) from None
     if timestamp:
         return timestamp.when
-    if reason := reason_without_time(folder):
+    if reason := unknown_time_reason(folder):
         raise SubmissionTimeUnknown(reason)
     return None

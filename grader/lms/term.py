@@ -21,7 +21,7 @@ class TermResult:
         Possible points; 0 if nothing counts, because the student is excused or an auditor.
     dropped : tuple of str
         Lessons that are left out.
-    waiting : bool
+    is_waiting : bool
         Whether work waits for a grader or is not entered yet, so that the total is not final.
     passed : bool or None
         Whether the points reach the pass mark; None if that is not decided or not asked.
@@ -30,7 +30,7 @@ class TermResult:
     points: float | None
     max_score: float
     dropped: tuple[str, ...] = ()
-    waiting: bool = False
+    is_waiting: bool = False
     passed: bool | None = None
 
     @property
@@ -53,7 +53,7 @@ def term_result(notebooks: Sequence[NotebookResult], rules: TermRules) -> TermRe
     has_mark = any(result.points is not None for result in counted)
     points = sum(result.points or 0.0 for result in kept)
     maximum = sum(result.max_score for result in kept)
-    waiting = any(result.standing == WAITING for result in counted)
+    waiting = any(result.status == WAITING for result in counted)
     passed = None
     if rules.pass_mark is not None and not waiting:
         # Points are shown with two decimal places, and the shown number decides.
@@ -67,23 +67,23 @@ def term_result(notebooks: Sequence[NotebookResult], rules: TermRules) -> TermRe
     )
 
 
-def term_in_words(term: TermResult, rules: TermRules) -> str:
+def describe_term(term: TermResult, rules: TermRules) -> str:
     """Describe a student's total in a sentence."""
     if not term.max_score:
         return "Nothing counts."
     if term.points is None:
-        parts = ["no mark yet"]
+        phrases = ["no mark yet"]
     else:
-        parts = [
+        phrases = [
             f"{rounded_points(term.points)} of {rounded_points(term.max_score)} points "
             f"({rounded_points(100 * term.share)} %)"
         ]
-    parts += [f"without {', '.join(term.dropped)}"] * bool(term.dropped)
-    parts += ["not final, because work is waiting for a grader"] * term.waiting
+    phrases += [f"without {', '.join(term.dropped)}"] * bool(term.dropped)
+    phrases += ["not final, because work is waiting for a grader"] * term.is_waiting
     if term.passed is not None:
         verb = "reaches" if term.passed else "does not reach"
-        parts.append(f"{verb} the pass mark of {rules.pass_mark:g} %")
-    return f"{'; '.join(parts)}."
+        phrases.append(f"{verb} the pass mark of {rules.pass_mark:g} %")
+    return f"{'; '.join(phrases)}."
 
 
 def _share(result: NotebookResult) -> tuple[float, float]:

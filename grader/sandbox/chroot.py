@@ -18,13 +18,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grader.sandbox import jail, users
-from grader.sandbox.boundary import PREFIX, PYTHON, SHOWN
+from grader.sandbox.boundary import PREFIX, PYTHON, SHOWN_PATHS
 from grader.sandbox.inside.syscalls import MACHINES
 from grader.sandbox.launcher import launch
 from grader.sandbox.protocol import Limits, SandboxUnavailable, Worker
 
 JAILER = Path(__file__).with_name("jailer.py")
-_WRITABLE = tuple(f"{folder}/" for folder in jail.WRITABLE)
+_WRITABLE_PREFIXES = tuple(f"{folder}/" for folder in jail.WRITABLE_FOLDERS)
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Chroot:
         limits: Limits,
         forbidden: Iterable[str] = (),
         packages: Iterable[str] = (),
-        named: Iterable[str] = (),
+        named_packages: Iterable[str] = (),
     ) -> Worker:
         """Start a worker in a chroot; see `grader.sandbox.protocol.Sandbox`."""
         user, kind = users.unused_user_id(), (tuple(packages), tuple(forbidden))
@@ -92,18 +92,18 @@ class Chroot:
 
 Kind = tuple[tuple[str, ...], tuple[str, ...]]
 """The packages that a worker can see, and the modules that are hidden from it."""
-_free: dict[Kind, list[Path]] = defaultdict(list)
+_free_jails: dict[Kind, list[Path]] = defaultdict(list)
 
 
 def put_back_jail(kind: Kind, folder: Path) -> None:
     """Make a folder built by `jail.build` available to the next worker of its kind."""
-    _free[kind].append(folder)
+    _free_jails[kind].append(folder)
 
 
 def _take_jail(kind: Kind) -> Path:
     """Return a folder that no other worker is using."""
     try:
-        return _free[kind].pop()
+        return _free_jails[kind].pop()
     except IndexError:
         return jail.build(*kind)
 
@@ -113,8 +113,8 @@ def path_in_writable_folders() -> str:
 
     Such a path would disappear, because `jail.reset_writable_folders` empties these folders.
     """
-    shown = (PYTHON, PREFIX, *SHOWN)
-    return next((str(path) for path in shown if str(path).startswith(_WRITABLE)), "")
+    shown = (PYTHON, PREFIX, *SHOWN_PATHS)
+    return next((str(path) for path in shown if str(path).startswith(_WRITABLE_PREFIXES)), "")
 
 
 @functools.cache
@@ -126,8 +126,8 @@ def _find_problem() -> str:
         return "This sandbox needs root, because only root can use chroot."
     if hidden := path_in_writable_folders():
         return (
-            f"{hidden} is in {' or '.join(jail.WRITABLE)}, where student code writes its files. "
-            "Move the course and its .venv to another folder."
+            f"{hidden} is in {' or '.join(jail.WRITABLE_FOLDERS)}, where student code writes its "
+            "files. Move the course and its .venv to another folder."
         )
     try:
         Chroot().start(Limits()).stop()

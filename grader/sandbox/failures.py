@@ -14,7 +14,7 @@ KNOWN_EXCEPTIONS = (
 )
 # If an exercise has more lines than this, messages about hidden tests do not show where an
 # exception was raised, because student code could send a message by choosing the line.
-MOST_LINES = 64
+MAX_LINES = 64
 
 
 class StudentError(RemoteError):
@@ -46,7 +46,7 @@ class StudentError(RemoteError):
         exception".
     shown_place : str or None
         The place that may be shown for a hidden test: `calling`, or else `place`. None if the
-        exercise has more than `MOST_LINES` lines.
+        exercise has more than `MAX_LINES` lines.
     safe_sentence : str
         A sentence that contains only the function's name, `shown_type` and `shown_place`.
     """

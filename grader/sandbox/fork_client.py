@@ -30,7 +30,7 @@ ENVIRONMENT = {
     "OPENBLAS_NUM_THREADS": "1",
     "MKL_NUM_THREADS": "1",
 }
-LONGEST_REPORT = 400
+MAX_REPORT_LENGTH = 400
 
 
 @dataclass
@@ -47,13 +47,13 @@ class ForkClient:
         Environment variables of the workers.
     """
 
-    preloaded: tuple[str, ...]
+    modules_to_preload: tuple[str, ...]
     forbidden: tuple[str, ...]
     environment: dict[str, str]
     _requests: socket.socket | None = None
     _turn: threading.Lock = field(default_factory=threading.Lock)
 
-    def fork(self, request: dict, read_end: int, write_end: int) -> Forked:
+    def fork(self, request: dict, read_end: int, write_end: int) -> ForkedWorker:
         """Make the server fork a worker, and return the worker.
 
         Parameters
@@ -80,7 +80,7 @@ class ForkClient:
         if not line.isdigit():
             os.close(report)
             raise SandboxUnavailable(f"The sandbox could not start a worker: {line or 'no reply'}")
-        return Forked(int(line), report)
+        return ForkedWorker(int(line), report)
 
     def _send(self, data: bytes, pipes: list[int]) -> None:
         # Try twice, because the server may have been killed.
@@ -118,7 +118,7 @@ class ForkClient:
 
 
 @dataclass
-class Forked:
+class ForkedWorker:
     """A forked worker: its process ID outside the sandbox, and a pipe that reports its exit."""
 
     pid: int
@@ -145,7 +145,7 @@ def read_line(descriptor: int, seconds: float) -> str:
     poll, text = select.poll(), b""
     poll.register(descriptor, select.POLLIN)
     deadline = time.monotonic() + seconds
-    while not text.endswith(b"\n") and len(text) < LONGEST_REPORT:
+    while not text.endswith(b"\n") and len(text) < MAX_REPORT_LENGTH:
         if not poll.poll(max(0.0, 1000 * (deadline - time.monotonic()))):
             break
         # Read one byte at a time, because the next line is for a later call.
@@ -156,7 +156,7 @@ def read_line(descriptor: int, seconds: float) -> str:
     return text.decode(errors="replace").strip()
 
 
-def preloaded(packages: Sequence[str]) -> tuple[str, ...]:
+def modules_to_preload(packages: Sequence[str]) -> tuple[str, ...]:
     """Return those modules of a lesson's packages that are slow to import."""
     return SLOW_TO_IMPORT if "scipy" in packages else ()
 

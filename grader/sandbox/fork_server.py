@@ -62,7 +62,7 @@ def main(requests: socket.socket, preloaded: list[str], forbidden: list[str]) ->
 def _import(names: list[str], forbidden: list[str]) -> None:
     """Import modules for all later workers, but not the forbidden modules that these import."""
     # A module that is already in memory could not be hidden from student code.
-    sys.meta_path.insert(0, worker.importing.Forbidden(forbidden))
+    sys.meta_path.insert(0, worker.importing.ForbiddenModuleFinder(forbidden))
     for name in names:
         if worker.forbidden_module_of(name, forbidden):
             continue
@@ -93,7 +93,7 @@ def _run_shim(request: dict, read_end: int, write_end: int, status: int) -> None
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
     os.setsid()
     try:
-        first = os.pidfd_open(request["sandbox_pid"])
+        is_first_process = os.pidfd_open(request["sandbox_pid"])
         enter(request["sandbox_pid"], request["has_user_namespace"])
         pid = os.fork()
     except OSError as error:
@@ -109,13 +109,13 @@ def _run_shim(request: dict, read_end: int, write_end: int, status: int) -> None
     os.write(status, f"{pid}\n".encode())
     code = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
     with contextlib.suppress(ProcessLookupError):
-        signal.pidfd_send_signal(first, signal.SIGKILL)
+        signal.pidfd_send_signal(is_first_process, signal.SIGKILL)
     os.write(status, f"{code}\n".encode())
 
 
 def _become_worker(request: dict, read_end: int, write_end: int) -> None:
     read_end, write_end = _close_other_files(read_end, write_end)
-    privileges.give_up(keep_user_changes=not request["has_user_namespace"])
+    privileges.drop_privileges(keep_user_changes=not request["has_user_namespace"])
     os.chdir(request["home"])
     os.environ["HOME"] = os.environ["PWD"] = request["home"]
     sys.argv[:] = [str(Path(worker.__file__))]

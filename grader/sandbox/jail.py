@@ -20,7 +20,7 @@ from pathlib import Path
 from grader.sandbox.boundary import (
     PREFIX,
     PYTHON,
-    SHOWN,
+    SHOWN_PATHS,
     files_of_packages,
     folders_of_modules,
     folders_of_packages,
@@ -29,12 +29,12 @@ from grader.sandbox.boundary import (
 # Devices that programs expect on every system, with their minor numbers; see null(4), random(4).
 DEVICES = {"null": 3, "zero": 5, "full": 7, "random": 8, "urandom": 9}
 HOME = "/tmp"
-WRITABLE = (HOME, "/dev/shm")
+WRITABLE_FOLDERS = (HOME, "/dev/shm")
 # Parts of Python's library that are not shown: installed packages (the boundary lists the ones that
 # are shown), Python's own tests, and graphical programs.
-LEFT_OUT = ("site-packages", "dist-packages", "test", "idlelib", "tkinter", "turtledemo")
+OMITTED_FOLDERS = ("site-packages", "dist-packages", "test", "idlelib", "tkinter", "turtledemo")
 
-_waiting: list[subprocess.Popen] = []
+_waiting_processes: list[subprocess.Popen] = []
 
 
 def build(
@@ -59,7 +59,7 @@ def build(
     jail.chmod(0o755)
     packages = tuple(packages)
     hidden = {*folders_of_modules(forbidden, packages), *folders_of_packages()}
-    shown = (*_python_paths(), *_library_paths(), *SHOWN, *files_of_packages(packages))
+    shown = (*_python_paths(), *_library_paths(), *SHOWN_PATHS, *files_of_packages(packages))
     for path in shown:
         _show(path, jail, hidden)
     (jail / "dev").mkdir(exist_ok=True)
@@ -71,7 +71,7 @@ def build(
 
 def reset_writable_folders(jail: Path, user: int) -> None:
     """Empty the folders of a jail that a worker can write to, and make a user their owner."""
-    for name in WRITABLE:
+    for name in WRITABLE_FOLDERS:
         folder = jail / name.lstrip("/")
         # `rm` is used because student code may nest folders beyond Python's recursion limit.
         subprocess.run(["rm", "-rf", "--", folder], check=True)
@@ -85,7 +85,9 @@ def _folder_of_jails() -> str:
     folder = tempfile.mkdtemp(prefix="jails-")
     # The shell waits until its input closes, which happens even if this process is killed.
     waits = ["/bin/sh", "-c", 'read line; rm -rf -- "$0"', folder]
-    _waiting.append(subprocess.Popen(waits, stdin=subprocess.PIPE, start_new_session=True))
+    _waiting_processes.append(
+        subprocess.Popen(waits, stdin=subprocess.PIPE, start_new_session=True)
+    )
     return folder
 
 
@@ -94,7 +96,7 @@ def _python_paths() -> Iterator[Path]:
     yield Path(PYTHON)
     yield Path(PREFIX, "pyvenv.cfg")
     library = Path(sysconfig.get_path("stdlib"))
-    yield from (path for path in library.iterdir() if path.name not in LEFT_OUT)
+    yield from (path for path in library.iterdir() if path.name not in OMITTED_FOLDERS)
     if sysconfig.get_config_var("Py_ENABLE_SHARED"):  # ldconfig does not always list this library
         yield Path(sysconfig.get_config_var("LIBDIR"), sysconfig.get_config_var("INSTSONAME"))
     yield Path("/usr/lib/locale/C.utf8")

@@ -19,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent / "inside"))
 
 import privileges  # noqa: E402
 
-MOST_FILES = 2**16
+MAX_FILES = 2**16
 _SET_CHILD_SUBREAPER = 36  # see prctl(2)
 
 
@@ -40,7 +40,7 @@ def main(folder: str, home: str, user: int, command: list[str]) -> int:
             os._exit(1)
     # Close the worker's ends of the pipes here, so that no copy stays open when the worker ends.
     os.closerange(3, min(woken, waker))
-    os.closerange(max(woken, waker) + 1, MOST_FILES)
+    os.closerange(max(woken, waker) + 1, MAX_FILES)
     code = None
     while code is None:
         ready, _, _ = select.select([sys.stdin.fileno(), woken], [], [])
@@ -66,7 +66,7 @@ def _exec_in_chroot(folder: str, home: str, command: list[str]) -> None:
     os.chroot(folder)
     os.chdir(home)
     # With root's capabilities, student code could escape from the chroot.
-    privileges.give_up(keep_user_changes=True)
+    privileges.drop_privileges(keep_user_changes=True)
     os.execv(command[0], command)
 
 

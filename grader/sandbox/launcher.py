@@ -14,8 +14,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from subprocess import Popen
 
-from grader.sandbox.boundary import PYTHON, WORKER
-from grader.sandbox.fork_client import ENVIRONMENT, ForkClient, Forked, read_line
+from grader.sandbox.boundary import PYTHON, WORKER_SCRIPT
+from grader.sandbox.fork_client import ENVIRONMENT, ForkClient, ForkedWorker, read_line
 from grader.sandbox.inside import wire
 from grader.sandbox.protocol import MEBIBYTE, Limits, SandboxUnavailable, Thread, Worker
 from grader.sandbox.usage import (
@@ -26,16 +26,16 @@ from grader.sandbox.usage import (
     threads_of_tree,
 )
 
-SECONDS_BETWEEN_LOOKS = 0.2
+MEMORY_POLLING_INTERVAL = 0.2
 SECONDS_TO_REPORT = 60
 SECONDS_TO_END = 10
-KILLED = (-signal.SIGKILL, 128 + signal.SIGKILL)
-LEAST_MEMORY_LEFT = 0.03
+KILLED_CODES = (-signal.SIGKILL, 128 + signal.SIGKILL)
+MIN_MEMORY_LEFT = 0.03
 MEMORY_WHEN_SCARCE = 1024 * MEBIBYTE
 # The first process in the sandbox reports that the sandbox is built, then waits until its input
 # closes, which also happens if the judge is killed. Bubblewrap's own --die-with-parent is not
 # enough: if bubblewrap is killed while it builds the sandbox, it leaves a process behind.
-WAIT = "echo ready && read line"
+WAIT_COMMAND = "echo ready && read line"
 
 
 @dataclass
@@ -47,20 +47,20 @@ class WorkerProcess:
     process : subprocess.Popen
         The sandbox's own process, or the worker itself if there is no sandbox.
     read_end, write_end : int
-    forked : grader.sandbox.fork_client.Forked, optional
+    forked : grader.sandbox.fork_client.ForkedWorker, optional
         The worker, if a fork server created it and it joined the sandbox later.
     release_folder : callable
         Called when all processes have ended, so that another worker can use the same folder.
-    killed_before : int
+    initial_kill_count : int
         The result of `killed_for_memory` when the worker started.
     """
 
     process: subprocess.Popen
     read_end: int
     write_end: int
-    forked: Forked | None = None
+    forked: ForkedWorker | None = None
     release_folder: Callable[[], object] = lambda: None
-    killed_before: int = 0
+    initial_kill_count: int = 0
     _stopped: threading.Event = field(default_factory=threading.Event)
     _signals: threading.Lock = field(default_factory=threading.Lock)
     _above_limit = _lacked_memory = False
@@ -80,10 +80,10 @@ class WorkerProcess:
         if self.forked:
             # When the first process in a sandbox ends, the kernel ends all others there.
             code = self.forked.end(SECONDS_TO_END)
-        if code in KILLED and not self._above_limit and not had_to_be_killed:
+        if code in KILLED_CODES and not self._above_limit and not had_to_be_killed:
             # The kernel may have killed other processes while the worker killed itself. The
             # notebook is then judged once more, which does not help the student.
-            self._lacked_memory |= killed_for_memory() > self.killed_before
+            self._lacked_memory |= killed_for_memory() > self.initial_kill_count
         self.process.stderr.close()
         for end in (self.read_end, self.write_end):
             os.close(end)
@@ -123,8 +123,8 @@ class WorkerProcess:
         """
 
         def watch() -> None:
-            while not self._stopped.wait(SECONDS_BETWEEN_LOOKS):
-                most = limit if memory_left() > LEAST_MEMORY_LEFT else MEMORY_WHEN_SCARCE
+            while not self._stopped.wait(MEMORY_POLLING_INTERVAL):
+                most = limit if memory_left() > MIN_MEMORY_LEFT else MEMORY_WHEN_SCARCE
                 used = sum(map(memory_of_tree, self.pids))
                 if used > most:
                     with self._signals:
@@ -176,8 +176,8 @@ def launch(
     """
     their_read, our_write = os.pipe()
     our_read, their_write = os.pipe()
-    for end in (our_read, our_write):
-        os.set_blocking(end, False)
+    for deadline in (our_read, our_write):
+        os.set_blocking(deadline, False)
     try:
         if client is None:
             command = [
@@ -185,7 +185,7 @@ def launch(
                 PYTHON,
                 "-I",
                 "-B",
-                str(WORKER),
+                str(WORKER_SCRIPT),
                 str(their_read),
                 str(their_write),
             ]
@@ -201,8 +201,8 @@ def launch(
                 sandbox_command, request, client, their_read, their_write
             )
     except SandboxUnavailable:
-        for end in (our_read, our_write):
-            os.close(end)
+        for deadline in (our_read, our_write):
+            os.close(deadline)
         raise
     finally:
         os.close(their_read)
@@ -289,11 +289,11 @@ def _start_process(
 
 def _start_and_join(
     sandbox_command: Sequence[str], request: dict, client: ForkClient, read_end: int, write_end: int
-) -> tuple[Popen, Forked]:
+) -> tuple[Popen, ForkedWorker]:
     """Build a sandbox around a process that only waits, and make a forked worker join it."""
     info, number = os.pipe()
     # When process 1 of a PID namespace ends, the kernel kills all other processes in it.
-    options = ["--as-pid-1", "--info-fd", str(number), "--", "/bin/sh", "-c", WAIT]
+    options = ["--as-pid-1", "--info-fd", str(number), "--", "/bin/sh", "-c", WAIT_COMMAND]
     try:
         # Bubblewrap inherits both ends of the pipe, so that it cannot fail to write to the pipe.
         # After a failed write, bubblewrap would end and leave its child behind.

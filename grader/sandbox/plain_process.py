@@ -37,7 +37,7 @@ class PlainProcess:
         limits: Limits,
         forbidden: Iterable[str] = (),
         packages: Iterable[str] = (),
-        named: Iterable[str] = (),
+        named_packages: Iterable[str] = (),
     ) -> Worker:
         """Start a worker; see `grader.sandbox.protocol.Sandbox`."""
         rules = {"user": None, "limits": limits.resources(), "forbidden": list(forbidden)}

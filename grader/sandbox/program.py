@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from utils import in_sandbox
 
-PACKAGES = in_sandbox.INSTALLED
+INSTALLED_PACKAGES = in_sandbox.INSTALLED
 
 # If a notebook has more lines than this, messages do not show its lines, because student code could
 # send a message by choosing the line that fails. Solved lessons have fewer lines.
@@ -21,20 +21,20 @@ def cell_and_line(place: str) -> tuple[int, int] | None:
 
 
 @dataclass(frozen=True)
-class Given:
+class GivenCode:
     """Code of the lesson that replaces the notebook's own definitions of some names.
 
     Attributes
     ----------
     names : tuple of str
     source : str
-    open : tuple of str
+    open_names : tuple of str
         Names that a notebook may redefine. If it does, its own definitions are used.
     """
 
     names: tuple[str, ...] = ()
     source: str = ""
-    open: tuple[str, ...] = ()
+    open_names: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Program:
         The functions and classes that the judge may call.
     modules : dict of str to str
         Source of the modules that were submitted with the notebook, by name.
-    given : Given
+    given : GivenCode
     forbidden : tuple of str
         Modules that the lesson does not allow.
     packages : tuple of str
@@ -64,14 +64,14 @@ class Program:
     cells: tuple[str, ...]
     names: tuple[str, ...]
     modules: dict[str, str] = field(default_factory=dict)
-    given: Given = Given()
+    given: GivenCode = GivenCode()
     forbidden: tuple[str, ...] = ()
-    packages: tuple[str, ...] = PACKAGES
+    packages: tuple[str, ...] = INSTALLED_PACKAGES
     steps: tuple[str, ...] = ()
     python: tuple[int, ...] = ()
 
     @property
-    def named(self) -> tuple[str, ...]:
+    def named_packages(self) -> tuple[str, ...]:
         """The packages whose names occur anywhere in the code, even in a comment."""
         sources = (*self.cells, *self.modules.values(), self.given.source)
         return tuple(name for name in self.packages if any(name in source for source in sources))

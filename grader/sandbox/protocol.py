@@ -92,14 +92,14 @@ class Thread(NamedTuple):
 
     Attributes
     ----------
-    delayed : float
+    delay_seconds : float
         Seconds for which the thread has waited for a processor since it started.
-    ready : bool
+    is_ready : bool
         Whether the thread is running or waiting for a processor.
     """
 
-    delayed: float
-    ready: bool
+    delay_seconds: float
+    is_ready: bool
 
 
 class Worker(Protocol):
@@ -182,7 +182,7 @@ class Sandbox(Protocol):
         limits: Limits,
         forbidden: Iterable[str] = (),
         packages: Iterable[str] = (),
-        named: Iterable[str] = (),
+        named_packages: Iterable[str] = (),
     ) -> Worker:
         """Start a worker that does not contain student code yet.
 
@@ -193,7 +193,7 @@ class Sandbox(Protocol):
             Dotted names of modules that the sandbox hides.
         packages : iterable of str
             Installed packages that the sandbox shows, by their names on PyPI.
-        named : iterable of str
+        named_packages : iterable of str
             The packages that the student's code mentions. Their modules may be imported early.
 
         Raises

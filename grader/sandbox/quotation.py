@@ -19,7 +19,7 @@ from utils.in_sandbox import ABSENT
 from utils.notebooks.forbidden import forbidden_module_of, refusal
 
 # Only this many characters of a line are shown and searched. Longer lines are rare.
-LONGEST_LINE = 120
+MAX_LINE_LENGTH = 120
 NAMED_EXCEPTIONS = frozenset(
     (
         *KNOWN_EXCEPTIONS,
@@ -71,7 +71,7 @@ def describe_failed_cell(error: StudentError) -> str:
 
 def _type_and_message(error: StudentError) -> str:
     """Return an exception's type and those parts of its message that may be shown."""
-    kind, message, line = error.type_name, error.message, error.line[:LONGEST_LINE]
+    kind, message, line = error.type_name, error.message, error.line[:MAX_LINE_LENGTH]
     module = message.partition(" ")[0]
     refused = forbidden_module_of(module, error.forbidden)
     if refused and (kind, message) == ("ImportError", str(refusal(module))):
@@ -92,5 +92,5 @@ def _quote_place(place: str | None, line: str) -> str:
 
 
 def _quote_line(line: str) -> str:
-    shown = line if len(line) <= LONGEST_LINE else f"{line[:LONGEST_LINE]}…"
+    shown = line if len(line) <= MAX_LINE_LENGTH else f"{line[:MAX_LINE_LENGTH]}…"
     return line and f"`{shown}`"

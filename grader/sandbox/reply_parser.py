@@ -7,23 +7,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from grader.untrusted import one_line
+from grader.untrusted_text import one_line
 
-LONGEST_TEXT = 500
-MOST_ITEMS = 20
+MAX_TEXT_LENGTH = 500
+MAX_ITEMS = 20
 
 
-def texts(values: object) -> list[str]:
+def parse_texts(values: object) -> list[str]:
     """Return the first few texts of an untrusted list, each as one line."""
-    return [readable(value) for value in values[:MOST_ITEMS]] if isinstance(values, list) else []
+    return [parse_text(value) for value in values[:MAX_ITEMS]] if isinstance(values, list) else []
 
 
-def readable(value: object) -> str:
+def parse_text(value: object) -> str:
     """Return one line of text without control characters, safe to print on a terminal."""
-    return one_line(value[:LONGEST_TEXT]) if isinstance(value, str) else ""
+    return one_line(value[:MAX_TEXT_LENGTH]) if isinstance(value, str) else ""
 
 
-def rows(columns: object, width: int) -> Iterator[tuple]:
+def parse_rows(columns: object, width: int) -> Iterator[tuple]:
     """Yield the rows that begin with a number and a name, from an untrusted list of columns.
 
     If there are not exactly `width` columns, nothing is yielded.
@@ -35,7 +35,7 @@ def rows(columns: object, width: int) -> Iterator[tuple]:
             yield row
 
 
-def changes(values: object) -> tuple[tuple[int, int, int, str], ...]:
+def parse_edits(values: object) -> tuple[tuple[int, int, int, str], ...]:
     """Return the valid edits in an untrusted table.
 
     An edit consists of a cell, a first line, a last line, and the text that replaces these lines.
@@ -48,11 +48,11 @@ def changes(values: object) -> tuple[tuple[int, int, int, str], ...]:
     )
 
 
-def positions(values: object) -> list[int]:
+def parse_positions(values: object) -> list[int]:
     """Return the whole numbers among the first few items of an untrusted list."""
     if not isinstance(values, list):
         return []
-    return [value for value in values[:MOST_ITEMS] if type(value) is int]
+    return [value for value in values[:MAX_ITEMS] if type(value) is int]
 
 
 def has_valid_object(reply: dict) -> bool:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import NoReturn
 
 from grader.sandbox.failures import (
-    MOST_LINES,
+    MAX_LINES,
     CellSkipped,
     StudentError,
     StudentStopped,
@@ -24,19 +24,26 @@ from grader.sandbox.inside import wire, wire_format
 from grader.sandbox.program import Program, cell_and_line
 from grader.sandbox.protocol import Limits, Sandbox, Worker
 from grader.sandbox.quotation import describe_failed_cell
-from grader.sandbox.reply_parser import changes, has_valid_object, positions, readable, rows, texts
+from grader.sandbox.reply_parser import (
+    has_valid_object,
+    parse_edits,
+    parse_positions,
+    parse_rows,
+    parse_text,
+    parse_texts,
+)
 from grader.sandbox.time_budget import Budget, Meter, TimeLimit
 from utils.remote_objects import ENDLESS_LOOP_HINT, ObservedCall, RemoteObject
 
 # Names of the steps that are not exercises: running the cells that exercises need, or all cells.
-_NEEDED, _ALL = "the cells that are needed", "all cells"
+_NEEDED_CELLS, _ALL_CELLS = "the cells that are needed", "all cells"
 # Once the failed calls of a step have together used up its time limit, each later call gets only
 # this share of the limit. An endless loop then costs little more than one limit.
 SHARE_AFTER_FAILURES = 1 / 8
 # The exception that the worker raises in a call that it interrupts.
 TOOK_TOO_LONG = "TookTooLong"
 # Maximum number of failed cells that are described. Later cells usually fail because of these.
-MOST_FAILED_CELLS = 3
+MAX_FAILED_CELLS = 3
 
 
 @dataclass(frozen=True)
@@ -131,7 +138,7 @@ class StudentProxy:
         One sentence for each problem in the notebook's own cells.
     uses : dict of str to tuple of str
         The functions that each function calls, according to the notebook's source.
-    newer : dict of str to str
+    newer_names : dict of str to str
         The part of the notebook that only a newer Python can run, by the function that needs it.
     exercise : str
         The exercise to which the next calls belong. Failed calls are counted separately for each
@@ -171,7 +178,7 @@ class StudentProxy:
         self._meter: Meter | None = None  # only while a call is timed
         self.problems, self.exercise, self.starved = [], "", False
         self.uses: dict[str, tuple[str, ...]] = {}
-        self.newer: dict[str, str] = {}
+        self.newer_names: dict[str, str] = {}
         self._skipped: dict[str, str] = {}  # texts about functions in skipped cells
         self._lines: dict[str, list[list[int]]] = {}
         self._own_lines: dict[str, list[list[int]]] = {}  # without the lines of other exercises
@@ -295,7 +302,7 @@ class StudentProxy:
         if reply.get("callable") is True and not call:
             return RemoteFunction(self, name, reference)
         result = self._remote_object(reply["object"], reply.get("type"))
-        for method in texts(reply.get("methods")):
+        for method in parse_texts(reply.get("methods")):
             function = RemoteFunction(self, method, result._reference)
             self._methods[result._reference.number, method] = function
         return result
@@ -305,7 +312,7 @@ class StudentProxy:
         after, shared = reply.get("arguments"), reply.get("shared")
         if not isinstance(after, list) or len(after) != count:
             self._stop_for_wrong_reply(name)
-        return ObservedCall(result, tuple(after), frozenset(positions(shared)))
+        return ObservedCall(result, tuple(after), frozenset(parse_positions(shared)))
 
     def _stop_for_wrong_reply(self, name: str) -> NoReturn:
         self._stop(self.exercise, f"{name} sent an invalid reply")
@@ -316,9 +323,9 @@ class StudentProxy:
     def _remember(self, nearby: object) -> None:
         """Store the further attributes in a reply, because callers usually walk a whole tree."""
         plain, others = nearby if isinstance(nearby, list) and len(nearby) == 2 else ((), ())
-        for number, name, value in rows(plain, 3):
+        for number, name, value in parse_rows(plain, 3):
             self._known[number, name] = value
-        for number, name, other, kind in rows(others, 4):
+        for number, name, other, kind in parse_rows(others, 4):
             if type(other) is int:
                 self._known[number, name] = self._remote_object(other, kind)
 
@@ -326,15 +333,15 @@ class StudentProxy:
         if not isinstance(error, dict):
             return StudentError(name, "Exception")
         kind, message, place, inside = (
-            readable(error.get(key)) for key in ("type", "message", "place", "function")
+            parse_text(error.get(key)) for key in ("type", "message", "place", "function")
         )
         line = self._program.line_at(place)
-        place, line = (None, "") if line is None else (place, readable(line))
+        place, line = (None, "") if line is None else (place, parse_text(line))
         ours = (*self._program.names, *self._program.steps)
         inside = inside if inside in ours else ""
         few = place is not None and _is_in_short_ranges(place, self._lines.get(self.exercise, ()))
-        calling = place and self._calling_place(place, texts(error.get("through")))
-        calling_line = readable(calling and self._program.line_at(calling))
+        calling = place and self._calling_place(place, parse_texts(error.get("through")))
+        calling_line = parse_text(calling and self._program.line_at(calling))
         return StudentError(
             name,
             kind or "Exception",
@@ -365,17 +372,17 @@ class StudentProxy:
         failures = failures if isinstance(failures, list) else []
         sentences = [
             describe_failed_cell(self._student_error("", failure))
-            for failure in failures[:MOST_FAILED_CELLS]
+            for failure in failures[:MAX_FAILED_CELLS]
         ]
-        more = len(failures) > MOST_FAILED_CELLS
+        more = len(failures) > MAX_FAILED_CELLS
         return [*sentences, *["Later cells failed as well."] * more]
 
     def _ensure_running(self) -> None:
         self._check_elapsed_time()
         if self._worker:
             return
-        for what in (self.exercise, _NEEDED):
-            self._check_restarts(what)
+        for task in (self.exercise, _NEEDED_CELLS):
+            self._check_restarts(task)
         if self._budget.seconds <= 0:
             raise StudentStopped(
                 f"Not run: the notebook had used up its {self._limits.total_seconds:.0f} seconds."
@@ -385,9 +392,9 @@ class StudentProxy:
         self._methods.clear()
         self._budget.cells_finish = False
         self._worker = self._sandbox.start(
-            self._limits, program.forbidden, program.packages, program.named
+            self._limits, program.forbidden, program.packages, program.named_packages
         )
-        found = self._exchange_at_start(
+        notebook_report = self._exchange_at_start(
             {
                 "cells": list(program.cells),
                 "names": list(program.names),
@@ -397,32 +404,36 @@ class StudentProxy:
                 "given": {
                     "names": list(program.given.names),
                     "source": program.given.source,
-                    "open": list(program.given.open),
+                    "open": list(program.given.open_names),
                 },
             },
             too_slow=f"The judge could not read the notebook's {len(program.cells):,} code cells "
             "within {seconds:g} seconds. Delete the cells that the exercises do not need.",
         )
-        failed = self._exchange_at_start()
+        cells_report = self._exchange_at_start()
         self._budget.cells_finish = True
-        self._missing = set(texts(failed.get("missing"))) & set(program.names)
+        self._missing = set(parse_texts(cells_report.get("missing"))) & set(program.names)
         if not self._has_reported:
-            # `found` can be trusted, because the worker sent it before student code ran. `failed`
-            # cannot be trusted.
-            self.problems += texts(found.get("problems")) + self._sentences_on_cells(
-                failed.get("problems")
-            )
-            self.uses = {name: tuple(used) for name, used in found["uses"].items()}
-            self._skipped = {name: readable(text) for name, text in found["skipped"].items()}
-            self.newer = {name: readable(text) for name, text in found["newer"].items()}
-            self._lines, self._own_lines = found["lines"], found["own_lines"]
-            self.edits = changes(found.get("edits"))
+            # `notebook_report` can be trusted, because the worker sent it before student code ran.
+            # `cells_report` cannot be trusted.
+            self.problems += parse_texts(
+                notebook_report.get("problems")
+            ) + self._sentences_on_cells(cells_report.get("problems"))
+            self.uses = {name: tuple(used) for name, used in notebook_report["uses"].items()}
+            self._skipped = {
+                name: parse_text(text) for name, text in notebook_report["skipped"].items()
+            }
+            self.newer_names = {
+                name: parse_text(text) for name, text in notebook_report["newer"].items()
+            }
+            self._lines, self._own_lines = notebook_report["lines"], notebook_report["own_lines"]
+            self.edits = parse_edits(notebook_report.get("edits"))
             self._has_reported = True
-        if self._missing and _ALL not in (*self._stops, *self._budget.timeouts):
+        if self._missing and _ALL_CELLS not in (*self._stops, *self._budget.timeouts):
             self._try_whole_notebook()
 
     def _check_elapsed_time(self) -> None:
-        if time.monotonic() >= self._budget.until:
+        if time.monotonic() >= self._budget.deadline:
             self.starved = True
             self.close()
             raise StudentStopped(f"Not run: {self._describe_elapsed_limit()}")
@@ -434,7 +445,7 @@ class StudentProxy:
     def _check_restarts(self, task: str) -> None:
         stops = self._stops.get(task, [])
         if len(stops) > (0 if task in self._timed_out_before else self._limits.restarts):
-            code = "the notebook's own cells" if task == _NEEDED else "this exercise's code"
+            code = "the notebook's own cells" if task == _NEEDED_CELLS else "this exercise's code"
             times = "once" if len(stops) == 1 else f"{len(stops)} times"
             raise StudentStopped(
                 f"Not run: {code} had already been stopped {times}. {stops[-1]}",
@@ -445,15 +456,17 @@ class StudentProxy:
     def _try_whole_notebook(self) -> None:
         """Run all cells, to find names whose definitions are not visible in the source."""
         try:
-            found = self._exchange_at_start({"all_cells": True}, _ALL, self._limits.whole_seconds)
-            self._missing &= set(texts(found.get("missing")))
+            reply = self._exchange_at_start(
+                {"all_cells": True}, _ALL_CELLS, self._limits.whole_seconds
+            )
+            self._missing &= set(parse_texts(reply.get("missing")))
         except StudentStopped:  # because of a cell that no exercise needs
             self._ensure_running()
 
     def _exchange_at_start(
         self,
         message: dict | None = None,
-        task: str = _NEEDED,
+        task: str = _NEEDED_CELLS,
         seconds: float | None = None,
         too_slow: str = "The notebook's own cells did not finish within {seconds:g} seconds.",
     ) -> dict:
@@ -472,18 +485,18 @@ class StudentProxy:
             SHARE_AFTER_FAILURES if self._budget.failed_seconds.get(task, 0.0) >= seconds else 1.0
         )
         seconds = min(seconds, max(self._budget.seconds, 0.1))
-        time_limit = TimeLimit(self._worker, seconds, self._budget.until, self._meter)
+        time_limit = TimeLimit(self._worker, seconds, self._budget.deadline, self._meter)
         try:
             return self._send_and_receive(message, time_limit)
         except wire.WireTimeout:
             self.starved |= time_limit.starved
-            if time.monotonic() >= self._budget.until:
+            if time.monotonic() >= self._budget.deadline:
                 self._stop(
                     task, f"The judge stopped the notebook: {self._describe_elapsed_limit()}"
                 )
             sentence = too_slow.format(seconds=round(seconds, 1))
             reason = self._budget.timeouts.setdefault(task, sentence)
-            self._stop(task, sentence, reason, out_of_time=task not in (_NEEDED, _ALL))
+            self._stop(task, sentence, reason, out_of_time=task not in (_NEEDED_CELLS, _ALL_CELLS))
         except wire_format.WireError:
             self._stop(
                 task,
@@ -520,7 +533,7 @@ class StudentProxy:
 
 
 def _is_in_short_ranges(place: str, ranges: Sequence[Sequence[int]]) -> bool:
-    """Return whether a place is in ranges of lines with at most `MOST_LINES` lines in total.
+    """Return whether a place is in ranges of lines with at most `MAX_LINES` lines in total.
 
     The place comes from the student's process. In a long exercise, the line number could encode a
     message.
@@ -534,4 +547,4 @@ def _is_in_short_ranges(place: str, ranges: Sequence[Sequence[int]]) -> bool:
     """
     cell, line = cell_and_line(place) or (0, 0)
     is_there = any(cell == where and first <= line <= last for where, first, last in ranges)
-    return is_there and sum(1 + last - first for _, first, last in ranges) <= MOST_LINES
+    return is_there and sum(1 + last - first for _, first, last in ranges) <= MAX_LINES

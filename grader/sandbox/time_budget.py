@@ -13,8 +13,8 @@ from grader.sandbox.usage import own_seconds
 
 # Elapsed time that a step may take, in multiples of its limit. This applies only if the kernel does
 # not show whether a process sleeps or waits for a processor.
-MOST_ELAPSED = 3
-SOON = 0.05  # seconds; most replies arrive within this time
+MAX_ELAPSED_FACTOR = 3
+FIRST_MEASUREMENT = 0.05  # seconds; most replies arrive within this time
 # The next measurement follows after one to two times this share of the elapsed time. The moment is
 # random, so that student code cannot predict it.
 NEXT_MEASUREMENT = 1 / 16
@@ -28,7 +28,7 @@ class Budget:
     ----------
     seconds : float
         Remaining time, as measured by a `Meter`.
-    until : float
+    deadline : float
         Time on the monotonic clock at which the judge gives up on the notebook.
     failed_seconds : dict of str to float
         Seconds used by calls that raised or were stopped, by exercise or other step of a
@@ -41,7 +41,7 @@ class Budget:
 
     def __init__(self, limits: Limits) -> None:
         self.seconds = limits.total_seconds
-        self.until = time.monotonic() + limits.wall_seconds
+        self.deadline = time.monotonic() + limits.wall_seconds
         self.failed_seconds: dict[str, float] = {}
         self.timeouts: dict[str, str] = {}
         self.cells_finish = True
@@ -77,16 +77,16 @@ class Meter:
     ----------
     seconds : float
         Time used until the last measurement.
-    waited : float
+    elapsed_seconds : float
         Elapsed time until the last measurement.
     """
 
     def __init__(self, worker: Worker) -> None:
         self._worker, self._begin = worker, time.monotonic()
-        self._had, self._ours = worker.cpu_seconds(), own_seconds()
+        self._initial_cpu_seconds, self._initial_judge_seconds = worker.cpu_seconds(), own_seconds()
         self._threads = worker.threads()
-        self._slept = self._noticed = 0.0
-        self.seconds = self.waited = 0.0
+        self._sleep_seconds = self._measured_seconds = 0.0
+        self.seconds = self.elapsed_seconds = 0.0
 
     @property
     def sees_waiting(self) -> bool:
@@ -101,42 +101,47 @@ class Meter:
         answered : bool
             Whether the worker has just replied, so that none of its threads is ready to run.
         """
-        self.waited = time.monotonic() - self._begin
-        worked = self._worker.cpu_seconds() - self._had
-        self.seconds = worked
+        self.elapsed_seconds = time.monotonic() - self._begin
+        cpu_seconds = self._worker.cpu_seconds() - self._initial_cpu_seconds
+        self.seconds = cpu_seconds
         if self.sees_waiting:
-            now = self._worker.threads() or {}
+            threads = self._worker.threads() or {}
             # Exclude the time in which the judge itself worked or waited for a processor.
-            passed = self.waited - (own_seconds() - self._ours)
-            share = 1.0 if self._is_asleep(now) else 0.0
-            if answered and self._noticed:
-                share = self._slept / self._noticed  # assume the same share as before
-            self._slept += share * max(0.0, passed - self._noticed)
-            self._noticed = passed
-            most = passed - self._delay_seconds(now)
-            self.seconds = max(worked, min(most, worked + self._slept))
+            elapsed = self.elapsed_seconds - (own_seconds() - self._initial_judge_seconds)
+            share = 1.0 if self._is_asleep(threads) else 0.0
+            if answered and self._measured_seconds:
+                share = (
+                    self._sleep_seconds / self._measured_seconds
+                )  # assume the same share as before
+            self._sleep_seconds += share * max(0.0, elapsed - self._measured_seconds)
+            self._measured_seconds = elapsed
+            upper_bound = elapsed - self._delay_seconds(threads)
+            self.seconds = max(cpu_seconds, min(upper_bound, cpu_seconds + self._sleep_seconds))
 
-    def _is_asleep(self, now: dict[int, Thread]) -> bool:
-        """Return whether no thread is ready to run, in `now` and in a second look.
+    def _is_asleep(self, threads: dict[int, Thread]) -> bool:
+        """Return whether no thread is ready to run, in `threads` and in a second look.
 
         Threads are read one after another. If a child ends and wakes its parent after the parent
         is read but before the child is read, both seem to be asleep.
         """
-        return not (_is_any_ready(now) or _is_any_ready(self._worker.threads() or {}))
+        return not (_is_any_ready(threads) or _is_any_ready(self._worker.threads() or {}))
 
-    def _delay_seconds(self, now: dict[int, Thread]) -> float:
+    def _delay_seconds(self, threads: dict[int, Thread]) -> float:
         """Return the seconds for which the worker waited for a processor.
 
         This is the longest wait of any live thread. The sum over all threads would be too large,
         because one thread may wait while another thread of the worker runs.
         """
-        begun = {number: thread.delayed for number, thread in self._threads.items()}
-        delays = (thread.delayed - begun.get(number, 0.0) for number, thread in now.items())
+        initial_delays = {number: thread.delay_seconds for number, thread in self._threads.items()}
+        delays = (
+            thread.delay_seconds - initial_delays.get(number, 0.0)
+            for number, thread in threads.items()
+        )
         return max(delays, default=0.0)
 
 
 def _is_any_ready(threads: dict[int, Thread]) -> bool:
-    return any(thread.ready for thread in threads.values())
+    return any(thread.is_ready for thread in threads.values())
 
 
 class TimeLimit:
@@ -160,11 +165,11 @@ class TimeLimit:
     """
 
     def __init__(
-        self, worker: Worker, seconds: float, until: float, meter: Meter | None = None
+        self, worker: Worker, seconds: float, deadline: float, meter: Meter | None = None
     ) -> None:
-        self._worker, self._seconds, self._until = worker, seconds, until
+        self._worker, self._seconds, self._deadline = worker, seconds, deadline
         # A measurement takes longer than most exchanges, so the first measurement is delayed.
-        self._measure_at, self._meter = time.monotonic() + SOON, meter
+        self._measure_at, self._meter = time.monotonic() + FIRST_MEASUREMENT, meter
         self.starved = False
 
     def __call__(self) -> float:
@@ -185,14 +190,14 @@ class TimeLimit:
         if self._meter is None:
             self._meter = Meter(self._worker)
             if not self._meter.sees_waiting:
-                self._until = min(self._until, now + MOST_ELAPSED * self._seconds)
+                self._deadline = min(self._deadline, now + MAX_ELAPSED_FACTOR * self._seconds)
         self._meter.measure()
-        left = self._seconds - self._meter.seconds
-        if left <= 0 or now >= self._until:
-            self.starved = left > 0
+        seconds_left = self._seconds - self._meter.seconds
+        if seconds_left <= 0 or now >= self._deadline:
+            self.starved = seconds_left > 0
             raise wire.WireTimeout
-        pause = _RANDOM.uniform(1, 2) * NEXT_MEASUREMENT * self._meter.waited
-        return max(SOON, min(left, self._until - now, pause))
+        pause = _RANDOM.uniform(1, 2) * NEXT_MEASUREMENT * self._meter.elapsed_seconds
+        return max(FIRST_MEASUREMENT, min(seconds_left, self._deadline - now, pause))
 
     def used_seconds(self) -> float:
         """Return the seconds used so far; 0 if the exchange ended before the first measurement."""

@@ -15,11 +15,11 @@ from pathlib import Path
 
 from grader.sandbox.protocol import Thread
 
-PAGE = os.sysconf("SC_PAGE_SIZE")
-TICK = os.sysconf("SC_CLK_TCK")
-PROC = os.path.exists("/proc/self/stat")
+PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
+TICKS_PER_SECOND = os.sysconf("SC_CLK_TCK")
+HAS_PROC = os.path.exists("/proc/self/stat")
 # Kernel memory in bytes that even an empty file takes. No resource limit includes it.
-BYTES_OF_A_FILE = 1024
+BYTES_PER_FILE = 1024
 
 
 def process_tree(pid: int) -> Iterator[int]:
@@ -45,7 +45,7 @@ def cpu_of_tree(pid: int) -> float:
 
     Without /proc, the result is elapsed time, as an upper bound.
     """
-    return sum(map(_cpu_seconds, process_tree(pid))) if PROC else time.monotonic()
+    return sum(map(_cpu_seconds, process_tree(pid))) if HAS_PROC else time.monotonic()
 
 
 def threads_of_tree(pid: int) -> dict[int, Thread] | None:
@@ -115,7 +115,7 @@ def _mapped_bytes(pid: int) -> int:
     All threads share the same memory, but /proc shows 0 for a main thread that has ended.
     """
     pages = (int(text.split()[0]) for text in _read_thread_files(pid, "statm"))
-    return max(pages, default=0) * PAGE
+    return max(pages, default=0) * PAGE_BYTES
 
 
 def _read_thread_files(pid: int, name: str) -> Iterator[str]:
@@ -143,13 +143,13 @@ def _file_bytes(pid: int) -> int:
         except OSError:
             continue
         if is_separate:
-            total += (system.f_files - system.f_ffree) * BYTES_OF_A_FILE
+            total += (system.f_files - system.f_ffree) * BYTES_PER_FILE
     return total
 
 
 def _cpu_seconds(pid: int) -> float:
     try:
-        return sum(map(int, _stat_fields(f"/proc/{pid}/stat")[11:15])) / TICK
+        return sum(map(int, _stat_fields(f"/proc/{pid}/stat")[11:15])) / TICKS_PER_SECOND
     except OSError:
         return 0.0
 

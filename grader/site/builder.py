@@ -20,12 +20,14 @@ from grader.site.errors import SiteError
 from grader.site.lesson import links_of, page_of
 from grader.site.live import write_live
 from grader.site.pictures import Pictures
-from grader.site.settings import conf
+from grader.site.settings import conf_source
 
 STATIC = Path(__file__).parent / "static"
 THEME = Path(__file__).parent / "templates" / "theme"
 SITE_MARKER = "searchindex.js"  # an existing folder with this file is a site
-EARLIEST = "315532800"  # 1 January 1980 in seconds, so that the site does not depend on the clock
+SOURCE_DATE = (
+    "315532800"  # 1 January 1980 in seconds, so that the site does not depend on the clock
+)
 REPLACEMENTS = {
     # The icons come from a font, so this 1.5 MB script is not needed.
     re.compile(r' *<script [^>]*src="[^"]*fontawesome\.js[^"]*"></script>\n'): "",
@@ -51,7 +53,7 @@ DELETED_PATTERNS = (
 
 
 def write_site(
-    folder: Path, ran: Mapping[Lesson, bytes], origin: Origin, live: bool = False
+    folder: Path, solved_runs: Mapping[Lesson, bytes], origin: Origin, live: bool = False
 ) -> None:
     """Write the site. The same outputs always give the same bytes.
 
@@ -59,7 +61,7 @@ def write_site(
     ----------
     folder : pathlib.Path
         Replaced if it contains a site, and created if it does not exist.
-    ran : mapping of Lesson to bytes
+    solved_runs : mapping of Lesson to bytes
         Executed notebooks, from `grader.site.runs.solved_runs`. The page of a missing lesson has
         no outputs.
     origin : grader.course.build.Origin
@@ -72,26 +74,26 @@ def write_site(
         If a package is missing, if `folder` contains anything except a site, if Sphinx or
         JupyterLite fails, or if `grader.site.site_checks` finds a fault.
     """
-    ready(folder)
+    check_ready(folder)
     folder.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=".site-", dir=folder.parent) as place:
-        source, pages = Path(place) / "source", Path(place) / "pages"
-        for name, content in source_files(ran, origin, live).items():
+    with tempfile.TemporaryDirectory(prefix=".site-", dir=folder.parent) as source_folder:
+        source, pages = Path(source_folder) / "source", Path(source_folder) / "pages"
+        for name, content in source_files(solved_runs, origin, live).items():
             path = source / name
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(content)
         _run_sphinx(source, pages)
-        _finish(pages)
+        _clean_up_pages(pages)
         if live:
-            write_live(pages, Path(place) / "live")
-        if faults := site_checks.faults(pages):
+            write_live(pages, Path(source_folder) / "live")
+        if faults := site_checks.find_faults(pages):
             raise SiteError("\n".join(faults))
         if folder.exists():
             shutil.rmtree(folder)
         os.replace(pages, folder)
 
 
-def ready(folder: Path) -> None:
+def check_ready(folder: Path) -> None:
     """Check, before a long build, that the site can be written.
 
     Raises
@@ -108,16 +110,18 @@ def ready(folder: Path) -> None:
         raise SiteError(f"{folder} contains something other than a website. Choose another folder.")
 
 
-def source_files(ran: Mapping[Lesson, bytes], origin: Origin, live: bool) -> dict[str, bytes]:
+def source_files(
+    solved_runs: Mapping[Lesson, bytes], origin: Origin, live: bool
+) -> dict[str, bytes]:
     """Return all files that Sphinx reads, by path; see `write_site` for the parameters."""
     pictures = Pictures()
-    files = {"conf.py": conf(), "index.md": front_page.page(origin, pictures)}
+    files = {"conf.py": conf_source(), "index.md": front_page.page(origin, pictures)}
     files |= {f"{name}.md": guides.page(name, origin, pictures) for name in guides.PAGES}
     files["words.md"] = glossary.page()
     sources = {name: text.encode() for name, text in files.items()}
     for lesson in every_lesson():
         links, name = links_of(lesson, origin, live), f"{lesson.stage}/{lesson.name}.ipynb"
-        solved = ran.get(lesson) or lesson.solved.read_bytes()
+        solved = solved_runs.get(lesson) or lesson.solved.read_bytes()
         sources[name] = page_of(lesson, solved, links, pictures)
         notebook = make_standalone(lesson.released.read_bytes())
         check_no_leaks(lesson, notebook)
@@ -126,7 +130,7 @@ def source_files(ran: Mapping[Lesson, bytes], origin: Origin, live: bool) -> dic
     sources |= {f"_templates/{path.name}": path.read_bytes() for path in sorted(THEME.iterdir())}
     # Without this file, GitHub Pages does not serve files whose names begin with `_`.
     sources["extra/.nojekyll"] = b""
-    return sources | pictures.files | mathjax.files()
+    return sources | pictures.files | mathjax.mathjax_files()
 
 
 def _run_sphinx(source: Path, pages: Path) -> None:
@@ -134,7 +138,7 @@ def _run_sphinx(source: Path, pages: Path) -> None:
     command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html"]
     process = subprocess.run(
         [*command, "-d", str(source.parent / "read"), str(source), str(pages)],
-        env=os.environ | {"SOURCE_DATE_EPOCH": EARLIEST, "PYTHONHASHSEED": "0"},
+        env=os.environ | {"SOURCE_DATE_EPOCH": SOURCE_DATE, "PYTHONHASHSEED": "0"},
         capture_output=True,
         text=True,
     )
@@ -142,7 +146,7 @@ def _run_sphinx(source: Path, pages: Path) -> None:
         raise SiteError(f"Sphinx ended with {process.returncode}:\n{process.stderr[-3000:]}")
 
 
-def _finish(pages: Path) -> None:
+def _clean_up_pages(pages: Path) -> None:
     """Delete files that no page needs, fix details of the theme, and add the search script."""
     for pattern in DELETED_PATTERNS:
         for path in pages.rglob(pattern):

@@ -13,7 +13,7 @@ from PIL import Image, ImageSequence
 
 from grader.course import durations
 from grader.course.build import Origin
-from grader.course.lessons import OPTIONAL, Lesson, every_lesson, optional_lessons, stages
+from grader.course.lessons import OPTIONAL_FOLDER, Lesson, every_lesson, optional_lessons, stages
 from grader.course.paths import PROJECT
 from grader.course.settings import stage_title
 from grader.site.html_outputs import TEMPLATES
@@ -23,10 +23,10 @@ from grader.site.pictures import Pictures
 README = PROJECT / "README.md"
 FILM = re.compile(r"^!\[(.+?)\]\((\S+\.gif)\)$", re.M)
 PREVIEW = re.compile(r"!\[(.*?)\]\(attachment:(\S+?)\)")
-CARD = 480  # longer side of a card's picture in pixels
-QUALITY = 80  # WebP quality of the film
+CARD_PIXELS = 480  # longer side of a card's picture in pixels
+WEBP_QUALITY = 80  # WebP quality of the film
 # Position of the still picture in the film, 0 to 1. Readers who turn off motion see it.
-STILL = 0.45
+STILL_POSITION = 0.45
 
 
 @dataclass(frozen=True)
@@ -47,25 +47,25 @@ def page(origin: Origin, pictures: Pictures) -> str:
     film = (PROJECT / place).read_bytes()
     return TEMPLATES.get_template("index.md").render(
         film=pictures.keep(_as_webp(film), ".webp"),
-        still=pictures.keep(_still(film), ".png"),
+        still=pictures.keep(_extract_still(film), ".png"),
         size=Image.open(io.BytesIO(film)).size,
         alt=alt,
         stages={
             name: [card(lesson, pictures) for lesson in _lessons_of(stage)]
-            for stage, name in titles()
+            for stage, name in stage_titles()
         },
-        lessons={name: _lessons_of(stage) for stage, name in titles()},
+        lessons={name: _lessons_of(stage) for stage, name in stage_titles()},
         origin=origin,
     )
 
 
-def titles() -> list[tuple[str, str]]:
+def stage_titles() -> list[tuple[str, str]]:
     """Return each stage with its title. The last entry is for optional lessons, if any."""
     titled = [
         (stage, f"Stage {number}: {stage_title(stage)}")
         for number, stage in enumerate(stages(), start=1)
     ]
-    return [*titled, (OPTIONAL, "Optional")] if optional_lessons() else titled
+    return [*titled, (OPTIONAL_FOLDER, "Optional")] if optional_lessons() else titled
 
 
 def _lessons_of(stage: str) -> list[Lesson]:
@@ -80,7 +80,7 @@ def card(lesson: Lesson, pictures: Pictures) -> LessonCard:
     if preview:
         content = base64.b64decode(first["attachments"][preview[2]]["image/png"])
         # The alt text is empty, because the title next to the picture already describes the link.
-        picture = pictures.tag(_small(content), "", "")
+        picture = pictures.tag(_scale_down(content), "", "")
     return LessonCard(
         lesson.number,
         title_of(lesson),
@@ -91,12 +91,12 @@ def card(lesson: Lesson, pictures: Pictures) -> LessonCard:
     )
 
 
-def _small(content: bytes) -> bytes:
+def _scale_down(content: bytes) -> bytes:
     """Scale a picture down to the size of a card, as PNG."""
     with Image.open(io.BytesIO(content)) as picture:
         small = picture.convert("RGB")
-    small.thumbnail((CARD, CARD))
-    return _png(small)
+    small.thumbnail((CARD_PIXELS, CARD_PIXELS))
+    return _as_png(small)
 
 
 def _as_webp(film: bytes) -> bytes:
@@ -112,20 +112,20 @@ def _as_webp(film: bytes) -> bytes:
         append_images=others,
         duration=duration,
         loop=0,
-        quality=QUALITY,
+        quality=WEBP_QUALITY,
         method=2,
     )
     return buffer.getvalue()
 
 
-def _still(film: bytes) -> bytes:
+def _extract_still(film: bytes) -> bytes:
     """Extract the still picture of a film, as PNG."""
     with Image.open(io.BytesIO(film)) as picture:
-        picture.seek(int(picture.n_frames * STILL))
-        return _png(picture.convert("RGB"))
+        picture.seek(int(picture.n_frames * STILL_POSITION))
+        return _as_png(picture.convert("RGB"))
 
 
-def _png(picture: Image.Image) -> bytes:
+def _as_png(picture: Image.Image) -> bytes:
     buffer = io.BytesIO()
     picture.quantize(128).save(buffer, "PNG", optimize=True)
     return buffer.getvalue()

@@ -29,8 +29,8 @@ def link_terms(markdown: str) -> str:
 
 
 def _link(match: re.Match) -> str:
-    known = {word.lower(): word for names in definitions() for word in names}
+    terms = {word.lower(): word for names in definitions() for word in names}
     text = match[1].strip("*").lower().removeprefix("our ")
-    word = known.get(text) or known.get(text.removesuffix("s"))
-    shown = match[1].strip("*")
-    return f"{{term}}`{shown} <{word}>`" if word else f"[{match[1]}](../words.md)"
+    word = terms.get(text) or terms.get(text.removesuffix("s"))
+    shown_text = match[1].strip("*")
+    return f"{{term}}`{shown_text} <{word}>`" if word else f"[{match[1]}](../words.md)"

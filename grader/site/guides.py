@@ -50,7 +50,7 @@ def page(name: str, origin: Origin, pictures: Pictures) -> str:
     path = PROJECT / PAGES[name]
     folder = posixpath.dirname(PAGES[name])
 
-    def link(match: re.Match) -> str:
+    def replace_link(match: re.Match) -> str:
         mark, text, target = match.groups()
         place, _, fragment = target.partition("#")
         if ":" in target or not place:
@@ -68,7 +68,7 @@ def page(name: str, origin: Origin, pictures: Pictures) -> str:
     parts = CODE.split(path.read_text("utf-8"))
     # Code is masked rather than left out, because it cannot contain links but may be link text.
     masked = "".join(part if n % 2 == 0 else f"\0{n}\0" for n, part in enumerate(parts))
-    return re.sub("\0(\\d+)\0", lambda match: parts[int(match[1])], LINK.sub(link, masked))
+    return re.sub("\0(\\d+)\0", lambda match: parts[int(match[1])], LINK.sub(replace_link, masked))
 
 
 def _pages() -> dict[str, str]:

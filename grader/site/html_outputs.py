@@ -13,19 +13,21 @@ from nbformat import NotebookNode
 from nbformat.v4 import new_output
 
 from grader.site.pictures import Pictures
-from grader.site.widget_states import ANSWER, POSITION, QUESTION
+from grader.site.widget_states import ANSWER_TYPE, POSITION_TYPE, QUESTION_TYPE
 
-TO_ROOT = "../"  # from the folder of a lesson's stage to the root of the site
+PATH_TO_ROOT = "../"  # from the folder of a lesson's stage to the root of the site
 FILM_ALT = (
     "A film of the pictures that the cell above draws. The surrounding text describes the motion."
 )
-DATA = re.compile(r'<img src="data:image/(?:png|gif);base64,([^"]+)"( alt="[^"]*")?[^>]*>')
-SCENE = re.compile(
+EMBEDDED_PICTURE = re.compile(
+    r'<img src="data:image/(?:png|gif);base64,([^"]+)"( alt="[^"]*")?[^>]*>'
+)
+EMBEDDED_SCENE = re.compile(
     r'<iframe srcdoc="([^"]*)" title="([^"]*)" width="(\d+)" height="(\d+)"[^>]*></iframe>'
     r"<div>(.*?)</div>",
     re.S,
 )
-OVERWRITTEN = re.compile(r"[^\n]*\r(?!\n)")
+OVERWRITTEN_TEXT = re.compile(r"[^\n]*\r(?!\n)")
 TEMPLATES = jinja2.Environment(
     loader=jinja2.PackageLoader("grader.site"),
     autoescape=True,
@@ -44,8 +46,10 @@ def page_outputs(outputs: Sequence[NotebookNode], pictures: Pictures) -> list[No
     pictures : Pictures
         Collection to which the pictures are added.
     """
-    first = next((n for n, output in enumerate(outputs) if POSITION in _data(output)), len(outputs))
-    converted = [_plain(output, pictures) for output in outputs[:first]]
+    first = next(
+        (n for n, output in enumerate(outputs) if POSITION_TYPE in _data(output)), len(outputs)
+    )
+    converted = [_simplify_output(output, pictures) for output in outputs[:first]]
     if first < len(outputs):
         converted.append(_as_html(_positions(outputs[first:], pictures)))
     return converted
@@ -55,9 +59,9 @@ def _data(output: NotebookNode) -> dict:
     return output.get("data", {})
 
 
-def _plain(output: NotebookNode, pictures: Pictures) -> NotebookNode:
+def _simplify_output(output: NotebookNode, pictures: Pictures) -> NotebookNode:
     if output.output_type == "stream":
-        return new_output("stream", name=output.name, text=OVERWRITTEN.sub("", output.text))
+        return new_output("stream", name=output.name, text=OVERWRITTEN_TEXT.sub("", output.text))
     html = html_of(output, pictures)
     return _as_html(html) if html else output
 
@@ -69,21 +73,21 @@ def _as_html(html: str) -> NotebookNode:
 def html_of(output: NotebookNode, pictures: Pictures) -> str:
     """Convert an output to HTML; empty if the output is plain text."""
     data = _data(output)
-    if QUESTION in data:
+    if QUESTION_TYPE in data:
         return TEMPLATES.get_template("question.html").render(
-            data[QUESTION], key=key_of(data[QUESTION]["question"])
+            data[QUESTION_TYPE], key=key_of(data[QUESTION_TYPE]["question"])
         )
-    if ANSWER in data:
+    if ANSWER_TYPE in data:
         return TEMPLATES.get_template("answer.html").render(
-            data[ANSWER], key=key_of(data[ANSWER]["question"])
+            data[ANSWER_TYPE], key=key_of(data[ANSWER_TYPE]["question"])
         )
     for kind, alt in (("image/png", "A figure."), ("image/gif", FILM_ALT)):
         if kind in data:
             about = output.metadata.get(kind, {})
             content = base64.b64decode(data[kind])
-            return pictures.tag(content, about.get("alt", alt), TO_ROOT, about.get("width"))
+            return pictures.tag(content, about.get("alt", alt), PATH_TO_ROOT, about.get("width"))
     if "text/html" in data:
-        return _with_files(data["text/html"], pictures)
+        return _extract_files(data["text/html"], pictures)
     return ""
 
 
@@ -92,39 +96,39 @@ def key_of(question: str) -> str:
     return hashlib.sha256(question.encode()).hexdigest()[:12]
 
 
-def _with_files(html: str, pictures: Pictures) -> str:
+def _extract_files(html: str, pictures: Pictures) -> str:
     """Replace embedded scenes and pictures in HTML with links to separate files."""
 
-    def scene(match: re.Match) -> str:
+    def save_scene(match: re.Match) -> str:
         page, title, width, height, fallback = match.groups()
         place = pictures.keep(unescape(page).encode(), ".html")
         # The scene needs JavaScript, and the fallback is a picture for readers without it.
         return (
-            f'<iframe class="scene" src="{TO_ROOT}{place}" title="{title}" loading="lazy" '
+            f'<iframe class="scene" src="{PATH_TO_ROOT}{place}" title="{title}" loading="lazy" '
             f'width="{width}" height="{height}"></iframe>'
-            f"<noscript>{DATA.sub(picture, fallback)}</noscript>"
+            f"<noscript>{EMBEDDED_PICTURE.sub(save_picture, fallback)}</noscript>"
         )
 
-    def picture(match: re.Match) -> str:
+    def save_picture(match: re.Match) -> str:
         alt = unescape((match[2] or ' alt="A picture."')[6:-1])
-        return pictures.tag(base64.b64decode(match[1]), alt, TO_ROOT)
+        return pictures.tag(base64.b64decode(match[1]), alt, PATH_TO_ROOT)
 
-    return DATA.sub(picture, SCENE.sub(scene, html))
+    return EMBEDDED_PICTURE.sub(save_picture, EMBEDDED_SCENE.sub(save_scene, html))
 
 
 def _positions(outputs: Sequence[NotebookNode], pictures: Pictures) -> str:
     """Format recorded slider positions, between which readers can switch without a script."""
-    parts: list[dict] = []
+    positions: list[dict] = []
     for output in outputs:
-        if POSITION in _data(output):
-            parts.append({"about": _data(output)[POSITION], "html": ""})
+        if POSITION_TYPE in _data(output):
+            positions.append({"about": _data(output)[POSITION_TYPE], "html": ""})
         else:
-            parts[-1]["html"] += html_of(output, pictures) or _as_text(output)
-    own_values = parts[0]["about"]["all"]
-    name = hashlib.sha256("".join(part["html"] for part in parts).encode()).hexdigest()[:12]
+            positions[-1]["html"] += html_of(output, pictures) or _as_text(output)
+    own_values = positions[0]["about"]["all"]
+    name = hashlib.sha256("".join(part["html"] for part in positions).encode()).hexdigest()[:12]
     return TEMPLATES.get_template("positions.html").render(
-        rows=list(_rows(own_values, parts)),
-        positions=[part["html"] for part in parts],
+        rows=list(_rows(own_values, positions)),
+        positions=[part["html"] for part in positions],
         name=name,
         own=own_values,
     )
@@ -145,4 +149,4 @@ def _rows(
 
 def _as_text(output: NotebookNode) -> str:
     text = output.get("text", "") or _data(output).get("text/plain", "")
-    return f"<pre>{escape(OVERWRITTEN.sub('', text))}</pre>" if text.strip() else ""
+    return f"<pre>{escape(OVERWRITTEN_TEXT.sub('', text))}</pre>" if text.strip() else ""

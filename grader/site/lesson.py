@@ -16,7 +16,7 @@ from grader.site.errors import SiteError
 from grader.site.html_outputs import page_outputs
 from grader.site.live import address_of
 from grader.site.pictures import Pictures
-from grader.site.widget_states import QUESTION
+from grader.site.widget_states import QUESTION_TYPE
 
 FOLDED_TAGS = {"folded", "setup"}
 TITLE = re.compile(r"# @title (.*?)(?: \(you need not read this\))?(?: \{.*\})?\n")
@@ -24,13 +24,13 @@ SETUP_TITLE = "Loads the tools of the course"
 ASKING_TITLE = "Asks for your guess"
 
 
-def page_of(lesson: Lesson, ran: bytes, links: str, pictures: Pictures) -> bytes:
+def page_of(lesson: Lesson, solved_run: bytes, links: str, pictures: Pictures) -> bytes:
     """Build the notebook that Sphinx converts to the lesson's page.
 
     Parameters
     ----------
     lesson : Lesson
-    ran : bytes
+    solved_run : bytes
         Solved notebook with outputs, from `grader.site.runs.solved_runs`.
     links : str
         Links below the title, from `links_of`.
@@ -43,7 +43,7 @@ def page_of(lesson: Lesson, ran: bytes, links: str, pictures: Pictures) -> bytes
         If the solved notebook does not contain a cell of the student's notebook.
     """
     notebook = nbformat.read(lesson.released, as_version=4)
-    solved = {cell["id"]: cell for cell in nbformat.reads(ran.decode(), as_version=4).cells}
+    solved = {cell["id"]: cell for cell in nbformat.reads(solved_run.decode(), as_version=4).cells}
     cells = []
     for cell in notebook.cells:
         tags = set(cell.metadata.get("tags", ()))
@@ -60,7 +60,7 @@ def page_of(lesson: Lesson, ran: bytes, links: str, pictures: Pictures) -> bytes
             )
             if FOLDED_TAGS & tags:
                 _fold(cell, _title(cell))
-            elif _only_asks(solved[cell.id]):
+            elif _has_only_questions(solved[cell.id]):
                 _fold(cell, ASKING_TITLE)
         elif "badge" in tags:
             cell.source = links
@@ -78,9 +78,11 @@ def _title(cell: NotebookNode) -> str:
     return match[1] if match else SETUP_TITLE
 
 
-def _only_asks(cell: NotebookNode) -> bool:
+def _has_only_questions(cell: NotebookNode) -> bool:
     """Return whether all outputs of a cell are questions, which the page shows as forms."""
-    return bool(cell.outputs) and all(QUESTION in output.get("data", {}) for output in cell.outputs)
+    return bool(cell.outputs) and all(
+        QUESTION_TYPE in output.get("data", {}) for output in cell.outputs
+    )
 
 
 def _fold(cell: NotebookNode, title: str) -> None:

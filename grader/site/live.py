@@ -52,14 +52,14 @@ def notebook_of(lesson: Lesson) -> bytes:
     return json.dumps(content, ensure_ascii=False, sort_keys=True).encode()
 
 
-def write_live(pages: Path, place: Path) -> None:
+def write_live(pages: Path, folder: Path) -> None:
     """Write the pages on which lessons run.
 
     Parameters
     ----------
     pages : pathlib.Path
         Folder of the site. The pages go to its folder `live`.
-    place : pathlib.Path
+    folder : pathlib.Path
         Empty working folder.
 
     Raises
@@ -67,9 +67,9 @@ def write_live(pages: Path, place: Path) -> None:
     SiteError
         If JupyterLite fails.
     """
-    (place / "contents").mkdir(parents=True)
+    (folder / "contents").mkdir(parents=True)
     for lesson in every_lesson():
-        (place / "contents" / f"{lesson.name}.ipynb").write_bytes(notebook_of(lesson))
+        (folder / "contents" / f"{lesson.name}.ipynb").write_bytes(notebook_of(lesson))
     labextensions = Path(sys.prefix, "share", "jupyter", "labextensions")
     settings = {
         "contents": ["contents"],
@@ -80,10 +80,10 @@ def write_live(pages: Path, place: Path) -> None:
         "no_sourcemaps": True,
         "no_unused_shared_packages": True,
     }
-    (place / "jupyter_lite_config.json").write_text(json.dumps({"LiteBuildConfig": settings}))
+    (folder / "jupyter_lite_config.json").write_text(json.dumps({"LiteBuildConfig": settings}))
     process = subprocess.run(
         [sys.executable, "-m", "jupyterlite_core", "build"],
-        cwd=place,
+        cwd=folder,
         capture_output=True,
         text=True,
     )

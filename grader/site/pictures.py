@@ -17,11 +17,11 @@ class Pictures:
 
     def keep(self, content: bytes, suffix: str) -> str:
         """Store a file and return its path in the site, which is derived from the content."""
-        place = f"{FOLDER}/{hashlib.sha256(content).hexdigest()[:20]}{suffix}"
-        self.files[place] = content
-        return place
+        path = f"{FOLDER}/{hashlib.sha256(content).hexdigest()[:20]}{suffix}"
+        self.files[path] = content
+        return path
 
-    def tag(self, content: bytes, alt: str, up: str, width: int | None = None) -> str:
+    def tag(self, content: bytes, alt: str, path_to_root: str, width: int | None = None) -> str:
         """Store a picture and return its HTML tag, with lazy loading and a fixed size.
 
         Parameters
@@ -29,7 +29,7 @@ class Pictures:
         content : bytes
             Content of a PNG or GIF file.
         alt : str
-        up : str
+        path_to_root : str
             Relative path from the page to the site's root, such as ``../``.
         width : int, optional
             Width on the page in pixels. Default: the width of the picture.
@@ -38,8 +38,9 @@ class Pictures:
 
         with Image.open(io.BytesIO(content)) as picture:
             (full_width, full_height), suffix = picture.size, f".{picture.format.lower()}"
-        shown = width or full_width
+        shown_width = width or full_width
         return (
-            f'<img src="{up}{self.keep(content, suffix)}" alt="{escape(alt)}" loading="lazy" '
-            f'width="{shown}" height="{round(full_height * shown / full_width)}">'
+            f'<img src="{path_to_root}{self.keep(content, suffix)}" alt="{escape(alt)}" '
+            'loading="lazy" '
+            f'width="{shown_width}" height="{round(full_height * shown_width / full_width)}">'
         )

@@ -7,27 +7,27 @@ import re
 from html.parser import HTMLParser
 from pathlib import Path
 
-PLACE = "_static/sections.js"
-HEADINGS = {"h1", "h2", "h3", "h4"}
-SILENT = {"script", "style", "svg", "form", "nav", "label", "legend"}
-SILENT_CLASSES = {"headerlink", "admonition-title"}
-EMPTY = {"img", "br", "hr", "input", "source", "meta", "link", "wbr"}
-COMMAND = re.compile(r"\\[A-Za-z]+|\\.|[{}]")  # LaTeX
+SCRIPT_PATH = "_static/sections.js"
+HEADING_TAGS = {"h1", "h2", "h3", "h4"}
+SKIPPED_TAGS = {"script", "style", "svg", "form", "nav", "label", "legend"}
+SKIPPED_CLASSES = {"headerlink", "admonition-title"}
+VOID_TAGS = {"img", "br", "hr", "input", "source", "meta", "link", "wbr"}
+LATEX_SYNTAX = re.compile(r"\\[A-Za-z]+|\\.|[{}]")  # LaTeX
 
 
 def write(pages: Path) -> None:
     """Write the script for all pages in a folder and its subfolders."""
     sections = []
     for path in sorted(pages.rglob("*.html")):
-        reader = _Reader()
+        reader = _SectionParser()
         reader.feed(path.read_text("utf-8"))
         name = path.relative_to(pages).as_posix()
         sections += [[name, *section] for section in reader.sections()]
     text = json.dumps(sections, ensure_ascii=False, separators=(",", ":")).replace("],[", "],\n[")
-    (pages / PLACE).write_text(f"const SECTIONS = {text};\n", "utf-8")
+    (pages / SCRIPT_PATH).write_text(f"const SECTIONS = {text};\n", "utf-8")
 
 
-class _Reader(HTMLParser):
+class _SectionParser(HTMLParser):
     """Parser that collects the text of a page by section."""
 
     def __init__(self) -> None:
@@ -49,7 +49,7 @@ class _Reader(HTMLParser):
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         """Remember an open element. If it is a section, begin to collect its text."""
-        if tag in EMPTY:
+        if tag in VOID_TAGS:
             return
         classes = set((dict(attrs).get("class") or "").split())
         self._open.append((tag, classes))
@@ -77,10 +77,10 @@ class _Reader(HTMLParser):
         tags = {tag for tag, _ in self._open}
         classes = set().union(*(names for _, names in self._open))
         repeats_titles = {"details", "table"} <= tags  # the minutes of each section
-        is_silent = tags & SILENT or classes & SILENT_CLASSES or repeats_titles
+        is_silent = tags & SKIPPED_TAGS or classes & SKIPPED_CLASSES or repeats_titles
         if is_silent or not self._open_sections:
             return
         if "math" in classes:
-            data = " ".join(COMMAND.sub(" ", data).split())
-        part = "title" if tags & HEADINGS else "code" if "pre" in tags else "text"
+            data = " ".join(LATEX_SYNTAX.sub(" ", data).split())
+        part = "title" if tags & HEADING_TAGS else "code" if "pre" in tags else "text"
         self._open_sections[-1][part].append(data)

@@ -4,7 +4,7 @@ from grader.course.lessons import every_lesson
 from grader.course.settings import course_title, version
 
 
-def conf() -> str:
+def conf_source() -> str:
     """Return the source of Sphinx's ``conf.py``."""
     return "".join(f"{name} = {value!r}\n" for name, value in settings().items())
 

@@ -15,14 +15,14 @@ from grader.course.paths import PROJECT
 from grader.site.guides import PAGES
 from grader.site.live import FOLDER
 
-READ = {".html", ".js", ".css", ".json", ".txt", ".ipynb", ".xml"}
-IN_LIVE = {".ipynb"}
-FETCHED = {"src", "srcset", "poster", "data"}
-ELSEWHERE = re.compile(r"\s*(?:[a-z][a-z0-9+.-]*:)?//", re.I)
-IN_STYLES = re.compile(r"(?:url\(|@import)\s*[\"']?\s*((?:https?:)?//[^\"')\s]*)", re.I)
+CHECKED_SUFFIXES = {".html", ".js", ".css", ".json", ".txt", ".ipynb", ".xml"}
+LIVE_SUFFIXES = {".ipynb"}
+FETCHED_ATTRIBUTES = {"src", "srcset", "poster", "data"}
+OTHER_HOST = re.compile(r"\s*(?:[a-z][a-z0-9+.-]*:)?//", re.I)
+STYLE_REFERENCE = re.compile(r"(?:url\(|@import)\s*[\"']?\s*((?:https?:)?//[^\"')\s]*)", re.I)
 
 
-def faults(folder: Path) -> list[str]:
+def find_faults(folder: Path) -> list[str]:
     """Return the faults of a site, one sentence each."""
     # JupyterLite's own pages are not checked.
     live = folder / FOLDER
@@ -65,7 +65,7 @@ class ParsedPage(HTMLParser):
         """Record the anchors, fetched files and links of a tag."""
         attributes = {name: value or "" for name, value in attrs}
         self.names |= {attributes[name] for name in ("id", "name") if name in attributes}
-        self.fetched += [attributes[name] for name in FETCHED & attributes.keys()]
+        self.fetched += [attributes[name] for name in FETCHED_ATTRIBUTES & attributes.keys()]
         if "href" in attributes:
             (self.links if tag == "a" else self.fetched).append(attributes["href"])
         if tag == "img" and "alt" not in attributes:
@@ -90,7 +90,7 @@ def _revealed_lines(folder: Path, pages: dict[Path, ParsedPage]) -> Iterator[str
         if re.sub("[`*]", "", line) not in published
     }
     for path in sorted(folder.rglob("*")):
-        suffixes = IN_LIVE if path.is_relative_to(folder / FOLDER) else READ
+        suffixes = LIVE_SUFFIXES if path.is_relative_to(folder / FOLDER) else CHECKED_SUFFIXES
         if path.suffix not in suffixes or not path.is_file():
             continue
         raw = path.read_text("utf-8")
@@ -105,10 +105,10 @@ def _external_requests(folder: Path, pages: dict[Path, ParsedPage]) -> Iterator[
     """Yield one sentence for each file that the browser would fetch from another host."""
     for path, page in pages.items():
         for address in page.fetched:
-            if ELSEWHERE.match(address):
+            if OTHER_HOST.match(address):
                 yield f"{path.relative_to(folder)} fetches {address} from another host"
     for path in sorted(folder.rglob("*.css")):
-        for address in IN_STYLES.findall(path.read_text("utf-8")):
+        for address in STYLE_REFERENCE.findall(path.read_text("utf-8")):
             yield f"{path.relative_to(folder)} fetches {address} from another host"
 
 

@@ -8,19 +8,19 @@ import nbformat
 from nbformat import NotebookNode
 from nbformat.v4 import new_output
 
-from grader.site.widget_states import ANSWER, POSITION, QUESTION
+from grader.site.widget_states import ANSWER_TYPE, POSITION_TYPE, QUESTION_TYPE
 from utils.predictions import as_html_and_text
 
 
-def as_notebook(ran: bytes) -> bytes:
+def as_notebook(solved_run: bytes) -> bytes:
     """Convert the outputs of a solved notebook, so that any notebook viewer can show them.
 
     Parameters
     ----------
-    ran : bytes
+    solved_run : bytes
         Executed notebook, from `grader.site.runs.solved_runs`.
     """
-    notebook = nbformat.reads(ran.decode(), as_version=4)
+    notebook = nbformat.reads(solved_run.decode(), as_version=4)
     for cell in notebook.cells:
         if cell.cell_type == "code":
             cell.outputs = list(_outputs(cell.outputs))
@@ -31,12 +31,12 @@ def _outputs(outputs: Iterable[NotebookNode]) -> Iterator[NotebookNode]:
     positions = 0  # the first is the lesson's own; later ones are left out
     for output in outputs:
         data = output.get("data", {})
-        positions += POSITION in data
-        if ANSWER in data:
-            about = data[ANSWER]
+        positions += POSITION_TYPE in data
+        if ANSWER_TYPE in data:
+            about = data[ANSWER_TYPE]
             html, text = as_html_and_text(
                 about["question"], {"Answer": about["answer"]}, about["why"]
             )
             yield new_output("display_data", data={"text/html": html, "text/plain": text})
-        elif positions < 2 and POSITION not in data and QUESTION not in data:
+        elif positions < 2 and POSITION_TYPE not in data and QUESTION_TYPE not in data:
             yield output

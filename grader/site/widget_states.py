@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.legend import Legend
 
-POSITION = "application/vnd.lidar-obstacle-lab.position+json"
-QUESTION = "application/vnd.lidar-obstacle-lab.question+json"
-ANSWER = "application/vnd.lidar-obstacle-lab.answer+json"
+POSITION_TYPE = "application/vnd.lidar-obstacle-lab.position+json"
+QUESTION_TYPE = "application/vnd.lidar-obstacle-lab.question+json"
+ANSWER_TYPE = "application/vnd.lidar-obstacle-lab.answer+json"
 POSITIONS = {1: 4, 2: 3}  # positions per slider, without the lesson's own, by number of sliders
-FEW_POSITIONS = 2  # the same, if there are more sliders
+DEFAULT_POSITIONS = 2  # the same, if there are more sliders
 TITLES = ("left", "center", "right")  # places of a title above the axes
 
 
@@ -47,7 +47,7 @@ def interact(**sliders: Widget) -> Callable[[Callable], Callable]:
     def run(function: Callable) -> Callable:
         for about, values in positions(sliders):
             text = ", ".join(f"{name} {value:g}" for name, value in values.items())
-            _display(POSITION, about, text)
+            _display(POSITION_TYPE, about, text)
             function(**values)
         return function
 
@@ -72,7 +72,7 @@ def positions(sliders: dict[str, Widget]) -> Iterator[tuple[dict, dict]]:
     current = {name: slider.value for name, slider in sliders.items()}
     titles = {name: slider.description or name for name, slider in sliders.items()}
     yield {"all": [[titles[name], f"{current[name]:g}"] for name in sliders]}, current
-    count = POSITIONS.get(len(sliders), FEW_POSITIONS)
+    count = POSITIONS.get(len(sliders), DEFAULT_POSITIONS)
     for name, slider in sliders.items():
         for value in _spread(slider, count):
             yield {"slider": titles[name], "value": f"{value:g}"}, current | {name: value}
@@ -107,7 +107,7 @@ def predict(
     about = {"question": question, "choices": list(choices), "unit": unit}
     if between:
         about |= {"between": [*between], "step": step}
-    _display(QUESTION, about, f"Guess first: {question}")
+    _display(QUESTION_TYPE, about, f"Guess first: {question}")
     return prediction
 
 
@@ -117,13 +117,13 @@ def compare(prediction: object, answer: float | str, why: str) -> None:
         raise ValueError(f"{answer!r} is not one of the choices: {', '.join(prediction._choices)}.")
     text = prediction._as_text(answer)
     about = {"question": prediction._question, "answer": text, "why": why}
-    _display(ANSWER, about, f"{prediction._question} Answer: {text}. {why}")
+    _display(ANSWER_TYPE, about, f"{prediction._question} Answer: {text}. {why}")
 
 
-def _display(kind: str, about: dict, text: str) -> None:
+def _display(kind: str, content: dict, text: str) -> None:
     from IPython.display import display
 
-    display({kind: about, "text/plain": text}, raw=True)
+    display({kind: content, "text/plain": text}, raw=True)
 
 
 def _describe_figures(shell: object) -> None:
@@ -144,30 +144,30 @@ def _describe_figures(shell: object) -> None:
 
 def describe_figure(figure: Figure) -> str:
     """Return a description of a figure in words, from its titles, axis labels and legends."""
-    parts = [_text(figure.get_suptitle()), *map(_described_axes, figure.axes)]
-    parts += [_legend(legend) for legend in figure.legends]
+    parts = [_plain_text(figure.get_suptitle()), *map(_describe_axes, figure.axes)]
+    parts += [_describe_legend(legend) for legend in figure.legends]
     parts = [part[:1].upper() + part[1:] for part in parts if part]
     return "Figure. " + "".join(f"{part}. " for part in dict.fromkeys(parts)).strip()
 
 
-def _described_axes(axes: Axes) -> str:
-    title = " ".join(filter(None, (_text(axes.get_title(loc)) for loc in TITLES)))
-    x_label, y_label = _text(axes.get_xlabel()), _text(axes.get_ylabel())
+def _describe_axes(axes: Axes) -> str:
+    title = " ".join(filter(None, (_plain_text(axes.get_title(loc)) for loc in TITLES)))
+    x_label, y_label = _plain_text(axes.get_xlabel()), _plain_text(axes.get_ylabel())
     if axes.get_label() == "<colorbar>":
         return f"colours: {y_label or x_label}" if y_label or x_label else ""
     plotted = f"{y_label or 'drawn'} over {x_label}" if x_label else y_label
     legends = [
         artist for artist in (axes.get_legend(), *axes.artists) if hasattr(artist, "get_texts")
     ]
-    return "; ".join(filter(None, (title, plotted, *map(_legend, legends))))
+    return "; ".join(filter(None, (title, plotted, *map(_describe_legend, legends))))
 
 
-def _legend(legend: Legend) -> str:
-    names = [_text(text.get_text()) for text in legend.get_texts()]
+def _describe_legend(legend: Legend) -> str:
+    names = [_plain_text(text.get_text()) for text in legend.get_texts()]
     return f"shown are {', '.join(dict.fromkeys(filter(None, names)))}" if any(names) else ""
 
 
-def _text(words: str) -> str:
+def _plain_text(words: str) -> str:
     """Remove the characters of a label that are markup in matplotlib."""
     plain = words.replace("$", "").replace("\\", "").replace("\n", " ")
     return plain.strip().rstrip(".:")

@@ -13,7 +13,7 @@ import pytest
 
 from grader.sandbox import SANDBOXES, Limits
 from grader.sandbox.failures import StudentStopped
-from grader.sandbox.program import PACKAGES, Program
+from grader.sandbox.program import INSTALLED_PACKAGES, Program
 from grader.sandbox.student import StudentProxy
 from tests.prerequisites import PATIENCE
 
@@ -44,7 +44,7 @@ def function(body, name="f", parameters="*arguments"):
     return f"def {name}({parameters}):\n" + textwrap.indent(body.strip("\n"), "    ") + "\n"
 
 
-def attack(source, forbidden=(), packages=PACKAGES, modules=None, **limits):
+def attack(source, forbidden=(), packages=INSTALLED_PACKAGES, modules=None, **limits):
     """Return a proxy for a student whose notebook has one cell, which defines `f`."""
     program = Program(
         (source,), ("f",), modules=modules or {}, forbidden=tuple(forbidden), packages=packages

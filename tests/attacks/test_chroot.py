@@ -15,7 +15,7 @@ import pytest
 from grader.course.paths import PROJECT
 from grader.sandbox import SANDBOXES, Limits, SandboxUnavailable, chroot, users
 from grader.sandbox.failures import StudentStopped
-from grader.sandbox.program import PACKAGES, Program
+from grader.sandbox.program import INSTALLED_PACKAGES, Program
 from grader.sandbox.student import StudentProxy
 from tests.attacks.attack import SHORT, function, with_attacks
 from tests.prerequisites import PATIENCE, ROOT, require_sandbox
@@ -33,7 +33,7 @@ def chroot_sandbox():
 
 
 def attack(source, **limits):
-    program = Program((source,), ("f",), packages=PACKAGES)
+    program = Program((source,), ("f",), packages=INSTALLED_PACKAGES)
     return StudentProxy(
         program, SANDBOXES["chroot"], Limits(**{**SHORT, "call_seconds": 5.0, **limits})
     )

@@ -18,7 +18,7 @@ from grader.course.paths import Course
 from grader.intake import preflight
 from grader.intake.submission import SubmittedFiles
 from grader.judging.verdict import JUDGED, CheckResult, ExerciseResult, Verdict
-from grader.lms.autograded import build_copy, write_verdict
+from grader.lms.autograded_copy import build_copy, write_verdict
 from grader.lms.report import write_report
 from grader.lms.sanitizer import as_code, sanitize_markdown
 from utils.notebooks.reading import UnreadableNotebook, decode_notebook

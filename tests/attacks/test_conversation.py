@@ -10,7 +10,7 @@ import pytest
 
 from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError, StudentStopped
-from grader.sandbox.inside.wire_format import Opaque
+from grader.sandbox.inside.wire_format import OpaqueValue
 from grader.sandbox.program import Program
 from grader.sandbox.student import RemoteObject, StudentProxy
 from tests.attacks.attack import (
@@ -351,9 +351,9 @@ def test_forged_attributes_are_ignored():
 )
 def test_strange_values_arrive_as_plain_types(value):
     answer = outcome_of(f"import numpy as np\ndef f(): return {value}")
-    kinds = ("Opaque", "RemoteObject", "list", "ndarray", "float", "str", "Generator")
+    kinds = ("OpaqueValue", "RemoteObject", "list", "ndarray", "float", "str", "Generator")
     assert type(answer).__name__ in kinds
-    if isinstance(answer, (Opaque, RemoteObject)):
+    if isinstance(answer, (OpaqueValue, RemoteObject)):
         assert re.fullmatch(r"[a-zA-Z0-9_ ]+", answer.type_name)
     str(answer).encode()
 
@@ -435,7 +435,7 @@ def test_deceptive_values_arrive_as_plain_data(body):
             answer = student.f()
         except (StudentError, StudentStopped):
             return
-        plain = (np.ndarray, list, int, float, Opaque, RemoteObject)
+        plain = (np.ndarray, list, int, float, OpaqueValue, RemoteObject)
         assert type(answer) in plain
         assert not isinstance(answer, np.ndarray) or answer.nbytes <= 2**25
         assert repr(answer) == repr(answer) and len(repr(answer)) < 10_000

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from extension.league import drives
-from extension.league.drives import DETECTOR, _unpack, drive_in_sandbox, repeat_drive
+from extension.league.drives import DETECTOR, _unpack_answers, drive_in_sandbox, repeat_drive
 from extension.league.page import problem_sentences
 from extension.league.streets import draw_streets
 from grader.course.paths import PROJECT
@@ -45,7 +45,7 @@ def answers_of(sandbox, source):
         street = draw_streets(SEED)[0]
         driven = drive_in_sandbox(street, student, seconds=0.5, sensor=NARROW_SENSOR)
     assert not driven.stopped and not driven.failed
-    return {float(boxes.max()) / 1000 for boxes in _unpack(driven.answers)}
+    return {float(boxes.max()) / 1000 for boxes in _unpack_answers(driven.answers)}
 
 
 def test_a_detector_finds_no_street_seed_or_other_submission(tmp_path):
@@ -81,7 +81,7 @@ def detect_obstacles(cloud):
 
 def test_answers_that_take_long_to_read_end_the_drive(monkeypatch):
     """Such lists are "no boxes", but reading one takes a second of this process's time."""
-    monkeypatch.setattr(drives, "READING_SECONDS", 0.1)
+    monkeypatch.setattr(drives, "REPLY_SECONDS", 0.1)
     street = draw_streets(SEED)[0]
     with StudentProxy(Program((EMPTY_LISTS,), (DETECTOR,)), SANDBOX, Limits(**SHORT)) as student:
         driven = drive_in_sandbox(street, student, seconds=0.5, sensor=NARROW_SENSOR)

@@ -158,7 +158,7 @@ def test_a_submission_that_is_too_large_does_not_replace_the_earlier_submission(
     submit(inbound, {NOTEBOOK: "first"})
     assert collect()[0][f"{USER}/{STAGE}/{NOTEBOOK}"] == "first"
     submit(inbound, {NOTEBOOK: "second" * 100}, time=LATER)
-    monkeypatch.setattr(exchange_collection, "MOST_BYTES_OF_A_STUDENT", 100)
+    monkeypatch.setattr(exchange_collection, "MAX_BYTES_PER_STUDENT", 100)
     collected, warnings = collect(update=True)
     assert collected[f"{USER}/{STAGE}/{NOTEBOOK}"] == "first"
     assert any("is larger than the remaining" in text for text in warnings)

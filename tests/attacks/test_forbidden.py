@@ -3,7 +3,7 @@
 import pytest
 
 from grader.course.lessons import all_lessons, find_lesson
-from grader.sandbox.program import PACKAGES
+from grader.sandbox.program import INSTALLED_PACKAGES
 from tests.attacks.attack import attack, function, with_attacks
 
 FORBIDDING_LESSONS = {lesson.name: lesson for lesson in all_lessons() if lesson.header.forbidden}
@@ -25,7 +25,7 @@ def feed():
 def attack_on(lesson, source):
     """Return a proxy for a student of a lesson, with enough time to import large libraries."""
     seconds = {"call_seconds": 20.0, "total_seconds": 40.0}
-    return attack(source, forbidden=lesson.header.forbidden, packages=PACKAGES, **seconds)
+    return attack(source, forbidden=lesson.header.forbidden, packages=INSTALLED_PACKAGES, **seconds)
 
 
 @pytest.mark.slow

@@ -17,7 +17,7 @@ from grader.course.lessons import find_lesson
 from grader.intake.preflight import prepare, prepare_to_show
 from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import UnknownLesson, judge_files
-from grader.lms.autograded import _student_cell, build_copy, write_verdict
+from grader.lms.autograded_copy import _student_cell, build_copy, write_verdict
 from grader.lms.sanitizer import ZERO_WIDTH_SPACE, sanitize_markdown
 from tests.attacks.attack import with_attacks
 from utils.notebooks.reading import Cell, UnreadableNotebook

@@ -16,7 +16,7 @@ from grader.course.paths import PROJECT
 from grader.judging.judge import judge
 from grader.judging.runner import run_checks
 from grader.sandbox import Limits
-from grader.sandbox.boundary import SHOWN
+from grader.sandbox.boundary import SHOWN_PATHS
 from tests.attacks.attack import SANDBOX, SEED, SHORT, with_attacks
 from tests.prerequisites import PATIENCE
 from utils.notebooks import slicing
@@ -139,7 +139,9 @@ EXCLUDED = ("worker", "syscalls", "send", "receive", "_read", "_wait")
 
 def visible_functions():
     """Return all functions and classes of the project that are visible in the sandbox, by name."""
-    files = [file for place in SHOWN for file in ([place] if place.is_file() else place.rglob("*"))]
+    files = [
+        file for place in SHOWN_PATHS for file in ([place] if place.is_file() else place.rglob("*"))
+    ]
     found = {}
     for file in sorted(files):
         if file.suffix != ".py" or file.stem in EXCLUDED:

@@ -13,12 +13,12 @@ from grader.console import print_class, print_verdict
 from grader.course.lessons import all_lessons, find_lesson
 from grader.course.paths import PROJECT, Course
 from grader.judging.messages import FEW_NUMBERS
-from grader.lms.autograded import score_output
+from grader.lms.autograded_copy import score_output
 from grader.lms.report import write_report
-from grader.sandbox.failures import KNOWN_EXCEPTIONS, MOST_LINES, StudentError
+from grader.sandbox.failures import KNOWN_EXCEPTIONS, MAX_LINES, StudentError
 from grader.sandbox.program import MAX_NOTEBOOK_LINES
-from grader.sandbox.quotation import LONGEST_LINE, NAMED_EXCEPTIONS, SENTENCES
-from grader.sandbox.student import MOST_FAILED_CELLS
+from grader.sandbox.quotation import MAX_LINE_LENGTH, NAMED_EXCEPTIONS, SENTENCES
+from grader.sandbox.student import MAX_FAILED_CELLS
 from tests.attacks.attack import attack, function, with_attacks
 from tests.test_messages import FAILURES
 from utils.checks import checks_of, tips
@@ -169,7 +169,7 @@ def test_the_number_of_reported_failing_cells_is_limited():
     with attack(source) as student:
         student.f()
         *reported, last = student.problems
-    assert len(reported) == MOST_FAILED_CELLS and last == "Later cells failed as well."
+    assert len(reported) == MAX_FAILED_CELLS and last == "Later cells failed as well."
 
 
 @with_attacks(
@@ -357,7 +357,7 @@ def test_the_threat_model_states_how_much_a_failure_can_leak():
     for kinds, _, _, tip in tips._TIPS:
         for kind in kinds.split("|"):
             tips_for.setdefault(kind, {""}).add(tip)
-    raised = sum(map(len, tips_for.values())) * (MOST_LINES + 1)
+    raised = sum(map(len, tips_for.values())) * (MAX_LINES + 1)
     # Messages about hidden tests omit numbers. The variable parts of each message together have at
     # most WORDS values.
     wrong = max(
@@ -369,7 +369,7 @@ def test_the_threat_model_states_how_much_a_failure_can_leak():
     bits = math.ceil(math.log2(raised + ends_otherwise))
     threats = (PROJECT / "docs" / "security.md").read_text("utf-8")
     assert f"up to {bits} bits about its question" in threats
-    assert f"at most {MOST_LINES} lines" in threats
+    assert f"at most {MAX_LINES} lines" in threats
     assert f"which of {len(KNOWN_EXCEPTIONS)} types" in threats
 
 
@@ -393,13 +393,13 @@ def test_the_threat_model_states_how_much_checks_and_cells_can_leak():
     for kinds, _, _, tip in tips._TIPS:
         for kind in kinds.split("|"):
             tips_for[kind].add(tip)
-    names = (LONGEST_LINE + 1) // 2
+    names = (MAX_LINE_LENGTH + 1) // 2
     most_forbidden = max(len(lesson.header.forbidden) for lesson in all_lessons())
     words = sum(map(len, tips_for.values())) + most_forbidden
     for kinds, pattern, _ in SENTENCES:
         words += sum(len(tips_for[kind]) for kind in kinds.split("|")) * names ** ("(" in pattern)
     raised = words * (MAX_NOTEBOOK_LINES + 1)
-    called = raised * (MOST_LINES + 1)  # and the exercise's line that led to the failure
+    called = raised * (MAX_LINES + 1)  # and the exercise's line that led to the failure
     # Each variable part of a message is a number or a word.
     is_wrong = max(
         sum((SMALL_NUMBERS + 1) ** min(n, FEW_NUMBERS) for n in variable_parts_of(lesson))
@@ -408,7 +408,7 @@ def test_the_threat_model_states_how_much_checks_and_cells_can_leak():
     of_check, of_cell = (math.ceil(math.log2(n)) for n in (called + is_wrong, raised))
     threats = (PROJECT / "docs" / "security.md").read_text("utf-8")
     assert f"up to {of_check} bits through each visible check" in threats
-    assert f"{of_cell} through each of the first {MOST_FAILED_CELLS} cells" in threats
+    assert f"{of_cell} through each of the first {MAX_FAILED_CELLS} cells" in threats
 
 
 INJECTION = (

@@ -15,10 +15,10 @@ from grader.intake import preflight, reader_process
 from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import judge_files
 from grader.judging.verdict import FAILED, JUDGED, read_verdict
-from grader.lms import autograded
-from grader.lms.autograded import graded_cells
+from grader.lms import autograded_copy
+from grader.lms.autograded_copy import graded_cells
 from grader.lms.results import WAITING
-from grader.lms.standings import class_results
+from grader.lms.results_reader import class_results
 from tests.test_faults import InlineExecutor, record_rehearsal
 
 SEED = 20_170_405
@@ -54,7 +54,7 @@ def small_limits(monkeypatch):
     """Set small limits, so that the tests reach them quickly."""
     monkeypatch.setattr(reader_process, "CPU_SECONDS", 1)
     monkeypatch.setattr(reader_process, "MEGABYTES", 128)
-    monkeypatch.setattr(reader_process, "LARGEST_REPLY", 2**22)
+    monkeypatch.setattr(reader_process, "MAX_REPLY_BYTES", 2**22)
 
 
 def test_reading_in_another_process_gives_the_same_result():
@@ -64,8 +64,8 @@ def test_reading_in_another_process_gives_the_same_result():
         preflight.prepare_to_judge(submission, LESSON),
     )
     assert (there.code, there.notes, there.versions) == (here.code, here.notes, here.versions)
-    copy, complaint = autograded.build_copy_in_process(submission, LESSON)
-    assert (copy, complaint) == (autograded.build_copy(here), "")
+    copy, complaint = autograded_copy.build_copy_in_process(submission, LESSON)
+    assert (copy, complaint) == (autograded_copy.build_copy(here), "")
 
 
 def make_vulnerable(monkeypatch, module, name, work=loop_forever):
@@ -102,7 +102,7 @@ def test_text_that_is_too_slow_to_render_is_left_out(small_limits):
     """Text that would keep the Markdown renderer busy for minutes is left out of the copy."""
     submission = submission_of("\\\\( \\) " * 60_000)
     assert preflight.prepare_to_judge(submission, LESSON).code
-    copy, complaint = autograded.build_copy_in_process(submission, LESSON)
+    copy, complaint = autograded_copy.build_copy_in_process(submission, LESSON)
     assert "takes more than 1 seconds" in complaint
     assert len(str(copy)) < 100_000
 
@@ -110,7 +110,7 @@ def test_text_that_is_too_slow_to_render_is_left_out(small_limits):
 @pytest.mark.slow
 def test_a_long_text_is_shown():
     essay = "I looked at $a_n$, and at `b`.\n\n" * 3000
-    copy, complaint = autograded.build_copy_in_process(submission_of(essay), LESSON)
+    copy, complaint = autograded_copy.build_copy_in_process(submission_of(essay), LESSON)
     assert not complaint
     assert essay in [cell.source for cell in copy.cells]
 
@@ -137,7 +137,7 @@ def grade(course, sandbox, monkeypatch):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("module", "name", "score"),
-    [(preflight, "_defines", 0.0), (autograded, "sanitize_markdown", 25.0)],
+    [(preflight, "_defines", 0.0), (autograded_copy, "sanitize_markdown", 25.0)],
 )
 def test_the_class_is_graded_despite_a_costly_file(
     module, name, score, small_limits, course, sandbox, monkeypatch, capsys
@@ -148,7 +148,7 @@ def test_the_class_is_graded_despite_a_costly_file(
     output = " ".join((lambda seen: seen.out + seen.err)(capsys.readouterr()).split())
     results = {result.student: result for result in class_results(course).notebooks}
     assert [results[student].score for student in ("mallory", "zoe")] == [score, 25]
-    assert results["mallory"].standing == WAITING, "a person looks for the written answer"
+    assert results["mallory"].status == WAITING, "a person looks for the written answer"
     path = course.autograded / "mallory" / LESSON.stage / f"{LESSON.name}.ipynb"
     copy = nbformat.read(path, as_version=4)
     nbformat.validate(copy)

@@ -371,7 +371,7 @@ def system_call_numbers():
 
 
 CALLS = [
-    *(name for name in syscalls.MACHINES["x86_64"][1] if name not in syscalls.LIMITED),
+    *(name for name in syscalls.MACHINES["x86_64"][1] if name not in syscalls.LIMITED_CALLS),
     "clone with a user namespace",
     "socket of an unusual family",
     "madvise to merge pages",
@@ -405,7 +405,7 @@ def f(calls):
     return said
 """
     calls = {name: [number, 0, 0, 0] for name, number in system_call_numbers.items()}
-    for name in syscalls.LIMITED:
+    for name in syscalls.LIMITED_CALLS:
         del calls[name]
     calls["madvise to merge pages"] = [system_call_numbers["madvise"], 0, 0, syscalls.MERGEABLE]
     calls["madvise to remove a page from memory"] = [

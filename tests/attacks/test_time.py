@@ -250,11 +250,11 @@ def test_the_threat_model_states_what_an_exercise_may_cost():
         f"at most {math.ceil(first)} seconds, and {math.ceil(2 * again)} more if the exercise is",
     ):
         assert sentence in threats
-    assert (repair.LEAST_CPU_SECONDS, repair.MOST_CPU_SECONDS) == (2, 16)
+    assert (repair.MIN_CPU_SECONDS, repair.MAX_CPU_SECONDS) == (2, 16)
     assert f"tries the {repair.LIKELIEST_EDITS} likeliest edits" in threats
     assert "first two seconds of processor time. The search ends after 16 seconds" in threats
-    assert f"together may take {runner.SECONDS_OF_A_TEST:.0f} seconds" in threats
-    assert f"process may allocate {pool.MEMORY // 2**30} GiB" in threats
+    assert f"together may take {runner.TEST_SECONDS:.0f} seconds" in threats
+    assert f"process may allocate {pool.MAX_MEMORY // 2**30} GiB" in threats
     assert "or after two if the exercise has already used up its first 10 seconds" in threats
 
 
@@ -286,7 +286,7 @@ def test_a_wrong_function_that_is_slow_gets_no_more_time_than_one_that_hangs(
     submit, budgets, monkeypatch
 ):
     """Each call stays within its limit, so the time is cut because of the failed checks."""
-    monkeypatch.setattr(repair, "LEAST_CPU_SECONDS", 0.5)
+    monkeypatch.setattr(repair, "MIN_CPU_SECONDS", 0.5)
     answer = "def line_through(p, q):\n    import time\n    time.sleep(1)\n    return 1.0, 2.0, 3.0"
     verdict = submit({"line_through": answer}, lesson=LINE, **QUARTER)
     assert verdict.score == 0 and not verdict.starved

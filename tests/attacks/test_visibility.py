@@ -13,9 +13,9 @@ import pytest
 
 from grader.course.paths import PROJECT
 from grader.sandbox import Limits, bubblewrap, users
-from grader.sandbox.boundary import SHOWN
+from grader.sandbox.boundary import SHOWN_PATHS
 from grader.sandbox.failures import StudentError
-from grader.sandbox.program import PACKAGES
+from grader.sandbox.program import INSTALLED_PACKAGES
 from grader.sandbox.usage import process_tree
 from tests.attacks.attack import (
     SANDBOX,
@@ -53,10 +53,12 @@ def test_no_secrets_are_in_the_project_or_home_folders():
     seen = [Path(path) for path in outcome_of(LIST_FILES, places, installed, call_seconds=8.0)]
     ours = [path for path in seen if path.is_relative_to(PROJECT)]
     assert ours, "shown files exist"
-    assert [path for path in ours if not any(map(path.is_relative_to, SHOWN))] == []
-    places = {path.relative_to(PROJECT).parts[:3] for path in SHOWN if path.is_dir()}
+    assert [path for path in ours if not any(map(path.is_relative_to, SHOWN_PATHS))] == []
+    places = {path.relative_to(PROJECT).parts[:3] for path in SHOWN_PATHS if path.is_dir()}
     assert places == {("grader", "sandbox", "inside"), ("utils", "clouds"), ("utils", "notebooks")}
-    assert {path.suffix for path in SHOWN if path.is_relative_to(PROJECT / "data")} == {".txt"}
+    assert {path.suffix for path in SHOWN_PATHS if path.is_relative_to(PROJECT / "data")} == {
+        ".txt"
+    }
     system = ("/etc/ld.so.cache", "/etc/alternatives")
     others = [path for path in seen if path not in ours]
     assert [path for path in others if not str(path).startswith(system)] == []
@@ -104,11 +106,11 @@ def f():
 
 
 def test_only_packages_for_answers_can_be_imported():
-    modules, ours = outcome_of(LIST_IMPORTS, packages=PACKAGES, call_seconds=8.0)
+    modules, ours = outcome_of(LIST_IMPORTS, packages=INSTALLED_PACKAGES, call_seconds=8.0)
     assert {"json", "numpy", "scipy", "matplotlib", "shapely", "sklearn", "wire"} <= set(modules)
     assert {"tests", "solutions", *UNLISTED_PACKAGES} & set(modules) == set()
     assert {name.split(".")[1] for name in ours} == {"clouds", "in_sandbox", "notebooks"}
-    here = {path.stem for path in SHOWN[0].glob("*.py")}
+    here = {path.stem for path in SHOWN_PATHS[0].glob("*.py")}
     project = {name for name, path in modules.items() if Path(path).is_relative_to(PROJECT)}
     project -= {name for name, path in modules.items() if Path(path).is_relative_to(sys.prefix)}
     assert project == here | {"utils"}
@@ -402,10 +404,13 @@ def list_files_of(tmp_path, monkeypatch):
         (base / "lib" / "standard.py").write_text("")
         for name, value in {
             "PROJECT": project,
-            "SHOWN": (project / "grader" / "sandbox" / "inside",),
+            "SHOWN_PATHS": (project / "grader" / "sandbox" / "inside",),
             "PREFIX": str(prefix),
             "BASE_PREFIX": str(base),
-            "SYSTEM": (*bubblewrap.SYSTEM, *(str(tmp_path / place) for place in system)),
+            "SYSTEM_FOLDERS": (
+                *bubblewrap.SYSTEM_FOLDERS,
+                *(str(tmp_path / place) for place in system),
+            ),
             "PYTHON": str(base / "lib" / "standard.py"),
             "files_of_packages": lambda names: (installed / "wanted",),
             "folders_of_packages": lambda: (installed,),

@@ -15,7 +15,7 @@ from pathlib import Path
 from distributed import LocalCluster
 
 from grader.classroom.cluster import connect
-from grader.classroom.executors import processors
+from grader.classroom.executors import processor_count
 from grader.classroom.grade import judge_class, judge_one
 from grader.classroom.submissions import find_submissions
 from grader.course.kept_answers import answers_to, fill_in
@@ -67,7 +67,7 @@ def judge(course, submission, sandbox):
 def core_seconds(course, sandbox):
     """Return the billed core seconds per notebook: cores times seconds from joining to the end."""
     with LocalCluster(
-        n_workers=1, threads_per_worker=processors(), dashboard_address=None
+        n_workers=1, threads_per_worker=processor_count(), dashboard_address=None
     ) as cluster:
         begin = time.perf_counter()
         with connect(cluster.scheduler_address, sandbox.name, print) as executor:
@@ -80,7 +80,7 @@ def core_seconds(course, sandbox):
                 1,
                 lambda *news: None,
             )
-        return (time.perf_counter() - begin) * processors() / len(judged)
+        return (time.perf_counter() - begin) * processor_count() / len(judged)
 
 
 def main():

@@ -19,7 +19,7 @@ from grader.course.lessons import all_lessons, stages
 from grader.course.paths import PROJECT, Course
 from grader.intake.submission import read_submitted_files
 from grader.lms.gradebook_writer import enter_verdicts
-from grader.lms.standings import class_results
+from grader.lms.results_reader import class_results
 from grader.sandbox import choose_sandbox
 from tests.postgresql import NotInstalled, server
 

@@ -17,7 +17,7 @@ import time
 from collections import Counter
 from pathlib import Path
 
-from grader.classroom.executors import EXECUTORS, processors
+from grader.classroom.executors import EXECUTORS, processor_count
 from grader.classroom.grade import judge_class
 from grader.classroom.rehearsals import Rehearsals
 from grader.classroom.submissions import Submission
@@ -66,10 +66,10 @@ def judge_under_load(load, course, sandbox):
     def progress(done, total, news):
         judged_submissions.extend([news] * isinstance(news, Submission))
 
-    with busy(load * processors()):
+    with busy(load * processor_count()):
         begin = time.perf_counter()
         judged = judge_class(
-            course, (), SEED, sandbox, EXECUTORS["processes"], processors(), progress
+            course, (), SEED, sandbox, EXECUTORS["processes"], processor_count(), progress
         )
         again = [
             submission for submission, times in Counter(judged_submissions).items() if times > 1
@@ -87,7 +87,7 @@ def measure_loads(course, count):
     """Judge under each load, print the times and lost points, and return the exit status."""
     sandbox, lost, twice = choose_sandbox(), [], []
     submit(course, count)
-    with EXECUTORS["processes"](processors()) as executor:
+    with EXECUTORS["processes"](processor_count()) as executor:
         Rehearsals(course, all_lessons()[:count], SEED, sandbox).finish(executor)
     print("load | right | points lost | judged again | slowest (s) | all (s)", flush=True)
     for load in LOADS:

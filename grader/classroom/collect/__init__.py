@@ -94,17 +94,17 @@ def _read(archive: Archive) -> tuple[str, list[SubmittedFile]]:
     because the platform wrote the beginning of every name.
     """
     *platforms, (fallback, read_any) = ARCHIVE_READERS.items()
-    readings, errors = [], []
-    for kind, read in platforms:
+    readings_by_platform, errors = [], []
+    for platform, read in platforms:
         try:
             files = read(archive)
         except CollectError as error:
             errors.append(error)
             continue
         if files:
-            readings.append((kind, files))
-    if readings:
-        return max(readings, key=lambda reading: len(reading[1]))
+            readings_by_platform.append((platform, files))
+    if readings_by_platform:
+        return max(readings_by_platform, key=lambda reading: len(reading[1]))
     if errors:
         raise errors[0]
     return fallback, read_any(archive)

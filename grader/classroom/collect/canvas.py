@@ -17,7 +17,7 @@ _OWNER = (
     r"(?:(?P<anonymous_late>LATE_)?anon_(?P<anonymous>[A-Za-z0-9]+)"
     r"|(?P<name>[^/\s@.,'+-]{1,255}?)(?P<late>_LATE)?_(?P<user>\d+))"
 )
-_FILE = re.compile(
+_FILE_NAME = re.compile(
     rf"{_OWNER}_(?:(?P<what>text|link)\.html|(?P<attachment>\d+)_(?P<file>[^/]+))", re.IGNORECASE
 )
 _RESUBMITTED = re.compile(r"([A-Za-z_]\w*)-\d+(\.py)")  # Canvas numbers resubmitted files
@@ -29,7 +29,7 @@ _REMARKS = {
 
 def read_canvas(archive: Archive) -> list[SubmittedFile] | None:
     """Return the files of a Canvas download, or None for any other archive."""
-    files = [_submitted_file(*match) for match in match_paths(archive, _FILE)]
+    files = [_submitted_file(*match) for match in match_paths(archive, _FILE_NAME)]
     return files if 2 * len(files) > len(archive.entries) else None
 
 

@@ -7,19 +7,23 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from grader.classroom.collect import open_archives
-from grader.classroom.collect.answers import (
-    Answers,
+from grader.classroom.collect.collection_report import CollectionReport, Question
+from grader.classroom.collect.folder import student_name_in
+from grader.classroom.collect.inspection import OTHER, file_kind
+from grader.classroom.collect.instructor_answers import (
+    InstructorAnswers,
     read_answers,
     store_answers,
     store_ignored,
 )
-from grader.classroom.collect.folder import student_in
-from grader.classroom.collect.inspection import OTHER, kind_of
 from grader.classroom.collect.models import Owner, SubmittedArchive, SubmittedFile
-from grader.classroom.collect.outcome import CollectionReport, Question
 from grader.classroom.collect.owners import Owners, UnknownOwner
 from grader.classroom.collect.student import StudentCollector
-from grader.classroom.collect.worksheet import SubmissionRow, SubmissionTable, read_worksheet
+from grader.classroom.collect.submission_table import (
+    SubmissionRow,
+    SubmissionTable,
+    read_submission_table,
+)
 from grader.classroom.submissions import Submission, find_submissions
 from grader.course.deadlines import Deadlines
 from grader.course.deadlines_file import read_deadlines
@@ -27,7 +31,7 @@ from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
 from grader.course.roster import Roster, read_roster
 
-_SORT_FILES = (
+_SORTING_ADVICE = (
     "Their names show that they may belong to several students. Put each student's files into a "
     "folder named after the student's id, and collect the folder that contains these folders"
 )
@@ -66,38 +70,36 @@ def collect(
     roster = read_roster(course)
     deadlines = read_deadlines(course)
     zone = deadlines.zone if deadlines else None
-    worksheet = read_worksheet(timestamps, zone) if timestamps else SubmissionTable()
+    worksheet = read_submission_table(timestamps, zone) if timestamps else SubmissionTable()
     answers = read_answers(course, roster, stages, owner_answers, lesson_answers)
     owners = Owners(roster, worksheet, answers)
-    owners.check(owner_answers)
-    archives = [
-        _as_work_of_one_student(archive, owners) for archive in open_archives(archive_paths)
-    ]
+    owners.check_answers(owner_answers)
+    archives = [_assign_to_one_student(archive, owners) for archive in open_archives(archive_paths)]
     report = CollectionReport(
         [lesson for lesson in all_lessons() if lesson.stage in stages],
         [(archive.path, archive.kind, len(archive.files)) for archive in archives],
         roster,
-        timed=[] if timestamps else None,
-        excused=_excused(roster, deadlines, stages),
+        students_with_time=[] if timestamps else None,
+        excused_students=_excused_students(roster, deadlines, stages),
     )
-    report.ignored.update(entry.path[-1] for archive in archives for entry in archive.others)
+    report.ignored.update(entry.path[-1] for archive in archives for entry in archive.other_entries)
     archived_files = [(archive.path, file) for archive in archives for file in archive.files]
     store_answers(course, stages, answers)
     students: dict[str, list[ArchivedFile]] = {}
-    for ids, files in _by_owner(archived_files, owners, answers, report):
+    for ids, files in _group_by_owner(archived_files, owners, answers, report):
         for id in ids:
             students.setdefault(id, []).extend(files)
     existing = _existing_submissions(course)
     for done, (id, files) in enumerate(sorted(students.items())):
         progress(done, len(students), None)
-        rows = _rows(owners, files, id) if timestamps else None
+        rows = _time_rows(owners, files, id) if timestamps else None
         StudentCollector(course, id, existing.get(id, {}), answers, report).collect(files, rows)
     progress(len(students), len(students), None)
-    store_ignored(course, stages, sorted(report.dismissed))
+    store_ignored(course, stages, sorted(report.ignored_files))
     return report
 
 
-def _excused(
+def _excused_students(
     roster: Roster | None, deadlines: Deadlines | None, stages: Sequence[str]
 ) -> list[str]:
     if roster is None:
@@ -110,7 +112,7 @@ def _excused(
     ]
 
 
-def _as_work_of_one_student(archive: SubmittedArchive, owners: Owners) -> SubmittedArchive:
+def _assign_to_one_student(archive: SubmittedArchive, owners: Owners) -> SubmittedArchive:
     """Assign all files to the archive's owner if an answer names one and the archive no other."""
     name = archive.path.name if archive.path.is_dir() else archive.path.stem
     owner = Owner(name, name, (name,), is_folder=True)
@@ -122,10 +124,10 @@ def _as_work_of_one_student(archive: SubmittedArchive, owners: Owners) -> Submit
     return dataclasses.replace(archive, files=tuple(files))
 
 
-def _by_owner(
+def _group_by_owner(
     archived_files: Sequence[ArchivedFile],
     owners: Owners,
-    answers: Answers,
+    answers: InstructorAnswers,
     report: CollectionReport,
 ) -> Iterator[tuple[tuple[str, ...], list[ArchivedFile]]]:
     """Yield each known owner's ids and files, and add questions about the other owners."""
@@ -142,26 +144,30 @@ def _by_owner(
             ids_by_owner[archive, owner] = owners.ids_of(owner)
         except UnknownOwner as question:
             if owner.is_folder and _may_belong_to_several([file for _, file in files]):
-                report.add_question(owner.label, f"{_files(len(files))}. {_SORT_FILES}")
+                report.add_question(
+                    owner.label, f"{_format_file_count(len(files))}. {_SORTING_ADVICE}"
+                )
             else:
-                text = f"{_files(len(files))} from this student. {question}"
+                text = f"{_format_file_count(len(files))} from this student. {question}"
                 report.add_question(owner.label, text)
     for (archive, owner), ids in ids_by_owner.items():
         if answers.is_earlier(owner.label):
             decision = f"assigned to {', '.join(ids)}" if ids else "ignored"
             report.remarks.append(Question(owner.label, f"{decision}, as in your earlier answer"))
-        rivals = [
+        other_owners = [
             other_owner
             for (other_archive, other_owner), other_ids in ids_by_owner.items()
             if other_archive == archive and set(ids) & set(other_ids)
         ]
-        question = owners.question_about(owner, ids, [rival for rival in rivals if rival != owner])
+        question = owners.question_about(
+            owner, ids, [rival for rival in other_owners if rival != owner]
+        )
         if question:
-            if len(rivals) > 1:
+            if len(other_owners) > 1:
                 report.add_question(owner.label, question)
             else:
                 report.doubts.append(Question(owner.label, question))
-        if len(rivals) == 1 or all(map(owners.is_answered, rivals)):
+        if len(other_owners) == 1 or all(map(owners.is_answered, other_owners)):
             yield ids, groups[archive, owner]
 
 
@@ -173,24 +179,26 @@ def _existing_submissions(course: Course) -> dict[str, dict[Lesson, Submission]]
     return submissions
 
 
-def _rows(owners: Owners, submitted: Sequence[ArchivedFile], id: str) -> list[SubmissionRow]:
+def _time_rows(owners: Owners, submitted: Sequence[ArchivedFile], id: str) -> list[SubmissionRow]:
     """Return a student's rows in the table of submission times."""
     return [
-        row for owner in {file.owner for _, file in submitted} for row in owners.rows(owner, id)
+        row
+        for owner in {file.owner for _, file in submitted}
+        for row in owners.submission_rows(owner, id)
     ]
 
 
-def _files(count: int) -> str:
+def _format_file_count(count: int) -> str:
     return "1 file" if count == 1 else f"{count} files"
 
 
 def _may_belong_to_several(files: Sequence[SubmittedFile]) -> bool:
     """Return whether several folders have a file with the same name, or files name students."""
     paths = {file.entry.path[:-1] + (file.entry.path[-1].lower(),) for file in files}
-    students = {student_in(path[-1]) for path in paths} - {""}
+    students = {student_name_in(path[-1]) for path in paths} - {""}
     return len({path[-1] for path in paths}) < len(paths) or len(students) > 1
 
 
 def _is_irrelevant(submitted: SubmittedFile) -> bool:
     name = submitted.path[-1]
-    return not submitted.remark and kind_of(name) == OTHER
+    return not submitted.remark and file_kind(name) == OTHER

@@ -10,7 +10,7 @@ from pathlib import PurePath
 
 from grader.classroom.collect.models import Archive, ArchiveEntry, Owner, SubmittedFile
 from grader.classroom.collect.name_patterns import shared_folders
-from grader.classroom.contents import lesson_by_name
+from grader.classroom.lesson_recognition import lesson_by_name
 from grader.course.lessons import all_lessons, stages
 
 
@@ -36,12 +36,12 @@ def _submitted_file(archive: Archive, entry: ArchiveEntry, path: tuple[str, ...]
     if len(path) > 1 and not _is_course_folder(path[0]):
         label, inner = path[0], path[1:]
     elif len(path) == 1:
-        label = student_in(path[0]) or archive_name
+        label = student_name_in(path[0]) or archive_name
     owner = Owner(label, label, (label,), is_folder=True)
     return SubmittedFile(owner, inner, entry, saved=entry.moment)
 
 
-def student_in(name: str) -> str:
+def student_name_in(name: str) -> str:
     """Return the student's name in a file name; empty if the file name contains only a lesson."""
     stem = PurePath(name).stem
     lessons = "|".join(re.escape(lesson.name) for lesson in all_lessons())

@@ -51,7 +51,7 @@ def _submissions(metadata: ArchiveEntry) -> dict[str, tuple[Owner, int]]:
         # The base loader keeps the zeros at the beginning of a student's number.
         content = yaml.load(metadata.read(), getattr(yaml, "CBaseLoader", yaml.BaseLoader))
         return {
-            folder: (_owner(about[":submitters"]), _order(about.get(":created_at", "")))
+            folder: (_owner(about[":submitters"]), _order_key(about.get(":created_at", "")))
             for folder, about in content.items()
         }
     except (UnreadableFile, yaml.YAMLError, AttributeError, KeyError, TypeError, ValueError):
@@ -71,7 +71,7 @@ def _owner(submitters: list[dict[str, str]]) -> Owner:
     return Owner(label, label, members=members)
 
 
-def _order(time: str) -> int:
+def _order_key(time: str) -> int:
     """Return a sort key for a time such as ``2026-10-12 21:10:00.000000000 Z``."""
     match = re.match(r"(\d{4})-(\d\d)-(\d\d) (\d\d):(\d\d):(\d\d)", time)
     return int("".join(match.groups())) if match else 0

@@ -13,28 +13,28 @@ from dataclasses import dataclass
 from datetime import datetime
 from pathlib import PurePath
 
-from grader.classroom import contents
+from grader.classroom import lesson_recognition
 from grader.classroom.collect.models import ArchiveEntry, UnreadableFile
 from grader.classroom.collect.zips import (
-    MOST_BYTES_OF_A_STUDENT,
-    MOST_FILES_OF_A_STUDENT,
+    MAX_BYTES_PER_STUDENT,
+    MAX_FILES_PER_STUDENT,
     is_hidden,
     open_zip,
 )
-from grader.classroom.contents import NotebookContent, lesson_by_name
+from grader.classroom.lesson_recognition import NotebookContent, lesson_by_name
 from grader.intake.reader_process import ReadingFailed, TooCostly, run_in_child
-from grader.intake.submission import LARGEST_MODULE
+from grader.intake.submission import MAX_MODULE_BYTES
 from utils.notebooks.reading import UnreadableNotebook, is_lfs_pointer
 
-DEEPEST = 3  # levels of nested zips
-TOO_MUCH_OF_A_STUDENT = f"more than {MOST_BYTES_OF_A_STUDENT // 2**20} MB of notebooks"
+MAX_ZIP_DEPTH = 3  # levels of nested zips
+TOO_LARGE = f"more than {MAX_BYTES_PER_STUDENT // 2**20} MB of notebooks"
 NOTEBOOK, MODULE, SUBSTITUTE, OTHER = "notebook", "module", "work", "other"
 
 _LFS_POINTER = (
     "is a Git LFS pointer, because Git has not downloaded the notebook itself. Run `git lfs pull` "
     "in the checkout, and collect again"
 )
-_ASK = "Inspect the file, and ask the student for the .ipynb file without a zip"
+_ASK_FOR_NOTEBOOK = "Inspect the file, and ask the student for the .ipynb file without a zip"
 
 # File types that students submit instead of a notebook.
 _SUBSTITUTES = (".html", ".pdf", ".docx", ".rar", ".7z", ".gz", ".tar", ".tgz", ".ipynb", ".zip")
@@ -54,7 +54,7 @@ class UnpackedFile:
         Only for notebooks and modules.
     saved : datetime or None
         The file's time in the zip that contains it.
-    content : grader.classroom.contents.NotebookContent
+    content : grader.classroom.lesson_recognition.NotebookContent
         Only for notebooks.
     complaint : str
         Why the file cannot be read: the rest of a sentence that begins with the file's name.
@@ -70,9 +70,9 @@ class UnpackedFile:
 
 def unpack_file(entry: ArchiveEntry, name: str) -> list[UnpackedFile]:
     """Unpack one submitted file, given its original name."""
-    if kind_of(name) == OTHER and not name.lower().endswith(".zip"):
+    if file_kind(name) == OTHER and not name.lower().endswith(".zip"):
         return [UnpackedFile((), OTHER)]
-    contents.cache_releases()
+    lesson_recognition.cache_releases()
     try:
         data = entry.read()
         replies = run_in_child(
@@ -82,20 +82,24 @@ def unpack_file(entry: ArchiveEntry, name: str) -> list[UnpackedFile]:
         return [UnpackedFile((), SUBSTITUTE, complaint=str(error))]
     except TooCostly:
         return [
-            UnpackedFile((), SUBSTITUTE, complaint=f"takes too much time or memory to open. {_ASK}")
+            UnpackedFile(
+                (),
+                SUBSTITUTE,
+                complaint=f"takes too much time or memory to open. {_ASK_FOR_NOTEBOOK}",
+            )
         ]
     except ReadingFailed:  # an error in the grader must not affect other files
         return [
             UnpackedFile(
                 (),
                 SUBSTITUTE,
-                complaint=f"cannot be opened. {_ASK}",
+                complaint=f"cannot be opened. {_ASK_FOR_NOTEBOOK}",
             )
         ]
     return [_from_json(*parts) for parts in replies]
 
 
-def kind_of(name: str) -> str:
+def file_kind(name: str) -> str:
     """Return the kind of a file according to its name."""
     path = PurePath(name.lower())
     lesson = lesson_by_name(name)
@@ -114,41 +118,46 @@ def _unpack(
     depth: int = 0,
 ) -> list[UnpackedFile]:
     """Do the work of `unpack_file` in the separate process."""
-    kind = kind_of(name)
+    kind = file_kind(name)
     if name.lower().endswith(".zip"):
         return _unpack_zip(data, path, depth + 1)
     if kind == NOTEBOOK and is_lfs_pointer(data):
         return [UnpackedFile(path, SUBSTITUTE, complaint=_LFS_POINTER)]
     if kind == NOTEBOOK:
         try:
-            return [UnpackedFile(path, kind, data, saved, contents.content_of(data, name))]
+            return [
+                UnpackedFile(path, kind, data, saved, lesson_recognition.content_of(data, name))
+            ]
         except UnreadableNotebook as error:
             complaint = str(error).partition(". ")[0].removeprefix(name).strip(" .")
             # A text file named after a lesson may contain anything.
             kind = NOTEBOOK if ".ipynb" in name.lower() else SUBSTITUTE
             return [UnpackedFile(path, kind, data, saved, complaint=complaint)]
-    if kind == MODULE and len(data) <= LARGEST_MODULE:
+    if kind == MODULE and len(data) <= MAX_MODULE_BYTES:
         return [UnpackedFile(path, kind, data, saved)]
     return [UnpackedFile(path, SUBSTITUTE if kind == SUBSTITUTE else OTHER)]
 
 
 def _unpack_zip(data: bytes, path: tuple[str, ...], depth: int) -> list[UnpackedFile]:
-    if depth > DEEPEST:
+    if depth > MAX_ZIP_DEPTH:
         return [
             UnpackedFile(
-                path, SUBSTITUTE, complaint=f"is nested in {DEEPEST} zips, too deep to open. {_ASK}"
+                path,
+                SUBSTITUTE,
+                complaint=f"is nested in {MAX_ZIP_DEPTH} zips, too deep to open. "
+                + _ASK_FOR_NOTEBOOK,
             )
         ]
     try:
-        entries = open_zip(io.BytesIO(data), MOST_FILES_OF_A_STUDENT)
+        entries = open_zip(io.BytesIO(data), MAX_FILES_PER_STUDENT)
     except UnreadableFile as error:
         return [UnpackedFile(path, SUBSTITUTE, complaint=str(error))]
     files, size = [], 0
-    for parts, entry in entries:
-        inner = (*path, *parts)
-        if is_hidden(parts):
+    for entry_path, entry in entries:
+        inner = (*path, *entry_path)
+        if is_hidden(entry_path):
             continue
-        if kind_of(parts[-1]) == OTHER:
+        if file_kind(entry_path[-1]) == OTHER:
             files.append(UnpackedFile(inner, OTHER))
             continue
         try:
@@ -156,10 +165,10 @@ def _unpack_zip(data: bytes, path: tuple[str, ...], depth: int) -> list[Unpacked
         except UnreadableFile as error:
             files.append(UnpackedFile(inner, SUBSTITUTE, complaint=str(error)))
             continue
-        inside = _unpack(content, parts[-1], inner, entry.moment, depth)
+        inside = _unpack(content, entry_path[-1], inner, entry.moment, depth)
         size += sum(len(unpacked.data) for unpacked in inside)
-        if size > MOST_BYTES_OF_A_STUDENT:
-            return [UnpackedFile(path, SUBSTITUTE, complaint=f"unpacks to {TOO_MUCH_OF_A_STUDENT}")]
+        if size > MAX_BYTES_PER_STUDENT:
+            return [UnpackedFile(path, SUBSTITUTE, complaint=f"unpacks to {TOO_LARGE}")]
         files += inside
     return files
 

@@ -135,14 +135,14 @@ class SubmittedArchive:
     kind : str
         The format.
     files : tuple of SubmittedFile
-    others : tuple of ArchiveEntry
+    other_entries : tuple of ArchiveEntry
         Files that do not belong to a submission.
     """
 
     path: Path
     kind: str
     files: tuple[SubmittedFile, ...]
-    others: tuple[ArchiveEntry, ...] = ()
+    other_entries: tuple[ArchiveEntry, ...] = ()
 
 
 ArchiveReader = Callable[[Archive], list[SubmittedFile] | None]

@@ -23,7 +23,7 @@ _PATH = re.compile(
     r"(?:_?/(?P<path>.+)|_(?P<file>[^/]+)|)",
     re.IGNORECASE,
 )
-_TYPED = "was typed into Moodle instead of uploaded. Ask for the .ipynb file"
+_TYPED_REMARK = "was typed into Moodle instead of uploaded. Ask for the .ipynb file"
 
 
 def read_moodle(archive: Archive) -> list[SubmittedFile] | None:
@@ -41,6 +41,6 @@ def read_moodle(archive: Archive) -> list[SubmittedFile] | None:
             label, label, tuple(name for name in names if not name.isdigit()), participant=number
         )
         path = tuple((parts["path"] or parts["file"] or entry.path[-1]).split("/"))
-        remark = "" if parts["plugin"].lower() == "file" else _TYPED
+        remark = "" if parts["plugin"].lower() == "file" else _TYPED_REMARK
         files.append(SubmittedFile(owner, path, entry, remark=remark))
     return files or None

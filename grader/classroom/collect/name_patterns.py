@@ -13,7 +13,7 @@ from collections.abc import Collection, Sequence
 
 from grader.classroom.collect.models import Archive, ArchiveEntry
 
-MOST_FOLDERS = 6  # above the names that a platform wrote
+MAX_FOLDERS = 6  # above the names that a platform wrote
 Match = tuple[ArchiveEntry, dict[str, str]]
 """A file and the groups of the pattern; a group that does not occur is an empty string."""
 
@@ -29,7 +29,7 @@ def match_paths(archive: Archive, pattern: re.Pattern) -> list[Match]:
     matches = _match_below(archive.entries, pattern, range(depth, depth + 1))
     if matches:
         return matches
-    matches = _match_below(archive.entries, pattern, range(MOST_FOLDERS))
+    matches = _match_below(archive.entries, pattern, range(MAX_FOLDERS))
     matched = {entry for entry, _ in matches}
     return matches if matched.issuperset(filter(may_be_notebook, archive.entries)) else []
 

@@ -8,16 +8,21 @@ import shlex
 import unicodedata
 from collections.abc import Collection, Sequence
 
-from grader.classroom.collect.answers import NOBODY, Answers, ids_in, normalized
+from grader.classroom.collect.instructor_answers import (
+    NO_OWNER,
+    InstructorAnswers,
+    ids_in,
+    normalize_label,
+)
 from grader.classroom.collect.models import CollectError, Owner
-from grader.classroom.collect.worksheet import SubmissionRow, SubmissionTable
+from grader.classroom.collect.submission_table import SubmissionRow, SubmissionTable
 from grader.classroom.collect.zips import names_in_other_code_pages
-from grader.course.roster import Person, Roster, has_other_lms_id, letters
+from grader.course.roster import Person, Roster, has_other_lms_id, letters_and_digits
 
-LONGEST_NAME = 80
-_FOR_A_TEAM = "For a team, write several ids: ID,ID"
+MAX_NAME_LENGTH = 80
+_TEAM_HINT = "For a team, write several ids: ID,ID"
 # Windows does not allow folders with these names, with or without an extension.
-_DEVICES = re.compile(r"(?:con|prn|aux|nul|com\d|lpt\d)(?:\..*)?", re.IGNORECASE)
+_RESERVED_NAME = re.compile(r"(?:con|prn|aux|nul|com\d|lpt\d)(?:\..*)?", re.IGNORECASE)
 
 
 class UnknownOwner(Exception):
@@ -32,10 +37,12 @@ class Owners:
     roster : grader.course.roster.Roster or None
         Without a roster, folders are named as in the archive.
     worksheet : SubmissionTable
-    answers : Answers
+    answers : InstructorAnswers
     """
 
-    def __init__(self, roster: Roster | None, worksheet: SubmissionTable, answers: Answers) -> None:
+    def __init__(
+        self, roster: Roster | None, worksheet: SubmissionTable, answers: InstructorAnswers
+    ) -> None:
         self._roster = roster
         self._worksheet = worksheet
         self._answers = answers
@@ -52,18 +59,18 @@ class Owners:
         if answer is not None:
             return answer
         if self._roster is None:
-            return (self._folder(owner),)
-        people = self._people(owner)
+            return (self._owner_folder(owner),)
+        people = self._find_people(owner)
         if len(people) == 1:
             return (people[0].id,)
         if people:
             raise UnknownOwner(_choice(owner, people))
-        team = self._team(owner)
+        team = self._team_members(owner)
         if team:
             return tuple(person.id for person in team)
-        guessed = self._guessed(owner)
+        guessed = self._people_by_guess(owner)
         if guessed:
-            raise UnknownOwner(f"{_choice(owner, guessed)}. {_FOR_A_TEAM}")
+            raise UnknownOwner(f"{_choice(owner, guessed)}. {_TEAM_HINT}")
         raise UnknownOwner(self._question(owner))
 
     def is_answered(self, owner: Owner) -> bool:
@@ -119,8 +126,8 @@ class Owners:
                 f"together, add {_owner_option(owner, ','.join(team))}. Otherwise, add "
                 f"{_owner_option(owner, person.id)}"
             )
-        names = [letters(name) for name in (person.first_name, person.last_name) if name]
-        if not names or any(name in letters(owner.names[0]) for name in names):
+        names = [letters_and_digits(name) for name in (person.first_name, person.last_name) if name]
+        if not names or any(name in letters_and_digits(owner.names[0]) for name in names):
             return ""
         return (
             f"This submission has the number of {person.id}, but another name. If a team submitted "
@@ -128,25 +135,25 @@ class Owners:
             f"{_owner_option(owner, person.id)}"
         )
 
-    def rows(self, owner: Owner, id: str) -> Sequence[SubmissionRow]:
+    def submission_rows(self, owner: Owner, id: str) -> Sequence[SubmissionRow]:
         """Return the rows in the worksheet that state when a student submitted an owner's files.
 
         For a team, these are the rows of the member whom the archive names, or else the student's
         own rows, or else another member's.
         """
         members = self.ids_of(owner)
-        named = [person.id for person in self._people(owner)] if self._roster else []
+        named = [person.id for person in self._find_people(owner)] if self._roster else []
         submitter = named if len(named) == 1 and named[0] in members else []
         for member in (*submitter, id, *members):
             rows = self._rows_of(owner, member)
-            if any(row.when or row.unclear for row in rows):
+            if any(row.when or row.time_problem for row in rows):
                 return rows
         return self._rows_of(owner, id)
 
     def _rows_of(self, owner: Owner, id: str) -> Sequence[SubmissionRow]:
         """Return a student's rows; empty if Moodle's worksheet has several."""
         person = self._roster.person(id) if self._roster else None
-        row = self._worksheet.participant(owner.participant)
+        row = self._worksheet.row_of_participant(owner.participant)
         if row and (person is None or person in self._people_of(row)):
             return [row]
         rows = self._rows_by_id.get(person.id, []) if person else self._worksheet.rows_with(id)
@@ -162,7 +169,7 @@ class Owners:
                 rows_by_id.setdefault(people[0].id, []).append(row)
         return rows_by_id
 
-    def check(self, answers: dict[str, str]) -> None:
+    def check_answers(self, answers: dict[str, str]) -> None:
         """Check the ids in new answers, as typed.
 
         Raises
@@ -174,7 +181,7 @@ class Owners:
             if "/" in label and ids_in(answer):
                 raise CollectError(
                     f"--who {shlex.quote(label)}=…: a single file can only be ignored, not "
-                    f"assigned. Write {NOBODY} instead of an id."
+                    f"assigned. Write {NO_OWNER} instead of an id."
                 )
             for id in ids_in(answer):
                 self._check_answer(label, id)
@@ -193,63 +200,71 @@ class Owners:
         )
         raise CollectError(f"--who {shlex.quote(label)}=…: {reason} {id}. {remedy}")
 
-    def _people(self, owner: Owner) -> tuple[Person, ...]:
+    def _find_people(self, owner: Owner) -> tuple[Person, ...]:
         people = self._roster.people
         if owner.lms_id:
             found = tuple(person for person in people if person.lms_id == owner.lms_id)
             if found:
                 return found
-        row = self._worksheet.participant(owner.participant)
+        row = self._worksheet.row_of_participant(owner.participant)
         found = self._people_of(row) if row else ()
-        found = found or self._by_login(owner.logins) or self._by_names(owner.names)
+        found = found or self._people_by_login(owner.logins) or self._people_by_names(owner.names)
         return tuple(person for person in found if not has_other_lms_id(person, owner.lms_id))
 
-    def _by_names(self, names: Collection[str]) -> tuple[Person, ...]:
+    def _people_by_names(self, names: Collection[str]) -> tuple[Person, ...]:
         """Return the people who have all known names; all of them if the names contradict."""
-        found = [set(people) for name in names if (people := self._by_name(name))]
+        found = [set(people) for name in names if (people := self._people_by_name(name))]
         people = set.intersection(*found) or set.union(*found) if found else set()
         return tuple(sorted(people, key=self._roster.people.index))
 
-    def _by_name(self, name: str) -> tuple[Person, ...]:
+    def _people_by_name(self, name: str) -> tuple[Person, ...]:
         people = self._roster.find_people(name)
         if people:
             return people
         names = names_in_other_code_pages(name)
         return tuple({person: None for name in names for person in self._roster.find_people(name)})
 
-    def _guessed(self, owner: Owner) -> tuple[Person, ...]:
+    def _people_by_guess(self, owner: Owner) -> tuple[Person, ...]:
         return (
-            self._by_login(owner.guesses)
-            or self._by_names(owner.guesses)
+            self._people_by_login(owner.guesses)
+            or self._people_by_names(owner.guesses)
             or tuple(id for name in owner.names for id in self._roster.people_with_zeros(name))
         )
 
-    def _by_login(self, logins: Collection[str]) -> tuple[Person, ...]:
+    def _people_by_login(self, logins: Collection[str]) -> tuple[Person, ...]:
         wanted = {login.casefold() for login in logins}
         return tuple(
             person for person in self._roster.people if person.github.casefold() in wanted - {""}
         )
 
     def _people_of(self, row: SubmissionRow) -> tuple[Person, ...]:
-        for text in row.identifying:
+        for text in row.identifiers:
             people = self._roster.find_people(text)
             if people:
                 return people
         return ()
 
-    def _team(self, owner: Owner) -> list[Person]:
+    def _team_members(self, owner: Owner) -> list[Person]:
         """Return the members of a team that the archive or worksheet lists, if all are known."""
         if owner.members:
-            found = [self._by_names(names) for names in owner.members]
+            matches = [self._people_by_names(names) for names in owner.members]
             return (
-                [people[0] for people in found] if all(len(people) == 1 for people in found) else []
+                [people[0] for people in matches]
+                if all(len(people) == 1 for people in matches)
+                else []
             )
         # Compare only letters, because archives replace some characters with spaces.
-        names = {letters(name) for name in owner.names}
-        rows = [row for row in self._worksheet.rows if names & set(map(letters, row.others))]
+        names = {letters_and_digits(name) for name in owner.names}
+        rows = [
+            row
+            for row in self._worksheet.rows
+            if names & set(map(letters_and_digits, row.other_cells))
+        ]
         members = [self._people_of(row) for row in rows]
         return (
-            [found[0] for found in members] if all(len(member) == 1 for member in members) else []
+            [matches[0] for matches in members]
+            if all(len(member) == 1 for member in members)
+            else []
         )
 
     def _question(self, owner: Owner) -> str:
@@ -278,13 +293,13 @@ class Owners:
             remedy = "add Moodle's worksheet with --timestamps FILE, or "
         return (
             f"No student on the roster has this name. To assign the files, {remedy}add "
-            f"{_owner_option(owner, 'ID')}. {_FOR_A_TEAM}. To ignore "
-            f"the files, add {_owner_option(owner, NOBODY)}"
+            f"{_owner_option(owner, 'ID')}. {_TEAM_HINT}. To ignore "
+            f"the files, add {_owner_option(owner, NO_OWNER)}"
         )
 
-    def _folder(self, owner: Owner) -> str:
+    def _owner_folder(self, owner: Owner) -> str:
         name = safe_folder(owner.folder)
-        before = self._folders.setdefault(normalized(name), owner.folder)
+        before = self._folders.setdefault(normalize_label(name), owner.folder)
         if before != owner.folder:
             raise UnknownOwner(
                 f"The folder would have the same name as the one for {before}. Add "
@@ -297,8 +312,8 @@ def safe_folder(name: str) -> str:
     """Return the given name, changed where necessary to be a valid folder name on every system."""
     text = unicodedata.normalize("NFC", name)
     text = "".join(c if c.isalnum() or c in " _-.@+()" else "-" for c in text)
-    text = " ".join(text.split())[:LONGEST_NAME].strip(" .-").lstrip("_") or "unnamed"
-    return f"{text}_" if _DEVICES.fullmatch(text) else text
+    text = " ".join(text.split())[:MAX_NAME_LENGTH].strip(" .-").lstrip("_") or "unnamed"
+    return f"{text}_" if _RESERVED_NAME.fullmatch(text) else text
 
 
 def _choice(owner: Owner, people: Sequence[Person]) -> str:

@@ -67,7 +67,7 @@ def read_brightspace(archive: Archive) -> list[SubmittedFile] | None:
         label = f"{name}_{parts['number']}"
         files.append(
             SubmittedFile(
-                Owner(label, label, names), _path(parts["file"]), entry, _order(parts["time"])
+                Owner(label, label, names), _path(parts["file"]), entry, _order_key(parts["time"])
             )
         )
     return files or None
@@ -116,7 +116,7 @@ def _path(text: str) -> tuple[str, ...]:
     return tuple(text.split("/"))
 
 
-def _order(time: str) -> int:
+def _order_key(time: str) -> int:
     """Return a sort key for a time such as ``12 October, 2026 1110 PM``; 0 if it is unreadable.
 
     Names cannot contain the colon of a time.

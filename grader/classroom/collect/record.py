@@ -17,7 +17,7 @@ from grader.classroom.timestamp_file import read_timestamp
 from grader.course.atomic_files import write_atomically
 from grader.course.times import UnclearTime
 
-NAME = ".collected.json"
+RECORD_NAME = ".collected.json"
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class FileOrigin:
     when_text: str = ""
     undecided: str = ""
 
-    def newer_than(self, other: FileOrigin) -> bool | None:
+    def is_newer_than(self, other: FileOrigin) -> bool | None:
         """Return whether this file was submitted after another one; None if that is unknown."""
         own_key, other_key = (self.order, self.moment), (other.order, other.moment)
         if not (self.order and other.order):
@@ -107,7 +107,7 @@ class Record:
 def read_record(folder: Path) -> Record:
     """Return the record of a folder; an empty record if the file is missing or unreadable."""
     with contextlib.suppress(OSError, ValueError, TypeError, KeyError, AttributeError):
-        content = json.loads((folder / NAME).read_text("utf-8"))
+        content = json.loads((folder / RECORD_NAME).read_text("utf-8"))
         files = {name: FileOrigin(**origin) for name, origin in content["files"].items()}
         return Record(**(content | {"files": files}))
     return Record()
@@ -129,10 +129,10 @@ def file_time(path: Path) -> datetime | None:
 
 def write_record(record: Record, folder: Path) -> None:
     """Write the record of a folder."""
-    write_atomically(json.dumps(dataclasses.asdict(record), indent=1), folder / NAME)
+    write_atomically(json.dumps(dataclasses.asdict(record), indent=1), folder / RECORD_NAME)
 
 
-def without_archives(record: Record, archives: Collection[str]) -> Record:
+def remove_archives(record: Record, archives: Collection[str]) -> Record:
     """Return a record without these names of archives and files, which may contain a name."""
     files = {
         name: dataclasses.replace(origin, archive="") if origin.archive in archives else origin
@@ -141,7 +141,7 @@ def without_archives(record: Record, archives: Collection[str]) -> Record:
     return dataclasses.replace(record, files=files)
 
 
-def reason_without_time(folder: Path) -> str:
+def unknown_time_reason(folder: Path) -> str:
     """Return why the submission time of a folder is unknown.
 
     The result is empty if a ``timestamp.txt`` states the time, or if the learning platform marked

@@ -11,7 +11,7 @@ from grader.classroom.collect.inspection import UnpackedFile
 from grader.classroom.collect.models import SubmittedFile
 from grader.classroom.collect.record import FileOrigin
 from grader.classroom.collect.storage import digest_of
-from grader.classroom.contents import copy_number
+from grader.classroom.lesson_recognition import copy_number
 
 
 @dataclass(frozen=True)
@@ -70,14 +70,14 @@ EVIDENCE: tuple[Callable[[StudentFile], object], ...] = (
 )
 
 
-def newest(files: Sequence[StudentFile]) -> list[StudentFile]:
+def find_newest(files: Sequence[StudentFile]) -> list[StudentFile]:
     """Return the newest of some files for one lesson; several if the order is unknown.
 
     A changed notebook takes precedence over an unchanged one, and a readable file over an
     unreadable one. A second download of the released notebook must not replace a student's work.
     """
     candidates = list({file.digest: file for file in files}.values())
-    for better in (
+    for newer_candidates in (
         [file for file in candidates if not file.unpacked.complaint],
         [
             file
@@ -85,7 +85,7 @@ def newest(files: Sequence[StudentFile]) -> list[StudentFile]:
             if not file.unpacked.complaint and not file.unpacked.content.untouched
         ],
     ):
-        candidates = better or candidates
+        candidates = newer_candidates or candidates
     for evidence in EVIDENCE:
         values = [evidence(file) for file in candidates]
         if None not in values:

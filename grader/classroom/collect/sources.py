@@ -8,7 +8,7 @@ from datetime import datetime
 from pathlib import Path
 
 from grader.classroom.collect.models import Archive, ArchiveEntry, CollectError, UnreadableFile
-from grader.classroom.collect.zips import MOST_FILES, clean_path, is_hidden, open_zip
+from grader.classroom.collect.zips import MAX_FILES, clean_path, is_hidden, open_zip
 from grader.intake.notebook import read_file
 from grader.intake.submission import walk_submitted
 from utils.notebooks.reading import UnreadableNotebook
@@ -27,7 +27,7 @@ def open_archive(path: Path) -> Archive:
         raise CollectError(f"{path} does not exist. Correct the path.")
     elif zipfile.is_zipfile(path):
         try:
-            files = open_zip(str(path), MOST_FILES)
+            files = open_zip(str(path), MAX_FILES)
         except UnreadableFile as error:
             raise CollectError(f"{path} {error}. Download it again.") from None
     elif path.suffix.lower() == ".zip":
@@ -47,12 +47,12 @@ def _files_below(root: Path) -> Iterator[tuple[tuple[str, ...], ArchiveEntry]]:
         folders[:] = sorted(name for name in folders if name == ".git" or not is_hidden((name,)))
         for name in sorted(files):
             path = folder / name
-            parts = clean_path(path.relative_to(root).as_posix())
-            yield parts, _entry(path, parts)
+            path_parts = clean_path(path.relative_to(root).as_posix())
+            yield path_parts, _entry(path, path_parts)
         if ".git" in folders:
             folders.remove(".git")
-            parts = (*clean_path(folder.relative_to(root).as_posix()), ".git")
-            yield parts, ArchiveEntry(parts, datetime.min, bytes)
+            path_parts = (*clean_path(folder.relative_to(root).as_posix()), ".git")
+            yield path_parts, ArchiveEntry(path_parts, datetime.min, bytes)
 
 
 def _entry(path: Path, parts: tuple[str, ...]) -> ArchiveEntry:

@@ -8,7 +8,7 @@ from datetime import datetime
 
 from grader.classroom.collect.record import FileOrigin
 from grader.classroom.timestamp_file import format_timestamp
-from grader.course.times import quoted
+from grader.course.times import quote_beginning
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class StatedTime:
             return False
         return self.text == known.when_text or self.when < datetime.fromisoformat(known.when)
 
-    def applied_to(self, origin: FileOrigin, reason: str) -> FileOrigin:
+    def apply_to(self, origin: FileOrigin, reason: str) -> FileOrigin:
         """Return an origin with this time or, without one, with the reason why it is unknown."""
         if not self.when:
             return dataclasses.replace(origin, when="", when_text="", undecided=reason)
@@ -48,12 +48,14 @@ class StatedTime:
             origin, when=self.when.isoformat(), when_text=self.text, undecided=""
         )
 
-    def remark(self, before: datetime | None, now: datetime, file: str, is_by_hand: bool) -> str:
+    def remark(
+        self, earlier_time: datetime | None, current_time: datetime, file: str, is_by_hand: bool
+    ) -> str:
         """Return what became of this time if the files have not changed.
 
         Parameters
         ----------
-        before, now : datetime
+        earlier_time, current_time : datetime
             The times in ``timestamp.txt`` before and after collecting.
         file : str
             Path of ``timestamp.txt``.
@@ -65,21 +67,23 @@ class StatedTime:
         str
             A sentence without a full stop; empty if the times agree.
         """
-        shown = format_timestamp(now)
+        shown_time = format_timestamp(current_time)
         if not self.when:
             reason = self.undecided[:1].upper() + self.undecided[1:]
-            return f"{reason}, so the earlier time, {shown}, still counts" if self.text else ""
-        if before and format_timestamp(before) != shown:
+            return f"{reason}, so the earlier time, {shown_time}, still counts" if self.text else ""
+        if earlier_time and format_timestamp(earlier_time) != shown_time:
             return (
-                f"The submission time was {format_timestamp(before)} and is now {shown}, because "
-                f"the table of submission times has {quoted(self.text)}"
+                f"The submission time was {format_timestamp(earlier_time)} and is now "
+                f"{shown_time}, because "
+                f"the table of submission times has {quote_beginning(self.text)}"
             )
-        wanted = format_timestamp(self.when)
-        if shown == wanted or (self.when < now and not is_by_hand):
+        stated_time = format_timestamp(self.when)
+        if shown_time == stated_time or (self.when < current_time and not is_by_hand):
             return ""
         return (
-            f"The table of submission times has {quoted(self.text)}, but {file} has {shown} for "
-            f"the same files. The time in {file} counts. To change it, write {wanted} there"
+            f"The table of submission times has {quote_beginning(self.text)}, but {file} has "
+            f"{shown_time} for "
+            f"the same files. The time in {file} counts. To change it, write {stated_time} there"
         )
 
 

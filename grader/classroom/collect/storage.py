@@ -29,8 +29,10 @@ from utils.notebooks.reading import UnreadableNotebook
 
 NEW, NEWER, SAME, KEPT = "new", "newer", "same", "kept"
 OLDER_FOLDER = ".older"
-_INTERRUPTED = "collecting was interrupted before the submission time was written; collect again"
-_RESUBMITTED = "the work was submitted again, and the time is unknown"
+_INTERRUPTED_REASON = (
+    "collecting was interrupted before the submission time was written; collect again"
+)
+_RESUBMITTED_REASON = "the work was submitted again, and the time is unknown"
 
 
 class UnclearVersion(Exception):
@@ -52,17 +54,21 @@ class StageFolder:
     stated : StatedTime, optional
     """
 
-    def __init__(self, path: Path, stated: StatedTime = NOTHING_STATED) -> None:
+    def __init__(self, path: Path, stated_time: StatedTime = NOTHING_STATED) -> None:
         self.path = path
         self._record = read_record(path)
-        self._stated = stated
+        self._stated = stated_time
         self._time_before, _ = _read_time(path)
         self._placed: dict[str, str] = {}
         self._is_new = self._is_unchanged = False
         self._keeps_time_by_hand = False
 
     def place(
-        self, name: str, data: bytes, origin: FileOrigin, current: Submission | None = None
+        self,
+        name: str,
+        data: bytes,
+        origin: FileOrigin,
+        current_submission: Submission | None = None,
     ) -> str:
         """Place a file, or keep the existing one.
 
@@ -71,7 +77,7 @@ class StageFolder:
         name : str
         data : bytes
         origin : FileOrigin
-        current : Submission, optional
+        current_submission : Submission, optional
             The submission that counts for the lesson now, under any name.
 
         Returns
@@ -86,28 +92,36 @@ class StageFolder:
         if self._placed.setdefault(name, origin.digest) != origin.digest:
             raise UnclearVersion(
                 f"differs from the {name} next to another notebook of this student. In "
-                f"{self._relative(self.path)}, create one folder per notebook, and move each "
+                f"{self._relative_path(self.path)}, create one folder per notebook, and move each "
                 f"notebook into its folder together with its {name}"
             )
-        existing = current.path if current else self.path / name
+        existing = current_submission.path if current_submission else self.path / name
         if not os.path.lexists(existing):
             self._write(name, data, origin)
             return NEW
         existing_digest = _digest_of_file(existing)
-        recorded = self._record.files.get(existing.name)
+        recorded_origin = self._record.files.get(existing.name)
         if existing_digest == origin.digest:
             if existing.parent == self.path:
-                self._record_unchanged(existing.name, origin, recorded)
+                self._record_unchanged(existing.name, origin, recorded_origin)
             return SAME
-        if recorded is None or recorded.digest != existing_digest or existing.parent != self.path:
-            reason = "was changed after it was collected" if recorded else "was added by hand"
-            raise UnclearVersion(
-                f"differs from {self._relative(existing)}, which {reason}. Delete one of the two"
+        if (
+            recorded_origin is None
+            or recorded_origin.digest != existing_digest
+            or existing.parent != self.path
+        ):
+            reason = (
+                "was changed after it was collected" if recorded_origin else "was added by hand"
             )
-        newer = origin.newer_than(recorded)
+            raise UnclearVersion(
+                f"differs from {self._relative_path(existing)}, which {reason}. Delete one of the "
+                "two"
+            )
+        newer = origin.is_newer_than(recorded_origin)
         if newer is None:
             raise UnclearVersion(
-                f"differs from {self._relative(existing)}, and it is unknown which of the two is "
+                f"differs from {self._relative_path(existing)}, and it is unknown which of the "
+                "two is "
                 "newer. To collect this file, delete the other"
             )
         if not newer:
@@ -157,14 +171,16 @@ class StageFolder:
         is_about_same_files = self._is_unchanged or not self._stated.when
         if now is None or self._is_new or not is_about_same_files:
             return ""
-        file = self._relative(self.path / TIMESTAMP_FILE)
+        file = self._relative_path(self.path / TIMESTAMP_FILE)
         return self._stated.remark(self._time_before, now, file, self._keeps_time_by_hand)
 
     def is_late(self) -> bool:
         """Return whether the learning platform marked a collected file late."""
         return any(origin.late for origin in self._record.files.values())
 
-    def _write(self, name: str, data: bytes, origin: FileOrigin, older: Path | None = None) -> None:
+    def _write(
+        self, name: str, data: bytes, origin: FileOrigin, backup: Path | None = None
+    ) -> None:
         """Write a file and record its own submission time, never the time of another file."""
         was_timed = (self.path / TIMESTAMP_FILE).is_file() or any(
             file.when for file in self._record.files.values()
@@ -172,31 +188,33 @@ class StageFolder:
         self._remove_time()
         self._is_new = True
         reason = self._stated.undecided or (
-            _RESUBMITTED if was_timed and not self._stated.when else ""
+            _RESUBMITTED_REASON if was_timed and not self._stated.when else ""
         )
-        if older:
-            self._back_up(older)
+        if backup:
+            self._back_up(backup)
         write_atomically(data, self.path / name)
-        self._record_file(name, self._stated.applied_to(origin, reason))
+        self._record_file(name, self._stated.apply_to(origin, reason))
 
     def _record_unchanged(self, name: str, origin: FileOrigin, recorded: FileOrigin | None) -> None:
         """Record a file that is already in place, with its earlier or its new time."""
         self._is_unchanged = True
-        known = recorded if recorded and recorded.digest == origin.digest else None
-        newer = known is None or origin.newer_than(known)
-        updated = origin if newer else known
+        known_origin = recorded if recorded and recorded.digest == origin.digest else None
+        newer = known_origin is None or origin.is_newer_than(known_origin)
+        updated_origin = origin if newer else known_origin
         is_by_hand = self._is_time_by_hand()
-        if is_by_hand or (known and known.when and not self._stated.corrects(known)):
-            self._keeps_time_by_hand |= is_by_hand or not known.when_text
-            updated = dataclasses.replace(updated, **_time_fields(known))
+        if is_by_hand or (
+            known_origin and known_origin.when and not self._stated.corrects(known_origin)
+        ):
+            self._keeps_time_by_hand |= is_by_hand or not known_origin.when_text
+            updated_origin = dataclasses.replace(updated_origin, **_time_fields(known_origin))
         else:
-            reason = self._stated.undecided or (known.undecided if known else "")
-            updated = self._stated.applied_to(updated, reason)
-        if updated == recorded:
+            reason = self._stated.undecided or (known_origin.undecided if known_origin else "")
+            updated_origin = self._stated.apply_to(updated_origin, reason)
+        if updated_origin == recorded:
             return
-        if not is_by_hand and _time_fields(known) != _time_fields(updated):
+        if not is_by_hand and _time_fields(known_origin) != _time_fields(updated_origin):
             self._remove_time()
-        self._record_file(name, updated)
+        self._record_file(name, updated_origin)
 
     def _is_time_by_hand(self) -> bool:
         """Return whether ``timestamp.txt`` has a time that `write_time` did not write."""
@@ -211,16 +229,16 @@ class StageFolder:
         A time that `write_time` did not write was entered by hand and applies to all files.
         """
         path = self.path / TIMESTAMP_FILE
-        record = dataclasses.replace(self._record, undecided=_INTERRUPTED)
+        record = dataclasses.replace(self._record, undecided=_INTERRUPTED_REASON)
         if self._is_time_by_hand():
-            record = self._with_time_set_by_hand(record)
+            record = self._adopt_time_set_by_hand(record)
         if path.is_file():
             self._back_up(path)
         if record != self._record:
             self._save_record(record)
         path.unlink(missing_ok=True)
 
-    def _with_time_set_by_hand(self, record: Record) -> Record:
+    def _adopt_time_set_by_hand(self, record: Record) -> Record:
         time, undecided = _read_time(self.path)
         when = time.isoformat() if time else ""
         files = {
@@ -245,9 +263,9 @@ class StageFolder:
     def _back_up(self, path: Path) -> None:
         data = path.read_bytes()
         if digest_of(data) not in map(_digest_of_file, (self.path / OLDER_FOLDER).glob("*")):
-            write_atomically(data, next(self._free_names(path)))
+            write_atomically(data, next(self._unused_paths(path)))
 
-    def _free_names(self, path: Path) -> Iterator[Path]:
+    def _unused_paths(self, path: Path) -> Iterator[Path]:
         number = 1
         while True:
             free = self.path / OLDER_FOLDER / f"{path.stem}.{number}{path.suffix}"
@@ -255,7 +273,7 @@ class StageFolder:
                 yield free
             number += 1
 
-    def _relative(self, path: Path) -> str:
+    def _relative_path(self, path: Path) -> str:
         return path.relative_to(self.path.parents[2]).as_posix()
 
 

@@ -7,10 +7,10 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from grader.classroom.collect import inspection
-from grader.classroom.collect.answers import Answers
+from grader.classroom.collect.collection_report import UNANSWERED_MARK, CollectionReport, Question
 from grader.classroom.collect.identification import (
-    Contradiction,
-    Unrecognised,
+    ContradictoryLesson,
+    UnrecognisedLesson,
     lesson_of,
     lesson_option,
 )
@@ -18,22 +18,22 @@ from grader.classroom.collect.inspection import (
     MODULE,
     NOTEBOOK,
     OTHER,
-    TOO_MUCH_OF_A_STUDENT,
+    TOO_LARGE,
     unpack_file,
 )
+from grader.classroom.collect.instructor_answers import InstructorAnswers
 from grader.classroom.collect.models import SubmittedFile
-from grader.classroom.collect.outcome import UNANSWERED, CollectionReport, Question
-from grader.classroom.collect.selection import StudentFile, newest
+from grader.classroom.collect.selection import StudentFile, find_newest
 from grader.classroom.collect.stated_time import NOTHING_STATED, StatedTime
 from grader.classroom.collect.storage import KEPT, StageFolder, UnclearVersion
-from grader.classroom.collect.worksheet import SubmissionRow
-from grader.classroom.contents import lesson_by_name
+from grader.classroom.collect.submission_table import SubmissionRow
+from grader.classroom.lesson_recognition import lesson_by_name
 from grader.classroom.submissions import Submission
 from grader.classroom.timestamp_file import TIMESTAMP_FILE
 from grader.course.lessons import Lesson
 from grader.course.paths import Course
 
-_TABLE = "the table of submission times"
+_TABLE_NAME = "the table of submission times"
 
 
 class StudentCollector:
@@ -45,7 +45,7 @@ class StudentCollector:
     id : str
     existing : dict of Lesson to Submission
         The student's submissions in ``submitted/``.
-    answers : Answers
+    answers : InstructorAnswers
     report : CollectionReport
         The report to which results are added.
     """
@@ -55,7 +55,7 @@ class StudentCollector:
         course: Course,
         id: str,
         existing: dict[Lesson, Submission],
-        answers: Answers,
+        answers: InstructorAnswers,
         report: CollectionReport,
     ) -> None:
         self._course, self._id, self._existing = course, id, existing
@@ -75,24 +75,24 @@ class StudentCollector:
         rows : sequence of SubmissionRow, or None
             The student's rows in the table of submission times; None without a table.
         """
-        files = self._files(submitted)
-        notebooks = self._by_lesson(files)
+        files = self._unpack_files(submitted)
+        notebooks = self._group_by_lesson(files)
         stated = _stated_time(submitted, rows)
         folders: dict[str, StageFolder] = {}
         for lesson, candidates in sorted(notebooks.items(), key=lambda pair: pair[0].name):
             if lesson in self._report.lessons:
                 folder = folders.setdefault(lesson.stage, self._folder(lesson.stage, stated))
-                self._states[lesson] = self._place(folder, lesson, candidates, files)
+                self._states[lesson] = self._place_lesson(folder, lesson, candidates, files)
             else:
                 self._ask_about_other_stage(lesson, candidates)
         if stated.when and folders:
-            self._report.timed.append(self._id)
+            self._report.students_with_time.append(self._id)
         self._write_times(folders.values())
         if not notebooks and not self._problems:
             self._report_missing_work([file for _, file in submitted])
         self._report_problems()
 
-    def _files(self, submitted: Sequence[tuple[Path, SubmittedFile]]) -> list[StudentFile]:
+    def _unpack_files(self, submitted: Sequence[tuple[Path, SubmittedFile]]) -> list[StudentFile]:
         """Return notebooks and modules; record files sent instead of a notebook as problems."""
         files, size = [], 0
         for archive, submitted_file in submitted:
@@ -104,8 +104,8 @@ class StudentCollector:
                 continue
             unpacked_files = unpack_file(submitted_file.entry, submitted_file.path[-1])
             size += sum(len(unpacked.data) for unpacked in unpacked_files)
-            if size > inspection.MOST_BYTES_OF_A_STUDENT:
-                total = f"brings the student's total to {TOO_MUCH_OF_A_STUDENT}"
+            if size > inspection.MAX_BYTES_PER_STUDENT:
+                total = f"brings the student's total to {TOO_LARGE}"
                 text = f"{total}. Ask for smaller files"
                 self._add_problem(
                     submitted_file.name, text, lesson_by_name(submitted_file.path[-1])
@@ -128,10 +128,10 @@ class StudentCollector:
         content = file.digest if file.unpacked.data else ""
         ignored = self._answers.is_ignored(file.name, content)
         if ignored and content:
-            self._report.dismissed.add((file.name, content))
+            self._report.ignored_files.add((file.name, content))
         return ignored
 
-    def _by_lesson(self, files: Sequence[StudentFile]) -> dict[Lesson, list[StudentFile]]:
+    def _group_by_lesson(self, files: Sequence[StudentFile]) -> dict[Lesson, list[StudentFile]]:
         """Return the notebooks by lesson, and ask about notebooks whose lesson is unknown."""
         notebooks: dict[Lesson, list[StudentFile]] = {}
         for file in files:
@@ -144,16 +144,16 @@ class StudentCollector:
                 lesson = self._answers.lessons.get(file.name) or lesson_of(
                     file, self._existing, self._is_placed
                 )
-            except Unrecognised as problem:
+            except UnrecognisedLesson as problem:
                 self._add_problem(file.name, str(problem))
-            except Contradiction as question:
-                self._states.update(dict.fromkeys(question.lessons, UNANSWERED))
+            except ContradictoryLesson as question:
+                self._states.update(dict.fromkeys(question.lessons, UNANSWERED_MARK))
                 self._report.add_question(file.name, str(question))
             else:
                 notebooks.setdefault(lesson, []).append(file)
         return notebooks
 
-    def _place(
+    def _place_lesson(
         self,
         folder: StageFolder,
         lesson: Lesson,
@@ -162,11 +162,15 @@ class StudentCollector:
     ) -> str:
         """Place a lesson's newest file with its modules, and return the state of the lesson."""
         name = f"{lesson.name}.ipynb"
-        answered = [file for file in candidates if file.name in self._answers.lessons]
+        has_answer = [file for file in candidates if file.name in self._answers.lessons]
         outdated_digests = folder.outdated_digests(name)
-        newest_files = newest(
-            answered
-            or [one for one in candidates if one.digest not in outdated_digests]
+        newest_files = find_newest(
+            has_answer
+            or [
+                newest_file
+                for newest_file in candidates
+                if newest_file.digest not in outdated_digests
+            ]
             or candidates
         )
         if len(newest_files) > 1:
@@ -177,16 +181,16 @@ class StudentCollector:
                 f"{lesson_option(newest_files[0], lesson.number)}, or the same option for the "
                 "other file",
             )
-            return UNANSWERED
+            return UNANSWERED_MARK
         file = newest_files[0]
-        if answered:
-            outdated_digests = {one.digest for one in candidates} - {file.digest}
+        if has_answer:
+            outdated_digests = {newest_file.digest for newest_file in candidates} - {file.digest}
         origin = dataclasses.replace(file.origin, beaten=tuple(sorted(outdated_digests)))
         try:
             state = folder.place(name, file.unpacked.data, origin, self._existing.get(lesson))
         except UnclearVersion as question:
             self._report.add_question(file.name, str(question))
-            return UNANSWERED
+            return UNANSWERED_MARK
         if state != KEPT:
             self._place_modules(folder, file, files)
         if file.unpacked.complaint:
@@ -208,7 +212,7 @@ class StudentCollector:
             if file.unpacked.kind == MODULE and file.is_next_to(notebook):
                 modules.setdefault(file.path[-1], []).append(file)
         for name, candidates in modules.items():
-            file = newest(candidates)[0]
+            file = find_newest(candidates)[0]
             try:
                 folder.place(name, file.unpacked.data, file.origin)
             except UnclearVersion as question:
@@ -236,7 +240,7 @@ class StudentCollector:
             if reason:
                 self._report.undecided[self._id] = reason
             elif folder.is_late() and not (folder.path / TIMESTAMP_FILE).is_file():
-                self._report.late.append(self._id)
+                self._report.late_students.append(self._id)
             remark = folder.time_remark()
             if remark:
                 self._report.remarks.append(Question(self._id, remark))
@@ -282,15 +286,15 @@ def _stated_time(
 ) -> StatedTime:
     """Return when a student submitted according to the table of submission times."""
     for row in rows or ():
-        if row.unclear:
-            return StatedTime(None, row.time_text, f"{_TABLE} {row.unclear}")
+        if row.time_problem:
+            return StatedTime(None, row.time_text, f"{_TABLE_NAME} {row.time_problem}")
     timed = [row for row in rows or () if row.when]
     if timed:
         latest = max(timed, key=lambda row: row.when)
         return StatedTime(latest.when, latest.time_text)
     if rows:
-        return StatedTime(undecided=f"{_TABLE} has no time for this student")
+        return StatedTime(undecided=f"{_TABLE_NAME} has no time for this student")
     # If the platform marks late work, all other work is on time and needs no row in the table.
     if rows is None or all(one.late is False for _, one in submitted):
         return StatedTime()
-    return StatedTime(undecided=f"{_TABLE} has no row or several rows for this student")
+    return StatedTime(undecided=f"{_TABLE_NAME} has no row or several rows for this student")

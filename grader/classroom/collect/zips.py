@@ -17,16 +17,16 @@ from datetime import datetime
 from typing import IO
 
 from grader.classroom.collect.models import ArchiveEntry, UnreadableFile
-from grader.intake.notebook import LARGEST_FILE
+from grader.intake.notebook import MAX_FILE_BYTES
 from grader.intake.submission import PACKAGE_FOLDERS
 
-MOST_FILES = 200_000
-MOST_FILES_OF_A_STUDENT = 5_000
-MOST_BYTES_OF_A_STUDENT = 96 * 2**20  # of notebooks and modules
+MAX_FILES = 200_000
+MAX_FILES_PER_STUDENT = 5_000
+MAX_BYTES_PER_STUDENT = 96 * 2**20  # of notebooks and modules
 # A notebook full of zeros shrinks to 1/150 of its size, and a zip bomb to 1/1000.
-MOST_COMPRESSION = 300
+MAX_COMPRESSION = 300
 _SMALL_FILE = 2**20
-_DAMAGE = (
+_DAMAGE_ERRORS = (
     zipfile.BadZipFile,
     zlib.error,
     lzma.LZMAError,
@@ -37,7 +37,7 @@ _DAMAGE = (
     NotImplementedError,  # a compression method that Python does not support
     RuntimeError,  # the zip has a password
 )
-_JUNK = ("__MACOSX", "__pycache__", *PACKAGE_FOLDERS)
+_IGNORED_FOLDERS = ("__MACOSX", "__pycache__", *PACKAGE_FOLDERS)
 # Windows writes names in the code page of the system's language, and zips do not name it.
 _CODE_PAGES = (
     *("cp850", "cp1252", "cp852", "cp1250", "cp866", "cp1251", "cp737", "cp857"),
@@ -56,7 +56,7 @@ def clean_path(name: str) -> tuple[str, ...]:
 
 def is_hidden(path: tuple[str, ...]) -> bool:
     """Return whether a path is hidden or in a folder that a program creates."""
-    return any(part.startswith(".") or part in _JUNK for part in path)
+    return any(part.startswith(".") or part in _IGNORED_FOLDERS for part in path)
 
 
 def open_zip(file: IO[bytes] | str, limit: int) -> list[tuple[tuple[str, ...], ArchiveEntry]]:
@@ -68,14 +68,14 @@ def open_zip(file: IO[bytes] | str, limit: int) -> list[tuple[tuple[str, ...], A
     """
     try:
         archive = zipfile.ZipFile(file)
-    except _DAMAGE as error:
-        raise UnreadableFile(f"cannot be opened as a zip: {_reason(error)}") from None
+    except _DAMAGE_ERRORS as error:
+        raise UnreadableFile(f"cannot be opened as a zip: {_error_reason(error)}") from None
     # `ZipInfo.is_dir` fails for empty names.
     infos = [info for info in archive.infolist() if not info.filename.endswith("/")]
     if len(infos) > limit:
         raise UnreadableFile(f"contains {len(infos):,} files, more than the limit of {limit:,}")
     return [
-        (path, ArchiveEntry(path, _moment(info), _reader(archive, info)))
+        (path, ArchiveEntry(path, _time_saved(info), _reader(archive, info)))
         for info in infos
         if (path := clean_path(_name(info)))
     ]
@@ -104,7 +104,7 @@ def names_in_other_code_pages(name: str) -> tuple[str, ...]:
     return tuple(name for name in dict.fromkeys(names) if name)
 
 
-def _moment(info: zipfile.ZipInfo) -> datetime:
+def _time_saved(info: zipfile.ZipInfo) -> datetime:
     try:
         return datetime(*info.date_time)
     except ValueError:
@@ -113,32 +113,32 @@ def _moment(info: zipfile.ZipInfo) -> datetime:
 
 def _reader(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> Callable[[], bytes]:
     def read() -> bytes:
-        _check(info)
+        _check_entry(info)
         try:
             with archive.open(info) as file:
-                return file.read(LARGEST_FILE)
-        except _DAMAGE as error:
-            raise UnreadableFile(f"cannot be unpacked: {_reason(error)}") from None
+                return file.read(MAX_FILE_BYTES)
+        except _DAMAGE_ERRORS as error:
+            raise UnreadableFile(f"cannot be unpacked: {_error_reason(error)}") from None
 
     return read
 
 
-def _check(info: zipfile.ZipInfo) -> None:
+def _check_entry(info: zipfile.ZipInfo) -> None:
     """Reject links, passwords and large declared sizes, which unpacking never exceeds."""
     if stat.S_ISLNK(info.external_attr >> 16):
         raise UnreadableFile("is a link to another file. Ask for the file itself")
     if info.flag_bits & 0x1:
         raise UnreadableFile("has a password. Ask for the file without a password")
-    if info.file_size > LARGEST_FILE:
+    if info.file_size > MAX_FILE_BYTES:
         raise UnreadableFile(
-            f"is larger than {LARGEST_FILE // 2**20} MB. Ask for the notebook without outputs"
+            f"is larger than {MAX_FILE_BYTES // 2**20} MB. Ask for the notebook without outputs"
         )
-    if info.file_size > max(_SMALL_FILE, MOST_COMPRESSION * info.compress_size):
+    if info.file_size > max(_SMALL_FILE, MAX_COMPRESSION * info.compress_size):
         raise UnreadableFile(
             f"unpacks to {info.file_size / max(1, info.compress_size):,.0f} times its size, "
             "like a zip bomb. Ask for the notebook without outputs"
         )
 
 
-def _reason(error: Exception) -> str:
+def _error_reason(error: Exception) -> str:
     return str(error).rstrip(".") or type(error).__name__

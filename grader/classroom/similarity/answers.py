@@ -20,8 +20,8 @@ from grader.intake.submission import SubmittedFiles
 from utils.notebooks import slicing
 
 # Real answers are far below both limits, and a person could not compare longer answers by eye.
-MOST_STEPS = 1000
-MOST_CHARACTERS = 50_000
+MAX_STEPS = 1000
+MAX_CHARACTERS = 50_000
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class NotebookParts:
         The student's answers, by exercise.
     cells : str
         A digest of the text in the cells; empty for an unchanged notebook.
-    own, all : int
+    own_cells, all_cells : int
         The number of cells that differ from the release, and the total number of cells.
     problems : tuple of str
         One sentence for each exercise that cannot be compared.
@@ -61,8 +61,8 @@ class NotebookParts:
 
     answers: dict[str, ComparedAnswer] = dataclasses.field(hash=False)
     cells: str
-    own: int
-    all: int
+    own_cells: int
+    all_cells: int
     problems: tuple[str, ...]
 
 
@@ -86,8 +86,8 @@ def read_notebook_parts(submitted_files: SubmittedFiles, lesson: Lesson) -> Note
         return {
             "answers": {name: dataclasses.asdict(answer) for name, answer in answers.items()},
             "cells": _digest(json.dumps(cells)) if own else "",
-            "own": own.total(),
-            "all": len(cells),
+            "own_cells": own.total(),
+            "all_cells": len(cells),
             "problems": problems,
         }
 
@@ -113,30 +113,40 @@ def answers_in(code: Iterable[str], lesson: Lesson) -> tuple[dict[str, ComparedA
     released_sources = {source for _, source in released_cells(lesson)}
     code = [source for source in code if source.rstrip() not in released_sources]
     released, imported = _released_statements(lesson)
-    own = [part for part in slicing.parse_notebook(code)[0] if _dump(part.node) not in released]
-    known = {**imported, **_imported(own), **_given_names(lesson)}
+    own_statements = [
+        part for part in slicing.parse_notebook(code)[0] if _dump(part.node) not in released
+    ]
+    known_names = {**imported, **_imported_names(own_statements), **_given_names(lesson)}
     answers, problems = {}, []
     for name in (exercise.name for exercise in lesson.machine_graded):
         try:
-            answer = _answer(name, own, code, known, lesson)
+            answer = _extract_answer(name, own_statements, code, known_names, lesson)
         except RecursionError:
             problems.append(f"{name} is nested too deeply to be compared.")
             continue
-        if len(answer.steps) > MOST_STEPS or len(answer.text) > MOST_CHARACTERS:
+        if len(answer.steps) > MAX_STEPS or len(answer.text) > MAX_CHARACTERS:
             problems.append(f"{name} is too long to be compared.")
         elif answer.steps:
             answers[name] = answer
     return answers, problems
 
 
-def _answer(
-    name: str, own: list, code: list[str], known: Mapping[str, str], lesson: Lesson
+def _extract_answer(
+    name: str,
+    needed_statements: list,
+    code: list[str],
+    known_names: Mapping[str, str],
+    lesson: Lesson,
 ) -> ComparedAnswer:
     # If the student has replaced the given class, the new class contains the answer.
-    names = [name] if any(name in part.binds for part in own) else list(lesson.header.given)
-    others = _exercises() - {name}
+    names = (
+        [name]
+        if any(name in part.binds for part in needed_statements)
+        else list(lesson.header.given)
+    )
+    others = _exercise_names() - {name}
     lines, steps, nodes = [], [], []
-    for statement in slicing.slice_for(names, own):
+    for statement in slicing.slice_for(names, needed_statements):
         node = statement.node
         if statement.binds & others or isinstance(node, (ast.Import, ast.ImportFrom)):
             continue
@@ -151,7 +161,7 @@ def _answer(
         )
         steps += [
             dataclasses.replace(step, first=step.first + offset, last=step.last + offset)
-            for step in steps_of(node, known, parameters)
+            for step in steps_of(node, known_names, parameters)
         ]
         nodes.append(ast.dump(node))
     return ComparedAnswer("\n".join(lines).rstrip(), tuple(steps), _digest("\n".join(nodes)))
@@ -164,29 +174,31 @@ def _dump(node: ast.AST) -> str:
         return ""
 
 
-def _imported(statements: Iterable[slicing.Statement]) -> dict[str, str]:
+def _imported_names(statements: Iterable[slicing.Statement]) -> dict[str, str]:
     """Return the qualified name of each name that a notebook imports."""
-    found = {}
+    qualified_names = {}
     for statement in statements:
         for node in ast.walk(statement.node):
             if isinstance(node, ast.Import):
                 for alias in node.names:
                     module = alias.name if alias.asname else alias.name.split(".")[0]
-                    found[alias.asname or module] = module
+                    qualified_names[alias.asname or module] = module
             elif isinstance(node, ast.ImportFrom):
                 for alias in node.names:
-                    found[alias.asname or alias.name] = f"{node.module or ''}.{alias.name}"
-    return found
+                    qualified_names[alias.asname or alias.name] = (
+                        f"{node.module or ''}.{alias.name}"
+                    )
+    return qualified_names
 
 
 @functools.cache
-def _exercises() -> frozenset[str]:
+def _exercise_names() -> frozenset[str]:
     return frozenset(exercise.name for lesson in all_lessons() for exercise in lesson.exercises)
 
 
 def _given_names(lesson: Lesson) -> dict[str, str]:
     """Return the names of exercises and given functions, which the student did not choose."""
-    return {name: name for name in (*_exercises(), *lesson.header.given)}
+    return {name: name for name in (*_exercise_names(), *lesson.header.given)}
 
 
 @functools.cache
@@ -201,7 +213,7 @@ def _released_statements(lesson: Lesson) -> tuple[frozenset[str], dict[str, str]
     """Return the released statements, and the qualified names of their imports."""
     code = [source for kind, source in released_cells(lesson) if kind == "code"]
     statements, _ = slicing.parse_notebook(code)
-    return frozenset(_dump(statement.node) for statement in statements), _imported(statements)
+    return frozenset(_dump(statement.node) for statement in statements), _imported_names(statements)
 
 
 @functools.cache
@@ -223,15 +235,15 @@ def kept_answers(lesson: Lesson) -> dict[str, tuple[ComparedAnswer, ...]]:
 def suggested_answers(lesson: Lesson) -> dict[str, tuple[ComparedAnswer, ...]]:
     """Return the answers that the lesson's solution and hints suggest, by exercise."""
     solved, _ = answers_in([lesson.text], lesson)
-    found = {}
+    suggestions = {}
     for exercise in lesson.machine_graded:
         hints = [
             _kept_answer(lesson, exercise.name, variant.source)
             for variant in answers_to(exercise.name)
             if variant.follows_hints
         ]
-        found[exercise.name] = tuple(filter(None, [solved.get(exercise.name), *hints]))
-    return found
+        suggestions[exercise.name] = tuple(filter(None, [solved.get(exercise.name), *hints]))
+    return suggestions
 
 
 def _kept_answer(lesson: Lesson, exercise: str, source: str) -> ComparedAnswer | None:

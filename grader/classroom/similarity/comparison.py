@@ -13,8 +13,8 @@ from grader.classroom.similarity.weights import Document, Weights
 # A pair is reported if the two answers share at least this fraction of their unusual parts, and if
 # their common part has this many bits more than are needed to single out one pair in the class.
 # `tests/test_similarity.py` measures hits and false alarms.
-LEAST_SHARE = 0.6
-LEAST_BITS = 7.0
+MIN_SHARE = 0.6
+MIN_BITS = 7.0
 
 
 @dataclass(frozen=True)
@@ -30,15 +30,15 @@ class Pair:
         Fraction of the two answers' unusual parts that they have in common.
     bits : float
         How unusual the common part is, in bits.
-    alike : tuple of frozenset of int
+    similar_steps : tuple of frozenset of int
         For each answer, the indices of its statements that the other answer also contains.
-    steps : tuple of int
+    step_counts : tuple of int
         The number of statements in each answer.
-    exclusive : int
+    exclusive_steps : int
         The number of common statements that no third answer has.
-    others : tuple of int
+    other_counts : tuple of int
         The number of other answers in the class, and of answers kept with the course.
-    nearest : tuple of float
+    nearest_shares : tuple of float
         The largest share between one of the two answers and a third answer in the class, and
         between one of them and a kept answer.
     """
@@ -47,11 +47,11 @@ class Pair:
     students: tuple[str, str]
     share: float
     bits: float
-    alike: tuple[frozenset[int], frozenset[int]]
-    steps: tuple[int, int]
-    exclusive: int
-    others: tuple[int, int]
-    nearest: tuple[float, float]
+    similar_steps: tuple[frozenset[int], frozenset[int]]
+    step_counts: tuple[int, int]
+    exclusive_steps: int
+    other_counts: tuple[int, int]
+    nearest_shares: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -61,25 +61,25 @@ class Comparison:
     Attributes
     ----------
     exercise : str
-    written : int
+    answer_count : int
         The number of answers.
-    distinctive : int
+    distinctive_count : int
         The number of answers with enough unusual parts to distinguish them from others.
     pairs : tuple of Pair
         Similar pairs, the most unusual first.
     """
 
     exercise: str
-    written: int
-    distinctive: int
+    answer_count: int
+    distinctive_count: int
     pairs: tuple[Pair, ...]
 
 
 def compare(
     exercise: str,
     answers: Mapping[str, ComparedAnswer],
-    kept: Sequence[ComparedAnswer] = (),
-    suggested: Iterable[ComparedAnswer] = (),
+    kept_answers: Sequence[ComparedAnswer] = (),
+    suggested_answers: Iterable[ComparedAnswer] = (),
 ) -> Comparison:
     """Compare all answers to an exercise with each other.
 
@@ -88,36 +88,43 @@ def compare(
     exercise : str
     answers : dict of str to ComparedAnswer
         Answers by student.
-    kept : sequence of ComparedAnswer
+    kept_answers : sequence of ComparedAnswer
         Right answers that are kept with the course. Each counts as the work of a separate author.
-    suggested : iterable of ComparedAnswer
+    suggested_answers : iterable of ComparedAnswer
         Answers that the lesson suggests.
     """
     documents = {student: Document(answer) for student, answer in answers.items()}
-    kept_documents = [Document(answer) for answer in kept]
-    weights = Weights([*documents.values(), *kept_documents], map(Document, suggested))
-    least_bits = LEAST_BITS + math.log2(max(1, math.comb(len(documents), 2)))
+    kept_documents = [Document(answer) for answer in kept_answers]
+    weights = Weights([*documents.values(), *kept_documents], map(Document, suggested_answers))
+    least_bits = MIN_BITS + math.log2(max(1, math.comb(len(documents), 2)))
     shares = {
-        (one, other): weights.share(documents[one], documents[other])
-        for one, other in itertools.combinations(documents, 2)
+        (first_student, second_student): weights.share(
+            documents[first_student], documents[second_student]
+        )
+        for first_student, second_student in itertools.combinations(documents, 2)
     }
     nearest, pairs = _two_nearest(shares), []
-    for (one, other), share in shares.items():
-        first, second = documents[one], documents[other]
-        if share >= LEAST_SHARE and weights.bits(first, second) >= least_bits:
+    for (first_student, second_student), share in shares.items():
+        first_document, second_document = documents[first_student], documents[second_student]
+        if share >= MIN_SHARE and weights.bits(first_document, second_document) >= least_bits:
             pairs.append(
                 Pair(
                     exercise,
-                    (one, other),
+                    (first_student, second_student),
                     share,
-                    weights.bits(first, second),
-                    (first.steps_like(second), second.steps_like(first)),
-                    (len(first.steps), len(second.steps)),
-                    weights.exclusive_steps(first, second),
+                    weights.bits(first_document, second_document),
+                    (
+                        first_document.steps_like(second_document),
+                        second_document.steps_like(first_document),
+                    ),
+                    (len(first_document.steps), len(second_document.steps)),
+                    weights.exclusive_steps(first_document, second_document),
                     (len(documents) - 2, len(kept_documents)),
                     (
-                        _largest_share_with_third((one, other), nearest),
-                        _nearest_of(first, second, kept_documents, weights),
+                        _largest_share_with_third((first_student, second_student), nearest),
+                        _largest_share_with_kept(
+                            first_document, second_document, kept_documents, weights
+                        ),
                     ),
                 )
             )
@@ -130,14 +137,14 @@ def compare(
 
 def _two_nearest(shares: Mapping[tuple[str, str], float]) -> dict[str, list[tuple[float, str]]]:
     """Return the two most similar students for each student, with their shares."""
-    found: dict[str, list[tuple[float, str]]] = {}
-    for both, share in shares.items():
-        for student, neighbour in (both, both[::-1]):
-            nearest = found.setdefault(student, [])
+    nearest_by_student: dict[str, list[tuple[float, str]]] = {}
+    for pair, share in shares.items():
+        for student, neighbour in (pair, pair[::-1]):
+            nearest = nearest_by_student.setdefault(student, [])
             nearest.append((share, neighbour))
             nearest.sort(reverse=True)
             del nearest[2:]
-    return found
+    return nearest_by_student
 
 
 def _largest_share_with_third(
@@ -155,7 +162,7 @@ def _largest_share_with_third(
     )
 
 
-def _nearest_of(
+def _largest_share_with_kept(
     first: Document, second: Document, kept_documents: Sequence[Document], weights: Weights
 ) -> float:
     """Return the largest share between one of two answers and a kept answer."""

@@ -22,7 +22,7 @@ _BUILTINS = frozenset(dir(builtins))
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 _LOOPS = (ast.For, ast.AsyncFor, ast.While)
 _COMMUTATIVE = (ast.Add, ast.Mult, ast.BitAnd, ast.BitOr, ast.BitXor)
-_MIRRORED = {ast.Gt: ast.Lt, ast.GtE: ast.LtE}
+_MIRRORED_OPERATORS = {ast.Gt: ast.Lt, ast.GtE: ast.LtE}
 _WITHOUT_EFFECT = (ast.Pass, ast.Import, ast.ImportFrom, ast.Global, ast.Nonlocal)
 
 
@@ -117,7 +117,7 @@ class _Normalizer:
         if isinstance(node, ast.Name):
             return [self._name(node.id)]
         if isinstance(node, ast.Constant):
-            return [_constant(node.value)]
+            return [_constant_word(node.value)]
         if isinstance(node, ast.Attribute):
             dotted = self._dotted(node)
             return [dotted] if dotted else [*self._words(node.value), f".{node.attr}"]
@@ -144,8 +144,8 @@ class _Normalizer:
 
     def _comparison(self, left: ast.expr, operator: ast.cmpop, right: ast.expr) -> list[str]:
         kind = type(operator)
-        if kind in _MIRRORED:
-            left, kind, right = right, _MIRRORED[kind], left
+        if kind in _MIRRORED_OPERATORS:
+            left, kind, right = right, _MIRRORED_OPERATORS[kind], left
         sides = [self._words(left), self._words(right)]
         if kind in (ast.Eq, ast.NotEq):
             sides.sort()
@@ -196,7 +196,7 @@ def _counting_range(node: ast.While) -> ast.expr | None:
     return None
 
 
-def _constant(value: object) -> str:
+def _constant_word(value: object) -> str:
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         try:
             return repr(float(value))

@@ -14,7 +14,7 @@ from grader.classroom.similarity.stage import StageComparison
 from grader.course.atomic_files import write_atomically
 from grader.course.paths import Course
 
-MOST_PAIRS = 50
+MAX_PAIRS = 50
 
 
 @dataclass(frozen=True)
@@ -51,28 +51,28 @@ def similarity_page(course: Course, stage: str) -> Path:
 def write_similarity(course: Course, compared: StageComparison) -> Path:
     """Write the page and return its path."""
     pairs = compared.pairs
-    shown = [
+    shown_pairs = [
         ShownPair(
             pair.students,
             pair.pairs,
             tuple(_shared_function(answers, compared) for answers in pair.pairs),
         )
-        for pair in pairs[:MOST_PAIRS]
+        for pair in pairs[:MAX_PAIRS]
     ]
     page = render(
         "similarity.html",
         compared=compared,
-        pairs=shown,
-        more=len(pairs) - len(shown),
+        pairs=shown_pairs,
+        more=len(pairs) - len(shown_pairs),
         made=datetime.now().strftime("%d %B %Y, %H:%M"),
-        percent=percent,
+        percent=format_percent,
     )
     path = similarity_page(course, compared.stage)
     write_atomically(page, path)
     return path
 
 
-def percent(share: float) -> str:
+def format_percent(share: float) -> str:
     """Format a share in percent, rounded so that only 1 is 100 % and only 0 is 0 %."""
     if 0 < share < 1:
         share = min(max(share, 0.01), 0.99)
@@ -82,49 +82,57 @@ def percent(share: float) -> str:
 def _shared_function(pair: Pair, compared: StageComparison) -> SharedFunction:
     answers = [compared.answers[pair.exercise, student] for student in pair.students]
     sides = (
-        Side(student, _lines(answer, alike))
-        for student, answer, alike in zip(pair.students, answers, pair.alike, strict=True)
+        Side(student, _marked_lines(answer, alike))
+        for student, answer, alike in zip(pair.students, answers, pair.similar_steps, strict=True)
     )
     return SharedFunction(pair.exercise, tuple(_sentences(pair, *answers)), tuple(sides))
 
 
-def _lines(answer: ComparedAnswer, alike: frozenset[int]) -> tuple[tuple[str, bool], ...]:
-    steps = (answer.steps[index] for index in alike)
+def _marked_lines(
+    answer: ComparedAnswer, similar_steps: frozenset[int]
+) -> tuple[tuple[str, bool], ...]:
+    steps = (answer.steps[index] for index in similar_steps)
     marked = {line for step in steps for line in range(step.first, step.last + 1)}
     return tuple(
         (line, number in marked) for number, line in enumerate(answer.text.split("\n"), start=1)
     )
 
 
-def _sentences(pair: Pair, one: ComparedAnswer, other: ComparedAnswer) -> Iterator[str]:
+def _sentences(
+    pair: Pair, first_answer: ComparedAnswer, second_answer: ComparedAnswer
+) -> Iterator[str]:
     """Yield sentences about the similarity, and about how unusual it is in this class."""
     counts = [
         f"{len(alike)} of {steps} steps in {student}'s answer"
-        for student, alike, steps in zip(pair.students, pair.alike, pair.steps, strict=True)
+        for student, alike, steps in zip(
+            pair.students, pair.similar_steps, pair.step_counts, strict=True
+        )
     ]
-    yield f"{counts[0]} and {counts[1]} are alike. {_equality_sentence(one, other)}"
-    in_class, kept = pair.others
+    equality = _equality_sentence(first_answer, second_answer)
+    yield f"{counts[0]} and {counts[1]} are alike. {equality}"
+    in_class, kept = pair.other_counts
     kept_text = f", and in none of {kept} right answers of the course" if kept else ""
     exclusive = (
-        f"{pair.exclusive} of these steps occur in none of the {in_class} answers of other "
+        f"{pair.exclusive_steps} of these steps occur in none of the {in_class} answers of other "
         f"students{kept_text}."
-        if pair.exclusive
+        if pair.exclusive_steps
         else "Each of these steps also occurs in an answer of another student or of the course."
     )
+    with_kept = f", or {format_percent(pair.nearest_shares[1])} with an answer of the course"
     yield (
         f"{exclusive} The two answers have "
-        f"{percent(pair.share)} of their unusual code in common. Neither has more than "
-        f"{percent(pair.nearest[0])} in common with the answer of another student"
-        f"{f', or {percent(pair.nearest[1])} with an answer of the course' if kept else ''}."
+        f"{format_percent(pair.share)} of their unusual code in common. Neither has more than "
+        f"{format_percent(pair.nearest_shares[0])} in common with the answer of another student"
+        f"{with_kept if kept else ''}."
     )
 
 
-def _equality_sentence(one: ComparedAnswer, other: ComparedAnswer) -> str:
+def _equality_sentence(first_answer: ComparedAnswer, second_answer: ComparedAnswer) -> str:
     """Return a sentence that describes how similar two answers are."""
-    if one.text == other.text:
+    if first_answer.text == second_answer.text:
         return "The two answers are identical, including comments."
-    if one.code == other.code:
+    if first_answer.code == second_answer.code:
         return "The two answers differ only in comments and layout."
-    if [step.words for step in one.steps] == [step.words for step in other.steps]:
+    if [step.words for step in first_answer.steps] == [step.words for step in second_answer.steps]:
         return "The two answers have the same steps and differ only in names and other details."
     return "These steps are highlighted."

@@ -8,8 +8,8 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from grader.classroom.collect.answers import teams_in
-from grader.classroom.pages import printable
+from grader.classroom.collect.instructor_answers import teams_in
+from grader.classroom.pages import printable_name
 from grader.classroom.similarity.answers import (
     ComparedAnswer,
     NotebookParts,
@@ -36,19 +36,19 @@ class SameFile:
     students : tuple of str
     same_bytes : bool
         False if only the text of the cells is the same, and outputs or metadata differ.
-    own, all : int
+    own_cells, all_cells : int
         The number of cells that differ from the release, and the total number of cells.
     """
 
     lesson: str
     students: tuple[str, ...]
     same_bytes: bool
-    own: int
-    all: int
+    own_cells: int
+    all_cells: int
 
 
 @dataclass(frozen=True)
-class PairOfStudents:
+class StudentPair:
     """Two students, and the exercises to which their answers are similar."""
 
     students: tuple[str, str]
@@ -69,11 +69,11 @@ class StageComparison:
     stage : str
     students : tuple of str
         The students of this course whose work was compared, with their names.
-    earlier : tuple of str
+    earlier_students : tuple of str
         The students of earlier courses.
     teams : tuple of (tuple of str)
         Declared teams, whose members are not compared with each other.
-    notebooks : int
+    notebook_count : int
     comparisons : tuple of Comparison
         One comparison for each exercise with at least one answer.
     answers : dict of (str, str) to ComparedAnswer
@@ -85,22 +85,22 @@ class StageComparison:
 
     stage: str
     students: tuple[str, ...]
-    earlier: tuple[str, ...]
+    earlier_students: tuple[str, ...]
     teams: tuple[tuple[str, ...], ...]
-    notebooks: int
+    notebook_count: int
     comparisons: tuple[Comparison, ...]
     answers: Mapping[tuple[str, str], ComparedAnswer] = field(repr=False, hash=False)
     same_files: tuple[SameFile, ...]
     problems: tuple[tuple[str, str, str], ...]
 
     @property
-    def pairs(self) -> tuple[PairOfStudents, ...]:
+    def pairs(self) -> tuple[StudentPair, ...]:
         """Pairs of students with similar answers, the most unusual first."""
-        found: dict[tuple[str, str], list[Pair]] = {}
+        pairs_by_students: dict[tuple[str, str], list[Pair]] = {}
         for comparison in self.comparisons:
             for pair in comparison.pairs:
-                found.setdefault(pair.students, []).append(pair)
-        pairs = (PairOfStudents(students, tuple(mine)) for students, mine in found.items())
+                pairs_by_students.setdefault(pair.students, []).append(pair)
+        pairs = (StudentPair(students, tuple(mine)) for students, mine in pairs_by_students.items())
         return tuple(sorted(pairs, key=lambda pair: -pair.bits))
 
 
@@ -116,7 +116,7 @@ class EarlierCourse(Course):
 
 
 @dataclass(frozen=True)
-class _Work:
+class _ReadNotebook:
     """A notebook that was read, and the student's name on the page."""
 
     student: str
@@ -126,7 +126,7 @@ class _Work:
 
 
 @dataclass(frozen=True)
-class _People:
+class _ExemptStudents:
     """The students who are not compared with each other."""
 
     earlier: frozenset[str]
@@ -147,7 +147,7 @@ def compare_stage(
     course: Course,
     stage: str,
     advance: Callable[[int, int, object], None] = lambda *_: None,
-    earlier: Sequence[EarlierCourse] = (),
+    earlier_courses: Sequence[EarlierCourse] = (),
 ) -> StageComparison:
     """Compare the submissions for a stage.
 
@@ -157,19 +157,19 @@ def compare_stage(
     stage : str
     advance : callable, optional
         Called with (done, total, None) before each notebook and at the end.
-    earlier : sequence of EarlierCourse, optional
+    earlier_courses : sequence of EarlierCourse, optional
         Courses whose students are compared with those of `course`, but not with each other.
     """
-    names = _names(course)
-    found = [
+    names = _student_names(course)
+    labelled_submissions = [
         (source, submission, _label(source, submission.student, names))
-        for source in (course, *earlier)
+        for source in (course, *earlier_courses)
         for submission in find_submissions(source, [stage])
     ]
-    read: list[_Work] = []
+    read_notebooks: list[_ReadNotebook] = []
     problems = []
-    for number, (source, submission, student) in enumerate(found):
-        advance(number, len(found), None)
+    for number, (source, submission, student) in enumerate(labelled_submissions):
+        advance(number, len(labelled_submissions), None)
         lesson = submission.lesson.name
         submitted_files = submission.read(source)
         try:
@@ -179,33 +179,37 @@ def compare_stage(
             continue
         problems += [(student, lesson, sentence) for sentence in parts.problems]
         digest = hashlib.sha256(submitted_files.data).hexdigest()
-        read.append(_Work(student, lesson, digest, parts))
-    advance(len(found), len(found), None)
+        read_notebooks.append(_ReadNotebook(student, lesson, digest, parts))
+    advance(len(labelled_submissions), len(labelled_submissions), None)
     answers = {
-        (exercise, work.student): answer
-        for work in read
-        for exercise, answer in work.parts.answers.items()
+        (exercise, notebook.student): answer
+        for notebook in read_notebooks
+        for exercise, answer in notebook.parts.answers.items()
     }
-    students = dict.fromkeys(student for source, _, student in found if source is course)
-    others = dict.fromkeys(student for source, _, student in found if source is not course)
+    students = dict.fromkeys(
+        student for source, _, student in labelled_submissions if source is course
+    )
+    earlier_students = dict.fromkeys(
+        student for source, _, student in labelled_submissions if source is not course
+    )
     teams = tuple(
         frozenset(_label(course, id, names) for id in team) for team in teams_in(course, stage)
     )
-    people = _People(frozenset(others), teams)
+    exempt = _ExemptStudents(frozenset(earlier_students), teams)
     return StageComparison(
         stage,
         tuple(students),
-        tuple(others),
+        tuple(earlier_students),
         tuple(sorted(tuple(sorted(team)) for team in set(teams))),
-        len(read),
-        tuple(_comparisons(stage, answers, people)),
+        len(read_notebooks),
+        tuple(_comparisons(stage, answers, exempt)),
         answers,
-        tuple(_same_files(read, people)),
+        tuple(_same_files(read_notebooks, exempt)),
         tuple(problems),
     )
 
 
-def _names(course: Course) -> dict[str, str]:
+def _student_names(course: Course) -> dict[str, str]:
     roster = read_roster(course)
     return {person.id: person.display_name for person in roster.people} if roster else {}
 
@@ -213,12 +217,12 @@ def _names(course: Course) -> dict[str, str]:
 def _label(course: Course, student: str, names: Mapping[str, str]) -> str:
     """Return a student's id with the name, or with the folder of an earlier course."""
     if isinstance(course, EarlierCourse):
-        return printable(f"{course.root.name}/{student}")
-    return printable(names.get(student, student))
+        return printable_name(f"{course.root.name}/{student}")
+    return printable_name(names.get(student, student))
 
 
 def _comparisons(
-    stage: str, answers: Mapping[tuple[str, str], ComparedAnswer], people: _People
+    stage: str, answers: Mapping[tuple[str, str], ComparedAnswer], exempt: _ExemptStudents
 ) -> Iterator[Comparison]:
     written: dict[str, dict[str, ComparedAnswer]] = {}
     for (exercise, student), answer in answers.items():
@@ -229,27 +233,33 @@ def _comparisons(
                 kept, suggested = kept_answers(lesson)[name], suggested_answers(lesson)[name]
                 compared = compare(name, written[name], kept, suggested)
                 pairs = [
-                    pair for pair in compared.pairs if not people.belong_together(pair.students)
+                    pair for pair in compared.pairs if not exempt.belong_together(pair.students)
                 ]
                 yield dataclasses.replace(compared, pairs=tuple(pairs))
 
 
-def _same_files(read: Iterable[_Work], people: _People) -> Iterator[SameFile]:
+def _same_files(
+    read_notebooks: Iterable[_ReadNotebook], exempt: _ExemptStudents
+) -> Iterator[SameFile]:
     files: dict[tuple[str, str], list[str]] = {}
     sizes = {}
-    for work in read:
-        if work.parts.cells:
-            for digest in (work.digest, work.parts.cells):
-                key = work.lesson, digest
-                files.setdefault(key, []).append(work.student)
-                sizes[key] = work.parts.own, work.parts.all, digest is work.digest
+    for notebook in read_notebooks:
+        if notebook.parts.cells:
+            for digest in (notebook.digest, notebook.parts.cells):
+                key = notebook.lesson, digest
+                files.setdefault(key, []).append(notebook.student)
+                sizes[key] = (
+                    notebook.parts.own_cells,
+                    notebook.parts.all_cells,
+                    digest is notebook.digest,
+                )
     reported = set()
     # Files with the same bytes come first, so that their equal cells are not reported again.
     for key, students in sorted(
         files.items(), key=lambda file: (file[0][0], not sizes[file[0]][2])
     ):
         group = key[0], frozenset(students)
-        if len(students) > 1 and group not in reported and not people.belong_together(students):
+        if len(students) > 1 and group not in reported and not exempt.belong_together(students):
             reported.add(group)
-            own, cells, same_bytes = sizes[key]
-            yield SameFile(key[0], tuple(students), same_bytes, own, cells)
+            own_cells, all_cells, same_bytes = sizes[key]
+            yield SameFile(key[0], tuple(students), same_bytes, own_cells, all_cells)

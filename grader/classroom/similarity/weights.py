@@ -20,7 +20,7 @@ from grader.classroom.similarity.answers import ComparedAnswer
 
 PIECE_LENGTH = 6
 # A piece in more than a quarter of the other answers has no weight.
-LARGEST_RARE_SHARE = 0.25
+MAX_RARE_SHARE = 0.25
 
 Piece = tuple[str, ...]
 
@@ -80,33 +80,33 @@ class Weights:
         }
 
     def _bits(self, piece: Piece, holders: int, others: int) -> float:
-        if piece in self._suggested or holders > LARGEST_RARE_SHARE * others:
+        if piece in self._suggested or holders > MAX_RARE_SHARE * others:
             return 0.0
         return math.log2((others + 1) / (max(0, holders) + 0.5))
 
-    def share(self, one: Document, other: Document) -> float:
+    def share(self, first: Document, second: Document) -> float:
         """Return the fraction of unusual parts that two answers share (Dice's coefficient)."""
-        shared = sum(self._bits_in_both[piece] for piece in one.pieces & other.pieces)
-        different = sum(self._bits_in_one[piece] for piece in one.pieces ^ other.pieces)
+        shared = sum(self._bits_in_both[piece] for piece in first.pieces & second.pieces)
+        different = sum(self._bits_in_one[piece] for piece in first.pieces ^ second.pieces)
         return 2 * shared / (2 * shared + different) if shared else 0.0
 
-    def bits(self, one: Document, other: Document) -> float:
+    def bits(self, first: Document, second: Document) -> float:
         """Return how unusual the common part of two answers is, in bits.
 
         A long statement is still only one idea, so it counts as much as its average piece.
         """
-        weights = {piece: self._bits_in_both[piece] for piece in one.pieces & other.pieces}
-        return min(_sum_of_steps(document, weights) for document in (one, other))
+        weights = {piece: self._bits_in_both[piece] for piece in first.pieces & second.pieces}
+        return min(_sum_of_steps(document, weights) for document in (first, second))
 
     def bits_of_copy(self, document: Document) -> float:
         """Return how unusual the common part of an answer and an exact copy would be, in bits."""
         return self.bits(document, document)
 
-    def exclusive_steps(self, one: Document, other: Document) -> int:
+    def exclusive_steps(self, first: Document, second: Document) -> int:
         """Return the number of common statements that no third answer has."""
-        steps = (one.steps[index] for index in one.steps_like(other))
+        steps = (first.steps[index] for index in first.steps_like(second))
         return sum(
-            self._step_counts[step] == 1 + (step in other.steps) and not step <= self._suggested
+            self._step_counts[step] == 1 + (step in second.steps) and not step <= self._suggested
             for step in steps
         )
 

@@ -25,7 +25,7 @@ def build_jails(source: Path) -> None:
     folder = source / "jails"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(mode=0o700)
-    kinds = dict.fromkeys([SMALLEST_KIND, *map(_kind, assigned_lessons(source))])
+    kinds = dict.fromkeys([SMALLEST_KIND, *map(_jail_kind, assigned_lessons(source))])
     built = [(kind, jail.build(*kind, parent=folder).name) for kind in kinds]
     (folder / "list.json").write_text(json.dumps(built), "utf-8")
 
@@ -38,7 +38,7 @@ def register_jails(source: Path) -> None:
             chroot.put_back_jail((tuple(packages), tuple(forbidden)), folder / name)
 
 
-def _kind(lesson: Lesson) -> chroot.Kind:
+def _jail_kind(lesson: Lesson) -> chroot.Kind:
     program = program_for(lesson, (), {})
     return program.packages, program.forbidden
 

@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from grader.classroom.contents import is_notebook_name, lesson_by_content, lesson_by_name
 from grader.classroom.grade import judge_one
+from grader.classroom.lesson_recognition import is_notebook_name, lesson_by_content, lesson_by_name
 from grader.classroom.submissions import Submission, find_submissions
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
@@ -21,7 +21,7 @@ from grader.intake.reader_process import ReadingFailed
 from grader.intake.submission import SubmittedFiles, is_skipped_folder, walk_submitted
 from grader.judging.verdict import JUDGED, Verdict
 from grader.sandbox import Sandbox
-from grader.untrusted import one_line
+from grader.untrusted_text import one_line
 from utils.notebooks.reading import UnreadableNotebook
 
 PLACEHOLDER_STUDENT = (
@@ -57,7 +57,7 @@ class JudgedSubmission:
     """A judged submission: the lessons in order, and a sentence for each unjudged file."""
 
     lessons: tuple[JudgedLesson, ...]
-    left: tuple[str, ...]
+    unjudged_notes: tuple[str, ...]
 
 
 def lessons_of(assignment: str) -> tuple[Lesson, ...]:

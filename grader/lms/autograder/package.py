@@ -10,7 +10,7 @@ from grader.course.paths import PROJECT
 from grader.course.portable_files import files_for_judging
 from grader.course.release import requirements_for
 
-HERE = Path(__file__).parent
+PACKAGE_FOLDER = Path(__file__).parent
 PROGRAMS = ("setup.sh", "run_autograder")
 
 
@@ -27,7 +27,7 @@ def build_autograder_zip(assignment: str, seed: int) -> bytes:
     needed = requirements_for("For the notebooks") + requirements_for("For grading")
     return make_zip(
         {
-            **{name: (HERE / name).read_bytes() for name in PROGRAMS},
+            **{name: (PACKAGE_FOLDER / name).read_bytes() for name in PROGRAMS},
             "assignment": f"{assignment}\n".encode(),
             "requirements.txt": f"-c constraints.txt\n\n{needed}".encode(),
             "constraints.txt": (PROJECT / "constraints.txt").read_bytes(),

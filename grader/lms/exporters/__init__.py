@@ -7,12 +7,12 @@ and add it to `EXPORTERS`.
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from grader.lms.exporters.canvas import canvas
-from grader.lms.exporters.exercises_csv import exercises_csv
-from grader.lms.exporters.gradescope import gradescope
-from grader.lms.exporters.moodle import moodle
+from grader.lms.exporters.canvas import export_canvas
+from grader.lms.exporters.exercises_csv import export_exercises_csv
+from grader.lms.exporters.gradescope import export_gradescope
+from grader.lms.exporters.moodle import export_moodle
 from grader.lms.exporters.protocol import ExportError, ExportOptions, ExportResult
-from grader.lms.exporters.scores_csv import scores_csv
+from grader.lms.exporters.scores_csv import export_scores_csv
 
 __all__ = ["EXPORTERS", "ExportError", "ExportResult", "Exporter", "ExportOptions"]
 
@@ -40,16 +40,16 @@ class Exporter:
 
 
 EXPORTERS = {
-    "csv": Exporter(scores_csv, ".csv"),
-    "exercises": Exporter(exercises_csv, ".exercises.csv"),
+    "csv": Exporter(export_scores_csv, ".csv"),
+    "exercises": Exporter(export_exercises_csv, ".exercises.csv"),
     "canvas": Exporter(
-        canvas,
+        export_canvas,
         ".canvas.csv",
         "the gradebook that Canvas exports",
         "In Canvas: Grades, Import. Canvas shows each change before you save.",
     ),
     "moodle": Exporter(
-        moodle,
+        export_moodle,
         ".moodle.csv",
         "the offline grading worksheet of the assignment in Moodle",
         "In Moodle: the assignment's Submissions, Actions, Upload grading worksheet. Moodle lists "
@@ -57,7 +57,7 @@ EXPORTERS = {
         "it was changed in Moodle after the download.",
     ),
     "gradescope": Exporter(
-        gradescope,
+        export_gradescope,
         ".gradescope.zip",
         next_step="In Gradescope: Configure Autograder, upload the zip, then Regrade All "
         "Submissions.",

@@ -57,21 +57,21 @@ class Marks:
     lesson_points : dict of str to float
         Points of each lesson in the assignment.
     marks : tuple of Mark
-    without : dict of str to tuple of grader.course.roster.Person
-        Students without a mark, by standing.
-    lost, notes : tuple of str
+    unmarked : dict of str to tuple of grader.course.roster.Person
+        Students without a mark, by status.
+    failures, notes : tuple of str
         As in `ExportResult`.
-    others : tuple of grader.course.roster.Person
+    other_people : tuple of grader.course.roster.Person
         As in `ExportOptions`.
     """
 
     assignment: str
     lesson_points: dict[str, float]
     marks: tuple[Mark, ...]
-    without: dict[str, tuple[Person, ...]]
-    lost: tuple[str, ...] = ()
+    unmarked: dict[str, tuple[Person, ...]]
+    failures: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
-    others: tuple[Person, ...] = ()
+    other_people: tuple[Person, ...] = ()
 
     @property
     def max_points(self) -> float:
@@ -81,8 +81,8 @@ class Marks:
     @property
     def people(self) -> tuple[Person, ...]:
         """All students; students with a mark come first."""
-        without = (person for people in self.without.values() for person in people)
-        return (*(mark.person for mark in self.marks), *without, *self.others)
+        without = (person for people in self.unmarked.values() for person in people)
+        return (*(mark.person for mark in self.marks), *without, *self.other_people)
 
 
 def collect_marks(options: ExportOptions) -> Marks:
@@ -106,28 +106,29 @@ def collect_marks(options: ExportOptions) -> Marks:
             "Name the stage or lesson to export with --assignment. There are submissions "
             f"for: {', '.join(sorted(names))}."
         )
-    waiting = [result for result in notebooks if result.standing == WAITING]
+    waiting = [result for result in notebooks if result.status == WAITING]
     if waiting and not options.provisional:
         raise ExportError(
-            f"Not fully graded: {'; '.join(_by_lesson(waiting))}. Grade the written answers in "
+            f"Not fully graded: {'; '.join(_list_by_lesson(waiting))}. Grade the written answers "
+            "in "
             "Formgrader, and run `python -m grader grade` to enter other submissions. To export "
             "the points so far, add --provisional."
         )
-    marks, without = [], {standing: [] for standing in UNMARKED_TITLES}
+    marks, unmarked = [], {status: [] for status in UNMARKED_TITLES}
     for person in results.people:
-        standing, points = _standing(results, person, assignment)
-        if standing == MARKED or (standing == WAITING and points is not None):
+        status, points = _status_and_points(results, person, assignment)
+        if status == MARKED or (status == WAITING and points is not None):
             marks.append(Mark(person, points))
         else:
-            without[standing].append(person)
+            unmarked[status].append(person)
     return Marks(
         assignment,
         {result.lesson: result.max_score for result in notebooks},
         tuple(marks),
-        {standing: tuple(people) for standing, people in without.items()},
+        {status: tuple(people) for status, people in unmarked.items()},
         tuple(unlisted_notes(results)),
-        tuple(filter(None, _notes(results, notebooks, marks, without))),
-        options.others,
+        tuple(filter(None, _notes(results, notebooks, marks, unmarked))),
+        options.other_people,
     )
 
 
@@ -135,12 +136,12 @@ def _notes(
     results: ClassResults,
     notebooks: Sequence[NotebookResult],
     marks: Sequence[Mark],
-    without: dict[str, list[Person]],
+    unmarked: dict[str, list[Person]],
 ) -> Iterator[str]:
     """Yield sentences about the marks and about students without a mark; some may be empty."""
     ids = {mark.person.id for mark in marks}
     own = [result for result in notebooks if result.student in ids]
-    zeros = [result for result in own if result.standing == MISSING]
+    zeros = [result for result in own if result.status == MISSING]
     stage = notebooks[0].stage
     if len({result.lesson for result in notebooks}) > 1:
         yield counted_lessons(results)[stage]
@@ -152,21 +153,23 @@ def _notes(
         if result.undecided and result.stage == stage and result.student in ids
     ]
     yield from provisional_notes(own)
-    yield list_sentence("Counted as 0, because nothing was submitted", _by_lesson(zeros, len(ids)))
+    yield list_sentence(
+        "Counted as 0, because nothing was submitted", _list_by_lesson(zeros, len(ids))
+    )
     yield list_sentence("No penalty subtracted, because the submission time is unknown", undecided)
-    for standing, people in without.items():
-        yield list_sentence(UNMARKED_TITLES[standing], (person.display_name for person in people))
+    for status, people in unmarked.items():
+        yield list_sentence(UNMARKED_TITLES[status], (person.display_name for person in people))
 
 
 def provisional_notes(notebooks: Sequence[NotebookResult]) -> Iterator[str]:
     """Yield sentences about marks that are not final; they may be empty."""
-    waiting = [result for result in notebooks if result.standing == WAITING]
+    waiting = [result for result in notebooks if result.status == WAITING]
     by_hand = [result for result in waiting if result.score is not None]
     not_entered = [result for result in waiting if result.score is None]
     yield list_sentence(
-        "Provisional, because some work still has to be graded by hand", _by_lesson(by_hand)
+        "Provisional, because some work still has to be graded by hand", _list_by_lesson(by_hand)
     )
-    yield list_sentence("Submitted, but not in the gradebook yet", _by_lesson(not_entered))
+    yield list_sentence("Submitted, but not in the gradebook yet", _list_by_lesson(not_entered))
 
 
 def list_sentence(title: str, names: Iterable[str]) -> str:
@@ -175,12 +178,14 @@ def list_sentence(title: str, names: Iterable[str]) -> str:
     return f"{title}: {'; '.join(names)}." if names else ""
 
 
-def _standing(results: ClassResults, person: Person, assignment: str) -> tuple[str, float | None]:
+def _status_and_points(
+    results: ClassResults, person: Person, assignment: str
+) -> tuple[str, float | None]:
     result = results.stage(person.id, assignment) or results.notebook(person.id, assignment)
-    return (result.standing, result.points) if result else (MISSING, None)
+    return (result.status, result.points) if result else (MISSING, None)
 
 
-def _by_lesson(notebooks: Iterable[NotebookResult], everyone: int = 0) -> list[str]:
+def _list_by_lesson(notebooks: Iterable[NotebookResult], everyone: int = 0) -> list[str]:
     """List lessons, each with its students, or without names if it concerns several and all."""
     students: dict[str, list[str]] = {}
     for result in sorted(notebooks, key=lambda result: result.lesson):

@@ -13,14 +13,14 @@ from collections.abc import Callable
 from grader.lms.exporters.assignment_marks import collect_marks
 from grader.lms.exporters.column_writer import (
     Column,
-    RowPlace,
+    OwnedRow,
     fill_column,
     find_column,
     scale_factor,
 )
+from grader.lms.exporters.marks_file import MarksFile, read_marks_file, read_number
 from grader.lms.exporters.protocol import ExportError, ExportOptions, ExportResult
 from grader.lms.exporters.row_matching import PersonRow
-from grader.lms.exporters.worksheet import MarksTableFile, read_number, read_worksheet
 
 NAMES = (("Student",), ("LastName", "FirstName"))
 LAST_PEOPLE_COLUMN = "Section"  # the last column that identifies a student
@@ -30,13 +30,13 @@ COMPUTED_COLUMN = re.compile(
 POINTS_POSSIBLE = "Points Possible"
 EXCUSED, NOT_ASSIGNED = "EX", "N/A"
 TEST_STUDENT = "Student, Test"
-CLAIMS = (
+CLAIM_COLUMNS = (
     {"ID": ("lms_id",), "SIS User ID": ("id", "email"), "SIS Login ID": ("id", "email")},
     {"ID": ("id",), "SIS User ID": ("lms_id",), "SIS Login ID": ("lms_id",)},
 )
 
 
-def canvas(options: ExportOptions) -> ExportResult:
+def export_canvas(options: ExportOptions) -> ExportResult:
     """Fill in the assignment's column in a gradebook that Canvas exported.
 
     Raises
@@ -44,7 +44,7 @@ def canvas(options: ExportOptions) -> ExportResult:
     ExportError
         If the file is not a gradebook from Canvas, or if the points differ.
     """
-    marks, sheet = collect_marks(options), read_worksheet(options.into)
+    marks, sheet = collect_marks(options), read_marks_file(options.into)
     people = _people_columns(sheet)
     column = _column(sheet, len(people), marks.assignment, options.column)
     possible = [row for row in sheet.rows if POINTS_POSSIBLE in row[0]]
@@ -53,20 +53,20 @@ def canvas(options: ExportOptions) -> ExportResult:
             f"{sheet.name} has no row {POINTS_POSSIBLE!r}, so the points cannot be "
             "compared. Export the gradebook again."
         )
-    most = read_number(possible[0][column])
-    factor = scale_factor(marks, most, sheet.head[column], options.scale)
+    maximum = read_number(possible[0][column])
+    factor = scale_factor(marks, maximum, sheet.head[column], options.scale)
     places = []
     for row in sheet.rows:
         name = _name(row, people)
         if POINTS_POSSIBLE not in row[0] and name not in ("", TEST_STUDENT):
-            places.append(RowPlace(row, _person_row(sheet, row, name)))
+            places.append(OwnedRow(row, _person_row(sheet, row, name)))
     mark = sheet.decimal_mark((column, *range(len(people), len(sheet.head))))
     filled = fill_column(marks, places, Column(column, factor, mark, EXCUSED), _refusal(column))
     text = sheet.text([*range(len(people)), column], [*possible[:1], *filled.rows])
-    return ExportResult(text.encode(), filled.placed, filled.lost, filled.notes)
+    return ExportResult(text.encode(), filled.mark_count, filled.failures, filled.notes)
 
 
-def _people_columns(sheet: MarksTableFile) -> tuple[str, ...]:
+def _people_columns(sheet: MarksFile) -> tuple[str, ...]:
     """Return the titles of the columns that identify a student."""
     if (
         any(sheet.head[: len(names)] == names for names in NAMES)
@@ -80,16 +80,16 @@ def _people_columns(sheet: MarksTableFile) -> tuple[str, ...]:
     )
 
 
-def _column(sheet: MarksTableFile, first: int, assignment: str, wanted: str | None) -> int:
+def _column(sheet: MarksFile, first: int, assignment: str, requested_title: str | None) -> int:
     titles = {
-        place: title
-        for place, title in enumerate(sheet.head)
-        if place >= first and not COMPUTED_COLUMN.search(title)
+        index: title
+        for index, title in enumerate(sheet.head)
+        if index >= first and not COMPUTED_COLUMN.search(title)
     }
-    if wanted is None:
-        titles = {place: title for place, title in titles.items() if _title(title) != title}
+    if requested_title is None:
+        titles = {index: title for index, title in titles.items() if _title(title) != title}
     try:
-        return find_column(titles, assignment, wanted, sheet.name, _title)
+        return find_column(titles, assignment, requested_title, sheet.name, _title)
     except ExportError as error:
         ignored = [
             title
@@ -116,7 +116,7 @@ def _name(row: tuple[str, ...], people: tuple[str, ...]) -> str:
     return ", ".join(cells[:2]).strip(", ") if people[0] == "LastName" else cells[0]
 
 
-def _person_row(sheet: MarksTableFile, row: tuple[str, ...], name: str) -> PersonRow:
+def _person_row(sheet: MarksFile, row: tuple[str, ...], name: str) -> PersonRow:
     claims = tuple(
         tuple(
             (attribute, row[sheet.head.index(title)])
@@ -124,7 +124,7 @@ def _person_row(sheet: MarksTableFile, row: tuple[str, ...], name: str) -> Perso
             if title in sheet.head
             for attribute in attributes
         )
-        for rank in CLAIMS
+        for rank in CLAIM_COLUMNS
     )
     number = row[sheet.head.index("ID")].strip() if "ID" in sheet.head else ""
     return PersonRow(name, claims, name, number)

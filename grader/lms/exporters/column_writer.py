@@ -9,19 +9,19 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from grader.course.roster import letters
+from grader.course.roster import letters_and_digits
 from grader.lms.exporters.assignment_marks import Marks, list_sentence
+from grader.lms.exporters.marks_file import read_number
 from grader.lms.exporters.protocol import ExportError
 from grader.lms.exporters.row_matching import PersonRow, match_rows
-from grader.lms.exporters.worksheet import read_number
-from grader.lms.instructor_notes import DEADLINES
+from grader.lms.instructor_notes import DEADLINES_FILE
 from grader.lms.results import EXCUSED, format_points
 
-TOLERANCE = 0.005  # points are written with two decimal places
+POINTS_TOLERANCE = 0.005  # points are written with two decimal places
 
 
 @dataclass(frozen=True)
-class RowPlace:
+class OwnedRow:
     """A row of the file, and the data that identifies its owner."""
 
     row: tuple[str, ...]
@@ -30,11 +30,11 @@ class RowPlace:
 
 @dataclass(frozen=True)
 class FilledColumn:
-    """The result of filling a column; `lost` and `notes` are as in `ExportResult`."""
+    """The result of filling a column; `failures` and `notes` are as in `ExportResult`."""
 
     rows: tuple[tuple[str, ...], ...]
-    placed: int
-    lost: tuple[str, ...]
+    mark_count: int
+    failures: tuple[str, ...]
     notes: tuple[str, ...]
 
 
@@ -44,7 +44,7 @@ class Column:
 
     Attributes
     ----------
-    place : int
+    index : int
     factor : float
         Factor by which the course's points are multiplied.
     decimal_mark : str
@@ -53,7 +53,7 @@ class Column:
         be refused, and it is listed if it replaces another value.
     """
 
-    place: int
+    index: int
     factor: float
     decimal_mark: str
     excused: str = ""
@@ -61,7 +61,7 @@ class Column:
 
 def fill_column(
     marks: Marks,
-    places: Sequence[RowPlace],
+    owned_rows: Sequence[OwnedRow],
     column: Column,
     refusal: Callable[[tuple[str, ...], float], str],
 ) -> FilledColumn:
@@ -70,48 +70,50 @@ def fill_column(
     Parameters
     ----------
     marks : Marks
-    places : list of RowPlace
+    owned_rows : list of OwnedRow
     column : Column
     refusal : callable
         Accepts a row and its points. Returns why the LMS would reject the points; empty if it would
         accept them.
     """
-    matches = match_rows([place.owner for place in places], marks.people)
+    matches = match_rows([index.owner for index in owned_rows], marks.people)
     rows: dict[int, tuple[str, ...]] = {}
-    lost, replaced = [], []
+    failures, replaced = [], []
     for mark in marks.marks:
         points = mark.points * column.factor
-        place = matches.rows.get(mark.person.id)
+        index = matches.rows.get(mark.person.id)
         reason = (
             matches.doubts.get(mark.person.id, "the file has no row for this student")
-            if place is None
-            else refusal(places[place].row, points)
+            if index is None
+            else refusal(owned_rows[index].row, points)
         )
         if reason:
-            lost.append(f"{mark.person.display_name}, {format_points(points)} points: {reason}.")
+            failures.append(
+                f"{mark.person.display_name}, {format_points(points)} points: {reason}."
+            )
         else:
-            row, cell = places[place].row, format_points(points, column.decimal_mark)
-            rows[place] = _with_cell(row, column, cell)
-            if not _is_unchanged(row[column.place], points):
-                old = row[column.place].strip()
+            row, cell = owned_rows[index].row, format_points(points, column.decimal_mark)
+            rows[index] = _with_cell(row, column, cell)
+            if not _is_unchanged(row[column.index], points):
+                old = row[column.index].strip()
                 replaced.append(f"{mark.person.display_name} from {old} to {cell}")
-    placed = len(rows)
+    mark_count = len(rows)
     unexcused = []
-    for person in marks.without[EXCUSED] if column.excused else ():
-        place = matches.rows.get(person.id)
-        if place is None:
+    for person in marks.unmarked[EXCUSED] if column.excused else ():
+        index = matches.rows.get(person.id)
+        if index is None:
             continue
-        row = places[place].row
+        row = owned_rows[index].row
         if reason := refusal(row, 0.0):
             unexcused.append(f"{person.display_name}: {reason}")
             continue
-        rows[place] = _with_cell(row, column, column.excused)
-        old = row[column.place].strip()
+        rows[index] = _with_cell(row, column, column.excused)
+        old = row[column.index].strip()
         if old not in ("", column.excused):
             replaced.append(f"{person.display_name} from {old} to {column.excused}")
     absent = {
         person.id: person.display_name
-        for people in marks.without.values()
+        for people in marks.unmarked.values()
         for person in people
         if person.id not in matches.rows
     }
@@ -128,11 +130,13 @@ def fill_column(
         ),
         *(f"{name}: {matches.doubts[id]}." for id, name in absent.items() if id in matches.doubts),
     )
-    in_order = tuple(rows[place] for place in sorted(rows))
-    return FilledColumn(in_order, placed, (*marks.lost, *lost), tuple(filter(None, notes)))
+    in_order = tuple(rows[index] for index in sorted(rows))
+    return FilledColumn(
+        in_order, mark_count, (*marks.failures, *failures), tuple(filter(None, notes))
+    )
 
 
-def scale_factor(marks: Marks, most: float | None, title: str, scale: bool) -> float:
+def scale_factor(marks: Marks, platform_maximum: float | None, title: str, scale: bool) -> float:
     """Return the factor that converts the course's points into the LMS's points.
 
     Raises
@@ -140,33 +144,35 @@ def scale_factor(marks: Marks, most: float | None, title: str, scale: bool) -> f
     ExportError
         If the LMS has no maximum, or if its maximum differs and `scale` is False.
     """
-    if not most:
+    if not platform_maximum:
         raise ExportError(
             f"The platform has no maximum for {title!r}. Set {format_points(marks.max_points)}"
             " points there, and download the file again."
         )
-    if abs(most - marks.max_points) < TOLERANCE:
+    if abs(platform_maximum - marks.max_points) < POINTS_TOLERANCE:
         return 1.0
     if scale:
-        return most / marks.max_points
+        return platform_maximum / marks.max_points
     lessons = ", ".join(
         f"{name} {format_points(points)}" for name, points in marks.lesson_points.items()
     )
     choice = (
         "If you have not assigned all of these lessons, list those that count below "
-        f'[{marks.assignment}] in {DEADLINES}: lessons = ["{min(marks.lesson_points)[:2]}", …]. '
+        f"[{marks.assignment}] in {DEADLINES_FILE}: "
+        f'lessons = ["{min(marks.lesson_points)[:2]}", …]. '
         if len(marks.lesson_points) > 1
         else ""
     )
     raise ExportError(
         f"{marks.assignment} is worth {format_points(marks.max_points)} points in the course "
-        f"({lessons}), but {title!r} is worth {format_points(most)} on the platform. {choice}"
+        f"({lessons}), but {title!r} is worth {format_points(platform_maximum)} on the platform. "
+        f"{choice}"
         "Change the points there and download the file again, or add --scale to convert each mark."
     )
 
 
 def find_column(
-    titles: dict[int, str], assignment: str, wanted: str | None, file: str, plain: Callable
+    titles: dict[int, str], assignment: str, requested_title: str | None, file: str, plain: Callable
 ) -> int:
     """Find the column of an assignment by its title.
 
@@ -177,18 +183,22 @@ def find_column(
     ExportError
         If no column or several columns match; the message lists all titles.
     """
-    if wanted is not None:
-        hits = [place for place, title in titles.items() if wanted in (title, plain(title))]
-        target = f"column {wanted!r}"
+    if requested_title is not None:
+        indices = [
+            place for place, title in titles.items() if requested_title in (title, plain(title))
+        ]
+        target = f"column {requested_title!r}"
     else:
-        name = letters(assignment)
-        hits = [place for place, title in titles.items() if name in letters(plain(title))]
+        name = letters_and_digits(assignment)
+        indices = [
+            place for place, title in titles.items() if name in letters_and_digits(plain(title))
+        ]
         target = f"column whose title contains {assignment}"
-    if len(hits) == 1:
-        return hits[0]
+    if len(indices) == 1:
+        return indices[0]
     available = ", ".join(repr(title) for title in titles.values()) or "none for marks"
     raise ExportError(
-        f"{file} has {'no' if not hits else 'more than one'} {target}. Name the column "
+        f"{file} has {'no' if not indices else 'more than one'} {target}. Name the column "
         f"with --column; the columns are: {available}."
     )
 
@@ -196,8 +206,8 @@ def find_column(
 def _is_unchanged(before: str, points: float) -> bool:
     """Return whether a cell is blank or already contains these points."""
     number = read_number(before)
-    return not before.strip() or (number is not None and abs(number - points) < TOLERANCE)
+    return not before.strip() or (number is not None and abs(number - points) < POINTS_TOLERANCE)
 
 
 def _with_cell(row: tuple[str, ...], column: Column, cell: str) -> tuple[str, ...]:
-    return (*row[: column.place], cell, *row[column.place + 1 :])
+    return (*row[: column.index], cell, *row[column.index + 1 :])

@@ -43,21 +43,21 @@ def write_export(
             "with --to."
         )
     try:
-        before = None
+        previous_content = None
         if path.exists() and path.read_bytes() != content:
             if path != default:
                 raise ExportError(f"{path} already exists. Delete it, or change --to.")
-            before = _unused_path(path)
-            path.rename(before)
+            previous_content = _unused_path(path)
+            path.rename(previous_content)
         try:
             write_atomically(content, path)
         except BaseException:
-            if before:
-                before.rename(path)
+            if previous_content:
+                previous_content.rename(path)
             raise
     except OSError as error:
         raise ExportError(f"{path} cannot be written: {error.strerror}.") from error
-    return path, before
+    return path, previous_content
 
 
 def _unused_path(path: Path) -> Path:

@@ -12,7 +12,7 @@ from grader.lms.instructor_notes import excessive_notes, outdated_notes, unliste
 from grader.lms.results import NotebookResult, format_points
 
 
-def exercises_csv(options: ExportOptions) -> ExportResult:
+def export_exercises_csv(options: ExportOptions) -> ExportResult:
     """Write the points in each exercise, limited to one stage or lesson if the options name one.
 
     Points are those of the judge or of a grader, before late penalties. A cell is empty if the

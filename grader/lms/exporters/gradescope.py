@@ -25,7 +25,7 @@ SETUP = "#!/bin/sh\napt-get update && apt-get install -y python3\n"
 EXECUTABLES = ("setup.sh", "run_autograder")
 
 
-def gradescope(options: ExportOptions) -> ExportResult:
+def export_gradescope(options: ExportOptions) -> ExportResult:
     """Build an autograder that can be uploaded to Gradescope unchanged.
 
     Returns
@@ -38,7 +38,7 @@ def gradescope(options: ExportOptions) -> ExportResult:
     ExportError
         If the marks cannot be exported; see `collect_marks`.
     """
-    if options.others:
+    if options.other_people:
         raise ExportError(
             "Gradescope uses one autograder for all students of an assignment. Leave out --section."
         )
@@ -47,34 +47,36 @@ def gradescope(options: ExportOptions) -> ExportResult:
     for submission in find_submissions(options.course):
         if options.assignment in (submission.lesson.stage, submission.lesson.name):
             submitted.setdefault(submission.student, []).append(submission)
-    entries, lost = {}, list(marks.lost)
+    entries, failures = {}, list(marks.failures)
     sharing = Counter(_email(mark) for mark in marks.marks)
     for mark in marks.marks:
         email = _email(mark)
         try:
             if not email:
-                raise _NoEntry(
+                raise _MarkNotDelivered(
                     "Gradescope identifies students by e-mail, but the roster has no address for "
                     "this student."
                 )
             if sharing[email] > 1:
-                raise _NoEntry(
+                raise _MarkNotDelivered(
                     f"Gradescope identifies students by e-mail, but {email} also belongs to "
                     "another student."
                 )
             entries[email] = _entry(options, mark, submitted.get(mark.person.id, ()))
-        except _NoEntry as error:
-            lost.append(f"{mark.person.display_name}, {format_points(mark.points)} points: {error}")
+        except _MarkNotDelivered as error:
+            failures.append(
+                f"{mark.person.display_name}, {format_points(mark.points)} points: {error}"
+            )
     files = {
         "setup.sh": SETUP,
         "run_autograder": Path(inside_gradescope.__file__).read_text("utf-8"),
         "marks.json": json.dumps(entries, indent=1, sort_keys=True),
     }
     content = make_zip({name: text.encode() for name, text in files.items()}, EXECUTABLES)
-    return ExportResult(content, len(entries), tuple(lost), marks.notes)
+    return ExportResult(content, len(entries), tuple(failures), marks.notes)
 
 
-class _NoEntry(Exception):
+class _MarkNotDelivered(Exception):
     """A mark cannot be delivered; the message is the reason."""
 
 
@@ -87,17 +89,17 @@ def _entry(options: ExportOptions, mark: Mark, submissions: Sequence[Submission]
     """Build one student's results, with digests that identify the judged submission."""
     course = options.course
     if not submissions:
-        raise _NoEntry("the submission is no longer in submitted/.")
-    judged, reports = [], {}
+        raise _MarkNotDelivered("the submission is no longer in submitted/.")
+    judged_files, reports = [], {}
     for submission in submissions:
         verdict = read_verdict(submission.verdict_path(course))
         if verdict is None:
-            raise _NoEntry("there is no verdict yet. Run `python -m grader grade`.")
+            raise _MarkNotDelivered("there is no verdict yet. Run `python -m grader grade`.")
         try:
             submission.read_again(course, verdict.fingerprint)
         except ReplacedSubmission as error:
-            raise _NoEntry(str(error)) from error
-        judged.append(digest(submission.path))
+            raise _MarkNotDelivered(str(error)) from error
+        judged_files.append(digest(submission.path))
         reports[submission.lesson.name] = verdict
     folders = {submission.stage_folder(course) for submission in submissions}
     all_files = [digest(path) for folder in folders for path in files_of(folder)]
@@ -107,7 +109,7 @@ def _entry(options: ExportOptions, mark: Mark, submissions: Sequence[Submission]
         if result.student == mark.person.id and options.assignment in (result.stage, result.lesson)
     ]
     return {
-        "judged": sorted(judged),
+        "judged": sorted(judged_files),
         "known": sorted(all_files),
         "results": {
             "score": round(mark.points, 2),
@@ -139,7 +141,7 @@ def _lesson_test(results: ClassResults, result: NotebookResult, verdict: Verdict
         "score": round(result.score or 0.0, 2),
         "max_score": result.max_score,
         "output": "Nothing was submitted."
-        if result.standing == MISSING
+        if result.status == MISSING
         else _lesson_output(results, result, verdict),
         "visibility": "visible",
     }
@@ -150,15 +152,15 @@ def _lesson_output(results: ClassResults, result: NotebookResult, verdict: Verdi
         return ""
     lines = [*verdict.problems]
     for exercise in verdict.exercises:
-        if exercise.name not in results.rules.without:
-            lines += _exercise(exercise)
+        if exercise.name not in results.rules.excluded_exercises:
+            lines += _exercise_lines(exercise)
     by_hand = (result.score or 0.0) - results.judged_points(verdict)
     if abs(by_hand) >= 0.005:
         lines.append(f"Points given by a grader: {by_hand:+.4g}")
     return "\n".join(lines)
 
 
-def _exercise(exercise: ExerciseResult) -> list[str]:
+def _exercise_lines(exercise: ExerciseResult) -> list[str]:
     """Return the points of an exercise and its failed checks, with the first message in full."""
     head = f"{exercise.name}: {exercise.score:.4g} of {exercise.max_score:.4g} points"
     failed = [test for test in exercise.tests if not test.passed]

@@ -11,25 +11,25 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 
 from grader.course.paths import Course
-from grader.course.roster import Person, letters
+from grader.course.roster import Person, letters_and_digits
 from grader.lms.collected_files import collected_files
 from grader.lms.exporters.assignment_marks import collect_marks
 from grader.lms.exporters.column_writer import (
-    TOLERANCE,
+    POINTS_TOLERANCE,
     Column,
-    RowPlace,
+    OwnedRow,
     fill_column,
     find_column,
     scale_factor,
 )
+from grader.lms.exporters.marks_file import MarksFile, read_marks_file, read_number
 from grader.lms.exporters.protocol import ExportError, ExportOptions, ExportResult
 from grader.lms.exporters.row_matching import PersonRow
-from grader.lms.exporters.worksheet import MarksTableFile, read_number, read_worksheet
 from grader.lms.results import format_points
 
 PARTICIPANT = re.compile(r"\D*\d+")  # "Participant 12" in the site's language
 # Values of the column "Grade can be changed" for a locked grade, in various languages.
-LOCKED = frozenset(
+LOCKED_VALUES = frozenset(
     [
         "no",
         "nein",
@@ -61,7 +61,7 @@ HOW_TO_DOWNLOAD = (
 )
 
 
-def moodle(options: ExportOptions) -> ExportResult:
+def export_moodle(options: ExportOptions) -> ExportResult:
     """Fill in the grades in a worksheet that Moodle wrote.
 
     Parameters
@@ -74,23 +74,23 @@ def moodle(options: ExportOptions) -> ExportResult:
     ExportError
         If the file is not a grading worksheet, or if the points differ.
     """
-    marks, sheet = collect_marks(options), read_worksheet(options.into)
+    marks, sheet = collect_marks(options), read_marks_file(options.into)
     column = _grade_column(sheet, options.column)
-    most = read_number(sheet.rows[0][column + 1])
-    factor = scale_factor(marks, most, sheet.head[column], options.scale)
+    maximum = read_number(sheet.rows[0][column + 1])
+    factor = scale_factor(marks, maximum, sheet.head[column], options.scale)
     mark = sheet.decimal_mark((column + 1, column))
     hidden = _hides_names(sheet)
     owners = _owners_of_labels(options.course, marks.people)
-    places = [RowPlace(row, _row(row, column, hidden, owners)) for row in sheet.rows]
-    filled = fill_column(marks, places, Column(column, factor, mark), _refusal(column, most))
+    places = [OwnedRow(row, _row(row, column, hidden, owners)) for row in sheet.rows]
+    filled = fill_column(marks, places, Column(column, factor, mark), _refusal(column, maximum))
     text = sheet.text(range(len(sheet.head)), filled.rows)
-    return ExportResult(text.encode(), filled.placed, filled.lost, filled.notes)
+    return ExportResult(text.encode(), filled.mark_count, filled.failures, filled.notes)
 
 
-def _grade_column(sheet: MarksTableFile, wanted: str | None) -> int:
+def _grade_column(sheet: MarksFile, requested_title: str | None) -> int:
     """Find the grade column; the column after it contains the same maximum in every row."""
     titles = {
-        place: title for place, title in enumerate(sheet.head[:-1]) if _is_grade(sheet, place)
+        index: title for index, title in enumerate(sheet.head[:-1]) if _is_grade(sheet, index)
     }
     participants = all(PARTICIPANT.fullmatch(row[0].strip()) for row in sheet.rows)
     if not participants or not titles:
@@ -98,23 +98,23 @@ def _grade_column(sheet: MarksTableFile, wanted: str | None) -> int:
             f"{sheet.name} is not an offline grading worksheet from Moodle, or its grades are "
             f"words instead of points. {HOW_TO_DOWNLOAD}"
         )
-    if len(titles) == 1 and wanted is None:
+    if len(titles) == 1 and requested_title is None:
         return min(titles)
-    return find_column(titles, "the grade", wanted, sheet.name, str)
+    return find_column(titles, "the grade", requested_title, sheet.name, str)
 
 
-def _is_grade(sheet: MarksTableFile, place: int) -> bool:
+def _is_grade(sheet: MarksFile, index: int) -> bool:
     """Return whether a column and the next one may contain grades and their maximum."""
-    (most, *others) = {row[place + 1] for row in sheet.rows}
+    (most, *others) = {row[index + 1] for row in sheet.rows}
     highest = read_number(most)
-    if place == 0 or others or not highest:
+    if index == 0 or others or not highest:
         return False
-    grades = [row[place].strip() for row in sheet.rows]
+    grades = [row[index].strip() for row in sheet.rows]
     numbers = [read_number(grade) for grade in grades if grade]
     return all(number is not None and number <= highest for number in numbers)
 
 
-def _hides_names(sheet: MarksTableFile) -> bool:
+def _hides_names(sheet: MarksFile) -> bool:
     """Return whether the worksheet is anonymous, with a status in place of the name."""
     return len({row[1] for row in sheet.rows}) <= len(sheet.rows) / 2
 
@@ -128,11 +128,11 @@ def _owners_of_labels(course: Course, people: Iterable[Person]) -> dict[str, str
     """
     ids: dict[str, set[str]] = {}
     for person in people:
-        ids.setdefault(letters(person.id), set()).add(person.id)
+        ids.setdefault(letters_and_digits(person.id), set()).add(person.id)
     for student, files in collected_files(course).items():
         for file in files.values():
             if file.participant:
-                ids.setdefault(letters(file.owner), set()).add(student)
+                ids.setdefault(letters_and_digits(file.owner), set()).add(student)
     return {label: min(owners) for label, owners in ids.items() if len(owners) == 1}
 
 
@@ -146,17 +146,17 @@ def _row(row: tuple[str, ...], column: int, hidden: bool, owners: Mapping[str, s
     name = "" if hidden else row[1]
     certain = [(attribute, cell) for cell in fields for attribute in ("id", "email")]
     claims = (
-        (*certain, ("id", owners.get(letters(row[0]), "")), ("lms_id", row[0])),
+        (*certain, ("id", owners.get(letters_and_digits(row[0]), "")), ("lms_id", row[0])),
         tuple(("lms_id", cell) for cell in fields),
     )
     return PersonRow(f"{row[0]} ({name})" if name else row[0], claims, name)
 
 
-def _refusal(column: int, most: float) -> Callable[[tuple[str, ...], float], str]:
+def _refusal(column: int, maximum: float) -> Callable[[tuple[str, ...], float], str]:
     def refuse(row: tuple[str, ...], points: float) -> str:
-        if points > most + TOLERANCE:
-            return f"Moodle silently ignores marks above {format_points(most)}"
-        if any(cell.strip().casefold() in LOCKED for cell in row[column + 2 : column + 4]):
+        if points > maximum + POINTS_TOLERANCE:
+            return f"Moodle silently ignores marks above {format_points(maximum)}"
+        if any(cell.strip().casefold() in LOCKED_VALUES for cell in row[column + 2 : column + 4]):
             return "the grade is locked in Moodle, which would silently ignore the mark"
         return ""
 

@@ -32,7 +32,7 @@ class ExportOptions:
         Title of the column for the marks; None to find the column automatically.
     scale : bool
         Whether to convert points if the LMS has a different maximum.
-    others : tuple of grader.course.roster.Person
+    other_people : tuple of grader.course.roster.Person
         Students who are not in `results`, because only one section is exported. Their rows in the
         file are recognised, but not changed.
     """
@@ -44,7 +44,7 @@ class ExportOptions:
     into: Path | None = None
     column: str | None = None
     scale: bool = False
-    others: tuple[Person, ...] = ()
+    other_people: tuple[Person, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -54,15 +54,15 @@ class ExportResult:
     Attributes
     ----------
     content : bytes
-    placed : int
+    mark_count : int
         Number of marks in the file.
-    lost : tuple of str
+    failures : tuple of str
         One sentence for each existing mark that is not in the file.
     notes : tuple of str
         Other messages, one sentence each.
     """
 
     content: bytes
-    placed: int
-    lost: tuple[str, ...] = ()
+    mark_count: int
+    failures: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from grader.course.roster import Person, Roster, folded, has_other_lms_id
+from grader.course.roster import Person, Roster, has_other_lms_id, normalized_text
 
 Claim = tuple[str, str]  # (attribute of a person, text in the row)
 
@@ -73,37 +73,38 @@ def match_rows(rows: Sequence[PersonRow], people: Sequence[Person]) -> RowMatche
     by_name: list[int] = []
     for ids_in in _passes(rows, people):
         candidates = {
-            place: ids
-            for place in range(len(rows))
-            if place not in settled and (ids := ids_in(place))
+            index: ids
+            for index in range(len(rows))
+            if index not in settled and (ids := ids_in(index))
         }
         rows_of: dict[str, list[int]] = {}
-        for place, ids in candidates.items():
+        for index, ids in candidates.items():
             for id in ids:
-                rows_of.setdefault(id, []).append(place)
+                rows_of.setdefault(id, []).append(index)
         by_name = []
-        for place, ids in candidates.items():
+        for index, ids in candidates.items():
             rivals = sorted({rival for id in ids for rival in rows_of[id]})
             if len(ids) > 1 or len(rivals) > 1:
-                reason = f"{_or(rows[rival].label for rival in rivals)} may be {_or(sorted(ids))}"
+                labels = _join_with_or(rows[rival].label for rival in rivals)
+                reason = f"{labels} may be {_join_with_or(sorted(ids))}"
                 doubts |= dict.fromkeys(ids - matched.keys(), reason)
-                settled.add(place)
+                settled.add(index)
             elif not ids & (matched.keys() | doubts.keys()):
-                matched[min(ids)] = place
-                settled.add(place)
-                by_name.append(place)
-    for place, row in enumerate(rows):
-        for person in _namesakes(row, people) if place not in settled else ():
+                matched[min(ids)] = index
+                settled.add(index)
+                by_name.append(index)
+    for index, row in enumerate(rows):
+        for person in _namesakes(row, people) if index not in settled else ():
             if person.id not in matched:
                 reason = f"{row.label} has the number {row.lms_id} instead of {person.lms_id}"
                 doubts.setdefault(person.id, reason)
-    unknown_rows = tuple(row.label for place, row in enumerate(rows) if place not in settled)
+    unknown_rows = tuple(row.label for index, row in enumerate(rows) if index not in settled)
     renamed = tuple(
         f"{rows[matched[person.id]].label} for {person.display_name}"
         for person in people
         if person.id in matched and not _name_may_match(rows[matched[person.id]].name, person)
     )
-    by_name = [rows[place].label for place in by_name]
+    by_name = [rows[index].label for index in by_name]
     return RowMatches(matched, unknown_rows, doubts, tuple(by_name), renamed)
 
 
@@ -115,28 +116,28 @@ def _passes(
     owners: dict[Claim, set[str]] = {}
     for person in people:
         for attribute in ("id", "email", "lms_id"):
-            text = folded(getattr(person, attribute))
+            text = normalized_text(getattr(person, attribute))
             if text:
                 owners.setdefault((attribute, text), set()).add(person.id)
 
-    def with_key(place: int, rank: int) -> set[str]:
+    def ids_with_key(index: int, rank: int) -> set[str]:
         return {
             id
-            for attribute, text in rows[place].claims[rank]
-            for id in owners.get((attribute, folded(text)), ())
-            if rank == 0 or _name_may_match(rows[place].name, roster.person(id))
+            for attribute, text in rows[index].claims[rank]
+            for id in owners.get((attribute, normalized_text(text)), ())
+            if rank == 0 or _name_may_match(rows[index].name, roster.person(id))
         }
 
-    def with_key_or_contradiction(place: int) -> set[str]:
-        row, ids = rows[place], with_key(place, 0)
+    def ids_without_contradiction(index: int) -> set[str]:
+        row, ids = rows[index], ids_with_key(index, 0)
         named = {person.id for person in roster.find_people(row.name)}
         if not ids or ids & named:
             return ids
-        return ids.union(named, *(with_key(place, rank) for rank in range(1, len(row.claims))))
+        return ids.union(named, *(ids_with_key(index, rank) for rank in range(1, len(row.claims))))
 
-    yield with_key_or_contradiction
+    yield ids_without_contradiction
     for rank in range(1, max((len(row.claims) for row in rows), default=0)):
-        yield lambda place, rank=rank: with_key(place, rank)
+        yield lambda place, rank=rank: ids_with_key(place, rank)
     yield lambda place: {
         person.id
         for person in roster.find_people(rows[place].name)
@@ -156,5 +157,5 @@ def _name_may_match(name: str, person: Person) -> bool:
     return not name or person.name == person.id or bool(Roster((person,)).find_people(name))
 
 
-def _or(words: Iterable[str]) -> str:
+def _join_with_or(words: Iterable[str]) -> str:
     return " or ".join(words)

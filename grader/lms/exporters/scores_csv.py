@@ -9,7 +9,7 @@ from datetime import UTC, timedelta
 
 from grader.course.deadlines import TermRules
 from grader.course.roster import Person
-from grader.course.tables import harmless_cell
+from grader.course.tables import escape_cell
 from grader.lms.exporters.assignment_marks import provisional_notes
 from grader.lms.exporters.protocol import ExportError, ExportOptions, ExportResult
 from grader.lms.instructor_notes import excessive_notes, outdated_notes, unlisted_notes
@@ -24,11 +24,11 @@ from grader.lms.results import (
 )
 from grader.lms.term import TermResult, term_result
 
-ABOUT_PERSON = ("Student", "Last name", "First name", "E-mail", "Section")
-ABOUT_STAGE = ("submitted", "days late", "late penalty", "status")
+PERSON_TITLES = ("Student", "Last name", "First name", "E-mail", "Section")
+STAGE_TITLES = ("submitted", "days late", "late penalty", "status")
 
 
-def scores_csv(options: ExportOptions) -> ExportResult:
+def export_scores_csv(options: ExportOptions) -> ExportResult:
     """Write the scores of a class, limited to one stage or lesson if the options name one.
 
     The file has a heading, a row with the maximum score of each lesson, and one row per student. A
@@ -45,8 +45,8 @@ def scores_csv(options: ExportOptions) -> ExportResult:
         stages.setdefault(result.stage, {})[result.lesson] = result.max_score
     file = io.StringIO()
     table = csv.writer(file, lineterminator="\n")
-    table.writerow(_head(options, stages, rules))
-    table.writerow(_out_of(options, stages, rules))
+    table.writerow(_title_row(options, stages, rules))
+    table.writerow(_maximum_row(options, stages, rules))
     for person in options.results.people:
         own = [result for result in notebooks if result.student == person.id]
         table.writerow(_row(options, person, own, stages, rules))
@@ -74,47 +74,47 @@ def notebooks_of(options: ExportOptions) -> list[NotebookResult]:
 def person_titles(options: ExportOptions) -> list[str]:
     """Return the titles of the columns about a person, with the roster's additional columns."""
     people = options.results.people
-    return [*ABOUT_PERSON, *(harmless_cell(title) for title, _ in people[0].more)]
+    return [*PERSON_TITLES, *(escape_cell(title) for title, _ in people[0].additional_cells)]
 
 
 def person_cells(person: Person) -> list[str]:
     """Return the cells about a person."""
     texts = (person.id, person.last_name, person.first_name, person.email, person.section)
-    return [harmless_cell(text) for text in (*texts, *(text for _, text in person.more))]
+    return [escape_cell(text) for text in (*texts, *(text for _, text in person.additional_cells))]
 
 
-def _head(
+def _title_row(
     options: ExportOptions, stages: dict[str, dict[str, float]], rules: TermRules
 ) -> list[str]:
     columns = person_titles(options)
     for stage, lessons in stages.items():
-        columns += [*lessons, *(f"{stage}: {title}" for title in ABOUT_STAGE)]
+        columns += [*lessons, *(f"{stage}: {title}" for title in STAGE_TITLES)]
     return [*columns, "Total", "Out of", *["Passed"] * (rules.pass_mark is not None)]
 
 
-def _out_of(
+def _maximum_row(
     options: ExportOptions, stages: dict[str, dict[str, float]], rules: TermRules
 ) -> list[str]:
     cells = ["out of", *[""] * (len(person_titles(options)) - 1)]
     for lessons in stages.values():
-        cells += [*map(format_points, lessons.values()), *[""] * len(ABOUT_STAGE)]
-    most = format_points(sum(sum(lessons.values()) for lessons in stages.values()))
-    return [*cells, most, most, *[""] * (rules.pass_mark is not None)]
+        cells += [*map(format_points, lessons.values()), *[""] * len(STAGE_TITLES)]
+    total = format_points(sum(sum(lessons.values()) for lessons in stages.values()))
+    return [*cells, total, total, *[""] * (rules.pass_mark is not None)]
 
 
 def _row(
     options: ExportOptions,
     person: Person,
-    own: Sequence[NotebookResult],
+    own_results: Sequence[NotebookResult],
     stages: dict[str, dict[str, float]],
     rules: TermRules,
 ) -> list[str]:
     cells = person_cells(person)
     for stage in stages:
-        in_stage = [result for result in own if result.stage == stage]
-        cells += [_score(result) for result in in_stage]
-        cells += _about_stage(options.results.stage(person.id, stage), in_stage)
-    term = term_result(own, rules)
+        in_stage = [result for result in own_results if result.stage == stage]
+        cells += [_score_cell(result) for result in in_stage]
+        cells += _stage_cells(options.results.stage(person.id, stage), in_stage)
+    term = term_result(own_results, rules)
     has_mark = term.points is not None  # missing work is not a 0
     cells += [format_points(term.points), format_points(term.max_score)] if has_mark else ["", ""]
     return cells + [_passed(term)] * (rules.pass_mark is not None)
@@ -126,19 +126,19 @@ def _passed(term: TermResult) -> str:
     return WAITING if term.passed is None else "yes" if term.passed else "no"
 
 
-def _score(result: NotebookResult) -> str:
+def _score_cell(result: NotebookResult) -> str:
     if not result.counts or result.score is None:
         return ""
     return format_points(result.score)
 
 
-def _about_stage(stage: StageResult, lessons: Sequence[NotebookResult]) -> list[str]:
+def _stage_cells(stage: StageResult, lessons: Sequence[NotebookResult]) -> list[str]:
     submitted_at = stage.submitted_at.astimezone(UTC) if stage.submitted_at else None
     return [
         submitted_at.strftime("%Y-%m-%d %H:%M:%S UTC") if submitted_at else "",
         _days_late(stage),
         format_points(sum(result.penalty for result in lessons if result.counts)),
-        _standing(lessons),
+        _describe_status(lessons),
     ]
 
 
@@ -150,12 +150,12 @@ def _days_late(stage: StageResult) -> str:
     return format_points(stage.late / timedelta(days=1))
 
 
-def _standing(lessons: Sequence[NotebookResult]) -> str:
-    """Return the standing in a stage or lesson, followed by the lessons that differ."""
+def _describe_status(lessons: Sequence[NotebookResult]) -> str:
+    """Return the status in a stage or lesson, followed by the lessons that differ."""
     combined = combined_status(lessons)
-    words = [] if combined == WAITING else [combined]
+    texts = [] if combined == WAITING else [combined]
     if combined in (MARKED, WAITING):
-        for standing in (WAITING, MISSING):
-            names = [result.lesson for result in lessons if result.standing == standing]
-            words += [f"{standing}: {', '.join(names)}"] if names else []
-    return "; ".join(words)
+        for status in (WAITING, MISSING):
+            names = [result.lesson for result in lessons if result.status == status]
+            texts += [f"{status}: {', '.join(names)}"] if names else []
+    return "; ".join(texts)

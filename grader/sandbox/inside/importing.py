@@ -11,7 +11,7 @@ from utils.notebooks import slicing
 from utils.notebooks.forbidden import StandInModule, forbidden_module_of, refusal
 
 
-class Forbidden(importlib.abc.MetaPathFinder, importlib.abc.Loader):
+class ForbiddenModuleFinder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     """Finder that refuses to import forbidden modules, with a clear error message.
 
     If an allowed library imports a forbidden module, it gets a stand-in. The code of a forbidden
@@ -84,7 +84,7 @@ def _refuse_statement(node: ast.AST, modules: Iterable[str]) -> ast.AST:
 WITHOUT_WIDGETS = {"tqdm.notebook": "from tqdm.std import tqdm, trange"}
 
 
-class SubmittedModules(importlib.abc.MetaPathFinder, importlib.abc.Loader):
+class SubmittedModuleFinder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     """Finder for modules that are given as source, such as those submitted with the notebook."""
 
     def __init__(self, sources: dict[str, str], forbidden: Iterable[str]) -> None:

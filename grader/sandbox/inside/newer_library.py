@@ -14,7 +14,7 @@ from itertools import accumulate
 from utils.notebooks.newer_syntax import RUNNING_VERSION
 
 # From the lists of changes in Python's documentation; only what an answer may use.
-_ADDED = {
+_NAMES_ADDED = {
     (3, 12): (
         *("collections.abc.Buffer", "itertools.batched", "math.sumprod"),
         *("random.binomialvariate", "types.get_original_bases", "typing.TypeAliasType"),
@@ -34,13 +34,13 @@ _ADDED = {
         *("string.templatelib", "typing.evaluate_forward_ref"),
     ),
 }
-ADDED_IN = {name: version for version, names in _ADDED.items() for name in names}
+ADDED_IN = {name: version for version, names in _NAMES_ADDED.items() for name in names}
 """The version of Python that added a name."""
-_TESTS = {"hasattr", "getattr", "version_info"}
+_VERSION_TESTS = {"hasattr", "getattr", "version_info"}
 
 
 def newer_names(
-    nodes: Iterable[ast.AST], python: tuple[int, ...] = (), own: Container[str] = ()
+    nodes: Iterable[ast.AST], python: tuple[int, ...] = (), own_modules: Container[str] = ()
 ) -> Iterator[tuple[int, str]]:
     """Yield the names that only a newer Python has.
 
@@ -51,18 +51,18 @@ def newer_names(
     python : tuple of int, optional
         The version of Python that ran the code, if it is known. If that version lacks a name as
         well, the name is not reported.
-    own : container of str, optional
+    own_modules : container of str, optional
         Names of the student's own modules, which replace those of the standard library.
 
     Yields
     ------
-    place : int
+    index : int
         Index of the statement in `nodes`.
     reason : str
         The rest of a sentence that begins with the cell or file.
     """
     nodes = list(nodes)
-    if any(_name(inner) in _TESTS for node in nodes for inner in ast.walk(node)):
+    if any(_name(inner) in _VERSION_TESTS for node in nodes for inner in ast.walk(node)):
         return
     modules = {}
     for node in nodes:
@@ -71,7 +71,7 @@ def newer_names(
                 for alias in inner.names:
                     root = alias.name.partition(".")[0]
                     modules[alias.asname or root] = alias.name if alias.asname else root
-    for place, node in enumerate(nodes):
+    for index, node in enumerate(nodes):
         for inner in _unguarded(node):
             for name in _library_names(inner, modules):
                 version = ADDED_IN.get(name, RUNNING_VERSION)
@@ -79,10 +79,10 @@ def newer_names(
                 if (
                     version > RUNNING_VERSION
                     and not was_absent
-                    and name.partition(".")[0] not in own
+                    and name.partition(".")[0] not in own_modules
                 ):
                     needed = ".".join(map(str, version))
-                    yield place, f"uses {name}, which needs Python {needed} or later"
+                    yield index, f"uses {name}, which needs Python {needed} or later"
 
 
 def _unguarded(node: ast.AST) -> Iterator[ast.AST]:

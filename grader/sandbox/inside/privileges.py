@@ -13,7 +13,7 @@ _SETGID, _SETUID = 6, 7
 _LIBC = ctypes.CDLL(None, use_errno=True)
 
 
-def give_up(*, keep_user_changes: bool) -> None:
+def drop_privileges(*, keep_user_changes: bool) -> None:
     """Permanently give up all capabilities, for this process and its children.
 
     Parameters

@@ -8,7 +8,7 @@ semaphore class. This module replaces that class with one that tries, sleeps, an
 import _multiprocessing
 import time
 
-SHORTEST, LONGEST = 50e-6, 2e-3
+MIN_DELAY, MAX_DELAY = 50e-6, 2e-3
 
 
 class SemLock(_multiprocessing.SemLock):
@@ -17,12 +17,12 @@ class SemLock(_multiprocessing.SemLock):
     def acquire(self, block: bool = True, timeout: float | None = None) -> bool:
         """Acquire the semaphore; return False if it is not free in time."""
         end = None if timeout is None else time.monotonic() + timeout
-        pause = SHORTEST
+        pause = MIN_DELAY
         while not super().acquire(False):
             if not block or (end is not None and time.monotonic() >= end):
                 return False
             time.sleep(pause)
-            pause = min(2 * pause, LONGEST)
+            pause = min(2 * pause, MAX_DELAY)
         return True
 
     def __enter__(self) -> bool:

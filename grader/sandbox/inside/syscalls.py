@@ -139,7 +139,7 @@ MACHINES = {
     ),
 }
 # These calls are allowed only with some values of an argument.
-LIMITED = ("clone", "socket", "fcntl", "ioctl", "madvise", "prctl", "futex", "rt_sigaction")
+LIMITED_CALLS = ("clone", "socket", "fcntl", "ioctl", "madvise", "prctl", "futex", "rt_sigaction")
 NEW_USER_NAMESPACE = 0x10000000
 ORDINARY_SOCKETS = (1, 2, 10)  # UNIX, IPv4, IPv6: harmless in a sandbox without a network
 # Commands of fcntl for descriptors and their flags, but not for locks, leases, watches or hints.
@@ -152,7 +152,7 @@ MERGEABLE, COLD, PAGE_OUT, COLLAPSE = 12, 20, 21, 25
 MERGE_ALL = 67
 # A futex without this flag may be on a page of a shared file.
 PRIVATE_FUTEX, COMMAND_OF_FUTEX = 128, 127
-WAITS, WAKES = (0, 9), (1, 10)
+WAIT_OPERATIONS, WAKE_OPERATIONS = (0, 9), (1, 10)
 # SIGCHLD. If a parent ignores it, the kernel discards the processor time of its children.
 END_OF_A_CHILD = 17
 
@@ -174,7 +174,7 @@ class _FilterProgram(ctypes.Structure):
     _fields_ = [("length", ctypes.c_ushort), ("instructions", ctypes.c_char_p)]
 
 
-def deny(*, sockets: bool = True) -> None:
+def install_filter(*, sockets: bool = True) -> None:
     """Permanently install the filter for this process and its children.
 
     The filter is only an additional protection. On architectures that are not in `MACHINES`,
@@ -223,21 +223,21 @@ def _filter_instructions(machine: str, sockets: bool) -> Iterator[_Instruction]:
         yield _IF_EQUAL, 0, len(rule), numbers[limited]
         yield from rule
     for call, number in numbers.items():
-        if call not in LIMITED:
+        if call not in LIMITED_CALLS:
             yield _IF_EQUAL, 0, 1, number
             yield _DENY
     yield _ALLOW
 
 
 def _rules(sockets: bool) -> dict[str, list[_Instruction]]:
-    """Return the instructions for each call in `LIMITED`, the most frequent call first."""
+    """Return the instructions for each call in `LIMITED_CALLS`, the most frequent call first."""
     return {
         "futex": [
             _load_argument(1),
             *_answer_if(_ALLOW, _IF_ANY_BIT, PRIVATE_FUTEX),
             (_AND, 0, 0, COMMAND_OF_FUTEX),
-            *_answer_if(_AGAIN, _IF_EQUAL, *WAITS),
-            *_answer_if(_DONE, _IF_EQUAL, *WAKES),
+            *_answer_if(_AGAIN, _IF_EQUAL, *WAIT_OPERATIONS),
+            *_answer_if(_DONE, _IF_EQUAL, *WAKE_OPERATIONS),
             _DENY,
         ],
         "madvise": [

@@ -2,8 +2,8 @@
 
 A message is a JSON tree followed by the bytes of its arrays. It can contain numbers, strings,
 containers, arrays of a plain dtype and NumPy's default random generators. Any other value arrives
-as an `Opaque`, which contains only the name of its type, and only if that is a type of Python or
-NumPy. The other end may be hostile, so nothing is unpickled, and every size is checked before
+as an `OpaqueValue`, which contains only the name of its type, and only if that is a type of Python
+or NumPy. The other end may be hostile, so nothing is unpickled, and every size is checked before
 memory is allocated.
 """
 
@@ -19,27 +19,27 @@ from dataclasses import dataclass
 import numpy as np
 
 PLAIN_TYPES = ("|b1", "|i1", "|u1", "<i2", "<u2", "<i4", "<u4", "<i8", "<u8", "<f2", "<f4", "<f8")
-MAXIMUM_TREE = 16 * 2**20
-MAXIMUM_ARRAYS = 32 * 2**20
+MAX_TREE_BYTES = 16 * 2**20
+MAX_ARRAY_BYTES = 32 * 2**20
 # Limits on the numbers of values and containers in a tree. They are about twice as large as needed
 # for the largest array, sent as a list of rows. Without them, a message could fill the memory,
 # because a decoded value may take forty times as much memory as its encoded bytes.
-MAXIMUM_COMMAS = 2**20
-MAXIMUM_BRACKETS = 2**19
-MAXIMUM_GENERATORS = 100
-MAXIMUM_DEPTH = 60
-MAXIMUM_DIMENSIONS = 16
+MAX_COMMAS = 2**20
+MAX_BRACKETS = 2**19
+MAX_GENERATORS = 100
+MAX_DEPTH = 60
+MAX_DIMENSIONS = 16
 HEADER = struct.Struct(">II")  # the sizes of the tree and of the arrays, in bytes
 # A string without a closing quote extends to the end, so that the search takes linear time.
 _TEXT = re.compile(rb'"(?:[^"\\]|\\.)*+"?', re.DOTALL)
 _SCALARS = (type(None), bool, int, float, str, np.generic)
-_DEEP = "a very deeply nested value"
-_LONG = "an integer beyond 64 bits"
+_NESTED_VALUE = "a very deeply nested value"
+_LARGE_INTEGER = "an integer beyond 64 bits"
 _NON_SCALAR_KEYS = {
     "dict": "a dict with a key that is neither a number nor a string",
     "set": "a set with an element that is neither a number nor a string",
 }
-_OWN = "an object of a custom class"
+_CUSTOM_OBJECT = "an object of a custom class"
 # Type names that messages may contain. Other names are left out, because student code could hide
 # the input of a hidden test in the name of a class.
 _NAMES_OF_TYPES = {
@@ -48,12 +48,12 @@ _NAMES_OF_TYPES = {
     for value in vars(module).values()
     if isinstance(value, type)
 } | {"dict_keys", "dict_values", "dict_items", "MaskedArray"}
-_KNOWN = {
+_KNOWN_TYPES = {
     *_NAMES_OF_TYPES,
     *(f"an array of {name}" for name in _NAMES_OF_TYPES),
     *_NON_SCALAR_KEYS.values(),
-    _DEEP,
-    _LONG,
+    _NESTED_VALUE,
+    _LARGE_INTEGER,
 }
 
 
@@ -66,7 +66,7 @@ class TooLarge(Exception):
 
 
 @dataclass(frozen=True)
-class Opaque:
+class OpaqueValue:
     """A placeholder for a value that is not plain data."""
 
     type_name: str
@@ -78,7 +78,7 @@ def encode(value: object) -> bytes:
     Parameters
     ----------
     value : object
-        Any value. Parts that are not plain data become an `Opaque`.
+        Any value. Parts that are not plain data become an `OpaqueValue`.
 
     Raises
     ------
@@ -87,7 +87,7 @@ def encode(value: object) -> bytes:
     """
     blob = bytearray()
     tree = json.dumps(_to_tree(value, blob, 0), separators=(",", ":")).encode()
-    if len(tree) > MAXIMUM_TREE or not _is_within_limits(tree):
+    if len(tree) > MAX_TREE_BYTES or not _is_within_limits(tree):
         raise TooLarge
     return b"".join((HEADER.pack(len(tree), len(blob)), tree, blob))
 
@@ -106,7 +106,7 @@ def sizes_in(header: bytes) -> tuple[int, int]:
         If the message would be larger than the limits.
     """
     tree_size, blob_size = HEADER.unpack(header)
-    if tree_size > MAXIMUM_TREE or blob_size > MAXIMUM_ARRAYS:
+    if tree_size > MAX_TREE_BYTES or blob_size > MAX_ARRAY_BYTES:
         raise WireError("a message larger than any answer can be")
     return tree_size, blob_size
 
@@ -147,8 +147,8 @@ def is_plain(value: object) -> bool:
 
 
 def _to_tree(value: object, blob: bytearray, depth: int) -> object:
-    if depth > MAXIMUM_DEPTH:
-        return {"opaque": _DEEP}
+    if depth > MAX_DEPTH:
+        return {"opaque": _NESTED_VALUE}
     if value is None or isinstance(value, (bool, str)):
         return str(value) if isinstance(value, str) else value
     if isinstance(value, np.ndarray):
@@ -159,9 +159,9 @@ def _to_tree(value: object, blob: bytearray, depth: int) -> object:
         if isinstance(value, np.longdouble):
             return float(value)  # `item()` would return a longdouble again
         plain = value.dtype.kind in "biufU"
-        return _to_tree(value.item() if plain else Opaque(type(value).__name__), blob, depth)
+        return _to_tree(value.item() if plain else OpaqueValue(type(value).__name__), blob, depth)
     if isinstance(value, int):
-        return int(value) if _is_small(value) else {"opaque": _LONG}
+        return int(value) if _is_small(value) else {"opaque": _LARGE_INTEGER}
     if isinstance(value, float):
         return float(value)
     if isinstance(value, (list, tuple)):
@@ -173,7 +173,7 @@ def _to_tree(value: object, blob: bytearray, depth: int) -> object:
         return _keyed_to_tree(value, blob, depth)
     if _is_generator(value):
         return {"generator": _state_of(value)}
-    if isinstance(value, Opaque):
+    if isinstance(value, OpaqueValue):
         return {"opaque": value.type_name}
     if hasattr(value, "__array__"):  # results of pandas and torch are valid answers
         return _array_to_tree(np.asarray(value), blob, depth)
@@ -202,7 +202,7 @@ def _array_to_tree(array: np.ndarray, blob: bytearray, depth: int) -> object:
     if array.dtype == np.longdouble:
         array = array.astype(float)
     little = array.dtype.newbyteorder("<")
-    if len(blob) + array.nbytes > MAXIMUM_ARRAYS:
+    if len(blob) + array.nbytes > MAX_ARRAY_BYTES:
         raise TooLarge
     if little.str not in PLAIN_TYPES or not _is_possible_shape(array.shape):
         if array.dtype.kind in "OU" and array.size < 1_000_000:
@@ -216,7 +216,7 @@ class _Remainder:
     """The part of a message that is not decoded yet."""
 
     def __init__(self, blob: bytes) -> None:
-        self.blob, self.generators = memoryview(blob), MAXIMUM_GENERATORS
+        self.blob, self.generators = memoryview(blob), MAX_GENERATORS
 
     def take_bytes(self, size: int) -> memoryview:
         """Return the next bytes and remove them, so that two arrays never share bytes."""
@@ -236,7 +236,7 @@ class _Remainder:
 
 
 def _from_tree(tree: object, remainder: _Remainder, depth: int) -> object:
-    if depth > MAXIMUM_DEPTH + 5:
+    if depth > MAX_DEPTH + 5:
         raise WireError("nested too deeply")
     if isinstance(tree, str):
         return _writable_text(tree)
@@ -262,13 +262,13 @@ def _from_tree(tree: object, remainder: _Remainder, depth: int) -> object:
         remainder.take_generator()
         return _generator_from(content)
     if kind == "opaque" and isinstance(content, str):
-        return Opaque(known_type(content))
+        return OpaqueValue(known_type(content))
     raise WireError("unknown kind of value")
 
 
 def _key_from_tree(tree: object, remainder: _Remainder, depth: int) -> object:
     key = _from_tree(tree, remainder, depth + 1)
-    if not isinstance(key, (*_SCALARS, Opaque)):
+    if not isinstance(key, (*_SCALARS, OpaqueValue)):
         raise WireError("unknown kind of key")
     return key
 
@@ -319,8 +319,8 @@ def _generator_from(content: object) -> np.random.Generator:
 def _is_possible_shape(shape: Sequence[int]) -> bool:
     # Each length is checked, because an array with a length of 0 has no data, so its other lengths
     # could be arbitrarily large.
-    return len(shape) <= MAXIMUM_DIMENSIONS and all(
-        type(n) is int and 0 <= n <= MAXIMUM_ARRAYS for n in shape
+    return len(shape) <= MAX_DIMENSIONS and all(
+        type(n) is int and 0 <= n <= MAX_ARRAY_BYTES for n in shape
     )
 
 
@@ -330,15 +330,15 @@ def _is_within_limits(tree: bytes) -> bool:
     Commas and brackets inside strings do not count, because a notebook may contain a long table.
     """
     commas, brackets = tree.count(b","), tree.count(b"[") + tree.count(b"{")
-    if commas <= MAXIMUM_COMMAS and brackets <= MAXIMUM_BRACKETS:
+    if commas <= MAX_COMMAS and brackets <= MAX_BRACKETS:
         return True
-    if tree.count(b'"') - tree.count(b'\\"') > 2 * MAXIMUM_COMMAS:  # each string is a value
+    if tree.count(b'"') - tree.count(b'\\"') > 2 * MAX_COMMAS:  # each string is a value
         return False
     for text in _TEXT.finditer(tree):
         begin, end = text.span()
         commas -= tree.count(b",", begin, end)
         brackets -= tree.count(b"[", begin, end) + tree.count(b"{", begin, end)
-    return commas <= MAXIMUM_COMMAS and brackets <= MAXIMUM_BRACKETS
+    return commas <= MAX_COMMAS and brackets <= MAX_BRACKETS
 
 
 def _is_small(value: object) -> bool:
@@ -364,4 +364,4 @@ def _writable_text(text: str) -> str:
 
 def known_type(name: object) -> str:
     """Return the name of a type if it is known, or else a general description."""
-    return name if isinstance(name, str) and name in _KNOWN else _OWN
+    return name if isinstance(name, str) and name in _KNOWN_TYPES else _CUSTOM_OBJECT

@@ -37,16 +37,16 @@ from utils.notebooks.edits import Edit, edits_of  # noqa: E402
 from utils.notebooks.forbidden import forbidden_module_of, refusal  # noqa: E402
 from utils.notebooks.skipped_cells import SkippedCell  # noqa: E402
 
-LONGEST_TEXT = 400
+MAX_TEXT_LENGTH = 400
 # Limit on the lines that are reported for an exception in nested calls.
-MOST_PLACES = 8
+MAX_PLACES = 8
 # Limits on the data sent along with an attribute. They are large enough for a tree of small nodes.
-MOST_OBJECTS, MOST_ATTRIBUTES, MOST_NUMBERS = 64, 12, 12
+MAX_OBJECTS, MAX_ATTRIBUTES, MAX_ELEMENTS = 64, 12, 12
 SCALARS = (type(None), bool, int, float, np.generic)
 # Names that are undefined because an import was refused, mapped to the refused module.
-_REFUSED: dict[str, str] = {}
+_refusals: dict[str, str] = {}
 # Names that are undefined because a module is missing, mapped to Python's message.
-_ABSENT: dict[str, str] = {}
+_absences: dict[str, str] = {}
 
 
 def main(read_end: int, write_end: int) -> None:
@@ -55,54 +55,56 @@ def main(read_end: int, write_end: int) -> None:
     prefer_for_oom_kill()
     change_user(rules["user"])
     set_limits(rules["limits"])
-    signal.signal(signal.SIGCHLD, signal.SIG_DFL)  # `syscalls.deny` makes this permanent
-    syscalls.deny(sockets=rules.get("sockets", True))
+    signal.signal(signal.SIGCHLD, signal.SIG_DFL)  # `syscalls.install_filter` makes this permanent
+    syscalls.install_filter(sockets=rules.get("sockets", True))
     semaphores.use_polling()
-    sys.meta_path.insert(0, importing.Forbidden(rules["forbidden"]))
+    sys.meta_path.insert(0, importing.ForbiddenModuleFinder(rules["forbidden"]))
     wire.send(write_end, "ready")
 
-    start = wire.receive(read_end)
-    sys.meta_path.insert(0, importing.SubmittedModules(importing.WITHOUT_WIDGETS, ()))
-    sys.meta_path.append(importing.SubmittedModules(start["modules"], rules["forbidden"]))
-    statements, skipped = slicing.parse_notebook(start["cells"], tuple(start["python"]))
-    newer = newer_parts(statements, skipped, start)
-    statements, redefined = with_given_code(statements, start["names"], start["given"])
-    statements, refusals = without_forbidden(statements, rules["forbidden"])
-    needed = slicing.slice_for(start["names"], statements)
+    notebook = wire.receive(read_end)
+    sys.meta_path.insert(0, importing.SubmittedModuleFinder(importing.WITHOUT_WIDGETS, ()))
+    sys.meta_path.append(importing.SubmittedModuleFinder(notebook["modules"], rules["forbidden"]))
+    statements, skipped = slicing.parse_notebook(notebook["cells"], tuple(notebook["python"]))
+    newer = explain_newer_names(statements, skipped, notebook)
+    statements, redefined = replace_given_code(statements, notebook["names"], notebook["given"])
+    statements, refusals = remove_forbidden_imports(statements, rules["forbidden"])
+    needed = slicing.slice_for(notebook["names"], statements)
     # No student code has run yet, so these facts about the source can be trusted. An answer may be
     # a method of a redefined class, so the parts of an answer include all redefined names.
     uses = {
-        name: called_functions((name, *redefined), start["names"], statements)
-        for name in start["names"]
+        name: called_functions((name, *redefined), notebook["names"], statements)
+        for name in notebook["names"]
     }
-    lines = {name: slicing.lines_of((name, *redefined), statements) for name in start["names"]}
+    lines = {name: slicing.lines_of((name, *redefined), statements) for name in notebook["names"]}
     own_lines = {
-        name: slicing.places_of(definitions_of((name, *redefined), start["names"], statements))
-        for name in start["names"]
+        name: slicing.places_of(definitions_of((name, *redefined), notebook["names"], statements))
+        for name in notebook["names"]
     }
-    edited_parts = (start["edited"], *redefined) if start["edited"] else ()
-    definitions = definitions_of(edited_parts, start["names"], statements)
+    edited_parts = (notebook["edited"], *redefined) if notebook["edited"] else ()
+    definitions = definitions_of(edited_parts, notebook["names"], statements)
     # Edits of helpers come last among equally likely ones, because helpers may have passed their
     # own checks.
-    answer_first = sorted(definitions, key=lambda statement: start["edited"] not in statement.binds)
-    edits = edits_of(start["cells"], answer_first)
+    answer_first = sorted(
+        definitions, key=lambda statement: notebook["edited"] not in statement.binds
+    )
+    edits = edits_of(notebook["cells"], answer_first)
     edit_rows = [[edit.cell, edit.first, edit.last, edit.text] for edit in edits]
     problems = [cell.sentence for cell in skipped if not cell.magic]
-    read = {
+    report = {
         "problems": [*problems, *refusals],
-        "skipped": about_skipped(start["names"], skipped),
+        "skipped": describe_skipped(notebook["names"], skipped),
         "newer": newer,
         "uses": uses,
         "lines": lines,
         "own_lines": own_lines,
         "edits": edit_rows,
     }
-    wire.send(write_end, read)
+    wire.send(write_end, report)
 
     namespace = make_namespace()
     failures = run(needed, namespace)
-    add_missing_methods(redefined, start["given"]["source"], namespace)
-    missing = undefined_names(namespace, start["names"], redefined)
+    add_missing_methods(redefined, notebook["given"]["source"], namespace)
+    missing = undefined_names(namespace, notebook["names"], redefined)
     wire.send(write_end, {"problems": failures, "missing": missing})
     objects = {}
     while True:
@@ -113,7 +115,7 @@ def main(read_end: int, write_end: int) -> None:
         if "all_cells" in request:
             # Code such as `exec` or `globals()` binds names that are not visible in the source.
             run(statements, namespace)
-            missing = undefined_names(namespace, start["names"], redefined)
+            missing = undefined_names(namespace, notebook["names"], redefined)
             wire.send(write_end, {"missing": missing})
         elif "edit" in request:
             objects.clear()
@@ -126,7 +128,7 @@ def main(read_end: int, write_end: int) -> None:
             reply(write_end, request["id"], answer(request, namespace, objects))
 
 
-def about_skipped(names: list[str], skipped: list[SkippedCell]) -> dict[str, str]:
+def describe_skipped(names: list[str], skipped: list[SkippedCell]) -> dict[str, str]:
     """Return a text about each function that is defined in a skipped cell."""
     return {
         name: cell.describe_missing(name)
@@ -136,11 +138,11 @@ def about_skipped(names: list[str], skipped: list[SkippedCell]) -> dict[str, str
     }
 
 
-def newer_parts(
-    statements: list[slicing.Statement], skipped: list[SkippedCell], start: dict
+def explain_newer_names(
+    statements: list[slicing.Statement], skipped: list[SkippedCell], notebook: dict
 ) -> dict[str, str]:
     """Return a sentence about each function that needs code for a newer Python than this one."""
-    python = tuple(start["python"])
+    python = tuple(notebook["python"])
     reasons = {cell.number: f"Code cell {cell.number} {cell.reason}" for cell in skipped}
     added = [
         slicing.analyse_statement(cell.number, node, 0)
@@ -149,37 +151,39 @@ def newer_parts(
         for node in cell.newer.body
     ]
     modules = {}
-    for name, source in start["modules"].items():
-        own, unread = slicing.parse_notebook([source], python)
-        nodes = [statement.node for statement in own]
-        why = [cell.reason for cell in unread if cell.newer]
-        why += [reason for _, reason in newer_library.newer_names(nodes, python, start["modules"])]
-        modules.update((name, f"{name}.py {reason}") for reason in why[:1])
+    for name, source in notebook["modules"].items():
+        parsed, unread = slicing.parse_notebook([source], python)
+        nodes = [statement.node for statement in parsed]
+        module_reasons = [cell.reason for cell in unread if cell.newer]
+        module_reasons += [
+            reason for _, reason in newer_library.newer_names(nodes, python, notebook["modules"])
+        ]
+        modules.update((name, f"{name}.py {reason}") for reason in module_reasons[:1])
     # The syntax of an unknown version cannot be parsed at all.
     unknown = [cell for cell in skipped if cell.newer and not cell.newer.body]
-    found = {
+    sentence_by_name = {
         name: reasons[cell.number]
-        for name in start["names"]
+        for name in notebook["names"]
         for cell in unknown
         if cell.defines(name)
     }
-    every = sorted([*statements, *added], key=lambda statement: statement.cell)
-    for name in start["names"]:
-        needed = slicing.slice_for([name], every)
+    all_statements = sorted([*statements, *added], key=lambda statement: statement.cell)
+    for name in notebook["names"]:
+        needed = slicing.slice_for([name], all_statements)
         imported = {module.split(".")[0] for _, module in slicing.imported_modules(needed)}
         sentences = [reasons[statement.cell] for statement in needed if statement in added]
         sentences += [modules[module] for module in imported & modules.keys()]
         nodes = [statement.node for statement in needed]
         sentences += [
-            f"Code cell {needed[place].cell} {reason}"
-            for place, reason in newer_library.newer_names(nodes, python, start["modules"])
+            f"Code cell {needed[index].cell} {reason}"
+            for index, reason in newer_library.newer_names(nodes, python, notebook["modules"])
         ]
         if sentences:
-            found[name] = sentences[0]
-    return found
+            sentence_by_name[name] = sentences[0]
+    return sentence_by_name
 
 
-def with_given_code(
+def replace_given_code(
     statements: list[slicing.Statement], names: list[str], given: dict
 ) -> tuple[list[slicing.Statement], frozenset[str]]:
     """Replace the notebook's versions of given code with the lesson's.
@@ -208,11 +212,11 @@ def with_given_code(
     given_names, may_change = frozenset(given["names"]), frozenset(given["open"])
     ends = [slicing.end_of_checks(checked, statements) for checked in (may_change, names)]
     end = ends[0] or ends[1] or len(statements)
-    kept, redefined = _without_given(statements, released, given_names, may_change, end)
+    kept, redefined = _remove_given_code(statements, released, given_names, may_change, end)
     bound = given_names.union(*(statement.binds for statement in kept))
     if not redefined and not bound.issuperset(names):
         # The student may have written the missing answers in a class below the checks.
-        kept, redefined = _without_given(
+        kept, redefined = _remove_given_code(
             statements, released, given_names, may_change, len(statements)
         )
     if not redefined:
@@ -220,7 +224,7 @@ def with_given_code(
     return [*released, *kept], redefined
 
 
-def _without_given(
+def _remove_given_code(
     statements: list[slicing.Statement],
     released: list[slicing.Statement],
     given_names: frozenset[str],
@@ -274,12 +278,12 @@ def add_missing_methods(redefined: Iterable[str], source: str, namespace: dict) 
                     setattr(namespace[name], member, value)
 
 
-def without_forbidden(
+def remove_forbidden_imports(
     statements: list[slicing.Statement], forbidden: Iterable[str]
 ) -> tuple[list[slicing.Statement], list[str]]:
     """Remove forbidden imports; also return a sentence for each cell that contains one.
 
-    The names that such an import binds are recorded in `_REFUSED`, for the message if one of them
+    The names that such an import binds are recorded in `_refusals`, for the message if one of them
     is used. An import inside another statement becomes a statement that raises an error.
     """
     kept, sentences = [], {}
@@ -291,7 +295,7 @@ def without_forbidden(
                 f"Code cell {statement.cell} imports {refused}, which is not allowed in this "
                 "lesson: it does the exercise for you."
             ] = True
-            _REFUSED.update(dict.fromkeys(statement.binds, refused))
+            _refusals.update(dict.fromkeys(statement.binds, refused))
             importing.refuse_imports(statement.node, forbidden)
         if not refused or not isinstance(statement.node, ast.Import | ast.ImportFrom):
             kept.append(statement)
@@ -299,23 +303,23 @@ def without_forbidden(
 
 
 def called_functions(
-    parts: tuple[str, ...], names: list[str], statements: list[slicing.Statement]
+    answer_names: tuple[str, ...], names: list[str], statements: list[slicing.Statement]
 ) -> list[str]:
     """Return the functions among `names` that an answer calls, directly or indirectly."""
-    needed = slicing.slice_for(parts, statements)
+    needed = slicing.slice_for(answer_names, statements)
     bound = set().union(*(statement.binds for statement in needed))
-    return [other for other in names if other in bound and other != parts[0]]
+    return [other for other in names if other in bound and other != answer_names[0]]
 
 
 def definitions_of(
-    parts: tuple[str, ...], names: list[str], statements: list[slicing.Statement]
+    answer_names: tuple[str, ...], names: list[str], statements: list[slicing.Statement]
 ) -> list[slicing.Statement]:
     """Return the statements that define an answer and its helpers, without other exercises."""
-    others = frozenset(names) - frozenset(parts)
+    others = frozenset(names) - frozenset(answer_names)
     kinds = (ast.FunctionDef, ast.ClassDef)
     return [
         statement
-        for statement in slicing.slice_for(parts, statements)
+        for statement in slicing.slice_for(answer_names, statements)
         if statement.cell and isinstance(statement.node, kinds) and not statement.binds & others
     ]
 
@@ -395,7 +399,7 @@ def run(statements: Iterable[slicing.Statement], namespace: dict) -> list[dict]:
                 failure["place"] or f"code cell {statement.cell}, line {statement.node.lineno}"
             )
             if failure["type"] == "ModuleNotFoundError":
-                _ABSENT.update(dict.fromkeys(statement.binds, failure["message"]))
+                _absences.update(dict.fromkeys(statement.binds, failure["message"]))
             failures.append(failure)
     return failures
 
@@ -410,16 +414,16 @@ def answer(request: dict, namespace: dict, objects: dict[int, object]) -> dict:
     """
     try:
         if request["object"] is None:
-            wanted = namespace[request["name"]]
+            target = namespace[request["name"]]
         else:
-            wanted = operator.attrgetter(request["name"])(objects[request["object"]])
+            target = operator.attrgetter(request["name"])(objects[request["object"]])
         with interrupt_after(request["seconds"]):
-            results = [wanted(*arguments, **request["keywords"]) for arguments in request["calls"]]
+            results = [target(*arguments, **request["keywords"]) for arguments in request["calls"]]
     except BaseException as error:
         return {"error": describe(error)}
     if request["each"]:
         return {"result": results}
-    result = results[0] if results else wanted
+    result = results[0] if results else target
     seen = observe_arguments(result, request["calls"][0]) if request["observe"] else {}
     if not request["calls"] and not callable(result):
         seen["nearby"] = nearby_attributes(request["object"], objects)
@@ -480,7 +484,7 @@ def nearby_attributes(number: int, objects: dict[int, object]) -> list:
     waiting = [number]
     for number in waiting:  # the list grows in this loop
         attributes = getattr(objects[number], "__dict__", None)
-        if type(attributes) is not dict or len(attributes) > MOST_ATTRIBUTES:
+        if type(attributes) is not dict or len(attributes) > MAX_ATTRIBUTES:
             continue
         for name, value in attributes.items():
             if is_small(value):
@@ -490,7 +494,7 @@ def nearby_attributes(number: int, objects: dict[int, object]) -> list:
             else:
                 stored = store_object(value, objects)
                 row, table = (number, str(name), *stored.values()), others
-                if len(waiting) < MOST_OBJECTS:
+                if len(waiting) < MAX_OBJECTS:
                     waiting.append(stored["object"])
             for column, content in zip(table, row, strict=True):
                 column.append(content)
@@ -500,16 +504,16 @@ def nearby_attributes(number: int, objects: dict[int, object]) -> list:
 def is_small(value: object) -> bool:
     """Return whether a value is a scalar or has only a few elements."""
     if type(value) is np.ndarray:
-        return value.size <= MOST_NUMBERS
+        return value.size <= MAX_ELEMENTS
     if type(value) in (list, tuple):
-        return len(value) <= MOST_NUMBERS and all(isinstance(item, SCALARS) for item in value)
+        return len(value) <= MAX_ELEMENTS and all(isinstance(item, SCALARS) for item in value)
     return isinstance(value, SCALARS)
 
 
 def public_methods(value: object) -> list[str]:
-    """Return the names of at most `MOST_ATTRIBUTES` public methods of an object's class."""
+    """Return the names of at most `MAX_ATTRIBUTES` public methods of an object's class."""
     names = [name for name, member in vars(type(value)).items() if callable(member)]
-    return [name for name in names if not name.startswith("_")][:MOST_ATTRIBUTES]
+    return [name for name in names if not name.startswith("_")][:MAX_ATTRIBUTES]
 
 
 def observe_arguments(result: object, arguments: list) -> dict:
@@ -548,7 +552,7 @@ def describe(error: BaseException) -> dict:
     """Return plain data about an exception: type, message, and lines of the notebook.
 
     `place` and `function` are the innermost line and function of the notebook in the traceback.
-    `through` lists the lines of the calling functions, the outermost first.
+    `call_places` lists the lines of the calling functions, the outermost first.
     """
     places, function, trace = {}, None, error.__traceback__
     while trace is not None:
@@ -557,22 +561,22 @@ def describe(error: BaseException) -> dict:
             places.pop(code, None)  # a recursive function is listed once, with its last line
             places[code], function = f"{code.co_filename}, line {trace.tb_lineno}", code.co_name
         trace = trace.tb_next
-    *through, place = places.values() or [None]
+    *call_places, place = places.values() or [None]
     try:
         message = str(error)
     except BaseException:
         message = ""
-    if isinstance(error, NameError) and error.name in _REFUSED:
-        error = refusal(_REFUSED[error.name])
+    if isinstance(error, NameError) and error.name in _refusals:
+        error = refusal(_refusals[error.name])
         message = str(error)
-    if isinstance(error, NameError) and error.name in _ABSENT:
-        message = _ABSENT[error.name]
+    if isinstance(error, NameError) and error.name in _absences:
+        message = _absences[error.name]
         error = ModuleNotFoundError(message)
     return {
         "type": type(error).__name__[:100],
-        "message": message[:LONGEST_TEXT],
+        "message": message[:MAX_TEXT_LENGTH],
         "place": place,
-        "through": through[:MOST_PLACES],
+        "through": call_places[:MAX_PLACES],
         "function": function and function[:100],
     }
 

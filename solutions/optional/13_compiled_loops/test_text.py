@@ -78,7 +78,7 @@ def test_it_takes_two_sittings():
     sittings = durations.sitting_minutes(nbformat.read(LESSON.solved, as_version=4))
     stated = re.search(r"in two sittings of about (\d+) and (\d+) minutes", TEXT).groups()
     assert sittings == pytest.approx([int(minutes) for minutes in stated], rel=0.1)
-    assert max(sittings) <= durations.MOST_MINUTES_WITHOUT_STOP
+    assert max(sittings) <= durations.MAX_MINUTES_WITHOUT_STOP
 
 
 def test_path_halving_is_drawn_as_it_happens(python_functions):

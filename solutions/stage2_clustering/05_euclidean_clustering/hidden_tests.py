@@ -14,7 +14,7 @@ from utils.checks.clusters import assert_labels_from_one, require_simplest_clust
 
 
 def assert_clusters(student, cloud, threshold=1.0):
-    cloud = samples.without_ties(cloud, threshold)
+    cloud = samples.remove_ties(cloud, threshold)
     assert_partition(
         student.euclidean_clustering(cloud.copy(), threshold),
         samples.cluster_labels(cloud, threshold),

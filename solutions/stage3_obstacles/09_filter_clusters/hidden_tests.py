@@ -49,7 +49,7 @@ def objects_of_course_cloud(seed):
     """Return cluster labels of objects above the road in the course's scan."""
     patch = samples.patch_of_course_cloud(seed, 4000)
     patch = patch[patch[:, 2] > -1.1]
-    return samples.cluster_labels(samples.without_ties(patch, 0.5), 0.5)
+    return samples.cluster_labels(samples.remove_ties(patch, 0.5), 0.5)
 
 
 @hidden(

@@ -20,7 +20,7 @@ NAME = "euclidean_clustering_accelerated"
 
 
 def assert_clusters(student, cloud, threshold=0.5):
-    cloud = samples.without_ties(cloud, threshold)
+    cloud = samples.remove_ties(cloud, threshold)
     assert_partition(
         student.euclidean_clustering_accelerated(cloud.copy(), threshold),
         samples.cluster_labels(cloud, threshold),

@@ -15,7 +15,7 @@ from grader.course.lessons import find_lesson, load_reference
 from grader.intake.preflight import prepare
 from grader.intake.submission import SubmittedFiles
 from grader.judging.runner import _limited_cpu_time
-from grader.lms.autograded import build_copy
+from grader.lms.autograded_copy import build_copy
 from utils import load_cloud
 from utils.checks.core import notes_of, run_check
 from utils.checks.lesson_10.accelerated import _seconds_to_find_neighbours

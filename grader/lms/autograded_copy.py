@@ -33,11 +33,11 @@ from grader.intake.submission import SubmittedFiles
 from grader.judging.verdict import ExerciseResult, Verdict
 from grader.lms.check_summary import summarise_checks
 from grader.lms.sanitizer import ZERO_WIDTH_SPACE, as_code, sanitize_markdown
-from grader.untrusted import one_line
+from grader.untrusted_text import one_line
 from utils.notebooks.reading import Cell
 
 _PICTURE = re.compile(r"(?<!\u200b)attachment:([^\s)>\"']*)")
-LONG_COPY = 40_000
+MIN_LONG_COPY = 40_000
 """Number of characters up to which every page is rendered within a few seconds."""
 MISSING_ANSWER_NOTE = (
     "*This cell was missing. Text elsewhere in the notebook may be the answer. Please look for it.*"
@@ -99,7 +99,7 @@ def _render_if_long(copy: NotebookNode, lesson: Lesson) -> None:
     A copy that takes too long to render fails here, within the limits of the separate process.
     """
     released = {cell.source for cell in _released_notebook(lesson).cells}
-    if sum(len(cell.source) for cell in copy.cells if cell.source not in released) > LONG_COPY:
+    if sum(len(cell.source) for cell in copy.cells if cell.source not in released) > MIN_LONG_COPY:
         HTMLExporter(template_name="classic").from_notebook_node(copy)
 
 
@@ -115,29 +115,29 @@ def build_copy(prepared: PreparedNotebook) -> NotebookNode:
     released = _released_notebook(prepared.lesson)
     copy = nbformat.from_dict({**released, "cells": []})
     by_id = {cell.metadata.nbgrader.grade_id: cell for cell in graded_cells(released)}
-    grade_ids = {place: name for name, place in prepared.graded.items()}
+    grade_ids = {index: name for name, index in prepared.graded.items()}
     by_source = {cell.source: cell for cell in released.cells}
     positions = {}
-    for place, cell in enumerate(prepared.cells):
-        name = grade_ids.get(place)
-        show = name is None and cell.source.strip() != ""
+    for index, cell in enumerate(prepared.cells):
+        name = grade_ids.get(index)
+        should_show = name is None and cell.source.strip() != ""
         if (
             name is None
             and cell.grade_id in prepared.lesson.steps
             and cell.grade_id not in positions
         ):
-            name, show = cell.grade_id, False
+            name, should_show = cell.grade_id, False
         if name is None and cell.grade_id in by_id and not is_solution(by_id[cell.grade_id]):
             # A locked cell is shown as released. If the student changed the cell, the changed text
             # was judged, so it is kept next to the released text.
-            show = cell.source.split() != by_id[cell.grade_id].source.split()
+            should_show = cell.source.split() != by_id[cell.grade_id].source.split()
             name = cell.grade_id if cell.grade_id not in positions else None
         if name is not None:
             positions[name] = len(copy.cells)
-            copy.cells.append(_filled_cell(by_id[name], cell, prepared.answers.get(name)))
-        if show:
+            copy.cells.append(_fill_cell(by_id[name], cell, prepared.answers.get(name)))
+        if should_show:
             copy.cells.append(_student_cell(cell, by_source.get(cell.source), prepared.lesson))
-    _add_missing(copy, by_id, positions, prepared)
+    _add_missing_cells(copy, by_id, positions, prepared)
     for number, cell in enumerate(copy.cells):
         cell.id = cell.id if "nbgrader" in cell.metadata else f"handed-in-{number}"
     return copy
@@ -165,7 +165,7 @@ def write_verdict(notebook: NotebookNode, verdict: Verdict) -> None:
         # problem is one line.
         sentences = (escape(sanitize_markdown(one_line(text))) for text in verdict.problems)
         listed = "".join(f"<li>{sentence}</li>" for sentence in sentences)
-        note = _cell(f"<div><b>About this notebook</b><ul>{listed}</ul></div>")
+        note = _build_cell(f"<div><b>About this notebook</b><ul>{listed}</ul></div>")
         notebook.cells.insert(0, note)
     notebook.metadata["verdict_key"] = verdict.key
 
@@ -181,27 +181,29 @@ def verdict_key_of_copy(course: Course, student: str, stage: str, lesson_name: s
 
 def score_output(exercise: ExerciseResult) -> NotebookNode:
     """Build a cell output with the score for nbgrader and an explanation for readers."""
-    folded = summarise_checks(exercise)
-    failures = [test for test in (folded.first, *folded.others) if test]
-    rows = [_row("✗ failed", test.title, test.message) for test in failures]
-    rows += [_row("✗ failed", group.says, "; ".join(group.titles)) for group in folded.groups]
+    summary = summarise_checks(exercise)
+    failures = [test for test in (summary.first, *summary.others) if test]
+    rows = [_table_row("✗ failed", test.title, test.message) for test in failures]
+    rows += [
+        _table_row("✗ failed", group.text, "; ".join(group.titles)) for group in summary.groups
+    ]
     if exercise.slip:
         credit = f"+{exercise.slip.score:g}" if exercise.slip.score else ""
-        rows.append(_row(credit, exercise.slip.sentence, ""))
-    rows += [_row("✓ passed", test.title, test.message) for test in folded.passed]
+        rows.append(_table_row(credit, exercise.slip.sentence, ""))
+    rows += [_table_row("✓ passed", test.title, test.message) for test in summary.passed]
     return nbformat.v4.new_output(
         "execute_result",
         execution_count=1,
         data={
             "text/plain": json.dumps(exercise.score),
             "text/html": f"<p><b>{escape(exercise.name)}: {exercise.score:g} of "
-            f"{exercise.max_score:g} points</b>; {folded.in_words}</p>"
+            f"{exercise.max_score:g} points</b>; {summary.description}</p>"
             f"<table>{''.join(rows)}</table>",
         },
     )
 
 
-def _row(mark: str, title: str, message: str) -> str:
+def _table_row(mark: str, title: str, message: str) -> str:
     """Format one row of the table below an exercise."""
     lines = "".join(f"<br>{escape(line)}" for line in message.splitlines())
     return (
@@ -219,28 +221,28 @@ def _released_notebook(lesson: Lesson) -> NotebookNode:
 def _student_cell(cell: Cell, released: NotebookNode | None, lesson: Lesson) -> NotebookNode:
     """Build the copy of a student's ungraded cell; an unchanged cell is shown as released."""
     if is_setup_cell(cell.source, lesson.name):
-        return _cell(f"{TITLE}\n# (The packed tools of the course.)", kind="code")
+        return _build_cell(f"{TITLE}\n# (The packed tools of the course.)", kind="code")
     if released is not None and released.cell_type == "markdown" and cell.kind == "markdown":
-        new_cell = _cell(released.source)
+        new_cell = _build_cell(released.source)
         if "attachments" in released:
             new_cell.attachments = released.attachments
         return new_cell
     if cell.kind == "code":
-        return _cell(cell.source, kind="code")
+        return _build_cell(cell.source, kind="code")
     if cell.kind == "raw":  # some programs treat raw text as HTML
-        return _cell(sanitize_markdown(as_code(cell.source)))
+        return _build_cell(sanitize_markdown(as_code(cell.source)))
     shown = illustrate([cell])
-    return _with_pictures(_cell(sanitize_markdown(shown.text)), shown.attachments)
+    return _attach_pictures(_build_cell(sanitize_markdown(shown.text)), shown.attachments)
 
 
-def _cell(source: str, kind: str = "markdown") -> NotebookNode:
+def _build_cell(source: str, kind: str = "markdown") -> NotebookNode:
     """Build a cell without nbformat's constructors, which validate each cell against the schema."""
     code_fields = {"outputs": [], "execution_count": None} if kind == "code" else {}
     cell = {"cell_type": kind, "id": "about", "metadata": {}, "source": source, **code_fields}
     return nbformat.from_dict(cell)
 
 
-def _with_pictures(cell: NotebookNode, pictures: dict) -> NotebookNode:
+def _attach_pictures(cell: NotebookNode, pictures: dict) -> NotebookNode:
     """Attach valid pictures and disable other references, which nbconvert cannot handle."""
     if pictures:
         cell.attachments = pictures
@@ -251,7 +253,7 @@ def _with_pictures(cell: NotebookNode, pictures: dict) -> NotebookNode:
     return cell
 
 
-def _filled_cell(
+def _fill_cell(
     released: NotebookNode, cell: Cell | None, answer: WrittenAnswer | None
 ) -> NotebookNode:
     """Build a released cell with the student's work in it; locked cells stay as released."""
@@ -259,27 +261,27 @@ def _filled_cell(
     if answer is not None:
         if answer.text:
             filled.source = sanitize_markdown(answer.text)
-        elif not answer.certain:
+        elif not answer.is_certain:
             filled.source = f"{released.source}\n\n{MISSING_ANSWER_NOTE}"
-        filled = _with_pictures(filled, answer.attachments)
+        filled = _attach_pictures(filled, answer.attachments)
     elif is_solution(filled) and cell is not None:
         filled.source = cell.source
     return filled
 
 
-def _add_missing(
+def _add_missing_cells(
     copy: NotebookNode, by_id: dict, positions: dict, prepared: PreparedNotebook
 ) -> None:
     """Insert each missing graded cell after the graded cell that preceded it in the release."""
-    before = -1
+    previous_index = -1
     for name, cell in by_id.items():
         if name not in positions:
-            filled = _filled_cell(cell, None, prepared.answers.get(name))
+            filled = _fill_cell(cell, None, prepared.answers.get(name))
             if name in prepared.graded:  # the answer is in a cell with another exercise
                 filled.source = f"# {name} is in the cell of another exercise."
-            copy.cells.insert(before + 1, filled)
+            copy.cells.insert(previous_index + 1, filled)
             positions.update(
-                {later: place + 1 for later, place in positions.items() if place > before}
+                {later: place + 1 for later, place in positions.items() if place > previous_index}
             )
-            positions[name] = before + 1
-        before = positions[name]
+            positions[name] = previous_index + 1
+        previous_index = positions[name]

@@ -24,11 +24,11 @@ from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
 from grader.course.roster import Roster
 
-NOBODY = "-"
+NO_OWNER = "-"
 
 
 @dataclass(frozen=True)
-class Answers:
+class InstructorAnswers:
     """The new and stored answers that apply.
 
     Attributes
@@ -78,7 +78,7 @@ def read_answers(
     stages: Sequence[str],
     owners: dict[str, str],
     lessons: dict[str, str],
-) -> Answers:
+) -> InstructorAnswers:
     """Return the new answers, and the stored answers that they do not replace.
 
     Parameters
@@ -96,16 +96,20 @@ def read_answers(
     CollectError
         If an answer names an unknown lesson.
     """
-    earlier: dict[str, list[str]] = {}
+    stored_owners: dict[str, list[str]] = {}
     for stage, digest, id in _read_entries(course):
         if stage in stages and (roster is None or not id or roster.person(id)):
-            earlier.setdefault(digest, []).extend([id] if id else [])
+            stored_owners.setdefault(digest, []).extend([id] if id else [])
     new = {_digest(name): ids_in(answer) for name, answer in owners.items()}
-    ids_by_digest = {digest: tuple(dict.fromkeys(ids)) for digest, ids in earlier.items()} | new
-    return Answers(ids_by_digest, _lessons(lessons), frozenset(earlier.keys() - new.keys()))
+    ids_by_digest = {
+        digest: tuple(dict.fromkeys(ids)) for digest, ids in stored_owners.items()
+    } | new
+    return InstructorAnswers(
+        ids_by_digest, _parse_lessons(lessons), frozenset(stored_owners.keys() - new.keys())
+    )
 
 
-def store_answers(course: Course, stages: Sequence[str], answers: Answers) -> None:
+def store_answers(course: Course, stages: Sequence[str], answers: InstructorAnswers) -> None:
     """Store the new answers about owners for these stages."""
     new = {digest: ids for digest, ids in answers.owners.items() if digest not in answers.earlier}
     _store(course, stages, new)
@@ -151,24 +155,24 @@ def _store(course: Course, stages: Sequence[str], new: dict[str, tuple[str, ...]
 
 def ids_in(answer: str) -> tuple[str, ...]:
     """Return the ids in an answer about an owner, as typed."""
-    return () if answer == NOBODY else tuple(answer.split(","))
+    return () if answer == NO_OWNER else tuple(answer.split(","))
 
 
-def normalized(label: str) -> str:
+def normalize_label(label: str) -> str:
     """Return a label in lower case, in NFC and without outer spaces, for comparisons."""
     return unicodedata.normalize("NFC", label).casefold().strip()
 
 
 def _digest(name: str) -> str:
     """Return the SHA-256 of a name in an archive; names that differ only in case are equal."""
-    return hashlib.sha256(normalized(name).encode("utf-8", "surrogatepass")).hexdigest()
+    return hashlib.sha256(normalize_label(name).encode("utf-8", "surrogatepass")).hexdigest()
 
 
 def _with(content: str, name: str) -> str:
     return f"{name}/{content}" if content else name
 
 
-def _lessons(answers: dict[str, str]) -> dict[str, Lesson]:
+def _parse_lessons(answers: dict[str, str]) -> dict[str, Lesson]:
     """Return the lesson that each answer names by number or name."""
     chosen_lessons = {}
     for file, answer in answers.items():

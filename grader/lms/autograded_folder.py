@@ -11,11 +11,11 @@ from pathlib import Path
 
 import nbformat
 
-from grader.classroom.contents import is_notebook_name
+from grader.classroom.lesson_recognition import is_notebook_name
 from grader.course.paths import Course
 from grader.intake.notebook import read_file
 from grader.intake.submission import is_skipped_folder
-from grader.lms.entries import StageEntry
+from grader.lms.stage_entries import StageEntry
 from utils.notebooks.reading import UnreadableNotebook
 
 

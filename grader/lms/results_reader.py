@@ -12,13 +12,13 @@ from grader.course.deadlines_file import read_deadlines
 from grader.course.lessons import Lesson, find_lesson, released_lessons
 from grader.course.paths import Course
 from grader.course.roster import Person, read_roster
-from grader.course.times import time_late
-from grader.lms.cells import CellMark, CellMarks, cell_marks
+from grader.course.times import compute_lateness
+from grader.lms.cell_marks import CellMark, CellMarks, cell_marks
 from grader.lms.gradebook import open_gradebook
 from grader.lms.gradebook_rows import GradebookRow, read_excessive_marks, read_rows
-from grader.lms.history import exercise_of
-from grader.lms.inputs import outdated_marks
-from grader.lms.people import students_in_gradebook
+from grader.lms.gradebook_students import students_in_gradebook
+from grader.lms.mark_history import exercise_of
+from grader.lms.mark_inputs import outdated_marks
 from grader.lms.results import (
     AUDITOR,
     EXCUSED,
@@ -49,9 +49,9 @@ def class_results(course: Course) -> ClassResults:
     """
     roster, deadlines = read_roster(course), read_deadlines(course) or Deadlines({})
     with open_gradebook(course) as book:
-        cells = _by_notebook(cell_marks(book))
+        cells = _group_by_notebook(cell_marks(book))
         rows = [
-            _without_exercises(row, cells.get((row.student, row.lesson), {}), deadlines.rules)
+            _exclude_exercises(row, cells.get((row.student, row.lesson), {}), deadlines.rules)
             for row in read_rows(book)
         ]
         in_gradebook = students_in_gradebook(book)
@@ -62,15 +62,15 @@ def class_results(course: Course) -> ClassResults:
                 f"{format_points(maximum)} points",
             )
             for student, lesson, cell, points, maximum in read_excessive_marks(book)
-            if exercise_of(cell) not in deadlines.rules.without
+            if exercise_of(cell) not in deadlines.rules.excluded_exercises
         )
     submitted = {
         (submission.student, submission.lesson.name): submission
         for submission in find_submissions(course)
     }
     entered = {(row.student, row.lesson): row for row in rows}
-    existing = {pair for pair, row in entered.items() if _has_work(course, row)}
-    lessons, unassigned = _lessons_that_count(course, deadlines, {*existing, *submitted})
+    existing_stages = {pair for pair, row in entered.items() if _has_work(course, row)}
+    lessons, unassigned = _lessons_that_count(course, deadlines, {*existing_stages, *submitted})
     max_scores = _max_scores(lessons, rows, deadlines.rules)
     people = roster.people if roster else _without_roster(in_gradebook, {*entered, *submitted})
     notebooks, stages = [], []
@@ -85,25 +85,25 @@ def class_results(course: Course) -> ClassResults:
             times = _stage_times(course, person.id, stage, row, files, deadlines)
             results = []
             for lesson, pair in zip(in_stage, pairs, strict=True):
-                row = entered[pair] if pair in existing else None
+                row = entered[pair] if pair in existing_stages else None
                 result = NotebookResult(
                     person.id,
                     stage,
                     lesson.name,
-                    excused or _standing(row, pair in submitted),
+                    excused or _lesson_status(row, pair in submitted),
                     row.score if row else None,
                     max_scores[lesson.name],
                     row.penalty if row else 0.0,
-                    due=deadlines.due_of_lesson(
+                    due=deadlines.lesson_due_date(
                         person.id, stage, lesson.name, times.due, times.due_in_gradebook
                     ),
                     exercises=_exercises(lesson, cells.get(pair, {}) if row else {}, deadlines),
                 )
                 if row or pair in submitted:
-                    result = _timed(result, times, deadlines)
+                    result = _add_times(result, times, deadlines)
                 results.append(result)
             notebooks += results
-            stages.append(_stage(results, times, deadlines))
+            stages.append(_combine_stage(results, times, deadlines))
     unlisted = {row.student for row in rows} - {person.id for person in people}
     return ClassResults(
         tuple(people),
@@ -117,26 +117,26 @@ def class_results(course: Course) -> ClassResults:
     )
 
 
-def _by_notebook(marks: CellMarks) -> dict[tuple[str, str], dict[str, CellMark]]:
+def _group_by_notebook(marks: CellMarks) -> dict[tuple[str, str], dict[str, CellMark]]:
     """Group marks by student and lesson, and name them by exercise."""
-    found: dict[tuple[str, str], dict[str, CellMark]] = {}
+    marks_by_notebook: dict[tuple[str, str], dict[str, CellMark]] = {}
     for (student, lesson, cell), mark in marks.marks.items():
-        found.setdefault((student, lesson), {})[exercise_of(cell)] = mark
-    return found
+        marks_by_notebook.setdefault((student, lesson), {})[exercise_of(cell)] = mark
+    return marks_by_notebook
 
 
-def _without_exercises(
+def _exclude_exercises(
     row: GradebookRow, marks: Mapping[str, CellMark], rules: TermRules
 ) -> GradebookRow:
     """Leave out the exercises that are switched off."""
-    if marks.keys().isdisjoint(rules.without):
+    if marks.keys().isdisjoint(rules.excluded_exercises):
         return row
-    counted = [mark for exercise, mark in marks.items() if exercise not in rules.without]
+    counted = [mark for exercise, mark in marks.items() if exercise not in rules.excluded_exercises]
     return replace(
         row,
         score=sum(mark.score for mark in counted),
         max_score=sum(mark.max_score for mark in counted),
-        needs_person=any(mark.waiting for mark in counted),
+        needs_person=any(mark.is_waiting for mark in counted),
         has_mark_by_hand=any(mark.by_hand for mark in counted),
     )
 
@@ -145,14 +145,16 @@ def _exercises(
     lesson: Lesson, marks: Mapping[str, CellMark], deadlines: Deadlines
 ) -> tuple[ExerciseMark, ...]:
     """Return the marks for the exercises of a lesson that count."""
-    found = []
+    exercise_marks = []
     for exercise in lesson.exercises:
         mark = marks.get(exercise.name)
-        points = mark.score if mark and not mark.waiting else None
-        found.append(
+        points = mark.score if mark and not mark.is_waiting else None
+        exercise_marks.append(
             ExerciseMark(exercise.name, points, mark.max_score if mark else exercise.points)
         )
-    return tuple(mark for mark in found if mark.name not in deadlines.rules.without)
+    return tuple(
+        mark for mark in exercise_marks if mark.name not in deadlines.rules.excluded_exercises
+    )
 
 
 def _lessons_that_count(
@@ -170,7 +172,7 @@ def _lessons_that_count(
             by_lesson.setdefault(lesson, []).append(student)
     counted: set[Lesson] = set()
     for stage in {lesson.stage for lesson in by_lesson}:
-        assigned = deadlines.assigned(stage)
+        assigned = deadlines.assigned_lessons(stage)
         if assigned is None:
             counted.update(lesson for lesson in by_lesson if lesson.stage == stage)
             counted.update(released_lessons(course, stage))
@@ -200,7 +202,9 @@ def _max_scores(
     """Return the maximum score of each lesson, from the gradebook or, if missing, the release."""
     released = {
         lesson.name: sum(
-            exercise.points for exercise in lesson.exercises if exercise.name not in rules.without
+            exercise.points
+            for exercise in lesson.exercises
+            if exercise.name not in rules.excluded_exercises
         )
         for lesson in lessons
     }
@@ -215,8 +219,8 @@ def _without_roster(
     return tuple(by_id.get(id, Person(id)) for id in sorted({student for student, _ in submitted}))
 
 
-def _standing(row: GradebookRow | None, is_submitted: bool) -> str:
-    """Return the standing in a lesson for a student who is not excused."""
+def _lesson_status(row: GradebookRow | None, is_submitted: bool) -> str:
+    """Return the status in a lesson for a student who is not excused."""
     if row is None:
         return WAITING if is_submitted else MISSING
     return WAITING if row.needs_person else MARKED
@@ -231,7 +235,7 @@ class _StageTimes:
     due_in_gradebook: datetime | None
     undecided: str
     lacks_zone: bool
-    of_lessons: Mapping[str, datetime]
+    lesson_times: Mapping[str, datetime]
 
 
 def _stage_times(
@@ -246,7 +250,7 @@ def _stage_times(
 
     The gradebook's times take precedence, because nbgrader computes penalties from them.
     """
-    due, in_gradebook = deadlines.due(student, stage), None
+    due, in_gradebook = deadlines.due_date(student, stage), None
     if row and row.due:
         in_gradebook = row.due.replace(tzinfo=UTC)
         due = in_gradebook + (row.extension or timedelta())
@@ -261,15 +265,17 @@ def _stage_times(
     return _StageTimes(submitted_at, due, in_gradebook, undecided, lacks_zone(folders), of_lessons)
 
 
-def _timed(result: NotebookResult, times: _StageTimes, deadlines: Deadlines) -> NotebookResult:
+def _add_times(result: NotebookResult, times: _StageTimes, deadlines: Deadlines) -> NotebookResult:
     """Add the submission time and the lateness of a lesson."""
-    submitted_at = times.of_lessons.get(result.lesson, times.submitted_at)
+    submitted_at = times.lesson_times.get(result.lesson, times.submitted_at)
     late = _lateness(submitted_at, result.due, deadlines)
-    is_shared = result.lesson not in times.of_lessons and deadlines.lessons_with_dates(result.stage)
+    is_shared = result.lesson not in times.lesson_times and deadlines.lessons_with_dates(
+        result.stage
+    )
     return replace(result, submitted_at=submitted_at, late=late, has_shared_time=bool(is_shared))
 
 
-def _stage(
+def _combine_stage(
     lessons: Sequence[NotebookResult], times: _StageTimes, deadlines: Deadlines
 ) -> StageResult:
     """Combine the results in a stage's lessons."""
@@ -298,4 +304,4 @@ def _lateness(
 ) -> timedelta:
     if not submitted_at or not due:
         return timedelta()
-    return time_late(submitted_at, due, deadlines.zone)
+    return compute_lateness(submitted_at, due, deadlines.zone)

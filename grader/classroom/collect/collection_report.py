@@ -9,7 +9,7 @@ from pathlib import Path
 from grader.course.lessons import Lesson
 from grader.course.roster import Roster
 
-UNANSWERED = "?"
+UNANSWERED_MARK = "?"
 
 
 @dataclass(frozen=True)
@@ -50,15 +50,15 @@ class CollectionReport:
         Remarks that need no answer.
     ignored : collections.Counter
         The names of files that no lesson needs, each with its count.
-    late : list of str
+    late_students : list of str
         Students whose work the learning platform marked late without a submission time.
-    timed : list of str, or None
+    students_with_time : list of str, or None
         Students whose submission times are in the table; None without a table.
     undecided : dict of str to str
         For each student, why the submission time is unknown.
-    dismissed : set of (str, str)
+    ignored_files : set of (str, str)
         Name and SHA-256 of notebooks and modules that an answer ignores.
-    excused : list of str
+    excused_students : list of str
         Students on the roster who are excused from all collected stages.
     """
 
@@ -70,11 +70,11 @@ class CollectionReport:
     doubts: list[Question] = field(default_factory=list)
     remarks: list[Question] = field(default_factory=list)
     ignored: Counter = field(default_factory=Counter)
-    late: list[str] = field(default_factory=list)
-    timed: list[str] | None = None
+    late_students: list[str] = field(default_factory=list)
+    students_with_time: list[str] | None = None
     undecided: dict[str, str] = field(default_factory=dict)
-    dismissed: set[tuple[str, str]] = field(default_factory=set)
-    excused: list[str] = field(default_factory=list)
+    ignored_files: set[tuple[str, str]] = field(default_factory=set)
+    excused_students: list[str] = field(default_factory=list)
 
     def add_question(self, name: str, text: str) -> None:
         """Add a question once, even if a team's file raises it for each member."""

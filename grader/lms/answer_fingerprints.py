@@ -38,17 +38,17 @@ def read_fingerprints(course: Course, student: str, stage: str) -> dict[str, dic
 
 
 def write_fingerprints(
-    course: Course, student: str, stage: str, known: dict[str, dict[str, str]]
+    course: Course, student: str, stage: str, fingerprints_by_lesson: dict[str, dict[str, str]]
 ) -> None:
     """Store the fingerprints of written answers.
 
     Call this only after the gradebook is written. If a run is interrupted in between, the answers
     count as changed, and a person must grade them again.
     """
-    write_atomically(json.dumps(known), _path(course, student, stage))
+    write_atomically(json.dumps(fingerprints_by_lesson), _path(course, student, stage))
 
 
-def regrade(grade: Grade, auto_score: float | None, unchanged: bool) -> None:
+def regrade(grade: Grade, auto_score: float | None, is_unchanged: bool) -> None:
     """Set the automatic score of a grade, and keep the points that a person gave.
 
     Parameters
@@ -56,11 +56,11 @@ def regrade(grade: Grade, auto_score: float | None, unchanged: bool) -> None:
     grade : nbgrader.api.Grade
     auto_score : float or None
         None if a person has to grade the cell.
-    unchanged : bool
+    is_unchanged : bool
         Whether the written answer has not changed since it was last entered.
     """
     if auto_score is None:
-        settled = unchanged and grade.manual_score is not None
+        settled = is_unchanged and grade.manual_score is not None
     else:
         # Points given by hand count only while the automatic score that they replace is unchanged.
         settled = grade.manual_score is None or grade.auto_score == auto_score

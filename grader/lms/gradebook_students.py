@@ -13,10 +13,10 @@ def enrol(book: Gradebook, roster: Roster) -> None:
     Fields that are blank on the roster are not changed in the gradebook. Students are never
     removed, because their marks would be removed as well.
     """
-    known = {student.id: student for student in book.students}
+    students_by_id = {student.id: student for student in book.students}
     for person in roster.people:
         details = {name: text for name, text in _details(person).items() if text}
-        student = known.get(person.id)
+        student = students_by_id.get(person.id)
         if student is None or any(getattr(student, name) != text for name, text in details.items()):
             book.update_or_create_student(person.id, **details)
 

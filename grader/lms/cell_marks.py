@@ -28,14 +28,14 @@ class CellMark:
         cases plus extra points.
     by_hand : bool
         Whether a person gave or changed the points.
-    waiting : bool
+    is_waiting : bool
         Whether a person still has to grade the cell.
     max_score : float
     """
 
     score: float
     by_hand: bool
-    waiting: bool
+    is_waiting: bool
     max_score: float = 0.0
 
 

@@ -31,26 +31,26 @@ def enter_due_dates(course: Course, book: Gradebook, deadlines: Deadlines) -> No
     for stage in stages():
         with contextlib.suppress(MissingEntry):
             due = deadlines.stages.get(stage, DueDates()).due
-            _enter_due_date(course, book, book.find_assignment(stage), due and _naive(due))
+            _enter_due_date(course, book, book.find_assignment(stage), due and _to_naive_utc(due))
 
 
 def _enter_due_date(
-    course: Course, book: Gradebook, assignment: Assignment, wanted: datetime | None
+    course: Course, book: Gradebook, assignment: Assignment, due_date: datetime | None
 ) -> None:
     path = course.verdicts / f".due.{assignment.name}"
-    recorded = entered, before = _read_due(path)
+    recorded = entered, previous_date = _read_due(path)
     if assignment.duedate != entered:  # a person has changed the date
-        before = assignment.duedate
-    if wanted is not None and (wanted, before) != recorded:
-        times = [time and time.isoformat() for time in (wanted, before)]
+        previous_date = assignment.duedate
+    if due_date is not None and (due_date, previous_date) != recorded:
+        times = [time and time.isoformat() for time in (due_date, previous_date)]
         write_atomically(
             json.dumps(times), path
         )  # record it first: an unrecorded date could never be removed
-    due = before if wanted is None else wanted
+    due = previous_date if due_date is None else due_date
     if assignment.duedate != due:
         assignment.duedate = due
         book.db.commit()
-    if wanted is None:
+    if due_date is None:
         path.unlink(missing_ok=True)
 
 
@@ -78,7 +78,7 @@ def extension_of(
         granted = None  # the extension came from deadlines.toml, not from a person
     if dates.due is None:
         return granted
-    wanted = deadlines.due(student, stage) - dates.due
+    wanted = deadlines.due_date(student, stage) - dates.due
     if granted is not None and granted > wanted and student not in dates.students:
         return granted
     return wanted or None
@@ -86,15 +86,15 @@ def extension_of(
 
 def set_extension(course: Course, submission: SubmittedAssignment, deadlines: Deadlines) -> None:
     """Give a submission its extension, and record that it came from deadlines.toml."""
-    wanted = extension_of(course, submission, deadlines)
-    if wanted == submission.extension:
+    extension = extension_of(course, submission, deadlines)
+    if extension == submission.extension:
         return
     path = _extension_path(course, submission.student.id, submission.assignment.name)
-    if wanted is None:
+    if extension is None:
         path.unlink(missing_ok=True)
     else:
-        write_atomically(json.dumps(wanted.total_seconds()), path)
-    submission.extension = wanted
+        write_atomically(json.dumps(extension.total_seconds()), path)
+    submission.extension = extension
 
 
 def gradebook_extensions(
@@ -128,9 +128,9 @@ def _granted_dates(
     dates = {} if date_of_file else {"": due}
     for submission in assignment.submissions:
         student = submission.student.id
-        until = due + (extension_of(course, submission, deadlines) or timedelta())
-        if until > (deadlines.due(student, assignment.name) or due):
-            dates[student] = until
+        extended_date = due + (extension_of(course, submission, deadlines) or timedelta())
+        if extended_date > (deadlines.due_date(student, assignment.name) or due):
+            dates[student] = extended_date
     return dates
 
 
@@ -147,6 +147,6 @@ def _extension_path(course: Course, student: str, stage: str) -> Path:
     return course.verdicts / student / stage / ".extension"
 
 
-def _naive(time: datetime) -> datetime:
+def _to_naive_utc(time: datetime) -> datetime:
     """Convert a time to a naive time in UTC, as nbgrader stores it."""
     return time.astimezone(UTC).replace(tzinfo=None)

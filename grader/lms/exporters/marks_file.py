@@ -17,7 +17,7 @@ FRACTION = re.compile(r"[0-9]+([.,])[0-9]{1,2}")
 
 
 @dataclass(frozen=True)
-class MarksTableFile:
+class MarksFile:
     """A table and the format of its file.
 
     Attributes
@@ -60,7 +60,7 @@ class MarksTableFile:
         return ("\ufeff" if self.marked else "") + file.getvalue()
 
 
-def read_worksheet(path: Path) -> MarksTableFile:
+def read_marks_file(path: Path) -> MarksFile:
     """Read a file that was downloaded from an LMS.
 
     Raises
@@ -93,7 +93,7 @@ def read_worksheet(path: Path) -> MarksTableFile:
             )
     head, *others = (tuple([*row, *[""] * width][:width]) for row in table.rows)
     marked = table.encoding == "utf-8-sig"
-    return MarksTableFile(path.name, head, tuple(others), table.separator, table.line_end, marked)
+    return MarksFile(path.name, head, tuple(others), table.separator, table.line_end, marked)
 
 
 def _not_utf8(path: Path) -> str:

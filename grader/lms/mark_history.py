@@ -30,15 +30,15 @@ from sqlalchemy.orm import Query
 
 from grader.course.atomic_files import write_atomically
 from grader.course.paths import Course
-from grader.lms.answers import read_fingerprints
-from grader.lms.autograded import verdict_key_of_copy
+from grader.lms.answer_fingerprints import read_fingerprints
+from grader.lms.autograded_copy import verdict_key_of_copy
 
 TOLERANCE = 1e-6  # points are written with two decimal places
 LATE_PENALTY = "late penalty"  # used instead of an exercise's name
 A_PERSON, A_VERDICT, LATE = "a person", "verdict", "lateness"
 REMOVED = "removed from the gradebook"
 
-Place = tuple[str, str, str, str]  # student, stage, lesson, exercise
+MarkKey = tuple[str, str, str, str]  # student, stage, lesson, exercise
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ class MarkChange:
     graded: str = ""
 
     @property
-    def place(self) -> Place:
+    def key(self) -> MarkKey:
         """Student, stage, lesson and exercise of the mark."""
         return self.student, self.stage, self.lesson, self.exercise
 
@@ -149,23 +149,24 @@ def log_changes(
     keys : dict of (str, str) to str, optional
         Known verdict keys by student and lesson. Other keys are read from ``autograded/``.
     """
-    known = {change.place: change for change in read_changes(course)}
-    now = datetime.now(UTC).isoformat(timespec="seconds")
+    known = {change.key: change for change in read_changes(course)}
+    timestamp = datetime.now(UTC).isoformat(timespec="seconds")
     marks = {**current_marks(course, book), **_penalties(book)}
     lines = []
-    for place in sorted({*known, *marks}):
-        last = known.get(place) or MarkChange(now, *place, None, None, "")
-        mark = marks.get(place, CurrentMark())
-        is_by_person = (mark.by_hand, mark.comment) != (last.by_hand, last.comment) or (
-            mark.graded not in ("", last.graded)
-        )
-        if not is_by_person and _is_close(last.after, mark.points):
+    for key in sorted({*known, *marks}):
+        last_change = known.get(key) or MarkChange(timestamp, *key, None, None, "")
+        mark = marks.get(key, CurrentMark())
+        is_by_person = (mark.by_hand, mark.comment) != (
+            last_change.by_hand,
+            last_change.comment,
+        ) or (mark.graded not in ("", last_change.graded))
+        if not is_by_person and _is_close(last_change.after, mark.points):
             continue
-        by = _cause(course, place, place in marks, is_by_person, keys or {})
+        by = _cause(course, key, key in marks, is_by_person, keys or {})
         lines.append(
             _as_json_line(
                 MarkChange(
-                    *(now, *place, last.after, mark.points, by),
+                    *(timestamp, *key, last_change.after, mark.points, by),
                     *(mark.by_hand, mark.comment, mark.graded),
                 )
             )
@@ -175,7 +176,7 @@ def log_changes(
 
 def _cause(
     course: Course,
-    place: Place,
+    place: MarkKey,
     exists: bool,
     is_by_person: bool,
     keys: Mapping[tuple[str, str], str],
@@ -192,7 +193,7 @@ def _cause(
     return f"{A_VERDICT} {key}" if key else A_VERDICT
 
 
-def current_marks(course: Course, book: Gradebook) -> dict[Place, CurrentMark]:
+def current_marks(course: Course, book: Gradebook) -> dict[MarkKey, CurrentMark]:
     """Return the mark and the grader's comment for each exercise in the gradebook."""
     columns = (
         SubmittedAssignment.student_id,
@@ -221,23 +222,23 @@ def current_marks(course: Course, book: Gradebook) -> dict[Place, CurrentMark]:
     )
     answers = functools.cache(functools.partial(read_fingerprints, course))
     marks = {}
-    for student, stage, lesson, cell, auto, manual, extra, waits in grades:
-        mark = auto if manual is None else manual
-        by_hand = None if manual is None and not extra else (manual, extra or None)
+    for student, stage, lesson, cell, auto_score, manual, extra_credit, is_waiting in grades:
+        mark = auto_score if manual is None else manual
+        by_hand = None if manual is None and not extra_credit else (manual, extra_credit or None)
         graded = ""
         if by_hand is None and not mark:  # nbgrader stores 0 for a lesson that was not submitted
             copy = course.autograded / student / stage / f"{lesson}.ipynb"
             mark = mark if copy.is_file() else None
-        elif extra:
-            mark = (mark or 0.0) + extra
-        if by_hand and not waits:
-            graded = answers(student, stage).get(lesson, {}).get(cell, str(auto))
-        place = (student, stage, lesson, exercise_of(cell))
-        marks[place] = CurrentMark(mark, by_hand, "", graded)
+        elif extra_credit:
+            mark = (mark or 0.0) + extra_credit
+        if by_hand and not is_waiting:
+            graded = answers(student, stage).get(lesson, {}).get(cell, str(auto_score))
+        key = (student, stage, lesson, exercise_of(cell))
+        marks[key] = CurrentMark(mark, by_hand, "", graded)
     for student, stage, lesson, cell, comment in comments:
         if comment and comment.strip():
-            place = (student, stage, lesson, exercise_of(cell))
-            marks[place] = replace(marks.get(place, CurrentMark()), comment=comment)
+            key = (student, stage, lesson, exercise_of(cell))
+            marks[key] = replace(marks.get(key, CurrentMark()), comment=comment)
     return marks
 
 
@@ -246,7 +247,7 @@ def exercise_of(cell: str) -> str:
     return cell.removeprefix("test_")
 
 
-def _penalties(book: Gradebook) -> dict[Place, CurrentMark]:
+def _penalties(book: Gradebook) -> dict[MarkKey, CurrentMark]:
     """Return the points subtracted for lateness, for each notebook with a late penalty."""
     columns = (
         SubmittedAssignment.student_id,

@@ -16,7 +16,7 @@ from grader.classroom.submissions import Submission
 from grader.course.atomic_files import write_atomically
 from grader.course.deadlines import Deadlines
 from grader.course.paths import Course
-from grader.lms.entries import StageEntry
+from grader.lms.stage_entries import StageEntry
 from grader.lms.submission_times import known_time, lesson_times
 
 
@@ -51,19 +51,19 @@ def _digest(course: Course, fingerprints: Mapping[Submission, str], deadlines: D
     `fingerprints` contains all submissions of the student to the stage.
     """
     student, stage = _student_and_stage(next(iter(fingerprints)))
-    due = deadlines.due(student, stage)
+    stage_due_date = deadlines.due_date(student, stage)
     lessons = {
         submission.lesson.name: (
             fingerprint,
-            deadlines.due_of_lesson(student, stage, submission.lesson.name, due),
-            deadlines.rules.without_in(submission.lesson),
+            deadlines.lesson_due_date(student, stage, submission.lesson.name, stage_due_date),
+            deadlines.rules.excluded_in(submission.lesson),
             [(exercise.name, exercise.points) for exercise in submission.lesson.exercises],
         )
         for submission, fingerprint in fingerprints.items()
     }
     time = known_time({submission.stage_folder(course) for submission in fingerprints})
-    parts = [lessons, due, time, lesson_times(fingerprints, deadlines), deadlines.zone]
-    text = json.dumps(parts, sort_keys=True, default=str)
+    inputs = [lessons, stage_due_date, time, lesson_times(fingerprints, deadlines), deadlines.zone]
+    text = json.dumps(inputs, sort_keys=True, default=str)
     return hashlib.sha256(text.encode(errors="surrogatepass")).hexdigest()
 
 

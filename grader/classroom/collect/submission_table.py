@@ -2,7 +2,7 @@
 
 Moodle writes titles and dates in the language of the teacher who downloads the worksheet. The first
 column has a word and the participant's number, and the second column has the full name. An
-instructor's own table has ids in the first column, and submission times under one of `TITLES`.
+instructor's own table has ids in the first column, and submission times under one of `TIME_TITLES`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from grader.course.tables import TableError, read_table
 from grader.course.times import UnclearTime, read_time, to_utc
 
 # Moodle's translations of "Last modified (submission)", and the language of the dates below them.
-TITLES = {
+TIME_TITLES = {
     "last modified (submission)": "en",
     "zuletzt geändert (abgabe)": "de",
     "dernière modification (travail remis)": "fr",
@@ -33,7 +33,7 @@ TITLES = {
     "последнее изменение (ответ)": "ru",
     "上次修改（作业）": "zh",
 }
-STATUS = ("status", "statut", "estado", "stato", "статус", "состояние", "状态")
+STATUS_TITLES = ("status", "statut", "estado", "stato", "статус", "состояние", "状态")
 _NUMBER = re.compile(r"\D*[^\W\d]\D*(\d+)")  # a word and a number
 _NO_TIME = ("", "-")  # Moodle writes - for students who did not submit
 
@@ -44,9 +44,9 @@ class SubmissionRow:
 
     Attributes
     ----------
-    identifying : tuple of str
+    identifiers : tuple of str
         Texts that identify the person, the most reliable first: e-mail, numbers, names.
-    others : tuple of str
+    other_cells : tuple of str
         All other texts in the row, such as the name of a team.
     participant : str
         Moodle's participant number; empty in an instructor's own table.
@@ -54,16 +54,16 @@ class SubmissionRow:
         Submission time in UTC; None if there is none, or if it cannot be read.
     time_text : str
         The submission time as written in the table; empty if there is none.
-    unclear : str
+    time_problem : str
         Why the time cannot be read, as the rest of a sentence about the table; otherwise empty.
     """
 
-    identifying: tuple[str, ...]
-    others: tuple[str, ...] = ()
+    identifiers: tuple[str, ...]
+    other_cells: tuple[str, ...] = ()
     participant: str = ""
     when: datetime | None = None
     time_text: str = ""
-    unclear: str = ""
+    time_problem: str = ""
 
 
 @dataclass(frozen=True)
@@ -82,13 +82,13 @@ class SubmissionTable:
         """Whether the rows have Moodle's participant numbers."""
         return any(row.participant for row in self.rows)
 
-    def participant(self, number: str) -> SubmissionRow | None:
+    def row_of_participant(self, number: str) -> SubmissionRow | None:
         """Return the only row with a participant number, or None."""
         return self._by_number.get(number) if number else None
 
     def rows_with(self, text: str) -> list[SubmissionRow]:
         """Return the rows in which a text identifies the person."""
-        return [row for row in self.rows if text in row.identifying]
+        return [row for row in self.rows if text in row.identifiers]
 
     @functools.cached_property
     def _by_number(self) -> dict[str, SubmissionRow]:
@@ -96,7 +96,7 @@ class SubmissionTable:
         return {row.participant: row for row in self.rows if times[row.participant] == 1}
 
 
-def read_worksheet(path: Path, zone: tzinfo | None) -> SubmissionTable:
+def read_submission_table(path: Path, zone: tzinfo | None) -> SubmissionTable:
     """Read a table of submission times.
 
     Parameters
@@ -120,26 +120,26 @@ def read_worksheet(path: Path, zone: tzinfo | None) -> SubmissionTable:
             else f"{path} is not in UTF-8. Save it as CSV UTF-8."
         ) from None
     titles = [_folded(cell) for cell in table.titles]
-    column = next((index for index, title in enumerate(titles) if title in TITLES), None)
+    column = next((index for index, title in enumerate(titles) if title in TIME_TITLES), None)
     if column is None:
         raise CollectError(
             f"{path}: no column has a known title for submission times. The columns are: "
             f'{", ".join(table.titles) or "none"}. Rename the right one to "Last '
             'modified (submission)", and write times like 2026-10-12 23:59.'
         )
-    language = TITLES[titles[column]]
-    status = next((index for index, title in enumerate(titles) if title in STATUS), 1)
+    language = TIME_TITLES[titles[column]]
+    status = next((index for index, title in enumerate(titles) if title in STATUS_TITLES), 1)
     return SubmissionTable(
-        tuple(_row(cells, column, status, language, zone) for cells in table.rows[1:])
+        tuple(_parse_row(cells, column, status, language, zone) for cells in table.rows[1:])
     )
 
 
-def _row(
+def _parse_row(
     cells: Sequence[str], column: int, status: int, language: str, zone: tzinfo | None
 ) -> SubmissionRow:
     """Read one row; the columns after the status contain marks, which may look like ids."""
     cells = [unicodedata.normalize("NFC", cell.strip()) for cell in cells]
-    when, unclear = None, ""
+    when, time_problem = None, ""
     time_text = cells[column] if column < len(cells) else ""
     if time_text in _NO_TIME:
         time_text = ""
@@ -147,7 +147,7 @@ def _row(
         try:
             when = to_utc(read_time(time_text, language), zone)
         except UnclearTime as reason:
-            unclear = str(reason)
+            time_problem = str(reason)
     number = _NUMBER.fullmatch(cells[0])
     identifying = [
         cell for index, cell in enumerate(cells) if cell and (index < status or "@" in cell)
@@ -159,7 +159,7 @@ def _row(
         number[1] if number else "",
         when,
         time_text,
-        unclear,
+        time_problem,
     )
 
 

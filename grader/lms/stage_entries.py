@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
-from grader.classroom.pages import printable
+from grader.classroom.pages import printable_name
 from grader.classroom.submissions import Submission
 from grader.course.deadlines import Deadlines
 from grader.course.paths import Course
@@ -51,25 +51,26 @@ def group_entries(
         groups.setdefault((submission.student, submission.lesson.stage), []).append(
             (submission, verdict)
         )
-    entries, trouble = [], []
+    entries, problems = [], []
     for (student, stage), pairs in groups.items():
         if student in unknown:
-            trouble.append(unknown[student])
+            problems.append(unknown[student])
             continue
-        if student != printable(student):  # no database can store this ID
-            trouble.append(
-                f"{printable(student)}, {stage}: not entered, because the name of the folder in "
+        if student != printable_name(student):  # no database can store this ID
+            problems.append(
+                f"{printable_name(student)}, {stage}: not entered, because the name of the folder "
+                "in "
                 "submitted/ is not valid UTF-8. Rename the folder."
             )
             continue
         failed = [pair for pair in pairs if pair[1].status != JUDGED]
-        trouble += [
+        problems += [
             f"{student}, {stage}: not entered, because {_reason(submission, verdict, course)}"
             for submission, verdict in failed
         ]
         if not failed:  # a missing mark is better than a wrong one
             entries.append(StageEntry(student, stage, tuple(pairs)))
-    return entries, trouble
+    return entries, problems
 
 
 def _reason(submission: Submission, verdict: Verdict, course: Course) -> str:

@@ -88,7 +88,7 @@ def lesson_by_content(path: Path) -> Lesson | None:
 
 
 @functools.lru_cache(10_000)
-def _lesson_by_content(path: Path, *state: int) -> Lesson | None:
+def _lesson_by_content(path: Path, *modification_time: int) -> Lesson | None:
     """Return the lesson of a notebook; the result is cached until the file changes."""
 
     def work() -> str:
