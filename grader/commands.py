@@ -453,7 +453,7 @@ def run_autograder(options: argparse.Namespace) -> int:
 
             Rehearsals(course, lessons, seed, sandbox, announce).finish(executor)
     except RehearsalFailed as error:
-        print(console.plain(error), file=sys.stderr)
+        print(console.plain_lines(error), file=sys.stderr)
         return FAULT
     path = options.to or course.root / f"autograder.{options.assignment}.zip"
     write_secret(build_autograder_zip(options.assignment, seed), path)
@@ -690,7 +690,7 @@ def _grade_with_lock(
             course, wanted, seed, sandbox, workers, scheduler, student
         )
     except (RehearsalFailed, ExecutorLost) as error:
-        print(console.plain(error), file=sys.stderr)
+        print(console.plain_lines(error), file=sys.stderr)
         return FAULT
     seconds = time.perf_counter() - begin
     if not judged:
@@ -760,7 +760,7 @@ def _enter_marks(
         try:
             enter_verdicts(course, judged, wanted, advance, student, restore, console.tell)
         except GradebookError as error:
-            print(console.plain(error), file=sys.stderr)
+            print(console.plain_lines(error), file=sys.stderr)
             return FAULT
     return SUCCESS
 

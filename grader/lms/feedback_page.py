@@ -14,6 +14,7 @@ from grader.course.mathml import STYLE, markdown_page
 from grader.course.settings import course_title, stage_title
 from grader.lms.feedback import ExerciseFeedback, Feedback, LessonFeedback, SanitizedText
 from grader.lms.results import format_points
+from grader.untrusted import one_line
 
 
 def feedback_page(feedback: Feedback) -> str:
@@ -46,6 +47,7 @@ def _environment() -> jinja2.Environment:
         "coded": coded,
         "as_html": _as_html,
         "in_words": stage_in_words,
+        "one_line": one_line,
     }
     environment.globals |= {
         "name_of": _name,
