@@ -121,6 +121,7 @@ def test_links_lead_nowhere(root, judged_files, link):
     ((submitted, _),) = judged_files
     assert submitted.data == b"" and "is a link" in submitted.complaint
     assert str(SEED) not in json.dumps(results)
+    assert "work is a link, a pipe or a device" in results["output"]
 
 
 def test_a_result_of_an_earlier_run_never_remains(root, monkeypatch):
