@@ -470,7 +470,7 @@ def run_autograder(options: argparse.Namespace) -> int:
 
             Rehearsals(course, lessons, seed, sandbox, announce).finish(executor)
     except RehearsalFailed as error:
-        print(console.printable_text(error), file=sys.stderr)
+        print(console.printable_lines(error), file=sys.stderr)
         return FAULT
     path = options.to or course.root / f"autograder.{options.assignment}.zip"
     write_secret(build_autograder_zip(options.assignment, seed), path)
@@ -719,7 +719,7 @@ def _grade_with_lock(
             course, requested_stages, seed, sandbox, workers, scheduler, student
         )
     except (RehearsalFailed, ExecutorLost) as error:
-        print(console.printable_text(error), file=sys.stderr)
+        print(console.printable_lines(error), file=sys.stderr)
         return FAULT
     seconds = time.perf_counter() - start_time
     if not judged:
@@ -798,7 +798,7 @@ def _enter_marks(
                 course, judged, requested_stages, advance, student, restore, console.print_notice
             )
         except GradebookError as error:
-            print(console.printable_text(error), file=sys.stderr)
+            print(console.printable_lines(error), file=sys.stderr)
             return FAULT
     return SUCCESS
 

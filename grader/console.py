@@ -63,12 +63,13 @@ def progress_bar(title: str) -> Iterator[Callable[[int, int, object], None]]:
         TimeElapsedColumn(),
         TextColumn("{task.fields[left]}"),
     )
+    title = printable_text(title)
     progress = Progress(*columns, console=Console(stderr=True))
     task = progress.add_task(title, total=None, left="")
     estimate = RemainingTime()
 
     def advance(done: int, total: int, item: object) -> None:
-        text = f"{title}: {item}" if isinstance(item, str) and item else title
+        text = printable_text(f"{title}: {item}" if isinstance(item, str) and item else title)
         is_first = estimate.seconds is None
         estimate.update(done, total)
         progress.update(
@@ -123,8 +124,17 @@ class RemainingTime:
 
 
 def printable_text(text: object) -> str:
-    """Return a text with unprintable characters replaced, such as those in a strange file name."""
-    return "".join(c if c.isprintable() or c == "\n" else "\ufffd" for c in str(text))
+    """Return a text with unprintable characters replaced, such as those in a strange file name.
+
+    A line break is replaced as well, because a second line could look like a sentence of the
+    grader. Spaces stay as they are, so that a file name can be copied from the terminal.
+    """
+    return "".join(c if c.isprintable() else "\ufffd" for c in str(text))
+
+
+def printable_lines(text: object) -> str:
+    """Return a text of the grader that has several lines, with unprintable characters replaced."""
+    return "\n".join(map(printable_text, str(text).split("\n")))
 
 
 def print_notice(sentence: str) -> None:
@@ -180,7 +190,7 @@ def print_finding(finding: Finding) -> None:
     """Print one finding of the command ``doctor``."""
     mark = "ok   " if finding.is_good else "FIX  "
     style = "" if finding.is_good else "bold red"
-    text = f"{mark} {finding.subject}: {printable_text(finding.text)}"
+    text = f"{mark} {finding.subject}: {printable_lines(finding.text)}"
     Console(highlight=False, soft_wrap=True).print(text, markup=False, style=style)
 
 

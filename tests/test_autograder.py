@@ -159,7 +159,12 @@ def test_each_file_that_is_not_judged_is_named(root, judged_calls):
     for name in ("Untitled.ipynb", "07_filter_by_distance.py", "02_ransac_line.ipynb", "notes.txt"):
         (folder / name).write_text("{}")
     os.mkfifo(folder / "pipe.ipynb")
+    (folder / "work").symlink_to(".")
+    (folder / ".hidden").symlink_to(".")
     assert judge_root(root).unjudged_notes == (
+        "pipe.ipynb is a link, a pipe or a device, so the judge did not open it. Submit the file "
+        "itself.",
+        "work is a link, a pipe or a device, so the judge did not open it. Submit the file itself.",
         "02_ransac_line.ipynb is lesson 02_ransac_line, which is not part of this assignment.",
         "07_filter_by_distance.py is not a notebook. Submit 07_filter_by_distance.ipynb, as "
         "Jupyter saves it.",

@@ -10,6 +10,7 @@ from grader import cli, documentation
 from grader.course.lessons import all_lessons
 from grader.course.paths import PROJECT
 from grader.course.settings import course_title, stage_title, version
+from utils.in_sandbox import INSTALLED
 
 
 def page(name):
@@ -61,3 +62,9 @@ def test_all_files_have_the_same_version(capsys):
     assert capsys.readouterr().out == f"{course_title()} {version()}\n"
     assert f"\nversion: {version()}\n" in page("CITATION.cff")
     assert re.findall(r"^## (.+)$", page("CHANGELOG.md"), re.M)[0] == version()
+
+
+def test_the_threat_model_names_each_package_in_the_sandbox():
+    [sentence] = re.findall(r"the packages (.*?)\. Modules that", page("docs/security.md"))
+    named = {name.lower() for name in re.split(r", | and ", sentence)}
+    assert named == {*INSTALLED, "ipython"}

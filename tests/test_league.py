@@ -214,6 +214,28 @@ def test_the_message_about_an_unreadable_notebook_does_not_quote_it():
     assert driven.stopped == "The notebook cannot be read."
 
 
+def test_a_detector_can_use_a_module_that_a_cell_writes(monkeypatch):
+    cells = [
+        "%%writefile mine.py\ndef boxes(cloud):\n    return []\n",
+        "from mine import boxes\ndef detect_obstacles(cloud):\n    return boxes(cloud)\n",
+    ]
+    notebook = json.loads(LESSON.released.read_text("utf-8"))
+    notebook["cells"] += [
+        {"cell_type": "code", "metadata": {}, "outputs": [], "source": cell} for cell in cells
+    ]
+    submitted_files = drives.SubmittedFiles(LESSON.released.name, json.dumps(notebook).encode(), "")
+    monkeypatch.setattr(drives, "draw_streets", lambda seed: [FREE_STREET])
+    monkeypatch.setattr(
+        drives,
+        "drive_in_sandbox",
+        lambda street, student, key: drive_in_sandbox(
+            street, student, key, seconds=1.0, sensor=SPARSE_SENSOR
+        ),
+    )
+    driven = drives.drive_submission(submitted_files, LESSON.name, 1, SEED, "process")
+    assert not driven.failure and not driven.stopped and driven.metres > 0
+
+
 def test_the_key_of_a_drive_covers_the_files_that_decide_it(monkeypatch):
     files = add_imports([Path(drives.__file__)])
     names = {path.relative_to(PROJECT).as_posix() for path in files}

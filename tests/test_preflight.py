@@ -495,7 +495,35 @@ def test_too_much_code_is_refused_with_a_sentence():
     notebook["cells"].append(code(f"TABLE = '{'7' * 17 * 2**20}'"))
     submission = SubmittedFiles("06_filter_ground.ipynb", json.dumps(notebook).encode())
     (problem,) = judge_files(submission, 1, None, LESSON).problems
-    assert "contain 17 MB, but the judge reads at most 15 MB. Delete the cells" in problem
+    assert (
+        "the code cells contain 17 MB, but the judge reads at most 15 MB. Delete the cells"
+        in problem
+    )
+
+
+@pytest.mark.parametrize("written", [0, 8])
+def test_too_many_modules_are_refused_with_a_sentence(written):
+    """Modules are part of the message to the sandbox, and so is the cell that writes one."""
+    notebook = right_notebook()
+    notebook["cells"].append(code(f"%%writefile m.py\nTABLE = '{'7' * written * 2**20}'"))
+    modules = {} if written else {f"m{number}": "7" * 2**20 for number in range(16)}
+    data = json.dumps(notebook).encode()
+    submission = SubmittedFiles("06_filter_ground.ipynb", data, modules=modules)
+    (problem,) = judge_files(submission, 1, None, LESSON).problems
+    assert "the code cells and modules contain 16 MB, but the judge reads at most 15 MB." in problem
+
+
+def test_an_async_answer_counts_before_a_copy_of_the_stub_below_it(sandbox):
+    notebook = right_notebook()
+    own = cell_of(notebook, "filter_ground")
+    own["source"] = (
+        "async " + right_answer("filter_ground")[right_answer("filter_ground").index("def ") :]
+    )
+    notebook["cells"].append(stub_of("filter_ground"))
+    submission = SubmittedFiles("06_filter_ground.ipynb", json.dumps(notebook).encode())
+    verdict = judge_files(submission, 1, sandbox, LESSON)
+    assert "Delete `async` before `def`." in verdict.exercises[0].tests[0].message
+    assert "A copy of the released cell is below your filter_ground" in verdict.problems[0]
 
 
 def test_a_cut_off_file_keeps_the_complete_answer():
@@ -858,8 +886,9 @@ def test_notes_name_the_modules_that_are_used(source, used):
     [
         ("%%writefile helpers.py", "helpers"),
         ('  %%file "helpers.py"', "helpers"),
-        ("%%writefile -a helpers.py", None),
-        ("%%writefile ../helpers.py", None),
+        ("%%writefile ./helpers.py", "helpers"),
+        ("%%writefile -a helpers.py", "helpers"),
+        ("%%writefile --append ./helpers.py", "helpers"),
         ("%%writefile helpers.txt", None),
         ("%%timeit", None),
     ],
@@ -871,6 +900,27 @@ def test_only_cells_that_write_a_python_file_create_a_module(command, name):
     used = f"The judge used {name}.py, which a cell of the notebook writes."
     assert made.notes == ((used,) if name else ())
     assert from_cells(*written).notes == (), "no module was used"
+
+
+def test_a_cell_can_append_to_a_module():
+    append = code("%%writefile -a helpers.py\ny = 2")
+    made = from_cells(code("%%writefile helpers.py\nx = 1"), append)
+    assert made.modules == {"helpers": "x = 1\ny = 2"}
+    made = from_cells(append, append, modules={"helpers": "x = 1"})
+    assert made.modules == {"helpers": "x = 1\ny = 2\ny = 2"}
+
+
+@pytest.mark.parametrize("path", ["../helpers.py", '"/content/helpers.py"', "{folder}/helpers.py"])
+def test_an_imported_file_that_is_written_elsewhere_is_named(path):
+    cells = [text("Some text."), code("x = 1"), code(f"%%writefile {path}\nx = 1")]
+    made = from_cells(*cells, code("from helpers import x"))
+    assert made.modules == {} and made.notes == (
+        "Code cell 2 writes helpers.py to a place that the judge does not have. Submit helpers.py "
+        "next to the notebook.",
+    )
+    assert from_cells(*cells, code("import other")).notes == (), "no module was used"
+    submitted = from_cells(*cells, code("import helpers"), modules={"helpers": "x = 1"})
+    assert submitted.notes == ("The judge used helpers.py, which you submitted with the notebook.",)
 
 
 def test_a_notebook_may_write_twenty_modules():

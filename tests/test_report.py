@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from grader.classroom.collect.answers import read_answers, store_answers
 
+from grader.classroom.collect.instructor_answers import read_answers, store_answers
 from grader.classroom.item_analysis import (
     common_messages,
     count_not_started,

@@ -535,17 +535,22 @@ def test_submitted_code_is_escaped_on_the_page(course):
     assert not re.search(r"<script|<b>x|<i>y", page)
 
 
-def test_a_function_in_a_module_next_to_the_notebook_counts():
+@pytest.mark.parametrize("is_written", [False, True])
+def test_a_function_in_a_module_counts(is_written):
+    """A module may be next to the notebook, or written by a cell of the notebook."""
     text = fill_in(
         LESSON, {"get_bounding_boxes": "from mine import boxes\nget_bounding_boxes = boxes"}
     )
     module = "import numpy as np\n" + ORIGINAL.replace("get_bounding_boxes", "boxes")
-    submitted_files = SubmittedFiles(
-        "08_bounding_boxes.ipynb", text.encode(), modules={"mine": module}
-    )
-    assert (
-        len(read_notebook_parts(submitted_files, LESSON).answers["get_bounding_boxes"].steps) > 14
-    )
+    notebook, modules = json.loads(text), {"mine": module}
+    if is_written:
+        cell = {"cell_type": "code", "metadata": {}, "outputs": [], "execution_count": None}
+        notebook["cells"].insert(0, {**cell, "source": f"%%writefile mine.py\n{module}"})
+        modules = {}
+    data = json.dumps(notebook).encode()
+    submitted_files = SubmittedFiles("08_bounding_boxes.ipynb", data, modules=modules)
+    answers = read_notebook_parts(submitted_files, LESSON).answers
+    assert len(answers["get_bounding_boxes"].steps) > 14
 
 
 def test_every_kept_answer_is_read():

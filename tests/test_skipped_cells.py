@@ -10,6 +10,7 @@ from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import judge_files
 from grader.judging.verdict import FAILED, JUDGED, MessageKind
 from grader.sandbox import Limits
+from utils.notebooks.skipped_cells import hidden_cell
 
 LESSON = find_lesson("06_filter_ground")
 BODY = "    return cloud[cloud[:, 2] >= ground_level]"
@@ -105,6 +106,7 @@ def test_code_that_the_students_own_python_refused_is_judged(sandbox):
     [
         (RIGHT.replace("    return", "\u00a0   return"), "U+00A0"),
         (RIGHT.replace("):", ")"), "expected ':'"),
+        (f"%%cython\ncp{RIGHT}", "begins with %%cython. Delete that line"),
         (f"%%timeit\n{RIGHT}", "begins with %%timeit. Delete that line"),
     ],
 )
@@ -118,6 +120,22 @@ def test_a_function_in_a_skipped_cell_is_neither_missing_nor_a_stub(sandbox, sou
     assert {test.kind for test in hidden} == {MessageKind.SAME_REASON}
     filled, check = judge_cells(sandbox, filled={"filter_ground": source})
     assert filled.exercises[0].score == 0 and reason in check.message
+
+
+@pytest.mark.parametrize(
+    ("line", "is_defined"),
+    [
+        ("cpdef filter_ground(cloud):", True),
+        ("cpdef np.ndarray[double, ndim=2] filter_ground(double[:, :] cloud):", True),
+        ("cdef inline double *filter_ground(double x):", True),
+        ("cdef class filter_ground:", True),
+        ("cpdef filter(filter_ground):", False),
+        ("cpdef filter_ground_2(cloud):", False),
+    ],
+)
+def test_functions_in_cython_are_found(line, is_defined):
+    cell = hidden_cell(3, f"%%cython\n{line}\n    pass")
+    assert cell.defines("filter_ground") == is_defined
 
 
 def test_more_cells_than_can_be_read_in_time_are_the_reason_for_a_zero(sandbox):

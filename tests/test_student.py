@@ -295,3 +295,10 @@ def test_an_interrupted_function_can_be_called_again(sandbox):
         student.interrupts_after = None
         with pytest.raises(StudentStopped):
             student.works(1)
+
+
+def test_a_notebook_that_is_too_large_to_send_is_not_accused(sandbox):
+    program = Program(("x = 1",), ("f",), {"big": "7" * 2**24})
+    words = "larger than the judge can send to the sandbox"
+    with StudentProxy(program, sandbox) as student, pytest.raises(StudentStopped, match=words):
+        student.f()

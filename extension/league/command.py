@@ -102,7 +102,7 @@ def run_league(options: argparse.Namespace) -> int:
                 return commands.USAGE_ERROR
             page, names_path = write_league(course, season, seed, sandbox.warning)
     except (AlreadyRunning, ExecutorLost) as error:
-        print(console.printable_text(error), file=sys.stderr)
+        print(console.printable_lines(error), file=sys.stderr)
         return commands.FAULT
     print(f"League: {page}\nReal names (do not show this file to the class): {names_path}")
     for fault in season.faults:

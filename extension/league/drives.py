@@ -143,7 +143,7 @@ def drive_submission(
         return DriveResult(street_number, stopped="The notebook cannot be read.", key=key)
     except ReadingFailed as error:
         return DriveResult(street_number, fault=str(error))
-    program = program_for(find_lesson(lesson), judge_input.code, submitted_files.modules)
+    program = program_for(find_lesson(lesson), judge_input.code, judge_input.modules)
     with StudentProxy(program, SANDBOXES[sandbox], LIMITS) as student:
         return drive_in_sandbox(street, student, key)
 

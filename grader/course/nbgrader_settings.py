@@ -67,6 +67,7 @@ def configure(config: Config, root: Path) -> Config:
     # Students fetch notebooks alone, without `utils`, so these have to be standalone.
     config.ExchangeFactory.release_assignment = "grader.lms.exchange.ReleaseStandalone"
     config.ExchangeFactory.collect = "grader.lms.exchange_collection.CollectOrdinaryFiles"
+    config.ExchangeFactory.release_feedback = "grader.lms.exchange.ReleaseFeedbackOfEach"
 
     # If there is a roster, nbgrader must not create a student for each folder of submissions.
     config.Autograde.create_student = not (root / "roster.csv").is_file()

@@ -26,10 +26,15 @@ from grader.intake.submission import MAX_MODULES, SubmittedFiles
 from utils.notebooks.reading import Cell, Notebook, UnreadableNotebook
 
 MAX_CODE_BYTES = 15 * 2**20
-"""Bytes of all code cells as JSON; a message to the sandbox may have one more MB."""
+"""Bytes of all code cells and modules as JSON; a message to the sandbox may have one more MB."""
 MAX_NAMES = 5
 """Number of pictures that a sentence names."""
-_WRITES_MODULE = re.compile(r"%%(?:writefile|file)[ \t]+\"?([A-Za-z_]\w{0,99})\.py\"?")
+_WRITES_FILE = re.compile(r"%%(?:writefile|file)[ \t]")
+_WRITES_MODULE = re.compile(
+    r"%%(?:writefile|file)[ \t]+(?P<append>(?:-a|--append)[ \t]+)?"
+    r"\"?(?:\./)?(?P<name>[A-Za-z_]\w{0,99})\.py\"?"
+)
+_MODULE_AT_END = re.compile(r"([A-Za-z_]\w{0,99})\.py\"?$")
 
 
 @dataclass(frozen=True)
@@ -168,12 +173,14 @@ def prepare_to_judge(submitted_files: SubmittedFiles, lesson: Lesson) -> JudgeIn
 
     def work() -> tuple:
         prepared = prepare(submitted_files, lesson)
-        size = len(json.dumps(prepared.code))
+        modules = {**submitted_files.modules, **prepared.modules}
+        size = len(json.dumps([prepared.code, modules]))
         if size > MAX_CODE_BYTES:
+            parts = "cells and modules" if modules else "cells"
             raise UnreadableNotebook(
-                f"The code cells of {submitted_files.name} contain {size / 2**20:.0f} MB, but the "
-                f"judge reads at most {MAX_CODE_BYTES // 2**20} MB. Delete the cells that contain "
-                "large tables, read the tables from a file, and submit the notebook again."
+                f"In {submitted_files.name}, the code {parts} contain {size / 2**20:.0f} MB, but "
+                f"the judge reads at most {MAX_CODE_BYTES // 2**20} MB. Delete the {parts} that "
+                "contain large tables, read the tables from a file, and submit the notebook again."
             )
         untouched = prepared.is_complete and _is_as_released(lesson, prepared.code)
         return (
@@ -371,13 +378,35 @@ def _functions_of_another_lesson(draft: _Draft) -> tuple[str, Lesson] | None:
 
 def _find_written_modules(draft: _Draft) -> Iterator[str]:
     """Collect the modules that cells write, and report those that the notebook imports."""
-    for cell in draft.cells:
+    submitted = draft.submitted_files.modules
+    parts: dict[str, list[str]] = {}  # joined once, because a notebook may contain many parts
+    elsewhere: dict[str, int] = {}
+    code_cells = (cell for cell in draft.cells if cell.kind == "code")
+    for number, cell in enumerate(code_cells, 1):
         command, _, body = cell.source.lstrip().partition("\n")
-        module = _WRITES_MODULE.fullmatch(command.strip()) if cell.kind == "code" else None
-        if module and len(draft.modules) < MAX_MODULES:
-            draft.modules[module[1]] = body
+        command = command.strip()
+        module = _WRITES_MODULE.fullmatch(command)
+        if module and (module["name"] in parts or len(parts) < MAX_MODULES):
+            name = module["name"]
+            if not module["append"]:
+                parts[name] = []
+            elif name not in parts:
+                parts[name] = [submitted[name]] if name in submitted else []
+            parts[name].append(body)
+        elif _WRITES_FILE.match(command):
+            file = _MODULE_AT_END.search(command[-200:])
+            if file and len(elsewhere) < MAX_MODULES:
+                elsewhere[file[1]] = number
+    draft.modules = {name: "\n".join(bodies) for name, bodies in parts.items()}
     if used := _list_imported_files(draft, draft.modules):
         yield f"The judge used {used}, which a cell of the notebook writes."
+    for name, number in elsewhere.items():
+        is_known = name in draft.modules.keys() | submitted.keys()
+        if not is_known and _list_imported_files(draft, [name]):
+            yield (
+                f"Code cell {number} writes {name}.py to a place that the judge does not have. "
+                f"Submit {name}.py next to the notebook."
+            )
 
 
 def _report_modules(draft: _Draft) -> Iterator[str]:
@@ -556,7 +585,7 @@ def _defines(cell: Cell, name: str) -> bool:
     """Return whether a cell defines a name in an unindented line."""
     if name not in cell.source:
         return False
-    pattern = rf"^(?:def[ \t]+{name}[ \t]*\(|{name}[ \t]*=)"
+    pattern = rf"^(?:(?:async[ \t]+)?def[ \t]+{name}[ \t]*\(|{name}[ \t]*=)"
     return bool(re.search(pattern, cell.source, re.MULTILINE))
 
 

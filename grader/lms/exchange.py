@@ -1,15 +1,17 @@
-"""Release notebooks through nbgrader's exchange so that each works alone in its folder."""
+"""Release notebooks, and the feedback of each student, through nbgrader's exchange."""
 
 from __future__ import annotations
 
+import glob
 import json
 from pathlib import Path
 
-from nbgrader.exchange.default import ExchangeReleaseAssignment
+from nbgrader.exchange.default import ExchangeReleaseAssignment, ExchangeReleaseFeedback
 
 from grader.course.atomic_files import write_atomically
 from grader.course.lessons import all_lessons
 from grader.course.standalone import make_standalone
+from grader.untrusted_text import one_line
 
 
 class ReleaseStandalone(ExchangeReleaseAssignment):
@@ -24,6 +26,42 @@ class ReleaseStandalone(ExchangeReleaseAssignment):
         for path in sorted(Path(dest).rglob("*.ipynb")):
             if _is_lesson(path):
                 write_atomically(make_standalone(path.read_bytes()), path)
+
+
+class ReleaseFeedbackOfEach(ExchangeReleaseFeedback):
+    """Releases feedback student by student, so that one damaged submission does not end the loop.
+
+    nbgrader reads two files of the submission. The student owns one of them in the exchange, and a
+    submission that was laid by hand has neither.
+    """
+
+    def copy_files(self) -> None:
+        """Copy the pages of each student into the exchange; see nbgrader."""
+        for name in sorted(glob.glob(self.src_path)):
+            fault = _fault_of_feedback(Path(name))
+            if fault:
+                self.log.warning(
+                    "Not released: the feedback of %s, because %s. Give the student the pages in "
+                    "%s yourself.",
+                    one_line(Path(name).parent.name),
+                    fault,
+                    one_line(name),
+                )
+                continue
+            self.src_path = glob.escape(name)
+            super().copy_files()
+
+
+def _fault_of_feedback(folder: Path) -> str:
+    """Return why nbgrader cannot release the pages in a folder, or an empty text."""
+    for name in ("timestamp.txt", "submission_secret.txt"):
+        try:
+            text = (folder / name).read_text()
+        except FileNotFoundError:
+            return f"{name} is missing"
+        except (OSError, UnicodeError):
+            return f"{name} cannot be read"
+    return "" if text else f"{name} is empty"
 
 
 def _is_lesson(path: Path) -> bool:

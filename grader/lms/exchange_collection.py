@@ -21,6 +21,7 @@ from nbgrader.exchange.default import ExchangeCollect
 from nbgrader.utils import parse_utc
 
 from grader.classroom.collect.zips import MAX_BYTES_PER_STUDENT
+from grader.course.times import UnclearTime, read_time, to_utc
 from grader.intake.submission import is_skipped_folder
 from grader.untrusted_text import one_line
 
@@ -35,6 +36,14 @@ class NotCollected(Exception):
     """A submission cannot be collected; the message continues a sentence about its folder."""
 
 
+def owner_of(status: os.stat_result) -> str:
+    """Return the name of the account that owns a file or folder."""
+    try:
+        return pwd.getpwuid(status.st_uid).pw_name
+    except KeyError:
+        return f"user {status.st_uid}"
+
+
 class CollectOrdinaryFiles(ExchangeCollect):
     """Collects from the exchange only ordinary files that belong to the student.
 
@@ -47,11 +56,44 @@ class CollectOrdinaryFiles(ExchangeCollect):
         """Return the student and the time in a folder's name; a name without a time sorts last."""
         name = os.path.basename(path)
         student, *rest = name.rsplit("+", 3)
+        text = rest[1] if len(rest) > 1 else ""
         try:
-            time = parse_utc(rest[1])
-        except (IndexError, ValueError, OverflowError):
-            time = datetime.min
-        return {"username": student, "filename": name, "timestamp": time}
+            # As `grade` reads the time. nbgrader ignores a time zone such as NZ.
+            stated = read_time(text)
+            time = to_utc(stated, UTC).replace(tzinfo=None)
+            # Without a zone, the text stays as it is, because `grade` warns about such times.
+            text = f"{time:%Y-%m-%d %H:%M:%S.%f} UTC" if stated.tzinfo else text
+        except UnclearTime:  # `grade` asks for the time
+            try:
+                time = parse_utc(text)
+            except (ValueError, OverflowError):
+                time = datetime.min
+        return {"username": student, "filename": name, "timestamp": time, "time_text": text}
+
+    def _sort_by_timestamp(self, records: list[dict]) -> list[dict]:
+        """Sort a student's folders, newest first, without those that another account made.
+
+        nbgrader collects only the first folder, and every account may create one in any name. If
+        there is no other folder, the forged ones stay, and `copy_files` refuses the first.
+        """
+        if not self.check_owner:
+            return super()._sort_by_timestamp(records)
+        own = [record for record in records if self._belongs_to_student(record)]
+        for record in records if own else ():
+            if record not in own:
+                self.log.warning(
+                    "Not collected: %s is not a folder of %s's account.",
+                    one_line(record["filename"]),
+                    one_line(record["username"]),
+                )
+        return super()._sort_by_timestamp(own or records)
+
+    def _belongs_to_student(self, record: dict) -> bool:
+        try:
+            status = os.lstat(Path(self.inbound_path, record["filename"]))
+        except OSError:
+            return False
+        return stat.S_ISDIR(status.st_mode) and owner_of(status) == record["username"]
 
     def copy_files(self) -> None:
         """Copy the newest submission of each student; see nbgrader."""
@@ -85,7 +127,7 @@ class CollectOrdinaryFiles(ExchangeCollect):
         files, changed = self._read(Path(self.inbound_path, record["filename"]), student)
         self._compare_times(record, changed)
         # Write the time again, because the student's own file may be missing or different.
-        files["timestamp.txt"] = record["filename"].rsplit("+", 3)[2].encode()
+        files["timestamp.txt"] = record["time_text"].encode()
         partial = folder.with_name(f".{stage}.partial")
         shutil.rmtree(partial, ignore_errors=True)
         for name, data in files.items():
@@ -157,10 +199,7 @@ class CollectOrdinaryFiles(ExchangeCollect):
     def _examine(self, status: os.stat_result, student: str, description: str) -> float:
         """Return when a file or folder was last changed; raise if another account owns it."""
         if self.check_owner:
-            try:
-                owner = pwd.getpwuid(status.st_uid).pw_name
-            except KeyError:
-                owner = f"user {status.st_uid}"
+            owner = owner_of(status)
             if owner != student:
                 raise NotCollected(
                     f"claims to be from {student}, but {description} belongs to {owner}. If "

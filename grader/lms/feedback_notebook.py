@@ -7,8 +7,6 @@ formulas stay in source form.
 
 from __future__ import annotations
 
-import re
-
 import nbformat
 
 from grader.lms.feedback import Feedback, LessonFeedback, SanitizedText
@@ -33,7 +31,7 @@ def feedback_notebook(feedback: Feedback, lesson: LessonFeedback) -> bytes:
 
 def _html(text: str) -> nbformat.NotebookNode:
     """Build a cell that is one HTML block in Markdown; an empty line would end the block."""
-    block = re.sub(r"\n\s*\n", "\n", text).strip()
+    block = "\n".join(line for line in text.splitlines() if line.strip())
     # Text between two dollar signs would be read as a formula.
     return nbformat.v4.new_markdown_cell(f"<div>\n{block}\n</div>".replace("$", "&#36;"))
 

@@ -14,6 +14,7 @@ from grader.course.mathml import STYLE, markdown_page
 from grader.course.settings import course_title, stage_title
 from grader.lms.feedback import ExerciseFeedback, Feedback, LessonFeedback, SanitizedText
 from grader.lms.results import format_points
+from grader.untrusted_text import one_line
 
 
 def feedback_page(feedback: Feedback) -> str:
@@ -46,6 +47,7 @@ def _environment() -> jinja2.Environment:
         "coded": format_code,
         "as_html": _as_html,
         "in_words": format_stage,
+        "one_line": one_line,
     }
     environment.globals |= {
         "name_of": _name,

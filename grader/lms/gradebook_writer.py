@@ -43,6 +43,7 @@ from grader.lms.registration import register_stages
 from grader.lms.stage_entries import StageEntry, group_entries
 from grader.lms.submission_times import known_time
 from grader.lms.withdrawal import withdraw
+from grader.untrusted_text import one_line
 
 
 class GradebookError(Exception):
@@ -120,7 +121,8 @@ def enter_verdicts(
         }
         log_changes(course, book, keys)
     if trouble:
-        raise GradebookError("The gradebook is not complete:\n" + "\n".join(dict.fromkeys(trouble)))
+        sentences = map(one_line, dict.fromkeys(trouble))  # they contain the names of folders
+        raise GradebookError("The gradebook is not complete:\n" + "\n".join(sentences))
 
 
 def _try_to_enter(

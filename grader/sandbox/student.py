@@ -472,7 +472,10 @@ class StudentProxy:
     ) -> dict:
         """Perform one step of starting a notebook; return the reply."""
         seconds = self._limits.start_seconds if seconds is None else seconds
-        answer = self._exchange(task, too_slow, seconds, message)
+        try:
+            answer = self._exchange(task, too_slow, seconds, message)
+        except wire_format.TooLarge:
+            self._stop(task, "The notebook is larger than the judge can send to the sandbox.")
         if not isinstance(answer, dict):
             self._stop(task, "The notebook's own cells sent the judge an invalid reply.")
         return answer

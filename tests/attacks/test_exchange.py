@@ -3,6 +3,7 @@
 import getpass
 import logging
 import os
+import pwd
 
 import pytest
 from nbgrader.auth import Authenticator
@@ -72,6 +73,20 @@ def submit(inbound, files, student=USER, time=TIME, links=()):
     return folder
 
 
+@pytest.fixture
+def give_to_mallory(monkeypatch):
+    """Return a function that gives a file or folder to another account."""
+    if os.geteuid() == 0:
+        return lambda path: os.chown(path, pwd.getpwnam("nobody").pw_uid, -1)
+    owner, given = exchange_collection.owner_of, set()
+    monkeypatch.setattr(
+        exchange_collection,
+        "owner_of",
+        lambda status: "nobody" if status.st_ino in given else owner(status),
+    )
+    return lambda path: given.add(path.stat().st_ino)
+
+
 def test_notebooks_and_modules_are_collected_with_their_time(inbound, collect):
     files = {NOTEBOOK: "{}", "helper.py": "x = 1", "timestamp.txt": TIME, "parts/more.py": "y = 2"}
     submit(inbound, {**files, ".ipynb_checkpoints/old.ipynb": "{}"})
@@ -136,6 +151,35 @@ def test_another_students_name_is_refused(inbound, collect):
     assert f"alice/{STAGE}/{NOTEBOOK}" in collected
 
 
+@pytest.mark.parametrize("kind", ["folder", "link", "file"])
+def test_a_forged_newer_folder_does_not_hide_the_students_own(
+    kind, inbound, collect, give_to_mallory
+):
+    """Every account may create folders in the exchange, under any student's name."""
+    submit(inbound, {NOTEBOOK: "my answer"})
+    forged = inbound / f"{USER}+{STAGE}+2099-01-01 00:00:00.000000 UTC+secret"
+    if kind == "link":
+        forged.symlink_to("/nowhere")
+    elif kind == "file":
+        forged.write_text("")
+    else:
+        forged.mkdir()
+        (forged / NOTEBOOK).write_text("another answer")
+        give_to_mallory(forged)
+    collected, warnings = collect()
+    assert collected[f"{USER}/{STAGE}/{NOTEBOOK}"] == "my answer"
+    assert [text for text in warnings if text.startswith(f"Not collected: {forged.name} ")]
+
+
+def test_a_file_of_another_account_is_refused(inbound, collect, give_to_mallory):
+    """A hard link leads to a neighbour's file although the student owns the folder."""
+    folder = submit(inbound, {NOTEBOOK: "{}", "07_filter_by_distance.ipynb": "a neighbour's"})
+    give_to_mallory(folder / "07_filter_by_distance.ipynb")
+    collected, warnings = collect()
+    assert collected == {}
+    assert "but 07_filter_by_distance.ipynb belongs to nobody" in warnings[0]
+
+
 @pytest.mark.parametrize("name", [".collected.json", ".older/old.ipynb", "parts/.collected.json"])
 def test_hidden_files_are_not_collected(name, inbound, collect):
     """The record of `collect` states the owner and the time of each file."""
@@ -150,6 +194,24 @@ def test_a_submission_time_set_by_the_student_is_reported(inbound, collect):
     collected, warnings = collect()
     assert collected[f"{USER}/{STAGE}/timestamp.txt"] == TIME
     assert "the time in the name is 2026-01-10 10:00, but the folder was changed at" in warnings[0]
+
+
+@pytest.mark.parametrize(
+    ("stated", "written"),
+    [
+        ("2026-01-11T00:20:00 NZ", "2026-01-10 11:20:00.000000 UTC"),
+        ("2026-01-11 00:20:00 -0200", "2026-01-11 02:20:00.000000 UTC"),
+        # `grade` warns about a time without a zone, and asks for a time in an unknown zone.
+        ("2026-01-11 00:20:00", "2026-01-11 00:20:00"),
+        ("2026-01-11 00:20:00 XYZ", "2026-01-11 00:20:00 XYZ"),
+    ],
+)
+def test_a_time_is_compared_as_grade_reads_it(stated, written, inbound, collect):
+    """nbgrader ignores the time zone of some texts, so the stated time would look plausible."""
+    submit(inbound, {NOTEBOOK: "{}"}, time=stated)
+    collected, warnings = collect()
+    assert collected[f"{USER}/{STAGE}/timestamp.txt"] == written
+    assert f"the time in the name is {written[:16]}, but" in warnings[0]
 
 
 def test_a_submission_that_is_too_large_does_not_replace_the_earlier_submission(
@@ -176,3 +238,34 @@ def test_only_the_first_entries_of_a_bottomless_folder_are_read(inbound, collect
     assert {f"{USER}/{STAGE}/{NOTEBOOK}", f"zoe/{STAGE}/{NOTEBOOK}"} <= collected.keys()
     assert f"{USER}/{STAGE}/parts/more.py" in collected
     assert [text for text in warnings if text.endswith("has too many files or folders")]
+
+
+@pytest.mark.parametrize("content", [None, b"", b"\xff"], ids=["missing", "empty", "not UTF-8"])
+def test_a_damaged_secret_does_not_stop_the_feedback_of_the_class(content, tmp_path, caplog):
+    """A student owns the file `submission_secret.txt`, from which nbgrader makes a page's name."""
+    course = tmp_path / "course"
+    for student in ("alice", "mallory", "zoe[1]"):
+        folder = course / "feedback" / student / STAGE
+        folder.mkdir(parents=True)
+        (folder / "06_filter_ground.html").write_text(f"feedback for {student}")
+        (folder / "timestamp.txt").write_text(TIME)
+        (folder / "submission_secret.txt").write_text(f"secret of {student}")
+    secret = course / "feedback" / "mallory" / STAGE / "submission_secret.txt"
+    secret.unlink() if content is None else secret.write_bytes(content)
+    (tmp_path / "exchange").mkdir()
+    config = configure(Config(), course)
+    config.Exchange.root = str(tmp_path / "exchange")
+    config.CourseDirectory.assignment_id = STAGE
+    release = ExchangeFactory(config=config).ReleaseFeedback(
+        coursedir=CourseDirectory(config=config), authenticator=Authenticator()
+    )
+    release.log = logging.getLogger("exchange")
+    with caplog.at_level(logging.WARNING):
+        release.start()
+    pages = (tmp_path / "exchange").rglob("*.html")
+    assert {page.read_text() for page in pages} == {"feedback for alice", "feedback for zoe[1]"}
+    [warning] = [record.getMessage() for record in caplog.records]
+    assert (
+        warning.startswith("Not released: the feedback of mallory")
+        and str(secret.parent) in warning
+    )

@@ -121,6 +121,7 @@ def test_links_in_a_submission_are_not_followed(root, judged_files, link):
     ((submitted, _),) = judged_files
     assert submitted.data == b"" and "is a link" in submitted.complaint
     assert str(SEED) not in json.dumps(results)
+    assert "work is a link, a pipe or a device" in results["output"]
 
 
 def test_results_of_an_earlier_run_are_removed(root, monkeypatch):

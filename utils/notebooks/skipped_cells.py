@@ -62,7 +62,9 @@ class SkippedCell:
         """Return whether the cell seems to define a function, a class or a method."""
         if name not in self.source:
             return False
-        pattern = rf"^[ \t]*(?:async[ \t]+)?(?:def|class)[ \t]+{name}\b|^{name}[ \t]*="
+        python = rf"^[ \t]*(?:async[ \t]+|cdef[ \t]+)?(?:def|class)[ \t]+{name}\b|^{name}[ \t]*="
+        cython = rf"^[ \t]*cp?def[ \t][^\n(]*\b{name}[ \t]*\("  # a type may precede the name
+        pattern = f"{python}|{cython}"
         return bool(re.search(pattern, self.source, re.MULTILINE))
 
     @property

@@ -79,10 +79,11 @@ def read_notebook_parts(submitted_files: SubmittedFiles, lesson: Lesson) -> Note
     def work() -> dict:
         # The compared code is the judged code, after repairs. The digest covers the submitted
         # cells, because repairs could make equal notebooks differ.
-        code = prepare(submitted_files, lesson).code
+        prepared = prepare(submitted_files, lesson)
+        modules = {**submitted_files.modules, **prepared.modules}
         cells = [(cell.kind, cell.source.rstrip()) for cell in submitted_files.notebook().cells]
         own = Counter(cells) - Counter(released_cells(lesson))
-        answers, problems = answers_in([*submitted_files.modules.values(), *code], lesson)
+        answers, problems = answers_in([*modules.values(), *prepared.code], lesson)
         return {
             "answers": {name: dataclasses.asdict(answer) for name, answer in answers.items()},
             "cells": _digest(json.dumps(cells)) if own else "",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import stat
 import tempfile
@@ -99,14 +98,31 @@ def judge_submission(submitted: Path, source: Path, sandbox: Sandbox) -> JudgedS
         judged = tuple(
             _judge(course, lesson, submissions.get(lesson), seed, sandbox) for lesson in lessons
         )
-        return JudgedSubmission(judged, tuple(_explain_unjudged(folder, lessons)))
+        left = (*_explain_special_files(submitted), *_explain_unjudged(folder, lessons))
+        return JudgedSubmission(judged, left)
 
 
 def _special_files(folder: str, names: list[str]) -> list[str]:
     """Return the pipes and devices, which must not be copied; links are copied but not followed."""
-    kinds = (stat.S_ISREG, stat.S_ISDIR, stat.S_ISLNK)
-    modes = {name: os.lstat(os.path.join(folder, name)).st_mode for name in names}
-    return [name for name, mode in modes.items() if not any(is_kind(mode) for is_kind in kinds)]
+    paths = {name: Path(folder, name) for name in names}
+    return [name for name, path in paths.items() if _is_special(path) and not path.is_symlink()]
+
+
+def _is_special(path: Path) -> bool:
+    mode = path.lstat().st_mode
+    return not (stat.S_ISREG(mode) or stat.S_ISDIR(mode))
+
+
+def _explain_special_files(submitted: Path) -> Iterator[str]:
+    """Yield a sentence for the student about each link, pipe and device."""
+    for root, folders, names in walk_submitted(submitted):
+        folders[:] = sorted(name for name in folders if not is_skipped_folder(name))
+        for name in sorted((*folders, *names)):
+            if not name.startswith(".") and _is_special(root / name):
+                yield (
+                    f"{one_line(name)} is a link, a pipe or a device, so the judge did not open "
+                    "it. Submit the file itself."
+                )
 
 
 def _judge(
