@@ -307,6 +307,26 @@ def test_an_exercise_is_given_up_after_five_huge_answers(made):
     assert len(student.calls) == 9 + 1
 
 
+def test_a_failed_answer_of_too_many_bytes_counts_as_huge_in_any_form(made):
+    student = RecordingStudent()
+
+    def receive(size, right):
+        student.calls.append(size)
+        student.largest_reply = max(student.largest_reply, size)
+        if not right:
+            raise WrongForm("a text")
+
+    def run(size, right):
+        student.calls.clear()
+        checks = [shown(f"{number}", "f", lambda _: receive(size, right)) for number in range(8)]
+        run_checks(made(TWO, checks), student, SEED, lambda check: check.is_shown)
+        return len(student.calls)
+
+    assert run(runner.MOST_BYTES + 1, right=False) == runner.MOST_TOO_LARGE
+    assert run(runner.MOST_BYTES, right=False) == 8
+    assert run(runner.MOST_BYTES + 1, right=True) == 8
+
+
 def test_giving_up_an_exercise_names_the_number_of_huge_answers(made):
     def much(function):
         raise FarTooMuch("a million boxes")
@@ -474,9 +494,7 @@ def run_once(monkeypatch):
             seen.looked.append((exercise, function, fake_student.exercise))
             return explains
 
-        fake_student = FakeStudent(
-            problems=["a cell"], uses={"f": ("g",)}, starved=True, exercise=""
-        )
+        fake_student = FakeStudent(problems=["a cell"], uses={"f": ("g",)}, exercise="")
         monkeypatch.setattr(program_run, "StudentProxy", lambda *about: fake_student)
         monkeypatch.setattr(program_run, "run_checks", run)
         monkeypatch.setattr(program_run, "diagnose", diagnose)
@@ -500,7 +518,7 @@ def test_each_wrong_exercise_is_explained_once(run_once):
     results = run_with(ENDED, mistake, explain=True)
     assert results.outcomes == tuple(ENDED) and results.mistakes == {"f": mistake, "h": mistake}
     assert seen.looked == [(name, f"the student's {name}", name) for name in "fh"]
-    assert (results.problems, results.uses, results.starved) == (("a cell",), {"f": ("g",)}, True)
+    assert (results.problems, results.uses) == (("a cell",), {"f": ("g",)})
     assert results.fault == "" and seen.closed == [None, None]
     assert [one.check.name for one in results.outcomes_of("f")] == ["a", "b", "c"]
     assert [one.check.name for one in results.outcomes_of("g")] == ["d"]
@@ -511,7 +529,7 @@ def test_outcomes_of_an_exercise_are_found_by_an_equal_name():
     outcomes = [Outcome(Check("a", "voxel_grid", "", ""), NO)]
     results = program_run.RunResults(tuple(outcomes))
     assert results.outcomes_of("".join(("voxel", "_grid"))) == outcomes
-    assert not results.starved and results.fault == ""
+    assert results.fault == ""
 
 
 def test_an_unexplained_failure_is_diagnosed_once(run_once):
@@ -540,4 +558,4 @@ def test_results_and_settings_are_immutable(run_once):
     run_with, _ = run_once
     for made in (run_with(ENDED), program_run.Setting(FILTER, SEED, None)):
         with pytest.raises(dataclasses.FrozenInstanceError):
-            made.starved = False
+            made.budget = None

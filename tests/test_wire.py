@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as st_numpy
 
+from grader.judging.runner import MOST_BYTES
 from grader.sandbox.inside import wire, wire_format
 from grader.sandbox.inside.wire import WireClosed, WireTimeout
 from grader.sandbox.inside.wire_format import Opaque, TooLarge, WireError
@@ -329,6 +330,9 @@ def test_the_largest_cloud_crosses_as_a_list_of_rows():
     cloud = np.random.default_rng(1).integers(-(2**9), 2**9, (120_000, 4)) / 4
     assert there_and_back(cloud.tolist()) == cloud.tolist()
     assert np.array_equal(there_and_back(list(cloud)), cloud)
+    # The judge does not count even its longest form as too large.
+    longest = np.random.default_rng(1).uniform(-0.01, 0, (120_000, 4)).tolist()
+    assert len(wire_format.encode(longest)) < MOST_BYTES
 
 
 def test_keys_that_collide_are_refused():

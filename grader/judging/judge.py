@@ -186,7 +186,7 @@ def _decide_cached(setting: Setting, judge_input: JudgeInput) -> _Decision:
 
 def _decide(setting: Setting, judge_input: JudgeInput) -> _Decision:
     """Run the checks, retry suspicious failures, and build the result."""
-    lesson = setting.lesson
+    lesson, budget = setting.lesson, setting.budget
     program = program_for(lesson, judge_input.code, judge_input.modules)
     program = replace(program, python=judge_input.python)
     if judge_input.is_as_released:
@@ -197,8 +197,8 @@ def _decide(setting: Setting, judge_input: JudgeInput) -> _Decision:
             return _not_judged(lesson, *judge_input.notes, *results.problems, *too_new)
         results = _retry_suspicious_checks(setting, program, results)
     if faults := _judge_faults(setting, results):
-        return _Decision(unjudged_results(lesson), (JUDGE_FAILED_NOTE,), faults, results.starved)
-    carried, starved = carry_forward(setting, program, results)
+        return _Decision(unjudged_results(lesson), (JUDGE_FAILED_NOTE,), faults, budget.starved)
+    carried = carry_forward(setting, program, results)
     slips = find_slips(setting, program, results, carried)
     exercises = tuple(
         result_of(exercise, results, carried.get(exercise.name), slips.get(exercise.name))
@@ -212,7 +212,7 @@ def _decide(setting: Setting, judge_input: JudgeInput) -> _Decision:
         *(judge_input.versions[name] for name in incomplete if name in judge_input.versions),
     )
     # A notebook with full marks cannot gain from another try, so it does not count as starved.
-    return _Decision(exercises, problems, (), bool(incomplete) and (results.starved or starved))
+    return _Decision(exercises, problems, (), bool(incomplete) and budget.starved)
 
 
 def _not_judged(lesson: Lesson, *sentences: str) -> _Decision:
@@ -249,7 +249,7 @@ def _retry_suspicious_checks(setting: Setting, program: Program, results: RunRes
         return results
     better = {outcome.check: outcome for outcome in again.outcomes}
     outcomes = tuple(better.get(outcome.check, outcome) for outcome in results.outcomes)
-    return replace(results, outcomes=outcomes, starved=results.starved or again.starved)
+    return replace(results, outcomes=outcomes)
 
 
 def _suspicious_outcomes(results: RunResults) -> list[Outcome]:

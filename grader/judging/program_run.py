@@ -50,8 +50,6 @@ class RunResults:
         One sentence for each problem in the notebook's own cells.
     uses : dict of str to tuple of str
         The functions that each exercise calls.
-    starved : bool
-        Whether code reached a time limit because it got hardly any processor time.
     mistakes : dict of str to utils.checks.diagnosis.Mistake
         The mistake that explains the wrong answers to an exercise, by the exercise's name.
     fault : str
@@ -63,7 +61,6 @@ class RunResults:
     outcomes: tuple[Outcome, ...]
     problems: tuple[str, ...] = ()
     uses: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    starved: bool = False
     mistakes: dict[str, Mistake] = field(default_factory=dict)
     fault: str = ""
     newer: dict[str, str] = field(default_factory=dict)
@@ -106,7 +103,7 @@ def run_program(
             )
         except JudgeFault as error:
             fault = str(error)
-        observed = (tuple(student.problems), student.uses, student.starved)
+        observed = (tuple(student.problems), student.uses)
     if explain:
         mistakes = _diagnose_mistakes(outcomes, setting, program, budget)
     return RunResults(tuple(outcomes), *observed, mistakes, fault, student.newer)

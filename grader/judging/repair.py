@@ -324,7 +324,10 @@ def _passing_edits(
                 next_look = time.monotonic() + SECONDS_BETWEEN_LOOKS
                 worked = time.process_time() + student.cpu_seconds - begin
                 most_work = LEAST_CPU_SECONDS if tried >= likeliest else MOST_CPU_SECONDS
-                if max(worked, slept) > most_work or time.monotonic() > until:
+                if max(worked, slept) > most_work:
+                    return
+                if time.monotonic() > until:  # the machine is busy, so the mark is not final
+                    budget.starved = True
                     return
             seconds_left = budget.seconds
             passes = failed_checks.pass_with(number)

@@ -41,6 +41,9 @@ SECONDS_OF_A_TEST = 15.0
 # After this many answers that are far too large, an exercise is not called again, because reading
 # each of them takes seconds.
 MOST_TOO_LARGE = 5
+# A failed check counts as such an answer if a reply has more bytes than this, whatever it contains.
+# The largest scan has less than 12 MB if it is sent as a list of rows.
+MOST_BYTES = 12 * 2**20
 # Pytest plugins that hidden tests do not need. Loading one takes a quarter of a millisecond.
 _NOT_NEEDED = (
     *("assertion", "cacheprovider", "capture", "debugging", "doctest", "faulthandler", "junitxml"),
@@ -119,20 +122,21 @@ class _Runner:
                 "Not run: comparing earlier answers of this exercise took longer than any right "
                 "answer needs."
             )
-        begin = time.process_time()
+        begin, self.proxy.largest_reply = time.process_time(), 0
         charged = (
             self.budget.charge_if_failed(exercise) if self.budget else contextlib.nullcontext()
         )
         try:
             with charged, _limited_cpu_time(SECONDS_OF_A_TEST):
                 yield
-        except Exception:
+        except Exception as error:
             self.own_seconds[exercise] += time.process_time() - begin
+            is_large = self.proxy.largest_reply > MOST_BYTES
+            self.too_large[exercise] += is_large or isinstance(error, FarTooMuch)
             raise
 
     def record(self, check: Check, error: Exception | None) -> None:
         """Record how a check ended."""
-        self.too_large[check.exercise] += isinstance(error, FarTooMuch)
         self.continues &= self.keep_going or error is None
         if isinstance(error, SandboxUnavailable):
             self.sandbox_error = error

@@ -37,6 +37,9 @@ class Budget:
         The first message that a step took too long, by exercise or other step.
     cells_finish : bool
         Whether the notebook's own cells finished when they last ran.
+    starved : bool
+        Whether the machine was too busy or had too little memory in any step: the judge gave up on
+        code that had not used up its time, or a process was killed below its memory limit.
     """
 
     def __init__(self, limits: Limits) -> None:
@@ -44,7 +47,7 @@ class Budget:
         self.until = time.monotonic() + limits.wall_seconds
         self.failed_seconds: dict[str, float] = {}
         self.timeouts: dict[str, str] = {}
-        self.cells_finish = True
+        self.cells_finish, self.starved = True, False
 
     @contextlib.contextmanager
     def charge_if_failed(self, task: str) -> Iterator[None]:
