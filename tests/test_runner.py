@@ -367,7 +367,7 @@ class Answer:
 
 @pytest.mark.parametrize("how", ["CheckFailed('no')", "ZeroDivisionError", "WrongForm('no')"])
 def test_no_answer_outlives_its_check(made, how):
-    """Outcomes, cached preconditions and pytest do not keep the frames of a failure."""
+    """Outcomes, cached preconditions and pytest keep neither frames nor drawings of a failure."""
     answers = weakref.WeakSet()
 
     def answer():
@@ -380,14 +380,14 @@ def test_no_answer_outlives_its_check(made, how):
         with precondition("an answer"):
             kept = answer()
             function(kept is not None)
-            raise CheckFailed("no")
+            raise CheckFailed("no", draw=lambda: kept)
 
     def check(function):
         kept = answer()
         try:
             raise KeyError(id(kept))
         except KeyError:
-            raise CheckFailed("no")  # noqa: B904, as its context is the first exception
+            raise CheckFailed("no", draw=lambda: kept)  # noqa: B904, the context is the KeyError
 
     checks = [shown("one", "f", require), shown("two", "f", require), shown("three", "f", check)]
     hidden = f"""

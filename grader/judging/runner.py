@@ -191,7 +191,7 @@ class _Runner:
 
 
 def _release_answers(error: Exception | None) -> None:
-    """Remove the tracebacks of an exception and its causes, because their frames hold answers.
+    """Remove the tracebacks and drawings of an exception and its causes, because they hold answers.
 
     An answer may take 64 MB, and the outcomes are kept until the whole notebook is judged. If the
     exception is unexpected, the text of its traceback is kept as a note.
@@ -207,6 +207,8 @@ def _release_answers(error: Exception | None) -> None:
             continue
         seen.add(id(link))
         link.__traceback__ = None
+        if isinstance(link, CheckFailed):
+            link.draw = None  # the judge draws nothing
         waiting += [link.__context__, link.__cause__]
         waiting += [link.reason] if isinstance(link, NotYet) else []
 
