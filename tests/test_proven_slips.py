@@ -388,6 +388,18 @@ def test_the_search_is_shorter_if_the_mark_cannot_change(passing, monkeypatch):
     assert given == [repair.LIKELIEST_EDITS, 0]
 
 
+@pytest.mark.parametrize("seconds", ["failed_seconds", "judge_seconds"])
+def test_the_search_is_shorter_if_the_answer_has_used_up_its_time(monkeypatch, seconds):
+    given, budget = [], Budget(Limits())
+    monkeypatch.setattr(repair, "find_repair", lambda *about: given.append(about[-1]))
+    for used in (9.9, 10.0):
+        getattr(budget, seconds).update(line_through=used)
+        setting = Setting(LINE, 1, None, None, budget)
+        repair.find_slips(setting, SUBMITTED, RunResults(FAILED), {})
+        getattr(budget, seconds).clear()
+    assert given == [repair.LIKELIEST_EDITS, 0]
+
+
 def test_the_time_is_checked_after_each_slow_edit(passing):
     seconds = itertools.count(100.0)
     student = EditedStudent(["abxy"] * 200, 1.3)  # the judge takes as long again

@@ -16,8 +16,9 @@ import pytest
 from grader.course.lessons import find_lesson
 from grader.judging import program_run, runner
 from grader.judging.runner import JudgeFault, JudgeTimeout, run_checks
-from grader.sandbox import SandboxUnavailable
+from grader.sandbox import Limits, SandboxUnavailable
 from grader.sandbox.failures import StudentStopped
+from grader.sandbox.time_budget import Budget
 from utils.checks import Check, CheckFailed
 from utils.checks.assertions import precondition
 from utils.checks.diagnosis import Mistake
@@ -29,6 +30,7 @@ from utils.checks.size_limits import MOST_NUMBERS
 FILTER = find_lesson("06_filter_ground")
 SEED = 20_170_405
 NO = CheckFailed("no")
+SETTING = program_run.Setting(FILTER, SEED, None)
 
 HEAD = """
 import os, time
@@ -339,23 +341,74 @@ def test_giving_up_an_exercise_names_the_number_of_huge_answers(made):
 def test_slow_comparisons_of_wrong_answers_have_one_limit(made, monkeypatch):
     monkeypatch.setattr(runner, "SECONDS_OF_A_TEST", 0.05)
 
-    def compute(function):
+    def pass_slowly(function):
         function()
-        end = time.process_time() + 0.02
-        while time.process_time() < end:
-            pass
+        compute(0.02)
 
     def compute_and_fail(function):
-        compute(function)
+        pass_slowly(function)
         raise CheckFailed("no")
 
-    right = [shown(f"right {number}", "g", compute) for number in range(6)]
+    right = [shown(f"right {number}", "g", pass_slowly) for number in range(6)]
     wrong = [shown(f"wrong {number}", "f", compute_and_fail) for number in range(6)]
     student = RecordingStudent()
     outcomes = run_checks(made(TWO, [*right, *wrong]), student, SEED, lambda check: check.is_shown)
-    assert [*failures(outcomes).values()] == 3 * [CheckFailed] + 3 * [StudentStopped]
+    # The third comparison is interrupted when the limit for all of them is reached.
+    assert [*failures(outcomes).values()] == [
+        *2 * [CheckFailed],
+        JudgeTimeout,
+        *3 * [StudentStopped],
+    ]
     (last,) = (outcome.failure for outcome in outcomes if outcome.check.name == "wrong 5")
     assert str(last).startswith("Not run: comparing earlier answers")
+
+
+def compute(seconds):
+    end = time.process_time() + seconds
+    while time.process_time() < end:
+        pass
+
+
+def test_all_runs_with_one_budget_share_the_limit_on_failed_comparisons(made):
+    """The last failed check may only use the rest of the time; other exercises are unaffected."""
+
+    def wrong(function):
+        compute(10)
+        raise CheckFailed("no")
+
+    checks = [shown("f0", "f", wrong), shown("f1", "f", wrong), shown("g", "g", lambda _: None)]
+    lesson, budget, begin = made(TWO, checks), Budget(Limits()), time.process_time()
+    budget.judge_seconds["f"] = runner.SECONDS_OF_A_TEST - 0.05
+    run = (lesson, RecordingStudent(), SEED, lambda check: check.is_shown, True, budget)
+    assert failures(run_checks(*run)) == {"f0": JudgeTimeout, "f1": StudentStopped}
+    assert failures(run_checks(*run)) == {"f0": StudentStopped, "f1": StudentStopped}
+    assert time.process_time() - begin < 5
+    assert budget.judge_seconds["g"] == 0
+
+
+def test_only_failed_checks_use_up_the_time_for_failed_calls(made):
+    """A right function keeps its full time limit, even if it is slow."""
+    budget = Budget(Limits())
+
+    class Slow(RecordingStudent):
+        def __getattr__(self, name):
+            def spend():
+                budget.seconds -= 3
+
+            return spend if name in "fg" else super().__getattr__(name)
+
+    def fail(function):
+        function()
+        raise CheckFailed("no")
+
+    checks = [
+        shown(f"{name} {number}", name, run)
+        for number in range(4)
+        for name, run in (("g", lambda function: function()), ("f", fail))
+    ]
+    run_checks(made(TWO, checks), Slow(), SEED, lambda check: check.is_shown, budget=budget)
+    assert budget.failed_seconds == {"f": 12}
+    assert budget.judge_seconds["f"] > 0 == budget.judge_seconds["g"]
 
 
 # ---- memory --------------------------------------------------------------------------------------
@@ -481,10 +534,13 @@ def run_once(monkeypatch):
         def __exit__(self, *error):
             seen.closed.append(error[0])
 
+        def close(self):
+            seen.closed.append("by the diagnosis")
+
         def __getattr__(self, name):
             return f"the student's {name}"
 
-    def run_with(ended, explains=None, **options):
+    def run_with(ended, explains=None, setting=SETTING, **options):
         def run(*about):
             if isinstance(ended, Exception):
                 raise ended
@@ -492,13 +548,13 @@ def run_once(monkeypatch):
 
         def diagnose(exercise, function):
             seen.looked.append((exercise, function, fake_student.exercise))
-            return explains
+            return explains() if callable(explains) else explains
 
         fake_student = FakeStudent(problems=["a cell"], uses={"f": ("g",)}, exercise="")
         monkeypatch.setattr(program_run, "StudentProxy", lambda *about: fake_student)
         monkeypatch.setattr(program_run, "run_checks", run)
         monkeypatch.setattr(program_run, "diagnose", diagnose)
-        return program_run.run_program(program_run.Setting(FILTER, SEED, None), None, **options)
+        return program_run.run_program(setting, None, **options)
 
     return run_with, seen
 
@@ -542,6 +598,17 @@ def test_diagnosis_is_only_on_request(run_once):
     run_with, seen = run_once
     assert run_with(ENDED, Mistake("It is upside down.", np.flip)).mistakes == {}
     assert seen.looked == []
+
+
+def test_a_diagnosis_may_use_the_rest_of_the_time_for_failed_comparisons(run_once, monkeypatch):
+    run_with, seen = run_once
+    budget = Budget(Limits())
+    budget.judge_seconds.update(f=runner.SECONDS_OF_A_TEST, h=runner.SECONDS_OF_A_TEST - 0.05)
+    setting = program_run.Setting(FILTER, SEED, None, None, budget)
+    results = run_with(ENDED, lambda: compute(10), setting, explain=True)
+    assert results.mistakes == {} and [name for name, *_ in seen.looked] == ["h"]
+    assert seen.closed == [None, "by the diagnosis", None]
+    assert 0.02 < budget.judge_seconds["h"] - (runner.SECONDS_OF_A_TEST - 0.05) < 5
 
 
 def test_a_fault_is_recorded_and_the_process_stopped(run_once):

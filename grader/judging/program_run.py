@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+import contextlib
+import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 from grader.course.lessons import Lesson
-from grader.judging.runner import JudgeFault, every_check, outcomes_of_untouched, run_checks
+from grader.judging.runner import (
+    SECONDS_OF_A_TEST,
+    JudgeFault,
+    JudgeTimeout,
+    every_check,
+    limited_cpu_time,
+    outcomes_of_untouched,
+    run_checks,
+)
 from grader.sandbox import Limits, Sandbox
 from grader.sandbox.program import Program
 from grader.sandbox.student import StudentProxy
@@ -127,10 +137,25 @@ def _diagnose_mistakes(
     wrong = {o.check.exercise for o in outcomes if isinstance(o.failure, CheckFailed)}
     if not wrong:
         return {}
-    found = {}
     with StudentProxy(program, setting.sandbox, setting.limits, budget) as student:
-        for exercise in sorted(wrong):
-            student.exercise, seconds = exercise, budget.seconds
-            found[exercise] = diagnose(exercise, getattr(student, object_to_diagnose(exercise)))
-            budget.add_failed_seconds(exercise, seconds - budget.seconds)
+        found = {exercise: _diagnose(exercise, student, budget) for exercise in sorted(wrong)}
     return {exercise: mistake for exercise, mistake in found.items() if mistake}
+
+
+def _diagnose(exercise: str, student: StudentProxy, budget: Budget) -> Mistake | None:
+    """Return the mistake that explains one exercise, unless the search takes too long.
+
+    All time counts like that of failed checks, for the student and for the judge.
+    """
+    seconds_left = SECONDS_OF_A_TEST - budget.judge_seconds[exercise]
+    if seconds_left <= 0:
+        return None
+    student.exercise, seconds, begin = exercise, budget.seconds, time.process_time()
+    mistake = None
+    with contextlib.suppress(JudgeTimeout), limited_cpu_time(seconds_left) as is_over:
+        mistake = diagnose(exercise, getattr(student, object_to_diagnose(exercise)))
+    budget.judge_seconds[exercise] += time.process_time() - begin
+    if is_over.is_set():
+        student.close()  # a call may have been interrupted before its reply was read
+    budget.add_failed_seconds(exercise, seconds - budget.seconds)
+    return mistake

@@ -100,8 +100,9 @@ def find_slips(
             judged_program = improved.program if improved else program
             failed_checks = frozenset(outcome.check for outcome in failed)
             # The minimum number of edits is 0 if the checks already earn more than a slip keeps,
-            # because an edit then only explains the mistake. It is also 0 if the failed calls have
-            # used up the time of one call, because calls with edits would be slow too.
+            # because an edit then only explains the mistake. It is also 0 if the failed calls, or
+            # comparing their answers, have used up the time of one call, because calls with edits
+            # would be slow too.
             earns_less = _earned_share(outcomes) < ONE_SLIP_KEEPS
             has_time = not _has_used_its_time(setting, exercise.name)
             likeliest = LIKELIEST_EDITS if earns_less and has_time else 0
@@ -117,11 +118,12 @@ def find_slips(
 
 
 def _has_used_its_time(setting: Setting, exercise: str) -> bool:
-    """Return whether an exercise's failed calls together have used up the time of one call."""
+    """Return whether failed calls, or comparing their answers, used up the time of one call."""
     if setting.budget is None:
         return False
     limit = (setting.limits or Limits()).call_seconds
-    return setting.budget.failed_seconds.get(exercise, 0.0) >= limit
+    budget = setting.budget
+    return max(budget.failed_seconds.get(exercise, 0.0), budget.judge_seconds[exercise]) >= limit
 
 
 def _earned_share(outcomes: Sequence[Outcome]) -> float:

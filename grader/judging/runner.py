@@ -25,7 +25,7 @@ import pytest
 
 from grader.course.lessons import Lesson
 from grader.judging.hidden_tests import check_of
-from grader.sandbox import SandboxUnavailable
+from grader.sandbox import Limits, SandboxUnavailable
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.student import StudentProxy
 from grader.sandbox.time_budget import Budget
@@ -36,7 +36,7 @@ from utils.checks.outcomes import Outcome
 from utils.checks.run_cache import cached_run
 
 # Limit on the processor seconds of one test in this process, not counting the student's code. The
-# same limit applies to all failed checks of an exercise together.
+# same limit applies to all failed checks of an exercise together, in all runs with one budget.
 SECONDS_OF_A_TEST = 15.0
 # After this many answers that are far too large, an exercise is not called again, because reading
 # each of them takes seconds.
@@ -87,12 +87,11 @@ class _Runner:
         budget: Budget | None = None,
     ) -> None:
         self.proxy, self.course_seed, self.selected = student, seed, selected
-        self.budget = budget
+        self.budget = budget or Budget(Limits())
         self.continues, self.keep_going = True, keep_going
         self.tests = 0
         self.outcomes: dict[Check, Outcome | None] = {}
         self.too_large: Counter[str] = Counter()
-        self.own_seconds: Counter[str] = Counter()  # only those of failed checks
         self.sandbox_error = self.interrupted = None
         self.complaints: list[str] = []
 
@@ -117,20 +116,21 @@ class _Runner:
                 f"Not run: {self.too_large[exercise]} answers of this exercise were far larger "
                 "than any right answer."
             )
-        if self.own_seconds[exercise] >= SECONDS_OF_A_TEST:
+        seconds_left = SECONDS_OF_A_TEST - self.budget.judge_seconds[exercise]
+        if seconds_left <= 0:
             raise StudentStopped(
                 "Not run: comparing earlier answers of this exercise took longer than any right "
                 "answer needs."
             )
         begin, self.proxy.largest_reply = time.process_time(), 0
-        charged = (
-            self.budget.charge_if_failed(exercise) if self.budget else contextlib.nullcontext()
-        )
         try:
-            with charged, _limited_cpu_time(SECONDS_OF_A_TEST):
+            with self.budget.charge_if_failed(exercise), limited_cpu_time(seconds_left):
                 yield
         except Exception as error:
-            self.own_seconds[exercise] += time.process_time() - begin
+            used_seconds = time.process_time() - begin
+            if isinstance(error, JudgeTimeout):  # which the kernel may raise a little early
+                used_seconds = max(used_seconds, seconds_left)
+            self.budget.judge_seconds[exercise] += used_seconds
             is_large = self.proxy.largest_reply > MOST_BYTES
             self.too_large[exercise] += is_large or isinstance(error, FarTooMuch)
             raise
@@ -288,7 +288,7 @@ def run_checks(
     keep_going : bool
         Whether to continue after a failure. If not, all later checks fail without being run.
     budget : grader.sandbox.time_budget.Budget, optional
-        The student's budget, in which failed checks count as failed calls.
+        The student's budget, in which failed checks count as failed calls. By default, a new one.
 
     Returns
     -------
@@ -356,19 +356,27 @@ def _plain_environment() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _limited_cpu_time(seconds: float) -> Iterator[None]:
-    """Raise `JudgeTimeout` after this many processor seconds, inside a with statement."""
+def limited_cpu_time(seconds: float) -> Iterator[threading.Event]:
+    """Raise `JudgeTimeout` after this many processor seconds, inside a with statement.
+
+    Yields
+    ------
+    threading.Event
+        Set when the exception has been raised, even if other code has caught it.
+    """
+    is_over = threading.Event()
     if threading.current_thread() is not threading.main_thread():
-        yield  # Python can be interrupted only in the main thread
+        yield is_over  # Python can be interrupted only in the main thread
         return
 
     def raise_timeout(*signal_and_frame: object) -> None:
+        is_over.set()
         raise JudgeTimeout
 
     before = signal.signal(signal.SIGPROF, raise_timeout)
     signal.setitimer(signal.ITIMER_PROF, seconds)
     try:
-        yield
+        yield is_over
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0)
         signal.signal(signal.SIGPROF, before)
