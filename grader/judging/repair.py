@@ -328,8 +328,8 @@ def _passing_edits(
                 most_work = LEAST_CPU_SECONDS if tried >= likeliest else MOST_CPU_SECONDS
                 if max(worked, slept) > most_work:
                     return
-                if time.monotonic() > until:  # the machine is busy, so the mark is not final
-                    budget.starved = True
+                if time.monotonic() > until:
+                    budget.starved = True  # the machine is busy, so the mark is not final
                     return
             seconds_left = budget.seconds
             passes = failed_checks.pass_with(number)
