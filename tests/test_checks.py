@@ -17,6 +17,8 @@ from grader.course.paths import PROJECT
 from grader.judging.messages import message_of, shareable_outcome
 from grader.judging.runner import run_checks
 from grader.sandbox import Limits
+from grader.sandbox.inside import wire_format
+from grader.sandbox.inside.wire_format import OpaqueValue
 from utils.checks import CheckFailed, check, checks_of, core
 from utils.checks.assertions import (
     as_array,
@@ -788,6 +790,13 @@ def test_equal_texts_are_left_out():
         (np.flatnonzero(KEEP), "return the rows themselves"),
         (KEEP, "This is a mask"),
         (np.ma.masked_array(CLOUD, CLOUD > 1), "a masked array. It hides values"),
+        ({"rows": CLOUD}, r"a dict. Return its values as an array, for example np.array\(list"),
+        (OpaqueValue("dict"), "a dict. Return its values as an array"),
+        (
+            OpaqueValue(wire_format.known_type("Box")),
+            "an object of your own class. Return an array",
+        ),
+        (type("Box", (), {"__module__": "__main__"})(), "an object of your own class"),
     ],
 )
 def test_the_type_of_a_wrong_answer_is_named(answer, words):

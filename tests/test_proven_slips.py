@@ -396,6 +396,18 @@ def test_the_search_is_shorter_if_the_mark_cannot_change(passing_edits, monkeypa
     assert given == [repair.LIKELIEST_EDITS, 0]
 
 
+@pytest.mark.parametrize("seconds", ["failed_seconds", "judge_seconds"])
+def test_the_search_is_shorter_if_the_answer_has_used_up_its_time(monkeypatch, seconds):
+    given, budget = [], Budget(Limits())
+    monkeypatch.setattr(repair, "find_repair", lambda *about: given.append(about[-1]))
+    for used in (9.9, 10.0):
+        getattr(budget, seconds).update(line_through=used)
+        context = JudgingContext(LINE, 1, None, None, budget)
+        repair.find_slips(context, SUBMITTED, RunResults(FAILED), {})
+        getattr(budget, seconds).clear()
+    assert given == [repair.LIKELIEST_EDITS, 0]
+
+
 def test_the_time_is_checked_after_each_slow_edit(passing_edits):
     seconds = itertools.count(100.0)
     student = EditedStudent(["abxy"] * 200, 1.3)  # the judge takes as long again
@@ -433,9 +445,10 @@ def test_edits_use_the_notebooks_remaining_time(passing_edits):
 
 def test_wall_clock_time_ends_the_search_in_any_case(passing_edits):
     clock = itertools.count(100.0)
-    student = EditedStudent(["abxy"] * 500)
-    assert passing_edits(student, clock=lambda: next(clock)) == []
+    student, budget = EditedStudent(["abxy"] * 500), Budget(Limits())
+    assert passing_edits(student, clock=lambda: next(clock), budget=budget) == []
     assert 10 < student.tried < repair.MAX_SECONDS
+    assert budget.starved, "the machine was busy, so the notebook deserves another try"
 
 
 def test_time_lost_by_one_edit_does_not_count_for_the_next(passing_edits):

@@ -1,6 +1,9 @@
 """An answer that is one edit away from a right one keeps most of its points."""
 
+import itertools
 import json
+import os
+import signal
 import statistics
 
 import pytest
@@ -8,11 +11,11 @@ import pytest
 from grader.course.kept_answers import fill_in
 from grader.course.lessons import find_lesson
 from grader.intake.submission import SubmittedFiles
-from grader.judging import repair, results
+from grader.judging import program_run, repair, results
 from grader.judging.judge import judge_files
 from grader.judging.verdict import read_verdict, write_verdict
 from grader.lms.autograded_copy import score_output
-from grader.sandbox import Limits
+from grader.sandbox import Limits, launcher
 from tests.test_slips import solution_of
 
 pytestmark = pytest.mark.slow
@@ -195,3 +198,31 @@ def test_a_course_may_switch_slips_off(sandbox, monkeypatch):
     _, exercises = judge_with(sandbox, line_through=WRONG_SIGN)
     assert exercises["line_through"].slip is None
     assert exercises["line_through"].score < 1
+
+
+@pytest.mark.parametrize("step", ["the search for an edit", "diagnosis"])
+def test_a_process_killed_for_lack_of_memory_during_a_search_is_starved(sandbox, monkeypatch, step):
+    """The answer is judged again alone. Otherwise, it would lose three fifths of its points."""
+    kills = itertools.count()
+    monkeypatch.setattr(launcher, "killed_for_memory", lambda: next(kills))
+
+    def kill(student):
+        student.start()
+        os.kill(student._worker.pids[-1], signal.SIGKILL)
+
+    first_fails, diagnose = repair._FailedChecks.first_fails, program_run.diagnose
+
+    def search(checks):
+        kill(checks._student)
+        return first_fails(checks) and first_fails(checks)
+
+    def explain(exercise, function):
+        kill(function._student)
+        return diagnose(exercise, function)
+
+    if step == "diagnosis":
+        monkeypatch.setattr(program_run, "diagnose", explain)
+    else:
+        monkeypatch.setattr(repair._FailedChecks, "first_fails", search)
+    verdict, _ = judge_with(sandbox, line_through=WRONG_SIGN)
+    assert verdict.starved

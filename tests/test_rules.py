@@ -64,7 +64,7 @@ def follow(monkeypatch, uses, outcomes, again):
 
     monkeypatch.setattr(error_carried_forward, "run_program", run)
     results = RunResults(tuple(outcomes), uses=uses)
-    better, _ = error_carried_forward.carry_forward(JudgingContext(LINE, 1, None), program, results)
+    better = error_carried_forward.carry_forward(JudgingContext(LINE, 1, None), program, results)
     return better, programs
 
 
@@ -156,7 +156,7 @@ def test_a_perfect_exercise_is_also_run_again(monkeypatch):
 
         monkeypatch.setattr(error_carried_forward, "run_program", run)
         program = Program(("pass",), LINE.names)
-        better, _ = error_carried_forward.carry_forward(
+        better = error_carried_forward.carry_forward(
             JudgingContext(LINE, 1, None), program, RunResults(tuple(first), uses=uses)
         )
         assert programs == [program], "without right helpers"
@@ -171,7 +171,7 @@ def test_a_check_passed_by_chance_is_revoked(monkeypatch):
     monkeypatch.setattr(
         error_carried_forward, "run_program", lambda *about: RunResults(tuple(next(tries)))
     )
-    better, _ = error_carried_forward.carry_forward(
+    better = error_carried_forward.carry_forward(
         JudgingContext(LINE, 1, None), program, RunResults(tuple(first), uses=uses)
     )
     assert all(outcome.failure for outcome in better["ransac_line"].outcomes)
@@ -179,18 +179,17 @@ def test_a_check_passed_by_chance_is_revoked(monkeypatch):
 
 
 @pytest.mark.parametrize("fault", ["", "pytest ran 3 of 9 tests"])
-@pytest.mark.parametrize("starved", [False, True])
-def test_a_failed_second_run_does_not_count(monkeypatch, fault, starved):
+def test_a_failed_second_run_does_not_count(monkeypatch, fault):
     uses = {"ransac_line": ("line_through",)}
-    ended = dataclasses.replace(RunResults(tuple(ALL_PASS)), fault=fault, starved=starved)
+    ended = RunResults(tuple(ALL_PASS), fault=fault)
     first, own = RunResults(tuple(BOTH_WRONG), uses=uses), Program((), LINE.names)
     monkeypatch.setattr(
         error_carried_forward,
         "run_program",
-        lambda setting, code, wanted: first if code == own else ended,
+        lambda context, code, wanted: first if code == own else ended,
     )
-    better, late = error_carried_forward.carry_forward(JudgingContext(LINE, 1, None), own, first)
-    assert (set(better), late) == ((set(), False) if fault else ({"ransac_line"}, starved))
+    better = error_carried_forward.carry_forward(JudgingContext(LINE, 1, None), own, first)
+    assert set(better) == (set() if fault else {"ransac_line"})
 
 
 def test_each_exercise_is_run_again_separately(monkeypatch):
@@ -207,17 +206,15 @@ def test_each_exercise_is_run_again_separately(monkeypatch):
         if program == own:
             return RunResults(tuple(one for one in lost if wanted(one.check)))
         programs.append(program)
-        again = RunResults(
-            tuple(one for one in hold if wanted(one.check)), starved=len(programs) == 1
-        )
-        return dataclasses.replace(again, fault="" if len(programs) != 2 else "it broke")
+        outcomes = tuple(one for one in hold if wanted(one.check))
+        return RunResults(outcomes, fault="" if len(programs) != 2 else "it broke")
 
     monkeypatch.setattr(error_carried_forward, "run_program", run)
     uses = {name: tuple(names) for name in names[1:]}
-    better, late = error_carried_forward.carry_forward(
+    better = error_carried_forward.carry_forward(
         JudgingContext(plane, 1, None), own, RunResults(tuple(lost), uses=uses)
     )
-    assert late and list(better) == [names[1], *names[3:]]  # the second of the four runs failed
+    assert list(better) == [names[1], *names[3:]]  # the second of the four runs failed
     assert [one.check.exercise for one in better[names[3]].outcomes] == [names[3]] * 2
     assert about == [{name} for name in names[1:] for _ in range(2)]
     assert [one.program for one in better.values()] == [programs[0], *programs[2:]]

@@ -16,8 +16,9 @@ import pytest
 from grader.course.lessons import find_lesson
 from grader.judging import program_run, runner
 from grader.judging.runner import JudgeFault, JudgeTimeout, run_checks
-from grader.sandbox import SandboxUnavailable
+from grader.sandbox import Limits, SandboxUnavailable
 from grader.sandbox.failures import StudentStopped
+from grader.sandbox.time_budget import Budget
 from utils.checks import Check, CheckFailed
 from utils.checks.assertions import precondition
 from utils.checks.diagnosis import Mistake
@@ -29,6 +30,7 @@ from utils.checks.size_limits import MOST_NUMBERS
 FILTER = find_lesson("06_filter_ground")
 SEED = 20_170_405
 FAILURE = CheckFailed("no")
+CONTEXT = program_run.JudgingContext(FILTER, SEED, None)
 
 HEAD = """
 import os, time
@@ -314,6 +316,28 @@ def test_an_exercise_is_given_up_after_five_huge_answers(make_lesson):
     assert len(student.calls) == 9 + 1
 
 
+def test_a_failed_answer_of_too_many_bytes_counts_as_huge_in_any_form(make_lesson):
+    student = RecordingStudent()
+
+    def receive(size, right):
+        student.calls.append(size)
+        student.largest_reply = max(student.largest_reply, size)
+        if not right:
+            raise WrongForm("a text")
+
+    def run(size, right):
+        student.calls.clear()
+        checks = [
+            visible_check(f"{number}", "f", lambda _: receive(size, right)) for number in range(8)
+        ]
+        run_checks(make_lesson(TWO_TESTS, checks), student, SEED, lambda check: check.is_shown)
+        return len(student.calls)
+
+    assert run(runner.MAX_REPLY_BYTES + 1, right=False) == runner.MAX_TOO_LARGE
+    assert run(runner.MAX_REPLY_BYTES, right=False) == 8
+    assert run(runner.MAX_REPLY_BYTES + 1, right=True) == 8
+
+
 def test_giving_up_an_exercise_names_the_number_of_huge_answers(make_lesson):
     def much(function):
         raise FarTooMuch("a million boxes")
@@ -328,25 +352,82 @@ def test_giving_up_an_exercise_names_the_number_of_huge_answers(make_lesson):
 def test_slow_comparisons_of_wrong_answers_have_one_limit(make_lesson, monkeypatch):
     monkeypatch.setattr(runner, "TEST_SECONDS", 0.05)
 
-    def compute(function):
+    def pass_slowly(function):
         function()
-        end = time.process_time() + 0.02
-        while time.process_time() < end:
-            pass
+        compute(0.02)
 
     def compute_and_fail(function):
-        compute(function)
+        pass_slowly(function)
         raise CheckFailed("no")
 
-    right = [visible_check(f"right {number}", "g", compute) for number in range(6)]
+    right = [visible_check(f"right {number}", "g", pass_slowly) for number in range(6)]
     wrong = [visible_check(f"wrong {number}", "f", compute_and_fail) for number in range(6)]
     student = RecordingStudent()
     outcomes = run_checks(
         make_lesson(TWO_TESTS, [*right, *wrong]), student, SEED, lambda check: check.is_shown
     )
-    assert [*failures(outcomes).values()] == 3 * [CheckFailed] + 3 * [StudentStopped]
+    # The third comparison is interrupted when the limit for all of them is reached.
+    assert [*failures(outcomes).values()] == [
+        *2 * [CheckFailed],
+        JudgeTimeout,
+        *3 * [StudentStopped],
+    ]
     (last,) = (outcome.failure for outcome in outcomes if outcome.check.name == "wrong 5")
     assert str(last).startswith("Not run: comparing earlier answers")
+
+
+def compute(seconds):
+    end = time.process_time() + seconds
+    while time.process_time() < end:
+        pass
+
+
+def test_all_runs_with_one_budget_share_the_limit_on_failed_comparisons(make_lesson):
+    """The last failed check may only use the rest of the time; other exercises are unaffected."""
+
+    def wrong(function):
+        compute(10)
+        raise CheckFailed("no")
+
+    checks = [
+        visible_check("f0", "f", wrong),
+        visible_check("f1", "f", wrong),
+        visible_check("g", "g", lambda _: None),
+    ]
+    lesson, budget, begin = make_lesson(TWO_TESTS, checks), Budget(Limits()), time.process_time()
+    budget.judge_seconds["f"] = runner.TEST_SECONDS - 0.05
+    run = (lesson, RecordingStudent(), SEED, lambda check: check.is_shown, True, budget)
+    assert failures(run_checks(*run)) == {"f0": JudgeTimeout, "f1": StudentStopped}
+    assert failures(run_checks(*run)) == {"f0": StudentStopped, "f1": StudentStopped}
+    assert time.process_time() - begin < 5
+    assert budget.judge_seconds["g"] == 0
+
+
+def test_only_failed_checks_use_up_the_time_for_failed_calls(make_lesson):
+    """A right function keeps its full time limit, even if it is slow."""
+    budget = Budget(Limits())
+
+    class Slow(RecordingStudent):
+        def __getattr__(self, name):
+            def spend():
+                budget.seconds -= 3
+
+            return spend if name in "fg" else super().__getattr__(name)
+
+    def fail(function):
+        function()
+        raise CheckFailed("no")
+
+    checks = [
+        visible_check(f"{name} {number}", name, run)
+        for number in range(4)
+        for name, run in (("g", lambda function: function()), ("f", fail))
+    ]
+    run_checks(
+        make_lesson(TWO_TESTS, checks), Slow(), SEED, lambda check: check.is_shown, budget=budget
+    )
+    assert budget.failed_seconds == {"f": 12}
+    assert budget.judge_seconds["f"] > 0 == budget.judge_seconds["g"]
 
 
 # ---- memory --------------------------------------------------------------------------------------
@@ -358,7 +439,7 @@ class Answer:
 
 @pytest.mark.parametrize("how", ["CheckFailed('no')", "ZeroDivisionError", "WrongForm('no')"])
 def test_no_answer_outlives_its_check(make_lesson, how):
-    """Outcomes, cached preconditions and pytest do not keep the frames of a failure."""
+    """Outcomes, cached preconditions and pytest keep neither frames nor drawings of a failure."""
     answers = weakref.WeakSet()
 
     def answer():
@@ -371,14 +452,14 @@ def test_no_answer_outlives_its_check(make_lesson, how):
         with precondition("an answer"):
             kept = answer()
             function(kept is not None)
-            raise CheckFailed("no")
+            raise CheckFailed("no", draw=lambda: kept)
 
     def check(function):
         kept = answer()
         try:
             raise KeyError(id(kept))
         except KeyError:
-            raise CheckFailed("no")  # noqa: B904, as its context is the first exception
+            raise CheckFailed("no", draw=lambda: kept)  # noqa: B904, the context is the KeyError
 
     checks = [
         visible_check("one", "f", require),
@@ -476,10 +557,13 @@ def run_once(monkeypatch):
         def __exit__(self, *error):
             seen.closed.append(error[0])
 
+        def close(self):
+            seen.closed.append("by the diagnosis")
+
         def __getattr__(self, name):
             return f"the student's {name}"
 
-    def run_with(ended, explains=None, **options):
+    def run_with(ended, explains=None, context=CONTEXT, **options):
         def run(*about):
             if isinstance(ended, Exception):
                 raise ended
@@ -487,17 +571,13 @@ def run_once(monkeypatch):
 
         def diagnose(exercise, function):
             seen.looked.append((exercise, function, fake_student.exercise))
-            return explains
+            return explains() if callable(explains) else explains
 
-        fake_student = FakeStudent(
-            problems=["a cell"], uses={"f": ("g",)}, starved=True, exercise=""
-        )
+        fake_student = FakeStudent(problems=["a cell"], uses={"f": ("g",)}, exercise="")
         monkeypatch.setattr(program_run, "StudentProxy", lambda *about: fake_student)
         monkeypatch.setattr(program_run, "run_checks", run)
         monkeypatch.setattr(program_run, "diagnose", diagnose)
-        return program_run.run_program(
-            program_run.JudgingContext(FILTER, SEED, None), None, **options
-        )
+        return program_run.run_program(context, None, **options)
 
     return run_with, seen
 
@@ -517,7 +597,7 @@ def test_each_wrong_exercise_is_explained_once(run_once):
     results = run_with(ENDED, mistake, explain=True)
     assert results.outcomes == tuple(ENDED) and results.mistakes == {"f": mistake, "h": mistake}
     assert seen.looked == [(name, f"the student's {name}", name) for name in "fh"]
-    assert (results.problems, results.uses, results.starved) == (("a cell",), {"f": ("g",)}, True)
+    assert (results.problems, results.uses) == (("a cell",), {"f": ("g",)})
     assert results.fault == "" and seen.closed == [None, None]
     assert [one.check.name for one in results.outcomes_of("f")] == ["a", "b", "c"]
     assert [one.check.name for one in results.outcomes_of("g")] == ["d"]
@@ -528,7 +608,7 @@ def test_outcomes_of_an_exercise_are_found_by_an_equal_name():
     outcomes = [Outcome(Check("a", "voxel_grid", "", ""), FAILURE)]
     results = program_run.RunResults(tuple(outcomes))
     assert results.outcomes_of("".join(("voxel", "_grid"))) == outcomes
-    assert not results.starved and results.fault == ""
+    assert results.fault == ""
 
 
 def test_an_unexplained_failure_is_diagnosed_once(run_once):
@@ -541,6 +621,17 @@ def test_diagnosis_is_only_on_request(run_once):
     run_with, seen = run_once
     assert run_with(ENDED, Mistake("It is upside down.", np.flip)).mistakes == {}
     assert seen.looked == []
+
+
+def test_a_diagnosis_may_use_the_rest_of_the_time_for_failed_comparisons(run_once, monkeypatch):
+    run_with, seen = run_once
+    budget = Budget(Limits())
+    budget.judge_seconds.update(f=runner.TEST_SECONDS, h=runner.TEST_SECONDS - 0.05)
+    context = program_run.JudgingContext(FILTER, SEED, None, None, budget)
+    results = run_with(ENDED, lambda: compute(10), context, explain=True)
+    assert results.mistakes == {} and [name for name, *_ in seen.looked] == ["h"]
+    assert seen.closed == [None, "by the diagnosis", None]
+    assert 0.02 < budget.judge_seconds["h"] - (runner.TEST_SECONDS - 0.05) < 5
 
 
 def test_a_fault_is_recorded_and_the_process_stopped(run_once):
@@ -557,4 +648,4 @@ def test_results_and_settings_are_immutable(run_once):
     run_with, _ = run_once
     for made in (run_with(ENDED), program_run.JudgingContext(FILTER, SEED, None)):
         with pytest.raises(dataclasses.FrozenInstanceError):
-            made.starved = False
+            made.budget = None

@@ -53,13 +53,17 @@ def run_results(filter_ground=(None, None), voxel_grid=(None, None), **more):
 def judge_with(monkeypatch):
     """Return a function that judges lesson 06 with given results, and records the runs."""
 
-    def judge(*tries, complaints=(), better=None, late=False, text=None):
+    def judge(*tries, complaints=(), better=None, starved_in=(), text=None):
         waiting, runs = list(tries), []
 
-        def run(setting, program, wanted=every_check, explain=False):
+        def step(name, context, result):
+            context.budget.starved |= name in starved_in
+            return result
+
+        def run(context, program, wanted=every_check, explain=False):
             runs.append(
                 SimpleNamespace(
-                    setting=setting,
+                    context=context,
                     program=program,
                     explain=explain,
                     names=[
@@ -69,15 +73,22 @@ def judge_with(monkeypatch):
             )
             again = waiting.pop(0)
             outcomes = tuple(one for one in again.outcomes if wanted(one.check))
-            return dataclasses.replace(again, outcomes=outcomes)
+            name = f"run {len(runs)}"
+            return step(name, context, dataclasses.replace(again, outcomes=outcomes))
 
         monkeypatch.setattr(judging, "run_program", run)
         monkeypatch.setattr(
             judging, "_full_mark_decisions", {}
         )  # clears the cache of right submissions
         monkeypatch.setattr(judging, "complaints_about_reference", lambda *about: complaints)
-        monkeypatch.setattr(judging, "carry_forward", lambda *about: (better or {}, late))
-        monkeypatch.setattr(judging, "find_slips", lambda *about: {})
+        monkeypatch.setattr(
+            judging,
+            "carry_forward",
+            lambda context, *about: step("carry_forward", context, better or {}),
+        )
+        monkeypatch.setattr(
+            judging, "find_slips", lambda context, *about: step("find_slips", context, {})
+        )
         data = (text or fill_in(FILTER, WRITTEN)).encode()
         verdict = judging.judge_files(SubmittedFiles("x.ipynb", data), 7, None, FILTER, "ada", FEW)
         assert not waiting
@@ -100,8 +111,8 @@ def test_a_right_notebook_runs_once_and_earns_everything(judge_with, monkeypatch
     assert verdict.problems == ("A cell is broken.",)
     assert (verdict.faults, verdict.starved, verdict.seconds) == ((), False, 3.257)
     assert runs.explain
-    assert runs.setting == JudgingContext(FILTER, 7, None, FEW, runs.setting.budget)
-    assert runs.setting.budget.seconds == FEW.total_seconds
+    assert runs.context == JudgingContext(FILTER, 7, None, FEW, runs.context.budget)
+    assert runs.context.budget.seconds == FEW.total_seconds
     assert len(runs.names) == 4
 
 
@@ -170,24 +181,23 @@ def test_a_repeated_failure_counts_if_the_solution_passes(judge_with, tries):
 
 
 def test_an_incomplete_run_gives_no_score(judge_with):
-    verdict, runs = judge_with(RunResults((), fault="pytest ran 3 of 9 tests", starved=True))
+    broken = RunResults((), fault="pytest ran 3 of 9 tests")
+    verdict, runs = judge_with(broken, starved_in=["run 1"])
     assert (verdict.status, verdict.faults) == ("judge_failed", ("pytest ran 3 of 9 tests",))
     assert verdict.starved and len(runs) == 1
 
 
-@pytest.mark.parametrize("first", [False, True])
-@pytest.mark.parametrize("second", [False, True])
-@pytest.mark.parametrize("late", [False, True])
-def test_a_verdict_is_starved_if_any_run_was_starved(judge_with, first, second, late):
-    tries = (run_results((ODD, FAILURE), starved=first), run_results(starved=second))
-    verdict, _ = judge_with(*tries, late=late)
-    assert verdict.starved == (first or second or late)
+STEPS = ("run 1", "run 2", "carry_forward", "find_slips")
+
+
+@pytest.mark.parametrize("starved_in", [[], *([step] for step in STEPS), STEPS])
+def test_a_verdict_is_starved_if_any_step_was(judge_with, starved_in):
+    verdict, _ = judge_with(run_results((ODD, FAILURE)), run_results(), starved_in=starved_in)
+    assert verdict.starved == bool(starved_in)
 
 
 def test_a_starved_run_without_losses_is_final(judge_with):
-    verdict, _ = judge_with(
-        run_results((ODD, None), starved=True), run_results(starved=True), late=True
-    )
+    verdict, _ = judge_with(run_results((ODD, None)), run_results(), starved_in=STEPS)
     assert (verdict.score, verdict.starved) == (30, False)
 
 

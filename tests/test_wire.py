@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as st_numpy
 
+from grader.judging.runner import MAX_REPLY_BYTES
 from grader.sandbox.inside import wire, wire_format
 from grader.sandbox.inside.wire import WireClosed, WireTimeout
 from grader.sandbox.inside.wire_format import OpaqueValue, TooLarge, WireError
@@ -331,6 +332,9 @@ def test_the_largest_cloud_is_transferred_as_a_list_of_rows():
     cloud = np.random.default_rng(1).integers(-(2**9), 2**9, (120_000, 4)) / 4
     assert round_trip(cloud.tolist()) == cloud.tolist()
     assert np.array_equal(round_trip(list(cloud)), cloud)
+    # The judge does not count even its longest form as too large.
+    longest = np.random.default_rng(1).uniform(-0.01, 0, (120_000, 4)).tolist()
+    assert len(wire_format.encode(longest)) < MAX_REPLY_BYTES
 
 
 def test_keys_that_collide_are_refused():

@@ -52,7 +52,7 @@ class CarriedForwardResult:
 
 def carry_forward(
     context: JudgingContext, program: Program, results: RunResults
-) -> tuple[dict[str, CarriedForwardResult], bool]:
+) -> dict[str, CarriedForwardResult]:
     """Repeat the judging of each exercise that calls a wrong helper.
 
     Parameters
@@ -66,14 +66,12 @@ def carry_forward(
 
     Returns
     -------
-    improved : dict of str to CarriedForwardResult
+    dict of str to CarriedForwardResult
         The new result of each exercise whose result changes, by the exercise's name.
-    starved : bool
-        Whether code reached a time limit because it got hardly any processor time.
     """
     exercises = context.lesson.machine_graded
     failing = {outcome.check.exercise for outcome in results.outcomes if outcome.failure}
-    improved, starved = {}, False
+    improved = {}
     for number, exercise in enumerate(exercises):
         # Only earlier exercises are replaced. The solution of a later exercise may call this one,
         # and could therefore contain this one's answer.
@@ -91,7 +89,6 @@ def carry_forward(
         ]
         if any(run.fault for run in runs):  # in this case the first run counts
             continue
-        starved |= any(run.starved for run in runs)
         first = results.outcomes_of(exercise.name)
         by_check = [{outcome.check: outcome for outcome in run.outcomes} for run in runs]
         # If every check passed, the only new run uses the student's helpers, and has to pass again.
@@ -106,7 +103,7 @@ def carry_forward(
         elif any(one.failure and not was.failure for was, one in zip(first, outcomes, strict=True)):
             sentence = _INCONSISTENT_RUNS.format(name=exercise.name)
             improved[exercise.name] = CarriedForwardResult(outcomes, sentence, program)
-    return improved, starved
+    return improved
 
 
 def decisive_outcome(first: Outcome, repeated: Outcome, with_right_helpers: Outcome) -> Outcome:

@@ -186,7 +186,7 @@ def _decide_cached(context: JudgingContext, judge_input: JudgeInput) -> _Decisio
 
 def _decide(context: JudgingContext, judge_input: JudgeInput) -> _Decision:
     """Run the checks, retry suspicious failures, and build the result."""
-    lesson = context.lesson
+    lesson, budget = context.lesson, context.budget
     program = program_for(lesson, judge_input.code, judge_input.modules)
     program = replace(program, python=judge_input.python)
     if judge_input.is_as_released:
@@ -197,8 +197,8 @@ def _decide(context: JudgingContext, judge_input: JudgeInput) -> _Decision:
             return _unjudged_decision(lesson, *judge_input.notes, *results.problems, *too_new)
         results = _retry_suspicious_checks(context, program, results)
     if faults := _judge_faults(context, results):
-        return _Decision(unjudged_results(lesson), (JUDGE_FAILED_NOTE,), faults, results.starved)
-    carried, starved = carry_forward(context, program, results)
+        return _Decision(unjudged_results(lesson), (JUDGE_FAILED_NOTE,), faults, budget.starved)
+    carried = carry_forward(context, program, results)
     slips = find_slips(context, program, results, carried)
     exercises = tuple(
         result_of(exercise, results, carried.get(exercise.name), slips.get(exercise.name))
@@ -212,7 +212,7 @@ def _decide(context: JudgingContext, judge_input: JudgeInput) -> _Decision:
         *(judge_input.versions[name] for name in incomplete if name in judge_input.versions),
     )
     # A notebook with full marks cannot gain from another try, so it does not count as starved.
-    return _Decision(exercises, problems, (), bool(incomplete) and (results.starved or starved))
+    return _Decision(exercises, problems, (), bool(incomplete) and budget.starved)
 
 
 def _unjudged_decision(lesson: Lesson, *sentences: str) -> _Decision:
@@ -251,7 +251,7 @@ def _retry_suspicious_checks(
         return results
     better = {outcome.check: outcome for outcome in again.outcomes}
     outcomes = tuple(better.get(outcome.check, outcome) for outcome in results.outcomes)
-    return replace(results, outcomes=outcomes, starved=results.starved or again.starved)
+    return replace(results, outcomes=outcomes)
 
 
 def _suspicious_outcomes(results: RunResults) -> list[Outcome]:

@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+import contextlib
+import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 from grader.course.lessons import Lesson
-from grader.judging.runner import JudgeFault, every_check, outcomes_of_untouched, run_checks
+from grader.judging.runner import (
+    TEST_SECONDS,
+    JudgeFault,
+    JudgeTimeout,
+    every_check,
+    limited_cpu_time,
+    outcomes_of_untouched,
+    run_checks,
+)
 from grader.sandbox import Limits, Sandbox
 from grader.sandbox.program import Program
 from grader.sandbox.student import StudentProxy
@@ -50,8 +60,6 @@ class RunResults:
         One sentence for each problem in the notebook's own cells.
     uses : dict of str to tuple of str
         The functions that each exercise calls.
-    starved : bool
-        Whether code reached a time limit because it got hardly any processor time.
     mistakes : dict of str to utils.checks.diagnosis.Mistake
         The mistake that explains the wrong answers to an exercise, by the exercise's name.
     fault : str
@@ -63,7 +71,6 @@ class RunResults:
     outcomes: tuple[Outcome, ...]
     problems: tuple[str, ...] = ()
     uses: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    starved: bool = False
     mistakes: dict[str, Mistake] = field(default_factory=dict)
     fault: str = ""
     newer_names: dict[str, str] = field(default_factory=dict)
@@ -106,7 +113,7 @@ def run_program(
             )
         except JudgeFault as error:
             fault = str(error)
-        observed = (tuple(student.problems), student.uses, student.starved)
+        observed = (tuple(student.problems), student.uses)
     if explain:
         mistakes = _diagnose_mistakes(outcomes, context, program, budget)
     return RunResults(tuple(outcomes), *observed, mistakes, fault, student.newer_names)
@@ -130,10 +137,25 @@ def _diagnose_mistakes(
     wrong = {o.check.exercise for o in outcomes if isinstance(o.failure, CheckFailed)}
     if not wrong:
         return {}
-    mistakes = {}
     with StudentProxy(program, context.sandbox, context.limits, budget) as student:
-        for exercise in sorted(wrong):
-            student.exercise, seconds = exercise, budget.seconds
-            mistakes[exercise] = diagnose(exercise, getattr(student, object_to_diagnose(exercise)))
-            budget.add_failed_seconds(exercise, seconds - budget.seconds)
-    return {exercise: mistake for exercise, mistake in mistakes.items() if mistake}
+        found = {exercise: _diagnose(exercise, student, budget) for exercise in sorted(wrong)}
+    return {exercise: mistake for exercise, mistake in found.items() if mistake}
+
+
+def _diagnose(exercise: str, student: StudentProxy, budget: Budget) -> Mistake | None:
+    """Return the mistake that explains one exercise, unless the search takes too long.
+
+    All time counts like that of failed checks, for the student and for the judge.
+    """
+    seconds_left = TEST_SECONDS - budget.judge_seconds[exercise]
+    if seconds_left <= 0:
+        return None
+    student.exercise, seconds, begin = exercise, budget.seconds, time.process_time()
+    mistake = None
+    with contextlib.suppress(JudgeTimeout), limited_cpu_time(seconds_left) as is_over:
+        mistake = diagnose(exercise, getattr(student, object_to_diagnose(exercise)))
+    budget.judge_seconds[exercise] += time.process_time() - begin
+    if is_over.is_set():
+        student.close()  # a call may have been interrupted before its reply was read
+    budget.add_failed_seconds(exercise, seconds - budget.seconds)
+    return mistake

@@ -103,8 +103,9 @@ def find_slips(
             judged_program = improved.program if improved else program
             failed_checks = frozenset(outcome.check for outcome in failed)
             # The minimum number of edits is 0 if the checks already earn more than a slip keeps,
-            # because an edit then only explains the mistake. It is also 0 if the failed calls have
-            # used up the time of one call, because calls with edits would be slow too.
+            # because an edit then only explains the mistake. It is also 0 if the failed calls, or
+            # comparing their answers, have used up the time of one call, because calls with edits
+            # would be slow too.
             earns_less = _earned_share(outcomes) < ONE_SLIP_KEEPS
             has_time = not _has_used_its_time(context, exercise.name)
             edit_limit = LIKELIEST_EDITS if earns_less and has_time else 0
@@ -120,11 +121,12 @@ def find_slips(
 
 
 def _has_used_its_time(context: JudgingContext, exercise: str) -> bool:
-    """Return whether an exercise's failed calls together have used up the time of one call."""
+    """Return whether failed calls, or comparing their answers, used up the time of one call."""
     if context.budget is None:
         return False
     limit = (context.limits or Limits()).call_seconds
-    return context.budget.failed_seconds.get(exercise, 0.0) >= limit
+    budget = context.budget
+    return max(budget.failed_seconds.get(exercise, 0.0), budget.judge_seconds[exercise]) >= limit
 
 
 def _earned_share(outcomes: Sequence[Outcome]) -> float:
@@ -332,7 +334,10 @@ def _passing_edits(
                 next_poll = time.monotonic() + POLLING_INTERVAL
                 cpu_seconds = time.process_time() + student.cpu_seconds - start_seconds
                 cpu_limit = MIN_CPU_SECONDS if edit_count >= edit_limit else MAX_CPU_SECONDS
-                if max(cpu_seconds, sleep_seconds) > cpu_limit or time.monotonic() > deadline:
+                if max(cpu_seconds, sleep_seconds) > cpu_limit:
+                    return
+                if time.monotonic() > deadline:
+                    budget.starved = True  # the machine is busy, so the mark is not final
                     return
             seconds_left = budget.seconds
             passes = failed_checks.pass_with(number)

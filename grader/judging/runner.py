@@ -25,7 +25,7 @@ import pytest
 
 from grader.course.lessons import Lesson
 from grader.judging.hidden_tests import check_of
-from grader.sandbox import SandboxUnavailable
+from grader.sandbox import Limits, SandboxUnavailable
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.student import StudentProxy
 from grader.sandbox.time_budget import Budget
@@ -36,11 +36,14 @@ from utils.checks.outcomes import Outcome
 from utils.checks.run_cache import cached_run
 
 # Limit on the processor seconds of one test in this process, not counting the student's code. The
-# same limit applies to all failed checks of an exercise together.
+# same limit applies to all failed checks of an exercise together, in all runs with one budget.
 TEST_SECONDS = 15.0
 # After this many answers that are far too large, an exercise is not called again, because reading
 # each of them takes seconds.
 MAX_TOO_LARGE = 5
+# A failed check counts as such an answer if a reply has more bytes than this, whatever it contains.
+# The largest scan has less than 12 MB if it is sent as a list of rows.
+MAX_REPLY_BYTES = 12 * 2**20
 # Pytest plugins that hidden tests do not need. Loading one takes a quarter of a millisecond.
 _NOT_NEEDED = (
     *("assertion", "cacheprovider", "capture", "debugging", "doctest", "faulthandler", "junitxml"),
@@ -84,12 +87,11 @@ class _Runner:
         budget: Budget | None = None,
     ) -> None:
         self.proxy, self.course_seed, self.selected = student, seed, selected
-        self.budget = budget
+        self.budget = budget or Budget(Limits())
         self.continues, self.keep_going = True, keep_going
         self.tests = 0
         self.outcomes: dict[Check, Outcome | None] = {}
         self.too_large: Counter[str] = Counter()
-        self.own_seconds: Counter[str] = Counter()  # only those of failed checks
         self.sandbox_error = self.interrupted = None
         self.complaints: list[str] = []
 
@@ -114,25 +116,27 @@ class _Runner:
                 f"Not run: {self.too_large[exercise]} answers of this exercise were far larger "
                 "than any right answer."
             )
-        if self.own_seconds[exercise] >= TEST_SECONDS:
+        seconds_left = TEST_SECONDS - self.budget.judge_seconds[exercise]
+        if seconds_left <= 0:
             raise StudentStopped(
                 "Not run: comparing earlier answers of this exercise took longer than any right "
                 "answer needs."
             )
-        begin = time.process_time()
-        charged = (
-            self.budget.charge_if_failed(exercise) if self.budget else contextlib.nullcontext()
-        )
+        begin, self.proxy.largest_reply = time.process_time(), 0
         try:
-            with charged, _limited_cpu_time(TEST_SECONDS):
+            with self.budget.charge_if_failed(exercise), limited_cpu_time(seconds_left):
                 yield
-        except Exception:
-            self.own_seconds[exercise] += time.process_time() - begin
+        except Exception as error:
+            used_seconds = time.process_time() - begin
+            if isinstance(error, JudgeTimeout):  # which the kernel may raise a little early
+                used_seconds = max(used_seconds, seconds_left)
+            self.budget.judge_seconds[exercise] += used_seconds
+            is_large = self.proxy.largest_reply > MAX_REPLY_BYTES
+            self.too_large[exercise] += is_large or isinstance(error, FarTooMuch)
             raise
 
     def record(self, check: Check, error: Exception | None) -> None:
         """Record how a check ended."""
-        self.too_large[check.exercise] += isinstance(error, FarTooMuch)
         self.continues &= self.keep_going or error is None
         if isinstance(error, SandboxUnavailable):
             self.sandbox_error = error
@@ -187,7 +191,7 @@ class _Runner:
 
 
 def _release_answers(error: Exception | None) -> None:
-    """Remove the tracebacks of an exception and its causes, because their frames hold answers.
+    """Remove the tracebacks and drawings of an exception and its causes, because they hold answers.
 
     An answer may take 64 MB, and the outcomes are kept until the whole notebook is judged. If the
     exception is unexpected, the text of its traceback is kept as a note.
@@ -203,6 +207,8 @@ def _release_answers(error: Exception | None) -> None:
             continue
         seen.add(id(link))
         link.__traceback__ = None
+        if isinstance(link, CheckFailed):
+            link.draw = None  # the judge draws nothing
         waiting += [link.__context__, link.__cause__]
         waiting += [link.reason] if isinstance(link, NotYet) else []
 
@@ -282,7 +288,7 @@ def run_checks(
     keep_going : bool
         Whether to continue after a failure. If not, all later checks fail without being run.
     budget : grader.sandbox.time_budget.Budget, optional
-        The student's budget, in which failed checks count as failed calls.
+        The student's budget, in which failed checks count as failed calls. By default, a new one.
 
     Returns
     -------
@@ -350,19 +356,27 @@ def _plain_environment() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _limited_cpu_time(seconds: float) -> Iterator[None]:
-    """Raise `JudgeTimeout` after this many processor seconds, inside a with statement."""
+def limited_cpu_time(seconds: float) -> Iterator[threading.Event]:
+    """Raise `JudgeTimeout` after this many processor seconds, inside a with statement.
+
+    Yields
+    ------
+    threading.Event
+        Set when the exception has been raised, even if other code has caught it.
+    """
+    is_over = threading.Event()
     if threading.current_thread() is not threading.main_thread():
-        yield  # Python can be interrupted only in the main thread
+        yield is_over  # Python can be interrupted only in the main thread
         return
 
     def raise_timeout(*signal_and_frame: object) -> None:
+        is_over.set()
         raise JudgeTimeout
 
     before = signal.signal(signal.SIGPROF, raise_timeout)
     signal.setitimer(signal.ITIMER_PROF, seconds)
     try:
-        yield
+        yield is_over
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0)
         signal.signal(signal.SIGPROF, before)

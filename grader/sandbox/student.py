@@ -146,12 +146,11 @@ class StudentProxy:
     edits : tuple of tuple
         Edits of the exercise `edited`, likeliest first; empty before the start. Each edit consists
         of the cell's number, the first and last line, and the text that replaces these lines.
+    largest_reply : int
+        Bytes of the largest reply. The owner of the proxy may reset it.
     interrupts_after : float or None
         Processor seconds after which the worker interrupts a call by raising `TOOK_TOO_LONG`. If
         None, only the limits end a call, and they also end its process.
-    starved : bool
-        Whether the machine was too busy or had too little memory: the judge gave up on a call
-        that had not used up its time, or a process was killed below its memory limit.
     """
 
     def __init__(
@@ -176,7 +175,7 @@ class StudentProxy:
         self._has_reported, self._last_seconds, self._past_seconds = False, 0.0, 0.0
         self.interrupts_after: float | None = None
         self._meter: Meter | None = None  # only while a call is timed
-        self.problems, self.exercise, self.starved = [], "", False
+        self.problems, self.exercise, self.largest_reply = [], "", 0
         self.uses: dict[str, tuple[str, ...]] = {}
         self.newer_names: dict[str, str] = {}
         self._skipped: dict[str, str] = {}  # texts about functions in skipped cells
@@ -202,6 +201,11 @@ class StudentProxy:
         """Apply one of `edits` to the exercise for all later calls."""
         self._ensure_running()
         self._reply_to({"name": self._edited, "edit": number})
+
+    @property
+    def starved(self) -> bool:
+        """Whether the budget's notebook was starved; see `Budget`."""
+        return self._budget.starved
 
     @property
     def cpu_seconds(self) -> float:
@@ -434,7 +438,7 @@ class StudentProxy:
 
     def _check_elapsed_time(self) -> None:
         if time.monotonic() >= self._budget.deadline:
-            self.starved = True
+            self._budget.starved = True
             self.close()
             raise StudentStopped(f"Not run: {self._describe_elapsed_limit()}")
 
@@ -492,7 +496,7 @@ class StudentProxy:
         try:
             return self._send_and_receive(message, time_limit)
         except wire.WireTimeout:
-            self.starved |= time_limit.starved
+            self._budget.starved |= time_limit.starved
             if time.monotonic() >= self._budget.deadline:
                 self._stop(
                     task, f"The judge stopped the notebook: {self._describe_elapsed_limit()}"
@@ -513,7 +517,9 @@ class StudentProxy:
         try:
             if message is not None:
                 wire.send(self._worker.write_end, message, time_limit)
-            return wire.receive(self._worker.read_end, time_limit)
+            tree, blob = wire.receive_bytes(self._worker.read_end, time_limit)
+            self.largest_reply = max(self.largest_reply, len(tree) + len(blob))
+            return wire_format.decode(tree, blob)
         finally:
             self._last_seconds = time_limit.used_seconds()
             self._budget.seconds -= self._last_seconds
@@ -527,7 +533,7 @@ class StudentProxy:
         worker, self._worker = self._worker, None
         by_itself = sentence is None and worker.has_ended(2)  # it may only have closed its pipe
         code = worker.stop()
-        self.starved |= worker.lacked_memory()
+        self._budget.starved |= worker.lacked_memory()
         if sentence is None:
             sentence = explain_process_end(code if by_itself else None)
         stop = StudentStopped(sentence, reason, out_of_time)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import random
 import time
+from collections import Counter
 from collections.abc import Iterator
 
 from grader.sandbox.inside import wire
@@ -33,18 +34,24 @@ class Budget:
     failed_seconds : dict of str to float
         Seconds used by calls that raised or were stopped, by exercise or other step of a
         `StudentProxy`.
+    judge_seconds : collections.Counter
+        Processor seconds that the judge itself spent on failed checks and diagnosis, by exercise.
     timeouts : dict of str to str
         The first message that a step took too long, by exercise or other step.
     cells_finish : bool
         Whether the notebook's own cells finished when they last ran.
+    starved : bool
+        Whether the machine was too busy or had too little memory in any step: the judge gave up on
+        code that had not used up its time, or a process was killed below its memory limit.
     """
 
     def __init__(self, limits: Limits) -> None:
         self.seconds = limits.total_seconds
         self.deadline = time.monotonic() + limits.wall_seconds
         self.failed_seconds: dict[str, float] = {}
+        self.judge_seconds: Counter[str] = Counter()
         self.timeouts: dict[str, str] = {}
-        self.cells_finish = True
+        self.cells_finish, self.starved = True, False
 
     @contextlib.contextmanager
     def charge_if_failed(self, task: str) -> Iterator[None]:

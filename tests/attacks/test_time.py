@@ -6,7 +6,7 @@ import time
 import pytest
 
 from grader.classroom import pool
-from grader.course.lessons import find_lesson
+from grader.course.lessons import find_lesson, lesson_of
 from grader.course.paths import PROJECT
 from grader.judging import judge, program_run, repair, runner
 from grader.sandbox import Limits
@@ -241,20 +241,21 @@ def test_the_threat_model_states_what_an_exercise_may_cost():
     limits = Limits()
     again = limits.call_seconds * SHARE_AFTER_FAILURES
     first = limits.call_seconds + limits.restarts * again
+    assert (again, repair.MAX_JUDGED_EDITS) == (limits.call_seconds / 8, 3)
     threats = (PROJECT / "docs" / "security.md").read_text("utf-8")
     for sentence in (
         f"{limits.total_seconds:.0f} seconds in which its code works",
         f"and {limits.wall_seconds:.0f} seconds of wall time",
         f"waits {limits.call_seconds:.0f} seconds for the first",
-        # An exercise may run again with correct helpers.
-        f"at most {math.ceil(first)} seconds, and {math.ceil(2 * again)} more if the exercise is",
+        f"at most {math.ceil(first)} seconds in the first run",
+        f"after {limits.call_seconds:.0f} seconds, a slow wrong function has only an eighth",
     ):
         assert sentence in threats
     assert (repair.MIN_CPU_SECONDS, repair.MAX_CPU_SECONDS) == (2, 16)
     assert f"tries the {repair.LIKELIEST_EDITS} likeliest edits" in threats
     assert "first two seconds of processor time. The search ends after 16 seconds" in threats
     assert f"together may take {runner.TEST_SECONDS:.0f} seconds" in threats
-    assert f"process may allocate {pool.MAX_MEMORY // 2**30} GiB" in threats
+    assert f"process of `grade` may allocate {pool.MAX_MEMORY // 2**30} GiB" in threats
     assert "or after two if the exercise has already used up its first 10 seconds" in threats
 
 
@@ -308,3 +309,36 @@ def test_a_notebook_of_sleeping_functions_has_one_budget(submit, budgets):
         assert len(repeated) >= len(messages) - 1
     [budget] = budgets
     assert -1.5 < budget.seconds < 0.5, "the budget is used up and hardly exceeded"
+
+
+@pytest.mark.slow
+@with_attacks(
+    "exercise, source",
+    {
+        "spends seconds in a C function that holds the lock": (
+            "line_through",
+            "import re\ndef line_through(p, q):\n"
+            "    return bool(re.match('(a+)+$', 'a' * 25 + 'b')), 2.0, 3.0\n",
+        ),
+        "starts other interpreters": (
+            "line_through",
+            "import subprocess, sys\ndef line_through(p, q):\n"
+            "    subprocess.run([sys.executable, '-c', 'while True: pass'])\n",
+        ),
+        "returns 170,000 empty arrays": (
+            "line_through",
+            "import numpy as np\ndef line_through(p, q):\n    return [np.zeros(0)] * 170_000\n",
+        ),
+        "inserts forever": ("insert", "def insert(tree, point, index):\n    while True: pass\n"),
+    },
+)
+def test_an_exercise_costs_the_class_no_more_than_promised(exercise, source, submit, budgets):
+    """Measured in the time of the student's code and the judge, not in elapsed time."""
+    begin = time.process_time()
+    verdict = submit({exercise: source}, lesson=lesson_of(exercise), **QUARTER)
+    assert verdict.score == 0 and not verdict.starved
+    [budget] = budgets
+    # The first run, one short call of each later run, and the search for an edit.
+    assert QUARTER["total_seconds"] - budget.seconds < 2 * LARGEST_COST + repair.MIN_CPU_SECONDS
+    assert budget.judge_seconds[exercise] < runner.TEST_SECONDS + 1
+    assert time.process_time() - begin < runner.TEST_SECONDS + repair.MAX_CPU_SECONDS

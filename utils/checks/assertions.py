@@ -128,6 +128,7 @@ def points_text(points: np.ndarray, digits: int = 2) -> str:
 
 # Types that NumPy does not convert to an array of values, although list(...) does.
 _ONE_BY_ONE = ("generator", "map", "filter", "zip", "set", "dict_keys", "dict_values")
+_OWN_CLASS = "an object of a custom class"  # the type name that the judge receives
 # What to say about other types that students return.
 _ABOUT_TYPES = {
     "coroutine": (
@@ -137,6 +138,11 @@ _ABOUT_TYPES = {
         "The function returned a masked array. It hides values but still contains them. Return "
         "an ordinary array, for example cloud[mask]."
     ),
+    "dict": (
+        "The function returned a dict. Return its values as an array, for example "
+        "np.array(list(result.values()))."
+    ),
+    _OWN_CLASS: "The function returned an object of your own class. Return an array of numbers.",
 }
 
 
@@ -203,6 +209,8 @@ def as_array(
         # In the judge, objects of other types arrive as stand-ins with a `type_name`. The student
         # chose that name, so it must not be part of the message.
         kind = getattr(answer, "type_name", "") or type(answer).__name__
+        if type(answer).__module__ == "__main__":  # a class in the notebook
+            kind = _OWN_CLASS
         if kind in _ONE_BY_ONE:
             raise WrongForm(
                 f"The function returned a {kind} instead of {description}. "

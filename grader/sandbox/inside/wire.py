@@ -71,6 +71,13 @@ def send(descriptor: int, value: object, time_limit: Callable[[], float] | None 
 
 
 def receive(descriptor: int, time_limit: Callable[[], float] | None = None) -> object:
+    """Read one message and decode it; see `receive_bytes`."""
+    return wire_format.decode(*receive_bytes(descriptor, time_limit))
+
+
+def receive_bytes(
+    descriptor: int, time_limit: Callable[[], float] | None = None
+) -> tuple[bytearray, bytearray]:
     """Read one message.
 
     Parameters
@@ -81,6 +88,11 @@ def receive(descriptor: int, time_limit: Callable[[], float] | None = None) -> o
     time_limit : callable, optional
         As for `send`.
 
+    Returns
+    -------
+    tree, blob : bytearray
+        The parts of the message, to be decoded by `wire_format.decode`.
+
     Raises
     ------
     WireTimeout
@@ -88,11 +100,11 @@ def receive(descriptor: int, time_limit: Callable[[], float] | None = None) -> o
     WireClosed
         If the other end has closed the pipe.
     wire_format.WireError
-        If the bytes are not a valid message.
+        If the message is larger than the limits.
     """
     header = _read(descriptor, wire_format.HEADER.size, time_limit)
     tree, blob = (_read(descriptor, size, time_limit) for size in wire_format.sizes_in(header))
-    return wire_format.decode(tree, blob)
+    return tree, blob
 
 
 def _read(descriptor: int, size: int, time_limit: Callable[[], float] | None) -> bytearray:

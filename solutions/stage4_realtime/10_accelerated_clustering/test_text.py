@@ -14,7 +14,7 @@ from grader.course.kept_answers import answers_to
 from grader.course.lessons import find_lesson, load_reference
 from grader.intake.preflight import prepare
 from grader.intake.submission import SubmittedFiles
-from grader.judging.runner import _limited_cpu_time
+from grader.judging.runner import limited_cpu_time
 from grader.lms.autograded_copy import build_copy
 from utils import load_cloud
 from utils.checks.core import notes_of, run_check
@@ -383,5 +383,5 @@ def test_the_autograded_copy_keeps_the_students_steps():
 def test_the_reference_time_is_never_zero():
     """A reference time of 0 would make every answer look slow on a fast machine."""
     cloud = np.random.default_rng(1).normal(size=(50, 3))
-    with _limited_cpu_time(60):
+    with limited_cpu_time(60):
         assert min(_seconds_to_find_neighbours(cloud) for _ in range(200)) > 0
