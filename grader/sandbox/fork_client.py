@@ -47,7 +47,7 @@ class ForkClient:
         Environment variables of the workers.
     """
 
-    modules_to_preload: tuple[str, ...]
+    preloaded: tuple[str, ...]
     forbidden: tuple[str, ...]
     environment: dict[str, str]
     _requests: socket.socket | None = None

@@ -18,71 +18,71 @@ DRAWN = ("cluster_labels", "left_over", "thin")
 
 
 @pytest.fixture(scope="module")
-def lesson():
+def lesson_run():
     """Functions and variables of the lesson, as attributes. The simulation takes a second."""
     return load_reference(NAME, *NAMES, *DRAWN, "in_view", "kind", "distance", "size")
 
 
 @pytest.mark.slow
-def test_ten_points_give_the_printed_results(lesson):
+def test_ten_points_give_the_printed_results(lesson_run):
     """Compare the results with those that the notebook prints as "expected"."""
     text = find_lesson(NAME).source.read_text("utf-8")
     for minimum in (2, 3):
-        assert f"({minimum}, {lesson.filter_clusters(lesson.ten, minimum).tolist()})" in text
-    filtered = lesson.filter_clusters(lesson.ten, 3)
+        assert f"({minimum}, {lesson_run.filter_clusters(lesson_run.ten, minimum).tolist()})" in text
+    filtered = lesson_run.filter_clusters(lesson_run.ten, 3)
     assert (len(set(filtered[filtered > 0])), (filtered == 0).sum()) == (1, 6)
 
 
 @pytest.mark.slow
-def test_the_slider_reaches_the_default_and_clears_the_road(lesson):
+def test_the_slider_reaches_the_default_and_clears_the_road(lesson_run):
     slider = find_lesson(NAME).source.read_text("utf-8").split("IntSlider(")[1].split(")")[0]
     settings = dict(part.strip().split("=") for part in slider.split(",")[:4])
     low, high, step, value = (int(settings[name]) for name in ("min", "max", "step", "value"))
     assert (100 - low) % step == 0
-    assert value < lesson.size_of_puff.max() < 100 < high, (
+    assert value < lesson_run.size_of_puff.max() < 100 < high, (
         "the road is not clear before the slider is moved"
     )
 
 
 @pytest.mark.slow
-def test_thinned_pictures_contain_all_noise(lesson):
+def test_thinned_pictures_contain_all_noise(lesson_run):
     for minimum in (5, 10, 100, 500, 600):
-        noise = (lesson.filter_clusters(lesson.cluster_labels, minimum) == 0).sum()
-        assert (lesson.left_over(minimum) == 0).sum() == noise > 0
-    assert len(lesson.thin) < 0.4 * len(lesson.cluster_labels)
+        noise = (lesson_run.filter_clusters(lesson_run.cluster_labels, minimum) == 0).sum()
+        assert (lesson_run.left_over(minimum) == 0).sum() == noise > 0
+    assert len(lesson_run.thin) < 0.4 * len(lesson_run.cluster_labels)
 
 
-def test_a_lower_minimum_keeps_near_pedestrians_and_removes_ghosts(lesson):
-    group = {"ghost": lesson.kind == "ground", "near": lesson.distance < 15}
-    group["near"] &= lesson.kind == "pedestrian"
+def test_a_lower_minimum_keeps_near_pedestrians_and_removes_ghosts(lesson_run):
+    group = {"ghost": lesson_run.kind == "ground", "near": lesson_run.distance < 15}
+    group["near"] &= lesson_run.kind == "pedestrian"
     gone = {
-        name: [(lesson.size[some] < minimum).mean() for minimum in (10, 100)]
+        name: [(lesson_run.size[some] < minimum).mean() for minimum in (10, 100)]
         for name, some in group.items()
     }
     assert gone["ghost"][1] == 1 and gone["near"][1] > 0.3
     assert gone["ghost"][0] > 0.9 and gone["near"][0] < 0.1
 
 
-def test_returns_of_pedestrians_fall_with_the_square_of_the_distance(lesson):
-    assert lesson.theory(20.0) == pytest.approx(lesson.theory(10.0) / 4)
-    reach = np.sqrt(lesson.theory(1.0) / 100)
+def test_returns_of_pedestrians_fall_with_the_square_of_the_distance(lesson_run):
+    assert lesson_run.theory(20.0) == pytest.approx(lesson_run.theory(10.0) / 4)
+    reach = np.sqrt(lesson_run.theory(1.0) / 100)
     assert reach == pytest.approx(15, abs=0.5)
     slow, fast = (2.6 + 0.5 * speed + speed**2 / 14 for speed in (30 / 3.6, 50 / 3.6))
     assert slow < reach < fast == pytest.approx(23.3, abs=0.1), "only a slow car can stop in time"
 
 
-def test_the_theory_applies_to_pedestrians_in_plain_view(lesson):
-    away, size = lesson.distance, lesson.size
-    person = (lesson.kind == "pedestrian") & (away > 5) & (away < 25)
-    times = size / lesson.theory(away)
-    free, hidden = times[person & lesson.in_view], times[person & ~lesson.in_view]
+def test_the_theory_applies_to_pedestrians_in_plain_view(lesson_run):
+    away, size = lesson_run.distance, lesson_run.size
+    person = (lesson_run.kind == "pedestrian") & (away > 5) & (away < 25)
+    times = size / lesson_run.theory(away)
+    free, hidden = times[person & lesson_run.in_view], times[person & ~lesson_run.in_view]
     assert np.median(free) == pytest.approx(1, abs=0.1) and np.quantile(free, 0.9) < 1.5
     assert len(free) < len(hidden) / 4 and np.median(hidden) < 0.5
 
 
-def test_a_list_gets_a_note(lesson):
+def test_a_list_gets_a_note(lesson_run):
     def filter_clusters(cluster_labels, min_num_points=100):
-        return lesson.filter_clusters(cluster_labels, min_num_points).tolist()
+        return lesson_run.filter_clusters(cluster_labels, min_num_points).tolist()
 
     failed = [
         note.name
@@ -100,12 +100,12 @@ def test_the_car_brakes_as_in_lesson_07():
     assert "drives on for half a second while it thinks, then brakes with 7 m/s²" in theirs
 
 
-def test_the_naive_loop_keeps_every_second_small_neighbour(lesson):
+def test_the_naive_loop_keeps_every_second_small_neighbour(lesson_run):
     labels = np.repeat([1, 2, 3, 4, 5, 6], [9, 1, 1, 1, 1, 9])
-    kept = lesson.moved_up_in_the_loop(labels, 3)
+    kept = lesson_run.moved_up_in_the_loop(labels, 3)
     assert np.unique(labels[kept > 0]).tolist() == [1, 3, 5, 6]
     alone = np.repeat([1, 2, 3], [9, 1, 9])  # the text: "with a single small cluster all is well"
-    assert np.array_equal(lesson.moved_up_in_the_loop(alone, 3) > 0, alone != 2)
+    assert np.array_equal(lesson_run.moved_up_in_the_loop(alone, 3) > 0, alone != 2)
 
 
 def test_cars_and_walls_overlap_in_size():
@@ -142,7 +142,7 @@ def test_the_cyclist_meets_the_car_at_the_stated_time():
 @pytest.mark.proof
 @pytest.mark.parametrize(("minimum", "hits"), [(10, False), (40, False), (50, True)])
 def test_the_largest_minimum_that_spares_the_cyclist_is_40(lesson, minimum, hits):
-    detect = chain(keep=lambda labels: lesson.filter_clusters(labels, minimum))
+    detect = chain(keep=lambda labels: lesson_run.filter_clusters(labels, minimum))
     trip = drive_street(3, detect, seconds=10, clock=on_time)
     assert bool(trip.report.collision) == hits
     if hits:
