@@ -75,8 +75,11 @@ def hostile_course(tmp_path, sandbox):
 
 def pages_of(course, judged):
     """Yield each page that shows a course, by the program that makes it."""
-    results, left = class_results(course), unaccounted_files(course)
-    yield "report", write_report(course, judged, results, left=left).read_text("utf-8")
+    results, unjudged_files = class_results(course), unaccounted_files(course)
+    yield (
+        "report",
+        write_report(course, judged, results, unjudged_files=unjudged_files).read_text("utf-8"),
+    )
     yield "similarity", write_similarity(course, compare_stage(course, STAGE)).read_text("utf-8")
     feedback = write_feedback(
         course, STAGE, [HOSTILE], course.root / "pages", None, lambda *news: None
@@ -132,15 +135,15 @@ def test_names_add_no_line_to_the_terminal(capsys):
     report.ignored[name] = 1
     report.questions.append(Question(name, name))
     written = SimpleNamespace(pages=(Path(name, name),), archive=name)
-    written.waiting = written.unreached = written.left = (name,)
-    exported = SimpleNamespace(placed=1, notes=(name,), lost=(name,))
+    written.waiting = written.unreached = written.skipped = (name,)
+    exported = SimpleNamespace(mark_count=1, notes=(name,), failures=(name,))
     console.print_unaccounted([(Path(name), name)])
     console.print_similarity(SimpleNamespace(same_files=(same,), pairs=(pair,)))
     console.print_collected(report)
     console.print_notes([name])
     console.print_feedback([written])
     console.print_exported(exported, Path(name), Path(name), "")
-    console.tell(name)
+    console.print_notice(name)
     printed = "".join(capsys.readouterr())
     assert printed.count("30 of 30") >= 15
     assert not re.search(r"^\s*30 of 30", printed, re.MULTILINE)
