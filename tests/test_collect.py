@@ -1774,8 +1774,8 @@ def test_a_long_text_in_moodles_worksheet_is_read(course):
     table.write_text(worksheet(rows), "utf-8")
     files = moodle_files("Ada Lovelace", 5001, [(f"{SIX}.ipynb", notebook())])
     code = "import sys, csv; sys.path.insert(0, '.'); from pathlib import Path; " + (
-        "from grader.classroom.collect.submission_table import read_worksheet; "
-        f"print(len(read_worksheet(Path({str(table)!r}), None).rows))"
+        "from grader.classroom.collect.submission_table import read_submission_table; "
+        f"print(len(read_submission_table(Path({str(table)!r}), None).rows))"
     )  # in its own process, where no other test has raised the limit
     result = subprocess.run(
         [sys.executable, "-c", code], cwd=PROJECT, capture_output=True, text=True

@@ -224,7 +224,7 @@ def test_dates_with_one_meaning_are_read(course, text):
 
 def test_a_stage_with_only_excuses_needs_no_date(course):
     assert (
-        read(course, '[stage1_ransac.students]\nnoshow = "excused"').due("x", "stage1_ransac")
+        read(course, '[stage1_ransac.students]\nnoshow = "excused"').due_date("x", "stage1_ransac")
         is None
     )
 

@@ -311,7 +311,7 @@ def test_a_thing_keeps_its_track_id_and_coasts_unseen(tracker):
     assert len({tuple(thing.track_id for thing in things) for things in scans}) == 1
     (stays, gone) = motion.update(box(20, 5)[None], 0.0, 0.1)
     assert [stays.track_id, gone.track_id] == [thing.track_id for thing in scans[-1]]
-    assert stays.latest_scan and not gone.latest_scan
+    assert stays.was_seen and not gone.was_seen
     assert gone.velocity == pytest.approx((0.0, 1.4), abs=0.15), "at its observed speed"
 
 
@@ -517,7 +517,7 @@ def test_braking_for_an_empty_box_counts_as_needless():
     ("settings", "corners", "reason"),
     [
         ({}, box(9.0, 0.0, 4.0, 3.0) - (0, 0, 0.3), "road mistaken for an obstacle"),
-        ({"dirt": True}, box(0.9, 0.0, 1.4, 1.8) + (0, 0, 0.1), "the ego car"),
+        ({"has_dirty_bonnet": True}, box(0.9, 0.0, 1.4, 1.8) + (0, 0, 0.1), "the ego car"),
         ({"rain": 4000}, box(6.0, 0.0, 3.0, 3.0) + (0, 0, 0.9), "rain mistaken for an obstacle"),
     ],
 )

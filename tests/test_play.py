@@ -152,7 +152,7 @@ def test_boxes_have_the_track_ids_that_matching_assigns(notebook):
     notebook.match_boxes = lambda previous, current, limit: next(partners)
     detect, tracker = play.load_detector("mine.ipynb")
     views = list(play.watch(frames, detect, tracker))
-    assert [view.names for view in views] == [(1, 2), (2,), (3, 2)]
+    assert [view.track_ids for view in views] == [(1, 2), (2,), (3, 2)]
     # A track without a box ends at once, because the notebook has no `coast` function.
     assert [sorted(len(trail) for trail in view.trails) for view in views] == [
         [1, 1], [2], [1, 3]

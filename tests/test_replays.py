@@ -274,7 +274,7 @@ def test_a_wrong_line_is_distinguished_from_a_wrong_search():
     run = ransac.replay_ransac_line(function)
     assert run.fault.step == 0 and "Look at line_through" in run.fault.reason
     exec(source_of("line_through"), function.__globals__)
-    assert ransac.replay_ransac_line(function).wrong is None
+    assert ransac.replay_ransac_line(function).fault is None
 
 
 def test_a_point_drawn_twice_is_reported():

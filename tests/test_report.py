@@ -175,8 +175,13 @@ def test_the_mean_of_a_section_includes_only_students_with_a_mark():
         people=people,
     )
     a, b = marks_table([SIX, SEVEN], results, {}).sections
-    assert (a.name, a.people, a.marked, a.mean) == ("A", 3, 2, pytest.approx((0.4 + 0.5) / 2))
-    assert (b.name, b.people, b.marked, b.mean) == ("B", 1, 0, None)
+    assert (a.name, a.student_count, a.marked_count, a.mean) == (
+        "A",
+        3,
+        2,
+        pytest.approx((0.4 + 0.5) / 2),
+    )
+    assert (b.name, b.student_count, b.marked_count, b.mean) == ("B", 1, 0, None)
 
 
 def test_a_failed_judge_gives_no_mark():

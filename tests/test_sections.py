@@ -101,7 +101,7 @@ def test_the_export_of_a_section_has_its_own_file(course, capsys):
     for format, ending in (("csv", "csv"), ("exercises", "exercises.csv")):
         assert run("export", "--format", format, "--section", "a/1") == commands.SUCCESS
         path = course.root / f"scores.A_1.{ending}"
-        with path.open(newline="", encoding="utf-8") as file:
+        with path.open(newline="", encoding="utf-8-sig") as file:
             assert [row["Student"] for row in csv.DictReader(file)] == ["out of", "ada", "idle"]
     assert not (course.root / "scores.csv").exists()
 

@@ -474,7 +474,7 @@ def test_identical_files_are_reported_as_identical(tmp_path):
     for student, text in texts.items():
         submit(course, student, text)
     same = compare_stage(course, LESSON.stage).same_files
-    assert [(one.students, one.same_bytes, one.own) for one in same] == [
+    assert [(one.students, one.same_bytes, one.own_cells) for one in same] == [
         (("ada", "bo"), True, 1),
         (("ada", "bo", "cy"), False, 1),
     ], "but not two unchanged notebooks"

@@ -256,7 +256,7 @@ def test_auditors_are_not_missing_and_do_not_count(course):
     assert {result.student for result in results.notebooks if result.counts} == {"ada"}
     assert results.stage("idle", STAGE).status == AUDITOR
     table = marks_table([GROUND, DISTANCE], results, {})
-    assert [[cell.text for cell in (*row.cells, row.sum)] for row in table.rows] == [
+    assert [[cell.text for cell in (*row.cells, row.total)] for row in table.rows] == [
         ["aud.", "(20.5)", "aud."],
         ["0", "18.3", "18.3 of 60"],
         ["aud.", "aud.", "aud."],
@@ -271,7 +271,7 @@ def test_excused_work_does_not_count_in_means_and_missing_work_is_not_a_0(course
     results = class_results(course)
     distribution = distribution_of(DISTANCE, results, [])
     assert (distribution.count, distribution.mean, distribution.excused) == (1, 18.25, 2)
-    sums = {row.person.id: row.sum.text for row in marks_table([GROUND], results, {}).rows}
+    sums = {row.person.id: row.total.text for row in marks_table([GROUND], results, {}).rows}
     assert sums == {"bob": "exc.", "ada": "0 of 30", "eve": "exc.", "fay": "–"}
 
 

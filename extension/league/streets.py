@@ -70,7 +70,12 @@ def _uphill_street(rng: np.random.Generator) -> dict:
 
 def _dirty_bonnet_street(rng: np.random.Generator) -> dict:
     rider = slow_cyclist(_random_position(rng) - 10.0)
-    return {"title": "Behind a dirty bonnet", "dirt": True, "traffic": True, "actors": (rider,)}
+    return {
+        "title": "Behind a dirty bonnet",
+        "has_dirty_bonnet": True,
+        "traffic": True,
+        "actors": (rider,),
+    }
 
 
 def _crowded_street(rng: np.random.Generator) -> dict:

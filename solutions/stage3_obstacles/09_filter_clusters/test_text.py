@@ -28,7 +28,9 @@ def test_ten_points_give_the_printed_results(lesson_run):
     """Compare the results with those that the notebook prints as "expected"."""
     text = find_lesson(NAME).source.read_text("utf-8")
     for minimum in (2, 3):
-        assert f"({minimum}, {lesson_run.filter_clusters(lesson_run.ten, minimum).tolist()})" in text
+        assert (
+            f"({minimum}, {lesson_run.filter_clusters(lesson_run.ten, minimum).tolist()})" in text
+        )
     filtered = lesson_run.filter_clusters(lesson_run.ten, 3)
     assert (len(set(filtered[filtered > 0])), (filtered == 0).sum()) == (1, 6)
 
