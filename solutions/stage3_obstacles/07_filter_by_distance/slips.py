@@ -140,7 +140,7 @@ SLIPS = {
             "(xyz >= maximum) & (xyz <= minimum)",
             USELESS,
         ),
-        Slip("the last three columns", "cloud[:, :3]", "cloud[:, -3:]", PARTLY),
+        Slip("the last three columns", "cloud[:, :3]", "cloud[:, -3:]", USELESS),
         Slip("compares only x", ".all(axis=1)", "[:, 0]", USELESS),
         Slip(
             "always uses the lesson's box",
