@@ -371,6 +371,7 @@ A_FEW_OF_MANY = {
     ),
     "test_processor_time_of_unreaped_children_counts": ("with signal", "with an"),
     "test_an_exercise_costs_the_class_no_more_than_promised": ("spends",),
+    "test_a_process_killed_for_lack_of_memory_during_a_search_is_starved": ("diagnosis",),
     "test_deviations_that_cost_no_points_get_notes": ("labels of another type-05", "nothing-10"),
     "test_only_lessons_that_differ_from_the_release_are_registered_again": ("p", "one"),
     "test_a_change_invalidates_only_the_verdicts_that_depend_on_it": ("grader", "solutions/stage1"),

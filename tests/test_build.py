@@ -341,3 +341,12 @@ def test_the_tests_in_this_file_run_in_one_process(request):
     """Fail if pytest-xdist silently ignores test groups, as incompatible versions do."""
     if "PYTEST_XDIST_WORKER" in os.environ:
         assert request.node.nodeid.endswith("@test_build")
+
+
+def test_a_lesson_that_states_no_duration_gets_an_estimate():
+    """`build` writes the hours of the course, also if an instructor's own lesson says nothing."""
+    text = nbformat.v4.new_markdown_cell("# A lesson\n" + "word " * 2000)
+    notebook = nbformat.v4.new_notebook(cells=[text])
+    assert durations.stated_minutes(notebook) == 20
+    notebook.cells.append(nbformat.v4.new_markdown_cell("This takes about 35 minutes."))
+    assert durations.stated_minutes(notebook) == 35

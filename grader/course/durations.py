@@ -83,9 +83,10 @@ def insert_durations(notebook: NotebookNode) -> None:
 
 
 def stated_minutes(notebook: NotebookNode) -> int:
-    """Return the duration in minutes that a built notebook states."""
+    """Return the duration in minutes that a built notebook states, or else an estimate."""
     text = "".join(cell.source for cell in notebook.cells if cell.cell_type == "markdown")
-    return int(_STATED_DURATION.search(text)[1])
+    stated = _STATED_DURATION.search(text)
+    return int(stated[1]) if stated else total_minutes(notebook)
 
 
 def _minutes_table(notebook: NotebookNode) -> str:
