@@ -519,7 +519,7 @@ def _print_questions(console: Console, title: str, questions: Sequence[Question]
 
 
 def _late_texts(results: ClassResults | None, stages: Collection[str]) -> dict[str, str]:
-    """Return the delay and penalty of each late student, or "time unknown".
+    """Return how late each student's work is and the penalty, or "time unknown".
 
     If there are several stages, the texts name the stage: ``stage3 1.4 d -18``.
     """

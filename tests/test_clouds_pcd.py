@@ -78,7 +78,7 @@ def test_compressed_files_are_read():
 
 
 @pytest.mark.parametrize("encoding", ["binary", "ascii", "binary_compressed"])
-def test_any_field_order_padding_counts_and_types_are_read(encoding):
+def test_any_field_layout_is_read(encoding):
     layout = {
         "fields": "rgb z _ intensity normal x y",
         "size": "4 8 1 2 4 4 8",

@@ -58,7 +58,7 @@ def without_defaults(right, promise):
     return function
 
 
-def with_first_argument(change):
+def with_changed_first_argument(change):
     """Break a function by changing its first argument; `change` receives all arguments."""
 
     def broken(right, promise):
@@ -71,7 +71,7 @@ def with_first_argument(change):
     return broken
 
 
-def with_answer(change):
+def with_changed_answer(change):
     """Break a function by changing its answer; `change` also receives the arguments."""
 
     def broken(right, promise):
@@ -126,17 +126,17 @@ def separates_equal_points(labels, cloud, *others):
 BREAKING_FUNCTIONS = {
     "names": positional_only,
     "default": without_defaults,
-    "three_columns": with_first_argument(indexes_intensity),
-    "fourth_column": with_first_argument(adds_intensity),
-    "few_points": with_first_argument(needs_a_point),
-    "nothing_left": with_first_argument(needs_a_point),
-    "all_columns": with_answer(lambda rows, *given: rows[:, :3]),
-    "order": with_answer(lambda rows, *given: rows[::-1]),
-    "no_boxes": with_first_argument(needs_a_label),
-    "gaps": with_first_argument(counts_to_the_number_of_labels),
-    "ascending": with_answer(orders_by_appearance),
-    "noise": with_first_argument(boxes_noise),
-    "equal_points": with_answer(separates_equal_points),
+    "three_columns": with_changed_first_argument(indexes_intensity),
+    "fourth_column": with_changed_first_argument(adds_intensity),
+    "few_points": with_changed_first_argument(needs_a_point),
+    "nothing_left": with_changed_first_argument(needs_a_point),
+    "all_columns": with_changed_answer(lambda rows, *given: rows[:, :3]),
+    "order": with_changed_answer(lambda rows, *given: rows[::-1]),
+    "no_boxes": with_changed_first_argument(needs_a_label),
+    "gaps": with_changed_first_argument(counts_to_the_number_of_labels),
+    "ascending": with_changed_answer(orders_by_appearance),
+    "noise": with_changed_first_argument(boxes_noise),
+    "equal_points": with_changed_answer(separates_equal_points),
 }
 
 
@@ -206,7 +206,7 @@ def other_checks_about_writing(exercise):
 
 @pytest.mark.parametrize("exercise", [name for name in LESSONS if LESSONS[name][:2] < "10"])
 def test_right_answers_pass_all_common_checks(exercise):
-    wrapped = with_answer(lambda answer, *given: answer)(right_function(exercise), None)
+    wrapped = with_changed_answer(lambda answer, *given: answer)(right_function(exercise), None)
     names = {promise.name for promise in common_checks.all_promises()}
     messages = failures(exercise, wrapped)
     assert {name: text for name, text in messages.items() if name in names} == {}

@@ -81,7 +81,7 @@ def test_the_version_that_ran_the_code_decides():
     assert reasons(source, (3, 13)) == reasons(source)
 
 
-def test_a_module_of_the_student_may_have_any_name():
+def test_a_students_module_may_have_any_name():
     assert reasons("from compression import zip", (), {"compression"}) == set()
 
 

@@ -95,7 +95,7 @@ def test_tables_from_spreadsheets_and_nbgrader_are_read(course, text, people):
         ('id,first_name\nb,"Yan\nc,C\n', "Is a quotation mark missing?"),
         (
             "id,last_name\nb,Müller\n".encode("cp1252"),
-            "is not in UTF-8. In the spreadsheet, save it again",
+            "is not encoded in UTF-8. Save it again from your spreadsheet",
         ),
     ],
 )

@@ -257,11 +257,11 @@ def _unjudged_cell(verdict: Verdict) -> MarkCell:
 
 
 def _judged_row(
-    id: str, lessons: Sequence[Lesson], judged: Mapping[str, Verdict], results: ClassResults
+    id: str, lessons: Sequence[Lesson], verdicts: Mapping[str, Verdict], results: ClassResults
 ) -> StudentRow:
     cells = []
     for lesson in lessons:
-        verdict = judged.get(lesson.name)
+        verdict = verdicts.get(lesson.name)
         if verdict is None:
             cells.append(MarkCell("–", "missing: nothing was submitted"))
         elif verdict.status != JUDGED:
@@ -269,6 +269,6 @@ def _judged_row(
         else:
             points = results.judged_points(verdict)
             cells.append(MarkCell(rounded_points(points), "", points))
-    scores = [results.judged_points(one) for one in judged.values() if one.status == JUDGED]
+    scores = [results.judged_points(one) for one in verdicts.values() if one.status == JUDGED]
     total = MarkCell(rounded_points(sum(scores)), "by the judge", sum(scores))
     return StudentRow(Person(id), not results.people, tuple(cells), MarkCell(""), total)

@@ -78,7 +78,7 @@ class TimedDetector:
         return timed
 
     def __call__(self, cloud: np.ndarray) -> dict[str, float]:
-        """Run the detector; return the seconds of each step, of the rest, and of the whole."""
+        """Run the detector; return the seconds for each step, for the rest, and in total."""
         self._seconds.clear()
         begin = time.perf_counter()
         self._detect(cloud)

@@ -175,7 +175,7 @@ class PclPeer:
         self.process = self._program.pid
 
     def __call__(self) -> np.ndarray:
-        """Return the points' labels, or one zero per detected box."""
+        """Return the points' labels, or zeros whose number is that of the detected boxes."""
         try:
             self._program.stdin.write("\n")
             self._program.stdin.flush()

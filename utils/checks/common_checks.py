@@ -1,7 +1,7 @@
 """Checks that many exercises share, called promises, each declared in a few lines.
 
-A lesson describes a plain call of its exercise once. For each promise, it then gives the name, the
-weight and the texts. The promise becomes an ordinary visible check, in the order of declaration::
+A lesson describes one plain call to the function of an exercise. For each promise, it then gives
+the name, the weight and the texts. The promise becomes an ordinary visible check, in the order of declaration::
 
     _CROP = Case(__name__, "crop_region", {"cloud": _ROOM, "minimum": ..., "maximum": ...},
                  expected=_INSIDE, compare=assert_boxed, precondition=assert_crops)
@@ -36,7 +36,7 @@ def _no_precondition(function: Callable) -> None:
 
 @dataclass(frozen=True)
 class Case:
-    """A plain call of an exercise whose right answer is known.
+    """A plain call to the function of an exercise, whose right answer is known.
 
     Attributes
     ----------

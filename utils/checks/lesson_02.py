@@ -279,7 +279,7 @@ declare_mistakes(
         "Compute c after you have divided a and b.",
     ),
     Mistake(
-        "The three numbers (a, b, c) together have length 1, but the normal (a, b) does not.",
+        "The vector (a, b, c) has length 1, but the normal (a, b) does not.",
         lambda right, p, q: right / np.linalg.norm(right),
         "Divide only by the length of (a, b).",
     ),

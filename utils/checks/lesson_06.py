@@ -601,9 +601,9 @@ common_row_checks.note_array(_GRID_CASE, "gives_an_array")
 @note_check(
     "voxel_grid",
     title="Puts points on a cell border into the upper cell",
-    why="The docstring says floor(xyz / voxel_size), and np.ceil puts such points into the lower "
-    "cell. Hardly any point of a scan is on a border, but many points of a cloud rounded to "
-    "centimetres are.",
+    why="The docstring says floor(xyz / voxel_size). With np.ceil, points on a border would be in "
+    "the lower cell. In a scan, hardly any point is on a border, but in a cloud rounded to "
+    "centimetres, many points are.",
 )
 def rounds_down(voxel_grid: Callable) -> None:
     cloud = np.full((3, 4), 0.1)

@@ -26,7 +26,7 @@ class SkippedCell:
     number : int
     source : str
     reason : str
-        The rest of a sentence that begins with the cell.
+        Why the cell was skipped, as the rest of a sentence, such as "is not valid Python".
     detail : str
         Python's message and the line that it is about; may be empty.
     remedy : str

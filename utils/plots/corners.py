@@ -191,7 +191,7 @@ def _sorted_around_centre(box: np.ndarray, rows: np.ndarray) -> np.ndarray:
 
 
 def _project_obliquely(points: np.ndarray, *, depth: bool = False) -> np.ndarray:
-    """Project points to the drawing (n, 2), seen from behind, right and above.
+    """Project points onto the drawing plane (n, 2), as seen from the rear right and above.
 
     With `depth`, return the depth of each point along the line of sight (n,) instead.
     """

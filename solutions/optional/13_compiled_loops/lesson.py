@@ -794,7 +794,7 @@ if ready(count_near, root_of, unite, any_close, snuggest_turn):
 #
 # Each task takes about 20 minutes.
 #
-# 1. Put `@njit(parallel=True)` and `prange` into `count_near`. From how many points on is it faster?
+# 1. Put `@njit(parallel=True)` and `prange` into `count_near`. How many points does it take before the parallel version is faster?
 # 2. Convert the cloud to `float32`. Which answers change?
 # 3. With `@njit(cache=True)`, how long does the first call take after a restart?
 #

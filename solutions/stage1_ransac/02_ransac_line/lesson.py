@@ -188,7 +188,7 @@ def line_through(p, q):
 # </details>
 
 # %% [markdown]
-# **Two lines by hand first.** One goes through (0, 1) and (4, 1), and the other is the line in the picture. All three numbers may have the opposite sign.
+# **Two lines by hand first.** One goes through (0, 1) and (4, 1), and the other is the line in the picture. Your three numbers may all have the opposite sign to the expected ones, because that is the same line.
 
 # %%
 print("yours:   ", np.round(line_through(np.array([0.0, 1.0]), np.array([4.0, 1.0])), 2) + 0)
@@ -317,7 +317,7 @@ for axes in grid.flat:
     axes.plot(ring_x, ring_y, "o", color="black", markersize=11, fillstyle="none")
 
 # %% [markdown]
-# A sample is *good* if both of its points belong to the wall, the rows 0 to 9.
+# A sample is *good* if both of its points belong to the wall (rows 0 to 9).
 
 # %%
 good_samples = predict("Two of the twenty points are drawn at random. How often is the sample good?",

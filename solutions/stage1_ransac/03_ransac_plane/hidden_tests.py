@@ -340,7 +340,7 @@ def test_finds_planes_in_any_direction(student, seed):
 @hidden(
     "ransac_plane",
     weight=3,
-    title="Finds the plane among twice as many outliers",
+    title="Finds the plane when outliers outnumber inliers two to one",
     hint="Draw three new rows in every round, and return the best of all rounds, not the last.",
 )
 def test_finds_planes_among_many_outliers(student, seed):

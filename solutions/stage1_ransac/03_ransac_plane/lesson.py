@@ -248,7 +248,7 @@ def point_plane_distance(points, plane):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# `a, b, c, d = plane` unpacks the four numbers. `points[:, 0]` is the column of all x.
+# `a, b, c, d = plane` unpacks the four numbers. `points[:, 0]` is the column of x values.
 # </details>
 # <details><summary>Hint 2</summary>
 #

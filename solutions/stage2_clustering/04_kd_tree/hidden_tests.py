@@ -502,7 +502,7 @@ def test_medians_of_street(student, seed):
     "median_order",
     weight=2,
     title="Works on single precision, another memory order and points far from the origin",
-    hint="Return the row numbers that the points have in the given array.",
+    hint="Return row numbers of the given array, not of a copy that you have sorted or split.",
 )
 def test_median_extremes(student, seed):
     rng = np.random.default_rng(seed)

@@ -248,7 +248,7 @@ def insert(tree, point, index):
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# In the loop, compute `axis = depth % len(point)`. In the branch `if point[axis] < node.point[axis]:`, set `node.left` and return if it is `None`, otherwise write `node = node.left`. The `else:` branch does the same with `node.right`. Last, add 1 to the depth.
+# In the loop, compute `axis = depth % len(point)`. In the branch `if point[axis] < node.point[axis]:`, check whether `node.left` is `None`. If it is, put the new node there and return. Otherwise, write `node = node.left`. The `else:` branch does the same with `node.right`. Last, add 1 to the depth.
 # </details>
 
 # %% [markdown]
@@ -311,7 +311,7 @@ pruned = predict("Which branch is pruned?",
                           "right of node 3 and left of node 0"])
 
 # %% [markdown]
-# Squares mark the nodes that the search looks at, and green points are found. Pruned branches are hatched, and crossed out in the tree.
+# Squares mark the nodes that the search visits, and the points that it finds are green. Pruned branches are hatched, and crossed out in the tree.
 
 # %%
 looked_at, near_ones = [3, 0, 1, 4], [i for i in range(7) if dist(seven[i], target) <= radius]

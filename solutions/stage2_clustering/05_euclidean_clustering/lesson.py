@@ -123,7 +123,7 @@ plots.graph(seven, close_pairs(seven, 0.8), names=True, axes=axes,
 #
 # $$\lVert p_i - p_j \rVert \;<\; d .$$
 #
-# The bars are the straight distance in space, $\sqrt{\Delta x^2 + \Delta y^2 + \Delta z^2}$. The clusters are the *connected components* of this graph: its separate pieces. The result depends on $d$ alone, not on a first point, a number of clusters or a shape.
+# The double bars denote the straight-line distance in space, $\sqrt{\Delta x^2 + \Delta y^2 + \Delta z^2}$. The clusters are the *connected components* of this graph: its separate pieces. The result depends on $d$ alone, not on a first point, a number of clusters or a shape.
 #
 # Here a real car grows from one point. Each step adds every point within half a metre of a member. Triangles join in this step. Squares joined before.
 

@@ -174,7 +174,7 @@ check(filter_by_distance)
 #
 # *Near the sensor, one more metre brings thousands of points. Far away, it brings dozens.*
 #
-# The scan is simulated, so we know what each return hit, and can draw only the obstacles. A car drives ahead of us in our lane, on the line y = 0. At which radius does it appear? From which radius on does the picture hardly change?
+# The scan is simulated, so we know what each return hit, and can draw only the obstacles. A car drives ahead of us in our lane, on the line y = 0. At which radius does it appear? Beyond what radius does the picture hardly change?
 
 # %%
 from utils.datasets import DATA

@@ -433,8 +433,8 @@ show_table(["kind", "distance", "points"], rows)
 #
 # | what the code does | what you see |
 # |---|---|
-# | moves labels up inside the loop | of consecutive small clusters, every second one is still there |
-# | moves labels up at the end | no cluster is missing, but the colours have changed |
+# | renumbers the labels inside the loop | of consecutive small clusters, every second one is still there |
+# | renumbers the labels at the end | no cluster is missing, but the colours have changed |
 # | compares `label < min_num_points` | the first 99 clusters are gone, whatever their size |
 # | compares with `>` instead of `<` | only spray, road and other small clusters are left |
 # | deletes the labels of small clusters | a later error: fewer labels than points |

@@ -474,7 +474,7 @@ plots.curves(curves, marks, across="angle of the rectangle (°)", up="area (m²)
              title="Area of the rectangle around two cars");
 
 # %% [markdown]
-# The valley of car 9 has a sharp bottom at the true angle. Turn a rectangle away from a full outline of sides $L$ and $W$ by a small angle $\delta$ (in radians), and its area grows by $(L^2 + W^2)\,\delta$. For a car, that is about 0.36 m² for each degree. Only the outline matters, not how dense the points are.
+# The valley of car 9 has a sharp bottom at the true angle. If the whole outline is visible, with sides $L$ and $W$, turning the rectangle away from it by a small angle $\delta$ (in radians) adds $(L^2 + W^2)\,\delta$ to its area. For a car, that is about 0.36 m² for each degree. Only the outline matters, not how dense the points are.
 #
 # The valley of car 10 is wide, and its bottom is not at the truth, because much of the car is out of sight. And all nine?
 
@@ -807,7 +807,7 @@ flips.compare("all three" if min(jumps.values()) > 0 else "both of them, but not
 # %% [markdown]
 # The truth jumps by 360°, because angles do. The first axis jumps by 180°, and the smallest rectangle by 90°.
 #
-# The box stays the same set of corners, but a tracker needs a steady heading. Of all headings that differ by quarter turns, take the one nearest to the frame before. `np.unwrap` does that in one line, given the period. Which of the four is the front? The direction of motion answers that, and here the truth of the first frame does.
+# The box stays the same set of corners, but a tracker needs a steady heading. Of all headings that differ by quarter turns, take the one nearest to the heading in the previous frame. `np.unwrap` does that in one line, given the period. Which of the four is the front? On the road, the direction of motion answers that. Here we take the true heading in the first frame.
 
 # %%
 def steady(values, start):

@@ -459,7 +459,7 @@ for number, axes in zip((0, 1, 2), rows):
                 limits=((1, 27), (-4.5, 7.5)), title=f"frame {number}")
 
 # %% [markdown]
-# If a box appears or disappears early in the list, all later numbers change. To measure how fast an object moves, we must find its box in the frame before.
+# If a box appears or disappears early in the list, all later numbers change. To measure how fast an object moves, we must find its box in the previous frame.
 #
 # ## Exercise 2 · `match_boxes` (points)
 #
@@ -469,7 +469,7 @@ for number, axes in zip((0, 1, 2), rows):
 
 # %% nbgrader={"grade": false, "grade_id": "match_boxes", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def match_boxes(previous, current, max_distance):
-    """Match each box of a frame with a box of the frame before.
+    """Match each box of a frame with a box of the previous frame.
 
     Parameters
     ----------
@@ -515,7 +515,7 @@ def match_boxes(previous, current, max_distance):
 # </details>
 
 # %% [markdown]
-# **First a tiny case.** In the frame before, two boxes were at x = 0 and x = 10. Now there are three, at x = 0.8, 0.3 and 9.6, and `max_distance` is 1 m. The first two are both close to previous box 0. The second is nearer and gets it, so the answer is −1, 0, 1.
+# **First a tiny case.** In the previous frame, two boxes were at x = 0 and x = 10. Now there are three, at x = 0.8, 0.3 and 9.6, and `max_distance` is 1 m. The first two are both close to previous box 0. The second is nearer and gets it, so the answer is −1, 0, 1.
 
 # %%
 unit_box = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], dtype=float)
@@ -547,7 +547,7 @@ check(match_boxes)
 # %% [markdown]
 # ## Part 2 · The tracker
 #
-# In part 1 you wrote `detect_obstacles`, which turns a scan into boxes, and `match_boxes`, which finds each box in the frame before. Now each obstacle gets a track ID.
+# In part 1 you wrote `detect_obstacles`, which turns a scan into boxes, and `match_boxes`, which finds each box in the previous frame. Now each obstacle gets a track ID.
 #
 # A [track](#Words-of-the-course) is one obstacle through many frames: an ID, a box and a velocity. If IDs are only passed from box to box, they are lost in two ways. **The ego car moves:** at 5 m/s every stationary object comes 0.5 m nearer in each frame, and oncoming cars twice as far. **Boxes flicker:** for a frame or two an object has too few points, or is hidden behind another. Four moves help, and you have written one of them:
 #
@@ -620,7 +620,7 @@ def correct_boxes(expected, velocities, found, gain, seconds):
     gain : float
         From 0 (only what was expected counts) to 1 (only what was found counts).
     seconds : float
-        Time since the frame before.
+        Time since the previous frame.
 
     Returns
     -------
@@ -664,7 +664,7 @@ def coast(missed, partners, patience):
     Parameters
     ----------
     missed : ndarray of int, shape (N_tracks,)
-        Number of frames in a row without a box for each track, up to the frame before.
+        Number of frames in a row without a box for each track, up to the previous frame.
     partners : ndarray of int, shape (N_boxes,)
         Result of `match_boxes`: for each box of this frame the row of its track, or -1.
     patience : int
@@ -801,7 +801,7 @@ for track_id in track_ids[-1][within(detected[-1], carriageway)].tolist():
 plots.ring(axes, -2.8, 4.1, radius=1.3, text="what is this box?");
 
 # %% [markdown]
-# Parked cars have come half a metre nearer per frame. Objects that drive in our direction leave a short trail, and oncoming ones a long trail. A trail that bends or jumps shows a box that grew, shrank or merged with another. The ringed box holds two objects: a lorry that passes us, and a parked car next to it, closer than the threshold. A moment ago each had its own box and ID.
+# Parked cars have come half a metre nearer per frame. Objects that drive in our direction leave a short trail, and oncoming ones a long trail. A trail that bends or jumps shows a box that grew, shrank or merged with another. The ringed box holds two objects: a lorry that is passing us, and a parked car less than the threshold away from it. A moment ago each had its own box and ID.
 #
 # `python -m utils.play city --detector 12_streaming_obstacles.ipynb` plays the stream in a window, with your boxes, IDs and trails. `--record city.gif` makes a film.
 #

@@ -460,7 +460,7 @@ def test_most_boxes_move_half_a_metre_per_frame(lesson_names):
     assert np.mean([len(boxes) for boxes in lesson_names["detected"]]) == pytest.approx(30, abs=2)
 
 
-def test_oncoming_cars_come_twice_as_far_as_parked_ones(lesson_names):
+def test_oncoming_cars_approach_twice_as_fast_as_parked_cars(lesson_names):
     speeds = {
         box.velocity[0] for box in lesson_names["city"][0].boxes if box.kind in ("car", "truck")
     }

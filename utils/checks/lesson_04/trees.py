@@ -405,7 +405,7 @@ def exact_text(point: Sequence[float]) -> str:
 
 
 def few_points_text(points: ArrayLike) -> str | None:
-    """Return points as text, in their order; None if there are more than seven."""
+    """Return points as text, in the given order; None if there are more than seven."""
     if len(points) > 7:
         return None
     is_plural = len(points) > 1

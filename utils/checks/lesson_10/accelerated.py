@@ -533,7 +533,7 @@ def _pairs_of_points(gap: float) -> np.ndarray:
 def _diagonal_pairs() -> np.ndarray:
     """Return 100 pairs of points 1.01 m apart; shape (200, 3).
 
-    Each pair fits into a cell with the side 1 / sqrt(2) m.
+    Each pair fits into a cell with sides of 1 / sqrt(2) m.
     """
     grid = np.stack(np.meshgrid(np.arange(10), np.arange(10), [0]), axis=-1).reshape(-1, 3)
     corners = (7 * grid + 1) / np.sqrt(2)

@@ -257,7 +257,7 @@ def _exact_arguments(label: np.ndarray) -> tuple:
 @visible_check(
     "join_exactly",
     title="Joins all cells of both pieces that points 3 and 4 connect",
-    why="If only one cell of a piece gets the new label, the rest of a car keeps the old one.",
+    why="If only one cell of a piece gets the new label, the rest of the car keeps the old one.",
     hint="If a distance is below the threshold, give all cells of both pieces the same label: "
     "compute the components of the pieces, then index the components with [label]. In a loop over "
     "pairs of cells, write label[label == label[b]] = label[a].",

@@ -291,10 +291,10 @@ def places_boxes_between(correct_boxes: Callable) -> None:
 @visible_check(
     "correct_boxes",
     title="Returns the found box, moved as a whole",
-    why="The size and heading of the found box were measured just now. The expected box has an "
-    "old size and heading.",
-    hint="Move all corners of found back by the same part of off: found - (1 - gain) * off[:, "
-    "None].",
+    why="The size and heading of the found box were measured just now. Those of "
+    "the expected box are out of date.",
+    hint="Move all corners of found back by the same fraction of off: found - (1 - gain) * "
+    "off[:, None].",
 )
 def keeps_the_shape(correct_boxes: Callable) -> None:
     with precondition("each box is between its expected and its found position"):
