@@ -174,8 +174,8 @@ def read_roster(course: Course) -> Roster | None:
         raise RosterError(
             f"{path.name}, line {error.line}: {error}. Is a quotation mark missing?"
             if error.line
-            else f"{path.name} is not encoded in UTF-8. Save it again from your spreadsheet program "
-            "as CSV UTF-8."
+            else f"{path.name} is not encoded in UTF-8. Save it again from your spreadsheet "
+            "program as CSV UTF-8."
         ) from error
     return Roster(tuple(_parse_people(path.name, table)))
 

@@ -1,7 +1,8 @@
 """Checks that many exercises share, called promises, each declared in a few lines.
 
 A lesson describes one plain call to the function of an exercise. For each promise, it then gives
-the name, the weight and the texts. The promise becomes an ordinary visible check, in the order of declaration::
+the name, the weight and the texts. The promise becomes an ordinary visible check, in the order of
+declaration::
 
     _CROP = Case(__name__, "crop_region", {"cloud": _ROOM, "minimum": ..., "maximum": ...},
                  expected=_INSIDE, compare=assert_boxed, precondition=assert_crops)
