@@ -15,7 +15,10 @@ from grader.course.nbgrader_settings import configure
 from grader.lms import exchange_collection
 
 STAGE, NOTEBOOK = "stage3_obstacles", "06_filter_ground.ipynb"
-USER = getpass.getuser()
+try:
+    USER = getpass.getuser()
+except (KeyError, OSError):  # an account without a name, as in some containers
+    USER = f"user {os.getuid()}"
 TIME = "2026-01-10 10:00:00.000000 UTC"
 LATER = "2026-01-11 10:00:00.000000 UTC"
 
