@@ -130,7 +130,9 @@ def run_release(options: argparse.Namespace) -> int:
     )
     if left_out:
         names = ", ".join(lesson.name for lesson in left_out)
-        print(f"Released, although they do not count according to deadlines.toml: {names}.")
+        print(
+            f"These lessons were released, but do not count according to deadlines.toml: {names}."
+        )
     return SUCCESS
 
 

@@ -373,12 +373,9 @@ def print_autograder(
         lines.insert(2, f"Grade by hand in Gradescope: {names}.")
     if uncounted_items:
         lines.append(
-            f"According to deadlines.toml, {', '.join(uncounted_items)} "
-            f"{'does' if len(uncounted_items) == 1 else 'do'} not count, but this autograder "
-            "gives points for "
-            f"{'it' if len(uncounted_items) == 1 else 'them'}. To leave "
-            f"{'it' if len(uncounted_items) == 1 else 'them'} "
-            "out, judge here, and run: python -m grader export --format gradescope"
+            "This autograder also gives points for lessons or exercises that do not count "
+            f"according to deadlines.toml: {', '.join(uncounted_items)}. To leave them out, judge "
+            "here, and run: python -m grader export --format gradescope"
         )
     Console(highlight=False, soft_wrap=True).print("\n".join(lines), markup=False)
 
@@ -420,7 +417,7 @@ def print_collected(report: CollectionReport) -> None:
     for sentence in _collection_sentences(report):
         console.print(printable_text(sentence), markup=False, soft_wrap=True)
     _print_questions(console, "For your information", report.remarks)
-    _print_questions(console, "Collected, but one answer is needed", report.doubts)
+    _print_questions(console, "Collected, but the owner is in doubt", report.doubts)
     _print_questions(console, "Not collected until you decide", report.questions)
     if any("/" in question.name for question in report.questions):
         console.print(
@@ -479,10 +476,10 @@ def _collection_sentences(report: CollectionReport) -> Iterator[str]:
         some = ", ".join(list(report.ignored)[:5]) + (", …" if len(report.ignored) > 5 else "")
         yield f"Files that no lesson needs were not collected: {some}."
     if report.students_with_time is not None:
+        collected = sum(map(bool, report.states.values()))
         yield (
-            f"The table has submission times for {len(report.students_with_time)} of "
-            f"{len(report.states)} "
-            "students."
+            "The table has the submission time of "
+            f"{len(report.students_with_time)} of the {collected} students with notebooks."
         )
     students_by_reason: dict[str, list[str]] = {}
     for student, reason in report.undecided.items():
@@ -500,8 +497,8 @@ def _collection_sentences(report: CollectionReport) -> Iterator[str]:
     if report.late_students:
         yield (
             f"Late, but without a submission time: {', '.join(report.late_students)}. No penalty "
-            "is "
-            "subtracted until the time is known. Add times with --timestamps FILE, or write each "
+            "is subtracted until the time is known. Add times with --timestamps FILE, or write "
+            "each "
             "time, such as 2026-11-22 18:30:00 UTC, into timestamp.txt in the student's folder."
         )
 

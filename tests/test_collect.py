@@ -457,7 +457,7 @@ def test_members_of_moodle_teams_are_named_by_options_or_the_worksheet(course):
     ],
 )
 def test_a_file_of_a_team_has_one_submission_time(course, rows, times):
-    """It is the time of the member whom the archive names, or else of any other member."""
+    """It is the time of the member named in the archive, or else of any other member."""
     table = course.root / "times.csv"
     table.write_text(f"id,Last modified (submission)\n{rows}\n")
     path = archive(course, [(f"ada/{SIX}.ipynb", notebook())])
@@ -1460,7 +1460,7 @@ def test_an_open_question_about_collected_files_is_shown_as_such(course, run_com
     path = archive(course, files)
     assert run_command(path) == 1
     output = capsys.readouterr().out
-    assert "Collected, but one answer is needed:" in output and "until you decide" not in output
+    assert "Collected, but the owner is in doubt:" in output and "until you decide" not in output
     assert run_command(path, "--who", "teamrot_4001=ada") == 0
 
 
@@ -1487,7 +1487,7 @@ def test_the_number_of_times_in_the_table_is_reported(course, run_command, capsy
     assert "submission times" not in capsys.readouterr().out
     run_command(path, "--timestamps", table)
     output = " ".join(capsys.readouterr().out.split())
-    assert "The table has submission times for 1 of 2 students." in output
+    assert "The table has the submission time of 1 of the 2 students with notebooks." in output
 
 
 @pytest.mark.parametrize(

@@ -193,6 +193,10 @@ def test_unknown_and_ambiguous_students_are_reported(course, capsys):
     )
     with pytest.raises(UnknownStudent, match="Do you mean bob .Bob Bell.. Use the student's id"):
         find_student(course, "B'ell")
+    many = "".join(f"a{number},Anna,No{number},\n" for number in range(4))
+    (course.root / "roster.csv").write_text(ROSTER + many)
+    with pytest.raises(UnknownStudent, match="has no folder in submitted/. Correct the name."):
+        find_student(course, "nna")
     (course.root / "roster.csv").write_text(ROSTER + "ada2,Ada,Ash,\n")
     with pytest.raises(
         UnknownStudent, match="may be ada .Ada Ash. or ada2 .Ada Ash.. Use the student's id"

@@ -270,7 +270,10 @@ def write_extension(folder, until):
     ("text", "message"),
     [
         ("", ""),
-        ('lessons = ["06"]\n', "according to deadlines.toml: 07_filter_by_distance, 08_bound"),
+        (
+            'lessons = ["06"]\n',
+            "but do not count according to deadlines.toml: 07_filter_by_distance, 08_bound",
+        ),
         ('lessons = ["06", "07", "08", "09"]\n', ""),
     ],
 )

@@ -10,6 +10,8 @@ from grader.course.lessons import stages
 from grader.course.paths import Course
 from grader.course.roster import Person, Roster, letters_and_digits, read_roster, roster_path
 
+MAX_SUGGESTIONS = 3
+
 
 class UnknownStudent(Exception):
     """A text matches no student or several students; the message is shown to the user."""
@@ -38,14 +40,15 @@ def find_student(course: Course, text: str) -> str:
     if text in _student_folders(course):
         return text
     prefix = "is not on the roster, and " if roster else ""
-    similar = " or ".join(
+    name_part = letters_and_digits(text)
+    similar = [
         person.display_name
         for person in (roster.people if roster else ())
-        if letters_and_digits(text)
-        and letters_and_digits(text)
-        in letters_and_digits(f"{person.first_name} {person.last_name}")
-    )
-    remedy = f"Do you mean {similar}? Use the student's id" if similar else "Correct the name"
+        if name_part and name_part in letters_and_digits(f"{person.first_name} {person.last_name}")
+    ]
+    remedy = "Correct the name"
+    if 0 < len(similar) <= MAX_SUGGESTIONS:
+        remedy = f"Do you mean {' or '.join(similar)}? Use the student's id"
     raise UnknownStudent(f"{text!r} {prefix}has no folder in {course.submitted.name}/. {remedy}.")
 
 

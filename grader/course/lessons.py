@@ -189,15 +189,13 @@ def registry_faults() -> list[str]:
         if (first_lesson := by_number.setdefault(lesson.number, lesson)) != lesson:
             faults.append(
                 f"{first_lesson.name} and {lesson.name} have the same number. Renumber one of "
-                "them and "
-                f"its checks in utils/checks/lesson_{lesson.number}."
+                f"them and its checks in utils/checks/lesson_{lesson.number}."
             )
         for exercise in re.findall(r'"grade": true, "grade_id": "test_(\w+)"', lesson.text):
             if (first_lesson := by_exercise.setdefault(exercise, lesson)) != lesson:
                 faults.append(
                     f"{first_lesson.name} and {lesson.name} both have an exercise {exercise}. "
-                    "Rename one "
-                    "of the two."
+                    "Rename one of the two."
                 )
     return faults
 

@@ -203,8 +203,8 @@ class CollectOrdinaryFiles(ExchangeCollect):
             if owner != student:
                 raise NotCollected(
                     f"claims to be from {student}, but {description} belongs to {owner}. If "
-                    "accounts and "
-                    "students have different names, set `c.ExchangeCollect.check_owner = False`."
+                    "accounts and students have different names, set "
+                    "`c.ExchangeCollect.check_owner = False`."
                 )
         return status.st_ctime
 

@@ -42,8 +42,7 @@ def assignment_notes(results: ClassResults, deadlines: Deadlines | None) -> Iter
     for lesson, names in students.items():
         yield (
             f"{lesson} of {', '.join(names)} does not count, because {DEADLINES_FILE} does not "
-            "list "
-            "it below the stage."
+            "list it below the stage."
         )
     for stage in dict.fromkeys(result.stage for result in results.notebooks):
         if deadlines is None or deadlines.assigned_lessons(stage) is None:
@@ -162,8 +161,7 @@ def _zone_notes(
     yield (
         f"{stage.student}, {stage.stage}: the time in timestamp.txt has no time zone and was read "
         f"as UTC: {_format_lateness(stage.late)}. In the time zone of the course, the work would "
-        "be "
-        f"{_format_lateness(late)}. Add the zone to that time, as in "
+        f"be {_format_lateness(late)}. Add the zone to that time, as in "
         f"{stage.submitted_at:%Y-%m-%d %H:%M:%S} UTC or {local:%Y-%m-%d %H:%M:%S%z}, and run grade "
         "again."
     )

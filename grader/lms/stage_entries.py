@@ -59,8 +59,7 @@ def group_entries(
         if student != printable_name(student):  # no database can store this ID
             problems.append(
                 f"{printable_name(student)}, {stage}: not entered, because the name of the folder "
-                "in "
-                "submitted/ is not valid UTF-8. Rename the folder."
+                "in submitted/ is not valid UTF-8. Rename the folder."
             )
             continue
         failed = [pair for pair in pairs if pair[1].status != JUDGED]

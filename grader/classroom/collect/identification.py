@@ -52,8 +52,7 @@ def lesson_of(
             return content_lesson
         raise ContradictoryLesson(
             f"is named {named_lesson.name}, but contains lesson {content_lesson.name}. Open it to "
-            "see which is "
-            f"right, and add {lesson_option(file, content_lesson.number)} or "
+            f"see which is right, and add {lesson_option(file, content_lesson.number)} or "
             f"{lesson_option(file, named_lesson.number)}",
             (named_lesson, content_lesson),
         )

@@ -138,7 +138,7 @@ class Owners:
     def submission_rows(self, owner: Owner, id: str) -> Sequence[SubmissionRow]:
         """Return the rows in the worksheet that state when a student submitted an owner's files.
 
-        For a team, these are the rows of the member whom the archive names, or else the student's
+        For a team, these are the rows of the member named in the archive, or else the student's
         own rows, or else another member's.
         """
         members = self.ids_of(owner)

@@ -121,8 +121,7 @@ class StageFolder:
         if newer is None:
             raise UnclearVersion(
                 f"differs from {self._relative_path(existing)}, and it is unknown which of the "
-                "two is "
-                "newer. To collect this file, delete the other"
+                "two is newer. To collect this file, delete the other"
             )
         if not newer:
             return KEPT

@@ -110,8 +110,7 @@ def collect_marks(options: ExportOptions) -> Marks:
     if waiting and not options.provisional:
         raise ExportError(
             f"Not fully graded: {'; '.join(_list_by_lesson(waiting))}. Grade the written answers "
-            "in "
-            "Formgrader, and run `python -m grader grade` to enter other submissions. To export "
+            "in Formgrader, and run `python -m grader grade` to enter other submissions. To export "
             "the points so far, add --provisional."
         )
     marks, unmarked = [], {status: [] for status in UNMARKED_TITLES}
