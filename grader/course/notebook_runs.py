@@ -67,8 +67,10 @@ def _first_error(cells: Sequence[NotebookNode], checks_may_fail: bool) -> str:
         for output in cell.get("outputs", ()):
             if output.output_type == "error":
                 lines = (line for line in cell.source.splitlines() if not line.startswith("#"))
+                # Python 3.13 has a private name for the SyntaxError of a cell that ends too early.
+                error = output.ename.replace("_IncompleteInputError", "SyntaxError")
                 return (
                     f"the cell that begins with `{next(lines, '').strip()}` raises "
-                    f"{output.ename}: {output.evalue.rstrip('.')}."
+                    f"{error}: {output.evalue.rstrip('.')}."
                 )
     return ""
