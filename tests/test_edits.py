@@ -69,6 +69,14 @@ SLIPS = {
         "best = 0\nfor k in x:\n    n = f(k)\n    if n > best:\n        y = k\n"
         "        best = n\nreturn y",
     ),
+    "a counter that never grows": (
+        "y = 0\nfor k in x:\n    if k:\n        continue\n    z[k] = y\nreturn z",
+        "y = 0\nfor k in x:\n    if k:\n        continue\n    y += 1\n    z[k] = y\nreturn z",
+    ),
+    "a counter that never grows in an inner loop": (
+        "y = 1\nfor k in x:\n    while f(k):\n        g(y)\nreturn z",
+        "y = 1\nfor k in x:\n    while f(k):\n        g(y)\n        y += 1\nreturn z",
+    ),
     "a statement that comes too late": (
         "for k in x:\n    f(k)\n    y += k\n    z.append(k)\nreturn z",
         "for k in x:\n    z.append(k)\n    f(k)\n    y += k\nreturn z",
@@ -109,6 +117,9 @@ SLIPS = {
     ),
     "elif": ("if x:\n    f(x)\nif y:\n    f(y)", "if x:\n    f(x)\nelif y:\n    f(y)"),
     "a slice": ("return x", "return x[::-1]"),
+    "the last columns for the first": ("return f(x[:, -3:])", "return f(x[:, :3])"),
+    "the rest for the beginning": ("return x[n:]", "return x[:n]"),
+    "the beginning for the rest": ("return x[:n]", "return x[n:]"),
     "a needless slice": ("return x[::-1]", "return x"),
     "three columns": ("return f(x)", "return f(x[:, :3])"),
     "a forgotten return": ("f(x)\nnp.sort(y)", "f(x)\nreturn np.sort(y)"),
@@ -310,6 +321,21 @@ def line_through(p, q):
 """
     texts = [edit.text.strip() for edit in edits_in(code)]
     assert "return a, b, -(a * px + b * py)" in texts[:200]
+
+
+def growing_counters(*lines):
+    wrong = function("\n".join(lines))
+    return [edit for edit in edits_in(wrong) if " += 1" in edit.statement]
+
+
+def test_only_a_counter_that_no_loop_changes_gets_a_step():
+    loop = ("for k in x:", "    z[k] = y")
+    assert len(growing_counters("y = 0", *loop)) == 2
+    assert growing_counters("y = 0", *loop, "    y = k") == []
+    assert growing_counters("y = n", *loop) == []
+    assert growing_counters("y = False", *loop) == []
+    assert growing_counters(*loop, "y = 0") == []
+    assert growing_counters("y = 0", "for k in x:", "    z[k] = n", "return y") == []
 
 
 def test_the_number_of_edits_is_limited():

@@ -2,8 +2,8 @@
 
 An edit undoes a typical slip. It changes an operator, a comparison, a constant, a sign or an axis,
 or swaps two operands, arguments or statements. It may also add or remove a call, an index or a
-name, or move a statement. Another edit can usually undo it, but no edit invents a whole statement
-or a term that is not in the function.
+name, or move a statement. Another edit can usually undo it, but no edit invents a term that is not
+in the function. The only new statements copy one name to another, or let a counter grow.
 
 Singh et al. ("Automated feedback generation for introductory programming assignments", PLDI 2013)
 write such rules for each exercise, and let a solver compare the result with a model answer. Here
@@ -17,6 +17,7 @@ from __future__ import annotations
 import ast
 import contextlib
 import functools
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
@@ -135,6 +136,8 @@ def _changed_blocks(block: str, tree: ast.Module) -> Iterator[tuple[int, Callabl
         yield rank, functools.partial(str, text)
     for rank, text in _with_assignment(block, function):
         yield rank, functools.partial(str, text)
+    for text in _with_growing_counters(block, function):
+        yield -1, functools.partial(str, text)
     for text in _with_new_defaults(block, function):
         yield 0, functools.partial(str, text)
     for rank, replacements in edits_of_several_nodes(source, function, names):
@@ -200,6 +203,33 @@ def _with_assignment(block: str, function: ast.AST) -> Iterator[tuple[int, str]]
                     for name in inside:
                         text = f"{indent}{kept} = {name}"
                         yield rank, "\n".join([*lines[:first], text, *lines[first:]])
+
+
+def _with_growing_counters(block: str, function: ast.AST) -> Iterator[str]:
+    """Yield the block with an added `cluster += 1` in a loop that reads the counter `cluster`.
+
+    The counter is set only once in the function: to a whole number, before the loop.
+    """
+    lines = block.split("\n")
+    nodes = list(ast.walk(function))
+    times_set = Counter(node.id for node in nodes if _is_set(node))
+    counters = {
+        target.id: node.end_lineno
+        for node in nodes
+        if isinstance(node, ast.Assign) and type(getattr(node.value, "value", None)) is int
+        for target in node.targets
+        if isinstance(target, ast.Name) and times_set[target.id] == 1
+    }
+    steps = {}
+    for loop in (node for node in nodes if isinstance(node, (ast.For, ast.While))):
+        read = {node.id for node in ast.walk(loop) if isinstance(node, ast.Name)}
+        for name in [name for name in counters if name in read and counters[name] < loop.lineno]:
+            for statement in [node for part in loop.body for node in ast.walk(part)]:
+                if isinstance(statement, ast.stmt):
+                    text = f"{' ' * statement.col_offset}{name} += 1"
+                    steps[statement.lineno - 1, text] = steps[statement.end_lineno, text] = None
+    for line, text in steps:
+        yield "\n".join([*lines[:line], text, *lines[line:]])
 
 
 def _with_new_defaults(block: str, function: ast.AST) -> Iterator[str]:

@@ -497,6 +497,12 @@ def _slice_edits(source: SourceText, node: ast.Slice) -> Iterator[tuple[int, int
     if node.lower is None:
         begin = source.span(node)[0]
         yield 1, begin, begin, "1"
+    if node.step is None and (node.lower is None) != (node.upper is None):  # the other end
+        if node.upper is None:
+            bound = source.text_of(node.lower).removeprefix("-")
+            yield 1, *source.span(node), f":{bound}"
+        else:
+            yield 1, *source.span(node), f"{source.text_of(node.upper)}:"
     if node.upper is None and node.step is None:
         begin, end = source.span(node)
         for bound in ("-1", "2", "3"):

@@ -27,6 +27,7 @@ SLIPS = {
         Slip("skips the last point", "range(len(xyz))", "range(len(xyz) - 1)", SMALL),
         Slip("8-bit labels", "dtype=int", "dtype=np.uint8", SMALL),
         Slip("uses only y and z", "cloud[:, :3]", "cloud[:, 1:3]", USELESS),
+        Slip("uses the last three columns", "cloud[:, :3]", "cloud[:, -3:]", PARTLY),
         Slip("uses only x", "cloud[:, :3]", "cloud[:, :1]", USELESS),
         Slip("break instead of continue", "continue", "break", USELESS),
         Slip("if instead of while", "while waiting", "if waiting", USELESS),
