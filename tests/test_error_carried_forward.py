@@ -6,9 +6,10 @@ import shutil
 import pytest
 
 from grader.course.kept_answers import answers_to, fill_in
-from grader.course.lessons import Lesson, find_lesson
+from grader.course.lessons import Lesson, find_lesson, lesson_of
 from grader.judging import judge as judging
 from grader.judging.judge import judge
+from tests.test_slips import solution_of
 from utils.notebooks import slicing
 
 LESSON = find_lesson("02_ransac_line")
@@ -39,7 +40,6 @@ def judge_with(answers, sandbox, tmp_path):
         ("line_through", "the normal has any length"),
         ("line_through", "always None"),
         ("point_line_distance", "no absolute value"),
-        ("point_line_distance", "returns a list"),
         ("point_line_distance", "stub left in place"),
     ],
 )
@@ -50,6 +50,23 @@ def test_an_exercise_that_calls_a_wrong_helper_keeps_its_points(helper, name, sa
     assert calls.score == calls.max_score
     assert f"{helper}, which ransac_line calls, is wrong." in calls.cause
     assert [test.message for test in calls.tests if not test.passed] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("helper", "caller"),
+    [("point_line_distance", "ransac_line"), ("point_plane_distance", "ransac_plane")],
+)
+def test_a_helper_that_returns_a_list_costs_nothing(helper, caller, sandbox, tmp_path):
+    returns_a_list = next(one.source for one in answers_to(helper) if one.name == "returns a list")
+    lesson = lesson_of(helper)
+    path = tmp_path / f"{lesson.name}.ipynb"
+    right = {exercise.name: solution_of(exercise.name) for exercise in lesson.machine_graded}
+    path.write_text(fill_in(lesson, right | {helper: returns_a_list}), "utf-8")
+    verdict = judge(path, 7, sandbox)
+    assert verdict.score == verdict.max_score
+    [result] = [exercise for exercise in verdict.exercises if exercise.name == caller]
+    assert f"{helper}, which {caller} calls, is right" in result.cause
 
 
 @pytest.mark.slow

@@ -5,6 +5,7 @@ import pytest
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import find_lesson
 from grader.judging.judge import judge
+from tests.test_slips import solution_of
 from utils.checks import check
 from utils.checks.core import ChecksFailed
 
@@ -60,6 +61,19 @@ def test_right_boxes_over_wrong_axes_earn_everything(axes, least, sandbox, tmp_p
     assert "principal_axes, which get_oriented_boxes calls, is wrong" in boxes.cause
     assert "not started" not in boxes.cause
     assert least <= judged["principal_axes"].score < 10
+
+
+def test_axes_in_a_list_cost_nothing(sandbox, tmp_path):
+    """The hint's principal_axes(...)[:, 0] does not work on a list."""
+    axes = solution_of("principal_axes")
+    in_a_list = axes.replace("def principal_axes(", "def axes_of(") + (
+        "\n\ndef principal_axes(points):\n    return axes_of(points).tolist()\n"
+    )
+    judged = results(in_a_list, AS_HINTED, sandbox, tmp_path)
+    assert [one.score for one in judged.values()] == [one.max_score for one in judged.values()]
+    assert "principal_axes, which get_oriented_boxes calls, is right" in (
+        judged["get_oriented_boxes"].cause
+    )
 
 
 @pytest.mark.parametrize("axes", ["not centred", "sometimes left-handed"])

@@ -96,6 +96,35 @@ def test_a_second_score_counts_only_if_it_is_higher(monkeypatch, passes):
     assert programs and not better
 
 
+def test_a_right_helper_with_a_note_is_also_replaced(monkeypatch):
+    """A random answer must not gain from it either, so a perfect exercise also runs again."""
+    passed = outcomes_of("point_line_distance", True, True)
+    again, uses = outcomes_of("ransac_line", True, True), {"ransac_line": ("point_line_distance",)}
+    own, programs, noted = Program(("pass",), LINE.names), [], frozenset(["point_line_distance"])
+
+    def run(setting, code, wanted):
+        programs.append(code)
+        return RunResults(tuple(outcomes_of("ransac_line", False, True) if code == own else again))
+
+    monkeypatch.setattr(error_carried_forward, "run_program", run)
+    for passes in ((False, True), (True, True)):
+        first = RunResults((*passed, *outcomes_of("ransac_line", *passes)), uses=uses, noted=noted)
+        context = JudgingContext(LINE, 1, None)
+        [better] = error_carried_forward.carry_forward(context, own, first).values()
+        if not all(passes):
+            assert [code == own for code in programs] == [True, False]
+            assert "def point_line_distance" in programs[-1].given.source
+            assert better.sentence == (
+                "point_line_distance, which ransac_line calls, is right, but ransac_line needs its "
+                "result in another form. With the lesson's point_line_distance instead, "
+                "ransac_line earns 25 of 25 points, not 12.5."
+            )
+        else:
+            assert programs == [own]
+            assert "use random numbers?" in better.sentence
+        programs.clear()
+
+
 def test_a_carried_forward_result_is_immutable():
     assert error_carried_forward.CarriedForwardResult.__dataclass_params__.frozen
 
@@ -226,12 +255,13 @@ def test_each_exercise_is_run_again_separately(monkeypatch):
         for name in names:
             assert (f"def {name}(" in program.given.source) == (name in names[:number])
     assert better[names[1]].sentence == (
-        "plane_through, which point_plane_distance calls, is wrong. With a correct one "
-        "instead, point_plane_distance earns 10 of 10 points, not 0."
+        "plane_through, which point_plane_distance calls, is wrong. With the lesson's "
+        "plane_through instead, point_plane_distance earns 10 of 10 points, not 0."
     )
     assert better[names[3]].sentence == (
         "plane_through and point_plane_distance and ransac_plane, which fit_plane calls, are "
-        "wrong. With correct ones instead, fit_plane earns 5 of 5 points, not 2.5."
+        "wrong. With the lesson's plane_through and point_plane_distance and ransac_plane instead, "
+        "fit_plane earns 5 of 5 points, not 2.5."
     )
 
 

@@ -1,6 +1,7 @@
 """Judge an exercise again with correct helpers, if it calls a wrong helper.
 
-The student can then still earn points for the exercise itself. The second run uses a separate
+The student can then still earn points for the exercise itself. The same applies to a helper that is
+right but gets a note, for example because it returns a list. The second run uses a separate
 process, in which no other exercise runs. The correct helper therefore cannot give away the answer
 to another exercise. Messages about that run contain no more detail than messages about hidden
 tests, because more detail could reveal the helper.
@@ -27,8 +28,8 @@ from utils.checks.outcomes import Outcome
 from utils.notebooks import slicing
 
 _INCONSISTENT_RUNS = (
-    "{name} was run a second time because it calls a function that is wrong. A check that passed "
-    "the first time but failed the second time earns no points. Does {name} use random numbers?"
+    "{name} was run a second time because of a function that it calls. A check that passed the "
+    "first time but failed the second time earns no points. Does {name} use random numbers?"
 )
 
 
@@ -53,7 +54,7 @@ class CarriedForwardResult:
 def carry_forward(
     context: JudgingContext, program: Program, results: RunResults
 ) -> dict[str, CarriedForwardResult]:
-    """Repeat the judging of each exercise that calls a wrong helper.
+    """Repeat the judging of each exercise that calls a wrong helper, or one with a note.
 
     Parameters
     ----------
@@ -71,12 +72,13 @@ def carry_forward(
     """
     exercises = context.lesson.machine_graded
     failing = {outcome.check.exercise for outcome in results.outcomes if outcome.failure}
+    replaceable = failing | results.noted
     improved = {}
     for number, exercise in enumerate(exercises):
         # Only earlier exercises are replaced. The solution of a later exercise may call this one,
         # and could therefore contain this one's answer.
         earlier = [earlier_exercise.name for earlier_exercise in exercises[:number]]
-        called = failing.intersection(results.uses.get(exercise.name, ()))
+        called = replaceable.intersection(results.uses.get(exercise.name, ()))
         helpers = tuple(name for name in earlier if name in called)
         if not helpers:
             continue
@@ -96,9 +98,10 @@ def carry_forward(
             decisive_outcome(outcome, by_check[0][outcome.check], by_check[-1][outcome.check])
             for outcome in first
         )
-        earlier_exercise, after = (points_of(exercise.points, ended) for ended in (first, outcomes))
-        if after > earlier_exercise:
-            sentence = _describe_gain(exercise, helpers, earlier_exercise, after)
+        before, after = (points_of(exercise.points, ended) for ended in (first, outcomes))
+        if after > before:
+            wrong = tuple(name for name in helpers if name in failing)
+            sentence = _describe_gain(exercise, helpers, wrong, before, after)
             improved[exercise.name] = CarriedForwardResult(outcomes, sentence, programs[-1])
         elif any(one.failure and not was.failure for was, one in zip(first, outcomes, strict=True)):
             sentence = _INCONSISTENT_RUNS.format(name=exercise.name)
@@ -155,10 +158,21 @@ def _replace_helpers(
 
 
 def _describe_gain(
-    exercise: Exercise, helpers: tuple[str, ...], before: float, after: float
+    exercise: Exercise,
+    helpers: tuple[str, ...],
+    wrong: tuple[str, ...],
+    before: float,
+    after: float,
 ) -> str:
-    verb, correct = ("is", "a correct one") if len(helpers) == 1 else ("are", "correct ones")
+    name = exercise.name
+    verb = "is" if len(wrong) == 1 else "are"
+    reasons = [f"{' and '.join(wrong)}, which {name} calls, {verb} wrong."] if wrong else []
+    reasons += [
+        f"{helper}, which {name} calls, is right, but {name} needs its result in another form."
+        for helper in helpers
+        if helper not in wrong
+    ]
     return (
-        f"{' and '.join(helpers)}, which {exercise.name} calls, {verb} wrong. With {correct} "
-        f"instead, {exercise.name} earns {after:g} of {exercise.points:g} points, not {before:g}."
+        f"{' '.join(reasons)} With the lesson's {' and '.join(helpers)} instead, {name} earns "
+        f"{after:g} of {exercise.points:g} points, not {before:g}."
     )

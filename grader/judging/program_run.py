@@ -14,6 +14,7 @@ from grader.judging.runner import (
     JudgeTimeout,
     every_check,
     limited_cpu_time,
+    noted_exercises,
     outcomes_of_untouched,
     run_checks,
 )
@@ -66,6 +67,9 @@ class RunResults:
         The reason why a check could not be run. If there is one, the student cannot be judged.
     newer_names : dict of str to str
         The part of the notebook that only a newer Python can run, by the exercise that needs it.
+    noted : frozenset of str
+        The exercises that others call and whose answers are right, but get a note, for example
+        because they return a list.
     """
 
     outcomes: tuple[Outcome, ...]
@@ -74,6 +78,7 @@ class RunResults:
     mistakes: dict[str, Mistake] = field(default_factory=dict)
     fault: str = ""
     newer_names: dict[str, str] = field(default_factory=dict)
+    noted: frozenset[str] = frozenset()
 
     def outcomes_of(self, exercise: str) -> list[Outcome]:
         """Return the outcomes of one exercise's checks."""
@@ -96,7 +101,7 @@ def run_program(
     is_selected : callable
         Takes a check and returns whether to run it.
     explain : bool
-        Whether to look for mistakes that explain wrong answers.
+        Whether to look for mistakes that explain wrong answers, and for helpers with notes.
     keep_going : bool
         Whether to continue after a failure. If not, all later checks fail without being run.
 
@@ -106,17 +111,27 @@ def run_program(
     """
     budget = context.budget or Budget(context.limits or Limits())
     with StudentProxy(program, context.sandbox, context.limits, budget) as student:
-        outcomes, mistakes, fault = [], {}, ""
+        outcomes, mistakes, noted, fault = [], {}, frozenset(), ""
         try:
             outcomes = run_checks(
                 context.lesson, student, context.seed, is_selected, keep_going, budget
             )
+            if explain:
+                noted = noted_exercises(student, _right_helpers(outcomes, student), budget)
         except JudgeFault as error:
             fault = str(error)
         observed = (tuple(student.problems), student.uses)
     if explain:
         mistakes = _diagnose_mistakes(outcomes, context, program, budget)
-    return RunResults(tuple(outcomes), *observed, mistakes, fault, student.newer_names)
+    return RunResults(tuple(outcomes), *observed, mistakes, fault, student.newer_names, noted)
+
+
+def _right_helpers(outcomes: Iterable[Outcome], student: StudentProxy) -> list[str]:
+    """Return the exercises that other exercises call and that pass all their checks."""
+    passed = {outcome.check.exercise: True for outcome in outcomes}
+    passed |= {outcome.check.exercise: False for outcome in outcomes if outcome.failure}
+    called = set().union(*(student.uses.get(exercise, ()) for exercise in passed))
+    return [exercise for exercise, is_right in passed.items() if is_right and exercise in called]
 
 
 def untouched_results(lesson: Lesson) -> RunResults:

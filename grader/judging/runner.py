@@ -11,6 +11,7 @@ import functools
 import hashlib
 import importlib
 import inspect
+import itertools
 import os
 import signal
 import sys
@@ -30,6 +31,7 @@ from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.student import StudentProxy
 from grader.sandbox.time_budget import Budget
 from utils.checks import Check, checks_of
+from utils.checks.core import notes_of
 from utils.checks.diagnosis import object_to_diagnose
 from utils.checks.failures import CheckFailed, FarTooMuch, NotYet
 from utils.checks.outcomes import Outcome
@@ -304,6 +306,28 @@ def run_checks(
         Pytest catches it, so it is raised again here.
     """
     return _run_all_checks(lesson, _Runner(student, seed, is_selected, keep_going, budget))
+
+
+def noted_exercises(
+    student: StudentProxy, exercises: Iterable[str], budget: Budget
+) -> frozenset[str]:
+    """Return the exercises whose answers get a note, which costs no points.
+
+    Parameters
+    ----------
+    student : grader.sandbox.student.StudentProxy
+    exercises : iterable of str
+    budget : grader.sandbox.time_budget.Budget
+        As in `run_checks`.
+    """
+    runner = _Runner(student, 0, every_check, budget=budget)
+    with cached_run():
+        for note in itertools.chain.from_iterable(map(notes_of, exercises)):
+            runner.run_visible(note)
+    outcomes = runner.outcomes.items()
+    return frozenset(
+        note.exercise for note, outcome in outcomes if isinstance(outcome.failure, CheckFailed)
+    )
 
 
 @functools.cache
