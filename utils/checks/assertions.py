@@ -300,7 +300,7 @@ def as_shape(
     words = ""
     if len(expected) == 1:
         if shape == () and n > 1:
-            words = " This is one number for all points, so axis= is missing."
+            words = f" This is one number for all points, so {fixed('axis=1')} may be missing."
         elif shape == (n, 1):
             words = fixed(
                 " Shape (n, 1) is a table with one column. Select it with [:, 0], or leave out the "
@@ -350,7 +350,7 @@ def assert_rows(answer: object, cloud: np.ndarray, keep: np.ndarray, view: str =
         raise CheckFailed(
             "The rows are right, but in the wrong order.",
             **sides,
-            hint="A mask keeps the order: cloud[mask].",
+            hint="Index with a mask, cloud[mask], which keeps the order.",
         )
     missing, extra = np.flatnonzero(keep & ~mine), np.flatnonzero(mine & ~keep)
     parts = []

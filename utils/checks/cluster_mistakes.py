@@ -123,17 +123,17 @@ def distance_mistakes() -> tuple[Mistake, ...]:
             "Take the square root first, as np.linalg.norm does.",
         ),
         Mistake(
-            "A fixed threshold of 0.5 is used instead of the parameter threshold.",
+            "The function always uses a threshold of 0.5 and ignores the parameter threshold.",
             prediction_with_measure(lambda steps, limit: lengths(steps[:, :3]) / 0.5),
             "Compare with the parameter threshold.",
         ),
         Mistake(
-            "Intensity is used as a fourth coordinate.",
+            "The function uses intensity as a fourth coordinate.",
             prediction_with_measure(lambda steps, limit: lengths(steps) / limit),
             "Use only the coordinates: cloud[:, :3].",
         ),
         Mistake(
-            "The height is left out: distances are measured only along x and y.",
+            "The height is left out: the function measures distances only along x and y.",
             prediction_with_measure(lambda steps, limit: lengths(steps[:, :2]) / limit),
             "Use all three coordinates: cloud[:, :3].",
         ),
@@ -168,8 +168,8 @@ def label_mistakes() -> tuple[Mistake, ...]:
         Mistake(
             "Every point has a different label: no points are joined.",
             lambda right, *case: np.arange(len(right)) + 1,
-            "Look at the distances: is there one for each point (axis=1), and do the points closer "
-            "than the threshold get the label?",
+            "Compute one distance for each point (axis=1), and give the label to the points that "
+            "are closer than the threshold.",
             is_cheap=True,
         ),
         Mistake(

@@ -29,7 +29,8 @@ def promise_label_gaps(
         case,
         name,
         title="Works when labels have gaps",
-        why="A filter that removes a cluster leaves a gap in the labels.",
+        why="A filter that removes a cluster leaves a gap in the labels, and the boxes of the "
+        "other clusters must not shift.",
         hint=hint,
         weight=weight,
     )
@@ -118,7 +119,7 @@ def promise_intensity_ignored(case: Case, name: str, *, weight: float = 1) -> No
         name,
         np.linspace(9, -9, len(case.first)),
         title="Ignores a fourth column, the intensity",
-        why="A corner is a point in space, and brightness is not a coordinate.",
+        why="A corner is a point in space, so brightness must not be one of its coordinates.",
         hint="Take the coordinates with cloud[mask, :3].",
         weight=weight,
     )

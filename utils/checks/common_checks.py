@@ -163,7 +163,7 @@ def promise_names(
     name: str,
     *,
     why: str,
-    title: str = "The parameters keep their names",
+    title: str = "Keeps the names of its parameters",
     weight: float = 1,
 ) -> None:
     """Check that the arguments can be passed by name."""
@@ -272,7 +272,7 @@ def promise_three_columns(case: Case, name: str, *, hint: str, weight: float = 1
         case,
         name,
         title="Accepts three columns as well as four",
-        why="Some files contain no intensities.",
+        why="Some recordings contain no intensity, and the car must see their points too.",
         hint=hint,
         weight=weight,
     )

@@ -85,7 +85,12 @@ _EQUAL = frozen(np.array([[1.0, 2, 3], [5, 0, 0], [1, 2, 3], [5, 9, 0], [1, 2, 3
 
 def promise_equal_points(case: Case, name: str, *, hint: str, weight: float = 1) -> None:
     """Check that identical points share a label."""
-    words = {"why": "A recording may contain the same point twice.", "hint": hint, "weight": weight}
+    words = {
+        "why": "A recording may contain the same point twice, and both copies belong to the "
+        "same obstacle.",
+        "hint": hint,
+        "weight": weight,
+    }
 
     @promise("equal_points", case, name, title="Gives equal points the same label", **words)
     def check(euclidean_clustering: Callable) -> None:

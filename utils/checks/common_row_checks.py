@@ -66,7 +66,7 @@ def promise_empty_table(
     case: Case,
     name: str,
     *,
-    hint: str = "No special case is needed: a mask without any True selects no rows.",
+    hint: str = "Use the same mask for every cloud: a mask without any True selects no rows.",
     weight: float = 1,
 ) -> None:
     """Check clouds without points, with one point, and with only points that are removed."""
@@ -78,7 +78,7 @@ def promise_empty_table(
         case,
         name,
         title="Works on an empty cloud, on one point, and when no point is left",
-        why="Other filters may leave one return or none.",
+        why="Other filters may leave one return or none, and that must not crash the program.",
         hint=hint,
         weight=weight,
     )
@@ -98,7 +98,7 @@ def promise_untouched(
     weight: float = 1,
 ) -> None:
     """Check that the function does not change the cloud."""
-    hint = "cloud[mask] is already a new array. Do not assign into cloud."
+    hint = "Return cloud[mask], which is already a new array. Do not assign into cloud."
     common_checks.promise_untouched(case, name, why=why, hint=hint, weight=weight)
 
 

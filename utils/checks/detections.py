@@ -170,8 +170,8 @@ def assert_separate_boxes(answer: object, frame: Frame, gap: float) -> None:
                 yours="one box around both",
                 expected="a box for each",
                 draw=lambda box=box: _draw_boxes(frame, boxes, [box], "two cars"),
-                hint="Two objects become one cluster if the threshold is larger than the gap "
-                "between them. Do you pass threshold on to the clustering?",
+                hint="Pass a smaller threshold to the clustering: two objects become one cluster "
+                "if it is larger than the gap between them.",
             )
 
 
@@ -355,12 +355,12 @@ def assert_upright(answer: object) -> None:
 
 
 _SPLIT_HINT = (
-    "Draw the clusters first. An object splits into several clusters if the threshold is smaller "
+    "Draw the clusters first: an object splits into several clusters if the threshold is smaller "
     "than the gaps between its points."
 )
 _MERGED_HINT = (
-    "Draw the clusters first. Is the road gone? Is the threshold smaller than the gaps between "
-    "objects?"
+    "Draw the clusters first: the road must be gone, and the threshold must be smaller than the "
+    "gaps between objects."
 )
 
 

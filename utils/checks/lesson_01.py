@@ -81,7 +81,7 @@ def require_distances_at_all_heights(horizontal_distance: Callable) -> None:
     "horizontal_distance",
     weight=1,
     title="Measures the distance of points at the height of the sensor",
-    why="Every later lesson needs to know which points are near.",
+    why="The car brakes for near points, so later lessons rely on these distances.",
     hint="Compute the square root of x² + y² for whole columns: x = cloud[:, 0], y = cloud[:, 1].",
 )
 def measures_distance(horizontal_distance: Callable) -> None:
@@ -106,7 +106,7 @@ def ignores_height(horizontal_distance: Callable) -> None:
     weight=1,
     title="Ignores the intensity of a point",
     why="A bright number plate is no farther away than the dark tyre below it.",
-    hint="The last column is not a length: use only columns 0 and 1.",
+    hint="Use only columns 0 and 1: the last column is not a length.",
 )
 def ignores_intensity(horizontal_distance: Callable) -> None:
     require_distances_at_sensor_height(horizontal_distance)
@@ -119,9 +119,8 @@ def ignores_intensity(horizontal_distance: Callable) -> None:
     "horizontal_distance",
     weight=1,
     title="Does not round the distances",
-    why="Rounding errors add up from step to step of a pipeline. Round numbers only when you print "
-    "them.",
-    hint="Return the distances without rounding them.",
+    why="Rounding errors add up over the steps of a pipeline.",
+    hint="Return the distances unrounded. Round numbers only when you print them.",
 )
 def is_exact(horizontal_distance: Callable) -> None:
     require_distances_at_all_heights(horizontal_distance)
@@ -147,13 +146,13 @@ common_checks.promise_few_points(
     _STREET_CASE,
     "works_on_few_points",
     title="Works on a single point and on an empty cloud",
-    why="A filter may leave no points.",
+    why="A filter may leave no points, and the program must not crash then.",
 )
 common_checks.promise_untouched(
     _STREET_CASE,
     "leaves_its_input",
-    why="The next step of the pipeline still needs the cloud.",
-    hint="x**2 makes a new array; x **= 2 and x *= x change the cloud.",
+    why="The next step of the pipeline still needs the original cloud.",
+    hint="Write x**2, which makes a new array. x **= 2 and x *= x change the cloud.",
 )
 
 
@@ -191,41 +190,42 @@ def _lengths(vectors: np.ndarray) -> np.ndarray:
 declare_mistakes(
     "horizontal_distance",
     Mistake(
-        "These are lengths of (x, y, z): they include the height.",
+        "The function returns the lengths of (x, y, z), which include the height.",
         lambda right, cloud: np.sqrt(right**2 + cloud[:, 2] ** 2),
         "Use only the first two columns, x and y.",
         is_the_task=True,
     ),
     Mistake(
-        "These are lengths of whole rows: they include height and intensity.",
+        "The function returns the lengths of whole rows, which include height and intensity.",
         lambda right, cloud: np.sqrt(right**2 + (cloud[:, 2:] ** 2).sum(axis=1)),
         "Use only the first two columns, x and y.",
         is_the_task=True,
     ),
     Mistake(
-        "These are squared distances: the square root is missing.",
+        "The function returns squared distances: the square root is missing.",
         lambda right, cloud: right**2,
     ),
     Mistake(
-        "This is |x| + |y|, the distance along two sides of the triangle.",
+        "The function returns |x| + |y|, the distance along two sides of the triangle.",
         lambda right, cloud: np.sqrt(right**2 + 2 * np.abs(cloud[:, 0] * cloud[:, 1])),
         "Square x and y, add the squares and take the square root of the sum.",
         is_cheap=True,
     ),
     Mistake(
-        "This is the larger of |x| and |y|.",
+        "The function returns the larger of |x| and |y|.",
         lambda right, cloud: np.abs(cloud[:, :2]).max(axis=1),
         "Square x and y, add the squares and take the square root of the sum.",
         is_cheap=True,
     ),
     Mistake(
-        "This is only |x|, but a point to the side can also be far away.",
+        "The function returns |x|, but a point to the side can also be far away.",
         lambda right, cloud: np.abs(cloud[:, 0]),
         "Square x and y, add the squares and take the square root of the sum.",
         is_cheap=True,
     ),
     Mistake(
-        "These are lengths of (y, z). Columns are numbered from 0: x is cloud[:, 0].",
+        "The function returns the lengths of (y, z). Columns are numbered from 0: x is cloud[:, "
+        "0].",
         lambda right, cloud: np.sqrt(right**2 - cloud[:, 0] ** 2 + cloud[:, 2] ** 2),
     ),
     Mistake(
@@ -239,17 +239,17 @@ declare_mistakes(
         "Write cloud[:, 0] for a column: all rows, column 0.",
     ),
     Mistake(
-        "These are the lengths of the columns x and y, each computed over all points.",
+        "The function returns the lengths of the columns x and y, each computed over all points.",
         lambda right, cloud: _lengths(cloud.T[:2]),
         "axis=1 works along each row and gives one number per point.",
     ),
     Mistake(
-        "These are the lengths of all columns, each computed over all points.",
+        "The function returns the lengths of all columns, each computed over all points.",
         lambda right, cloud: _lengths(cloud.T),
         "axis=1 works along each row and gives one number per point. Use only the columns x and y.",
     ),
     Mistake(
-        "The distances are sorted. They must be in the order of the points.",
+        "The function sorts the distances. They must be in the order of the points.",
         lambda right, cloud: np.sort(right),
     ),
     cases=[(cloud,) for cloud in _CLOUDS.values()],
@@ -334,7 +334,8 @@ def drops_the_origin(drop_invalid: Callable) -> None:
     "drop_invalid",
     weight=3,
     title="Drops returns at (0, 0, 0) whatever their intensity",
-    why="A scanner may report a lost return with the intensity of the return before it.",
+    why="A scanner may give a lost return the intensity of the return before it, but there is "
+    "still no obstacle at the sensor.",
     hint="Compare cloud[:, :3] with 0, not the whole row.",
 )
 def drops_bright_returns(drop_invalid: Callable) -> None:
@@ -347,8 +348,8 @@ def drops_bright_returns(drop_invalid: Callable) -> None:
     weight=4,
     title="Drops rows in which any coordinate is NaN",
     why="One NaN turns a mean, a box or a whole map into NaN.",
-    hint="All three coordinates of a good row are finite: use np.isfinite. NaN is not equal to "
-    "anything, so a comparison with NaN does not find it.",
+    hint="Use np.isfinite, which is True for all three coordinates of a good row. NaN is not "
+    "equal to anything, so a comparison with NaN does not find it.",
 )
 def drops_nan(drop_invalid: Callable) -> None:
     assert_drops_lost_rows(drop_invalid, _NANS)
@@ -358,8 +359,10 @@ def drops_nan(drop_invalid: Callable) -> None:
     "drop_invalid",
     weight=2,
     title="Drops rows in which any coordinate is infinite",
-    why="Some scanners report an infinite range if no echo came back.",
-    hint="np.isfinite is False for NaN and for both infinities; np.isnan finds only NaN.",
+    why="Some scanners report an infinite range if no echo came back, and one such row makes a "
+    "mean infinite.",
+    hint="Use np.isfinite, which is False for NaN and for both infinities. np.isnan finds only "
+    "NaN.",
 )
 def drops_infinite_rows(drop_invalid: Callable) -> None:
     require_lost_returns_dropped(drop_invalid)
@@ -371,8 +374,8 @@ def drops_infinite_rows(drop_invalid: Callable) -> None:
     weight=5,
     title="Keeps good points that have a coordinate of 0",
     why="A car exactly to the left of the sensor has x = 0. It must not disappear.",
-    hint="One or two coordinates may be 0, but not all three. Do not test their sum: 2 - 3 + 1 "
-    "is also 0.",
+    hint="Drop a row only if all three coordinates are 0. Do not test their sum: 2 - 3 + 1 is "
+    "also 0.",
 )
 def keeps_points_with_a_zero(drop_invalid: Callable) -> None:
     require_lost_returns_dropped(drop_invalid)
@@ -405,7 +408,7 @@ def keeps_points_with_a_zero(drop_invalid: Callable) -> None:
     weight=1,
     title="Keeps points that are very close to the sensor",
     why="The nearest real point is the one that the car must brake for.",
-    hint="Only exactly (0, 0, 0) is a lost return: compare with 0, not with a small number.",
+    hint="Compare with 0, not with a small number: only exactly (0, 0, 0) is a lost return.",
 )
 def keeps_near_points(drop_invalid: Callable) -> None:
     require_lost_returns_dropped(drop_invalid)
@@ -418,7 +421,8 @@ def keeps_near_points(drop_invalid: Callable) -> None:
     "drop_invalid",
     weight=1,
     title="Keeps points whose intensity is NaN, infinite or 0",
-    why="Some scanners report the position of an echo but not its strength.",
+    why="Some scanners measure the position of an echo but not its strength, and the car must "
+    "still brake for such a point.",
     hint="Test only cloud[:, :3], then index the whole cloud with the mask.",
 )
 def allows_missing_intensity(drop_invalid: Callable) -> None:
@@ -448,7 +452,8 @@ def keeps_the_intensity(drop_invalid: Callable) -> None:
     title="Keeps the order of the good rows, including duplicates",
     why="The true labels are in a separate array, in the order of the rows. If rows move, points "
     "get the wrong labels.",
-    hint="A mask keeps the order and the duplicates: cloud[mask]. Do not sort the rows.",
+    hint="Index with a mask, cloud[mask], which keeps the order and the duplicates. Do not sort "
+    "the rows.",
 )
 def keeps_the_order(drop_invalid: Callable) -> None:
     require_lost_returns_dropped(drop_invalid)
@@ -460,9 +465,9 @@ def keeps_the_order(drop_invalid: Callable) -> None:
     "drop_invalid",
     weight=1,
     title="Works on three columns as well as on four",
-    why="Some files contain no intensity.",
-    hint="cloud[:, :3] are the coordinates with or without an intensity; cloud[:, :-1] are the "
-    "coordinates only if there is one.",
+    why="Some recordings contain no intensity, and their lost returns must disappear too.",
+    hint="Select the coordinates with cloud[:, :3], which works with and without an intensity. "
+    "cloud[:, :-1] works only with one.",
 )
 def works_on_three_columns(drop_invalid: Callable) -> None:
     require_lost_returns_dropped(drop_invalid)
@@ -481,8 +486,9 @@ def works_on_three_columns(drop_invalid: Callable) -> None:
     "drop_invalid",
     weight=1,
     title="Works on an empty cloud and on a cloud without good rows",
-    why="A sensor covered with snow reports only lost returns.",
-    hint="The same masks work for every cloud: you need no special case.",
+    why="A sensor covered with snow reports only lost returns, and that must not crash the "
+    "program.",
+    hint="Use the same masks for every cloud, without a special case.",
 )
 def works_on_empty_clouds(drop_invalid: Callable) -> None:
     require_lost_returns_dropped(drop_invalid)
@@ -502,7 +508,7 @@ common_row_checks.promise_untouched(
         require_lost_returns_dropped,
     ),
     "leaves_the_scan",
-    why="You need the lost returns to find a broken beam.",
+    why="A broken beam shows only in its lost returns, so the original scan must stay complete.",
 )
 
 
@@ -666,7 +672,7 @@ declare_mistakes(
         "~ inverts a mask: add the missing ~, or delete the extra one.",
     ),
     Mistake(
-        "Only the coordinates are returned, without the intensity.",
+        "The function returns the coordinates without the intensity. It should return whole rows.",
         lambda right, cloud: right[:, :3],
         "Make the mask from cloud[:, :3] and index the whole cloud with it.",
     ),

@@ -152,10 +152,10 @@ def passes_through_both(line_through: Callable) -> None:
 @visible_check(
     "line_through",
     weight=3,
-    title="The normal has length 1",
-    why="Only then is a x + b y + c a distance in metres.",
-    hint="np.hypot(dx, dy) is the length of both the direction and the normal. Divide by it "
-    "before you compute c.",
+    title="Returns a normal of length 1",
+    why="Only with a normal of length 1 is a x + b y + c a distance in metres.",
+    hint="Divide by np.hypot(dx, dy), the length of both the direction and the normal, before you "
+    "compute c.",
 )
 def has_a_unit_normal(line_through: Callable) -> None:
     require_slanted_lines(line_through)
@@ -169,7 +169,7 @@ def has_a_unit_normal(line_through: Callable) -> None:
     title="Works for lines parallel to an axis",
     why="All points of a wall straight ahead have the same x, and the car is about to hit that "
     "wall.",
-    hint="The slope dy / dx is undefined if dx is 0, so do not use it. Do not return None only "
+    hint="Do not use the slope dy / dx, which is undefined if dx is 0. Do not return None only "
     "because x or y is equal.",
 )
 def finds_axis_parallel_lines(line_through: Callable) -> None:
@@ -208,7 +208,8 @@ def returns_none_for_equal_points(line_through: Callable) -> None:
     "line_through",
     weight=1,
     title="Finds a line through points that are close together",
-    why="A scanner may hit the same wall twice within a few centimetres.",
+    why="A scanner may hit the same wall twice within a few centimetres, and RANSAC may draw "
+    "these two points.",
     hint="Return None only if the length is exactly 0.",
 )
 def finds_lines_through_close_points(line_through: Callable) -> None:
@@ -228,7 +229,7 @@ common_checks.promise_untouched(
     Case(__name__, "line_through", {"p": _P, "q": _Q}, None, as_line, require_slanted_lines),
     "leaves_the_points",
     why="p and q are rows of the points, which the next round still needs.",
-    hint="q -= p changes q; dx = q[0] - p[0] does not.",
+    hint="Write dx = q[0] - p[0], which changes nothing. q -= p changes q.",
 )
 
 
@@ -284,12 +285,13 @@ declare_mistakes(
         "Divide only by the length of (a, b).",
     ),
     Mistake(
-        "c is missing: it is always 0.",
+        "c is always 0, so the line passes through (0, 0) instead of the points.",
         lambda right, p, q: right * [1, 1, 0],
         "Choose c so that p satisfies a x + b y + c = 0.",
     ),
     Mistake(
-        "These are the slope and the intercept of y = m x + q.",
+        "The function returns the slope and the intercept of y = m x + q. It should return a, b "
+        "and c.",
         lambda right, p, q: np.array([-right[0], -right[2]]) / right[1],
         "The line is a x + b y + c = 0: return (a, b, c).",
     ),
@@ -370,7 +372,8 @@ def require_plain_distances(point_line_distance: Callable) -> None:
     "point_line_distance",
     weight=4,
     title="Measures the perpendicular distance from the line",
-    why="RANSAC compares these distances with its threshold in metres.",
+    why="RANSAC compares these distances with its threshold, so a wrong distance adds a point to "
+    "the wall or removes it.",
     hint="Compute a x + b y + c for all points at once: x is points[:, 0] and y is points[:, 1].",
 )
 def measures_perpendicular_distances(point_line_distance: Callable) -> None:
@@ -382,8 +385,8 @@ def measures_perpendicular_distances(point_line_distance: Callable) -> None:
     "point_line_distance",
     weight=5,
     title="Returns no negative distances on either side of the line",
-    why="A negative distance is below any threshold, so half of the street would be inliers.",
-    hint="np.abs takes the absolute value of a whole array.",
+    why="A negative distance is below any threshold, so half of the street would count as inliers.",
+    hint="Call np.abs, which takes the absolute value of a whole array.",
 )
 def measures_on_both_sides(point_line_distance: Callable) -> None:
     require_plain_distances(point_line_distance)
@@ -396,7 +399,8 @@ def measures_on_both_sides(point_line_distance: Callable) -> None:
     "point_line_distance",
     weight=5,
     title="Works for lines that do not pass through (0, 0)",
-    why="Hardly any wall passes through the scanner.",
+    why="Hardly any wall passes through the scanner at (0, 0), so without c nearly all distances "
+    "are wrong.",
     hint="Add c, with its sign, before you take the absolute value: |a x + b y + c|.",
 )
 def adds_c(point_line_distance: Callable) -> None:
@@ -414,7 +418,7 @@ def adds_c(point_line_distance: Callable) -> None:
     "point_line_distance",
     weight=7,
     title="Works on both sides of lines that do not pass through (0, 0)",
-    why="Nearly every wall is such a line, with points on both sides of it.",
+    why="Nearly every wall misses the scanner and has noisy points on both sides.",
     hint="Compute the whole sum including c, then take its absolute value.",
 )
 def measures_on_both_sides_of_any_line(point_line_distance: Callable) -> None:
@@ -434,8 +438,8 @@ def measures_on_both_sides_of_any_line(point_line_distance: Callable) -> None:
     "point_line_distance",
     weight=2,
     title="Works for lines parallel to an axis",
-    why="A wall straight ahead is parallel to the y axis.",
-    hint="The formula needs no slope and no division.",
+    why="A wall straight ahead of the car is parallel to the y axis, and the car must see it.",
+    hint="Compute |a x + b y + c| without a slope and without a division.",
 )
 def measures_from_axis_parallel_lines(point_line_distance: Callable) -> None:
     require_plain_distances(point_line_distance)
@@ -451,7 +455,7 @@ def measures_from_axis_parallel_lines(point_line_distance: Callable) -> None:
     weight=1,
     title="Accepts the line as a tuple, a list or an array",
     why="Your line_through may return its three numbers in any of these types.",
-    hint="a, b, c = line works for all of them.",
+    hint="Unpack the line with a, b, c = line, which works for all three types.",
 )
 def accepts_any_sequence(point_line_distance: Callable) -> None:
     require_plain_distances(point_line_distance)
@@ -472,7 +476,7 @@ common_checks.promise_few_points(
     _PLAIN_CASE,
     "works_on_few_points",
     title="Works on a single point and on no points",
-    why="A slice of the street may be empty.",
+    why="A slice of the street may be empty, and that must not crash the program.",
 )
 
 
@@ -492,7 +496,7 @@ common_checks.promise_untouched(
     _PLAIN_CASE,
     "leaves_points_and_line",
     why="The next round of RANSAC needs the original points.",
-    hint="points[:, 0] * a makes a new array; points[:, 0] *= a changes the points.",
+    hint="Write points[:, 0] * a, which makes a new array. points[:, 0] *= a changes the points.",
 )
 
 
@@ -522,15 +526,15 @@ declare_mistakes(
     Mistake(
         "Distances on one side of the line are negative: the absolute value is missing.",
         lambda right, points, line: _signed_distances(points),
-        "np.abs takes the absolute value of a whole array.",
+        "Call np.abs, which takes the absolute value of a whole array.",
     ),
     Mistake(
         "All points on one side of the line get the distance 0.",
         lambda right, points, line: np.where(_signed_distances(points) < 0, 0, right),
-        "np.abs takes the absolute value of a whole array.",
+        "Call np.abs, which takes the absolute value of a whole array.",
     ),
     Mistake(
-        "These are distances from the parallel line through (0, 0): c is missing.",
+        "The function measures the distances from the parallel line through (0, 0): c is missing.",
         lambda right, points, line: np.abs(_signed_distances(points) - line[2]),
     ),
     Mistake(
@@ -543,17 +547,18 @@ declare_mistakes(
         "Put c inside the parentheses of np.abs(...).",
     ),
     Mistake(
-        "The absolute values of the three terms are added.",
+        "The function adds the absolute values of the three terms. It should take the absolute "
+        "value of their sum.",
         lambda right, points, line: np.abs(line[:2] * points).sum(axis=1) + abs(line[2]),
         "Add the terms with their signs, then take the absolute value of the sum.",
     ),
     Mistake(
-        "These are squared distances.",
+        "The function returns squared distances.",
         lambda right, points, line: right**2,
         "Use np.abs instead of the square: the result stays in metres.",
     ),
     Mistake(
-        "These distances are measured along y, not perpendicular to the line.",
+        "The function measures the distances along y, not perpendicular to the line.",
         lambda right, points, line: right / abs(line[1]),
         "The normal has length 1, so do not divide: |a x + b y + c| is the distance.",
     ),
@@ -681,11 +686,13 @@ def assert_mask_matches_line(
     near, far = wrong & ~mask, wrong & mask
     parts = []
     if near.any():
-        parts.append(f"within {tolerance:g} m of the line but not marked: {near.sum()}")
+        parts.append(
+            f"Points within {tolerance:g} m of the line that are not marked: {near.sum()}."
+        )
     if far.any():
-        parts.append(f"marked but farther away than {tolerance:g} m: {far.sum()}")
+        parts.append(f"Points farther away than {tolerance:g} m that are marked: {far.sum()}.")
     raise CheckFailed(
-        "The mask does not belong to the line. Points " + ", and ".join(parts) + ".",
+        " ".join(["The mask does not belong to the line.", *parts]),
         yours=_inlier_count(mask),
         expected=_inlier_count(distance <= tolerance),
         draw=lambda: utils.plots.line_model(
@@ -870,7 +877,8 @@ def require_line_among_outliers(ransac_line: Callable) -> None:
     "ransac_line",
     weight=5,
     title="Finds the line among outliers",
-    why="This is what RANSAC is for: it finds the wall behind a crowd and, in lesson 03, the road.",
+    why="Most of a scan is not the wall: RANSAC must find the wall behind a crowd and, in lesson "
+    "03, the road.",
     hint="After each round, compare the number of inliers with the number in the best mask so "
     "far. If it is larger, replace both line and mask. Create rng before the loop. Return after "
     "the loop.",
@@ -895,7 +903,7 @@ _RANSAC_CASE = Case(
 common_checks.promise_untouched(
     _RANSAC_CASE,
     "leaves_its_input",
-    why="The next search needs the same points.",
+    why="The next search needs the original points.",
     hint="Draw row numbers instead of shuffling the points.",
 )
 
@@ -964,7 +972,7 @@ def assert_threshold_is_inclusive(ransac_line: Callable, points: np.ndarray) -> 
     "ransac_line",
     weight=2,
     title="Draws as many samples as max_iterations allows",
-    why="A street with many outliers needs many rounds.",
+    why="On a street with many outliers, RANSAC needs many rounds to find the wall.",
     hint="Loop over range(max_iterations) and draw one sample of two points in each round.",
 )
 def draws_enough_samples(ransac_line: Callable) -> None:
@@ -997,8 +1005,8 @@ def assert_no_round_is_missing(ransac_line: Callable) -> None:
         + (second_round_note if runs_with_line(2) else ""),
         yours="no line in 12 of 12 runs",
         expected="a line in every run",
-        hint="range(max_iterations) gives max_iterations rounds; range(1, max_iterations) and "
-        "range(max_iterations - 1) give one fewer.",
+        hint="Loop over range(max_iterations): range(1, max_iterations) and range(max_iterations "
+        "- 1) give one round fewer.",
     )
 
 
@@ -1006,7 +1014,8 @@ def assert_no_round_is_missing(ransac_line: Callable) -> None:
     "ransac_line",
     weight=1,
     title="Draws no more samples than max_iterations allows",
-    why="The number of rounds limits the time that the search takes.",
+    why="The caller limits the time of the search with max_iterations, because the next scan "
+    "follows in a tenth of a second.",
     hint="Loop over range(max_iterations) and draw one sample of two points in each round.",
 )
 def draws_no_more_samples(ransac_line: Callable) -> None:
@@ -1031,7 +1040,7 @@ def draws_no_more_samples(ransac_line: Callable) -> None:
     weight=1,
     title="Draws two different points for each sample",
     why="If a point is drawn twice, there is no line, and the round is wasted.",
-    hint="rng.choice(len(points), size=2, replace=False) never draws a row twice.",
+    hint="Draw with rng.choice(len(points), size=2, replace=False), which never draws a row twice.",
 )
 def draws_different_points(ransac_line: Callable) -> None:
     require_line_among_outliers(ransac_line)
@@ -1075,8 +1084,8 @@ def lines_from_two_rounds(ransac_line: Callable, points: np.ndarray) -> list[np.
     weight=2,
     title="Draws from all points, including the first and the last",
     why="A point that is never drawn may be one of the few on the wall.",
-    hint="rng.choice(len(points), size=2, replace=False) draws from all rows, 0 to len(points) "
-    "- 1.",
+    hint="Draw with rng.choice(len(points), size=2, replace=False), which takes rows from 0 to "
+    "len(points) - 1.",
 )
 def draws_from_all_points(ransac_line: Callable) -> None:
     require_line_among_outliers(ransac_line)
@@ -1114,7 +1123,7 @@ def draws_from_all_points(ransac_line: Callable) -> None:
     "ransac_line",
     weight=1,
     title="Finds walls parallel to an axis",
-    why="A wall straight ahead of the car is parallel to the y axis.",
+    why="A wall straight ahead of the car is parallel to the y axis, and the car must not hit it.",
     hint="Do not compute a slope: line_through and point_line_distance work for all directions.",
 )
 def finds_axis_parallel_lines_among_outliers(ransac_line: Callable) -> None:
@@ -1175,7 +1184,7 @@ def _line_text(line: np.ndarray | None) -> str:
     "ransac_line",
     weight=2,
     title="Draws different samples for different seeds",
-    why="If a run misses the wall, you can try another seed.",
+    why="If a run misses the wall, a run with another seed may find it.",
     hint="Draw all samples with rng = np.random.default_rng(rng), never with a fixed seed.",
 )
 def differs_with_other_seeds(ransac_line: Callable) -> None:
@@ -1201,8 +1210,9 @@ def differs_with_other_seeds(ransac_line: Callable) -> None:
     "ransac_line",
     weight=2,
     title="Continues after a sample of equal points",
-    why="Recordings contain some points twice, or a thousand times if a beam is blocked.",
-    hint="line_through returns None for equal points: `continue` goes on with the next round, "
+    why="Recordings contain some points twice, or a thousand times if a beam is blocked, and the "
+    "search must go on after such a sample.",
+    hint="If line_through returns None, write `continue`, which goes on with the next round. "
     "`break` ends the search.",
 )
 def continues_after_equal_points(ransac_line: Callable) -> None:
@@ -1226,7 +1236,8 @@ def continues_after_equal_points(ransac_line: Callable) -> None:
     "ransac_line",
     weight=1,
     title="Returns an answer if all points are equal",
-    why="A blocked scanner reports the same point again and again.",
+    why="A blocked scanner reports the same point again and again, and that must not crash the "
+    "program.",
     hint="If no round finds a line, return the initial values: None and a mask that is all False.",
 )
 def returns_for_equal_points(ransac_line: Callable) -> None:
@@ -1271,7 +1282,7 @@ def assert_two_points_are_enough(ransac_line: Callable, pair: np.ndarray) -> Non
         input_text="two points and max_iterations=10",
         yours="None",
         expected="three numbers (a, b, c)",
-        hint="Two points are enough for a sample. Return early only if len(points) < 2.",
+        hint="Return early only if len(points) < 2: two points are enough for a sample.",
     )
 
 
@@ -1319,8 +1330,8 @@ def takes_a_seed(ransac_line: Callable) -> None:
 common_checks.promise_names(
     _RANSAC_CASE,
     "keeps_the_names",
-    why="In ransac_line(points, max_iterations=40, distance_tolerance=0.1, rng=1), the names "
-    "explain the numbers.",
+    why="Other code may call ransac_line(points, max_iterations=40, distance_tolerance=0.1, "
+    "rng=1), because the names explain the numbers.",
 )
 
 

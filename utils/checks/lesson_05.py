@@ -136,7 +136,8 @@ def counts_from_one(euclidean_clustering: Callable) -> None:
     title="Uses the threshold parameter to decide which points are close",
     why="The threshold decides what counts as one object. At 0.5 m, parked cars stay separate; at "
     "2 m, a cyclist and the car next to them become one cluster.",
-    hint="Two points are close if their distance in metres is below threshold.",
+    hint="Compare the distance in metres with the parameter threshold: closer points are "
+    "neighbours.",
 )
 def uses_the_threshold(euclidean_clustering: Callable) -> None:
     # Rows with gaps of 0.2, 0.45, 0.6 and 0.9 m; each threshold joins the points of more rows.
@@ -168,8 +169,8 @@ common_checks.promise_names(
     weight=3,
     title="Measures the distance in the same way in every direction of space",
     why="If the height counted less, a bridge and the road below it would become one cluster.",
-    hint="The distance is the square root of dx² + dy² + dz²: np.linalg.norm(..., axis=1) over "
-    "three columns.",
+    hint="Use np.linalg.norm(..., axis=1) over three columns: the distance is the square root of "
+    "dx² + dy² + dz².",
 )
 def measures_all_directions_alike(euclidean_clustering: Callable) -> None:
     require_simplest_clusters(euclidean_clustering)
@@ -209,14 +210,14 @@ common_cluster_checks.promise_intensity_ignored(
 common_cluster_checks.promise_few_points(
     _CASE,
     "takes_the_smallest",
-    why="A filter sometimes removes every point.",
-    hint="A loop over the points of an empty cloud does nothing. Return an array of length 0.",
+    why="A filter sometimes removes every point, and the program must not crash then.",
+    hint="Return an array of length 0: a loop over the points of an empty cloud does nothing.",
     weight=2,
 )
 common_cluster_checks.promise_equal_points(
     _CASE,
     "joins_equal_points",
-    hint="Equal points are at distance 0, which is below any threshold.",
+    hint="Give equal points the same label: their distance is 0, which is below any threshold.",
 )
 common_cluster_checks.promise_untouched(_CASE, "leaves_its_input")
 
@@ -356,12 +357,12 @@ declare_mistakes(
         "The distances along x, y and z are added up, and their sum is longer than the straight "
         "line.",
         prediction_with_measure(lambda steps, limit: np.abs(steps[:, :3]).sum(axis=1) / limit),
-        "The distance is the square root of dx² + dy² + dz².",
+        "Take the square root of dx² + dy² + dz², as np.linalg.norm does.",
     ),
     Mistake(
         "Only the longest of the distances along x, y and z counts; all three should count.",
         prediction_with_measure(lambda steps, limit: np.abs(steps[:, :3]).max(axis=1) / limit),
-        "The distance is the square root of dx² + dy² + dz².",
+        "Take the square root of dx² + dy² + dz², as np.linalg.norm does.",
     ),
     Mistake(
         "Only points close to the first point of a cluster join it, so chains are cut off.",

@@ -147,7 +147,7 @@ common_checks.promise_three_columns(
 common_row_checks.promise_empty_table(
     _GROUND_CASE,
     "works_on_small_clouds",
-    hint="No special case is needed: a mask without any True selects no rows.",
+    hint="Use the same mask for every cloud: a mask without any True selects no rows.",
     weight=2,
 )
 common_row_checks.promise_untouched(_GROUND_CASE, "leaves_its_input", weight=2)
@@ -177,7 +177,7 @@ declare_mistakes(
         "The comparison is the wrong way round: points below ground_level stay and points above "
         "it are removed.",
         lambda right, cloud, level: _rows_above(cloud, -cloud[:, 2], -level),
-        "Points above the level should stay. Which comparison selects them?",
+        "Turn the comparison round: z must be at or above ground_level.",
     ),
     Mistake(
         "Your code compares column 0, which is x. The heights are in column 2.",
@@ -226,7 +226,8 @@ declare_mistakes(
         "Index with the mask: cloud[mask] contains only the rows where the mask is True.",
     ),
     Mistake(
-        "Nothing is removed: the whole cloud is returned unchanged.",
+        "Nothing is removed: the function returns the whole cloud. It should return only some of "
+        "the rows.",
         lambda right, cloud, level: cloud,
         is_cheap=True,
     ),
@@ -375,7 +376,7 @@ def averages_each_cell(voxel_grid: Callable) -> None:
     "voxel_grid",
     weight=3,
     title="Averages all columns, including the intensity",
-    why="A number plate should still be bright after thinning.",
+    why="A later step can recognise a number plate only if it is still bright after thinning.",
     hint="Add up whole rows, not only the coordinates: sums needs cloud.shape[1] columns.",
 )
 def averages_the_intensity(voxel_grid: Callable) -> None:
@@ -482,8 +483,8 @@ _CONFUSABLE = (
     weight=4,
     title="Never merges points from different cells",
     why="Merging points from different cells creates a point between them, where there is nothing.",
-    hint="Two points share a cell only if all three numbers of np.floor(xyz / voxel_size) are "
-    "equal, including their signs. as_numbers(...) gives different numbers to different rows.",
+    hint="Compare all three numbers of np.floor(xyz / voxel_size), including their signs. "
+    "as_numbers(...) gives different numbers to different rows.",
 )
 def never_merges_cells(voxel_grid: Callable) -> None:
     require_row_per_cell(voxel_grid)
@@ -784,7 +785,8 @@ declare_mistakes(
         for by in (slice(None, None, -1), slice(None))  # sorted first by x, or first by z
     ),
     Mistake(
-        "Nothing is merged: the whole cloud is returned unchanged.",
+        "Nothing is merged: the function returns the whole cloud. It should return one row per "
+        "occupied cell.",
         lambda right, cloud, size: cloud,
         is_cheap=True,
     ),

@@ -233,7 +233,8 @@ def works_in_all_directions(filter_by_distance: Callable) -> None:
     "filter_by_distance",
     weight=3,
     title="Keeps the points inside a circle",
-    why="The corners of a square are 41 % farther away than its sides.",
+    why="The corners of a square are 41 % farther away than its sides, so a square keeps points "
+    "that are too far away.",
     hint="Use Pythagoras: neither the larger of |x| and |y| nor their sum is the distance.",
 )
 def keeps_a_circle(filter_by_distance: Callable) -> None:
@@ -328,7 +329,7 @@ common_checks.promise_three_columns(
 common_row_checks.promise_empty_table(
     _NEAR_CASE,
     "works_on_small_clouds",
-    hint="You need no special case: a mask without any True selects no rows.",
+    hint="Use the same mask for every cloud: a mask without any True selects no rows.",
     weight=2,
 )
 common_row_checks.promise_untouched(_NEAR_CASE, "leaves_its_input", weight=2)
@@ -365,8 +366,9 @@ def keeps_points_inside(crop_region: Callable) -> None:
     "crop_region",
     weight=9,
     title="Removes points that are outside in x only or in y only",
-    why="If one side is forgotten, all houses on that side of the street stay in the cloud.",
-    hint="A row is inside only if all three of its coordinates are inside. Use .all(axis=1).",
+    why="If the function tests only one side, all houses on the other side of the street stay in "
+    "the cloud.",
+    hint="Use .all(axis=1): a row is inside only if all three of its coordinates are inside.",
 )
 def removes_points_outside_in_x_or_y(crop_region: Callable) -> None:
     require_crop(crop_region)
@@ -380,8 +382,8 @@ def removes_points_outside_in_x_or_y(crop_region: Callable) -> None:
     "crop_region",
     weight=5,
     title="Removes points below or above the box",
-    why="A bridge over the street is not an obstacle.",
-    hint="A point is inside only if x, y and z are all inside. Compare cloud[:, :3].",
+    why="The car drives under a bridge, so it must not brake for one.",
+    hint="Compare all of cloud[:, :3]: a point is inside only if x, y and z are all inside.",
 )
 def removes_points_below_or_above(crop_region: Callable) -> None:
     require_crop(crop_region)
@@ -408,7 +410,8 @@ def keeps_points_on_faces(crop_region: Callable) -> None:
     "crop_region",
     weight=3,
     title="Uses minimum and maximum as the corners of the box",
-    why="The region changes with the road and with the speed.",
+    why="A car looks farther ahead on a motorway than in a car park, so callers pass different "
+    "corners.",
     hint="Compare with minimum and maximum, not with fixed numbers.",
 )
 def uses_the_corners(crop_region: Callable) -> None:
@@ -483,8 +486,8 @@ def removes_points_inside(remove_ego_returns: Callable) -> None:
     title="Keeps points that are outside in x only or in y only",
     why="A function that ignores x also removes the car ahead, which has the same y and z as the "
     "ego car.",
-    hint="A row is outside if at least one of its coordinates is outside: not (a and b and c) "
-    "equals (not a) or (not b) or (not c).",
+    hint="Keep a row if at least one of its coordinates is outside: not (a and b and c) equals "
+    "(not a) or (not b) or (not c).",
 )
 def keeps_points_outside_in_x_or_y(remove_ego_returns: Callable) -> None:
     require_ego_removed(remove_ego_returns)
@@ -499,7 +502,7 @@ def keeps_points_outside_in_x_or_y(remove_ego_returns: Callable) -> None:
     weight=4,
     title="Keeps points above or below the box",
     why="A sign above the bonnet or a kerb under the bumper is not part of the ego car.",
-    hint="A point is inside only if x, y and z are all inside. Compare cloud[:, :3].",
+    hint="Compare all of cloud[:, :3]: a point is inside only if x, y and z are all inside.",
 )
 def keeps_points_above_or_below(remove_ego_returns: Callable) -> None:
     require_ego_removed(remove_ego_returns)
@@ -640,8 +643,8 @@ declare_mistakes(
         "Combine x and y into one distance first: np.hypot(x, y).",
     ),
     Mistake(
-        "x and y are compared separately and with their signs, so everything behind us on the "
-        "right counts as near.",
+        "x and y are compared separately and with their signs, so everything behind the car on "
+        "the right counts as near.",
         lambda right, cloud, distance: _rows_at_most(cloud, cloud[:, :2].max(axis=1), distance),
         "Combine x and y into one distance first: np.hypot(x, y).",
     ),
@@ -685,7 +688,7 @@ declare_mistakes(
         is_cheap=True,
     ),
     Mistake(
-        "Only x is compared, with its sign, so everything behind us stays.",
+        "Only x is compared, with its sign, so everything behind the car stays.",
         lambda right, cloud, distance: _rows_at_most(cloud, cloud[:, 0], distance),
         "Combine x and y into one distance first: np.hypot(x, y).",
         is_cheap=True,
@@ -717,7 +720,8 @@ declare_mistakes(
         "Index with the mask: cloud[mask] contains only the rows where the mask is True.",
     ),
     Mistake(
-        "Nothing is removed: the whole cloud is returned unchanged.",
+        "Nothing is removed: the function returns the whole cloud. It should return only some of "
+        "the rows.",
         lambda right, cloud, distance: cloud,
         is_cheap=True,
     ),
@@ -862,11 +866,12 @@ declare_mistakes(
     Mistake(
         "Everything is removed: no point counts as inside.",
         lambda right, cloud, low, high: cloud[:0],
-        "Inside means >= minimum and <= maximum. Have you swapped the corners or the comparisons?",
+        "Write >= minimum and <= maximum: the corners or the comparisons may be swapped.",
         is_cheap=True,
     ),
     Mistake(
-        "Nothing is removed: the whole cloud is returned unchanged.",
+        "Nothing is removed: the function returns the whole cloud. It should return only some of "
+        "the rows.",
         lambda right, cloud, low, high: cloud,
         "A point is inside if both comparisons are true, so combine them with &. With |, one true "
         "comparison is enough, and one of them is always true. Then index with the mask: "
@@ -933,9 +938,10 @@ declare_mistakes(
         is_cheap=True,
     ),
     Mistake(
-        "Nothing is removed: the whole cloud is returned unchanged.",
+        "Nothing is removed: the function returns the whole cloud. It should return only some of "
+        "the rows.",
         lambda right, cloud, low, high: cloud,
-        "Inside means >= minimum and <= maximum. Have you swapped the corners? Then index with "
+        "Write >= minimum and <= maximum, because the corners may be swapped. Then index with "
         "~inside.",
         is_cheap=True,
     ),

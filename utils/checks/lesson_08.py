@@ -88,9 +88,8 @@ def returns_one_box_per_label(get_bounding_boxes: Callable) -> None:
     "get_bounding_boxes",
     weight=2,
     title="Does not round the coordinates",
-    why="Rounding errors add up from step to step in a pipeline. Round only the numbers that you "
-    "print.",
-    hint="Return the numbers without rounding them.",
+    why="Rounding errors add up over the steps of a pipeline.",
+    hint="Return the coordinates unrounded. Round numbers only when you print them.",
 )
 def does_not_round(get_bounding_boxes: Callable) -> None:
     require_three_boxes(get_bounding_boxes)
@@ -122,8 +121,8 @@ def works_in_all_directions(get_bounding_boxes: Callable) -> None:
     title="Returns the same boxes for points in any order",
     why="A scan lists its rows from the top beam down, so the first point of a cluster is often "
     "its highest.",
-    hint="The first point is both the smallest and the largest so far. Compare every point with "
-    "both values: use if twice, not if and elif.",
+    hint="Compare every point with both values: use if twice, not if and elif. The first point is "
+    "both the smallest and the largest so far.",
 )
 def works_for_points_in_any_order(get_bounding_boxes: Callable) -> None:
     require_three_boxes(get_bounding_boxes)
@@ -159,8 +158,9 @@ common_box_checks.promise_no_box_for_noise(_THREE_CASE, "ignores_noise", weight=
     "get_bounding_boxes",
     weight=2,
     title="Works on clusters of one point, two points or equal points",
-    why="A thin post far away may give only a single return.",
-    hint="No special case is needed: the minimum and the maximum of a single point are that point.",
+    why="A thin post far away may give only a single return, and the car must still see it.",
+    hint="Use the same code for every cluster: the minimum and the maximum of a single point are "
+    "that point.",
 )
 def works_on_few_points(get_bounding_boxes: Callable) -> None:
     require_three_boxes(get_bounding_boxes)
@@ -177,7 +177,7 @@ common_box_checks.promise_intensity_ignored(_THREE_CASE, "ignores_intensity", we
 common_box_checks.promise_empty_result(
     _THREE_CASE,
     "returns_the_empty_shape",
-    hint="np.array([]) has shape (0,). End with .reshape(-1, 8, 3), or start from "
+    hint="End with .reshape(-1, 8, 3), because np.array([]) has shape (0,), or start from "
     "np.zeros((number_of_boxes, 8, 3)).",
     weight=2,
 )
@@ -397,7 +397,8 @@ declare_mistakes(
         "Keep labels > 0 instead of dropping the first label: there may be no noise.",
     ),
     Mistake(
-        "The labels are sorted but the points are not, so points get the labels of other points.",
+        "The function sorts the labels but not the points, so points get the labels of other "
+        "points.",
         lambda right, cloud, labels: _boxes_of(cloud, np.sort(labels)),
         "Leave cluster_labels unchanged: np.unique(cluster_labels) returns a new, sorted array.",
     ),

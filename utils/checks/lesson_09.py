@@ -203,7 +203,7 @@ def keeps_the_labels(filter_clusters: Callable) -> None:
     "filter_clusters",
     weight=3,
     title="Gives the points of removed clusters the label 0",
-    why="All later steps treat label 0 as noise. A negative label has no meaning.",
+    why="All later steps treat label 0 as noise, but a negative label has no meaning to them.",
     hint="Write 0 for every point of a cluster that is too small.",
 )
 def writes_zeros(filter_clusters: Callable) -> None:
@@ -241,7 +241,7 @@ def removes_consecutive_clusters(filter_clusters: Callable) -> None:
     weight=3,
     title="Keeps clusters of exactly min_num_points points",
     why="The minimum is the smallest number of points that counts as an obstacle.",
-    hint='"Fewer than" means <, not <=.',
+    hint='Write < min_num_points, not <=, because the docstring says "fewer than".',
 )
 def keeps_clusters_of_the_minimum_size(filter_clusters: Callable) -> None:
     for sizes, kept in (([4, 5, 9], [0, 2, 3]), ([9, 4, 5], [1, 0, 3])):
@@ -314,7 +314,7 @@ common_checks.promise_names(
     weight=5,
     title="Keeps large clusters, however large they are",
     why="A wall, a lorry or the car ahead has hundreds or thousands of points in a scan.",
-    hint="There is a minimum but no maximum: compare the size only with min_num_points.",
+    hint="Compare the size only with min_num_points: there is a minimum but no maximum.",
 )
 def keeps_large_clusters(filter_clusters: Callable) -> None:
     require_most_clusters_right(filter_clusters)
@@ -366,7 +366,7 @@ def allows_gaps(filter_clusters: Callable) -> None:
     weight=3,
     title="Works on no points, on one point, and on a single cluster",
     why="Other filters may remove everything, or leave a single wall.",
-    hint="No special case is needed: np.unique of an empty array is empty.",
+    hint="Use the same code for every array: np.unique of an empty array is empty.",
 )
 def works_on_few_points(filter_clusters: Callable) -> None:
     empty = np.empty(0, dtype=int)
@@ -506,7 +506,8 @@ declare_mistakes(
         lambda right, labels, minimum: np.where(right > 0, right, -1),
     ),
     Mistake(
-        "Nothing is removed: the labels are returned unchanged.",
+        "Nothing is removed: the function returns the labels unchanged. It should set the labels "
+        "of small clusters to 0.",
         lambda right, labels, minimum: labels,
         is_cheap=True,
     ),
@@ -518,8 +519,8 @@ declare_mistakes(
     Mistake(
         "The last label is skipped, so its cluster stays, however small it is.",
         lambda right, labels, minimum: np.where(labels == labels.max(), labels, right),
-        "range(1, n) ends before n. np.unique(cluster_labels) contains every label, including "
-        "the last.",
+        "Loop over np.unique(cluster_labels), which contains every label. range(1, n) ends before "
+        "n.",
     ),
     Mistake(
         "Your code uses the position in the array of counts as the label, so each cluster is "

@@ -214,8 +214,8 @@ def require_directions(principal_axes: Callable) -> None:
     weight=4,
     title="Returns columns along the length, width and height of a block",
     why="The axes become the sides of the box. If they are wrong, the box is turned the wrong way.",
-    hint="The axes are the eigenvectors of the covariance matrix of x, y and z, q.T @ q / len(q), "
-    "one in each column. Draw them. Are they parallel to the sides of the block?",
+    hint="Return the eigenvectors of the covariance matrix of x, y and z, q.T @ q / len(q), one "
+    "in each column. Draw them: they must be parallel to the sides of the block.",
 )
 def finds_the_directions(principal_axes: Callable) -> None:
     assert_directions(
@@ -235,9 +235,9 @@ def finds_the_directions(principal_axes: Callable) -> None:
     "principal_axes",
     weight=4,
     title="Returns columns along the sides of a block that leans",
-    why="On a hill, a car leans with the road.",
-    hint="The same code works for every rotation. Does any line treat z differently from x and y? "
-    "Does any line change a row, although each axis is a column?",
+    why="On a hill, a car leans with the road, and its axes must lean with it.",
+    hint="Treat x, y and z alike, and change only columns of the matrix, because each axis is a "
+    "column.",
 )
 def finds_leaning_directions(principal_axes: Callable) -> None:
     require_directions(principal_axes)
@@ -268,9 +268,10 @@ def _flipped_row(answer: object, expected: np.ndarray) -> int | None:
     "principal_axes",
     weight=7,
     title="Sorts the axes from the largest spread to the smallest",
-    why="The first axis becomes the heading of the car.",
-    hint="np.linalg.eigh returns the variances in ascending order, so reverse the columns: "
-    "axes[:, ::-1]. np.linalg.eig returns them in no particular order, so sort them.",
+    why="The first axis becomes the heading of the car. In another order, the box is turned "
+    "sideways.",
+    hint="Reverse the columns, axes[:, ::-1], because np.linalg.eigh returns the variances in "
+    "ascending order. np.linalg.eig returns them in no particular order, so sort them.",
 )
 def orders_by_spread(principal_axes: Callable) -> None:
     require_directions(principal_axes)
@@ -304,8 +305,8 @@ def stays_right_handed(principal_axes: Callable) -> None:
     weight=6,
     title="Returns axes of length 1 at right angles to each other",
     why="If an axis is longer than 1, the measured box is too large.",
-    hint="np.linalg.eigh and np.linalg.svd return unit vectors. Do not multiply them by the "
-    "spread.",
+    hint="Return the unit vectors of np.linalg.eigh or np.linalg.svd as they are, and do not "
+    "multiply them by the spread.",
 )
 def has_unit_length(principal_axes: Callable) -> None:
     require_directions(principal_axes)
@@ -392,7 +393,7 @@ def assert_axes(answer: object, expected: np.ndarray, input_text: str | None = N
     why="The scanner sees only some sides of a vehicle. This check combines all the properties "
     "that the checks above test separately.",
     hint="First fix any check above that also fails, because each of them tests a single "
-    "property. Then print your axes of one vehicle next to those of np.linalg.svd, which the "
+    "property. Then compare your axes of one vehicle with those of np.linalg.svd, which the "
     "lesson uses above the exercise.",
 )
 def finds_vehicles(principal_axes: Callable) -> None:
@@ -414,7 +415,7 @@ common_checks.promise_fourth_column(
     "ignores_intensity",
     np.linspace(0, 90, len(_TURNED_BLOCK)),
     title="Ignores intensity in a fourth column",
-    why="Intensity is not a direction in space.",
+    why="Intensity is not a direction in space, so bright points must not turn the axes.",
     hint="Use only the coordinates, points[:, :3].",
 )
 
@@ -424,8 +425,8 @@ common_checks.promise_fourth_column(
     weight=2,
     title="Works on two points, one point or none",
     why="A thin post far away may return a single point, and the pipeline must not stop.",
-    hint="Any right-handed axes will do for a single point, for example np.eye(3). q.T @ q is 3 x "
-    "3 for any number of points q; np.cov of one point is nan.",
+    hint="Compute q.T @ q, which is 3 x 3 for any number of points q. np.cov of one point is nan. "
+    "Any right-handed axes are right for a single point, for example np.eye(3).",
 )
 def works_on_few_points(principal_axes: Callable) -> None:
     require_directions(principal_axes)
@@ -441,14 +442,14 @@ def works_on_few_points(principal_axes: Callable) -> None:
 common_checks.promise_names(
     _BLOCK_CASE.without_precondition,
     "keeps_the_name",
-    title="Keeps the name of the parameter",
+    title="Keeps the name of its parameter, points",
     why="Other programs may call principal_axes(points=...), as the docstring allows.",
 )
 common_checks.promise_untouched(
     _BLOCK_CASE.with_first(frozen(_TURNED_BLOCK + [9.0, -4.0, -0.9])),
     "leaves_its_input",
     why="The next step of the pipeline uses the same points.",
-    hint="points - mean creates a new array. points -= mean changes the input.",
+    hint="Write points - mean, which creates a new array. points -= mean changes the input.",
 )
 
 
@@ -614,9 +615,9 @@ def contains_all_points(get_oriented_boxes: Callable) -> None:
     title="Turns each box with its cluster",
     why="A box along x and y around a diagonal car blocks twice as much of the street as "
     "necessary.",
-    hint="The yaw, in radians, is the angle with the largest closeness_at or the smallest "
-    "floor_area_at. It can also be np.arctan2(y, x) of the first principal axis of the points "
-    "seen from above. Turn the points by minus yaw and the corners by plus yaw.",
+    hint="Turn the points by minus yaw and the corners by plus yaw. The yaw, in radians, is the "
+    "angle with the largest closeness_at or the smallest floor_area_at. It can also be "
+    "np.arctan2(y, x) of the first principal axis of the points seen from above.",
 )
 def turns_with_the_cluster(get_oriented_boxes: Callable) -> None:
     require_straight_boxes(get_oriented_boxes)
@@ -645,7 +646,8 @@ def turns_with_the_cluster(get_oriented_boxes: Callable) -> None:
     "get_oriented_boxes",
     weight=5,
     title="Returns boxes that cover little more ground than their clusters",
-    why="The car cannot drive on the ground inside a box.",
+    why="The car does not drive on the ground inside a box, so a box that is too large blocks a "
+    "free lane.",
     hint="Turn the points by minus yaw before you take their minimum and maximum.",
 )
 def is_no_larger_than_needed(get_oriented_boxes: Callable) -> None:
@@ -679,7 +681,7 @@ def keeps_boxes_upright(get_oriented_boxes: Callable) -> None:
     title="Puts the floor at the lowest point and the roof at the highest",
     why="The floor and the roof of a box decide whether the car fits under a branch or over a "
     "kerb.",
-    hint="The floor is at the smallest z of the cluster, and the roof is at the largest.",
+    hint="Put the floor at the smallest z of the cluster, and the roof at the largest.",
 )
 def reaches_floor_and_roof(get_oriented_boxes: Callable) -> None:
     require_straight_boxes(get_oriented_boxes)
@@ -732,8 +734,9 @@ common_box_checks.promise_no_box_for_noise(_BOXES_CASE, "leaves_noise_alone", we
     "get_oriented_boxes",
     weight=1,
     title="Works on clusters of one point, of equal points and of points on a line",
-    why="Posts return single points, and thin walls return lines.",
-    hint="You need no special case: the box of a single point consists of that point eight times.",
+    why="A post may return a single point and a thin wall a line, and both are obstacles.",
+    hint="Use the same code for every cluster: the box of a single point consists of that point "
+    "eight times.",
 )
 def works_on_small_clusters(get_oriented_boxes: Callable) -> None:
     require_straight_boxes(get_oriented_boxes)
@@ -747,7 +750,7 @@ def works_on_small_clusters(get_oriented_boxes: Callable) -> None:
 common_box_checks.promise_empty_result(
     _BOXES_CASE,
     "works_without_clusters",
-    hint="np.array([]) has shape (0,). End with .reshape(-1, 8, 3).",
+    hint="End with .reshape(-1, 8, 3), because np.array([]) has shape (0,).",
     weight=2,
 )
 common_box_checks.promise_intensity_ignored(_BOXES_CASE, "ignores_intensity_in_boxes")
@@ -760,7 +763,8 @@ common_checks.promise_names(
 common_box_checks.promise_untouched(
     _BOXES_CASE,
     "leaves_cloud_and_labels",
-    hint="cloud[mask, :3] is already a new array. cloud[:, 2] = 0 changes the input.",
+    hint="Select points with cloud[mask, :3], which is already a new array. cloud[:, 2] = 0 "
+    "changes the input.",
     weight=0.5,
 )
 

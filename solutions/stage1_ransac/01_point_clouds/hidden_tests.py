@@ -34,7 +34,7 @@ def random_rows(cloud, seed, n):
     "horizontal_distance",
     weight=3,
     title="Measures the distances in the course's scan",
-    hint="Draw your distances as the notebook does: does each colour form a circle?",
+    hint="Draw your distances as the notebook does: each colour must form a circle.",
 )
 def test_measures_the_course_cloud(student, seed):
     assert_right_distances(student, random_rows(samples.course_cloud(), seed, 4000))
@@ -54,7 +54,8 @@ def test_measures_a_fresh_street(student, seed):
     "horizontal_distance",
     weight=2,
     title="Returns the same distances if the street is rotated, mirrored or lifted",
-    hint="The distance does not depend on the direction, the signs or the height.",
+    hint="Use only the squares of x and y, which do not depend on the direction, the signs or the "
+    "height.",
 )
 def test_distances_do_not_depend_on_direction_or_height(student, seed):
     rng = np.random.default_rng(seed)
@@ -72,7 +73,7 @@ def test_distances_do_not_depend_on_direction_or_height(student, seed):
     "horizontal_distance",
     weight=1,
     title="Works on clouds of three columns and of few points",
-    hint="Compute with whole columns. You do not need a special case.",
+    hint="Compute with whole columns, such as cloud[:, 0], for any number of points.",
 )
 def test_measures_three_columns_and_few_points(student, seed):
     require_distances_at_all_heights(student.horizontal_distance)
@@ -86,7 +87,7 @@ def test_measures_three_columns_and_few_points(student, seed):
     "horizontal_distance",
     weight=1,
     title="Works in single precision and with any memory layout",
-    hint="Compute with whole columns. You do not need a special case.",
+    hint="Compute with whole columns, such as cloud[:, 0], for any number of points.",
 )
 def test_measures_in_single_precision(student, seed):
     require_distances_at_all_heights(student.horizontal_distance)
@@ -137,7 +138,8 @@ def insert_lost_returns(cloud, seed, share=0.2):
     "drop_invalid",
     weight=3,
     title="Cleans the course's scan, with and without lost returns",
-    hint="Break the scan as the notebook does: does the tall bar at 0 m disappear?",
+    hint="Break the scan as the notebook does: drop_invalid must make the tall bar at 0 m "
+    "disappear.",
 )
 def test_cleans_the_course_cloud(student, seed):
     require_lost_returns_dropped(student.drop_invalid)
@@ -150,7 +152,7 @@ def test_cleans_the_course_cloud(student, seed):
     "drop_invalid",
     weight=2,
     title="Cleans a street you have not seen",
-    hint="In a good row, all three coordinates are finite, and at least one is not 0.",
+    hint="Keep the rows in which all three coordinates are finite and at least one is not 0.",
 )
 def test_cleans_a_fresh_street(student, seed):
     assert_lost_returns_dropped(
@@ -208,7 +210,7 @@ def test_keeps_points_with_a_zero(student, seed):
     "drop_invalid",
     weight=1,
     title="Keeps points a few centimetres from the sensor",
-    hint="Only exactly (0, 0, 0) is a lost return. A point very close to the sensor may be real.",
+    hint="Compare with exactly 0: a point very close to the sensor may be real.",
 )
 def test_keeps_near_points(student, seed):
     require_lost_returns_dropped(student.drop_invalid)

@@ -161,7 +161,7 @@ def pairs_through_origin(seed, n):
     "point_line_distance",
     weight=2,
     title="Measures distances from lines through (0, 0) that you have not seen",
-    hint="Draw circles around your points as in the notebook: does each one touch the line?",
+    hint="Draw circles around your points as in the notebook: each one must touch the line.",
 )
 def test_measures_from_lines_through_the_origin(student, seed):
     points = np.random.default_rng(seed).uniform(-20, 20, (60, 2))
@@ -186,7 +186,7 @@ def test_measures_from_any_line(student, seed):
     "point_line_distance",
     weight=3,
     title="Measures distances on both sides of a line",
-    hint="A distance is never negative: np.abs takes the absolute value of a whole array.",
+    hint="Take np.abs of the whole sum: a distance is never negative.",
 )
 def test_measures_on_both_sides(student, seed):
     assert_plain_case(student.point_line_distance)
@@ -212,7 +212,7 @@ def test_measures_the_course_cloud(student, seed):
     "point_line_distance",
     weight=1,
     title="Works in single precision, on few points and with any memory layout",
-    hint="Compute with whole columns. You do not need a special case.",
+    hint="Compute with whole columns, such as points[:, 0], for any number of points.",
 )
 def test_measures_few_points_in_single_precision(student, seed):
     assert_plain_case(student.point_line_distance)
@@ -332,7 +332,7 @@ def test_mask_belongs_to_line(student, seed):
     "ransac_line",
     weight=3,
     title="Finds a line among three times as many outliers",
-    hint="Does your loop run max_iterations times and draw a new sample in each round?",
+    hint="Loop with `for _ in range(max_iterations)`, and draw a new sample in each round.",
 )
 def test_finds_lines_among_many_outliers(student, seed):
     clouds = [wall_and_clutter((seed, run, 1), 12, 38)[0] for run in range(16)]
@@ -343,7 +343,7 @@ def test_finds_lines_among_many_outliers(student, seed):
     "ransac_line",
     weight=3,
     title="Finds the house front in the course's scan",
-    hint="Draw the slice as at the end of the notebook: does your line follow the wall?",
+    hint="Draw the slice as at the end of the notebook: your line must follow the wall.",
 )
 def test_finds_the_wall_in_the_course_cloud(student, seed):
     clouds = [wall_of_course_cloud((seed, run), 90) for run in range(12)]
@@ -409,7 +409,7 @@ def test_draws_two_of_three_points(student, seed):
     "ransac_line",
     weight=1,
     title="Draws exactly one sample in each iteration",
-    hint="max_iterations is the number of samples: `for _ in range(max_iterations)`.",
+    hint="Draw one sample in each round of `for _ in range(max_iterations)`.",
 )
 def test_one_iteration_is_one_sample(student, seed):
     require_line_among_outliers(student.ransac_line)
@@ -430,7 +430,8 @@ def test_one_iteration_is_one_sample(student, seed):
     "ransac_line",
     weight=2,
     title="Continues after samples of two equal points",
-    hint="A sample of equal points does not define a line: continue with the next sample.",
+    hint="If line_through returns None, continue with the next sample: equal points do not define "
+    "a line.",
 )
 def test_continues_after_equal_points(student, seed):
     require_line_among_outliers(student.ransac_line)
@@ -449,7 +450,7 @@ def test_continues_after_equal_points(student, seed):
     "ransac_line",
     weight=1,
     title="Works in single precision and with any memory layout",
-    hint="Compute with whole columns. You do not need a special case.",
+    hint="Compute with whole columns, such as points[:, 0], for any number of points.",
 )
 def test_works_in_single_precision(student, seed):
     require_line_among_outliers(student.ransac_line)

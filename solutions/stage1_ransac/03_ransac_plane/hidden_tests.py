@@ -76,7 +76,7 @@ def random_triangle(rng, size=5.0):
 @hidden(
     "plane_through",
     weight=3,
-    title="(a, b, c) is perpendicular to triangles you have not seen",
+    title="Returns a normal that is perpendicular to triangles you have not seen",
     hint="The cross product of two sides is perpendicular to the triangle.",
 )
 def test_normal_is_perpendicular_to_random_triangles(student, seed):
@@ -120,7 +120,8 @@ def test_normal_has_length_1(student, seed):
     "plane_through",
     weight=1,
     title="Works for any order of the points and in single precision",
-    hint="Only the sign of the four numbers may depend on the order.",
+    hint="Use the points p, q and r alike: only the sign of the four numbers may depend on their "
+    "order.",
 )
 def test_order_of_points_does_not_matter(student, seed):
     triangle = random_triangle(np.random.default_rng(seed + 3))
@@ -171,7 +172,7 @@ def test_measures_the_course_cloud(student, seed):
     "point_plane_distance",
     weight=2,
     title="Measures distances from planes that do not pass through the sensor",
-    hint="Add d to a x + b y + c z.",
+    hint="Add d, the last number of the plane, to a x + b y + c z.",
 )
 def test_adds_d(student, seed):
     rng = np.random.default_rng(seed)
@@ -301,7 +302,7 @@ def assert_marks(answer, points, tolerance):
     "ransac_plane",
     weight=4,
     title="Finds the road in {}",
-    hint="Draw your plane from the side, as in the notebook: does it follow the road?",
+    hint="Draw your plane from the side, as in the notebook: it must follow the road.",
 )
 @pytest.mark.parametrize(
     "name", ["course", "fresh"], ids=["the course's scan", "a street you have not seen"]
@@ -405,7 +406,7 @@ def test_draws_three_different_rows(student, seed):
     "ransac_plane",
     weight=1,
     title="Draws one sample in each iteration, without missing a round",
-    hint="max_iterations is the number of samples: `for _ in range(max_iterations)`.",
+    hint="Draw one sample in each round of `for _ in range(max_iterations)`.",
 )
 def test_no_round_is_missing(student, seed):
     require_plane_among_outliers(student.ransac_plane)
@@ -489,7 +490,7 @@ def test_fits_planes_in_any_direction(student, seed):
     "fit_plane",
     weight=13,
     title="Returns a plane through the mean, wherever the points are",
-    hint="d is minus the dot product of the normal and the mean.",
+    hint="Compute d = -(normal @ centre), where centre is the mean of the points.",
 )
 def test_plane_contains_the_mean(student, seed):
     rng = np.random.default_rng(seed)
@@ -505,7 +506,7 @@ def test_plane_contains_the_mean(student, seed):
     "fit_plane",
     weight=5,
     title="Fits planes to pieces of the course's scan",
-    hint="Every cloud has a best plane, even if the cloud is not flat.",
+    hint="Return the plane of least spread for every cloud, even if the cloud is not flat.",
 )
 def test_fits_the_course_cloud(student, seed):
     cloud = samples.course_cloud()
@@ -518,7 +519,7 @@ def test_fits_the_course_cloud(student, seed):
     "fit_plane",
     weight=1,
     title="Works on three points, in single precision and on duplicates",
-    hint="Three points also have a best plane: the one through them.",
+    hint="Use the same code for three points: their best plane passes through them.",
 )
 def test_fits_three_points_and_any_array(student, seed):
     rng = np.random.default_rng(seed)
@@ -562,7 +563,7 @@ def test_finds_the_number_for_planes(student, seed):
     "iterations_needed",
     weight=2,
     title="Works for samples of other sizes",
-    hint="Raise w to the power of sample_size.",
+    hint="Write inlier_ratio ** sample_size.",
 )
 def test_uses_the_sample_size(student, seed):
     require_plain_cases(student.iterations_needed)

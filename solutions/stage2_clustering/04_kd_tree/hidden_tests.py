@@ -118,7 +118,7 @@ def test_equal_coordinates(student, seed):
 @hidden(
     "insert",
     weight=1,
-    title="Works on lists, tuples and single precision",
+    title="Works on lists, tuples and float32 arrays",
     hint="Read the coordinates one by one, as point[axis].",
 )
 def test_notations(student, seed):
@@ -208,8 +208,8 @@ def assert_searches(student, targets, root):
     "search",
     weight=5,
     title="Finds the neighbours of unseen targets in the plane",
-    hint="Compare your result with a search that skips nothing: which point is missing, and at "
-    "which node did your search skip it?",
+    hint="Compare your result with a search that skips nothing, and find the node at which your "
+    "search skips a neighbour.",
 )
 def test_search_plane(student, seed):
     require_pruning(student.KdTree)
@@ -228,7 +228,7 @@ def plane_scenes(seed):
     "search",
     weight=8,
     title="Finds the neighbours of targets on an unseen street",
-    hint="The axis at a node is depth % len(target).",
+    hint="Compare along axis depth % len(target) at each node.",
 )
 def test_search_street(student, seed):
     require_pruning(student.KdTree)
@@ -248,8 +248,8 @@ def street_scenes(seed):
     "search",
     weight=3,
     title="Works on unbalanced trees with equal coordinates and equal points",
-    hint="A point with an equal coordinate is on the right. Search an unbalanced tree in the same "
-    "way as a balanced one.",
+    hint="Search the right side for points with an equal coordinate, in an unbalanced tree as in "
+    "a balanced one.",
 )
 def test_search_unbalanced(student, seed):
     rng = np.random.default_rng(seed)
@@ -263,7 +263,8 @@ def test_search_unbalanced(student, seed):
     "search",
     weight=3,
     title="Leaves out points in the corners of the box, in {}",
-    hint="A point is found if its distance is at most the tolerance; the box does not matter.",
+    hint="Return a point if its distance is at most the tolerance, whether or not it is in the "
+    "box.",
 )
 @pytest.mark.parametrize("k", [2, 3], ids=["the plane", "space"])
 def test_search_circle(student, seed, k):
@@ -391,7 +392,7 @@ def test_search_extremes(student, seed):
 @hidden(
     "search",
     weight=1,
-    title="Works on lists, tuples and single precision",
+    title="Works on lists, tuples and float32 arrays",
     hint="Use the coordinates one by one, or convert both points to arrays.",
 )
 def test_search_notations(student, seed):
@@ -445,7 +446,7 @@ def test_depth(student, seed, k):
 @hidden(
     "median_order",
     weight=5,
-    title="Halves every part",
+    title="Halves every part of the cloud",
     hint="Put the median before both halves, and treat each half as a new part.",
 )
 def test_halves(student, seed):
@@ -459,7 +460,7 @@ def test_halves(student, seed):
     "median_order",
     weight=3,
     title="Takes medians along {} in turn",
-    hint="The axis of a part is its depth modulo the number of columns.",
+    hint="Sort a part along axis depth % points.shape[1].",
 )
 @pytest.mark.parametrize("k", [2, 3], ids=["two axes", "three axes"])
 def test_medians(student, seed, k):
@@ -473,7 +474,7 @@ def test_medians(student, seed, k):
     "median_order",
     weight=4,
     title="Takes the lower of two middle points in every part",
-    hint="The lower median of m sorted rows is at position (m - 1) // 2, for odd and even m.",
+    hint="Take position (m - 1) // 2 of m sorted rows for the lower median, for odd and even m.",
 )
 def test_lower_medians(student, seed):
     rng = np.random.default_rng(seed + 20)
@@ -486,8 +487,8 @@ def test_lower_medians(student, seed):
     "median_order",
     weight=3,
     title="Works on an unseen street",
-    hint="Draw the tree that your order makes for a few points of the lesson's scan: is each part "
-    "halved along the axis of its depth?",
+    hint="Draw the tree that your order makes for a few points of the lesson's scan: each part "
+    "must be halved along the axis of its depth.",
 )
 def test_medians_of_street(student, seed):
     points = samples.obstacles_of_street(seed, 500)[:, :3]
@@ -501,7 +502,7 @@ def test_medians_of_street(student, seed):
 @hidden(
     "median_order",
     weight=2,
-    title="Works on single precision, another memory order and points far from the origin",
+    title="Works in single precision, with another memory order and far from the origin",
     hint="Return row numbers of the given array, not of a copy that you have sorted or split.",
 )
 def test_median_extremes(student, seed):

@@ -37,8 +37,8 @@ def random_walks(seed):
     "euclidean_clustering",
     weight=5,
     title="Finds the clusters in the course's scan",
-    hint="Draw your labels with plots.clusters. Does one object have two colours, or do two "
-    "objects share one?",
+    hint="Draw your labels with plots.clusters, and look for an object with two colours or for "
+    "two objects that share one.",
 )
 def test_course_cloud(student, seed):
     cloud = samples.patch_of_course_cloud(seed, 4000)
@@ -60,7 +60,7 @@ def test_fresh_streets(student, seed):
     "euclidean_clustering",
     weight=4,
     title="Finds the clusters for unseen thresholds",
-    hint="Two points are neighbours if their distance in metres is below threshold.",
+    hint="Compare the distance in metres with threshold: closer points are neighbours.",
 )
 def test_other_thresholds(student, seed):
     cloud = samples.obstacles_of_street(seed, 350)[:, :3]
@@ -72,8 +72,8 @@ def test_other_thresholds(student, seed):
     "euclidean_clustering",
     weight=7,
     title="Keeps long winding chains in one piece",
-    hint="A cluster contains every point that can be reached from neighbour to neighbour, however "
-    "far away it is.",
+    hint="Search for the neighbours of every point that joins a cluster, however far it is from "
+    "the first point.",
 )
 def test_long_chain(student, seed):
     # Two spirals, one above the other. The points are 0.45 m apart, and the turns 1.5 m.
@@ -143,7 +143,7 @@ def test_intensity(student, seed):
 @hidden(
     "euclidean_clustering",
     weight=1,
-    title="Works on single precision and another memory order",
+    title="Works in single precision and with another memory order",
     hint="Do not rely on the type or the memory order of the array.",
 )
 def test_kinds_of_arrays(student, seed):
@@ -167,7 +167,7 @@ def test_many_clusters(student, seed):
     "euclidean_clustering",
     weight=1,
     title="Works if all points are one cluster, and if many points are equal",
-    hint="Equal points are at distance 0, so they get the same label.",
+    hint="Give equal points the same label: their distance is 0.",
 )
 def test_extremes(student, seed):
     require_simplest_clusters(student.euclidean_clustering)
@@ -180,8 +180,8 @@ def test_extremes(student, seed):
     "euclidean_clustering",
     weight=2,
     title="Gives every point, even an isolated one, a label from 1 upwards",
-    hint="A point without neighbours is a cluster too, even if it is the first or last of the "
-    "cloud.",
+    hint="Begin a new cluster at every point without a label, even if it has no neighbours or is "
+    "the first or last of the cloud.",
 )
 def test_every_point(student, seed):
     require_simplest_clusters(student.euclidean_clustering)

@@ -48,8 +48,8 @@ def assert_ground_removed(student, cloud, level=-1.2):
     "filter_ground",
     weight=4,
     title="Removes the ground from the course's scan",
-    hint="Draw your result as the notebook does: is the road gone, and is everything else still "
-    "there?",
+    hint="Draw your result as the notebook does: the road must be gone, and everything else must "
+    "still be there.",
 )
 def test_filters_the_course_scan(student):
     assert_ground_removed(student, samples.course_cloud()[::5])
@@ -105,7 +105,7 @@ def test_keeps_the_order(student, seed):
     "filter_ground",
     weight=1,
     title="Works with three columns, float32 and duplicate rows",
-    hint="Use the same code for every cloud. You do not need a special case.",
+    hint="Use the same mask for every cloud, without a special case.",
 )
 def test_works_on_all_kinds_of_clouds(student, seed):
     require_ground_removed(student.filter_ground)
@@ -120,7 +120,7 @@ def test_works_on_all_kinds_of_clouds(student, seed):
     "filter_ground",
     weight=1,
     title="Works on a single point, and when no point is left",
-    hint="Use the same code for every cloud. You do not need a special case.",
+    hint="Use the same mask for every cloud, without a special case.",
 )
 def test_works_on_small_clouds(student, seed):
     require_ground_removed(student.filter_ground)

@@ -76,7 +76,7 @@ def test_filters_the_course_scan(student):
 @hidden(
     "filter_by_distance",
     weight=4,
-    title="Keeps the near points of a flattened street you have not seen",
+    title="Keeps the near points of a street you have not seen",
     hint="Keep exactly the rows with sqrt(x² + y²) <= distance.",
 )
 def test_filters_a_new_street(student, seed):
@@ -165,7 +165,7 @@ def test_keeps_the_order(student, seed):
     "filter_by_distance",
     weight=1,
     title="Works with three columns, float32 and duplicate rows",
-    hint="You need no special case: the same mask works for every cloud.",
+    hint="Use the same mask for every cloud, without a special case.",
 )
 def test_works_on_all_kinds_of_clouds(student, seed):
     require_near_points_kept(student.filter_by_distance)
@@ -180,7 +180,7 @@ def test_works_on_all_kinds_of_clouds(student, seed):
     "filter_by_distance",
     weight=1,
     title="Works on a single point, and when no point is left",
-    hint="You need no special case: the same mask works for every cloud.",
+    hint="Use the same mask for every cloud, without a special case.",
 )
 def test_works_on_small_clouds(student, seed):
     require_near_points_kept(student.filter_by_distance)

@@ -107,8 +107,8 @@ def drop_small_clusters(labels, least):
     "get_bounding_boxes",
     weight=4,
     title="Puts a box around every obstacle in the course's scan",
-    hint="Draw your boxes and compare them with the picture in the notebook. Is every obstacle "
-    "inside a box?",
+    hint="Draw your boxes and compare them with the picture in the notebook: every obstacle must "
+    "be inside a box.",
 )
 def test_boxes_the_course_scan(student, seed):
     assert_boxed(student, *course_clusters(seed))
@@ -169,8 +169,8 @@ def test_ignores_noise(student, seed):
     "get_bounding_boxes",
     weight=2,
     title="Works for points in {} order",
-    hint="The box does not depend on the order of the points. The first point is both the "
-    "smallest and the largest so far.",
+    hint="Compare every point with both the smallest and the largest value so far: the first "
+    "point is both.",
 )
 @pytest.mark.parametrize("step", [1, -1], ids=["rising", "falling"])
 def test_works_for_any_order_of_points(student, seed, step):
@@ -183,8 +183,8 @@ def test_works_for_any_order_of_points(student, seed, step):
     "get_bounding_boxes",
     weight=2,
     title="Works when all coordinates are {}",
-    hint="A cluster may be on any side of the sensor: its coordinates may all be below 0, or all "
-    "above.",
+    hint="Start minimum and maximum from a point or from infinity, not from 0: all coordinates of "
+    "a cluster may be below 0.",
 )
 @pytest.mark.parametrize("corner", [-1, 1], ids=["below zero", "above zero"])
 def test_works_in_all_directions(student, seed, corner):
@@ -197,7 +197,8 @@ def test_works_in_all_directions(student, seed, corner):
     "get_bounding_boxes",
     weight=2,
     title="Works on one point, two points, equal points and points on a line",
-    hint="No special case is needed: such a box may be flat, or consist of eight equal corners.",
+    hint="Use the same code for every cluster: a box may be flat, or consist of eight equal "
+    "corners.",
 )
 def test_works_on_few_points(student, seed):
     rng = np.random.default_rng(seed)
@@ -214,7 +215,7 @@ def test_works_on_few_points(student, seed):
     "get_bounding_boxes",
     weight=2,
     title="Works on clouds with intensity",
-    hint="Only the first three columns are coordinates.",
+    hint="Use only the first three columns, cloud[:, :3], because they are the coordinates.",
 )
 def test_works_with_intensity(student, seed):
     rng = np.random.default_rng(seed)

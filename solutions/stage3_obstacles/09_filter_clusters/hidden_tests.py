@@ -67,7 +67,7 @@ def test_filters_the_course_scan(student, seed):
 @hidden(
     "filter_clusters",
     weight=7,
-    title="Removes small clusters from swarms you have not seen",
+    title="Removes small clusters from clouds you have not seen",
     hint="Judge each cluster only by its number of points, even if many small clusters follow "
     "each other.",
 )
@@ -82,7 +82,7 @@ def test_filters_swarms(student, seed):
     "filter_clusters",
     weight=7,
     title="Keeps cars, walls and lorries with hundreds or thousands of points",
-    hint="There is a minimum but no maximum.",
+    hint="Compare the size of a cluster only with min_num_points: there is no maximum.",
 )
 def test_keeps_large_clusters(student, seed):
     rng = np.random.default_rng(seed)
@@ -94,7 +94,7 @@ def test_keeps_large_clusters(student, seed):
 @hidden(
     "filter_clusters",
     weight=3,
-    title="Keeps clusters of exactly the minimum size in a swarm",
+    title="Keeps clusters of exactly the minimum size in clouds you have not seen",
     hint="Keep a cluster that has exactly as many points as the minimum.",
 )
 def test_keeps_clusters_of_the_minimum_size(student, seed):
@@ -117,8 +117,8 @@ def test_keeps_clusters_of_the_minimum_size(student, seed):
     "filter_clusters",
     weight=3,
     title="Keeps labels that are large and have gaps",
-    hint="Do not assume labels from 1 to N: when labels are filtered a second time, they have "
-    "gaps and many zeros.",
+    hint="Loop over np.unique(cluster_labels), not from 1 to N: labels that were filtered before "
+    "have gaps and many zeros.",
 )
 def test_keeps_the_labels(student, seed):
     require_most_clusters_right(student.filter_clusters)
@@ -134,7 +134,7 @@ def test_keeps_the_labels(student, seed):
     "filter_clusters",
     weight=3,
     title="Never turns noise into a cluster, however many noise points there are",
-    hint="Label 0 is not a cluster, however often it occurs.",
+    hint="Leave label 0 unchanged, however often it occurs: it is not a cluster.",
 )
 def test_never_clusters_noise(student, seed):
     require_most_clusters_right(student.filter_clusters)
@@ -150,8 +150,8 @@ def test_never_clusters_noise(student, seed):
     "filter_clusters",
     weight=3,
     title="Works for any order of the points and the labels",
-    hint="The points of a cluster need not be next to each other, and a high label does not mean "
-    "a large cluster.",
+    hint="Count all points with a label, wherever they are in the array: a high label does not "
+    "mean a large cluster.",
 )
 def test_works_in_any_order(student, seed):
     rng = np.random.default_rng(seed)
@@ -182,7 +182,7 @@ def test_works_with_extreme_minima(student, seed):
     "filter_clusters",
     weight=2,
     title="Works with 32-bit labels and with many clusters",
-    hint="Labels may be 32-bit integers, and there may be more than 255 of them.",
+    hint="Keep the integer type of cluster_labels: 8 bits are too few for more than 255 labels.",
 )
 def test_works_with_other_number_types(student, seed):
     require_small_clusters_removed(student.filter_clusters)

@@ -49,8 +49,8 @@ def test_course_cloud(student, seed):
     NAME,
     weight=12,
     title="Finds the exact clusters on new streets",
-    hint="Shuffle every tenth point of cloud.txt, and compare your clusters with those of "
-    "join_all_pairs. Which clusters are split, and which are merged?",
+    hint="Shuffle every tenth point of cloud.txt, compare your clusters with those of "
+    "join_all_pairs, and look for clusters that are split or merged.",
 )
 def test_fresh_streets(student, seed):
     for street in range(2):
@@ -76,7 +76,7 @@ def test_other_thresholds(student, seed):
     NAME,
     weight=6,
     title="Finds the exact clusters when many points crowd into few cells",
-    hint="Two cells belong together if ANY point of one is close to ANY point of the other.",
+    hint="Join two cells if any point of one is close to any point of the other.",
 )
 def test_crowded_cells(student, seed):
     # The gaps between lumps of 25 points are close to the threshold, so it is not enough to compare
@@ -92,8 +92,8 @@ def test_crowded_cells(student, seed):
     NAME,
     weight=3,
     title="Keeps pairs just above the threshold apart, wherever cells begin",
-    hint="Is the side of a cell threshold / sqrt(3), so that no two points in it are too far "
-    "apart?",
+    hint="Make the side of a cell threshold / np.sqrt(3), so that no two points in it are too far "
+    "apart.",
 )
 def test_pairs_just_above_the_threshold(student, seed):
     require_simplest_clusters(student.euclidean_clustering_accelerated)
@@ -121,7 +121,8 @@ def test_long_chain(student, seed):
     NAME,
     weight=2,
     title="Does not depend on the order, position or rotation of the cloud",
-    hint="If the cloud moves by 10 cm, other points share a cell. The clusters must stay the same.",
+    hint="Measure distances between points, not between cells: if the cloud moves by 10 cm, other "
+    "points share a cell.",
 )
 def test_invariance(student, seed):
     rng = np.random.default_rng(seed)
@@ -151,7 +152,8 @@ def test_intensity(student, seed):
     NAME,
     weight=1,
     title="Works on float32 clouds and on clouds stored column by column",
-    hint="A cloud may be float32, and its rows need not be stored one after the other in memory.",
+    hint="Start from np.asarray(cloud)[:, :3], and do not rely on the type or the memory order of "
+    "the cloud.",
 )
 def test_kinds_of_arrays(student, seed):
     cloud, labels = _boxes_of_points(seed)
@@ -164,7 +166,7 @@ def test_kinds_of_arrays(student, seed):
     NAME,
     weight=1,
     title="Works on clouds that are flat, tiny or in a single cell",
-    hint="For such a cloud, the list of pairs of cells may be empty.",
+    hint="Test whether the list of pairs of cells is empty, which it is for such a cloud.",
 )
 def test_extremes(student, seed):
     require_simplest_clusters(student.euclidean_clustering_accelerated)
@@ -180,7 +182,7 @@ def test_extremes(student, seed):
     NAME,
     weight=2,
     title="Finds hundreds of clusters",
-    hint="Labels need a type that holds numbers above 255, so 8-bit integers are too small.",
+    hint="Store labels as int: 8-bit integers end at 255.",
 )
 def test_many_clusters(student, seed):
     require_simplest_clusters(student.euclidean_clustering_accelerated)
@@ -239,8 +241,8 @@ def test_whole_scan(student, seed):
     NAME,
     weight=12,
     title="Clusters sixty thousand points on a few walls, quickly and with little memory",
-    hint="Twice as many points on the same wall make four times as many close pairs, but no more "
-    "cells. Work with cells instead of pairs of points.",
+    hint="Work with cells instead of pairs of points: twice as many points on the same wall make "
+    "four times as many close pairs, but no more cells.",
 )
 def test_dense_walls(student, seed):
     cloud, labels = _walls(seed)
@@ -254,9 +256,8 @@ def test_dense_walls(student, seed):
     NAME,
     weight=16,
     title="Clusters heaps of twenty thousand points, quickly and with little memory",
-    hint="In a heap, every point is close to every other point. A list of all pairs grows with "
-    "the square of the number of points. Points that share a cell belong together without such a "
-    "list.",
+    hint="Join the points of a cell without a list of all pairs, which grows with the square of "
+    "the number of points in a heap.",
 )
 def test_heaps(student, seed):
     cloud, labels = _heaps(seed)
@@ -274,8 +275,8 @@ def test_heaps(student, seed):
     NAME,
     weight=30,
     title="Decides exactly and with little memory whether one pair of points joins two heaps",
-    hint="You need only the closest pair of points in two crowded cells. Build a kd-tree of one "
-    "cell and query it with the points of the other.",
+    hint="Build a kd-tree of one cell and query it with the points of the other: you need only "
+    "the closest pair of two crowded cells.",
 )
 def test_touching_heaps(student, seed):
     cloud, labels = _heaps_end_to_end(seed)

@@ -177,7 +177,7 @@ def test_random_rotations(student, seed):
     "principal_axes",
     weight=7,
     title="Sorts the axes of rotated blocks by decreasing variance",
-    hint="The eigenvector of the largest variance comes first.",
+    hint="Return the eigenvector of the largest variance as the first column.",
 )
 def test_order(student, seed):
     require_directions(student.principal_axes)
@@ -202,8 +202,8 @@ def test_handedness(student, seed):
     "principal_axes",
     weight=26,
     title="Returns the right axes for scanned vehicles",
-    hint="This test combines the properties of the visible checks: centred points, axes along the "
-    "sides, and the largest spread first.",
+    hint="Centre the points, return axes along the sides, and put the largest spread first, as in "
+    "the visible checks.",
 )
 def test_axes_of_scanned_vehicles(student, seed):
     checked = 0
@@ -252,8 +252,8 @@ def test_order_and_size(student, seed):
     "principal_axes",
     weight=2,
     title="Works on few points, on points on a line and on points on a plane",
-    hint="The covariance matrix q.T @ q is 3 x 3 for any number of points. The results of np.cov "
-    "and of the SVD with full_matrices=False may have another shape or contain nan.",
+    hint="Use the covariance matrix q.T @ q, which is 3 x 3 for any number of points. The results "
+    "of np.cov and of the SVD with full_matrices=False may have another shape or contain nan.",
 )
 def test_few_points(student, seed):
     require_directions(student.principal_axes)
@@ -309,8 +309,8 @@ def test_array_types_of_points(student, seed):
     "get_oriented_boxes",
     weight=16,
     title="Fits boxes tightly around blocks at any heading",
-    hint="A box is too large or leaves points outside if the yaw is in degrees, has the wrong "
-    "sign or belongs to the wrong axis.",
+    hint="Give `turned` the yaw in radians, with the right sign and of the right axis: otherwise "
+    "a box is too large or leaves points outside.",
 )
 def test_any_heading(student, seed):
     rng = np.random.default_rng(seed)
@@ -330,8 +330,8 @@ def assert_contained_and_tight(student, cloud, labels, areas):
     "get_oriented_boxes",
     weight=8,
     title="Fits boxes tightly around diagonal scanned vehicles",
-    hint="The points of a real car are not evenly spread around its centre. Turn the points by "
-    "minus yaw, and take the minimum and maximum along each side.",
+    hint="Turn the points by minus yaw, and take the minimum and maximum along each side: the "
+    "points of a real car are not spread evenly around its centre.",
 )
 def test_scanned_vehicles(student, seed):
     cars = [car[:, :3] for step in range(3) for car in scanned_cars(seed + step)][:6]
@@ -346,7 +346,7 @@ def test_scanned_vehicles(student, seed):
     "get_oriented_boxes",
     weight=8,
     title="Fits boxes tightly around objects that are taller than they are long",
-    hint="The longest direction in space may be up. Find the heading from x and y alone.",
+    hint="Find the heading from x and y alone, because the longest direction in space may be up.",
 )
 def test_tall_objects(student, seed):
     rng = np.random.default_rng(seed)
@@ -368,8 +368,8 @@ def test_tall_objects(student, seed):
     "get_oriented_boxes",
     weight=5,
     title="Contains every point of the clusters on a new street",
-    hint="Poles, people, hedges and walls also get a heading. Whatever the heading is, each box "
-    "must contain all points of its cluster.",
+    hint="Put all points of each cluster inside its box, even if a pole or a hedge has no clear "
+    "heading.",
 )
 def test_fresh_street(student, seed):
     cloud, labels = street_clusters(seed)
@@ -410,7 +410,7 @@ def test_upright(student, seed):
     "get_oriented_boxes",
     weight=2,
     title="Works on round clusters and on few points",
-    hint="For a round cluster any heading is right, as long as all points are inside the box.",
+    hint="Put all points inside the box: for a round cluster, any heading is right.",
 )
 def test_round_and_few(student, seed):
     require_straight_boxes(student.get_oriented_boxes)

@@ -119,7 +119,7 @@ def test_fresh_streets(student, seed):
     "detect_obstacles",
     weight=3,
     title="Finds the cars during a drive through a new city",
-    hint="Draw your boxes on several frames of scenes.city_block. Which cars have no box?",
+    hint="Draw your boxes on several frames of scenes.city_block, and look for cars without a box.",
 )
 def test_city(student, seed):
     require_cars_found_in_frame(student.detect_obstacles, square(seed))
@@ -131,7 +131,7 @@ def test_city(student, seed):
     "detect_obstacles",
     weight=9,
     title="Finds people in new places",
-    hint="A nearby person has 25 to 50 points after thinning. Does one of your steps need more?",
+    hint="Let every step work with 25 points: a nearby person has 25 to 50 after thinning.",
 )
 def test_people(student, seed):
     frame = square_with_people(seed)
@@ -142,7 +142,8 @@ def test_people(student, seed):
     "detect_obstacles",
     weight=3,
     title="Finds obstacles up to 10 m ahead",
-    hint="A region of interest that ends before 10 m may cut through a closer car.",
+    hint="Let crop_region keep points beyond 10 m ahead: a region that ends earlier may cut "
+    "through a closer car.",
 )
 def test_reach(student, seed):
     require_cars_found_in_frame(student.detect_obstacles, square(seed))
@@ -154,7 +155,7 @@ def test_reach(student, seed):
     "detect_obstacles",
     weight=3,
     title="Finds a person next to the bumper, on either side",
-    hint="remove_ego_returns must remove the points in the box of the ego car and no others.",
+    hint="Let remove_ego_returns remove the points in the box of the ego car and no others.",
 )
 def test_person_at_the_bumper(student, seed):
     assert_found_on_climbs(student, seed, "pedestrian")
@@ -164,7 +165,7 @@ def test_person_at_the_bumper(student, seed):
     "detect_obstacles",
     weight=3,
     title="Finds cars at the edge of the road, on either side",
-    hint="How far to the side does your region of interest reach?",
+    hint="Let crop_region keep points farther to the left and right.",
 )
 def test_edge_of_the_road(student, seed):
     assert_found_on_climbs(student, seed, "car")
@@ -184,7 +185,8 @@ def test_lorries(student, seed):
     "detect_obstacles",
     weight=3,
     title="Gives cars that are parked close together separate boxes",
-    hint="Two objects become one cluster if the threshold is larger than the gap between them.",
+    hint="Give the clustering a smaller threshold: two objects become one cluster if it is larger "
+    "than the gap between them.",
 )
 def test_parked_cars(student, seed):
     with precondition("the detector finds cars at the edge of the road"):
@@ -196,10 +198,10 @@ def test_parked_cars(student, seed):
 @hidden(
     "detect_obstacles",
     weight=4,
-    title="Puts few boxes around road or empty space on new streets and in a new city",
-    hint="Draw the boxes of scenes.random_street(1). Which of them contain only road, or no "
-    "points at all? In the city the road goes uphill: what does your ground filter leave 20 m "
-    "ahead?",
+    title="Puts hardly any boxes around road or empty space on new streets and in a new city",
+    hint="Draw the boxes of scenes.random_street(1), and look for boxes with only road or without "
+    "points. In the city the road goes uphill, so a fixed ground level leaves road in the cloud "
+    "20 m ahead.",
 )
 def test_few_ghosts(student, seed):
     for frames in (fresh_streets(seed), [city_frame(seed)]):
@@ -245,8 +247,8 @@ def test_lost_returns(student, seed):
     "detect_obstacles",
     weight=11,
     title="Ignores raindrops in other streets",
-    hint="filter_clusters returns new labels, without the clusters of a few points. Fit boxes to "
-    "these labels.",
+    hint="Fit boxes to the labels that filter_clusters returns, which leave out clusters of a few "
+    "points.",
 )
 def test_rain(student, seed):
     frame, drops = square(seed + 3), raindrops(seed + 3)
@@ -274,7 +276,7 @@ def test_removed_car(student, seed):
     "detect_obstacles",
     weight=2,
     title="Finds no obstacles on an empty road",
-    hint="Each step must work when nothing is left: no points, no labels, no clusters.",
+    hint="Let each step work when nothing is left: no points, no labels, no clusters.",
 )
 def test_empty_road(student, seed):
     require_cars_found_in_frame(student.detect_obstacles, square(seed + 4))
@@ -291,7 +293,7 @@ def test_empty_road(student, seed):
     "detect_obstacles",
     weight=1,
     title="Does not depend on the order of the returns",
-    hint="The result must not depend on which return comes first.",
+    hint="Treat all returns alike: the result must not depend on which comes first.",
 )
 def test_order(student, seed):
     frame = square(seed + 5)
@@ -303,8 +305,8 @@ def test_order(student, seed):
     "detect_obstacles",
     weight=1,
     title="Works in single precision",
-    hint="Scanners store 32-bit numbers. Begin with astype(float) if one of your steps needs 64 "
-    "bits.",
+    hint="Begin with cloud.astype(float) if one of your steps needs 64 bits: scanners store "
+    "32-bit numbers.",
 )
 def test_single_precision(student, seed):
     frame = square(seed + 6)
@@ -316,7 +318,7 @@ def test_single_precision(student, seed):
     "detect_obstacles",
     weight=1,
     title="Works on scans of a few returns",
-    hint="Some steps need at least three points. What do they do with a single point?",
+    hint="Test len(points) before each step that needs three points.",
 )
 def test_small_scans(student, seed):
     cloud = square(seed + 4).cloud
@@ -416,7 +418,7 @@ def test_max_distance(student, seed):
     "match_boxes",
     weight=10,
     title="Gives each box at most one partner, even in a crowd",
-    hint="If two boxes are close to the same partner, what does the farther box get?",
+    hint="If two boxes are close to the same partner, give it to the nearer one only.",
 )
 def test_one_to_one(student, seed):
     require_matching(student.match_boxes)
@@ -448,7 +450,8 @@ def test_nearer_rival(student, seed):
     "match_boxes",
     weight=2,
     title="Chooses the nearer of two nearby previous boxes",
-    hint="A box that has a partner must not get a second one, even if a previous box is left.",
+    hint="Cross out the row and the column of a pair: a box that has a partner must not get a "
+    "second one.",
 )
 def test_second_choice(student, seed):
     require_matching(student.match_boxes)
@@ -463,8 +466,8 @@ def test_second_choice(student, seed):
     "match_boxes",
     weight=6,
     title="Does not depend on the order of a box's corners",
-    hint="The corners of a box that turns slightly may be in another order. The mean of all eight "
-    "corners does not depend on the order.",
+    hint="Compare the means of all eight corners, boxes.mean(axis=1): a box that turns slightly "
+    "may have its corners in another order.",
 )
 def test_order_of_corners(student, seed):
     require_matching(student.match_boxes)
@@ -496,7 +499,7 @@ def test_position_and_rotation(student, seed):
     "match_boxes",
     weight=1,
     title="Works in single precision",
-    hint="Use only the distances between centres. A difference of a centimetre must not matter.",
+    hint="Use only the distances between centres: rounding must not decide a pair.",
 )
 def test_single_precision_of_boxes(student, seed):
     previous, current, partner = moved_boxes(np.random.default_rng(seed))
@@ -508,7 +511,7 @@ def test_single_precision_of_boxes(student, seed):
     "match_boxes",
     weight=2,
     title="Matches more boxes than before, fewer boxes, and a single box",
-    hint="The answer is as long as current, whatever the length of previous.",
+    hint="Return one entry for each current box, whatever the length of previous.",
 )
 def test_unequal_counts(student, seed):
     rng = np.random.default_rng(seed)

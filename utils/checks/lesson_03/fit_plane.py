@@ -114,7 +114,7 @@ def fits_a_road(fit_plane: Callable) -> None:
     title="Returns a plane through the mean of the points",
     why="If the plane has the right tilt but the wrong height, the whole road looks like an "
     "obstacle.",
-    hint="d is minus the dot product of the normal and the mean.",
+    hint="Compute d = -(normal @ centre), where centre is the mean of the points.",
 )
 def goes_through_the_mean(fit_plane: Callable) -> None:
     require_direction(fit_plane)
@@ -127,10 +127,10 @@ def goes_through_the_mean(fit_plane: Callable) -> None:
 @visible_check(
     "fit_plane",
     weight=1,
-    title="The normal has length 1",
-    why="Only then are distances from the plane in metres.",
-    hint="The rows of the SVD's third result already have length 1. Divide any other normal and "
-    "its d by the length.",
+    title="Returns a normal of length 1",
+    why="Only with a normal of length 1 are distances from the plane in metres.",
+    hint="Return a row of the SVD's third result, which already has length 1. Divide any other "
+    "normal and its d by the length.",
 )
 def fit_has_a_unit_normal(fit_plane: Callable) -> None:
     require_direction(fit_plane)
@@ -156,8 +156,8 @@ def fits_a_wall(fit_plane: Callable) -> None:
     "fit_plane",
     weight=1,
     title="Works far from the sensor",
-    why="A plane need not pass through the sensor. The SVD gives its normal only if the points "
-    "are centred.",
+    why="Most planes do not pass through the sensor. The SVD finds their normal only if the "
+    "points are centred.",
     hint="Subtract the mean first, and use it again to compute d.",
 )
 def fits_far_away(fit_plane: Callable) -> None:
@@ -171,7 +171,7 @@ def fits_far_away(fit_plane: Callable) -> None:
     "fit_plane",
     weight=4,
     title="Ignores the fourth column, whether it varies much or little",
-    why="The intensity is not a direction in space.",
+    why="The intensity is not a direction in space, so bright points must not tilt the plane.",
     hint="Select points[:, :3] before anything else.",
 )
 def ignores_intensity(fit_plane: Callable) -> None:
@@ -188,8 +188,8 @@ def ignores_intensity(fit_plane: Callable) -> None:
     title="Works on three points",
     why="Three points are the fewest that define a plane, and the best plane passes through all "
     "three.",
-    hint="The same code works for any number of points. With full_matrices=False, the third "
-    "result of the SVD has three rows even for three points.",
+    hint="Use the same code for three points. With full_matrices=False, the third result of the "
+    "SVD has three rows for any number of points.",
 )
 def fits_three_points(fit_plane: Callable) -> None:
     require_direction(fit_plane)
@@ -246,8 +246,9 @@ def _peak_memory() -> Iterator[Callable[[], int]]:
     "fit_plane",
     weight=1,
     title="Leaves its input untouched",
-    why="You subtract the mean only for the fit: the cloud itself must not move.",
-    hint="points[:, :3] - centre is a new array; points[:, :3] -= centre moves the cloud.",
+    why="If the fit moved the cloud, all later distances would be wrong.",
+    hint="Write points[:, :3] - centre, which makes a new array. points[:, :3] -= centre moves "
+    "the cloud.",
 )
 def leaves_the_points(fit_plane: Callable) -> None:
     require_direction(fit_plane)
@@ -314,23 +315,24 @@ declare_mistakes(
         lambda right, points: right * [1, 1, 1, -1],
     ),
     Mistake(
-        "d is 0: this is the parallel plane through the sensor.",
+        "d is 0, so the plane passes through the sensor instead of the points.",
         lambda right, points: right * [1, 1, 1, 0],
-        "d is minus the dot product of the normal and the mean.",
+        "Compute d = -(normal @ centre), where centre is the mean of the points.",
     ),
     Mistake(
-        "The plane depends only on the first three points.",
+        "The plane depends only on the first three points. It should be closest to all of them.",
         lambda right, points: best_plane(points[:3])[0],
         "Use all points: subtract their mean, then take the SVD.",
         is_cheap=True,
     ),
     Mistake(
-        "The errors are measured along z, not perpendicular to the plane.",
+        "The function measures the errors along z, not perpendicular to the plane.",
         lambda right, points: with_unit_normal(_fit_along_z(points)),
         "Do not solve for z. The SVD treats all three directions alike.",
     ),
     Mistake(
-        "The errors are measured along z, and the normal (a, b, -1) is not divided by its length.",
+        "The function measures the errors along z, and does not divide the normal (a, b, -1) by "
+        "its length.",
         lambda right, points: _fit_along_z(points),
         "Do not solve for z. The SVD treats all three directions alike.",
     ),

@@ -43,7 +43,7 @@ def assert_nearly_right(answer: object, expected: int, *case: object) -> None:
     number = assert_number(answer)
     if not abs(float(number) - expected) <= 1:
         raise CheckFailed(
-            "This is not the number of samples that you need.",
+            "The number of samples is wrong.",
             input_text=_call_text(case),
             yours=f"{number:g}",
             expected=str(expected),
@@ -114,7 +114,8 @@ def require_decreasing_numbers(iterations_needed: Callable) -> None:
     weight=3,
     title="Finds the number of samples for a plane, to within one",
     why="With too few rounds, RANSAC misses the road; with too many, its result comes too late.",
-    hint="Solve 1 - (1 - w^s)^N >= confidence for N. The solution is a quotient of two logarithms.",
+    hint="Solve 1 - (1 - w^s)^N >= confidence for N: the solution is a quotient of two calls of "
+    "math.log.",
 )
 def computes_the_number(iterations_needed: Callable) -> None:
     for ratio, expected in ((0.6, 19), (0.3, 169), (0.2, 574), (0.7, 11), (0.01, 4605168)):
@@ -141,7 +142,7 @@ def rounds_up(iterations_needed: Callable) -> None:
     title="Works for any sample_size",
     why="A sample for a line has two points and a sample for a plane three, so a plane needs more "
     "samples.",
-    hint="s is sample_size: raise w to this power.",
+    hint="Write w ** sample_size, because s is sample_size.",
 )
 def uses_the_sample_size(iterations_needed: Callable) -> None:
     require_plain_cases(iterations_needed)
@@ -154,7 +155,7 @@ def uses_the_sample_size(iterations_needed: Callable) -> None:
     weight=1,
     title="Works for any confidence",
     why="One failure in a hundred is too many for a car that searches ten times a second.",
-    hint="Take the logarithm of 1 - confidence. Use the parameter, not a fixed number.",
+    hint="Take math.log of 1 - confidence, with the parameter instead of a fixed number.",
 )
 def uses_the_confidence(iterations_needed: Callable) -> None:
     require_plain_cases(iterations_needed)
@@ -170,7 +171,7 @@ def uses_the_confidence(iterations_needed: Callable) -> None:
     weight=2,
     title="Returns 1 if all points are inliers",
     why="In an empty car park all points are ground, and the formula would take log(0).",
-    hint="Return 1 if w is 1, before you take logarithms.",
+    hint="Return 1 if inlier_ratio is 1, before you take logarithms.",
 )
 def returns_one_without_outliers(iterations_needed: Callable) -> None:
     require_decreasing_numbers(iterations_needed)
@@ -189,8 +190,8 @@ def returns_one_without_outliers(iterations_needed: Callable) -> None:
     "iterations_needed",
     weight=2,
     title="Returns infinity if there are no inliers",
-    why="0 would mean that no search is needed, but in fact no search can succeed.",
-    hint="Return math.inf (or np.inf) if w is 0, because the formula would divide by log(1) = 0.",
+    why="Without inliers no search can succeed, but an answer of 0 would mean that none is needed.",
+    hint="Return math.inf if inlier_ratio is 0, because the formula would divide by log(1) = 0.",
 )
 def returns_infinity_without_inliers(iterations_needed: Callable) -> None:
     require_decreasing_numbers(iterations_needed)
@@ -241,7 +242,7 @@ def iterations_by_counting(ratio: float, size: int, confidence: float) -> int | 
 declare_mistakes(
     "iterations_needed",
     Mistake(
-        "The number is rounded down, so it is too small to reach the confidence.",
+        "The function rounds the number down, so it is too small to reach the confidence.",
         lambda right, *case: right - 1,
         "math.ceil rounds up; int(...) and // round down.",
     ),
@@ -258,12 +259,12 @@ declare_mistakes(
         "not a probability.",
     ),
     Mistake(
-        "The exponent is always 3, whatever sample_size is.",
+        "The exponent is always 3. It should be sample_size.",
         lambda right, ratio, size, confidence: iterations_by_counting(ratio, 3, confidence),
         "Write w ** sample_size.",
     ),
     Mistake(
-        "The exponent is always 2, whatever sample_size is.",
+        "The exponent is always 2. It should be sample_size.",
         lambda right, ratio, size, confidence: iterations_by_counting(ratio, 2, confidence),
         "Write w ** sample_size.",
     ),
@@ -277,8 +278,8 @@ declare_mistakes(
         lambda right, ratio, size, confidence: iterations_by_counting(ratio, size, 1 - confidence),
     ),
     Mistake(
-        "This is the number of samples that gives one good sample on average; it does not use "
-        "the confidence.",
+        "The function returns the number of samples that gives one good sample on average, and "
+        "ignores the confidence.",
         lambda right, ratio, size, confidence: math.ceil(1 / ratio**size),
         "Solve 1 - (1 - w^s)^N >= confidence for N.",
         is_cheap=True,

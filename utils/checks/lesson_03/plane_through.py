@@ -150,10 +150,10 @@ def require_planes(plane_through: Callable) -> None:
 @visible_check(
     "plane_through",
     weight=3,
-    title="(a, b, c) is perpendicular to the triangle",
+    title="Returns a normal that is perpendicular to the triangle",
     why="The normal determines the slope of the plane: with a tilted normal, a level road seems to "
     "climb into the sky.",
-    hint="The cross product of q - p and r - p is perpendicular to both.",
+    hint="Compute np.cross(q - p, r - p), which is perpendicular to both sides.",
 )
 def normal_is_perpendicular(plane_through: Callable) -> None:
     for triangle in TRIANGLES:
@@ -163,7 +163,7 @@ def normal_is_perpendicular(plane_through: Callable) -> None:
 @visible_check(
     "plane_through",
     weight=18,
-    title="The three points lie on the plane",
+    title="Returns a plane through all three points",
     why="Distances are measured from this plane, and they decide which points are inliers.",
     hint="Choose d so that a x + b y + c z + d is 0 at p, with the same a, b, c that you return.",
 )
@@ -177,8 +177,9 @@ def contains_its_points(plane_through: Callable) -> None:
 @visible_check(
     "plane_through",
     weight=5,
-    title="The normal has length 1",
-    why="Only then is a x + b y + c z + d a distance in metres, and 0.2 means 20 cm.",
+    title="Returns a normal of length 1",
+    why="Only with a normal of length 1 is a x + b y + c z + d a distance in metres, so that 0.2 "
+    "means 20 cm.",
     hint="Divide the cross product by its length, np.linalg.norm(...), then compute d.",
 )
 def has_a_unit_normal(plane_through: Callable) -> None:
@@ -205,8 +206,8 @@ def returns_none_for_a_line(plane_through: Callable) -> None:
     "plane_through",
     weight=2,
     title="Returns None for points on a line in spite of rounding errors",
-    why="Measured coordinates are not whole numbers, so the cross product of points on a line "
-    "is hardly ever exactly 0.",
+    why="Measured coordinates are rounded, so the cross product of points on a line is hardly "
+    "ever exactly 0.",
     hint="Do not compare a computed length with exactly 0. Compare it with a tiny number such "
     "as 1e-9.",
 )
@@ -314,7 +315,7 @@ declare_mistakes(
         "Both sides start at p: q - p and r - p.",
     ),
     Mistake(
-        "d is always 0: this is the parallel plane through the sensor.",
+        "d is always 0, so the plane passes through the sensor instead of the points.",
         lambda right, *points: right * [1, 1, 1, 0],
         "Choose d so that a x + b y + c z + d is 0 at p.",
     ),

@@ -155,7 +155,7 @@ def measures_distances(point_plane_distance: Callable) -> None:
     weight=2,
     title="Works for planes that do not pass through the sensor",
     why="The road is 1.7 m below the sensor, but without d every plane passes through the sensor.",
-    hint="Add d to a x + b y + c z.",
+    hint="Add d, the last number of the plane, to a x + b y + c z.",
 )
 def adds_d(point_plane_distance: Callable) -> None:
     require_plain_distances(point_plane_distance)
@@ -171,7 +171,7 @@ def adds_d(point_plane_distance: Callable) -> None:
     title="Returns no negative distances on either side of the plane",
     why="A negative distance is below any threshold, so everything under the road would be an "
     "inlier.",
-    hint="A distance is never negative: use np.abs.",
+    hint="Take np.abs of the whole sum: a distance is never negative.",
 )
 def returns_no_negative_distances(point_plane_distance: Callable) -> None:
     require_plain_distances(point_plane_distance)
@@ -218,7 +218,7 @@ def ignores_intensity(point_plane_distance: Callable) -> None:
     "point_plane_distance",
     weight=2,
     title="Accepts the plane as a tuple",
-    why="Your plane_through may return a tuple.",
+    why="Your plane_through may return a tuple, and ransac_plane passes it on.",
     hint="You cannot calculate with a whole tuple: unpack its numbers, or use np.asarray(plane).",
 )
 def accepts_a_tuple(point_plane_distance: Callable) -> None:
@@ -231,7 +231,7 @@ def accepts_a_tuple(point_plane_distance: Callable) -> None:
     "point_plane_distance",
     weight=1,
     title="Works on a single point and on no points",
-    why="Earlier filters may leave one point or none.",
+    why="Earlier filters may leave one point or none, and that must not crash the program.",
     hint="points[:, :3] @ normal gives one number per row, however many rows there are.",
 )
 def works_on_few_points(point_plane_distance: Callable) -> None:
@@ -294,9 +294,10 @@ declare_mistakes(
         "Take np.abs of the whole sum.",
     ),
     Mistake(
-        "d is missing: these are the distances from the parallel plane through the sensor.",
+        "d is missing: the function measures the distances from the parallel plane through the "
+        "sensor.",
         lambda right, points, plane: exact_distances(points, [*plane[:3], 0]),
-        "Add d to a x + b y + c z.",
+        "Add d, the last number of the plane, to a x + b y + c z.",
     ),
     Mistake(
         "d is subtracted; it must be added.",

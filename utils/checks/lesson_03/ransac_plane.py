@@ -216,8 +216,8 @@ def assert_no_round_is_missing(ransac_plane: Callable) -> None:
         + (second_round_note if runs_with_plane(2) else ""),
         yours="None in 12 of 12 runs",
         expected="a plane in every run",
-        hint="range(max_iterations) gives max_iterations rounds; range(1, max_iterations) and "
-        "range(max_iterations - 1) give one fewer.",
+        hint="Loop over range(max_iterations): range(1, max_iterations) and range(max_iterations "
+        "- 1) give one round fewer.",
     )
 
 
@@ -302,7 +302,7 @@ def assert_three_points_are_enough(ransac_plane: Callable, triangle: np.ndarray)
         input_text="three points and max_iterations=10",
         yours="None",
         expected="four numbers (a, b, c, d)",
-        hint="Three points are enough for a sample. Return early only if len(points) < 3.",
+        hint="Return early only if len(points) < 3: three points are enough for a sample.",
     )
 
 
@@ -326,7 +326,7 @@ def returns_none_for_points_on_a_line(ransac_plane: Callable) -> None:
     weight=2,
     title="Draws three different rows for each sample",
     why="If a row is drawn twice, the sample has only two points, and the round is wasted.",
-    hint="rng.choice(len(points), 3, replace=False) never draws a row twice.",
+    hint="Draw with rng.choice(len(points), 3, replace=False), which never draws a row twice.",
 )
 def draws_different_rows(ransac_plane: Callable) -> None:
     require_plane_among_outliers(ransac_plane)
@@ -375,7 +375,8 @@ def planes_from_two_rounds(ransac_plane: Callable, points: np.ndarray) -> list[n
     weight=2,
     title="Draws from all points, including the first and the last",
     why="A point that is never drawn may be one of the few on the road.",
-    hint="rng.choice(len(points), 3, replace=False) draws from all rows, 0 to len(points) - 1.",
+    hint="Draw with rng.choice(len(points), 3, replace=False), which takes rows from 0 to "
+    "len(points) - 1.",
 )
 def draws_from_all_rows(ransac_plane: Callable) -> None:
     require_plane_among_outliers(ransac_plane)
@@ -457,7 +458,7 @@ def assert_threshold_is_inclusive(ransac_plane: Callable, points: np.ndarray) ->
     "ransac_plane",
     weight=3,
     title="Ignores the fourth column",
-    why="The intensity is not a coordinate.",
+    why="The intensity is not a coordinate, so a bright point must not leave the road.",
     hint="Use points[:, :3] for the sample and for the distances.",
 )
 def ignores_intensity(ransac_plane: Callable) -> None:
@@ -485,9 +486,9 @@ def finds_a_wall(ransac_plane: Callable) -> None:
     "ransac_plane",
     weight=1,
     title="Leaves its input untouched",
-    why="The next search needs the same cloud.",
-    hint="points[i, :3] with a list or array of rows is a copy, but points[:, :3] is not: build "
-    "new arrays from it.",
+    why="The next search needs the original cloud.",
+    hint="Do not write into points[:, :3], which shares its memory with points. Build new arrays "
+    "from it.",
 )
 def leaves_the_cloud(ransac_plane: Callable) -> None:
     require_plane_among_outliers(ransac_plane)
@@ -499,7 +500,7 @@ def leaves_the_cloud(ransac_plane: Callable) -> None:
     "ransac_plane",
     weight=3,
     title="Returns the same plane for the same seed, and other planes for other seeds",
-    why="You cannot debug a result that you cannot repeat.",
+    why="To debug a run that went wrong, you must be able to repeat it.",
     hint="Begin with rng = np.random.default_rng(rng) and draw with rng.choice, never with "
     "np.random.choice or a fixed seed.",
 )
@@ -512,7 +513,8 @@ def depends_only_on_rng(ransac_plane: Callable) -> None:
     for seed, (first, again) in enumerate(zip(planes[::2], planes[1::2], strict=True)):
         if not _planes_equal(first, again):
             raise CheckFailed(
-                "The same seed gave two different planes: not all random numbers come from rng.",
+                "The same seed gave two different planes, so the result does not depend on rng "
+                "alone.",
                 input_text="the same points, max_iterations=2 and "
                 f"rng=np.random.default_rng({seed}), twice",
                 yours=f"{plane_text(first)} and {plane_text(again)}",
@@ -522,7 +524,7 @@ def depends_only_on_rng(ransac_plane: Callable) -> None:
         raise NotYet("two rounds find a plane")
     if all(_planes_equal(planes[0], plane) for plane in planes):
         raise CheckFailed(
-            "Twelve seeds all gave the same plane: the samples do not depend on rng.",
+            "Twelve seeds all gave the same plane, so the samples do not seem to depend on rng.",
             yours=f"always {plane_text(planes[0])}",
             expected="different planes",
         )

@@ -73,7 +73,7 @@ def _assert_axes_alternate(KdTree: Callable) -> None:
 @visible_check(
     "insert",
     weight=2,
-    title="The first point becomes the root",
+    title="Makes the first point the root",
     why="Every search starts at the root. A search of a tree without a root finds nothing.",
     hint="If tree.root is None, set tree.root = Node(point, index).",
 )
@@ -88,7 +88,7 @@ def first_is_root(KdTree: Callable) -> None:
 @visible_check(
     "insert",
     weight=2,
-    title="At the root, a smaller x goes left and a greater x goes right",
+    title="Sends a smaller x left and a greater x right at the root",
     why="A search relies on this order when it skips half of the street.",
     hint="The root has depth 0, so compare point[0] with tree.root.point[0]: coordinate 0 is x.",
     slow="does the loop end once the point is attached to the tree? `return` or `break` ends a "
@@ -101,7 +101,7 @@ def compares_x_first(KdTree: Callable) -> None:
 @visible_check(
     "insert",
     weight=10,
-    title="One level below the root, y is compared",
+    title="Compares y one level below the root",
     why="Cuts along x alone give strips, and each strip crosses the whole street.",
     hint="At each node, compare one coordinate only: point[depth % len(point)]. The depth is 0 at "
     "the root and grows by 1 with each step down.",
@@ -116,8 +116,8 @@ def axes_alternate(KdTree: Callable) -> None:
     weight=6,
     title="Puts each of ten points in its place, down to the eighth level",
     why="A search looks for each point in a single place, so every node must be there.",
-    hint="Take the point that the message names, and follow its way down the tree on paper: which "
-    "coordinate is compared at each node, and where is the first free place?",
+    hint="Follow the point that the message names down the tree on paper: compare one coordinate "
+    "at each node until you reach a free place.",
 )
 def places_ten_points(KdTree: Callable) -> None:
     _assert_axes_alternate(KdTree)
@@ -143,7 +143,8 @@ def equal_goes_right(KdTree: Callable) -> None:
     "insert",
     weight=4,
     title="Works on points with three coordinates: compares x, y, z and then x again",
-    why="The points of a scan have three coordinates.",
+    why="The points of a scan have three coordinates. A tree without z mixes a bridge with the "
+    "road below it.",
     hint="Use len(point) for the number of coordinates instead of the number 2.",
 )
 def handles_three_coordinates(KdTree: Callable) -> None:

@@ -209,8 +209,8 @@ def _assert_halves(median_order: Callable) -> None:
     weight=2,
     title="Returns every row number exactly once",
     why="If a row is missing, no search will ever find its point.",
-    hint="np.argsort of a part gives positions within that part; rows[np.argsort(...)] turns them "
-    "into row numbers. Append the median to the order, and put it into neither of the two halves.",
+    hint="Write rows[np.argsort(...)], because np.argsort of a part gives positions within that "
+    "part. Append the median to the order, and put it into neither of the two halves.",
 )
 def returns_every_row(median_order: Callable) -> None:
     for points in (ELEVEN_POINTS[:5], _SEVEN_POINTS):
@@ -221,7 +221,8 @@ def returns_every_row(median_order: Callable) -> None:
     "median_order",
     weight=3,
     title="Starts with the median along x",
-    why="Only the median leaves the same number of points on both sides.",
+    why="Only the median leaves the same number of points on both sides, which keeps the tree "
+    "flat.",
     hint="Sort the rows by x. The middle one of m rows is at position (m - 1) // 2.",
 )
 def starts_with_the_median(median_order: Callable) -> None:
@@ -278,8 +279,8 @@ def alternates_axes(median_order: Callable) -> None:
     weight=2,
     title="Takes the lower of two middle points",
     why="With this rule, the same points always make the same tree.",
-    hint="The lower median of m sorted rows is at position (m - 1) // 2. If m is even, m // 2 is "
-    "the upper one.",
+    hint="Take position (m - 1) // 2 of m sorted rows for the lower median. If m is even, m // 2 "
+    "is the upper one.",
 )
 def takes_the_lower_median(median_order: Callable) -> None:
     _assert_medians(median_order)
@@ -293,7 +294,8 @@ def takes_the_lower_median(median_order: Callable) -> None:
     "median_order",
     weight=2,
     title="Works on points with three coordinates: takes x, y, z and then x again",
-    why="The points of a scan have three coordinates.",
+    why="The points of a scan have three coordinates. A tree without z mixes a bridge with the "
+    "road below it.",
     hint="Use points.shape[1] for the number of coordinates instead of the number 2.",
 )
 def handles_three_coordinates(median_order: Callable) -> None:
@@ -322,8 +324,8 @@ def gives_minimal_depth(median_order: Callable) -> None:
     "median_order",
     weight=1,
     title="Works on an empty cloud and on a single point",
-    why="A filter sometimes removes every point.",
-    hint="Skip a part that has no rows. It adds nothing to the order.",
+    why="A filter sometimes removes every point, and the program must not crash then.",
+    hint="Skip a part that has no rows, because it adds nothing to the order.",
 )
 def takes_the_smallest(median_order: Callable) -> None:
     _assert_halves(median_order)
@@ -415,19 +417,19 @@ declare_mistakes(
         "Give both halves depth + 1.",
     ),
     Mistake(
-        "The rows are only sorted by x.",
+        "The function only sorts the rows by x. It should put medians first.",
         _prediction_from_rule(axis_at=lambda depth, k: 0, place=lambda m: 0),
         "A sorted order makes a tree with one level per point. Take the median first, then do the "
         "same with each half.",
         is_cheap=True,
     ),
     Mistake(
-        "The rows are sorted by x, with the largest first.",
+        "The function sorts the rows by x, with the largest first. It should put medians first.",
         _prediction_from_rule(axis_at=lambda depth, k: 0, place=lambda m: m - 1),
         "Take the point in the middle first, not the largest.",
     ),
     Mistake(
-        "The rows stay in their original order.",
+        "The rows stay in their original order. Medians should come first.",
         lambda *_: lambda points, order: bool((np.diff(order) == 1).all()),
         is_cheap=True,
     ),

@@ -45,7 +45,8 @@ def _assert_at_target(KdTree: Callable) -> None:
     "search",
     weight=3,
     title="Finds the point at the target, wherever it is in the tree",
-    why="Clustering searches for the neighbours of every point, 100,000 times per scan.",
+    why="Clustering searches around every point, 100,000 times per scan. A neighbour that is not "
+    "found may split an obstacle.",
     hint="At each node, do two things: compare the distance of its point with the tolerance, and "
     "decide for each side whether to search there.",
 )
@@ -62,8 +63,8 @@ def finds_the_target(KdTree: Callable) -> None:
     title="Searches both sides if the circle crosses the split",
     why="A split may run through a pedestrian. If you search only the target's side of it, you "
     "miss the points on the other side.",
-    hint="Ask two separate questions, with two ifs and no else: does the box reach below the "
-    "split? Does it reach the split or beyond it?",
+    hint="Write two separate ifs and no else: search the left side if the box begins below the "
+    "split, and the right side if it reaches the split or beyond.",
 )
 def searches_both_sides(KdTree: Callable) -> None:
     # The root is far from the target, but its split is between two neighbours of the target.
@@ -82,8 +83,8 @@ def searches_both_sides(KdTree: Callable) -> None:
     title="Finds points in the circle only, not in the corners of the box",
     why="The corners of the box are 1.4 times as far away as its sides (1.7 times in space). "
     "Points there are not neighbours and would join two obstacles into one.",
-    hint="The box only decides where to search. A point is found if its distance, the square root "
-    "of the sum of squares, is at most tolerance.",
+    hint="Return a point if its distance, the square root of the sum of squares, is at most "
+    "tolerance. The box only decides where to search.",
 )
 def measures_a_circle(KdTree: Callable) -> None:
     _assert_at_target(KdTree)
@@ -99,7 +100,7 @@ def measures_a_circle(KdTree: Callable) -> None:
     weight=6,
     title="Uses the tolerance as the radius, whether small or large",
     why="If the squared distance is compared with 0.5, points up to 0.71 m away are found.",
-    hint="The sum of squares is not yet the distance: take its square root, or use math.dist.",
+    hint="Take the square root of the sum of squares, or use math.dist.",
 )
 def follows_the_tolerance(KdTree: Callable) -> None:
     _assert_at_target(KdTree)
@@ -159,7 +160,7 @@ def reaches_the_split(KdTree: Callable) -> None:
     title="Works on points with three coordinates",
     why="The points of a scan have three coordinates, so the axes are x, y, z, x, y, z, ... from "
     "level to level.",
-    hint="The axis is depth % len(target), as in insert.",
+    hint="Compare along axis depth % len(target), as in insert.",
 )
 def searches_space(KdTree: Callable) -> None:
     points = nested_points(np.random.default_rng(5), _SIZES, 3, is_off_corners)
@@ -191,7 +192,7 @@ def skips_regions(KdTree: Callable) -> None:
     "search",
     weight=1,
     title="Works on an empty tree and on a tree with a single node",
-    why="A filter sometimes removes every point of a scan.",
+    why="A filter sometimes removes every point of a scan, and the search must not crash then.",
     hint="If tree.root is None, return an empty list. If you keep a list of nodes to visit, skip "
     "those that are None.",
 )
@@ -419,14 +420,14 @@ declare_mistakes(
         _prediction_from_rule(
             lambda node: _reaches_side(node) and (node.is_left or node.low < node.split)
         ),
-        "Is the second `if` inside the first one? Both need the same indentation.",
+        "Give both `if`s the same indentation, so that the second is not inside the first.",
     ),
     Mistake(
         "The left side is searched only if the right side is searched too.",
         _prediction_from_rule(
             lambda node: _reaches_side(node) and (not node.is_left or node.high >= node.split)
         ),
-        "Is the second `if` inside the first one? Both need the same indentation.",
+        "Give both `if`s the same indentation, so that the second is not inside the first.",
     ),
     Mistake(
         "The depth does not grow on the way to a left child, so the child splits along the same "

@@ -69,9 +69,10 @@ def separates_groups(euclidean_clustering_accelerated: Callable) -> None:
     _NAME,
     weight=4,
     title="Joins six of the lesson's seven points",
-    why="Each of the three steps joins some of these points.",
-    hint="If you use the three steps, run the cells that try each of them on the seven points. "
-    "Which is the first step whose result differs from the expected one?",
+    why="Each of the three steps joins some of these points, so a step that is missing splits a "
+    "cluster.",
+    hint="If you use the three steps, run the cells that try each of them on the seven points, "
+    "and fix the first step whose result differs from the expected one.",
 )
 def joins_six_of_seven_points(euclidean_clustering_accelerated: Callable) -> None:
     labels = np.array([1, 1, 1, 1, 1, 1, 2])
@@ -89,7 +90,7 @@ def joins_six_of_seven_points(euclidean_clustering_accelerated: Callable) -> Non
     title="Numbers N clusters from 1 to N",
     why='Later lessons use 0 for "no obstacle" and take the largest label as the number of '
     "clusters.",
-    hint="components numbers pieces from 0. Add 1 to get labels.",
+    hint="Add 1 to the result of components, which numbers the pieces from 0.",
 )
 def counts_from_one(euclidean_clustering_accelerated: Callable) -> None:
     require_simplest_clusters(euclidean_clustering_accelerated)
@@ -118,8 +119,8 @@ def joins_chains(euclidean_clustering_accelerated: Callable) -> None:
     title="Joins pairs just below the threshold in every direction, even across cell borders",
     why="A shortcut that looks only at adjacent cells splits objects with few points, such as "
     "poles, signs and distant people.",
-    hint="With cells of side threshold / sqrt(3), close points may be two cells apart along each "
-    "axis. Search 5 x 5 x 5 cells, corners included.",
+    hint="Search 5 x 5 x 5 cells, corners included: with cells of side threshold / np.sqrt(3), "
+    "close points may be two cells apart along each axis.",
 )
 def joins_across_borders(euclidean_clustering_accelerated: Callable) -> None:
     require_simplest_clusters(euclidean_clustering_accelerated)
@@ -134,8 +135,8 @@ def joins_across_borders(euclidean_clustering_accelerated: Callable) -> None:
     title="Keeps pairs just above the threshold apart",
     why="Points in neighbouring cells need not be close. A gap of half a metre may separate a "
     "pedestrian from a car.",
-    hint="Is the side of a cell threshold / sqrt(3), so that no two points in it are too far "
-    "apart? Do you measure the distance between points in neighbouring cells?",
+    hint="Make the side of a cell threshold / np.sqrt(3), so that no two points in it are too far "
+    "apart, and measure the distance between points in neighbouring cells.",
 )
 def separates_pairs_above_the_threshold(euclidean_clustering_accelerated: Callable) -> None:
     require_simplest_clusters(euclidean_clustering_accelerated)
@@ -150,8 +151,8 @@ def separates_pairs_above_the_threshold(euclidean_clustering_accelerated: Callab
     title="Keeps pairs just above the threshold apart when the cloud begins with a heap",
     why="A scan may begin with thousands of returns from one wall. They must not change which of "
     "the other points are joined.",
-    hint="Do the two points whose distance you compute belong to the two cells? The row of a cell "
-    "in the list of cells is not the row of a point in the cloud.",
+    hint="Compute the distance between points[first[i]] and points[first[j]]: i and j are rows of "
+    "cells, and first turns them into rows of points.",
 )
 def separates_pairs_behind_a_heap(euclidean_clustering_accelerated: Callable) -> None:
     require_simplest_clusters(euclidean_clustering_accelerated)
@@ -173,7 +174,7 @@ def separates_pairs_behind_a_heap(euclidean_clustering_accelerated: Callable) ->
     title="Uses cells of the same size around the sensor as elsewhere",
     why="Coordinates change their sign at the sensor. If cells are larger there, objects near the "
     "ego car merge.",
-    hint="np.floor and .astype(int) differ below zero: .astype(int) alone rounds towards 0.",
+    hint="Call np.floor before .astype(int), which alone rounds towards 0.",
 )
 def separates_pairs_around_the_sensor(euclidean_clustering_accelerated: Callable) -> None:
     require_simplest_clusters(euclidean_clustering_accelerated)
@@ -193,8 +194,8 @@ def separates_pairs_around_the_sensor(euclidean_clustering_accelerated: Callable
     title="Finds the only close pair of points in two crowded cells",
     why="A single pair of close points may connect two parts of a car. If you compare only one "
     "point of each cell, one obstacle becomes two, depending on the order of the scan.",
-    hint="Two cells may be close even if their representatives are far apart. If the pieces of "
-    "two neighbouring cells still differ, compare all their points. If any pair is closer than "
+    hint="If the pieces of two neighbouring cells still differ, compare all their points: two "
+    "cells may be close even if their representatives are far apart. If any pair is closer than "
     "the threshold, give all cells of one piece the label of the other.",
 )
 def finds_the_close_pair(euclidean_clustering_accelerated: Callable) -> None:
@@ -209,8 +210,8 @@ def finds_the_close_pair(euclidean_clustering_accelerated: Callable) -> None:
     title="Finds the right clusters at the far end of the lesson's street",
     why="A street combines most of the cases that the checks above test one by one. The picture "
     "above shows this scan.",
-    hint="The picture of the pieces after two steps shows the same end of the street. Draw your "
-    "labels next to those of join_all_pairs. Which clusters are split, and which are merged?",
+    hint="Draw your labels next to those of join_all_pairs, and look for clusters that are split "
+    "or merged. The picture of the pieces after two steps shows the same end of the street.",
 )
 def clusters_the_street(euclidean_clustering_accelerated: Callable) -> None:
     require_simplest_clusters(euclidean_clustering_accelerated)
@@ -271,7 +272,7 @@ common_checks.promise_names(
     _NAME,
     weight=2,
     title="Measures distances in x, y and z",
-    why="A bridge is above the road, not on it.",
+    why="Without the height, a bridge and the road below it would become one cluster.",
     hint="Use all three coordinates, cloud[:, :3].",
 )
 def measures_in_space(euclidean_clustering_accelerated: Callable) -> None:
@@ -292,14 +293,14 @@ common_cluster_checks.promise_intensity_ignored(
 common_cluster_checks.promise_few_points(
     _CASE,
     "works_on_smallest_clouds",
-    why="Filters sometimes leave no points.",
+    why="Filters sometimes leave no points, and the program must not crash then.",
     hint="If len(cloud) == 0, return an empty array at once. The list of pairs may also be empty.",
     weight=2,
 )
 common_cluster_checks.promise_equal_points(
     _CASE,
     "joins_equal_points",
-    hint="Equal points share a cell, so there is nothing to measure.",
+    hint="Give all points of a cell the same label: equal points share a cell.",
 )
 common_cluster_checks.promise_untouched(_CASE, "leaves_its_input")
 
@@ -312,8 +313,8 @@ common_cluster_checks.promise_untouched(_CASE, "leaves_its_input")
     weight=4,
     title="Clusters many points on many objects quickly",
     why="A scanner delivers ten times as many points as this cloud, ten times a second.",
-    hint="Where does your function spend its time? Comparing each point with all others takes n * "
-    "n steps. Work with cells instead, because there are far fewer of them.",
+    hint="Work with cells instead of points. Comparing each point with all others takes n * n "
+    "steps, and there are far fewer cells.",
 )
 def is_quick(euclidean_clustering_accelerated: Callable) -> None:
     # Fourteen walls at least 3 m apart, with points every 0.1 m.
@@ -332,8 +333,8 @@ def is_quick(euclidean_clustering_accelerated: Callable) -> None:
     why="A wet wall just in front of the sensor, or two merged scans, can put thousands of points "
     "close together. The number of close pairs then grows with the square of the number of "
     "points, and a list of them fills the memory.",
-    hint="Points that share a cell of side threshold / sqrt(3) share a cluster, so you need not "
-    "list or measure any pair of points in one cell.",
+    hint="Do not list or measure pairs of points in one cell: points that share a cell of side "
+    "threshold / np.sqrt(3) share a cluster.",
 )
 def is_quick_on_a_heap(euclidean_clustering_accelerated: Callable) -> None:
     cloud, labels = _two_heaps(2500, 5.0)
@@ -346,8 +347,8 @@ def is_quick_on_a_heap(euclidean_clustering_accelerated: Callable) -> None:
     title="Compares two neighbouring heaps quickly",
     why="Two cells of thousands of points each form millions of pairs. This problem does not "
     "occur in an ordinary street, but it does in merged scans.",
-    hint="You do not need a table of all distances to find the closest pair of two cells. "
-    "cKDTree(p).query(q) finds the nearest point of p for each point of q.",
+    hint="Call cKDTree(p).query(q), which finds the nearest point of p for each point of q "
+    "without a table of all distances.",
 )
 def is_quick_on_two_heaps(euclidean_clustering_accelerated: Callable) -> None:
     # The gap is slightly larger than the threshold, so the exact test cannot stop early.

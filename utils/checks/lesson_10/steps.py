@@ -129,8 +129,8 @@ def _assert_cells(answer: object, points: np.ndarray, threshold: float, input_te
     title="Finds the six cells of the seven points",
     why="Points that share a cell are joined without measuring. A wrong cell joins points that "
     "are far apart.",
-    hint="The side is threshold / np.sqrt(3), here 1 m. rows = np.floor(points / side) gives the "
-    "cell of every point, even below zero. np.unique(as_numbers(rows), ...) finds first and "
+    hint="Compute rows = np.floor(points / side), which is right even below zero, with side = "
+    "threshold / np.sqrt(3), here 1 m. np.unique(as_numbers(rows), ...) finds first and "
     "cell_of_point, and rows[first] are the different cells.",
 )
 def finds_the_cells(points_in_cells: Callable) -> None:
@@ -166,8 +166,8 @@ def scales_with_the_threshold(points_in_cells: Callable) -> None:
     title="Does not change the points",
     why="Step 2 uses the same points. If step 1 changes them, step 2 measures wrong distances, "
     "and a notebook cell that you run twice starts from different points.",
-    hint="points / side creates a new array. points /= side changes the array that the function "
-    "received.",
+    hint="Write points / side, which creates a new array. points /= side changes the array that "
+    "the function received.",
 )
 def keeps_the_points_unchanged(points_in_cells: Callable) -> None:
     assert_arguments_unchanged(observe(points_in_cells, SEVEN_POINTS, 0.5), SEVEN_POINTS, 0.5)
@@ -192,8 +192,9 @@ def _join_seven(join_cheaply: Callable) -> tuple:
     "join_cheaply",
     title="Finds all seven pairs of neighbouring cells",
     why="A pair that is missing here is never measured, so one object can become two clusters.",
-    hint="cKDTree(cells).query_pairs(2, p=np.inf, output_type='ndarray') finds all pairs of cells "
-    "at most two steps apart along each axis. Return all of these pairs, joined or not.",
+    hint="Call cKDTree(cells).query_pairs(2, p=np.inf, output_type='ndarray'), which finds all "
+    "pairs of cells at most two steps apart along each axis. Return all of these pairs, joined or "
+    "not.",
 )
 def finds_the_neighbours(join_cheaply: Callable) -> None:
     pairs = _join_seven(join_cheaply)[0]
@@ -224,8 +225,8 @@ def joins_close_representatives(join_cheaply: Callable) -> None:
     "join_cheaply",
     title="Measures distances between representatives",
     why="Cell 3 is not point 3. Code that confuses the two joins objects that are far apart.",
-    hint="pairs[:, 0] are rows of cells. first[pairs[:, 0]] are rows of points, and "
-    "points[first[pairs[:, 0]]] are the points, whose x, y and z all count.",
+    hint="Measure between points[first[pairs[:, 0]]] and points[first[pairs[:, 1]]], with x, y "
+    "and z. pairs contains rows of cells, and first turns them into rows of points.",
 )
 def measures_representatives(join_cheaply: Callable) -> None:
     arguments = _HEAP.copy(), _HEAP_CELLS.copy(), _HEAP_FIRST.copy(), WIDE_THRESHOLD

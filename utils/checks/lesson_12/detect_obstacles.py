@@ -58,8 +58,8 @@ SQUARE_SEED, WALK_SEED, CLIMB_SEED = 25, 7, 4
     title="Finds isolated cars near the sensor",
     why="The detector combines your functions of the previous lessons. If any step loses a parked "
     "car, the ego car may hit it.",
-    hint="Follow the returns of the missed car. How many are left after each step, and which step "
-    "removes the last of them?",
+    hint="Print how many returns of the missed car are left after each step, and fix the step "
+    "that removes the last of them.",
 )
 def finds_cars(detect_obstacles: Callable) -> None:
     # Include every scan that later checks use, because those checks wait until the cars in their
@@ -78,8 +78,8 @@ def finds_cars(detect_obstacles: Callable) -> None:
     weight=9,
     title="Finds isolated people near the sensor",
     why="People are the smallest road users, and missing them is the worst mistake.",
-    hint="How many points of a person are left before clustering? min_num_points must not be "
-    "larger than that number.",
+    hint="Count the points of a person that are left before clustering, and keep min_num_points "
+    "at or below that number.",
 )
 def finds_people(detect_obstacles: Callable) -> None:
     require_cars_found_in_frame(detect_obstacles, square_with_people(WALK_SEED))
@@ -94,7 +94,7 @@ def finds_people(detect_obstacles: Callable) -> None:
     title="Finds a car across the road, 8 to 10 m ahead",
     why="At 30 km/h a car needs 9 m to stop. A detector with a shorter range finds obstacles too "
     "late.",
-    hint="Where does your region of interest end? It must reach a little more than 10 m ahead.",
+    hint="Let crop_region keep points up to a little more than 10 m ahead.",
 )
 def looks_far_enough(detect_obstacles: Callable) -> None:
     require_cars_found_in_frame(detect_obstacles, square(SQUARE_SEED))
@@ -107,9 +107,9 @@ def looks_far_enough(detect_obstacles: Callable) -> None:
     weight=3,
     title="Puts boxes around obstacles, not around road or empty space",
     why="A car that brakes for the road itself is useless.",
-    hint="Look from the side at the boxes that contain no obstacle. If the road rises above the "
-    "ground level, use a plane (lesson 03), which rises with it. If the boxes contain only a few "
-    "points, filter_clusters should have removed these points.",
+    hint="Draw the boxes without an obstacle from the side. If the road rises above the ground "
+    "level, use ransac_plane, whose plane rises with it. If the boxes contain only a few points, "
+    "remove these with filter_clusters.",
 )
 def avoids_ghosts(detect_obstacles: Callable) -> None:
     require_cars_found_in_frame(detect_obstacles, street_further_back())
@@ -133,7 +133,7 @@ def _assert_found_on_the_climb(detect_obstacles: Callable, kind: str) -> None:
     weight=3,
     title="Finds a person next to the bumper",
     why="A person who crosses right in front of a standing car is the nearest obstacle.",
-    hint="remove_ego_returns must remove the points in the box of the ego car, from (-1.5, -1.7, "
+    hint="Let remove_ego_returns remove the points in the box of the ego car, from (-1.5, -1.7, "
     "-1.0) to (2.6, 1.7, -0.4), and no others.",
 )
 def finds_the_person_at_the_bumper(detect_obstacles: Callable) -> None:
@@ -144,8 +144,8 @@ def finds_the_person_at_the_bumper(detect_obstacles: Callable) -> None:
     "detect_obstacles",
     weight=3,
     title="Finds cars at the edge of the road, up to 7 m to the side",
-    why="A parked car may pull out, or its door may open.",
-    hint="How far to the side does your region of interest reach?",
+    why="A parked car may pull out or open a door, so the ego car must see it in time.",
+    hint="Let crop_region keep points farther to the left and right.",
 )
 def looks_to_the_side(detect_obstacles: Callable) -> None:
     _assert_found_on_the_climb(detect_obstacles, "car")
@@ -155,9 +155,8 @@ def looks_to_the_side(detect_obstacles: Callable) -> None:
     "detect_obstacles",
     weight=3,
     title="Finds a lorry, although it has many points",
-    why="A lorry is the largest obstacle on the road.",
-    hint="filter_clusters has a minimum but no maximum: a cluster of many points is a wall or a "
-    "lorry.",
+    why="A lorry is the largest obstacle on the road. Without a box, the ego car drives into it.",
+    hint="Keep large clusters: a cluster of many points is a wall or a lorry.",
 )
 def finds_the_lorry(detect_obstacles: Callable) -> None:
     _assert_found_on_the_climb(detect_obstacles, "truck")
@@ -168,7 +167,8 @@ def finds_the_lorry(detect_obstacles: Callable) -> None:
     weight=3,
     title="Gives two cars that are parked close together separate boxes",
     why="A single box hides the gap from which a child may run into the road.",
-    hint="Two objects become one cluster if the threshold is larger than the gap between them.",
+    hint="Give the clustering a smaller threshold: two objects become one cluster if it is larger "
+    "than the gap between them.",
 )
 def keeps_parked_cars_apart(detect_obstacles: Callable) -> None:
     with precondition("the detector finds cars at the edge of the road"):
@@ -196,7 +196,7 @@ def ignores_the_ego_car(detect_obstacles: Callable) -> None:
 @visible_check(
     "detect_obstacles",
     weight=12,
-    title="Turns boxes with the cars",
+    title="Turns each box with its car",
     why="A car that pulls out of a parking space is at an angle. A box along the axes would block "
     "the lane next to it.",
     hint="Fit the boxes with get_oriented_boxes of lesson 11, which turns each box with its "
@@ -225,8 +225,8 @@ def returns_upright_boxes(detect_obstacles: Callable) -> None:
     weight=13,
     title="Ignores single returns in the air, such as raindrops",
     why="In a shower the car would otherwise brake for every drop.",
-    hint="filter_clusters returns new labels, without the clusters of a few points. Fit boxes to "
-    "these labels.",
+    hint="Fit boxes to the labels that filter_clusters returns, which leave out clusters of a few "
+    "points.",
 )
 def ignores_rain(detect_obstacles: Callable) -> None:
     frame, drops = square(SQUARE_SEED), raindrops(SQUARE_SEED)

@@ -310,7 +310,7 @@ def respects_max_distance(match_boxes: Callable) -> None:
     "match_boxes",
     weight=10,
     title="Never gives two boxes the same partner",
-    why="Two cars with the same track ID are one car to the planner.",
+    why="The planner takes two cars with the same track ID for one car.",
     hint="When you have chosen a pair, cross out its row and its column with infinity, because "
     "neither box is free any more.",
 )
@@ -359,7 +359,7 @@ def prefers_the_nearer_previous_box(match_boxes: Callable) -> None:
     weight=6,
     title="Compares centres, even if the corners of a box are in another order",
     why="When a car turns or more of it becomes visible, the order of its corners may change.",
-    hint="The centre is the mean over all eight corners: boxes.mean(axis=1).",
+    hint="Compare the means over all eight corners, boxes.mean(axis=1).",
 )
 def compares_centres(match_boxes: Callable) -> None:
     require_matching(match_boxes)
@@ -373,9 +373,10 @@ def compares_centres(match_boxes: Callable) -> None:
     "match_boxes",
     weight=3,
     title="Works when either list is empty",
-    why="There are no boxes before the first frame, and none on an empty road.",
-    hint="argmin of an empty table raises an error. If the table is empty, return an array of -1 "
-    "that is as long as current.",
+    why="There are no boxes before the first frame and on an empty road, and the tracker must not "
+    "crash then.",
+    hint="If the table of distances is empty, return an array of -1 that is as long as current: "
+    "argmin of an empty table raises an error.",
 )
 def works_without_boxes(match_boxes: Callable) -> None:
     require_matching(match_boxes)
@@ -505,7 +506,7 @@ def _closest_pair_only(
 declare_mistakes(
     "match_boxes",
     Mistake(
-        "Only the closest pair is matched. All other boxes are ignored.",
+        "The function matches only the closest pair and ignores all other boxes.",
         _closest_pair_only,
         "Repeat with while as long as a pair is close enough, and return after the loop.",
     ),
@@ -611,8 +612,8 @@ declare_mistakes(
         "boxes.mean(axis=1) is one centre (x, y, z) for each box; axis=2 would mix x with y.",
     ),
     Mistake(
-        "Corners are compared, not centres. In the next frame, the corners of a box may be in "
-        "another order.",
+        "The function compares corners, not centres. In the next frame, the corners of a box may "
+        "be in another order.",
         _prediction_with_answers(far=(-1, -1, -1), near=(-1, -1)),
         "Compare the centres: the mean of all eight corners.",
     ),

@@ -112,9 +112,8 @@ def _assert_moved(
     "predict_boxes",
     title="Moves each box by its own velocity for a tenth of a second",
     why="The tracker looks for the next box of an object where the object should be by now.",
-    hint="The distance is velocity times time. velocities has the shape (N, 3), and boxes has the "
-    "shape (N, 8, 3). velocities[:, None] has the shape (N, 1, 3), which moves all corners of a "
-    "box alike.",
+    hint="Add velocities[:, None] times seconds to boxes. velocities has the shape (N, 3) and "
+    "boxes the shape (N, 8, 3), so [:, None] moves all corners of a box alike.",
 )
 def moves_the_boxes(predict_boxes: Callable) -> None:
     _assert_moved(predict_boxes, _PARKED, _PARKED_VELOCITIES, 0.1)
@@ -123,7 +122,8 @@ def moves_the_boxes(predict_boxes: Callable) -> None:
 @visible_check(
     "predict_boxes",
     title="Moves twice as far in twice the time",
-    why="Some scanners turn only five times a second, and some frames are lost.",
+    why="Some scanners turn only five times a second, and some frames are lost, so the time "
+    "between two frames varies.",
     hint="Multiply the velocities by seconds.",
 )
 def uses_the_time(predict_boxes: Callable) -> None:
@@ -136,7 +136,7 @@ def uses_the_time(predict_boxes: Callable) -> None:
     title="Moves each of eight boxes as a whole",
     why="With eight boxes, NumPy may silently move each corner by the velocity of another box, "
     "which tears the boxes apart.",
-    hint="velocities[:, None] applies the three numbers of a row to a whole box.",
+    hint="Use velocities[:, None], which applies the three numbers of a row to a whole box.",
 )
 def moves_eight_boxes(predict_boxes: Callable) -> None:
     _assert_moved(predict_boxes, _EIGHT, _EIGHT_VELOCITIES, 0.1)
@@ -145,8 +145,8 @@ def moves_eight_boxes(predict_boxes: Callable) -> None:
 @visible_check(
     "predict_boxes",
     title="Works without boxes",
-    why="An empty road is not an error.",
-    hint="Work with whole arrays. You need no loop and no special case.",
+    why="An empty road is not an error, so the tracker must go on.",
+    hint="Work with whole arrays, without a loop and without a special case.",
 )
 def predicts_no_boxes(predict_boxes: Callable) -> None:
     _as_boxes(predict_boxes(_NO_BOXES.copy(), np.empty((0, 3)), 0.1), 0)
@@ -156,7 +156,7 @@ def predicts_no_boxes(predict_boxes: Callable) -> None:
     "predict_boxes",
     title="Does not change boxes or velocities",
     why="A later cell draws the boxes of the previous frame.",
-    hint="boxes + ... creates new boxes. boxes += ... changes the input.",
+    hint="Write boxes + ..., which creates new boxes. boxes += ... changes the input.",
 )
 def keeps_boxes_and_velocities(predict_boxes: Callable) -> None:
     assert_arguments_unchanged(
@@ -172,7 +172,7 @@ declare_mistakes(
         "The distance is velocity times time.",
     ),
     Mistake(
-        "The boxes always move for a tenth of a second, whatever seconds is.",
+        "The boxes always move for a tenth of a second. They should move for `seconds`.",
         lambda right, boxes, velocities, seconds: _right_moved_boxes(boxes, velocities, 0.1),
         "Multiply by the parameter seconds.",
     ),
@@ -199,7 +199,7 @@ declare_mistakes(
         "Use one row for each box: velocities[:, None], not velocities[0].",
     ),
     Mistake(
-        "The boxes stay where they are.",
+        "The boxes stay where they are. They should move by velocity times time.",
         lambda right, boxes, velocities, seconds: boxes,
         is_cheap=True,
     ),
@@ -280,8 +280,8 @@ def _assert_placed(correct_boxes: Callable, gain: float, seconds: float) -> None
     "correct_boxes",
     title="Places each box between its expected and its found position",
     why="A detected box wobbles. With a gain below 1, the track wobbles less.",
-    hint="off = found.mean(axis=1) - expected.mean(axis=1) is the error of the expectation. The "
-    "new centre is the centre of expected plus gain times off.",
+    hint="Compute off = found.mean(axis=1) - expected.mean(axis=1), the error of the expectation. "
+    "The new centre is the centre of expected plus gain times off.",
 )
 def places_boxes_between(correct_boxes: Callable) -> None:
     for gain, seconds in ((0.5, 0.1), (0.75, 0.2)):
@@ -317,8 +317,8 @@ def keeps_the_shape(correct_boxes: Callable) -> None:
 @visible_check(
     "correct_boxes",
     title="Corrects the velocity with the second gain",
-    why="Without this correction, a track never learns that a car is coming towards us. If the "
-    "second gain is too large, a wobble looks like speed although nothing moves.",
+    why="Without this correction, a track never learns that a car is coming towards the ego car. "
+    "If the second gain is too large, a wobble looks like speed although nothing moves.",
     hint="Compute beta = 2 * (1 - np.sqrt(1 - gain)) ** 2. The new velocities are velocities + "
     "beta * off / seconds.",
 )
@@ -342,8 +342,8 @@ def corrects_the_velocity(correct_boxes: Callable) -> None:
     title="Uses the expected position at gain 0 and the found position at gain 1",
     why="The two extreme gains show whether the gain is the weight of the found box, as it should "
     "be.",
-    hint="With a gain of 0 the box is where it was expected and keeps its velocity. With a gain "
-    "of 1 it is where it was found.",
+    hint="Return the expected place and the old velocity if the gain is 0, and the found place if "
+    "it is 1.",
 )
 def uses_extreme_gains(correct_boxes: Callable) -> None:
     for gain in (0.0, 1.0):
@@ -362,8 +362,8 @@ def uses_extreme_gains(correct_boxes: Callable) -> None:
     "correct_boxes",
     title="Does not change its input",
     why="A later cell draws the boxes that were found.",
-    hint="found - ... creates new boxes, and velocities + ... new velocities. -= and += change "
-    "the input.",
+    hint="Write found - ... and velocities + ..., which create new arrays. -= and += change the "
+    "input.",
 )
 def keeps_its_input_unchanged(correct_boxes: Callable) -> None:
     arguments = _EXPECTED, _VELOCITIES, _FOUND, 0.5, 0.1
@@ -420,7 +420,8 @@ declare_mistakes(
         "Add the correction to velocities.",
     ),
     Mistake(
-        "The velocities are returned unchanged.",
+        "The function returns the velocities unchanged. It should correct them with the second "
+        "gain.",
         _prediction_from_velocity_rule(lambda velocities, offset, gain, beta, seconds: velocities),
         "Return velocities + beta * off / seconds.",
     ),
@@ -431,7 +432,7 @@ declare_mistakes(
         "With a gain of 1 the result is the found box.",
     ),
     Mistake(
-        "The found boxes are returned unchanged, whatever the gain is.",
+        "The function returns the found boxes unchanged, whatever the gain is.",
         _prediction_from_velocity_rule(share=lambda gain: 1.0),
         "Return found - (1 - gain) * off[:, None].",
     ),
@@ -497,8 +498,8 @@ def _call_coast(coast: Callable, *case: object) -> tuple[np.ndarray, np.ndarray]
     why="If a count is never reset, a track is dropped although it has a box in every second "
     "frame.",
     hint=fixed(
-        "np.isin(np.arange(len(missed)), partners) says which tracks have a box. No track has the "
-        "row -1."
+        "Call np.isin(np.arange(len(missed)), partners), which shows which tracks have a box. No "
+        "track has the row -1."
     ),
 )
 def counts_missed_frames(coast: Callable) -> None:
@@ -543,7 +544,7 @@ def drops_tracks_after_patience(coast: Callable) -> None:
     "coast",
     title="Works on frames without boxes, and without tracks",
     why="In fog a whole frame may be empty, and the tracks must last until the boxes return.",
-    hint="Work with whole arrays. You need no special case.",
+    hint="Work with whole arrays, without a special case.",
 )
 def works_on_empty_frames(coast: Callable) -> None:
     empty = np.empty(0, dtype=int)
@@ -565,7 +566,8 @@ def works_on_empty_frames(coast: Callable) -> None:
     title="Does not change the counts",
     why="If the function changed its input, running the cell above twice would count the frame "
     "twice.",
-    hint="np.where(..., 0, missed + 1) creates new counts. missed[...] = 0 changes the input.",
+    hint="Write np.where(..., 0, missed + 1), which creates new counts. missed[...] = 0 changes "
+    "the input.",
 )
 def keeps_the_counts_unchanged(coast: Callable) -> None:
     assert_arguments_unchanged(observe(coast, _MISSED, _PARTNERS, 3), _MISSED, _PARTNERS, 3)
@@ -605,7 +607,8 @@ declare_mistakes(
         "A track that has missed exactly patience frames is still kept.",
     ),
     Mistake(
-        "The old counts are compared with patience, so a track is kept one frame too long.",
+        "The function compares the old counts with patience, so a track is kept one frame too "
+        "long.",
         lambda right, missed, partners, patience: (right[0], missed <= patience),
         "Compare the new counts.",
     ),

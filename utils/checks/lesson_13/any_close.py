@@ -112,7 +112,7 @@ def compares_all_pairs(any_close: Callable) -> None:
     title="Reads only the rows of the two cells",
     why="A compiled function reads beyond its rows without an error. It then uses a point of the "
     "next cell, or whatever is in memory.",
-    hint="range(a, a_end) begins at a and ends before a_end.",
+    hint="Loop over range(a, a_end), which begins at a and ends before a_end.",
 )
 def reads_only_its_rows(any_close: Callable) -> None:
     with precondition("each point of one cell is compared with each point of the other"):
@@ -266,11 +266,31 @@ declare_mistakes(
         _prediction_with_shifted_rows(1, 0),
         "range(a, a_end) begins at a.",
     ),
-    Mistake("x is left out.", _prediction_without_axis(0), "Use all three differences."),
-    Mistake("y is left out.", _prediction_without_axis(1), "Use all three differences."),
-    Mistake("z is left out.", _prediction_without_axis(2), "Use all three differences."),
-    Mistake("The answer is always False.", lambda right, *case: False, is_cheap=True),
-    Mistake("The answer is always True.", lambda right, *case: True, is_cheap=True),
+    Mistake(
+        "The difference in x is left out, so points one behind the other seem close.",
+        _prediction_without_axis(0),
+        "Use all three differences.",
+    ),
+    Mistake(
+        "The difference in y is left out, so points side by side seem close.",
+        _prediction_without_axis(1),
+        "Use all three differences.",
+    ),
+    Mistake(
+        "z is left out, so the height does not count.",
+        _prediction_without_axis(2),
+        "Use all three differences.",
+    ),
+    Mistake(
+        "The answer is always False, even if two points are close.",
+        lambda right, *case: False,
+        is_cheap=True,
+    ),
+    Mistake(
+        "The answer is always True, even if no two points are close.",
+        lambda right, *case: True,
+        is_cheap=True,
+    ),
     cases=tuple(_random_case(seed) for seed in range(40)),
     right=_is_close,
     is_same=lambda answer, predicted: bool(as_array(answer)) == predicted,

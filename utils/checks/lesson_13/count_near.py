@@ -83,7 +83,7 @@ def counts_points_at_the_tolerance(count_near: Callable) -> None:
 @visible_check(
     "count_near",
     title="Returns 0 when the cloud is empty or no point is near",
-    why="An empty cloud is not an error: the sensor may see only sky.",
+    why="The sensor may see only sky, and an empty cloud must not crash the program.",
     hint="Set the count to 0 before the loop, and return it after the loop.",
 )
 def returns_zero(count_near: Callable) -> None:
@@ -147,7 +147,7 @@ declare_mistakes(
         "Add plane[3]; do not subtract it.",
     ),
     Mistake(
-        "z is left out.",
+        "z is left out, so the height does not count.",
         _prediction_from_distance(
             lambda points, plane: np.abs(points[:, :2] @ plane[:2] + plane[3])
         ),
@@ -196,7 +196,7 @@ declare_mistakes(
         "Start at 0, because no point has been counted before the loop.",
     ),
     Mistake(
-        "Every point is counted.",
+        "Every point is counted. Only points within the tolerance should be.",
         lambda right, points, plane, tolerance: len(points),
         is_cheap=True,
     ),

@@ -82,7 +82,7 @@ def finds_the_angle(snuggest_turn: Callable) -> None:
 @visible_check(
     "snuggest_turn",
     title="Finds the same angle away from the sensor",
-    why="The sensor is never inside the box of another car.",
+    why="The sensor is never inside another car, so a box that includes the sensor is too large.",
     hint="Start with np.inf for the smallest and -np.inf for the largest. If you start with 0, "
     "the sensor counts as a point.",
 )
@@ -105,8 +105,8 @@ def _random_points(seed: int) -> np.ndarray:
     "snuggest_turn",
     title="Finds the angle of the smallest area for any points",
     why="The scanner sees two sides and a mirror of a car, which do not form a rectangle.",
-    hint="The area is the extent along times the extent across. Compute it for all 90 turns at "
-    "once: (front - back) * (left - right).",
+    hint="Compute the area for all 90 turns at once, (front - back) * (left - right): the extent "
+    "along times the extent across.",
 )
 def finds_the_smallest_area(snuggest_turn: Callable) -> None:
     with precondition("the function finds the angle of a rectangle wherever it is"):
@@ -129,7 +129,8 @@ def finds_the_smallest_area(snuggest_turn: Callable) -> None:
     title="Works on a single point",
     why="Some clusters are a single return. Any angle is right for them, but the function must "
     "not fail.",
-    hint="You need no special case: each area is 0, and argmin() returns the first index.",
+    hint="Use the same code for a single point: each area is 0, and argmin() returns the first "
+    "index.",
 )
 def works_on_one_point(snuggest_turn: Callable) -> None:
     _answer_of(snuggest_turn, _rectangle(20, 5, 3)[:1])
@@ -138,7 +139,7 @@ def works_on_one_point(snuggest_turn: Callable) -> None:
 @visible_check(
     "snuggest_turn",
     title="Does not change the points",
-    why="A later cell draws the points.",
+    why="A later cell draws the original points.",
     hint="Write x, y = points[i, 0], points[i, 1], and store results in new variables.",
 )
 def keeps_the_points_unchanged(snuggest_turn: Callable) -> None:
@@ -174,12 +175,12 @@ declare_mistakes(
         "Find the smallest area, which is the product of the two sides.",
     ),
     Mistake(
-        "Only the extent along each direction is measured.",
+        "The function measures only the extent along each direction, not the area.",
         _prediction_from_measure(lambda points: _extents(points)[0]),
         "Multiply it by the extent across the direction.",
     ),
     Mistake(
-        "Only the extent across each direction is measured.",
+        "The function measures only the extent across each direction, not the area.",
         _prediction_from_measure(lambda points: _extents(points)[1]),
         "Multiply it by the extent along the direction.",
     ),
@@ -194,7 +195,7 @@ declare_mistakes(
         "along is x cos + y sin, and across is y cos - x sin.",
     ),
     Mistake(
-        "z is used instead of y.",
+        "The function uses z instead of y.",
         _prediction_from_measure(lambda points: _area(points[:, [0, 2, 1]])),
         "The box turns on the ground, so use y, which is points[i, 1].",
     ),
@@ -204,7 +205,7 @@ declare_mistakes(
         "argmin() returns the index of the smallest area, min() the area itself.",
     ),
     Mistake(
-        "The angle is returned in radians.",
+        "The function returns the angle in radians. It should return the index of the angle.",
         lambda right, points: float(np.radians(right)),
         "Return the index of the angle, from 0 to 89.",
     ),

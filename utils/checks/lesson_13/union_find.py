@@ -80,8 +80,8 @@ def finds_the_root(root_of: Callable) -> None:
 @visible_check(
     "root_of",
     title="Returns the cell itself if it is a root",
-    why="At the start every cell is its own root.",
-    hint="If the loop does not run at all, the function must return the cell itself.",
+    why="At the start every cell is its own root, so this is the answer to the first calls.",
+    hint="Return the cell itself if the loop does not run at all.",
     slow=_ENDLESS_HINT,
 )
 def stays_at_a_root(root_of: Callable) -> None:
@@ -245,9 +245,9 @@ def joins_the_pieces(unite: Callable) -> None:
 @visible_check(
     "unite",
     title="Changes nothing if both cells are in one piece",
-    why="Most pairs of close cells are already in one piece.",
-    hint="If both roots are the same, parent[root] = root changes nothing. You need no special "
-    "case.",
+    why="Most pairs of close cells are already in one piece, which must stay as it is.",
+    hint="Use the same code for both: if both roots are the same, parent[root] = root changes "
+    "nothing.",
     slow=_ENDLESS_HINT,
 )
 def accepts_joined_cells(unite: Callable) -> None:
@@ -326,7 +326,7 @@ declare_mistakes(
         "Also write b = root_of(parent, b).",
     ),
     Mistake(
-        "Nothing is joined.",
+        "Nothing is joined: parent is the same after the call.",
         lambda right, parent, a, b: _groups(_roots(parent, "")),
         "Change the array: parent[...] = ...",
         is_cheap=True,
