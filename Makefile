@@ -42,7 +42,8 @@ INSTALL := pip install --quiet --disable-pip-version-check
 	@touch $@
 
 # Additional packages for development.
-.venv/ready-dev: .venv/ready requirements-dev.txt requirements-3d.txt requirements-cluster.txt requirements-site.txt
+.venv/ready-dev: .venv/ready requirements-dev.txt requirements-3d.txt requirements-cluster.txt \
+		requirements-formats.txt requirements-site.txt
 	@echo "Installing the packages for the tests into .venv."
 	@$(BIN)/$(INSTALL) -r requirements-dev.txt
 	@touch $@

@@ -13,12 +13,17 @@ import tracemalloc
 import zipfile
 from pathlib import Path
 
+import laspy
 import numpy as np
+import plyfile
 import pytest
 
+from grader.course.paths import PROJECT
 from tests.prerequisites import RECORDINGS
 from utils.clouds import SUFFIXES, CloudFileError, read_cloud, write_cloud
+from utils.clouds.formats import WRITABLE_SUFFIXES
 from utils.clouds.kitti import decode_kitti
+from utils.clouds.libraries import decode_las, decode_ply
 from utils.clouds.npz import decode_npz
 
 REAL = Path(os.environ.get("REAL_CLOUDS", "/nowhere"))
@@ -32,11 +37,12 @@ def message_of(call, *arguments):
     return str(caught.value)
 
 
-@pytest.mark.parametrize("suffix", SUFFIXES)
+@pytest.mark.parametrize("suffix", WRITABLE_SUFFIXES)
 @pytest.mark.parametrize("columns", [3, 4])
 @pytest.mark.parametrize("rows", [0, 1, 200])
 def test_every_format_keeps_the_numbers(tmp_path, suffix, columns, rows):
     cloud = np.random.default_rng(1).normal(size=(rows, columns)).astype(np.float32)
+    cloud[:, 3:] = abs(cloud[:, 3:])  # an intensity
     before = cloud.copy()
     write_cloud(str(tmp_path / f"cloud{suffix}"), cloud)
     again = read_cloud(str(tmp_path / f"cloud{suffix}"))
@@ -47,7 +53,7 @@ def test_every_format_keeps_the_numbers(tmp_path, suffix, columns, rows):
     assert [path.name for path in tmp_path.iterdir()] == [f"cloud{suffix}"]
 
 
-@pytest.mark.parametrize("suffix", [".pcd", ".npz", ".txt"])
+@pytest.mark.parametrize("suffix", [".pcd", ".npz", ".npy", ".txt"])
 def test_double_precision_is_kept_if_the_format_allows_it(tmp_path, suffix):
     cloud = np.array([[1 / 3, 2 / 3, 1e-12], [np.nan, np.inf, -0.0]])
     write_cloud(tmp_path / f"cloud{suffix}", cloud)
@@ -77,8 +83,10 @@ def test_the_error_about_a_missing_file_names_folders_and_existing_files(tmp_pat
 
 def test_folders_unknown_suffixes_and_strange_names_are_explained(tmp_path):
     assert "read_sequence" in message_of(read_cloud, tmp_path)
-    message = message_of(read_cloud, tmp_path / "cloud.las")
-    assert ".las" in message and ".pcd" in message
+    message = message_of(read_cloud, tmp_path / "cloud.e57")
+    assert ".e57" in message and ".pcd" in message
+    message = message_of(write_cloud, tmp_path / "cloud.ply", np.zeros((1, 3)))
+    assert ".ply files can only be read" in message and ".pcd" in message
     assert "no suffix" in message_of(read_cloud, "cloud")
     assert "cannot be opened" in message_of(read_cloud, "a\0b.txt")
     assert "cannot be opened" in message_of(read_cloud, "a" * 5000 + ".txt")
@@ -94,10 +102,145 @@ def test_importing_clouds_loads_no_heavy_packages():
     modules = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     ).stdout.split()
-    assert not {"scipy", "pooch", "rosbags", "matplotlib", "rich", "requests"} & set(modules)
+    assert not {
+        "scipy",
+        "pooch",
+        "rosbags",
+        "matplotlib",
+        "rich",
+        "requests",
+        "laspy",
+        "plyfile",
+    } & set(modules)
+
+
+OTHER_CONTENTS = {
+    b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 9\n": "Git LFS pointer",
+    b"\n<!DOCTYPE html>\n<html>\n": "web page",
+    b"\xef\xbb\xbf<?xml version='1.0'?>": "web page or XML",
+    b"\x1f\x8b\x08\x00\x00\x00\x00\x00": "gzip",
+    b"CCB2\x00\x01\x00\x00": "CloudCompare",
+    b"\x93NUMPY\x01\x00": "NumPy array",
+    b"# .PCD v0.7 - Point Cloud Data file format\n": "PCD file",
+    b"ply\nformat ascii 1.0\n": "PLY file",
+    b"LASF\x00\x00": "LAS file",
+    b"PK\x03\x04\x14\x00": "zip archive",
+}
+
+
+@pytest.mark.parametrize("content", OTHER_CONTENTS)
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_file_of_another_kind_is_recognised(tmp_path, suffix, content):
+    (tmp_path / f"street{suffix}").write_bytes(content)
+    message = message_of(read_cloud, tmp_path / f"street{suffix}")
+    own = {
+        ".npy": "NumPy",
+        ".pcd": "PCD",
+        ".ply": "PLY",
+        ".las": "LAS",
+        ".laz": "LAS",
+        ".npz": "zip",
+    }
+    if not OTHER_CONTENTS[content].startswith(own.get(suffix, "none")):
+        assert OTHER_CONTENTS[content] in message
+
+
+class TestLibraries:
+    """PLY and LAS files, written by the libraries that also read them."""
+
+    points = np.random.default_rng(2).normal(scale=20, size=(40, 4)).round(2)
+
+    @pytest.mark.parametrize("text", [False, True])
+    @pytest.mark.parametrize("intensity", ["intensity", "scalar_Intensity", "reflectance"])
+    def test_ply_files_are_read_by_the_names_of_their_properties(self, tmp_path, text, intensity):
+        kinds = [("red", "u1"), ("z", "f8"), ("y", "f4"), ("x", "f4"), (intensity, "f4")]
+        vertices = np.zeros(len(self.points), kinds)
+        for column, name in enumerate(("x", "y", "z", intensity)):
+            vertices[name] = self.points[:, column]
+        faces = np.array([([0, 1, 2],)], dtype=[("vertex_indices", "i4", (3,))])
+        elements = [
+            plyfile.PlyElement.describe(vertices, "vertex"),
+            plyfile.PlyElement.describe(faces, "face"),
+        ]
+        plyfile.PlyData(elements, text=text).write(str(tmp_path / "a.ply"))
+        cloud = read_cloud(tmp_path / "a.ply")
+        assert cloud.dtype == np.float64
+        np.testing.assert_allclose(cloud, self.points, atol=1e-5)
+
+    def test_las_files_are_read_and_compressed_ones_explained(self, tmp_path):
+        header = laspy.LasHeader(point_format=3)
+        header.scales = (0.001,) * 3
+        las = laspy.LasData(header)
+        las.x, las.y, las.z = self.points[:, :3].T
+        las.intensity = np.arange(len(self.points))
+        las.write(str(tmp_path / "a.las"))
+        cloud = read_cloud(tmp_path / "a.las")
+        np.testing.assert_allclose(cloud[:, :3], self.points[:, :3], atol=1e-6)
+        np.testing.assert_array_equal(cloud[:, 3], np.arange(len(self.points)))
+        data = bytearray((tmp_path / "a.las").read_bytes())
+        data[104] |= 0x80  # the flag of compressed points
+        (tmp_path / "a.laz").write_bytes(data)
+        assert "pdal translate" in message_of(read_cloud, tmp_path / "a.laz")
+
+    @pytest.mark.parametrize(
+        ("data", "parts"),
+        [
+            (b"ply\nformat ascii 1.0\nelement vertex 999999999999\nend_header\n", ["999999999999"]),
+            (
+                b"ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nend_header\n1\n",
+                ["intact"],
+            ),
+            (
+                b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n",
+                ["'y'"],
+            ),
+        ],
+    )
+    def test_unsuitable_ply_files_are_explained(self, data, parts):
+        message = message_of(decode_ply, data, "a.ply")
+        for part in ("a.ply", *parts):
+            assert part in message
+
+    @pytest.mark.parametrize(
+        ("decode", "module", "package"),
+        [(decode_ply, "plyfile", "'plyfile'"), (decode_las, "laspy", "'laspy'")],
+    )
+    def test_a_missing_library_is_named(self, monkeypatch, decode, module, package):
+        monkeypatch.setitem(sys.modules, module, None)
+        assert f"pip install {package}" in message_of(decode, b"")
 
 
 class TestKitti:
+    scan = np.loadtxt(PROJECT / "data" / "cloud.txt", max_rows=30_000)[::30]
+
+    def test_files_of_nuscenes_are_recognised(self):
+        beams = np.arange(len(self.scan)) % 32
+        data = np.column_stack([self.scan[:, :3], 255 * self.scan[:, 3], beams]).astype("<f4")
+        read = decode_kitti(data.tobytes(), "LIDAR_TOP.pcd.bin")
+        np.testing.assert_array_equal(read, data[:, :4])
+        np.testing.assert_array_equal(decode_kitti(data.tobytes(), "000000.bin"), data[:, :4])
+
+    @pytest.mark.parametrize(
+        ("kind", "columns", "parts"),
+        [
+            ("<f4", 3, ["3 columns of float32", "'<f4'", "reshape(-1, 3)"]),
+            ("<f4", 6, ["6 columns of float32", "reshape(-1, 6)"]),
+            ("<f8", 4, ["4 columns of float64", "'<f8'"]),
+            ("<f8", 3, ["3 columns of float64"]),
+            (">f4", 4, ["4 columns of float32 in big-endian order", "'>f4'"]),
+        ],
+    )
+    def test_other_records_are_refused_with_a_guess(self, kind, columns, parts):
+        extra = np.random.default_rng(0).random((len(self.scan), 2))
+        data = np.column_stack([self.scan, extra])[:, :columns].astype(kind)
+        message = message_of(decode_kitti, data.tobytes(), "a.bin")
+        for part in ("a.bin", "not a KITTI scan", *parts):
+            assert part in message
+
+    def test_labels_are_not_points(self):
+        labels = np.random.default_rng(0).integers(1, 30, 4000).astype("<u4")
+        assert "not a KITTI scan" in message_of(decode_kitti, labels.tobytes(), "a.bin")
+
     def test_records_are_read(self):
         data = b"".join(struct.pack("<4f", *point) for point in POINTS)
         np.testing.assert_array_equal(decode_kitti(data), POINTS)
@@ -147,7 +290,13 @@ class TestNpz:
 
     def test_unsuitable_content_is_explained(self):
         zeros = np.zeros((2, 3))
-        assert "'points'" in message_of(decode_npz, self.archive("points", zeros))
+        np.testing.assert_array_equal(decode_npz(self.archive("points", zeros)), zeros)
+        two = io.BytesIO()
+        np.savez(two, before=zeros, after=zeros, colours=np.zeros((2, 2)))
+        message = message_of(decode_npz, two.getvalue())
+        assert "'before', 'after'" in message and "colours" not in message
+        flat = self.archive("points", np.zeros(6))
+        assert "contains 'points', expected an array 'cloud'" in message_of(decode_npz, flat)
         assert "expected numbers" in message_of(decode_npz, self.archive(value=[["a", "b", "c"]]))
         assert "expected numbers" in message_of(decode_npz, self.archive(value=[[None] * 3]))
         assert "shape (3,)" in message_of(decode_npz, self.archive(value=np.zeros(3)))

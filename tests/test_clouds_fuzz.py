@@ -10,7 +10,9 @@ import struct
 import tracemalloc
 import warnings
 
+import laspy
 import numpy as np
+import plyfile
 import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
@@ -21,7 +23,8 @@ from rosbags.typesys import Stores, get_typestore
 
 from utils.clouds import CloudFileError
 from utils.clouds.kitti import decode_kitti
-from utils.clouds.npz import decode_npz, encode_npz
+from utils.clouds.libraries import decode_las, decode_ply
+from utils.clouds.npz import decode_npy, decode_npz, encode_npy, encode_npz
 from utils.clouds.pcd import decode_pcd, encode_pcd
 from utils.clouds.pcd_header import ENCODINGS
 from utils.clouds.text import decode_text, encode_text
@@ -48,11 +51,32 @@ def stored_bytes(**arrays) -> bytes:
     return buffer.getvalue()
 
 
+def ply_bytes(text: bool) -> bytes:
+    vertices = np.zeros(len(CLOUD), [(name, "<f4") for name in ("x", "y", "z", "intensity")])
+    for column, name in enumerate(vertices.dtype.names):
+        vertices[name] = CLOUD[:, column]
+    buffer = io.BytesIO()
+    element = plyfile.PlyElement.describe(vertices, "vertex")
+    plyfile.PlyData([element], text=text, byte_order="=" if text else "<").write(buffer)
+    return buffer.getvalue()
+
+
+def las_bytes() -> bytes:
+    las = laspy.LasData(laspy.LasHeader(point_format=0))
+    las.x, las.y, las.z = CLOUD[:, :3].T
+    buffer = io.BytesIO()
+    las.write(buffer)
+    return buffer.getvalue()
+
+
 READERS = {
     "text": (decode_text, [encode_text(CLOUD), encode_text(CLOUD[:, :3], ","), b"x y z\n1 2 3\n"]),
-    "kitti": (decode_kitti, [CLOUD.tobytes()]),
+    "kitti": (decode_kitti, [CLOUD.tobytes(), np.tile(abs(CLOUD), (3, 1)).tobytes()]),
     "pcd": (decode_pcd, [encode_pcd(CLOUD, encoding) for encoding in ENCODINGS]),
     "npz": (decode_npz, [encode_npz(CLOUD), stored_bytes(cloud=CLOUD.astype(float), other=CLOUD)]),
+    "npy": (decode_npy, [encode_npy(CLOUD)]),
+    "ply": (decode_ply, [ply_bytes(text=True), ply_bytes(text=False)]),
+    "las": (decode_las, [las_bytes()]),
 }
 
 
@@ -146,6 +170,33 @@ def test_many_files_with_any_content_are_read_or_refused(reader):
         check_bytes(reader, data)
 
     property_holds()
+
+
+def changed_bytes(data: bytes, rng: np.random.Generator) -> bytes:
+    """Return a file with one to three changed bytes or numbers in its first 400 bytes, or cut."""
+    changed = bytearray(data)
+    for _ in range(rng.integers(1, 4)):
+        start = int(rng.integers(min(len(data), 400)))
+        piece = EXTREME[rng.integers(len(EXTREME))] if rng.random() < 0.5 else rng.bytes(1)
+        changed[start : start + len(piece)] = piece
+    return bytes(changed[: rng.integers(len(data))] if rng.random() < 0.2 else changed)
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize("reader", READERS)
+def test_a_hundred_thousand_changed_headers_are_read_or_refused(reader):
+    decode, files = READERS[reader]
+    rng = np.random.default_rng(1)
+    outcomes = {True: 0, False: 0}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for number in range(100_000):
+            data = changed_bytes(files[number % len(files)], rng)
+            try:
+                outcomes[decode(data, "fuzz").shape[1] in (3, 4)] += 1
+            except CloudFileError as error:
+                outcomes[len(str(error)) < 1000] += 1
+    assert outcomes == {True: 100_000, False: 0}
 
 
 @pytest.mark.parametrize("data", [b"\x0b,", b"1 2 3\n\x0c;\n", "\u2003,".encode()])

@@ -165,11 +165,10 @@ def test_writing_refuses_an_unknown_encoding():
         (header(kind="F F F"), ["line 5", "TYPE"]),
         (header(kind="F F F Q"), ["line 5", "TYPE"]),
         (header(count="2 1 1 1"), ["line 6", "COUNT"]),
-        (header(count="1 1 1 0"), ["line 6", "COUNT"]),
         (header(POINTS=None, WIDTH=None), ["POINTS and WIDTH are missing"]),
         (header() + records()[:-1], ["byte", "3 points of 16 bytes", "47 bytes follow"]),
         (header(points=2) + records(), ["2 points", "48 bytes follow"]),
-        (header() + b"1.5 -2.25 0.125 0.5\n" * 3, ["60 bytes follow"]),
+        (header() + b"1.5 -2.25 0.125 0.5\n" * 3, ["line 12", "the text '1.5 -2.25", "DATA ascii"]),
         (header(points=10**12) + records(), ["1000000000000 points"]),
         (header(points=10**12, encoding="ascii") + b"1 2 3 4\n", ["1000000000000 points, but"]),
         (header(count=f"1 1 1 {10**12}") + records(), ["4000000000012 bytes"]),
@@ -238,3 +237,33 @@ def test_real_frames_survive_every_encoding():
     cloud = read_cloud(REAL / "data_1" / "0000000005.pcd")
     for encoding in ENCODINGS:
         np.testing.assert_array_equal(decode_pcd(encode_pcd(cloud, encoding)), cloud)
+
+
+@pytest.mark.parametrize(
+    ("head", "body"),
+    [
+        (header().replace(b"FIELDS", b"COLUMNS"), records()),
+        (header(SIZE=None, TYPE=None, COUNT=None), records()),
+        (header(TYPE=None), records()),
+        (header(encoding="BINARY"), records()),
+        (b"\xef\xbb\xbf" + header(), records()),
+        (header(), records() + b"made by me"),
+        (header(fields="x y z _ intensity", size="4 4 4 1 4", kind="F F F U F", count="1 1 1 0 1"),
+         records()),
+    ],
+)  # fmt: skip
+def test_unusual_files_are_read_as_in_pcl(head, body):
+    np.testing.assert_array_equal(decode_pcd(head + body), decode_pcd(header() + records()))
+
+
+@pytest.mark.parametrize(
+    ("lines", "advice"),
+    [
+        (b"1,5 2,5 3,5 4\n", "decimal points instead of commas"),
+        (b"1 2 3 -nan(ind)\n", "write nan for a missing value"),
+        (b"1 2 3 4 5\n1 2 3 4\n", "or FIELDS and COUNT in the header"),
+        (b"1 2 3 4\n1 2 3\n", "copied completely"),
+    ],
+)
+def test_the_advice_about_a_faulty_line_fits_its_cause(lines, advice):
+    assert advice in error_message(header(encoding="ascii") + lines)

@@ -95,7 +95,7 @@ def test_the_topic_must_be_named_if_there_are_several(tmp_path, kind):
         with pytest.raises(CloudFileError, match="/left, /right"):
             read_bag(path, topic)
     empty = record(tmp_path / ("no.bag" if kind == "bag" else "no"), kind, [])
-    with pytest.raises(CloudFileError, match="only /log"):
+    with pytest.raises(CloudFileError, match=r"only /log \(String\)"):
         read_bag(empty)
 
 
@@ -112,6 +112,45 @@ def test_missing_and_other_files_are_explained(tmp_path):
         read_bag(tmp_path / "cloud.txt")
     with pytest.raises(CloudFileError, match="not an intact ROS recording"):
         read_bag(tmp_path)
+
+
+@pytest.mark.parametrize("kind", ["bag", "db3", "mcap"])
+def test_suffixes_may_have_capital_letters(tmp_path, kind):
+    path = record(tmp_path / ("street.bag" if kind == "bag" else "street"), kind)
+    file = path if kind == "bag" else next(path.glob(f"*.{kind}"))
+    shouted = file.rename(tmp_path / f"STREET.{kind.upper()}")
+    np.testing.assert_array_equal(read_bag(shouted)[2], cloud(2))
+
+
+@pytest.mark.parametrize("kind", ["db3", "mcap"])
+def test_the_only_file_of_a_folder_is_read_without_correct_metadata(tmp_path, kind):
+    folder = record(tmp_path / "street", kind).rename(tmp_path / "street.bag")
+    np.testing.assert_array_equal(read_bag(folder)[2], cloud(2))
+    next(folder.glob(f"*.{kind}")).rename(folder / f"my run.{kind}")  # the metadata are now wrong
+    np.testing.assert_array_equal(read_bag(folder)[2], cloud(2))
+    (folder / "metadata.yaml").unlink()
+    np.testing.assert_array_equal(read_bag(folder)[2], cloud(2))
+    (folder / f"second.{kind}").touch()
+    with pytest.raises(CloudFileError, match="not an intact ROS recording"):
+        read_bag(folder)
+
+
+def test_errors_name_the_file_and_the_topic(tmp_path, monkeypatch):
+    path = record(tmp_path / "street.bag", "bag")
+    monkeypatch.setattr("utils.recordings.rosbag.KINDS", {})
+    with pytest.raises(CloudFileError, match=r"^street\.bag, topic /velodyne_points, message 1: "):
+        read_bag(path)[1]
+
+
+def test_a_recording_that_was_not_closed_or_not_downloaded_is_explained(tmp_path):
+    (tmp_path / "street.bag.active").touch()
+    with pytest.raises(CloudFileError, match="rosbag reindex"):
+        read_bag(tmp_path / "street.bag.active")
+    (tmp_path / "street.bag").write_bytes(
+        b"version https://git-lfs.github.com/spec/v1\noid sha256:0"
+    )
+    with pytest.raises(CloudFileError, match="Git LFS pointer"):
+        read_bag(tmp_path / "street.bag")
 
 
 def test_a_truncated_recording_is_explained(bag):
@@ -150,6 +189,27 @@ class TestMessages:
         made = message(self.points.astype("<f4").tobytes(), row_step=0)
         np.testing.assert_array_equal(decode_message(made, "a"), self.points)
 
+    @pytest.mark.parametrize("row_step", [0, 2, 96])
+    @pytest.mark.parametrize(("height", "width"), [(2, 3), (6, 1)])
+    def test_a_wrong_row_step_is_ignored_if_the_points_fill_the_data(self, row_step, height, width):
+        expected = np.random.default_rng(1).normal(size=(6, 4)).astype("<f4")
+        made = message(expected.tobytes(), height=height, width=width, row_step=row_step)
+        np.testing.assert_array_equal(decode_message(made, "a"), expected)
+
+    @pytest.mark.parametrize("size", [{"height": 0, "width": 6}, {"height": 0, "width": 0}])
+    def test_points_are_read_even_if_the_message_announces_none(self, size):
+        expected = np.random.default_rng(1).normal(size=(6, 4)).astype("<f4")
+        np.testing.assert_array_equal(
+            decode_message(message(expected.tobytes(), **size), "a"), expected
+        )
+
+    @pytest.mark.parametrize("kind", ["<f4", ">f4"])
+    def test_a_wrong_flag_of_the_byte_order_is_ignored(self, kind):
+        expected = np.random.default_rng(1).normal(scale=20, size=(50, 4)).astype(kind)
+        for big in (False, True):
+            made = message(expected.tobytes(), big=big)
+            np.testing.assert_array_equal(decode_message(made, "a"), expected)
+
     @pytest.mark.parametrize(
         "options",
         [
@@ -165,4 +225,4 @@ class TestMessages:
     )
     def test_impossible_layouts_are_explained(self, options):
         with pytest.raises(CloudFileError, match="street.bag, message 7"):
-            decode_message(message(bytes(48), **options), "street.bag", 7)
+            decode_message(message(bytes(48), **options), "street.bag", "message 7")

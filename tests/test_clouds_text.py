@@ -33,6 +33,26 @@ FOUR = [[1.0, 2.0, 3.0, 0.25], [-4.0, 5.5, 6e-3, 1.0]]
         ("% Matlab\n1 2 3\n-4 5.5 6e-3\n", THREE),
         ("//X Y Z\n2\n1 2 3\n-4 5.5 6e-3\n", THREE),
         ("VERSION 0.7\nFIELDS x y z\nDATA ascii\n1 2 3\n-4 5.5 6e-3\n", THREE),
+        # Columns are found by their names.
+        (",x,y,z\n0,1,2,3\n1,-4,5.5,6e-3\n", THREE),
+        ("intensity x y z\n0.25 1 2 3\n1 -4 5.5 6e-3\n", FOUR),
+        ("x [m];y [m];z [m];intensity\n1;2;3;0.25\n-4;5.5;6e-3;1\n", FOUR),
+        ("X(m),Y(m),Z(m),I\n1,2,3,0.25\n-4,5.5,6e-3,1\n", FOUR),
+        ("x,y,z,t\n1,2,3,1.7e9\n-4,5.5,6e-3,1.7e9\n", THREE),
+        ("x,y,z,label\n1,2,3,car\n-4,5.5,6e-3,tree\n", THREE),
+        ("r g b x y z\n9 9 9 1 2 3\n8 8 8 -4 5.5 6e-3\n", THREE),
+        ("x,y,z,ring,intensity\n1,2,3,,0.25\n-4,5.5,6e-3,7,1\n", FOUR),
+        ('"Points_m_XYZ:0","Points_m_XYZ:1","Points_m_XYZ:2","t"\n1,2,3,9\n-4,5.5,6e-3,9\n', THREE),
+        # A remark above the columns, and headers of column numbers as pandas writes them
+        ("# my cloud: x y z\n1 2 3\n-4 5.5 6e-3\n", THREE),
+        ("0,1,2\n1.0,2.0,3.0\n-4,5.5,6e-3\n", THREE),
+        (",0,1,2,3\n0,1.0,2.0,3.0,0.25\n1,-4,5.5,6e-3,1\n", FOUR),
+        ("0 1 2\n3 4 5\n", [[0, 1, 2], [3, 4, 5]]),
+        # Three columns of whole numbers are not an index column.
+        ("0 1 2 3\n1 4 5 6\n2 7 8 9\n", [[0, 1, 2, 3], [1, 4, 5, 6], [2, 7, 8, 9]]),
+        # .pts: the number of points, then x y z intensity red green blue
+        ("2\n1 2 3 0.25 9 9 9\n-4 5.5 6e-3 1 8 8 8\n", FOUR),
+        ("2\n1 2 3 9 9 9\n-4 5.5 6e-3 8 8 8\n", THREE),
     ],
 )
 def test_common_notations_are_read(text, expected):
@@ -76,11 +96,16 @@ def test_an_empty_cloud_needs_a_header(text, shape):
         ("1,5;2,5;3,5\n", ["line 1", "decimal commas"]),
         ("1.O 2 3\n", ["line 1", "'1.O'"]),
         ("1_0 2 3\n", ["line 1", "'1_0'"]),
-        (",x,y,z\n0,1,2,3\n", ["line 1", "index column"]),
-        ("intensity x y z\n0 1 2 3\n", ["line 1", "in this order"]),
+        ("0,1.5,2,3\n1,4,5,6\n2,7,8,9\n", ["line 1", "numbers the lines", "index column"]),
+        ("x y z\n0 1.5 2 3\n1 4 5 6\n2 7 8 9\n", ["line 2", "numbers the lines"]),
+        ("z y x\n1 2 3 4\n", ["line 1", "3 columns 'z y x'", "4 numbers"]),
+        ("1 2 3 4 5 6\n", ["line 1", "6 columns", "header line"]),
+        ("12\t3\t-1,5\n", ["line 1", "decimal commas"]),
+        ("1,37 -2,302 -4,59\n", ["line 1", "decimal commas"]),
+        ("1,234.5\t2.0\t3.0\n", ["line 1", "decimal commas"]),
+        ("[[1.5 2 3]\n [4 5 6]]\n", ["its first line is '[[1.5 2 3]'", "np.savetxt"]),
         ("3\n1 2 3\n4 5 6\n", ["line 1", "the line announces 3 points, but 2 follow"]),
         ("1000000000000\n1 2 3\n", ["announces 1000000000000 points"]),
-        ("<!DOCTYPE html>\n<html>\n", ["web page"]),
         ("1 2 3\n\0\0\0\n", ["binary", "text"]),
     ],
 )

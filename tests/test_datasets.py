@@ -3,10 +3,13 @@
 The only server in these tests listens on the loopback address.
 """
 
+import errno
 import hashlib
 import io
+import ssl
 import struct
 import threading
+import urllib.error
 import zipfile
 from dataclasses import replace
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -193,6 +196,33 @@ class TestDownload:
         (tmp_path / "a.bin.part").write_bytes((self.data + b"x")[:length])
         download(f"{server.address}/a.bin", tmp_path / "a.bin")
         assert (tmp_path / "a.bin").read_bytes() == self.data
+
+    @pytest.mark.parametrize(
+        ("error", "advice"),
+        [
+            (
+                ssl.SSLCertVerificationError("unable to get local issuer certificate"),
+                "certificates",
+            ),
+            (urllib.error.URLError(ssl.SSLError("bad handshake")), "certificates"),
+            (OSError(errno.ENOSPC, "No space left on device"), "Free some space"),
+            (PermissionError(errno.EACCES, "Permission denied", "/cache"), "LIDAR_LAB_CACHE"),
+            (urllib.error.URLError("Name or service not known"), "Connect to the internet"),
+        ],
+    )
+    def test_the_advice_fits_the_cause_of_a_failure(self, tmp_path, monkeypatch, error, advice):
+        def fail(*_arguments, **_options):
+            raise error
+
+        monkeypatch.setattr("urllib.request.urlopen", fail)
+        with pytest.raises(DownloadError, match=advice):
+            download("https://localhost/a.bin", tmp_path / "a.bin")
+
+    def test_a_cache_that_cannot_be_made_is_explained(self, tmp_path, monkeypatch):
+        (tmp_path / "file").touch()
+        monkeypatch.setenv("LIDAR_LAB_CACHE", str(tmp_path / "file" / "cache"))
+        with pytest.raises(DownloadError, match="LIDAR_LAB_CACHE"):
+            datasets.fetch_recording("kitti_0002")
 
     def test_download_errors_are_single_sentences(self, server, tmp_path):
         server.files["/a.bin"] = self.data

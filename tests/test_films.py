@@ -9,9 +9,12 @@ from PIL import Image
 from tests.prerequisites import FFMPEG
 from utils import progress as bar
 from utils import scenes
+from utils.clouds import CloudFileError, read_sequence, write_cloud
 from utils.films.film import DetectedFrame, record, scene_of, watch
 from utils.films.writers import write_film
+from utils.recordings import Recording
 from utils.scene3d import Scene, opengl
+from utils.tracking import Tracker
 
 SIZE = (160, 90)
 
@@ -119,6 +122,35 @@ def test_a_detector_that_fails_later_loses_one_frame(tmp_path, frames):
     assert film.problems == ("frame 2, IndexError: too far",)
     assert film.boxes == (1, 1)
     assert "the detector failed: 1. The first failure: frame 2" in film.recap
+
+
+def test_a_scan_that_cannot_be_read_loses_one_frame(tmp_path):
+    for number in range(4):
+        write_cloud(tmp_path / f"{number}.bin", scenes.simple_highway(number).cloud)
+    with (tmp_path / "2.bin").open("ab") as file:
+        file.write(b"cut")
+    seen = list(watch(read_sequence(tmp_path), box_of_everything))
+    assert [frame.number for frame in seen] == [1, 2, 3, 4]
+    assert [bool(frame.problem) for frame in seen] == [False, False, True, False]
+    assert "2.bin" in seen[2].problem and seen[2].cloud.shape == (0, 4)
+    (tmp_path / "0.bin").write_bytes(b"cut")
+    with pytest.raises(CloudFileError, match=r"0\.bin"):
+        list(watch(read_sequence(tmp_path), box_of_everything))
+
+
+def test_the_time_between_two_scans_is_never_zero(frames):
+    seconds = []
+
+    class SpyingTracker(Tracker):
+        def update(self, boxes, elapsed):
+            seconds.append(elapsed)
+            return super().update(boxes, elapsed)
+
+    clouds = [frame.cloud for frame in [*frames, *frames]][:4]
+    recording = Recording(clouds, np.array([0, 0.2, 0.2, 0.5]))
+    tracker = SpyingTracker(lambda previous, current, max_distance: np.array([len(previous) - 1]))
+    list(watch(recording, box_of_everything, tracker))
+    np.testing.assert_allclose(seconds, [0.1, 0.2, 0.1, 0.3])
 
 
 def test_the_caption_contains_time_and_number(frames):

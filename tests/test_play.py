@@ -74,6 +74,32 @@ def test_bags_are_opened_with_their_topic(monkeypatch):
     assert seen == [(Path("drive.bag"), "/points")]
 
 
+def test_folders_of_kitti_and_of_ros_are_recognised(tmp_path, monkeypatch):
+    frame = scenes.simple_highway(0).cloud
+    for folder in ("drive/velodyne_points/data", "sequences/00/velodyne"):
+        (tmp_path / folder).mkdir(parents=True)
+        write_cloud(tmp_path / folder / "0000000000.bin", frame)
+    (tmp_path / "drive" / "velodyne_points" / "timestamps.txt").write_text(
+        "2011-09-26 13:02:25.5\n"
+    )
+    (tmp_path / "sequences" / "00" / "calib.txt").write_text("P0: 1 0 0\n")
+    for folder in ("drive", "drive/velodyne_points", "sequences/00"):
+        assert len(play.open_playback(str(tmp_path / folder)).frames) == 1
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "run_0.mcap").touch()
+    seen = []
+    monkeypatch.setattr("utils.recordings.read_bag", lambda *given: seen.append(given) or [])
+    play.open_playback(str(tmp_path / "run"))
+    assert seen == [(tmp_path / "run", None)]
+
+
+def test_a_file_that_cannot_be_played_gets_a_list_of_formats(tmp_path, capsys):
+    (tmp_path / "street.e57").touch()
+    assert play.main([str(tmp_path / "street.e57")]) != 0
+    message = "".join(capsys.readouterr())
+    assert ".ply" in message and ".mcap" in message and "folder of clouds" in message
+
+
 def test_the_film_is_saved_under_the_scenarios_name_without_a_screen(tmp_path, capsys):
     pytest.importorskip("imageio_ffmpeg", reason=FFMPEG)
     assert play.main(["highway", "--frames", "2", *SMALL]) == 0

@@ -14,6 +14,7 @@ from grader.course.paths import PROJECT
 # The requirements file for the code below a path; the longest matching path applies.
 NEEDED_BY = {
     "utils/": "requirements.txt",
+    "utils/clouds/libraries.py": "requirements-formats.txt",
     "utils/films/writers.py": "requirements-3d.txt",
     "utils/scene3d/opengl.py": "requirements-3d.txt",
     "utils/scene3d/with_pyvista.py": "requirements-3d.txt",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 from utils import health
 from utils.display import shell, show
 from utils.lent import lend_answers
@@ -29,6 +31,8 @@ body.jp-Notebook .highlight pre { white-space: pre-wrap; overflow-wrap: anywhere
 }
 </style>"""
 
+BACKENDS_OF_NOTEBOOKS = ("", "inline", "ipympl", "nbagg", "notebook", "widget")
+
 
 def begin(number: str) -> None:
     """Check the installation and prepare the notebook for a lesson.
@@ -42,8 +46,21 @@ def begin(number: str) -> None:
         Number of the lesson, such as "06".
     """
     print(health())
+    show_figures_inline()
     install_stand_in()
     if shell() is not None:
         show(STYLE, "")
     hide_course_frames()
     lend_answers(number)
+
+
+def show_figures_inline() -> None:
+    """Show figures below their cells, even if MPLBACKEND names a backend without notebooks.
+
+    The kernel leaves such a backend as it is, and then no figure appears. Images for containers and
+    clusters often set it.
+    """
+    backend = os.environ.get("MPLBACKEND", "").lower()
+    known = backend in BACKENDS_OF_NOTEBOOKS or backend.startswith("module://")
+    if getattr(shell(), "kernel", None) and not known:
+        shell().enable_matplotlib("inline")

@@ -23,7 +23,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from utils.clouds.errors import CloudFileError
+from utils.clouds.errors import CloudFileError, file_error
 from utils.films.film import SIZE, DetectedFrame, record, scene_of, watch
 from utils.films.writers import best_film_suffix
 from utils.plots.style import BLUE, PALE
@@ -129,12 +129,23 @@ def _recorded_frames(name: str, topic: str | None) -> Sequence:
     path = Path(name).expanduser()
     if name in RECORDING_NAMES and not path.exists():
         return fetch_recording(name)
-    if path.suffix in rosbag.SUFFIXES or (path / "metadata.yaml").exists():
+    if path.suffix.lower() in rosbag.SUFFIXES or rosbag.is_recording_folder(path):
         return read_bag(path, topic)
+    if path.name == "velodyne_points":
+        path = path.parent
     if (path / "velodyne_points").is_dir():
         return read_kitti_raw(path)
+    if (path / "velodyne").is_dir():  # a sequence of KITTI's odometry benchmark
+        return read_sequence(path / "velodyne")
     if path.is_file() and path.suffix.lower() in SUFFIXES:
         return [read_cloud(path)]
+    if path.is_file():
+        raise file_error(
+            path,
+            "",
+            f"found {path.suffix or 'no suffix'}, expected a cloud ({', '.join(SUFFIXES)}), a ROS "
+            f"recording ({', '.join(rosbag.SUFFIXES)}) or a folder of clouds",
+        )
     return read_sequence(path)
 
 

@@ -5,6 +5,7 @@ import tempfile
 from collections.abc import Container, Iterable
 from pathlib import Path
 
+PRINTABLE = frozenset(b"\t\n\r" + bytes(range(32, 127)))  # the bytes of plain text
 SHOWN_NAMES = 8  # file names listed in a message before "and 14 more"
 
 

@@ -10,27 +10,36 @@ import numpy as np
 
 from utils.clouds.errors import CloudFileError, file_error, read_bytes, write_bytes
 from utils.clouds.kitti import decode_kitti, encode_kitti
-from utils.clouds.npz import decode_npz, encode_npz
+from utils.clouds.libraries import decode_las, decode_ply
+from utils.clouds.npz import decode_npy, decode_npz, encode_npy, encode_npz
 from utils.clouds.pcd import decode_pcd, encode_pcd
+from utils.clouds.signatures import refuse_other_content
 from utils.clouds.text import decode_text, encode_text
 
 
 class Format(NamedTuple):
-    """Functions that convert the bytes of a file to a cloud and back."""
+    """Functions that convert the bytes of a file to a cloud and back, if it can be written."""
 
     decode: Callable[[bytes, str], np.ndarray]
-    encode: Callable[[np.ndarray], bytes]
+    encode: Callable[[np.ndarray], bytes] | None
 
 
 FORMATS = {
     ".txt": Format(decode_text, encode_text),
     ".xyz": Format(decode_text, encode_text),
+    ".asc": Format(decode_text, encode_text),
+    ".pts": Format(decode_text, encode_text),
     ".csv": Format(decode_text, partial(encode_text, separator=",")),
     ".bin": Format(decode_kitti, encode_kitti),
     ".pcd": Format(decode_pcd, encode_pcd),
     ".npz": Format(decode_npz, encode_npz),
+    ".npy": Format(decode_npy, encode_npy),
+    ".ply": Format(decode_ply, None),
+    ".las": Format(decode_las, None),
+    ".laz": Format(decode_las, None),
 }
 SUFFIXES = tuple(FORMATS)
+WRITABLE_SUFFIXES = tuple(suffix for suffix, form in FORMATS.items() if form.encode)
 
 
 def read_cloud(path: str | os.PathLike) -> np.ndarray:
@@ -39,7 +48,8 @@ def read_cloud(path: str | os.PathLike) -> np.ndarray:
     Parameters
     ----------
     path : str or path
-        A .txt, .csv, .xyz, .bin (KITTI), .pcd or .npz file.
+        A .txt, .csv, .xyz, .asc, .pts, .bin (KITTI or nuScenes), .pcd, .npz, .npy, .ply or .las
+        file. PLY needs the package plyfile, and LAS needs laspy.
 
     Returns
     -------
@@ -67,7 +77,9 @@ def read_cloud(path: str | os.PathLike) -> np.ndarray:
             "Read a folder of clouds with read_sequence.",
         )
     form = _format_of(path)
-    return form.decode(read_bytes(path, SUFFIXES), path.name)
+    data = read_bytes(path, SUFFIXES)
+    refuse_other_content(data, path.name, path.suffix.lower())
+    return form.decode(data, path.name)
 
 
 def write_cloud(path: str | os.PathLike, cloud: np.ndarray) -> None:
@@ -76,8 +88,8 @@ def write_cloud(path: str | os.PathLike, cloud: np.ndarray) -> None:
     Parameters
     ----------
     path : str or path
-        A .txt, .csv, .xyz, .bin (KITTI), .pcd or .npz file. An existing file is replaced
-        atomically.
+        A .txt, .csv, .xyz, .asc, .pts, .bin (KITTI), .pcd, .npz or .npy file. An existing file is
+        replaced atomically.
     cloud : array_like, shape (n, 3) or (n, 4)
         KITTI files have four float32 columns; in them, a missing intensity is written as 0.
 
@@ -88,6 +100,13 @@ def write_cloud(path: str | os.PathLike, cloud: np.ndarray) -> None:
     """
     path = Path(path)
     form = _format_of(path)
+    if form.encode is None:
+        raise file_error(
+            path,
+            "",
+            f"{path.suffix} files can only be read",
+            f"Choose one of {', '.join(WRITABLE_SUFFIXES)}.",
+        )
     try:
         cloud = np.asarray(cloud)
         cloud = cloud if cloud.dtype in (np.float32, np.float64) else cloud.astype(np.float64)

@@ -8,9 +8,9 @@ import struct
 import numpy as np
 
 from utils.clouds import lzf
-from utils.clouds.errors import CloudFileError, excerpt, file_error
+from utils.clouds.errors import PRINTABLE, CloudFileError, excerpt, file_error
 from utils.clouds.pcd_header import ENCODINGS, PcdHeader, read_header
-from utils.clouds.text import shortest_digits
+from utils.clouds.text import COMMA_IN_NUMBER, shortest_digits
 
 ADVICE = "Was the file copied completely?"
 
@@ -107,36 +107,68 @@ def _faulty_line_error(
     lines: list[str], columns: int, lines_above: int, name: str
 ) -> CloudFileError:
     """Build the error for the first line that does not consist of `columns` numbers."""
-    for number, line in enumerate(lines, lines_above + 1):
+    last = max(index for index, line in enumerate(lines) if line.strip())
+    for index, line in enumerate(lines):
         fields = line.split()
-        try:
-            faulty = fields and len([float(field) for field in fields]) != columns
-        except ValueError:
-            faulty = True
-        if faulty:
-            return file_error(
-                name,
-                f"line {number}",
-                f"found {excerpt(line)}, expected {columns} numbers as the header says",
-                ADVICE,
-            )
+        words = [field for field in fields if not _is_number(field)]
+        if not words and len(fields) in (0, columns):
+            continue
+        if any(COMMA_IN_NUMBER.search(word) for word in words):
+            advice = "Save the numbers with decimal points instead of commas."
+        elif words:
+            advice = "Correct or delete the line; write nan for a missing value."
+        elif index == last and len(fields) < columns:
+            advice = ADVICE
+        else:
+            advice = "Correct the line, or FIELDS and COUNT in the header."
+        return file_error(
+            name,
+            f"line {index + lines_above + 1}",
+            f"found {excerpt(line)}, expected {columns} numbers as the header says",
+            advice,
+        )
     return file_error(name, f"line {lines_above + 1}", "expected lines of numbers")
+
+
+def _is_number(field: str) -> bool:
+    try:
+        float(field)
+    except ValueError:
+        return False
+    return "_" not in field
 
 
 def _decode_binary(body: memoryview, header: PcdHeader, name: str) -> np.ndarray:
     for points in header.point_counts:
         size = points * header.point_size
-        # PCL pads some files with zeros to a whole page; others end in a newline.
-        if len(body) < size or bytes(body[size:]).strip(b"\0\r\n"):
+        if len(body) < size or not _is_filling(bytes(body[size:]), header):
             continue
         if points == 0:
             return np.empty((0, len(header.field_indices)), header.precision)
+        if PRINTABLE.issuperset(body):
+            raise file_error(
+                name,
+                f"line {header.line_count + 1}",
+                f"found the text {excerpt(bytes(body[:80]).decode())}, expected binary points",
+                "Write DATA ascii in the header.",
+            )
         fields = zip(*_field_types_and_offsets(header), strict=True)
         return _combine_columns(
             [np.ndarray(points, kind, body, offset, header.point_size) for kind, offset in fields],
             header,
         )
     raise _wrong_size_error(header, f"{len(body)} bytes follow", name)
+
+
+def _is_filling(rest: bytes, header: PcdHeader) -> bool:
+    """Return whether the bytes after the last point can be ignored.
+
+    PCL pads some files with zeros to a whole page, and other programs add a newline or a remark.
+    Whole points are not ignored, and neither is anything if the header contradicts itself.
+    """
+    if not rest.strip(b"\0\r\n"):
+        return True
+    return len(set(header.point_counts)) == 1 and len(rest) % header.point_size != 0
 
 
 def _decode_compressed(body: memoryview, header: PcdHeader, name: str) -> np.ndarray:

@@ -9,8 +9,9 @@ from utils.clouds.errors import excerpt, file_error
 
 ENCODINGS = ("ascii", "binary", "binary_compressed")
 KINDS = {f"{letter}{size}" for letter in "IU" for size in (1, 2, 4, 8)} | {"F4", "F8"}
-INTENSITY_NAMES = ("intensity", "i", "reflectivity", "reflectance")
+INTENSITY_NAMES = ("intensity", "i", "reflectivity", "reflectance", "remission")
 LONGEST_HEADER = 1 << 16  # bytes
+BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,8 @@ class PcdHeader:
     @property
     def field_indices(self) -> list[int]:
         """Indices of the fields x, y, z and, if there is one, intensity."""
-        return [self.names.index(name) for name in cloud_fields(self.names)]
+        stored = [name for name, count in zip(self.names, self.counts, strict=True) if count]
+        return [self.names.index(name) for name in cloud_fields(stored)]
 
     @property
     def precision(self) -> np.dtype:
@@ -57,15 +59,16 @@ def read_header(data: bytes, name: str) -> PcdHeader:
         A line is missing or invalid.
     """
     entries: dict[str, tuple[int, list[str]]] = {}
-    position = line = 0
+    position, line = len(BYTE_ORDER_MARK) * data.startswith(BYTE_ORDER_MARK), 0
     while "DATA" not in entries and position < min(len(data), LONGEST_HEADER):
         end = data.find(b"\n", position, LONGEST_HEADER)
         end = min(len(data), LONGEST_HEADER) if end < 0 else end
         words = data[position:end].decode("latin-1").split()
         position, line = end + 1, line + 1
         if words:
-            entries[words[0].upper()] = (line, words[1:])
-    for key in ("FIELDS", "SIZE", "TYPE", "DATA"):
+            key = words[0].upper()
+            entries["FIELDS" if key == "COLUMNS" else key] = (line, words[1:])  # COLUMNS before 0.6
+    for key in ("FIELDS", "DATA"):
         if key not in entries:
             raise file_error(
                 name,
@@ -79,7 +82,8 @@ def read_header(data: bytes, name: str) -> PcdHeader:
 def _check_header(entries: dict[str, tuple[int, list[str]]], start: int, name: str) -> PcdHeader:
     """Turn the words of the header into a `PcdHeader`, or raise an error that names the line."""
     line, words = entries["DATA"]
-    if words[:1] not in ([encoding] for encoding in ENCODINGS):
+    encoding = words[0].lower() if words else ""
+    if encoding not in ENCODINGS:
         raise file_error(
             name,
             f"line {line}",
@@ -94,7 +98,10 @@ def _check_header(entries: dict[str, tuple[int, list[str]]], start: int, name: s
                 f"line {entries['FIELDS'][0]}",
                 f"there is no field {axis!r} in {excerpt(' '.join(names))}, expected x, y and z",
             )
+    # Old files lack SIZE and TYPE. PCL's defaults are four bytes and floating-point numbers.
+    entries.setdefault("SIZE", (line, ["4"] * len(names)))
     sizes = _parse_whole_numbers(entries, "SIZE", len(names), name)
+    entries.setdefault("TYPE", (line, ["F" if size >= 4 else "U" for size in sizes]))
     counts = (
         _parse_whole_numbers(entries, "COUNT", len(names), name)
         if "COUNT" in entries
@@ -110,13 +117,11 @@ def _check_header(entries: dict[str, tuple[int, list[str]]], start: int, name: s
             f"{excerpt(' '.join(map(str, sizes)))}, expected one type and size for each of "
             f"{len(names)} fields: I or U with 1, 2, 4 or 8 bytes, or F with 4 or 8",
         )
-    if min(counts) < 1 or any(counts[names.index(axis)] != 1 for axis in "xyz"):
+    if any(counts[names.index(axis)] != 1 for axis in "xyz"):  # 0 is padding without bytes
         raise file_error(
             name,
             f"line {entries['COUNT'][0]}",
-            "found COUNT "
-            f"{excerpt(' '.join(map(str, counts)))}, expected 1 for x, y and z and "
-            "at least 1 for the others",
+            f"found COUNT {excerpt(' '.join(map(str, counts)))}, expected 1 for x, y and z",
         )
     point_counts = (
         [_parse_whole_numbers(entries, "POINTS", 1, name)[0]] if "POINTS" in entries else []
@@ -130,7 +135,7 @@ def _check_header(entries: dict[str, tuple[int, list[str]]], start: int, name: s
         )
     dtypes = tuple(np.dtype(kind.lower()).newbyteorder("<") for kind in kinds)
     return PcdHeader(
-        names, dtypes, counts, tuple(point_counts), entries["DATA"][1][0], start, entries["DATA"][0]
+        names, dtypes, counts, tuple(point_counts), encoding, start, entries["DATA"][0]
     )
 
 

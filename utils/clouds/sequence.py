@@ -43,7 +43,7 @@ def read_sequence(folder: str | os.PathLike, suffix: str | None = None) -> Cloud
     Parameters
     ----------
     folder : str or path
-        Folder of .txt, .csv, .xyz, .bin, .pcd or .npz files; its subfolders are not searched.
+        Folder of files that `read_cloud` reads; its subfolders are not searched.
     suffix : str, optional
         Suffix of the files to read, for instance ``".pcd"``; required if there are several.
 

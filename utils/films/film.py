@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
+from utils.clouds.errors import CloudFileError
 from utils.films.writers import Film, write_film
 from utils.progress import progress
 from utils.scene3d import Scene
@@ -22,6 +23,8 @@ from utils.tracking import Tracker
 SIZE = (960, 540)
 ROAD_USERS = ("car", "truck", "cyclist", "pedestrian")
 """Kinds of objects whose true boxes are shown; houses and trees would hide the rest."""
+SCAN_SECONDS = 0.1
+"""Time between two scans if it is unknown; most scanners turn ten times a second."""
 TRAIL = 30
 """Number of places in a trail: three seconds of a scanner that turns ten times a second."""
 
@@ -95,12 +98,20 @@ def watch(
     Raises
     ------
     Exception
-        Any exception of the detector in the first frame. Later failures are stored in
-        `DetectedFrame.problem`, so that one unusual scan does not end the film.
+        Any exception of the detector in the first frame, or a first scan that cannot be read. Later
+        failures are stored in `DetectedFrame.problem`, so that one scan does not end the film.
     """
-    times = getattr(frames, "times", np.arange(len(frames)) / 10)  # most scanners run at 10 Hz
+    times = getattr(frames, "times", np.arange(len(frames)) * SCAN_SECONDS)
     follower, before = _TrailRecorder(tracker) if tracker else None, None
-    for number, frame in enumerate(frames, start=1):
+    for number, frame in enumerate(_readable(frames), start=1):
+        if isinstance(frame, CloudFileError):
+            if number == 1:
+                raise frame
+            moment = float(times[number - 1])
+            yield DetectedFrame(
+                number, len(frames), moment, np.empty((0, 4)), (), problem=f"{frame}"
+            )
+            continue
         cloud = np.asarray(getattr(frame, "cloud", frame))
         moment = float(getattr(frame, "time", times[number - 1]))
         boxes = tuple(box for box in getattr(frame, "boxes", ()) if box.kind in ROAD_USERS)
@@ -114,7 +125,8 @@ def watch(
                 seconds = time.perf_counter() - start
                 found = as_boxes(found)
                 if follower:
-                    since = moment - before if before is not None else 0.1
+                    # Some recordings give two scans the same time, and trackers divide by it.
+                    since = moment - before if before not in (None, moment) else SCAN_SECONDS
                     names, trails = follower.follow(found, since)
             except Exception as error:
                 if number == 1:
@@ -124,6 +136,20 @@ def watch(
         yield DetectedFrame(
             number, len(frames), moment, cloud, boxes, found, seconds, problem, names, trails
         )
+
+
+def _readable(frames: Sequence) -> Iterator[object]:
+    """Iterate over frames; a frame that cannot be read becomes its CloudFileError."""
+    position = 0
+    while position < len(frames):
+        try:
+            for frame in frames[position:] if position else frames:
+                position += 1
+                yield frame
+            return
+        except CloudFileError as error:
+            position += 1
+            yield error
 
 
 class _TrailRecorder:

@@ -1,8 +1,10 @@
 """Downloads that resume after an interruption, verify checksums and unpack safely."""
 
+import errno
 import http.client
 import os
 import shutil
+import ssl
 import urllib.error
 import urllib.request
 import zipfile
@@ -55,11 +57,7 @@ def download(url: str, path: Path, checksum: str | None = None) -> None:
             "again later; the files may have moved."
         ) from None
     except OSError as error:
-        reason = getattr(error, "reason", None) or error
-        raise DownloadError(
-            f"{url} cannot be downloaded ({reason}). Connect to the internet and run this again. "
-            "The download then continues where it stopped."
-        ) from None
+        raise DownloadError(f"{url} cannot be downloaded {_cause_and_advice(error)}") from None
     except ValueError:
         raise DownloadError(
             f"{url} was downloaded, but its checksum is wrong, so the file was deleted. It was "
@@ -67,6 +65,27 @@ def download(url: str, path: Path, checksum: str | None = None) -> None:
         ) from None
     finally:
         logger.setLevel(level)
+
+
+def _cause_and_advice(error: OSError) -> str:
+    """Return the cause in brackets and the next step, by the kind of the error."""
+    reason = getattr(error, "reason", None) or error
+    if isinstance(reason, ssl.SSLError):
+        return (
+            f"({reason}). The connection works, but this Python trusts no certificates. On macOS, "
+            "run Install Certificates.command in the folder of Python, and run this again."
+        )
+    if getattr(reason, "errno", None) == errno.ENOSPC:
+        return f"({reason}). Free some space on the disk and run this again."
+    if getattr(reason, "filename", None) is not None:
+        return (
+            f"({reason}). Set LIDAR_LAB_CACHE to a folder that you may write to, and run this "
+            "again."
+        )
+    return (
+        f"({reason}). Connect to the internet and run this again. The download then continues "
+        "where it stopped."
+    )
 
 
 def _resuming_downloader(path: Path) -> Callable:

@@ -1,5 +1,6 @@
 """Read an unpacked drive of KITTI's raw data: scans, times and tracklets."""
 
+import codecs
 import os
 import xml.etree.ElementTree as ElementTree
 from datetime import datetime
@@ -44,7 +45,7 @@ def read_kitti_raw(folder: str | os.PathLike) -> Recording:
             f"there is no folder {scans.absolute()}",
             f"Pass the folder of one drive. This folder contains: {there or 'no files'}.",
         )
-    clouds = read_sequence(scans, ".bin")
+    clouds = read_sequence(scans)  # .bin, or .txt in KITTI's unsynchronised drives
     numbers = _frame_numbers(clouds)
     boxes = ()
     tracklets = folder / "tracklet_labels.xml"
@@ -124,7 +125,7 @@ def _times(path: Path, numbers: list[int]) -> np.ndarray:
     """Return the time of each scan in seconds since the first; without the file, assume 10 Hz."""
     if not path.exists():
         return (np.array(numbers) - numbers[0]) / 10
-    lines = read_bytes(path).decode("latin-1").split("\n")
+    lines = read_bytes(path).removeprefix(codecs.BOM_UTF8).decode("latin-1").split("\n")
     seconds = []
     for number in numbers:
         text = lines[number].strip() if number < len(lines) else ""

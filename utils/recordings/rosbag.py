@@ -9,7 +9,7 @@ from __future__ import annotations
 import io
 import os
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -18,7 +18,9 @@ from typing import IO, TYPE_CHECKING, Any
 import numpy as np
 
 from utils.clouds.errors import CloudFileError, excerpt, file_error, listing, missing_file_error
+from utils.clouds.kitti import has_plausible_sizes
 from utils.clouds.pcd_header import cloud_fields
+from utils.clouds.signatures import refuse_other_content
 
 if TYPE_CHECKING:
     from rosbags.rosbag1 import Reader as Reader1
@@ -78,8 +80,9 @@ class Bag(Sequence):
         messages = reader.messages(connections, start=time, stop=time + 1)
         for repeat, (_, _, data) in enumerate(messages):
             if repeat == self.repeats[index]:
-                message = _unpacker(1 if self.path.suffix == ".bag" else 2)(data, MESSAGE)
-                return decode_message(message, f"{self.path.name}, topic {self.topic}", index)
+                message = _unpacker(1 if _is_ros1(self.path) else 2)(data, MESSAGE)
+                place = f"topic {self.topic}, message {index}"
+                return decode_message(message, self.path.name, place)
         raise file_error(
             self.path,
             f"message {index}",
@@ -118,11 +121,17 @@ def read_bag(path: str | os.PathLike, topic: str | None = None) -> Bag:
             {connection.topic for connection in reader.connections if connection.msgtype == MESSAGE}
         )
         if not topics:
-            others = (
-                listing(sorted({connection.topic for connection in reader.connections}))
-                or "nothing"
+            others = {
+                f"{connection.topic} ({connection.msgtype.rpartition('/')[2]})"
+                for connection in reader.connections
+            }
+            found = listing(sorted(others)) or "nothing"
+            raise file_error(
+                path,
+                "",
+                f"there is no topic of type PointCloud2, only {found}",
+                "Record the points as PointCloud2, the message of most scanners' drivers.",
             )
-            raise file_error(path, "", f"there is no topic of type PointCloud2, only {others}")
         if topic is None and len(topics) > 1 or topic not in (None, *topics):
             raise file_error(
                 path,
@@ -141,7 +150,7 @@ def read_bag(path: str | os.PathLike, topic: str | None = None) -> Bag:
         return Bag(path, topic, np.array(timestamps, np.int64), np.array(repeats, np.int64))
 
 
-def decode_message(message: Any, name: str, number: int = 0) -> np.ndarray:
+def decode_message(message: Any, name: str, place: str = "message 0") -> np.ndarray:
     """Convert a PointCloud2 message to a cloud.
 
     Parameters
@@ -149,8 +158,8 @@ def decode_message(message: Any, name: str, number: int = 0) -> np.ndarray:
     message : object
         An object with the attributes of ``sensor_msgs/PointCloud2``. Fields may be in any order,
         points and rows may be padded, and either byte order is accepted.
-    name, number : str, int
-        Origin and index of the message, shown in errors.
+    name, place : str
+        File and position of the message, shown in errors.
 
     Returns
     -------
@@ -162,7 +171,6 @@ def decode_message(message: Any, name: str, number: int = 0) -> np.ndarray:
     CloudFileError
         x, y or z is missing, or the layout does not fit the data.
     """
-    place = f"message {number}"
     fields = {entry.name.lower(): entry for entry in reversed(message.fields)}
     wanted = cloud_fields(fields)
     if not fields.keys() >= set("xyz") or any(
@@ -173,47 +181,65 @@ def decode_message(message: Any, name: str, number: int = 0) -> np.ndarray:
             place,
             f"the fields are {listing(fields) or 'none'}, expected x, y and z as numbers",
         )
-    order = ">" if message.is_bigendian else "<"
-    kinds = [np.dtype(order + KINDS[fields[field].datatype]) for field in wanted]
-    precision = np.result_type(np.float32, *kinds)
-    height, width, step = message.height, message.width, message.point_step
-    if height * width == 0:
-        return np.empty((0, len(wanted)), precision)
-    # Some drivers omit `row_step` for a single row.
-    row_step = step * width if height == 1 else message.row_step
-    ends = [fields[field].offset + kind.itemsize for field, kind in zip(wanted, kinds, strict=True)]
-    if (
-        max(ends) > step
-        or step * width > row_step
-        or (row_step * (height - 1) + step * width > len(message.data))
+    kinds = [np.dtype(KINDS[fields[field].datatype]) for field in wanted]
+    offsets = [fields[field].offset for field in wanted]
+    shape, row_step = _layout(message)
+    end = max(offset + kind.itemsize for offset, kind in zip(offsets, kinds, strict=True))
+    height, width = shape
+    if height * width and (
+        end > message.point_step
+        or message.point_step * width > row_step
+        or row_step * (height - 1) + message.point_step * width > len(message.data)
     ):
         raise file_error(
             name,
             place,
-            f"the message announces {height} x {width} points of {step} bytes, but contains "
-            f"{len(message.data)} bytes",
+            f"the message announces {message.height} x {message.width} points of "
+            f"{message.point_step} bytes, but contains {len(message.data)} bytes",
             "Was the recording cut off?",
         )
-    cloud = np.empty((height, width, len(wanted)), precision)
     data = np.ascontiguousarray(message.data)
-    for index, (field, kind) in enumerate(zip(wanted, kinds, strict=True)):
-        cloud[:, :, index] = np.ndarray(
-            (height, width), kind, data, fields[field].offset, (row_step, step)
-        )
-    return cloud.reshape(-1, len(wanted))
+
+    def decode(order: str) -> np.ndarray:
+        precision = np.result_type(np.float32, *kinds)
+        cloud = np.empty((height, width, len(wanted)), precision)
+        for index, (offset, kind) in enumerate(zip(offsets, kinds, strict=True)):
+            cloud[:, :, index] = np.ndarray(
+                shape, kind.newbyteorder(order), data, offset, (row_step, message.point_step)
+            )
+        return cloud.reshape(-1, len(wanted))
+
+    if not height * width:
+        return np.empty((0, len(wanted)), np.result_type(np.float32, *kinds))
+    cloud = decode(">" if message.is_bigendian else "<")
+    if not has_plausible_sizes(cloud[:, :3]):  # some drivers set the flag of the other byte order
+        other = decode("<" if message.is_bigendian else ">")
+        cloud = other if has_plausible_sizes(other[:, :3]) else cloud
+    return cloud
+
+
+def _layout(message: Any) -> tuple[tuple[int, int], int]:
+    """Return height and width of a message, and the bytes from one row to the next.
+
+    Many drivers fill in `height`, `width` or `row_step` wrongly. If the data have exactly the size
+    of the points, rows have no padding; if the message announces no points, all data are points.
+    """
+    height, width, step, size = message.height, message.width, message.point_step, len(message.data)
+    if height * width == 0 and size and step and size % step == 0:
+        height, width = 1, size // step
+    unpadded = height == 1 or size == height * width * step
+    return (height, width), step * width if unpadded else message.row_step
 
 
 @contextmanager
 def _open_reader(path: Path) -> Iterator[Reader1 | Reader2]:
     """Open a recording with the reader for its kind; every error names the file."""
-    if path.suffix not in SUFFIXES and not path.is_dir():
-        raise file_error(
-            path,
-            "",
-            f"expected a file ending in {', '.join(SUFFIXES)} or the folder of a ROS 2 recording",
-        )
+    if path.is_file():
+        _check_file(path)
+    elif not path.is_dir():
+        raise missing_file_error(path.name, [path.parent], SUFFIXES)
     try:
-        if path.suffix == ".bag":
+        if _is_ros1(path):
             from rosbags.rosbag1 import Reader
         else:
             from rosbags.rosbag2 import Reader
@@ -225,7 +251,8 @@ def _open_reader(path: Path) -> Iterator[Reader1 | Reader2]:
             "Install it with: pip install rosbags",
         ) from None
     try:
-        with Reader(_BoundedPath(path)) as reader:
+        opened = _opened_folder(Reader, path) if path.is_dir() else _opened(Reader, path)
+        with closing(opened) as reader:
             yield reader
     except CloudFileError:
         raise
@@ -236,6 +263,52 @@ def _open_reader(path: Path) -> Iterator[Reader1 | Reader2]:
             f"this is not an intact ROS recording ({excerpt(error, 80)})",
             "Was the file copied completely, and was the recording closed properly?",
         ) from None
+
+
+def is_recording_folder(path: Path) -> bool:
+    """Return whether a folder contains the files of a ROS 2 recording."""
+    return path.is_dir() and any(
+        file.name == "metadata.yaml" or file.suffix.lower() in (".db3", ".mcap")
+        for file in path.iterdir()
+    )
+
+
+def _check_file(path: Path) -> None:
+    """Raise an error if the suffix or the first bytes show that a file is not a recording."""
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        advice = ""
+        if suffix == ".active":
+            advice = "The recording was not closed. Repair it with rosbag reindex, then rename it."
+        raise file_error(
+            path,
+            "",
+            f"expected a file ending in {', '.join(SUFFIXES)} or the folder of a ROS 2 recording",
+            advice,
+        )
+    with path.open("rb") as file:
+        refuse_other_content(file.read(512), path.name, suffix)
+
+
+def _is_ros1(path: Path) -> bool:
+    return path.suffix.lower() == ".bag" and not path.is_dir()
+
+
+def _opened(reader: type, path: Path) -> Reader1 | Reader2:
+    opened = reader(_RecordingPath(path))
+    opened.open()
+    return opened
+
+
+def _opened_folder(reader: type, folder: Path) -> Reader2:
+    """Open a recording's folder, or its only file if the metadata are missing or wrong."""
+    try:
+        return _opened(reader, folder)
+    except Exception:  # rosbags passes on errors from yaml
+        files = [file for file in folder.iterdir() if file.suffix.lower() in (".db3", ".mcap")]
+        if len(files) != 1:
+            raise
+        return _opened(reader, files[0])
 
 
 @cache
@@ -251,11 +324,16 @@ def _unpacker(generation: int) -> Callable[[bytes, str], Any]:
     return get_typestore(Stores.LATEST).deserialize_cdr
 
 
-class _BoundedPath(type(Path())):
+class _RecordingPath(type(Path())):
     """A path whose files never read, and so never allocate, more bytes than they contain.
 
-    A damaged recording may contain any length, and rosbags requests that many bytes.
+    A damaged recording may contain any length, and rosbags requests that many bytes. The suffix is
+    in small letters, because rosbags recognises no capitals.
     """
+
+    @property
+    def suffix(self) -> str:
+        return super().suffix.lower()
 
     def open(self, mode: str = "r", *arguments: Any, **options: Any) -> IO[Any]:
         if mode != "rb":

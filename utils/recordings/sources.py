@@ -8,7 +8,7 @@ import numpy as np
 
 from utils.clouds.sequence import read_sequence
 from utils.progress import progress
-from utils.recordings.download import download, unpack
+from utils.recordings.download import DownloadError, download, unpack
 from utils.recordings.kitti_raw import read_kitti_raw
 from utils.recordings.recording import Recording
 
@@ -104,7 +104,7 @@ def fetch(name: str, cache: Path) -> Recording:
     ValueError
         There is no recording with this name.
     DownloadError
-        A file cannot be downloaded.
+        A file cannot be downloaded, or the cache cannot be written.
     """
     if name not in SOURCES:
         known = "; ".join(f"{key!r} ({source.about})" for key, source in SOURCES.items())
@@ -114,7 +114,13 @@ def fetch(name: str, cache: Path) -> Recording:
     complete = folder / ".complete"  # written last, so if it is missing the download resumes
     if not complete.exists():
         print(f"{name}: {source.about}. {source.licence}")
-        folder.mkdir(parents=True, exist_ok=True)
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise DownloadError(
+                f"{name} cannot be saved ({error}). Set LIDAR_LAB_CACHE to a folder that you may "
+                "write to, and run this again."
+            ) from None
         for file, checksum in progress(source.files.items(), f"Fetching {name}"):
             path = folder / Path(file).name
             download(f"{source.address}/{file}", path, checksum)
