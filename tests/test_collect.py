@@ -652,6 +652,50 @@ def test_files_of_several_students_are_never_proposed_for_one(course, layout):
     )
 
 
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("a/x1/{6}", "a/x2/{7}", "b/x3/{8}"),
+        ("a/x1/{6}", "a/x2/more/{7}", "b/x3/{8}"),
+        ("a/{6}", "a/{6copy}", "b/x3/{8}"),
+    ],
+)
+def test_different_lessons_of_several_students_are_never_proposed_for_one(course, names):
+    lessons = {"{6}": SIX, "{6copy}": f"{SIX} (1)", "{7}": SEVEN, "{8}": EIGHT}
+    files = []
+    for name in names:
+        folder, _, lesson = name.rpartition("/")
+        name = lessons[lesson]
+        files.append((f"{folder}/{name}.ipynb", notebook(name.removesuffix(" (1)"), name)))
+    texts = questions(collect(course, archive(course, files)))
+    assert set(texts) == {"a", "b"}
+    assert "--who" not in texts["a"] and "a folder named after the student" in texts["a"]
+    assert "--who b=ID" in texts["b"], "one folder may be one student's"
+
+
+@pytest.mark.parametrize("inside", ["{}.ipynb", "{0}/{0}.ipynb", "old/{}.ipynb"])
+def test_one_students_folders_may_be_proposed_for_one(course, inside):
+    files = [
+        (f"eve/{SIX}.ipynb", notebook()),
+        ("eve/" + inside.format(SEVEN), notebook(SEVEN)),
+        (f"ada/{SIX}.ipynb", notebook(text="ada")),
+    ]
+    assert "--who eve=ID" in questions(collect(course, archive(course, files)))["eve"]
+
+
+@pytest.mark.parametrize("wrapper", ["export", STAGE, f"export/{STAGE}"])
+@pytest.mark.parametrize("loose", ["", "readme.txt", "{}/marks.csv"])
+def test_students_folders_are_found_below_other_folders(anonymous_course, wrapper, loose):
+    """Neither the name of the folder above nor a file next to the folders hides the students."""
+    files = [
+        (f"{wrapper}/x1/{SIX}.ipynb", notebook()),
+        (f"{wrapper}/x2/{SEVEN}.ipynb", notebook(SEVEN)),
+        *([(loose.format(wrapper), b"x")] if loose else []),
+    ]
+    outcome = collect(anonymous_course, archive(anonymous_course, files))
+    assert states(outcome) == {"x1": {"06": "new"}, "x2": {"07": "new"}}
+
+
 # ---- GitHub Classroom, folders ------------------------------------------------------------------
 
 
