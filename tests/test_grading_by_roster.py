@@ -136,9 +136,9 @@ def test_lateness_is_shown_with_its_stage_if_there_are_several_stages(capsys):
         if (lesson := find_lesson(name))
     ]
     print_class(judged, results)
-    assert "stage1 1.2 d -2, stage3 5.0 h -2" in capsys.readouterr().out
+    assert "stage1 1 d 6 h -2, stage3 5 h -2" in capsys.readouterr().out
     print_class(judged[:1], results)
-    assert "1.2 d -2" in (output := capsys.readouterr().out) and "stage" not in output
+    assert "1 d 6 h -2" in (output := capsys.readouterr().out) and "stage" not in output
 
 
 @pytest.mark.end_to_end

@@ -18,10 +18,12 @@ from grader.classroom.item_analysis import (
     items_of,
 )
 from grader.classroom.submissions import Submission
+from grader.console import print_class
 from grader.course.lessons import find_lesson
 from grader.course.paths import Course
 from grader.course.roster import Person
 from grader.intake.submission import SubmittedFiles
+from grader.judging.error_carried_forward import _describe_gain
 from grader.judging.verdict import (
     FAILED,
     JUDGED,
@@ -184,6 +186,27 @@ def test_the_mean_of_a_section_includes_only_students_with_a_mark():
     assert (b.name, b.student_count, b.marked_count, b.mean) == ("B", 1, 0, None)
 
 
+@pytest.mark.parametrize(
+    ("score", "text"), [(8.26, "8.3"), (28.96, "28.96"), (30.0, "30"), (19.996, "20")]
+)
+def test_the_terminal_rounds_points_as_the_report_does(capsys, score, text):
+    results = class_of([result("ada", MARKED, score)])
+    (shown,) = marks_table([SIX], results, {}).rows
+    assert shown.cells[0].text == text
+    print_class([submitted(verdict("ada", [check(True)]))], results)
+    (row,) = [line.split() for line in capsys.readouterr().out.splitlines() if "ada" in line]
+    assert row == ["ada", text]
+
+
+def test_the_terminal_names_the_exercise_of_the_first_problem(capsys):
+    short = verdict("ada", [check(False)], "2 rows are wrong.")
+    named = verdict("bo", [check(False)], "filter_ground returned None.")
+    print_class([submitted(short), submitted(named)])
+    output = capsys.readouterr().out
+    assert "filter_ground: 2 rows are wrong." in output
+    assert output.count("filter_ground") == 2
+
+
 def test_a_failed_judge_gives_no_mark():
     failed = dataclasses.replace(verdict("ada", []), status=FAILED)
     results = class_of([result("ada", WAITING, None)])
@@ -318,6 +341,38 @@ def test_damaged_files_and_timeouts_are_listed(tmp_path):
     assert "<td>It is cut off.</td>" in page
     clean = report(tmp_path, [verdict("ada", [check(True)])])
     assert "Out of time" not in clean and "unreadable" not in clean
+
+
+def test_points_carried_forward_are_not_a_repair(tmp_path):
+    """The sentence is about an ordinary mistake, so the file does not need attention."""
+    gain = {"exercise": find_lesson("02_ransac_line").exercises[2], "before": 0.0}
+    sentences = [
+        _describe_gain(**gain, helpers=("line_through",), after=25.0),
+        _describe_gain(**gain, helpers=("line_through", "point_line_distance"), after=12.08),
+    ]
+    verdicts = [
+        dataclasses.replace(verdict(name, [check(False)], sentence), problems=(sentence,))
+        for name, sentence in zip(("ada", "bo"), sentences, strict=True)
+    ]
+    assert "unreadable files</h2>" not in report(tmp_path, verdicts)
+    assert {message for _, message, _ in common_messages(verdicts)} == {
+        "line_through, which ransac_line calls, is wrong.",
+        "line_through and point_line_distance, which ransac_line calls, are wrong.",
+    }
+    forged = dataclasses.replace(verdicts[0], problems=(f"Cell 3 was skipped: {sentences[0]}",))
+    assert "unreadable files</h2>" in report(tmp_path, [forged])
+
+
+def test_exercises_that_were_not_started_are_in_the_order_of_the_course():
+    stub = dict(score=0.0, max_score=1.0, cause="It is a stub.")
+    done = ExerciseResult("first", 1.0, 1.0, ())
+    exercises = [
+        ExerciseResult(name, tests=(dataclasses.replace(UNTOUCHED, subject=name),), **stub)
+        for name in ("first", "second")
+    ]
+    one = dataclasses.replace(verdict("ada", []), exercises=(done, exercises[1]))
+    both = dataclasses.replace(verdict("bo", []), exercises=tuple(exercises))
+    assert count_not_started([one, both]) == [("first", 1), ("second", 2)]
 
 
 def test_identical_submissions_are_listed_except_unchanged_releases(tmp_path):

@@ -227,11 +227,11 @@ def test_each_exercise_is_run_again_separately(monkeypatch):
             assert (f"def {name}(" in program.given.source) == (name in names[:number])
     assert better[names[1]].sentence == (
         "plane_through, which point_plane_distance calls, is wrong. With a correct one "
-        "instead, point_plane_distance earns 10 of 10 points, not 0."
+        "instead, the checks of point_plane_distance earn 10 of 10 points, not 0."
     )
     assert better[names[3]].sentence == (
         "plane_through and point_plane_distance and ransac_plane, which fit_plane calls, are "
-        "wrong. With correct ones instead, fit_plane earns 5 of 5 points, not 2.5."
+        "wrong. With correct ones instead, the checks of fit_plane earn 5 of 5 points, not 2.5."
     )
 
 

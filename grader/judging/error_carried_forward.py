@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import ast
 import dataclasses
+import re
 from dataclasses import dataclass
 
 from grader.course.lessons import Exercise, Lesson
@@ -154,11 +155,28 @@ def _replace_helpers(
     )
 
 
+_GAIN = re.compile(
+    r"(?P<reason>\w+(?: and \w+)*, which \w+ calls, (?:is|are) wrong\.) "
+    r"With (?:a correct one|correct ones) instead, the checks of \w+ earn \S+ of \S+ points, "
+    r"not \S+\."
+)
+
+
+def reason_of_gain(sentence: str) -> str:
+    """Return the part of a sentence about error carried forward that names the wrong functions.
+
+    Other sentences give an empty string.
+    """
+    match = _GAIN.fullmatch(sentence)
+    return match["reason"] if match else ""
+
+
 def _describe_gain(
     exercise: Exercise, helpers: tuple[str, ...], before: float, after: float
 ) -> str:
     verb, correct = ("is", "a correct one") if len(helpers) == 1 else ("are", "correct ones")
     return (
         f"{' and '.join(helpers)}, which {exercise.name} calls, {verb} wrong. With {correct} "
-        f"instead, {exercise.name} earns {after:g} of {exercise.points:g} points, not {before:g}."
+        f"instead, the checks of {exercise.name} earn {after:g} of {exercise.points:g} points, "
+        f"not {before:g}."
     )

@@ -15,6 +15,7 @@ from grader.classroom.collect.instructor_answers import (
     read_answers,
     store_answers,
     store_ignored,
+    store_teams,
 )
 from grader.classroom.collect.models import Owner, SubmittedArchive, SubmittedFile
 from grader.classroom.collect.name_patterns import may_be_notebook
@@ -88,16 +89,23 @@ def collect(
     archived_files = [(archive.path, file) for archive in archives for file in archive.files]
     store_answers(course, stages, answers)
     students: dict[str, list[ArchivedFile]] = {}
+    listed_teams = []
     for ids, files in _group_by_owner(archived_files, owners, answers, report):
+        if len(ids) > 1 and not owners.is_answered(files[0][1].owner):
+            listed_teams.append(ids)
         for id in ids:
             students.setdefault(id, []).extend(files)
     existing = _existing_submissions(course)
+    report.earlier_students.extend(
+        id for id, lessons in existing.items() if not lessons.keys().isdisjoint(report.lessons)
+    )
     for done, (id, files) in enumerate(sorted(students.items())):
         progress(done, len(students), None)
         rows = _time_rows(owners, files, id) if timestamps else None
         StudentCollector(course, id, existing.get(id, {}), answers, report).collect(files, rows)
     progress(len(students), len(students), None)
     store_ignored(course, stages, sorted(report.ignored_files))
+    store_teams(course, stages, listed_teams)
     return report
 
 
