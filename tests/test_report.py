@@ -19,7 +19,7 @@ from grader.classroom.item_analysis import (
 )
 from grader.classroom.submissions import Submission
 from grader.console import print_class
-from grader.course.lessons import find_lesson
+from grader.course.lessons import all_lessons, find_lesson
 from grader.course.paths import Course
 from grader.course.roster import Person
 from grader.intake.submission import SubmittedFiles
@@ -548,6 +548,29 @@ def test_sorting_and_searching_students_needs_no_network(tmp_path):
     (title,) = re.findall("<title>(.*?)</title>", shown)
     assert title == "bo cy ada | ada cy bo | ada bo cy | ada | 1 found"
     assert requested == []
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not BROWSER, reason=prerequisites.CHROMIUM)
+def test_the_sum_stays_visible_beside_all_lessons_of_a_term(tmp_path):
+    """The window of this test is narrower than the table, which scrolls below the sum."""
+    lessons = [lesson for lesson in all_lessons() if lesson.exercises]
+    results = class_of([result("ada", MARKED, 28.26, lesson=lesson) for lesson in lessons])
+    verdicts = [verdict("ada", [check(True)], lesson=lesson) for lesson in lessons]
+    page = report(tmp_path, verdicts, results)
+    using = """
+      const part = document.querySelector(".scroll");
+      const edge = part.getBoundingClientRect().right;
+      const sums = [...part.querySelectorAll(".sum")].map((cell) => cell.getBoundingClientRect());
+      const isVisible = sums.every((sum) => sum.right <= edge + 1);
+      document.title = `${sums.length} ${isVisible} ${part.scrollWidth > part.clientWidth}`;
+    """
+    (policy,) = re.findall(r"<meta http-equiv[^>]+>", page)
+    page = page.replace(policy, "<style>body { width: 42rem; }</style>").replace(
+        "</body>", f'<script type="module">{using}</script></body>'
+    )
+    shown, _ = rendered_page(page, tmp_path / "browser", "elsewhere")
+    assert re.findall("<title>(.*?)</title>", shown) == ["2 true true"]
 
 
 @pytest.mark.slow
