@@ -37,6 +37,7 @@ from grader.lms.distribution import distribution_of
 from grader.lms.marks_table import format_duration, marks_table
 from grader.lms.report import MIN_SUBMISSIONS, GradingRun, write_report
 from grader.lms.results import (
+    AUDITOR,
     EXCUSED,
     MARKED,
     MISSING,
@@ -138,6 +139,15 @@ def test_students_missing_from_the_roster_are_counted_separately(tmp_path):
     assert "1 students" not in page
 
 
+def test_auditors_are_counted_apart_from_students(tmp_path):
+    people = (Person("ada", section="A"), Person("guest", section="A", role="auditor"))
+    results = class_of([result("ada", MARKED, 30.0), result("guest", AUDITOR, 20.0)], people=people)
+    verdicts = [verdict(person.id, [check(True)]) for person in people]
+    page = report(tmp_path, verdicts, results)
+    assert "1 student, 1 auditor, 2 notebooks" in page
+    assert '<td class="number" data-head="Students">1</td>' in page
+
+
 def test_the_page_says_that_only_submissions_are_listed_if_there_is_no_roster(tmp_path):
     results = class_of([result("ada", MARKED, 1.0)], unlisted=("zoe",))
     note = "There is no roster.csv, so only students with a submission are listed."
@@ -173,8 +183,9 @@ def test_the_mean_of_a_section_includes_only_students_with_a_mark():
             result("a2", MISSING, None, lesson=SEVEN),
             result("a3", MISSING, None),
             result("b1", EXCUSED, None),
+            result("guest", AUDITOR, 30.0),
         ],
-        people=people,
+        people=(*people, Person("guest", section="B", role="auditor")),
     )
     a, b = marks_table([SIX, SEVEN], results, {}).sections
     assert (a.name, a.student_count, a.marked_count, a.mean) == (
