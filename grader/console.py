@@ -7,7 +7,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from datetime import datetime, timedelta
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,6 +19,8 @@ from rich.table import Table
 from rich.text import Text
 
 from grader.judging.verdict import FAILED
+from grader.lms.marks_table import format_duration
+from grader.lms.results import format_points, rounded_points
 
 if TYPE_CHECKING:
     from grader.classroom.collect.collection_report import CollectionReport, Question
@@ -222,7 +224,7 @@ def print_class(
         max_score = (
             results.lessons[lesson] if results and lesson in results.lessons else max(scores)
         )
-        table.add_column(lesson[:2], f"{max_score:g}", justify="right", no_wrap=True, width=5)
+        table.add_column(lesson[:2], f"{max_score:g}", justify="right", no_wrap=True, min_width=5)
     if late:
         table.add_column("Late", no_wrap=True)
     table.add_column("First problem", no_wrap=True, ratio=1)
@@ -249,16 +251,16 @@ def print_term(notebooks: Sequence[NotebookResult], total: str) -> None:
     """Print a student's results in all lessons of the term, and a sentence about the total."""
     table = Table(title="The term so far", title_justify="left", box=SIMPLE_HEAD)
     table.add_column("Lesson", no_wrap=True)
-    for heading in ("Points", "Of", "Penalty", "Days late"):
+    for heading in ("Points", "Of", "Penalty", "Late"):
         table.add_column(heading, justify="right", no_wrap=True)
     table.add_column("Status")
     for result in notebooks:
         table.add_row(
             result.lesson,
-            "-" if result.score is None else f"{result.score:.4g}",
+            "-" if result.score is None else format_points(result.score),
             f"{result.max_score:g}",
-            f"-{result.penalty:.3g}" if result.penalty else "",
-            f"{result.late / timedelta(days=1):.1f}" if result.late else "",
+            f"-{format_points(result.penalty)}" if result.penalty else "",
+            format_duration(result.late) if result.late else "",
             result.status,
         )
     Console(highlight=False, width=None if sys.stdout.isatty() else 120).print(table)
@@ -458,7 +460,8 @@ def _collection_sentences(report: CollectionReport) -> Iterator[str]:
             "match students by name or number."
         )
     else:
-        absent = [person for person in report.roster.people if person.id not in report.states]
+        submitters = {*report.states, *report.earlier_students}
+        absent = [person for person in report.roster.people if person.id not in submitters]
         auditors = [person.id for person in absent if person.is_auditor]
         students = [person.id for person in absent if not person.is_auditor]
         excused = [student for student in students if student in report.excused_students]
@@ -518,16 +521,14 @@ def _print_questions(console: Console, title: str, questions: Sequence[Question]
 def _late_texts(results: ClassResults | None, stages: Collection[str]) -> dict[str, str]:
     """Return how late each student's work is and the penalty, or "time unknown".
 
-    If there are several stages, the texts name the stage: ``stage3 1.4 d -18``.
+    If there are several stages, the texts name the stage: ``stage3 1 d 9 h -18``.
     """
     late = {}
     for result in results.stages if results else ():
         if result.stage in stages and (result.late or result.undecided):
-            hours = result.late.total_seconds() / 3600
-            time = f"{hours / 24:.1f} d" if hours >= 24 else f"{hours:.1f} h"
-            penalty = f" -{result.penalty:.3g}" if result.penalty else ""
+            penalty = f" -{rounded_points(result.penalty)}" if result.penalty else ""
             prefix = f"{result.stage.partition('_')[0]} " if len(stages) > 1 else ""
-            text = f"{time}{penalty}" if result.late else "time unknown"
+            text = f"{format_duration(result.late)}{penalty}" if result.late else "time unknown"
             late.setdefault(result.student, []).append(prefix + text)
     return {student: ", ".join(texts) for student, texts in late.items()}
 
@@ -539,22 +540,22 @@ def _mark_text(result: NotebookResult) -> str:
         return signs[result.status]
     if result.score is None:
         return "?"
-    return f"{result.score:.3g}{'*' * (result.status == 'waiting')}"
+    return f"{rounded_points(result.score)}{'*' * (result.status == 'waiting')}"
 
 
 def _score_text(verdict: Verdict | None, results: ClassResults | None) -> str:
     if verdict is None:
         return "-"
     points = results.judged_points(verdict) if results else verdict.score
-    return f"{points:.3g}" if verdict.status == "judged" else "?"
+    return rounded_points(points) if verdict.status == "judged" else "?"
 
 
 def _first_fault(verdicts: Iterable[Verdict]) -> str:
     faults = [
-        exercise.cause.splitlines()[0]
+        cause if exercise.name in cause else f"{exercise.name}: {cause}"
         for verdict in verdicts
         for exercise in verdict.exercises
-        if exercise.cause
+        for cause in exercise.cause.splitlines()[:1]
     ]
     problems = [
         sentence

@@ -19,6 +19,7 @@ from grader import cli, commands
 from grader.classroom import lesson_recognition
 from grader.classroom.collect import CollectError, inspection, zips
 from grader.classroom.collect import collection as module
+from grader.classroom.collect.instructor_answers import teams_in
 from grader.classroom.collect.owners import safe_folder
 from grader.classroom.collect.record import read_record, unknown_time_reason
 from grader.classroom.submissions import find_submissions, unaccounted_files
@@ -590,6 +591,8 @@ def test_all_members_of_a_team_in_gradescope_are_collected(course):
     )
     assert states(outcome) == {"ada": {"06": "new"}, "cy": {"06": "new"}}
     assert "write several ids" in questions(outcome)["Björn Müller+eve@x.edu"]
+    assert teams_in(course, STAGE) == [frozenset({"ada", "cy"})], "the archive declares the team"
+    assert teams_in(course, "stage2_clustering") == []
 
 
 def test_a_damaged_list_of_submitters_is_refused(course):
@@ -650,6 +653,50 @@ def test_files_of_several_students_are_never_proposed_for_one(course, layout):
     assert (
         "--who" not in texts["group A"] and "a folder named after the student" in texts["group A"]
     )
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("a/x1/{6}", "a/x2/{7}", "b/x3/{8}"),
+        ("a/x1/{6}", "a/x2/more/{7}", "b/x3/{8}"),
+        ("a/{6}", "a/{6copy}", "b/x3/{8}"),
+    ],
+)
+def test_different_lessons_of_several_students_are_never_proposed_for_one(course, names):
+    lessons = {"{6}": SIX, "{6copy}": f"{SIX} (1)", "{7}": SEVEN, "{8}": EIGHT}
+    files = []
+    for name in names:
+        folder, _, lesson = name.rpartition("/")
+        name = lessons[lesson]
+        files.append((f"{folder}/{name}.ipynb", notebook(name.removesuffix(" (1)"), name)))
+    texts = questions(collect(course, archive(course, files)))
+    assert set(texts) == {"a", "b"}
+    assert "--who" not in texts["a"] and "a folder named after the student" in texts["a"]
+    assert "--who b=ID" in texts["b"], "one folder may be one student's"
+
+
+@pytest.mark.parametrize("inside", ["{}.ipynb", "{0}/{0}.ipynb", "old/{}.ipynb"])
+def test_one_students_folders_may_be_proposed_for_one(course, inside):
+    files = [
+        (f"eve/{SIX}.ipynb", notebook()),
+        ("eve/" + inside.format(SEVEN), notebook(SEVEN)),
+        (f"ada/{SIX}.ipynb", notebook(text="ada")),
+    ]
+    assert "--who eve=ID" in questions(collect(course, archive(course, files)))["eve"]
+
+
+@pytest.mark.parametrize("wrapper", ["export", STAGE, f"export/{STAGE}"])
+@pytest.mark.parametrize("loose", ["", "readme.txt", "{}/marks.csv"])
+def test_students_folders_are_found_below_other_folders(anonymous_course, wrapper, loose):
+    """Neither the name of the folder above nor a file next to the folders hides the students."""
+    files = [
+        (f"{wrapper}/x1/{SIX}.ipynb", notebook()),
+        (f"{wrapper}/x2/{SEVEN}.ipynb", notebook(SEVEN)),
+        *([(loose.format(wrapper), b"x")] if loose else []),
+    ]
+    outcome = collect(anonymous_course, archive(anonymous_course, files))
+    assert states(outcome) == {"x1": {"06": "new"}, "x2": {"07": "new"}}
 
 
 # ---- GitHub Classroom, folders ------------------------------------------------------------------
@@ -978,6 +1025,23 @@ def test_a_file_that_git_has_not_downloaded_is_not_placed(course, tmp_path):
         f"{SEVEN}.ipynb",
     }
     assert "Run `git lfs pull` in the checkout" in " ".join(questions(outcome).values())
+
+
+def test_a_copy_that_counts_only_because_of_its_number_is_named(course):
+    """The copy may be a backup, so the instructor can choose the other file afterwards."""
+    names = (SIX, f"{SIX}-Copy1")
+    pair = [(f"{name}.ipynb", notebook(text=name)) for name in names]
+    path = archive(course, moodle_files("Ada Lovelace", 1, pair), when=MONDAY)
+    for _ in range(2):
+        (remark,) = collect(course, path).remarks
+        assert remark.name == f"Ada Lovelace_1/{SIX}-Copy1.ipynb"
+        assert f"instead of Ada Lovelace_1/{SIX}.ipynb, because the number" in remark.text
+    answer = {f"Ada Lovelace_1/{SIX}.ipynb": "06"}
+    outcome = collect(course, path, lessons=answer)
+    assert states(outcome) == {"ada": {"06": "newer"}} and not outcome.remarks
+    assert placed_files(course, "ada")[f"{SIX}.ipynb"] == notebook(text=SIX)
+    outcome = collect(course, path)
+    assert states(outcome) == {"ada": {"06": "same"}} and not outcome.remarks, "remembered"
 
 
 def test_the_copy_with_the_highest_number_or_latest_time_counts(course):
@@ -1476,6 +1540,15 @@ def test_excused_students_are_not_reported_as_missing(course, run_command, capsy
     assert "Students on the roster without a submission: 1 (bjorn)." in output
     assert "Excused students without a submission: cy." in output
     assert "Auditors without a submission: guest." in output
+
+
+def test_students_in_an_earlier_archive_are_not_reported_as_missing(course, run_command, capsys):
+    """Each section may have an archive of its own."""
+    for student in ("ada", "bjorn"):
+        assert run_command(archive(course, [(f"{student}/{SIX}.ipynb", notebook())])) == 0
+    output = capsys.readouterr().out
+    assert "without a submission: 2 (bjorn, cy)." in output
+    assert "without a submission: 1 (cy)." in output
 
 
 def test_the_number_of_times_in_the_table_is_reported(course, run_command, capsys):

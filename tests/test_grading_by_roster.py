@@ -81,8 +81,8 @@ def test_the_table_distinguishes_marks_missing_excused_and_unknown_students(cour
     output = capsys.readouterr()
     assert "'ghost' is not on the roster, so its scores are not entered." in output.err
     # Ada and Bob are 27 hours late, so they lose two tenths of 30 and of 20.75 points.
-    assert cells(output.out, "ada")[1:] == ["11.8", "18.2", "1.1", "d", "-6"]
-    assert cells(output.out, "bob")[1:] == ["-", "20.8", "1.1", "d", "-4.15"]
+    assert cells(output.out, "ada")[1:] == ["11.8", "18.3", "1", "d", "3", "h", "-6"]
+    assert cells(output.out, "bob")[1:] == ["-", "20.8", "1", "d", "3", "h", "-4.2"]
     assert cells(output.out, "idle")[1:] == ["-", "-"]
     assert cells(output.out, "eve")[1:] == ["ex", "ex"]
     assert cells(output.out, "ghost")[1:3] == ["3", "-"]
@@ -136,9 +136,9 @@ def test_lateness_is_shown_with_its_stage_if_there_are_several_stages(capsys):
         if (lesson := find_lesson(name))
     ]
     print_class(judged, results)
-    assert "stage1 1.2 d -2, stage3 5.0 h -2" in capsys.readouterr().out
+    assert "stage1 1 d 6 h -2, stage3 5 h -2" in capsys.readouterr().out
     print_class(judged[:1], results)
-    assert "1.2 d -2" in (output := capsys.readouterr().out) and "stage" not in output
+    assert "1 d 6 h -2" in (output := capsys.readouterr().out) and "stage" not in output
 
 
 @pytest.mark.end_to_end

@@ -3,6 +3,7 @@
 import csv
 import html
 import json
+import re
 from concurrent.futures import BrokenExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -39,6 +40,8 @@ from grader.judging.key import add_imports
 from grader.sandbox import Limits
 from grader.sandbox.program import Program
 from grader.sandbox.student import StudentProxy
+from tests import prerequisites
+from tests.browser import BROWSER, rendered_page
 from tests.test_faults import InlineExecutor
 from utils.drive import Street, on_time
 from utils.drive.actors import standing_actor
@@ -551,6 +554,26 @@ def test_the_page_has_results_but_no_names(league_files):
         assert words in text
     for name in pseudonyms(["ada", "finn", HOSTILE, "=1+1"], SEED).values():
         assert name in text
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not BROWSER, reason=prerequisites.CHROMIUM)
+def test_names_in_the_ranking_are_on_one_line(league_files, tmp_path):
+    """The page is at most 62rem wide inside, so the headings have to wrap instead."""
+    using = """
+      const names = [...document.querySelectorAll("tbody th")];
+      const line = document.createElement("b");
+      line.textContent = "x"; line.style.display = "block"; names[0].append(line);
+      const height = line.offsetHeight; line.remove();
+      const tallest = Math.max(...names.map((name) => name.clientHeight));
+      const table = document.querySelector("table");
+      document.title = `${tallest < 2 * height} ${table.offsetWidth <= document.body.clientWidth}`;
+    """
+    text = re.sub(r"<meta http-equiv[^>]+>", "", league_files[0])
+    text = text.replace("</head>", "<style>body { width: 62rem; padding: 0; }</style></head>")
+    text = text.replace("</body>", f'<script type="module">{using}</script></body>')
+    shown, _ = rendered_page(text, tmp_path / "browser", "elsewhere")
+    assert re.findall("<title>(.*?)</title>", shown) == ["true true"]
 
 
 def test_shared_places_are_in_the_order_of_pseudonyms(tmp_path, monkeypatch):

@@ -6,6 +6,7 @@ import pytest
 
 from grader.classroom.collect.record import FileOrigin, Record, write_record
 from grader.course import paths
+from grader.course.deadlines import TermRules
 from grader.course.paths import Course
 from grader.course.roster import Person
 from grader.lms.exporters.canvas import export_canvas
@@ -356,6 +357,9 @@ def test_other_maximum_points_are_refused_or_scaled(fill_file):
         match=r"\(06_filter_ground 100\), but 'Stage 3: Obstacles \(42\)' is worth 10 on",
     ):
         fill_file(course, marks())
+    rules = TermRules(frozenset({"voxel_grid", "search"}))
+    with pytest.raises(ExportError, match="Exercises that do not count: voxel_grid. Change the"):
+        fill_file(course, dataclasses.replace(marks(), rules=rules))
     course.import_(fill_file(course, marks(), scale=True).content)
     assert course.scores[9001, 42] == 0.85 and course.scores[9003, 42] == 10.0
     assert course.assignments[42][1] == 10.0

@@ -18,10 +18,12 @@ from grader.classroom.item_analysis import (
     items_of,
 )
 from grader.classroom.submissions import Submission
-from grader.course.lessons import find_lesson
+from grader.console import print_class
+from grader.course.lessons import all_lessons, find_lesson
 from grader.course.paths import Course
 from grader.course.roster import Person
 from grader.intake.submission import SubmittedFiles
+from grader.judging.error_carried_forward import _describe_gain
 from grader.judging.verdict import (
     FAILED,
     JUDGED,
@@ -35,6 +37,7 @@ from grader.lms.distribution import distribution_of
 from grader.lms.marks_table import format_duration, marks_table
 from grader.lms.report import MIN_SUBMISSIONS, GradingRun, write_report
 from grader.lms.results import (
+    AUDITOR,
     EXCUSED,
     MARKED,
     MISSING,
@@ -136,6 +139,15 @@ def test_students_missing_from_the_roster_are_counted_separately(tmp_path):
     assert "1 students" not in page
 
 
+def test_auditors_are_counted_apart_from_students(tmp_path):
+    people = (Person("ada", section="A"), Person("guest", section="A", role="auditor"))
+    results = class_of([result("ada", MARKED, 30.0), result("guest", AUDITOR, 20.0)], people=people)
+    verdicts = [verdict(person.id, [check(True)]) for person in people]
+    page = report(tmp_path, verdicts, results)
+    assert "1 student, 1 auditor, 2 notebooks" in page
+    assert '<td class="number" data-head="Students">1</td>' in page
+
+
 def test_the_page_says_that_only_submissions_are_listed_if_there_is_no_roster(tmp_path):
     results = class_of([result("ada", MARKED, 1.0)], unlisted=("zoe",))
     note = "There is no roster.csv, so only students with a submission are listed."
@@ -171,8 +183,9 @@ def test_the_mean_of_a_section_includes_only_students_with_a_mark():
             result("a2", MISSING, None, lesson=SEVEN),
             result("a3", MISSING, None),
             result("b1", EXCUSED, None),
+            result("guest", AUDITOR, 30.0),
         ],
-        people=people,
+        people=(*people, Person("guest", section="B", role="auditor")),
     )
     a, b = marks_table([SIX, SEVEN], results, {}).sections
     assert (a.name, a.student_count, a.marked_count, a.mean) == (
@@ -182,6 +195,27 @@ def test_the_mean_of_a_section_includes_only_students_with_a_mark():
         pytest.approx((0.4 + 0.5) / 2),
     )
     assert (b.name, b.student_count, b.marked_count, b.mean) == ("B", 1, 0, None)
+
+
+@pytest.mark.parametrize(
+    ("score", "text"), [(8.26, "8.3"), (28.96, "28.96"), (30.0, "30"), (19.996, "20")]
+)
+def test_the_terminal_rounds_points_as_the_report_does(capsys, score, text):
+    results = class_of([result("ada", MARKED, score)])
+    (shown,) = marks_table([SIX], results, {}).rows
+    assert shown.cells[0].text == text
+    print_class([submitted(verdict("ada", [check(True)]))], results)
+    (row,) = [line.split() for line in capsys.readouterr().out.splitlines() if "ada" in line]
+    assert row == ["ada", text]
+
+
+def test_the_terminal_names_the_exercise_of_the_first_problem(capsys):
+    short = verdict("ada", [check(False)], "2 rows are wrong.")
+    named = verdict("bo", [check(False)], "filter_ground returned None.")
+    print_class([submitted(short), submitted(named)])
+    output = capsys.readouterr().out
+    assert "filter_ground: 2 rows are wrong." in output
+    assert output.count("filter_ground") == 2
 
 
 def test_a_failed_judge_gives_no_mark():
@@ -318,6 +352,38 @@ def test_damaged_files_and_timeouts_are_listed(tmp_path):
     assert "<td>It is cut off.</td>" in page
     clean = report(tmp_path, [verdict("ada", [check(True)])])
     assert "Out of time" not in clean and "unreadable" not in clean
+
+
+def test_points_carried_forward_are_not_a_repair(tmp_path):
+    """The sentence is about an ordinary mistake, so the file does not need attention."""
+    gain = {"exercise": find_lesson("02_ransac_line").exercises[2], "before": 0.0}
+    sentences = [
+        _describe_gain(**gain, helpers=("line_through",), after=25.0),
+        _describe_gain(**gain, helpers=("line_through", "point_line_distance"), after=12.08),
+    ]
+    verdicts = [
+        dataclasses.replace(verdict(name, [check(False)], sentence), problems=(sentence,))
+        for name, sentence in zip(("ada", "bo"), sentences, strict=True)
+    ]
+    assert "unreadable files</h2>" not in report(tmp_path, verdicts)
+    assert {message for _, message, _ in common_messages(verdicts)} == {
+        "line_through, which ransac_line calls, is wrong.",
+        "line_through and point_line_distance, which ransac_line calls, are wrong.",
+    }
+    forged = dataclasses.replace(verdicts[0], problems=(f"Cell 3 was skipped: {sentences[0]}",))
+    assert "unreadable files</h2>" in report(tmp_path, [forged])
+
+
+def test_exercises_that_were_not_started_are_in_the_order_of_the_course():
+    stub = dict(score=0.0, max_score=1.0, cause="It is a stub.")
+    done = ExerciseResult("first", 1.0, 1.0, ())
+    exercises = [
+        ExerciseResult(name, tests=(dataclasses.replace(UNTOUCHED, subject=name),), **stub)
+        for name in ("first", "second")
+    ]
+    one = dataclasses.replace(verdict("ada", []), exercises=(done, exercises[1]))
+    both = dataclasses.replace(verdict("bo", []), exercises=tuple(exercises))
+    assert count_not_started([one, both]) == [("first", 1), ("second", 2)]
 
 
 def test_identical_submissions_are_listed_except_unchanged_releases(tmp_path):
@@ -493,6 +559,29 @@ def test_sorting_and_searching_students_needs_no_network(tmp_path):
     (title,) = re.findall("<title>(.*?)</title>", shown)
     assert title == "bo cy ada | ada cy bo | ada bo cy | ada | 1 found"
     assert requested == []
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not BROWSER, reason=prerequisites.CHROMIUM)
+def test_the_sum_stays_visible_beside_all_lessons_of_a_term(tmp_path):
+    """The window of this test is narrower than the table, which scrolls below the sum."""
+    lessons = [lesson for lesson in all_lessons() if lesson.exercises]
+    results = class_of([result("ada", MARKED, 28.26, lesson=lesson) for lesson in lessons])
+    verdicts = [verdict("ada", [check(True)], lesson=lesson) for lesson in lessons]
+    page = report(tmp_path, verdicts, results)
+    using = """
+      const part = document.querySelector(".scroll");
+      const edge = part.getBoundingClientRect().right;
+      const sums = [...part.querySelectorAll(".sum")].map((cell) => cell.getBoundingClientRect());
+      const isVisible = sums.every((sum) => sum.right <= edge + 1);
+      document.title = `${sums.length} ${isVisible} ${part.scrollWidth > part.clientWidth}`;
+    """
+    (policy,) = re.findall(r"<meta http-equiv[^>]+>", page)
+    page = page.replace(policy, "<style>body { width: 42rem; }</style>").replace(
+        "</body>", f'<script type="module">{using}</script></body>'
+    )
+    shown, _ = rendered_page(page, tmp_path / "browser", "elsewhere")
+    assert re.findall("<title>(.*?)</title>", shown) == ["2 true true"]
 
 
 @pytest.mark.slow

@@ -116,8 +116,8 @@ def test_a_right_helper_with_a_note_is_also_replaced(monkeypatch):
             assert "def point_line_distance" in programs[-1].given.source
             assert better.sentence == (
                 "point_line_distance, which ransac_line calls, is right, but ransac_line needs its "
-                "result in another form. With the lesson's point_line_distance instead, "
-                "ransac_line earns 25 of 25 points, not 12.5."
+                "result in another form. With the lesson's point_line_distance instead, the checks "
+                "of ransac_line earn 25 of 25 points, not 12.5."
             )
         else:
             assert programs == [own]
@@ -256,12 +256,12 @@ def test_each_exercise_is_run_again_separately(monkeypatch):
             assert (f"def {name}(" in program.given.source) == (name in names[:number])
     assert better[names[1]].sentence == (
         "plane_through, which point_plane_distance calls, is wrong. With the lesson's "
-        "plane_through instead, point_plane_distance earns 10 of 10 points, not 0."
+        "plane_through instead, the checks of point_plane_distance earn 10 of 10 points, not 0."
     )
     assert better[names[3]].sentence == (
         "plane_through and point_plane_distance and ransac_plane, which fit_plane calls, are "
         "wrong. With the lesson's plane_through and point_plane_distance and ransac_plane instead, "
-        "fit_plane earns 5 of 5 points, not 2.5."
+        "the checks of fit_plane earn 5 of 5 points, not 2.5."
     )
 
 

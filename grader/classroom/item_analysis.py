@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from grader.judging.error_carried_forward import reason_of_gain
 from grader.judging.messages import common_text, remove_numbers
 from grader.judging.verdict import ExerciseResult, MessageKind, Verdict
 
@@ -118,13 +119,11 @@ def _started_exercises(verdict: Verdict) -> list[ExerciseResult]:
 
 def count_not_started(verdicts: Sequence[Verdict]) -> list[tuple[str, int]]:
     """Return (exercise, number of students who have not started it), in the order of the course."""
-    found = Counter(
-        exercise.name
-        for verdict in verdicts
-        for exercise in verdict.exercises
-        if is_not_started(exercise)
-    )
-    return list(found.items())
+    found: Counter[str] = Counter()
+    for verdict in sorted(verdicts, key=lambda verdict: verdict.lesson):
+        for exercise in verdict.exercises:
+            found[exercise.name] += is_not_started(exercise)
+    return [(name, count) for name, count in found.items() if count]
 
 
 def common_messages(verdicts: Sequence[Verdict], limit: int = 8) -> list[tuple[str, str, int]]:
@@ -135,6 +134,7 @@ def common_messages(verdicts: Sequence[Verdict], limit: int = 8) -> list[tuple[s
         for exercise in _started_exercises(verdict):
             if exercise.cause:
                 first = exercise.cause.splitlines()[0]
+                first = reason_of_gain(first) or first
                 mistake = (exercise.name, remove_numbers(first))
                 students.setdefault(mistake, set()).add(verdict.student)
                 first_lines.setdefault(mistake, []).append(first)

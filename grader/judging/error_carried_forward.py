@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import ast
 import dataclasses
+import re
 from dataclasses import dataclass
 
 from grader.course.lessons import Exercise, Lesson
@@ -157,6 +158,23 @@ def _replace_helpers(
     )
 
 
+_GAIN = re.compile(
+    r"(?P<reasons>(\w+(?: and \w+)*, which \w+ calls, "
+    r"(?:is wrong|are wrong|is right, but \w+ needs its result in another form)\. )+)"
+    r"With the lesson's \w+(?: and \w+)* instead, "
+    r"the checks of \w+ earn \S+ of \S+ points, not \S+\."
+)
+
+
+def reason_of_gain(sentence: str) -> str:
+    """Return the part of a sentence about error carried forward that names the functions.
+
+    Other sentences give an empty string.
+    """
+    match = _GAIN.fullmatch(sentence)
+    return match["reasons"].strip() if match else ""
+
+
 def _describe_gain(
     exercise: Exercise,
     helpers: tuple[str, ...],
@@ -173,6 +191,6 @@ def _describe_gain(
         if helper not in wrong
     ]
     return (
-        f"{' '.join(reasons)} With the lesson's {' and '.join(helpers)} instead, {name} earns "
-        f"{after:g} of {exercise.points:g} points, not {before:g}."
+        f"{' '.join(reasons)} With the lesson's {' and '.join(helpers)} instead, the checks of "
+        f"{name} earn {after:g} of {exercise.points:g} points, not {before:g}."
     )

@@ -183,8 +183,9 @@ def _passed_cell(term: TermResult, rules: TermRules) -> MarkCell:
 def _sections(rows: Sequence[StudentRow]) -> Iterator[Section]:
     if not any(row.person.section for row in rows):
         return
-    for name in sorted({row.person.section for row in rows if row.is_known}):
-        shares = [row.share for row in rows if row.is_known and row.person.section == name]
+    counted = [row for row in rows if row.is_known and not row.person.is_auditor]
+    for name in sorted({row.person.section for row in counted}):
+        shares = [row.share for row in counted if row.person.section == name]
         marked = [share for share in shares if share is not None]
         yield Section(name, len(shares), len(marked), statistics.mean(marked) if marked else None)
 

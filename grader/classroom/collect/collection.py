@@ -8,15 +8,17 @@ from pathlib import Path
 
 from grader.classroom.collect import open_archives
 from grader.classroom.collect.collection_report import CollectionReport, Question
-from grader.classroom.collect.folder import student_name_in
+from grader.classroom.collect.folder import is_course_folder, student_name_in
 from grader.classroom.collect.inspection import OTHER, file_kind
 from grader.classroom.collect.instructor_answers import (
     InstructorAnswers,
     read_answers,
     store_answers,
     store_ignored,
+    store_teams,
 )
 from grader.classroom.collect.models import Owner, SubmittedArchive, SubmittedFile
+from grader.classroom.collect.name_patterns import may_be_notebook
 from grader.classroom.collect.owners import Owners, UnknownOwner
 from grader.classroom.collect.student import StudentCollector
 from grader.classroom.collect.submission_table import (
@@ -24,6 +26,7 @@ from grader.classroom.collect.submission_table import (
     SubmissionTable,
     read_submission_table,
 )
+from grader.classroom.lesson_recognition import lesson_by_name
 from grader.classroom.submissions import Submission, find_submissions
 from grader.course.deadlines import Deadlines
 from grader.course.deadlines_file import read_deadlines
@@ -86,16 +89,23 @@ def collect(
     archived_files = [(archive.path, file) for archive in archives for file in archive.files]
     store_answers(course, stages, answers)
     students: dict[str, list[ArchivedFile]] = {}
+    listed_teams = []
     for ids, files in _group_by_owner(archived_files, owners, answers, report):
+        if len(ids) > 1 and not owners.is_answered(files[0][1].owner):
+            listed_teams.append(ids)
         for id in ids:
             students.setdefault(id, []).extend(files)
     existing = _existing_submissions(course)
+    report.earlier_students.extend(
+        id for id, lessons in existing.items() if not lessons.keys().isdisjoint(report.lessons)
+    )
     for done, (id, files) in enumerate(sorted(students.items())):
         progress(done, len(students), None)
         rows = _time_rows(owners, files, id) if timestamps else None
         StudentCollector(course, id, existing.get(id, {}), answers, report).collect(files, rows)
     progress(len(students), len(students), None)
     store_ignored(course, stages, sorted(report.ignored_files))
+    store_teams(course, stages, listed_teams)
     return report
 
 
@@ -193,10 +203,20 @@ def _format_file_count(count: int) -> str:
 
 
 def _may_belong_to_several(files: Sequence[SubmittedFile]) -> bool:
-    """Return whether several folders have a file with the same name, or files name students."""
-    paths = {file.entry.path[:-1] + (file.entry.path[-1].lower(),) for file in files}
+    """Return whether the names of files or folders show that several students may own them.
+
+    One student's files have different names, and folders inside each other or named after lessons.
+    """
+    paths = {file.entry.path for file in files if may_be_notebook(file.entry)}
+    names = [lesson_by_name(path[-1]) or path[-1].lower() for path in paths]
     students = {student_name_in(path[-1]) for path in paths} - {""}
-    return len({path[-1] for path in paths}) < len(paths) or len(students) > 1
+    folders = {tuple(name for name in path[:-1] if not is_course_folder(name)) for path in paths}
+    innermost = max(folders, key=len, default=())
+    return (
+        len(set(names)) < len(names)
+        or len(students) > 1
+        or any(innermost[: len(folder)] != folder for folder in folders)
+    )
 
 
 def _is_irrelevant(submitted: SubmittedFile) -> bool:

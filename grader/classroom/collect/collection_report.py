@@ -60,6 +60,8 @@ class CollectionReport:
         Name and SHA-256 of notebooks and modules that an answer ignores.
     excused_students : list of str
         Students on the roster who are excused from all collected stages.
+    earlier_students : list of str
+        Students whose notebooks of these stages were collected before.
     """
 
     lessons: list[Lesson]
@@ -75,6 +77,7 @@ class CollectionReport:
     undecided: dict[str, str] = field(default_factory=dict)
     ignored_files: set[tuple[str, str]] = field(default_factory=set)
     excused_students: list[str] = field(default_factory=list)
+    earlier_students: list[str] = field(default_factory=list)
 
     def add_question(self, name: str, text: str) -> None:
         """Add a question once, even if a team's file raises it for each member."""

@@ -6,34 +6,39 @@ If no student is named, all files belong to one student, named after the archive
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from pathlib import PurePath
 
 from grader.classroom.collect.models import Archive, ArchiveEntry, Owner, SubmittedFile
-from grader.classroom.collect.name_patterns import shared_folders
+from grader.classroom.collect.name_patterns import may_be_notebook, shared_folders
 from grader.classroom.lesson_recognition import lesson_by_name
 from grader.course.lessons import all_lessons, stages
 
 
 def read_folder(archive: Archive) -> list[SubmittedFile]:
     """Return the files of any archive, with owners named by folders or file names."""
-    depth = _wrapper_depth(archive)
-    return [_submitted_file(archive, entry, entry.path[depth:]) for entry in archive.entries]
+    depth = _wrapper_depth(archive.entries)
+    return [
+        _submitted_file(archive, entry, entry.path[min(depth, len(entry.path) - 1) :])
+        for entry in archive.entries
+    ]
 
 
-def _wrapper_depth(archive: Archive) -> int:
+def _wrapper_depth(entries: Sequence[ArchiveEntry]) -> int:
     """Return the number of folders above the students' folders."""
-    shared = shared_folders(archive.entries)
-    depth = len(shared)
-    below = {entry.path[depth] for entry in archive.entries}
-    only_folders = all(len(entry.path) > depth + 1 for entry in archive.entries)
-    has_course_folder = any(map(_is_course_folder, {*shared, *below}))
-    return depth if only_folders and not has_course_folder else 0
+    depth = len(shared_folders(entries))
+    below_folders = [entry for entry in entries if len(entry.path) > depth + 1]
+    loose = [entry for entry in entries if len(entry.path) == depth + 1]
+    if below_folders and loose and not any(map(may_be_notebook, loose)):
+        return _wrapper_depth(below_folders)  # a readme or a table is next to the folders
+    names = {entry.path[depth] for entry in entries}
+    return 0 if loose or any(map(is_course_folder, names)) else depth
 
 
 def _submitted_file(archive: Archive, entry: ArchiveEntry, path: tuple[str, ...]) -> SubmittedFile:
     archive_name = archive.path.name if archive.path.is_dir() else archive.path.stem
     label, inner = archive_name, path
-    if len(path) > 1 and not _is_course_folder(path[0]):
+    if len(path) > 1 and not is_course_folder(path[0]):
         label, inner = path[0], path[1:]
     elif len(path) == 1:
         label = student_name_in(path[0]) or archive_name
@@ -52,6 +57,6 @@ def student_name_in(name: str) -> str:
     return "" if re.fullmatch(r"(?:copy of|copy|kopie von|kopie|\W|\d)*", rest.lower()) else rest
 
 
-def _is_course_folder(name: str) -> bool:
+def is_course_folder(name: str) -> bool:
     """Return whether a folder is named after a part of the course and not after a student."""
     return name in (*stages(), "notebooks") or lesson_by_name(name) is not None

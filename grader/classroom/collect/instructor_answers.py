@@ -122,8 +122,13 @@ def store_ignored(
     _store(course, stages, {_digest(_with(content, name)): () for name, content in ignored})
 
 
+def store_teams(course: Course, stages: Sequence[str], teams: Iterable[tuple[str, ...]]) -> None:
+    """Store teams that an archive lists, so that they count as declared."""
+    _store(course, stages, {_digest("/".join(sorted(team))): team for team in teams})
+
+
 def teams_in(course: Course, stage: str) -> list[frozenset[str]]:
-    """Return the teams of a stage that stored answers declare, as sets of ids."""
+    """Return the teams of a stage that answers or archives declare, as sets of ids."""
     members: dict[str, set[str]] = {}
     for entry_stage, digest, id in _read_entries(course):
         if entry_stage == stage:

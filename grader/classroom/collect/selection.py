@@ -70,7 +70,9 @@ EVIDENCE: tuple[Callable[[StudentFile], object], ...] = (
 )
 
 
-def find_newest(files: Sequence[StudentFile]) -> list[StudentFile]:
+def find_newest(
+    files: Sequence[StudentFile], evidence: Sequence[Callable[[StudentFile], object]] = EVIDENCE
+) -> list[StudentFile]:
     """Return the newest of some files for one lesson; several if the order is unknown.
 
     A changed notebook takes precedence over an unchanged one, and a readable file over an
@@ -86,8 +88,16 @@ def find_newest(files: Sequence[StudentFile]) -> list[StudentFile]:
         ],
     ):
         candidates = newer_candidates or candidates
-    for evidence in EVIDENCE:
-        values = [evidence(file) for file in candidates]
+    for age_of in evidence:
+        values = [age_of(file) for file in candidates]
         if None not in values:
-            candidates = [file for file in candidates if evidence(file) == max(values)]
+            candidates = [file for file in candidates if age_of(file) == max(values)]
     return candidates
+
+
+def rivals_by_number(files: Sequence[StudentFile], newest: StudentFile) -> list[StudentFile]:
+    """Return the files that are older than the newest only by the number in their names.
+
+    A copy with a number may also be a backup, which a student made before changing the original.
+    """
+    return [file for file in find_newest(files, EVIDENCE[:-1]) if file.digest != newest.digest]

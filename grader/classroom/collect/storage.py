@@ -117,7 +117,8 @@ class StageFolder:
                 f"differs from {self._relative_path(existing)}, which {reason}. Delete one of the "
                 "two"
             )
-        newer = origin.is_newer_than(recorded_origin)
+        # The instructor's answer counts more than the times in the archive.
+        newer = existing_digest in origin.beaten or origin.is_newer_than(recorded_origin)
         if newer is None:
             raise UnclearVersion(
                 f"differs from {self._relative_path(existing)}, and it is unknown which of the "

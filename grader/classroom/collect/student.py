@@ -23,7 +23,7 @@ from grader.classroom.collect.inspection import (
 )
 from grader.classroom.collect.instructor_answers import InstructorAnswers
 from grader.classroom.collect.models import SubmittedFile
-from grader.classroom.collect.selection import StudentFile, find_newest
+from grader.classroom.collect.selection import StudentFile, find_newest, rivals_by_number
 from grader.classroom.collect.stated_time import NOTHING_STATED, StatedTime
 from grader.classroom.collect.storage import KEPT, StageFolder, UnclearVersion
 from grader.classroom.collect.submission_table import SubmissionRow
@@ -164,15 +164,12 @@ class StudentCollector:
         name = f"{lesson.name}.ipynb"
         has_answer = [file for file in candidates if file.name in self._answers.lessons]
         outdated_digests = folder.outdated_digests(name)
-        newest_files = find_newest(
+        choices = (
             has_answer
-            or [
-                newest_file
-                for newest_file in candidates
-                if newest_file.digest not in outdated_digests
-            ]
+            or [file for file in candidates if file.digest not in outdated_digests]
             or candidates
         )
+        newest_files = find_newest(choices)
         if len(newest_files) > 1:
             names = ", ".join(file.name for file in newest_files[1:])
             self._report.add_question(
@@ -193,6 +190,12 @@ class StudentCollector:
             return UNANSWERED_MARK
         if state != KEPT:
             self._place_modules(folder, file, files)
+            for rival in rivals_by_number(choices, file):
+                text = (
+                    f"counts instead of {rival.name}, because the number in its name is higher. If "
+                    f"the other file is the right one, add {lesson_option(rival, lesson.number)}"
+                )
+                self._report.remarks.append(Question(file.name, text))
         if file.unpacked.complaint:
             text = (
                 f"{file.unpacked.complaint}. It was collected, and the judge will give it 0 points"

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
+from grader.course.lessons import find_lesson
 from grader.course.roster import Person
 from grader.lms.exporters.protocol import ExportError, ExportOptions
 from grader.lms.instructor_notes import (
@@ -56,6 +58,8 @@ class Marks:
         Name of a stage or lesson.
     lesson_points : dict of str to float
         Points of each lesson in the assignment.
+    excluded : tuple of str
+        Exercises of these lessons that do not count.
     marks : tuple of Mark
     unmarked : dict of str to tuple of grader.course.roster.Person
         Students without a mark, by status.
@@ -67,6 +71,7 @@ class Marks:
 
     assignment: str
     lesson_points: dict[str, float]
+    excluded: tuple[str, ...]
     marks: tuple[Mark, ...]
     unmarked: dict[str, tuple[Person, ...]]
     failures: tuple[str, ...] = ()
@@ -120,9 +125,12 @@ def collect_marks(options: ExportOptions) -> Marks:
             marks.append(Mark(person, points))
         else:
             unmarked[status].append(person)
+    lesson_points = {result.lesson: result.max_score for result in notebooks}
+    excluded = [results.rules.excluded_in(find_lesson(lesson)) for lesson in lesson_points]
     return Marks(
         assignment,
-        {result.lesson: result.max_score for result in notebooks},
+        lesson_points,
+        tuple(itertools.chain(*excluded)),
         tuple(marks),
         {status: tuple(people) for status, people in unmarked.items()},
         tuple(unlisted_notes(results)),

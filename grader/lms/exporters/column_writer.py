@@ -163,10 +163,12 @@ def scale_factor(marks: Marks, platform_maximum: float | None, title: str, scale
         if len(marks.lesson_points) > 1
         else ""
     )
+    names = ", ".join(marks.excluded)
+    excluded = f"Exercises that do not count: {names}. " if names else ""
     raise ExportError(
         f"{marks.assignment} is worth {format_points(marks.max_points)} points in the course "
         f"({lessons}), but {title!r} is worth {format_points(platform_maximum)} on the platform. "
-        f"{choice}"
+        f"{excluded}{choice}"
         "Change the points there and download the file again, or add --scale to convert each mark."
     )
 
