@@ -245,7 +245,7 @@ def euclidean_clustering(cloud, threshold=0.5):
 # </details>
 
 # %% [markdown]
-# **Seven points first.** Your function should find the labels that we found by hand. If this cell or the next one never finishes, stop it with ■. In that case, points never leave the queue, or they enter it again and again.
+# **Seven points first.** If this cell or the next one never finishes, stop it with ■. In that case, points never leave the queue, or they enter it again and again.
 
 # %%
 in_space = np.column_stack([seven, np.zeros(7)])  # the seven points, all at height 0
@@ -304,7 +304,7 @@ in_pieces = [number for number in there if len(np.unique(labels[objects == numbe
 shared = [label for label in np.unique(labels) if len(np.unique(objects[labels == label])) > 1]
 print(f"{labels.max()} clusters for {len(there)} objects:")
 print(f"  {len(in_pieces)} objects are split into several clusters, "
-      f"{len(shared)} clusters hold several objects,")
+      f"{len(shared)} clusters contain several objects,")
 print(f"  {np.sum(sizes[1:] < 10)} clusters have fewer than ten points")
 counted.compare(len(there), "You count objects that you recognise. The program sees only gaps. A "
                 "gap inside an object makes two clusters, and two objects that touch make one.")
@@ -323,10 +323,10 @@ longest = 1 + int(np.argmax(lengths))
 in_it = np.unique(objects[labels == longest])
 print(f"Cluster {longest} is {max(lengths):.1f} m long. A chain of at least "
       f"{int(max(lengths) / 0.5) + 1} steps, each shorter than half a metre, connects its ends.")
-print(f"It really consists of {len(in_it)} walls, with the numbers {in_it.tolist()}.")
+print(f"In reality, it consists of {len(in_it)} walls, with the numbers {in_it.tolist()}.")
 wall = np.where(labels == longest, np.searchsorted(in_it, objects) + 1, 0)  # 1, 2, 3; 0: others
 axes = plots.clusters(obstacles, wall, limits=((-8, 22), (-10, 9)),
-                      title=f"The longest cluster consists of {len(in_it)} walls (not pale)")
+                      title=f"{len(in_it)} walls form the longest cluster (other points are pale)")
 axes.get_legend().remove()
 plots.ring(axes, -2.0, -8.2, radius=1.5, text="touches both");
 
@@ -371,7 +371,7 @@ plots.ring(panels[0], 2.5, -5.8, radius=1.1, text="joined")
 plots.ring(panels[1], 5.5, 3.6, radius=3.2, text="joined");
 
 # %% [markdown]
-# At 0.5 m, the number of clusters is right only because two errors cancel. Let us try many thresholds.
+# At 0.5 m, the number of clusters is right only because two errors cancel.
 
 # %%
 def which_thresholds(thresholds):
@@ -402,7 +402,7 @@ parted.compare("no" if len(both) == 0 else "yes, a small one" if both.min() < 0.
 
 # %%
 def pieces_at(thresholds):
-    """Return one row from each larger piece at the first threshold, and its labels at all."""
+    """Return one row of each larger piece at the first threshold, and its label at each one."""
     found = np.array([euclidean_clustering(yard, threshold) for threshold in thresholds])
     _, rows, sizes = np.unique(found[0], return_index=True, return_counts=True)
     rows = np.sort(rows[sizes >= 6])  # larger: at least six points
@@ -475,7 +475,7 @@ doubling = predict("With twice as many points, how many times as long will it ta
 
 # %%
 def measure(counts, seconds):
-    """Fill two lists with numbers of points, and with the processor's seconds for them."""
+    """Fill one list with numbers of points, and one with the processor's time in seconds."""
     for number in (250, 500, 1000, 2000, 4000, 8000):
         some = near[np.random.default_rng(1).choice(len(near), number, replace=False)]
         begin, runs = process_time(), 0
@@ -484,7 +484,7 @@ def measure(counts, seconds):
             runs += 1
         counts.append(number)
         seconds.append((process_time() - begin) / runs)
-        if seconds[-1] > 5:  # spare slow machines the longest runs
+        if seconds[-1] > 5:  # skip the longest runs on slow machines
             break
 
 # %%
@@ -501,8 +501,8 @@ if is_written(euclidean_clustering):
           f"or {expected[-1] / 0.1:,.0f} turns of the scanner")
     doubling.compare(seconds[-1] / seconds[-2], "Twice as many points are each compared with "
                      "twice as many, so the time grows by a factor of 2 times 2. Small clouds give "
-                     "less than 4, because every call of NumPy takes a few microseconds, even for "
-                     "an empty array.")
+                     "less than 4, because every NumPy call takes a few microseconds, even for an "
+                     "empty array.")
 else:
     print("There is nothing to measure yet. Write euclidean_clustering first.")
 

@@ -19,7 +19,7 @@
 # - remove the ground from a scan with a single comparison, and say when that is not enough,
 # - thin out a cloud to a fifth of its points, and say which objects keep the largest share of their points.
 #
-# **You write** `filter_ground` (points) and `voxel_grid` (points). **You need** NumPy arrays and boolean masks (lesson 01). You may use all packages that the end of the notebook lists. **Time:** about 55 minutes.
+# **You write** `filter_ground` (points) and `voxel_grid` (points). **You need** NumPy arrays and boolean masks (lesson 01). All packages listed at the end are allowed. **Time:** about 55 minutes.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -29,8 +29,6 @@
 
 # %% [markdown]
 # ## One scan
-#
-# *All heights are measured from the sensor.*
 #
 # The file `cloud.txt` contains one scan from a 64-beam LiDAR on the roof of the [ego car](#Words-of-the-course). Each row is one [return](#Words-of-the-course): x (forward), y (left) and z (up) in metres, and an intensity between 0 and 1.
 
@@ -51,7 +49,7 @@ street = ((-15, 40), (-12, 12))  # x from, to; y from, to
 plots.from_above(cloud, limits=street, title="The street from above, coloured by height");
 
 # %% [markdown]
-# Make two guesses before you see the heights.
+# Make two guesses first.
 
 # %%
 peak = predict("At which height z are the most returns?", between=(-3, 3), step=0.1,
@@ -91,7 +89,7 @@ plots.from_side(near, level=0.0, limits=((-15, 40), (-3, 3)),
                 title="Above z = 0 hardly any part of a car is left");
 
 # %% [markdown]
-# Whole cars are below the line, because their roofs are lower than our sensor. In this cloud, z = 0 is the height of the sensor. Other cars carry their sensor higher or lower, so the level must be a parameter.
+# Whole cars are below the line. In this cloud, z = 0 is the height of our sensor, and their roofs are lower. Other cars carry their sensor higher or lower, so the level must be a parameter.
 #
 # ## The idea: one level, a little above the road
 #
@@ -208,7 +206,7 @@ upright = cloud[objects > 0]  # all returns from objects that stand on the groun
 
 
 def two_errors(levels):
-    """Return the share of the ground that stays and of obstacles that is removed, per level."""
+    """Return, for each level, the share of ground points that stay and of obstacle points removed."""
     stays = [len(filter_ground(ground, level)) / len(ground) for level in levels]
     goes = [1 - len(filter_ground(upright, level)) / len(upright) for level in levels]
     return np.array(stays), np.array(goes)
@@ -273,9 +271,7 @@ show_what_is_left({"every fifth": by_skipping})
 #
 # ## The idea: one point per cube of space
 #
-# *Cut space into cubes, and replace all points in a cube by their mean.*
-#
-# A cube with side length $s$ is called a [*voxel*](#Words-of-the-course), which is a pixel with volume. The point $p$ is in the cell
+# Let us cut space into cubes with sides of length $s$. A cube is called a [*voxel*](#Words-of-the-course), which is a pixel with volume. The point $p$ is in the cell
 #
 # $$\left(\left\lfloor \tfrac{x}{s} \right\rfloor,\ \left\lfloor \tfrac{y}{s} \right\rfloor,\ \left\lfloor \tfrac{z}{s} \right\rfloor\right).$$
 #
