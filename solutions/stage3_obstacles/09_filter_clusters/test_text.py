@@ -143,7 +143,7 @@ def test_the_cyclist_meets_the_car_at_the_stated_time():
 
 @pytest.mark.proof
 @pytest.mark.parametrize(("minimum", "hits"), [(10, False), (40, False), (50, True)])
-def test_the_largest_minimum_that_spares_the_cyclist_is_40(lesson, minimum, hits):
+def test_the_largest_minimum_that_spares_the_cyclist_is_40(lesson_run, minimum, hits):
     detect = chain(keep=lambda labels: lesson_run.filter_clusters(labels, minimum))
     trip = drive_street(3, detect, seconds=10, clock=on_time)
     assert bool(trip.report.collision) == hits
