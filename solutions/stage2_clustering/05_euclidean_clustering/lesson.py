@@ -75,7 +75,7 @@ counted = predict("How many separate obstacles do you count?")
 # %% [markdown]
 # ## The naive idea: all points around a first one
 #
-# Give a new label to the first point without a label, and to all other unlabelled points within a radius. Repeat this until all points have a label. Let us try radii of 0.5 m and 3 m.
+# Give a new label to the first point without a label, and to all other unlabelled points within some radius of it. Repeat this until all points have a label. Let us try radii of 0.5 m and 3 m.
 
 # %%
 def balls(points, radius):
@@ -99,9 +99,9 @@ plots.ring(rows[1], 8.9, -0.3, radius=3.0, text="one ball");
 #
 # ## The idea: neighbours of neighbours
 #
-# *Two points are neighbours if they are close. A cluster is all the points that you can reach from neighbour to neighbour.*
+# *Two points are neighbours if they are close. A cluster is all the points that you can reach by going from neighbour to neighbour.*
 #
-# Here, a line connects every two of seven points that are less than 0.8 m apart.
+# Here are seven points. A line connects every two points that are less than 0.8 m apart.
 
 # %% tags=["folded"]
 # @title Finds all pairs of points closer than a distance (you need not read this)
@@ -119,13 +119,13 @@ plots.graph(seven, close_pairs(seven, 0.8), names=True, axes=axes,
 # %% [markdown]
 # Points 0 and 5 are 0.91 m apart, so they are not neighbours. But points 2 and 4 are neighbours of both, so these four points are one cluster. Points 1 and 3 are the second cluster. Point 6 has no neighbours and is a cluster of its own.
 #
-# Such points and lines are called a *graph*, and its lines are *edges*. With points $p_1, \dots, p_n$ and a threshold $d$, there is an edge between $i$ and $j$ if
+# Points and lines like these form a *graph*, and the lines are its *edges*. With points $p_1, \dots, p_n$ and a threshold $d$, there is an edge between $i$ and $j$ if
 #
 # $$\lVert p_i - p_j \rVert \;<\; d .$$
 #
-# The double bars denote the straight-line distance in space, $\sqrt{\Delta x^2 + \Delta y^2 + \Delta z^2}$. The clusters are the separate pieces of this graph, which are called its *connected components*. They depend only on $d$, not on a first point, a number of clusters or a shape.
+# The double bars denote the straight-line distance in space, $\sqrt{\Delta x^2 + \Delta y^2 + \Delta z^2}$. The clusters are the separate pieces of this graph, which are called its *connected components*. They depend only on $d$. You do not choose a first point, a number of clusters or a shape.
 #
-# Here the cluster of a car grows from one point. Each step adds all points within half a metre of a member.
+# Here the cluster of a car grows from one point. Each step adds all points within half a metre of a member of the cluster.
 
 # %% tags=["folded"]
 # @title Grows a cluster step by step (you need not read this)
@@ -160,7 +160,7 @@ plots.growth(car, [states[step - 1] for step in shown], columns=2,
 #
 # Then point 1 starts cluster 2, because it has no label yet, and so on. The final labels are `[1, 2, 1, 2, 1, 1, 3]`.
 #
-# Point 5 is a neighbour of points 2 *and* 4, but it enters the queue only once, because a point gets its label **when it enters the queue, not when it leaves**. If you label points when they leave, the queue gets seven entries instead of four: 0, 2, 4, 4, 5, 5, 5. On a real car, a point has about twenty neighbours, and the queue would grow practically without end.
+# Point 5 is a neighbour of points 2 *and* 4, but it enters the queue only once, because a point gets its label **when it enters the queue, not when it leaves**. If you label points when they leave, the queue gets seven entries instead of four: 0, 2, 4, 4, 5, 5, 5. On a real car, a point has about twenty neighbours, so the queue would grow practically without end.
 #
 # Python's queue is called `deque`, and NumPy finds the new neighbours:
 
@@ -176,7 +176,7 @@ print("close and without a label:", np.flatnonzero((gaps < 0.5) & (taken == 0)))
 # %% [markdown]
 # ## Exercise · `euclidean_clustering` (points)
 #
-# Give each point the label of its cluster. The cluster of the first point gets label 1, the next new cluster gets label 2, and so on. (Any other numbering of the same groups is also right.)
+# Give each point the label of its cluster. The cluster of the first point gets label 1, the next new cluster gets label 2, and so on. (Any other numbering of the same groups is also right, but differs from the labels in the text.)
 #
 # - **Two points are neighbours if their distance in x, y and z is less than `threshold`.** Intensity is not a coordinate.
 # - **Compare a point with all points at once**, in one line of NumPy. A neighbour search, such as your kd-tree or `scipy.spatial`, is allowed but not needed.
@@ -398,7 +398,7 @@ parted.compare("no" if len(both) == 0 else "yes, a small one" if both.min() < 0.
                "for both.")
 
 # %% [markdown]
-# A *dendrogram* shows all thresholds in one picture. At the bottom are the larger pieces that exist at 0.22 m, with the names of their true objects. Two branches meet at the threshold that joins them. Each branch that the line at 0.5 m crosses is one cluster. The line is too high for the two people (15 and 16), and too low for the car (10).
+# A *dendrogram* shows all thresholds in one picture. At the bottom are the larger pieces that exist at a threshold of 0.22 m, with the names of their true objects. Two branches meet at the threshold that joins them. Each branch that the line at 0.5 m crosses is one cluster. The line is too high for the two people (15 and 16), and too low for the car (10).
 
 # %%
 def pieces_at(thresholds):
@@ -432,7 +432,7 @@ axes.set_xticks(range(len(rows)), [f"{kinds[in_yard][row]} {objects[in_yard][row
 #
 # *A higher threshold tears fewer obstacles into pieces, but joins more of them.*
 #
-# How many cars, lorries, pedestrians and cyclists of the street are in more than one piece, and how many share a cluster with something else?
+# How many cars, lorries, pedestrians and cyclists in the street are in more than one piece, and how many share a cluster with something else?
 
 # %%
 def two_errors(thresholds):
@@ -579,7 +579,7 @@ drive_with(0.5) if is_written(euclidean_clustering) else print(
 #
 # ## Summary
 #
-# - A cluster is a connected component, so you can reach all its points from neighbour to neighbour.
+# - A cluster is a connected component. You can reach all its points by going from neighbour to neighbour.
 # - Each point is asked only once, if it gets its label when it enters the queue.
 # - A threshold is a compromise between torn and joined obstacles, and none is right everywhere.
 # - Comparing all points with all points takes n² steps, too many for a full scan.

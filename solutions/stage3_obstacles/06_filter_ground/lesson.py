@@ -508,7 +508,7 @@ drive_with(-0.6) if is_written(filter_ground) else print(
     "filter_ground is not written, or has not passed its check.")
 
 # %% [markdown]
-# With -0.6 m, the car drives 82 m without braking. Now try the default, `drive_with(-1.2)`. The car brakes for bare asphalt, and gets less than half as far. The level is 0.53 m above the road under the car, and a road that climbs by 6 % reaches this level 9 m ahead of the sensor. Open a braking event below the strip to see its frame. (The strip measures distances from the bumper, 2.6 m ahead of the sensor, at the moment when the answer arrives.)
+# With -0.6 m, the car drives 82 m without braking. Now try the default, `drive_with(-1.2)`. The car brakes for bare asphalt, and gets less than half as far. The level is 0.53 m above the road under the car, and a road that climbs by 6 % reaches this level 9 m ahead of the sensor. Open a braking event below the strip to see its frame. (The strip measures from the bumper, 2.6 m ahead of the sensor, at the moment when the answer arrives.)
 #
 # Is -0.6 m the better level? Try it downhill, where a pedestrian crosses after ten seconds, with `drive_with(-0.6, street=16, seconds=13)`. Is there a level with which the car drives 82 m uphill and stops in time downhill?
 #

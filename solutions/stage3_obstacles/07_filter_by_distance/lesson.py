@@ -627,7 +627,7 @@ drive_with(6) if is_written(crop_region) else print(
 # ## Summary
 #
 # - Distance on a road is horizontal, so it uses only x and y.
-# - A radius removes much of the area, but few of the points. A box around the road removes walls and keeps the view ahead.
+# - A radius removes most of the area, but not most of the points. A box around the road removes walls and keeps the view ahead.
 # - The ego car and invalid returns survive the ground and distance filters, and need boxes of their own.
 #
 # **Sources.** Sensor, mounting and coordinates: KITTI, [Geiger et al. 2013](https://www.cvlibs.net/publications/Geiger2013IJRR.pdf). A box as a filter: PCL's [CropBox](https://pointclouds.org/documentation/classpcl_1_1_crop_box.html). Broadcasting a corner over a table: [NumPy user guide](https://numpy.org/doc/stable/user/basics.broadcasting.html).

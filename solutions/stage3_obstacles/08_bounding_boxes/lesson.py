@@ -128,7 +128,7 @@ print("coldest on each day: ", temperatures.min(axis=1))
 # | y | min | min | **max** | **max** | min | min | **max** | **max** |
 # | z | min | min | min | min | **max** | **max** | **max** | **max** |
 #
-# Corners 0 to 3 are the floor, and corners 4 to 7 are the roof. You can fill in this table with three nested loops, with x in the innermost loop. You can also write the number $k$ of a corner as a sum of the numbers 1, 2 and 4, such as 5 = 4 + 1. Corner $k$ has the larger x if its sum contains 1, the larger y if it contains 2, and the larger z if it contains 4.
+# Corners 0 to 3 are the floor, and corners 4 to 7 are the roof. You can fill in this table with three nested loops, with x in the innermost loop. You can also write the number $k$ of a corner as a sum of 1, 2 and 4, such as 5 = 4 + 1. Corner $k$ has the larger x if its sum contains 1, the larger y if it contains 2, and the larger z if it contains 4.
 #
 # Python tests this with `&`, which combines binary digits in the same way as masks. So `5 & 4` is 4, because 5 contains the 4, and `5 & 2` is 0, because 5 does not contain the 2. An `if` treats 0 as False and every other number as True. In this example, two binary digits choose a trip of 2 km or 5 km, on foot or by train.
 

@@ -98,8 +98,8 @@ def test_the_car_brakes_as_in_lesson_07():
     ours, theirs = (
         find_lesson(name).source.read_text("utf-8") for name in (NAME, "07_filter_by_distance")
     )
-    assert "drives on for half a second while it thinks, then brakes with 7 m/s²" in ours
-    assert "drives on for half a second while it thinks, then brakes with 7 m/s²" in theirs
+    assert "drives on for half a second while it thinks, and then brakes at 7 m/s²" in ours
+    assert "drives on for half a second while it thinks, and then brakes at 7 m/s²" in theirs
 
 
 def test_the_naive_loop_keeps_every_second_small_neighbour(lesson_run):
