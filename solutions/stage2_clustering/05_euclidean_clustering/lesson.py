@@ -158,7 +158,7 @@ plots.growth(car, [states[step - 1] for step in shown], columns=2,
 # | 4 | 0, 2, 5 | none | 5 |
 # | 5 | 2, 4 | none | empty, so cluster 1 is complete |
 #
-# Then point 1 starts cluster 2, because it has no label yet, and so on. The final labels are `[1, 2, 1, 2, 1, 1, 3]`.
+# Then point 1 starts cluster 2, and so on. The final labels are `[1, 2, 1, 2, 1, 1, 3]`.
 #
 # Point 5 is a neighbour of points 2 *and* 4, but it enters the queue only once, because a point gets its label **when it enters the queue, not when it leaves**. If you label points when they leave, the queue gets seven entries instead of four: 0, 2, 4, 4, 5, 5, 5. On a real car, a point has about twenty neighbours, so the queue would grow practically without end.
 #
@@ -181,7 +181,7 @@ print("close and without a label:", np.flatnonzero((gaps < 0.5) & (taken == 0)))
 # - **Two points are neighbours if their distance in x, y and z is less than `threshold`.** Intensity is not a coordinate.
 # - **Compare a point with all points at once**, in one line of NumPy. A neighbour search, such as your kd-tree or `scipy.spatial`, is allowed but not needed.
 # - **Use a queue, not recursion.** A wall has thousands of points, but Python raises a `RecursionError` after about a thousand nested calls.
-# - **Do not use libraries that do the clustering for you**, such as `sklearn.cluster`, `scipy.cluster` and the `connected_components` of `scipy.sparse.csgraph`. The end of the notebook lists the packages that you may use.
+# - **Do not use libraries that do the clustering for you**, such as `sklearn.cluster`, `scipy.cluster` and the `connected_components` of `scipy.sparse.csgraph`.
 
 # %% nbgrader={"grade": false, "grade_id": "euclidean_clustering", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def euclidean_clustering(cloud, threshold=0.5):
@@ -522,7 +522,6 @@ else:
 # | starts the labels at 0 | the first obstacle is drawn as noise, with pale crosses |
 # | counts a new cluster for every point | labels are far above the number of clusters |
 # | uses all four columns for the distance | nothing here, because intensities end at 1, but confetti in recordings with intensities up to 255 |
-# | labels points when they leave the queue | the same picture, but much later or never |
 
 # %%
 right = euclidean_clustering(yard)

@@ -77,7 +77,7 @@ share.compare(100 * np.mean(kinds == "ground"), "Most beams point downwards, but
               "of the returns come from objects in their way, mostly from walls and cars.")
 
 # %% [markdown]
-# The tall peak is the road and the pavement. It is wide because the street slopes. The long shoulder to its right is everything else. A good ground level is at the foot of the peak, where the shoulder begins.
+# The tall peak is the road and the pavement, and the long shoulder to its right is everything else. A good ground level is at the foot of the peak, where the shoulder begins.
 #
 # ## The naive idea: ground is where z is 0
 #
