@@ -12,14 +12,14 @@
 # %% [markdown]
 # # 05 · Euclidean clustering
 #
-# ![A street from above, twice. On the left all points look alike. On the right each car, person, pole and wall has its own colour and marker.](05_preview.png)
+# ![The same street from above, twice. On the left, all points look alike. On the right, each car, person, pole and wall has its own colour and marker.](05_preview.png)
 #
-# A scan says nothing about obstacles, but a driver sees a lorry, two people and a wall. This lesson makes obstacles out of points with one rule: close points belong together, and so do all points that a chain of close points connects.
+# A scan is only a list of points, but a driver sees a lorry, two people and a wall. This lesson turns points into obstacles with a single rule.
 #
 # **After this lesson you can**
 # - turn a cloud into labelled obstacles with a queue and a distance threshold,
 # - explain what the threshold does, and why no threshold is right everywhere,
-# - predict from a measurement how long an algorithm will take on a full scan.
+# - predict from measurements how long an algorithm will take on a full scan.
 #
 # **You write** `euclidean_clustering` (points). **You need** NumPy masks (lesson 01). Lesson 04 helps, but you do not need its code. **Time:** (time).
 
@@ -32,9 +32,9 @@
 # %% [markdown]
 # ## A street without a road
 #
-# *Everything that touches the road would be one cluster, so the road goes first.*
+# *The road connects nearly all obstacles with each other, so we remove it first.*
 #
-# We take one scan, keep the surroundings of the [ego car](#Words-of-the-course) (the car that carries the scanner), and drop each [return](#Words-of-the-course) more than 1.2 m below the sensor: the road, and the lowest half metre of everything else (lesson 06 explains the 1.2). We also drop returns closer than 2 m, which come from the ego car.
+# We take one scan and keep the surroundings of the [ego car](#Words-of-the-course), the car that carries the scanner. We drop all [returns](#Words-of-the-course) more than 1.2 m below the sensor. They come from the road and from the lowest half metre of everything else (lesson 06 explains the 1.2). We also drop returns closer than 2 m, because they come from the ego car.
 
 # %%
 from collections import deque
@@ -48,7 +48,7 @@ from utils import check, is_written, load_cloud, plots, predict, replay, show_ta
 from utils.breaking import show_broken, tell_apart
 from utils.scene3d import Scene
 
-# One row per return: x forward, y left, z up in metres from the sensor, and intensity.
+# Each row is one return: x (forward), y (left) and z (up) in metres from the sensor, and intensity.
 cloud = load_cloud("cloud.txt")
 x, y, z = cloud[:, 0], cloud[:, 1], cloud[:, 2]
 standing = (z > -1.2) & (x > -8) & (x < 22) & (np.abs(y) < 9) & (np.hypot(x, y) > 2)
@@ -56,7 +56,7 @@ near = cloud[standing]
 print(f"{len(cloud):,} returns in the scan, {len(near):,} of them from obstacles nearby")
 
 # %% [markdown]
-# The algorithm of this lesson is slow, so we keep one point per cube of 20 cm. Cells with a grey heading, such as the next one, prepare or draw something. You need not read their code.
+# The algorithm of this lesson is slow, so we keep only one point in each cube of 20 cm.
 
 # %% tags=["folded"]
 # @title Keeps the first point in each cube of 20 cm (you need not read this)
@@ -67,7 +67,7 @@ street = ((-8, 22), (-9, 9))  # x from, to; y from, to
 plots.from_above(obstacles, limits=street, title=f"{len(obstacles):,} points from above");
 
 # %% [markdown]
-# Count the obstacles in this picture. If two are close together, what makes you say "two" or "one"? You are using a rule, and this lesson finds it.
+# Count the obstacles in this picture. When two things are close together, how do you decide whether to count one or two?
 
 # %%
 counted = predict("How many separate obstacles do you count?")
@@ -75,11 +75,11 @@ counted = predict("How many separate obstacles do you count?")
 # %% [markdown]
 # ## The naive idea: all points around a first one
 #
-# Take a point without a label. Give a new label to it and to all other points without a label within a radius. Repeat until all points have a label. Which radius is right? Let us try half a metre and three metres.
+# Give a new label to the first point without a label, and to all other unlabelled points within some radius of it. Repeat this until all points have a label. Let us try radii of 0.5 m and 3 m.
 
 # %%
 def balls(points, radius):
-    """Label points by balls of one radius, each around the first point without a label."""
+    """Label points in balls of equal radius, each around the first point without a label."""
     labels = np.zeros(len(points), dtype=int)
     while 0 in labels:
         centre = points[np.argmin(labels), :3]  # argmin: the first point that still has label 0
@@ -91,22 +91,22 @@ def balls(points, radius):
 figure, rows = plt.subplots(2, 1, figsize=(8.5, 9.5), layout="compressed")
 for radius, axes in zip((0.5, 3.0), rows):
     plots.clusters(obstacles, balls(obstacles, radius), limits=street, axes=axes,
-                   title=f"Balls of {radius} m")
+                   title=f"Balls with a radius of {radius} m")
 plots.ring(rows[1], 8.9, -0.3, radius=3.0, text="one ball");
 
 # %% [markdown]
-# Small balls tear a wall into confetti. Large balls join a pedestrian with half a car (in the ring), and the wall is still in pieces. The two ends of a wall are not close to each other, but each piece is close to the *next* piece.
+# Small balls tear a wall into confetti. Large balls join a pedestrian and half a car (in the ring), and the wall is still in pieces. The two ends of a wall are not close to each other, but each piece is close to the *next* piece.
 #
 # ## The idea: neighbours of neighbours
 #
-# *Two points are neighbours if they are close. A cluster is everything that you can reach from neighbour to neighbour.*
+# *Two points are neighbours if they are close. A cluster is all the points that you can reach by going from neighbour to neighbour.*
 #
-# Here are seven points, with a line between every two that are less than 0.8 m apart.
+# Here are seven points. A line connects every two points that are less than 0.8 m apart.
 
 # %% tags=["folded"]
 # @title Finds all pairs of points closer than a distance (you need not read this)
 def close_pairs(points, distance):
-    gaps = np.linalg.norm(points[:, None] - points[None], axis=2)  # a table: all pairs
+    gaps = np.linalg.norm(points[:, None] - points[None], axis=2)  # one row and column per point
     return np.argwhere(np.triu(gaps < distance, k=1))  # k=1: each pair once
 
 # %%
@@ -117,15 +117,15 @@ plots.graph(seven, close_pairs(seven, 0.8), names=True, axes=axes,
             limits=((-0.2, 2.5), (-1.3, 0.3)), title="Which points are closer than 0.8 m?");
 
 # %% [markdown]
-# Points 0 and 5 are 0.91 m apart, so they are not neighbours. But 2 (and 4) connects them: one cluster. Points 1 and 3 are the second. Point 6 has no neighbour and is a cluster of its own.
+# Points 0 and 5 are 0.91 m apart, so they are not neighbours. But points 2 and 4 are neighbours of both, so these four points are one cluster. Points 1 and 3 are the second cluster. Point 6 has no neighbours and is a cluster of its own.
 #
-# As a formula: with points $p_1, \dots, p_n$ and a threshold $d$, draw a graph with an edge between $i$ and $j$ if
+# Points and lines like these form a *graph*, and the lines are its *edges*. With points $p_1, \dots, p_n$ and a threshold $d$, there is an edge between $i$ and $j$ if
 #
 # $$\lVert p_i - p_j \rVert \;<\; d .$$
 #
-# The double bars denote the straight-line distance in space, $\sqrt{\Delta x^2 + \Delta y^2 + \Delta z^2}$. The clusters are the *connected components* of this graph: its separate pieces. The result depends on $d$ alone, not on a first point, a number of clusters or a shape.
+# The double bars denote the straight-line distance in space, $\sqrt{\Delta x^2 + \Delta y^2 + \Delta z^2}$. The clusters are the separate pieces of this graph, which are called its *connected components*. They depend only on $d$. You do not choose a first point, a number of clusters or a shape.
 #
-# Here a real car grows from one point. Each step adds every point within half a metre of a member. Triangles join in this step. Squares joined before.
+# Here the cluster of a car grows from one point. Each step adds all points within half a metre of a member of the cluster.
 
 # %% tags=["folded"]
 # @title Grows a cluster step by step (you need not read this)
@@ -144,25 +144,25 @@ plots.growth(car, [states[step - 1] for step in shown], columns=2,
              title="A cluster grows half a metre at a time");
 
 # %% [markdown]
-# The cluster ends where the car ends. The pedestrian next to it stays grey, because no point bridges the gap. But every step compared *all* points with *all* members, even with those whose neighbours had joined long ago.
+# The cluster ends where the car ends. The pedestrian next to it stays grey, because no point bridges the gap. But every step compares *all* points with *all* members, even with members whose neighbours joined long ago.
 #
 # ## The queue: ask each point exactly once
 #
-# Let new members wait in a queue, and ask each for its neighbours a single time. Here are the seven points again, from point 0, with threshold 0.8 m:
+# Let new members wait in a queue, and ask each of them for its neighbours only once. Here are the seven points again, starting at point 0, with a threshold of 0.8 m:
 #
-# | taken from the queue | its neighbours | those without a label: they get 1 | queue afterwards |
+# | point taken from the queue | its neighbours | points that now get label 1 | queue afterwards |
 # |---|---|---|---|
 # | (start) | | 0 | 0 |
 # | 0 | 2, 4 | 2, 4 | 2, 4 |
 # | 2 | 0, 4, 5 | 5 | 4, 5 |
 # | 4 | 0, 2, 5 | none | 5 |
-# | 5 | 2, 4 | none | empty: cluster 1 is complete |
+# | 5 | 2, 4 | none | empty, so cluster 1 is complete |
 #
-# Then the next point without a label, 1, starts cluster 2, and so on. The labels are `[1, 2, 1, 2, 1, 1, 3]`.
+# Then point 1 starts cluster 2, and so on. The final labels are `[1, 2, 1, 2, 1, 1, 3]`.
 #
-# Point 5 is a neighbour of 2 *and* of 4, but it enters the queue only once, because a point gets its label **when it enters the queue, not when it leaves**. If you label points on leaving, they enter the queue seven times: 0, 2, 4, 4, 5, 5, 5. On a real car, where a point has about twenty neighbours, the queue would grow practically without end.
+# Point 5 is a neighbour of points 2 *and* 4, but it enters the queue only once, because a point gets its label **when it enters the queue, not when it leaves**. If you label points when they leave, the queue gets seven entries instead of four: 0, 2, 4, 4, 5, 5, 5. On a real car, a point has about twenty neighbours, so the queue would grow practically without end.
 #
-# Python has a queue ready, and NumPy finds the new neighbours:
+# Python's queue is called `deque`, and NumPy finds the new neighbours:
 
 # %%
 queue = deque([7])      # a queue with one entry
@@ -176,35 +176,35 @@ print("close and without a label:", np.flatnonzero((gaps < 0.5) & (taken == 0)))
 # %% [markdown]
 # ## Exercise · `euclidean_clustering` (points)
 #
-# Give each point the label of its cluster: 1 for the cluster of the first point, 2 for the next new one, and so on. (Any other numbering that groups the same points is also right, but the cluster numbers in the text will then differ from yours.)
+# Give each point the label of its cluster. The cluster of the first point gets label 1, the next new cluster gets label 2, and so on. (Any other numbering of the same groups is also right, but differs from the labels in the text.)
 #
-# - **Neighbours are strictly closer than `threshold`**, in x, y and z. Intensity is not a coordinate.
-# - **Compare with all points at once**, in one line of NumPy. A neighbour search, such as your kd-tree or `scipy.spatial`, is allowed but not needed.
-# - **Use a queue, not recursion.** A function that calls itself for every neighbour reaches Python's limit of about a thousand nested calls. A wall in a full scan has many thousands of points.
-# - **Do not use libraries that do the clustering**, such as `sklearn.cluster`, `scipy.cluster` and the `connected_components` of `scipy.sparse.csgraph`. The end of the notebook lists the packages that you may use.
+# - **Two points are neighbours if their distance in x, y and z is less than `threshold`.** Intensity is not a coordinate.
+# - **Compare a point with all points at once**, in one line of NumPy. A neighbour search, such as your kd-tree or `scipy.spatial`, is allowed but not needed.
+# - **Use a queue, not recursion.** A wall has thousands of points, but Python raises a `RecursionError` after about a thousand nested calls.
+# - **Do not use libraries that do the clustering for you**, such as `sklearn.cluster`, `scipy.cluster` and the `connected_components` of `scipy.sparse.csgraph`.
 
 # %% nbgrader={"grade": false, "grade_id": "euclidean_clustering", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def euclidean_clustering(cloud, threshold=0.5):
-    """Group the points of a cloud into clusters: chains of neighbours.
+    """Group the points of a cloud into clusters, which are connected by chains of neighbours.
 
     Parameters
     ----------
     cloud : ndarray, shape (n, 3) or (n, 4)
-        x, y, z in metres; then intensity. May be empty.
+        Columns x, y and z in metres, then perhaps intensity. May be empty.
     threshold : float
-        Two points closer than this are neighbours, in metres.
+        Two points are neighbours if they are closer than this distance in metres.
 
     Returns
     -------
     ndarray of int, shape (n,)
         The label of each point, from 1 to the number of clusters.
     """
-    # 1. All labels are 0, which means "none yet". The counter of clusters is also 0.
-    # 2. Go through the points. Skip a point that already has a label.
-    # 3. Otherwise, a new cluster begins: count it, label the point, put it into a new queue.
-    # 4. While points wait, take the first in line, and find all points without a label that
-    #    are closer to it than the threshold.
-    # 5. Label these at once, and let them join the queue.
+    # 1. Set all labels to 0, which means "no label yet". Set the number of clusters to 0.
+    # 2. Go through all points, and skip each point that already has a label.
+    # 3. Otherwise, start a new cluster. Count it, label the point, and put it into a new queue.
+    # 4. While the queue is not empty, take its first point, and find all points without a label
+    #    that are closer to it than the threshold.
+    # 5. Label these points at once, and add them to the queue.
     # roughly 14 lines
     ### BEGIN SOLUTION
     xyz = cloud[:, :3]
@@ -227,19 +227,25 @@ def euclidean_clustering(cloud, threshold=0.5):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# Use two nested loops. The outer loop goes through all points and starts clusters. The inner loop runs as long as the queue is not empty, and completes *one* cluster. Both an empty `deque` and a label 0 count as `False`.
+# Use two nested loops. The outer loop goes through all points and starts clusters. The inner loop runs as long as the queue is not empty, and completes *one* cluster. As a condition, an empty `deque` counts as `False`, and so does the label 0.
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# `cloud[:, :3] - cloud[i, :3]` has shape (n, 3): the difference between every point and point `i`. Its length, row by row, is what `balls` computes above with `axis=1`. "Close" and "without a label" are two masks. Join them with `&`, each in parentheses, and let `np.flatnonzero` turn the result into row numbers.
+# `cloud[:, :3] - cloud[i, :3]` has shape (n, 3) and contains the difference between every point and point `i`. Compute the length of each row with `axis=1`, as `balls` does above. "Close" and "without a label" are two masks. Put each of them in parentheses, and combine them with `&`. Then `np.flatnonzero` turns the result into row numbers.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# The body of the inner loop has five lines: `i = queue.popleft()`, the distances from point `i` to all points, `new = np.flatnonzero(...)` with both conditions, the number of the cluster for `labels[new]`, and `queue.extend(new)`. *Before* the inner loop, the starting point gets its label, and a new queue holds only this point.
+# *Before* the inner loop, label the starting point, and make a new queue that contains only this point. The body of the inner loop has five lines:
+#
+# 1. `i = queue.popleft()`
+# 2. Compute the distances from point `i` to all points.
+# 3. `new = np.flatnonzero(...)` with both conditions
+# 4. Assign the number of the cluster to `labels[new]`.
+# 5. `queue.extend(new)`
 # </details>
 
 # %% [markdown]
-# **Seven points first.** Your function should find the labels that we found by hand. If this cell or the next never finishes, stop it with ■: points never leave the queue, or they enter it again and again.
+# **Seven points first.** If this cell or the next one never finishes, stop it with ■. In that case, points never leave the queue, or they enter it again and again.
 
 # %%
 in_space = np.column_stack([seven, np.zeros(7)])  # the seven points, all at height 0
@@ -251,7 +257,7 @@ plots.graph(seven, close_pairs(seven, 0.8), labels=seven_labels, names=True, axe
             limits=((-0.2, 2.5), (-1.3, 0.3)), title="Your clusters of the seven points");
 
 # %% [markdown]
-# **Look before you check.** Now the street, which takes a few seconds at most. Nearly every object should have its own colour and marker (the pairs repeat after 42 clusters), with neither confetti nor one colour for everything. A few are torn or joined, such as the slanted car 7 m ahead. That is not your mistake, as you will see.
+# **Look before you check.** Now cluster the street, which takes a few seconds at most. Nearly every object should have its own colour and marker (the pairs repeat after 42 clusters). You should see neither confetti nor a single colour for everything. A few objects are torn or joined, such as the turning car 7 m ahead. That is not your mistake, as you will see.
 
 # %%
 labels = euclidean_clustering(obstacles)
@@ -259,7 +265,7 @@ plots.clusters(obstacles, labels, names=True, limits=street,
                title="Your clusters, threshold 0.5 m");
 
 # %%
-# The same in space. Drag to turn it, scroll to zoom.
+# The same clusters in 3-D. Drag to rotate the view, and scroll to zoom.
 (Scene("Your clusters", alt="The clusters of the street in space, each in its own colour.")
  .add_clusters(obstacles, labels).add_ego_car().show(interactive=True))
 
@@ -267,20 +273,20 @@ plots.clusters(obstacles, labels, names=True, limits=street,
 check(euclidean_clustering)
 
 # %% [markdown]
-# **Your run, step by step.** The player shows how *your* function goes through the seven points and five more. A circle marks the point that is asked, and squares mark those that wait. If a step is wrong, the player begins there and says why.
+# **Your run, step by step.** The player shows how *your* function works through the seven points and five more. A circle marks the point that is asked for its neighbours, and squares mark the points that wait. If a step is wrong, the player starts there and explains why.
 
 # %%
 replay(euclidean_clustering)
 
 # %% [markdown]
-# The scan was simulated, so we know which object each return hit. Here are the twelve largest clusters.
+# The scan is simulated, so we know which object each return comes from.
 
 # %% tags=["folded"]
-# @title Lists the largest clusters and what is in them (you need not read this)
+# @title Lists the twelve largest clusters and their objects (you need not read this)
 from utils.datasets import DATA
 
 truth = np.load(DATA / "cloud_truth.npz")
-objects = truth["objects"][standing][kept]  # the object behind each point; 0: road
+objects = truth["objects"][standing][kept]  # the object of each point; 0 is the road
 kinds = truth["class_names"][truth["classes"][standing][kept]]  # its kind
 
 sizes, table = np.bincount(labels), []
@@ -290,7 +296,7 @@ for label in np.argsort(-sizes, kind="stable")[:12]:
     names = [f"{kinds[objects == number][0]} {number}" for number in np.unique(objects[mine])]
     table.append((f"{label}: {', '.join(names)}", sizes[label],
                   f"{length:.1f} x {width:.1f} x {height:.1f} m"))
-show_table(["cluster, and what is in it", "points", "size along x, y and z"], table)
+show_table(["cluster and its objects", "points", "size along x, y and z"], table)
 
 # %%
 there = np.unique(objects[objects > 0])
@@ -298,13 +304,13 @@ in_pieces = [number for number in there if len(np.unique(labels[objects == numbe
 shared = [label for label in np.unique(labels) if len(np.unique(objects[labels == label])) > 1]
 print(f"{labels.max()} clusters for {len(there)} objects:")
 print(f"  {len(in_pieces)} objects are split into several clusters, "
-      f"{len(shared)} clusters hold several objects,")
+      f"{len(shared)} clusters contain several objects,")
 print(f"  {np.sum(sizes[1:] < 10)} clusters have fewer than ten points")
-counted.compare(len(there), "You count objects that you know. The program counts gaps. A gap "
-                "inside an object makes two clusters, and two objects that touch make one.")
+counted.compare(len(there), "You count objects that you recognise. The program sees only gaps. A "
+                "gap inside an object makes two clusters, and two objects that touch make one.")
 
 # %% [markdown]
-# The program finds cars, people and walls without knowing what a car is. But some clusters hold more than one object, and some objects are in pieces (lesson 09 removes the smallest as [noise](#Words-of-the-course)).
+# The program finds cars, people and walls without knowing what a car is.
 #
 # ## Chains also join separate objects
 #
@@ -315,29 +321,29 @@ lengths = [np.ptp(obstacles[labels == label, :2], axis=0).max()
            for label in range(1, labels.max() + 1)]
 longest = 1 + int(np.argmax(lengths))
 in_it = np.unique(objects[labels == longest])
-print(f"Cluster {longest} is {max(lengths):.1f} m long: a chain of at least "
-      f"{int(max(lengths) / 0.5) + 1} steps, each below half a metre, connects its ends.")
-print(f"In truth it is {len(in_it)} walls, with the numbers {in_it.tolist()}.")
+print(f"Cluster {longest} is {max(lengths):.1f} m long. A chain of at least "
+      f"{int(max(lengths) / 0.5) + 1} steps, each shorter than half a metre, connects its ends.")
+print(f"In reality, it consists of {len(in_it)} walls, with the numbers {in_it.tolist()}.")
 wall = np.where(labels == longest, np.searchsorted(in_it, objects) + 1, 0)  # 1, 2, 3; 0: others
 axes = plots.clusters(obstacles, wall, limits=((-8, 22), (-10, 9)),
-                      title=f"The longest cluster: {len(in_it)} walls in one. The rest is pale")
+                      title=f"{len(in_it)} walls form the longest cluster (other points are pale)")
 axes.get_legend().remove()
 plots.ring(axes, -2.0, -8.2, radius=1.5, text="touches both");
 
 # %% [markdown]
-# The rule needs no shape and no length, but it joins everything that touches. A single stray point in a gap is a bridge, and two people who walk side by side leave less than half a metre between them.
+# A single stray point in a gap is a bridge, and two people who walk side by side are less than half a metre apart.
 #
 # ## Play: how close is close?
 #
-# In this smaller piece of the street, two pedestrians walk at the lower left. At the top is a slanted car, with a cyclist next to it.
+# In this smaller part of the street, two pedestrians walk at the lower left. At the top, a car is turning next to a cyclist.
 
 # %% tags=["folded"]
-# @title Cuts out that piece of the street (you need not read this)
+# @title Cuts out this part of the street (you need not read this)
 in_yard = (ahead > 1.3) & (ahead < 11) & (left > -7) & (left < 6.2)
 yard, window = obstacles[in_yard], ((1, 11), (-7, 7.6))
 true_number = np.unique(objects[in_yard], return_inverse=True)[1].ravel() + 1
 figure, axes = plt.subplots(figsize=(6, 6.8), layout="compressed")
-plots.clusters(yard, true_number, limits=window, axes=axes, title="What is there")
+plots.clusters(yard, true_number, limits=window, axes=axes, title="The true objects")
 plots.ring(axes, 2.5, -5.8, radius=1.1, text="two people")
 plots.ring(axes, 7.0, 3.8, radius=2.4, text="one car");
 
@@ -355,7 +361,7 @@ def show_threshold(threshold):
     plt.show()
 
 # %%
-# The same without a slider, for two thresholds. A colour stays with its obstacle.
+# The same without a slider, for two thresholds. Each obstacle keeps its colour.
 figure, panels = plt.subplots(1, 2, figsize=(8.5, 5.6), layout="compressed")
 for threshold, axes in zip((0.5, 1.5), panels):
     plots.clusters(yard, euclidean_clustering(yard, threshold), like=true_number, limits=window,
@@ -365,37 +371,38 @@ plots.ring(panels[0], 2.5, -5.8, radius=1.1, text="joined")
 plots.ring(panels[1], 5.5, 3.6, radius=3.2, text="joined");
 
 # %% [markdown]
-# The number of clusters at 0.5 m is right only because two errors cancel. Let us try many thresholds.
+# At 0.5 m, the number of clusters is right only because two errors cancel.
 
 # %%
 def which_thresholds(thresholds):
-    """At which thresholds are the two people apart, and at which is the car in one piece?"""
+    """Return at which thresholds the two people are apart, and at which the car is whole."""
     people, slanted = (15, 16), 10  # their numbers in the truth
     apart, whole = [], []
     for threshold in thresholds:
         found = euclidean_clustering(yard, threshold)
         one, other, car = (set(found[objects[in_yard] == n].tolist()) for n in (*people, slanted))
-        apart.append(not one & other)  # no cluster holds points of both
+        apart.append(not one & other)  # no cluster contains points of both
         whole.append(len(car) == 1)
     return np.array(apart), np.array(whole)
 
 # %%
 tried = np.round(np.arange(0.05, 2.51, 0.05), 2)
 apart, whole = which_thresholds(tried)
-print(f"the two people are apart up to {tried[apart].max()} m, "
-      f"the car is in one piece from {tried[whole].min()} m")
+print(f"The two people are apart at thresholds up to {tried[apart].max()} m. "
+      f"The car is in one piece at {tried[whole].min()} m and above.")
 both = tried[apart & whole]
 parted.compare("no" if len(both) == 0 else "yes, a small one" if both.min() < 0.5
                else "yes, a large one",
                "The two people are closer to each other than neighbouring points on the car's "
-               "roof, which the beams meet at a flat angle. No threshold is right for both.")
+               "roof are, because the beams hit the roof at a flat angle. No threshold is right "
+               "for both.")
 
 # %% [markdown]
-# One picture shows all thresholds: a *dendrogram*. At the bottom are the larger pieces at 0.22 m, with their true objects. Two branches meet at the threshold that joins them. Each branch that the line at 0.5 m crosses is one cluster. For the two people (15 and 16) the line is too high, and for the slanted car (10) it is too low.
+# A *dendrogram* shows all thresholds in one picture. At the bottom are the larger pieces that exist at a threshold of 0.22 m, with the names of their true objects. Two branches meet at the threshold that joins them. Each branch that the line at 0.5 m crosses is one cluster. The line is too high for the two people (15 and 16), and too low for the car (10).
 
 # %%
 def pieces_at(thresholds):
-    """Rows of one point from each larger piece at the first threshold; labels at all of them."""
+    """Return one row of each larger piece at the first threshold, and its label at each one."""
     found = np.array([euclidean_clustering(yard, threshold) for threshold in thresholds])
     _, rows, sizes = np.unique(found[0], return_index=True, return_counts=True)
     rows = np.sort(rows[sizes >= 6])  # larger: at least six points
@@ -423,13 +430,13 @@ axes.set_xticks(range(len(rows)), [f"{kinds[in_yard][row]} {objects[in_yard][row
 # %% [markdown]
 # ## The two errors
 #
-# *A higher threshold tears fewer obstacles and joins more.*
+# *A higher threshold tears fewer obstacles into pieces, but joins more of them.*
 #
-# We count both errors for all cars, lorries, pedestrians and cyclists of the street. How many are in more than one piece, and how many share a cluster with something else?
+# How many cars, lorries, pedestrians and cyclists in the street are in more than one piece, and how many share a cluster with something else?
 
 # %%
 def two_errors(thresholds):
-    """The share of road users that are torn, and the share that are joined with others."""
+    """Return the share of road users that are torn, and the share joined with others."""
     users = np.unique(objects[np.isin(kinds, ["car", "truck", "pedestrian", "cyclist"])])
     torn, joined = [], []
     for threshold in thresholds:
@@ -451,24 +458,24 @@ axes.axvline(0.5, color="black", linestyle=":")
 axes.text(0.52, 0.9, "the default, 0.5 m")
 for threshold in (0.5, 0.7):
     here = thresholds == threshold
-    print(f"at {threshold} m {torn[here][0]:.1%} are torn and {joined[here][0]:.1%} joined")
+    print(f"at {threshold} m, {torn[here][0]:.1%} are torn and {joined[here][0]:.1%} are joined")
 
 # %% [markdown]
-# At no threshold are both errors zero. But they are not equally bad. A car counts as torn even if it lost a single stray point, and lesson 09 removes such crumbs. Joined objects stay joined.
+# The two errors are never both zero, but they are not equally bad. A car counts as torn even if it has lost only one stray point, and lesson 09 removes such crumbs as [noise](#Words-of-the-course). Joined objects stay joined.
 #
-# At 0.7 m no road user is torn. Why do we not use 0.7 m? From 0.65 m, a parked car and a car that drives past it at 8 m/s are one cluster. One box for both hides the car that moves.
+# At 0.7 m, no road user is torn. Why do we not use 0.7 m? Because a parked car and a car that drives past it at 8 m/s become one cluster at 0.65 m. A single box around both hides the moving car.
 #
 # ## Theory against practice: what does it cost?
 #
-# *Each point is compared once with all points: n times n distances.*
+# *Each of the n points is compared with all n points, which takes n² distances.*
 
 # %%
-doubling = predict("With twice as many points, how many times longer will it take?",
+doubling = predict("With twice as many points, how many times as long will it take?",
                    between=(1, 8), step=0.1, unit="times", digits=1)
 
 # %%
 def measure(counts, seconds):
-    """Fill two lists: numbers of points, and seconds that the processor spends on them."""
+    """Fill one list with numbers of points, and one with the processor's time in seconds."""
     for number in (250, 500, 1000, 2000, 4000, 8000):
         some = near[np.random.default_rng(1).choice(len(near), number, replace=False)]
         begin, runs = process_time(), 0
@@ -477,7 +484,7 @@ def measure(counts, seconds):
             runs += 1
         counts.append(number)
         seconds.append((process_time() - begin) / runs)
-        if seconds[-1] > 5:  # spare slow machines the longest runs
+        if seconds[-1] > 5:  # skip the longest runs on slow machines
             break
 
 # %%
@@ -487,35 +494,34 @@ if is_written(euclidean_clustering):
     reach = np.array([counts[-1] / 4, len(cloud)])
     expected = seconds[-1] * (reach / counts[-1]) ** 2
     axes = plots.timing({"yours": (counts, seconds), "expected": (reach, expected)},
-                        title="Time of your function, and the n² line up to the full scan")
+                        title="Time of your function, and n² extended to the full scan")
     axes.axhline(0.1, color="black", linestyle=":")
     axes.text(len(cloud), 0.12, "one turn of the scanner: 0.1 s", ha="right")
-    print(f"{len(cloud):,} points would take about {expected[-1]:.0f} s: "
-          f"{expected[-1] / 0.1:,.0f} turns of the scanner")
-    doubling.compare(seconds[-1] / seconds[-2], "Twice as many points are asked, and each is "
-                     "compared with twice as many: 2 times 2. Small clouds come out below 4, "
-                     "because calling NumPy takes a few microseconds even for an empty array.")
+    print(f"{len(cloud):,} points would take about {expected[-1]:.0f} s, "
+          f"or {expected[-1] / 0.1:,.0f} turns of the scanner")
+    doubling.compare(seconds[-1] / seconds[-2], "Twice as many points are each compared with "
+                     "twice as many, so the time grows by a factor of 2 times 2. Small clouds give "
+                     "less than 4, because every NumPy call takes a few microseconds, even for an "
+                     "empty array.")
 else:
-    print("Nothing to measure yet: write euclidean_clustering first.")
+    print("There is nothing to measure yet. Write euclidean_clustering first.")
 
 # %% [markdown]
-# On logarithmic axes a power $n^k$ is a straight line of slope $k$. On the right your line approaches $k = 2$. A full scan has more than a hundred thousand points, so more than ten thousand million distances. The scanner delivers a new scan every 0.1 s.
+# On logarithmic axes, a power $n^k$ is a straight line with slope $k$. Towards the right, your line approaches $k = 2$. A full scan has more than a hundred thousand points, so the function would compute more than ten thousand million distances.
 #
-# Faster hardware helps little: ten times the speed allows √10, about three times the points. Fewer comparisons help more. The kd-tree of lesson 04 leaves out points that are far away, and lesson 10 clusters the full scan in less than one turn.
+# Faster hardware helps little. If it is ten times as fast, it handles only √10 or about three times as many points in the same time. Fewer comparisons help more. The kd-tree of lesson 04 skips points that are far away, and lesson 10 clusters the full scan in less than one turn.
 
 # %% [markdown]
 # ## Common mistakes
 #
-# | mistake | what you see |
+# | what the code does | what you see |
 # |---|---|
-# | compared with the first point of the cluster only | confetti: balls instead of chains |
-# | distance compared with `threshold ** 2` | 0.5 acts as 0.25: obstacles fall to pieces |
-# | squared distance compared with `threshold` | 0.5 acts as 0.71: here it repairs one car by luck and joins two others |
-# | labels counted from 0 | the first obstacle is drawn as noise, with pale crosses |
-# | counter raised for every point | labels far above the number of clusters |
-# | distance over all four columns | nothing here, where intensities end at 1; confetti on recordings where they end at 255 |
-# | labelled when taken out of the queue | the same picture, but much later or never |
-# | the function calls itself for each neighbour | a `RecursionError` at the first wall |
+# | compares points only with the first point of the cluster | confetti, because clusters are balls and not chains |
+# | compares the distance with `threshold ** 2` | 0.5 acts like 0.25, and obstacles fall to pieces |
+# | compares the squared distance with `threshold` | 0.5 acts like 0.71, which repairs one car by luck and joins two others |
+# | starts the labels at 0 | the first obstacle is drawn as noise, with pale crosses |
+# | counts a new cluster for every point | labels are far above the number of clusters |
+# | uses all four columns for the distance | nothing here, because intensities end at 1, but confetti in recordings with intensities up to 255 |
 
 # %%
 right = euclidean_clustering(yard)
@@ -530,7 +536,7 @@ for (title, numbers), axes in zip(wrong.items(), grid.flat):
 # %% [markdown]
 # ## Let it drive
 #
-# This drive is optional. A car drives ten seconds at 30 km/h with your `euclidean_clustering`. The course provides the rest: a grid of 0.4 m that thins the points, a filter that drops clusters below ten points, boxes, and a driver who brakes for every box in the lane that is closer than the stopping distance. The speed of your code does not matter. After nine seconds two people cross side by side. Each drive takes 15 to 60 seconds.
+# This drive is optional. A car drives for ten seconds at 30 km/h with your `euclidean_clustering`. The other steps thin the points with a grid of 0.4 m, drop clusters of fewer than ten points, and put boxes around the rest. The driver brakes for every box in the lane that is closer than the stopping distance. The speed of your code does not matter. After nine seconds, two people cross the street side by side. The cell takes 15 to 60 seconds.
 
 # %%
 from utils.drive import chain, drive_street, on_time
@@ -538,7 +544,7 @@ from utils.lent import own
 
 
 def drive_with(threshold):
-    """Ten seconds of a street, clustered with your function."""
+    """Drive ten seconds through a street that your function clusters."""
     mine = own(euclidean_clustering)
     return drive_street(11, chain(cluster=lambda points: mine(points, threshold), voxel=0.4),
                         seconds=10, clock=on_time)
@@ -548,17 +554,17 @@ drive_with(0.5) if is_written(euclidean_clustering) else print(
     "euclidean_clustering is not written, or has not passed its check.")
 
 # %% [markdown]
-# At 0.5 m the car stops 1.5 m from the two people. Can it still do that with a smaller threshold, and with a larger one? Try 0.4 and 0.9, and open a braking event to see its frame.
+# At 0.5 m, the car stops 1.5 m from the two people. Does it also stop in time with a smaller or a larger threshold? Try 0.4 and 0.9, and open a braking event to see its frame.
 #
 # <details><summary>An answer</summary>
 #
-# At 0.4 m the two people are often in pieces of fewer than ten points. The box comes late, and the car hits one of them at 24 km/h. From 0.45 to 0.85 m it stops as at 0.5 m, because one box around both people is good enough if it holds still. At 0.9 m the box jumps: far away it is around one person, then around both. A box that jumps has no clear speed, so the driver brakes 0.2 s later and hits a person.
+# At 0.4 m, the two people are often in pieces of fewer than ten points, which are dropped. Their box appears late, and the car hits one of them at 24 km/h. From 0.45 to 0.85 m, it stops as it does at 0.5 m, because one box around both people is good enough if the box is steady. At 0.9 m, the box jumps. At first, when the people are far away, it surrounds only one of them, and later both. The speed of a jumping box is unclear, so the driver brakes 0.2 s later and hits a person.
 # </details>
 
 # %% [markdown]
 # ## In practice
 #
-# - In scikit-learn, this is DBSCAN for which one neighbour is enough (the point itself counts):
+# - In scikit-learn, the function is called DBSCAN. With `min_samples=1`, it gives the same clusters:
 #
 #   ```python
 #   from sklearn.cluster import DBSCAN
@@ -566,42 +572,42 @@ drive_with(0.5) if is_written(euclidean_clustering) else print(
 #   # Open3D: cloud.cluster_dbscan(eps=0.5, min_points=1)
 #   ```
 #
-#   In the Point Cloud Library it is `EuclideanClusterExtraction`.
-# - [Beams](#Words-of-the-course) spread. Near the horizon ours are a third of a degree apart: 17 cm at 30 m, and 47 cm at 80 m, where the range of our scanner ends. In our scan every car beyond 40 m that has ten returns or more is in pieces at 0.5 m. So real systems let the threshold grow with distance, or look at the *angle* of the step to the next return.
-# - Detectors trained on labelled scans separate people and cars better. Clustering remains as a safety net: it also finds the sofa that fell off a lorry, which no training set contains.
+#   In the Point Cloud Library (PCL), it is called `EuclideanClusterExtraction`.
+# - [Beams](#Words-of-the-course) spread out. Near the horizon, our beams are a third of a degree apart. That is 17 cm at 30 m, and 47 cm at 80 m, the range of our scanner. In our scan, every car beyond 40 m with at least ten returns is in pieces at 0.5 m. Real systems therefore let the threshold grow with distance, or use the *angle* of the step to the next return.
+# - Detectors that were trained on labelled scans are better at separating people and cars. Clustering remains as a safety net. It also finds the sofa that fell off a lorry, which no training set contains.
 #
 # ## Summary
 #
-# - A cluster is a connected component: all points that you can reach from neighbour to neighbour.
-# - The queue asks each point once, if points are labelled on entering.
-# - The threshold weighs torn against joined obstacles. No threshold is right everywhere.
-# - Comparing all with all costs n²: fine for thousands of points, hopeless for a scan.
+# - A cluster is a connected component. You can reach all its points by going from neighbour to neighbour.
+# - Each point is asked only once, if it gets its label when it enters the queue.
+# - A threshold is a compromise between torn and joined obstacles, and none is right everywhere.
+# - Comparing all points with all points takes n² steps, too many for a full scan.
 #
-# **Sources.** Euclidean clustering of point clouds: [Rusu 2009](http://mediatum.ub.tum.de/doc/800632/941254.pdf), section 6.2, and the [PCL tutorial](https://pcl.readthedocs.io/projects/tutorials/en/latest/cluster_extraction.html). The same clusters under other names: DBSCAN with `min_samples=1`, [Ester et al. 1996](https://cdn.aaai.org/KDD/1996/KDD96-037.pdf); single linkage cut at the threshold, [Gower and Ross 1969](https://doi.org/10.2307/2346439). By angles in the range image: [Bogoslavskyi and Stachniss 2016](https://doi.org/10.1109/IROS.2016.7759050).
+# **Sources.** Euclidean clustering of point clouds: [Rusu 2009](http://mediatum.ub.tum.de/doc/800632/941254.pdf), section 6.2, and the [PCL tutorial](https://pcl.readthedocs.io/projects/tutorials/en/latest/cluster_extraction.html). The same clusters under other names: DBSCAN with `min_samples=1`, [Ester et al. 1996](https://cdn.aaai.org/KDD/1996/KDD96-037.pdf); single linkage cut at the threshold, [Gower and Ross 1969](https://doi.org/10.2307/2346439). Clustering by angles in the range image: [Bogoslavskyi and Stachniss 2016](https://doi.org/10.1109/IROS.2016.7759050).
 #
 # **Next:** 06 · Filter the ground
 
 # %% [markdown]
 # ## If you want more
 #
-# Each takes about half an hour, and *Breaking it on purpose* about 15 minutes.
+# Each task takes about half an hour, and *Breaking it on purpose* takes about 15 minutes.
 #
-# 1. Let the threshold grow with the distance from the sensor, `0.3 + 0.01 * r`. Does either of the two errors shrink?
-# 2. Let only points with at least five neighbours pass on their label. That is the full DBSCAN. Does it separate the two pedestrians? What happens to points that are never reached?
-# 3. Find the neighbours with your `KdTree` from lesson 04 (its tolerance is `<=`, the threshold here `<`). At how many points does it overtake NumPy?
+# 1. Let the threshold grow with the distance `r` from the sensor, as `0.3 + 0.01 * r`. Does either of the two errors become smaller?
+# 2. Let only points with at least five neighbours pass on their label. That is the full DBSCAN algorithm. Does it separate the two pedestrians? What happens to points that are never reached?
+# 3. Find the neighbours with your `KdTree` from lesson 04. (It compares distances with `<=`, but here the threshold needs `<`.) With how many points does the tree become faster than NumPy?
 
 # %% [markdown]
 # ### Breaking it on purpose
 #
-# *A good tester looks for the smallest input on which a right and a wrong function differ.*
+# *A good tester looks for the smallest input on which a right and a wrong function give different results.*
 #
-# Three colleagues have sent in their `euclidean_clustering`, without the code. Here are their labels for sixteen points, with a threshold of 0.8 m, next to yours. What is wrong with A, B and C?
+# Three colleagues have written their own `euclidean_clustering`, but do not show their code. Here are their labels for sixteen points, with a threshold of 0.8 m, next to yours. What is wrong with A, B and C?
 
 # %%
 show_broken(euclidean_clustering)
 
 # %% [markdown]
-# For each version, write a cloud on which it and your function disagree, with as few rows as you can. The best cloud exposes only that version. Once a cloud exposes a version, you are told what is wrong with it.
+# For each version, write a cloud on which its labels differ from yours, with as few rows as you can. The best cloud exposes only this version. Once a cloud exposes a version, you see what is wrong with it.
 
 # %%
 # For each of A, B and C, give rows [x, y, z] in metres: A=[[...], [...]].

@@ -95,7 +95,7 @@ def labelled_on_leaving(points, threshold, most):
 
 def test_a_point_labelled_on_leaving_enters_the_queue_again(street):
     entries, _ = labelled_on_leaving(in_space(street["seven"]), 0.8, 1000)
-    assert entries == [0, 2, 4, 4, 5, 5, 5]
+    assert entries == [0, 2, 4, 4, 5, 5, 5] and len(set(entries)) == 4
     car = street["obstacles"][street["objects"] == 1]
     gaps = np.linalg.norm(car[:, None, :3] - car[None, :, :3], axis=2)
     assert 18 < np.mean(np.sum(gaps < 0.5, axis=1) - 1) < 22
@@ -199,7 +199,7 @@ def test_a_car_counts_as_torn_when_it_lost_a_single_point(street, cluster):
 
 def test_common_mistakes_match_the_table(street, cluster, labels):
     obstacles, objects, kinds = (street[name] for name in ("obstacles", "objects", "kinds"))
-    # A threshold of 0.71 m (the square root of 0.5) joins the parts of the slanted car, and also
+    # A threshold of 0.71 m (the square root of 0.5) joins the parts of the turning car, and also
     # two other cars.
     wider = cluster(obstacles, 0.5**0.5)
     assert len(np.unique(labels[objects == 10])) == 2 and len(np.unique(wider[objects == 10])) == 1

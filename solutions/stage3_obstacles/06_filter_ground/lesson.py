@@ -13,13 +13,13 @@
 #
 # ![A street seen from the side. A dashed line half a metre above the road separates grey points of the road below from dark points of cars, people and walls above.](06_preview.png)
 #
-# A LiDAR measures roads and obstacles alike, as points. The car should drive on the road, so every road point that stays in the cloud is a *phantom obstacle*.
+# A LiDAR measures both roads and obstacles as points. The car should drive on the road, so every road point that stays in the cloud is a *phantom obstacle*.
 #
 # **After this lesson you can**
 # - remove the ground from a scan with a single comparison, and say when that is not enough,
-# - thin a cloud to a fifth of its points, and say which objects gain and which lose by it.
+# - thin out a cloud to a fifth of its points, and say which objects keep the largest share of their points.
 #
-# **You write** `filter_ground` (points) and `voxel_grid` (points). **You need** NumPy arrays and boolean masks (lesson 01). This lesson forbids none of the packages listed at its end. **Time:** about 55 minutes.
+# **You write** `filter_ground` (points) and `voxel_grid` (points). **You need** NumPy arrays and boolean masks (lesson 01). All packages listed at the end are allowed. **Time:** about 55 minutes.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -29,8 +29,6 @@
 
 # %% [markdown]
 # ## One scan
-#
-# *All heights are measured from the sensor.*
 #
 # The file `cloud.txt` contains one scan from a 64-beam LiDAR on the roof of the [ego car](#Words-of-the-course). Each row is one [return](#Words-of-the-course): x (forward), y (left) and z (up) in metres, and an intensity between 0 and 1.
 
@@ -51,16 +49,16 @@ street = ((-15, 40), (-12, 12))  # x from, to; y from, to
 plots.from_above(cloud, limits=street, title="The street from above, coloured by height");
 
 # %% [markdown]
-# Make two guesses before you see the heights.
+# Make two guesses first.
 
 # %%
 peak = predict("At which height z are the most returns?", between=(-3, 3), step=0.1,
                unit="m", digits=1)
-share = predict("What share of all returns is ground (road and pavement)?",
+share = predict("What share of all returns comes from the ground (road and pavement)?",
                 between=(0, 100), unit="%")
 
 # %% [markdown]
-# The scan is simulated, so we know what each return hit.
+# The scan is simulated, so we know what each return comes from.
 
 # %%
 from utils.datasets import DATA
@@ -69,21 +67,21 @@ truth = np.load(DATA / "cloud_truth.npz")
 kinds = truth["class_names"][truth["classes"]]  # one word per return, such as "ground" or "car"
 
 plots.histogram(cloud[:, 2], label="height z (m)", marks={"road under the car": -1.73},
-                title="Where the returns are, by height")
+                title="How many returns are at each height")
 counts, edges = np.histogram(cloud[:, 2], bins=np.arange(-3.5, 3.05, 0.1))
 fullest = np.argmax(counts)
-peak.compare(edges[fullest] + 0.05, f"The most are between {edges[fullest]:.1f} and "
-             f"{edges[fullest + 1]:.1f} m. That is the ground. The road under the car is 1.73 m "
-             "below the sensor. The street climbs, and the pavement is a kerb higher.")
+peak.compare(edges[fullest] + 0.05, f"The peak is between {edges[fullest]:.1f} and "
+             f"{edges[fullest + 1]:.1f} m, and comes from the ground. The road under the car is "
+             "1.73 m below the sensor, but the street climbs, and the pavement is higher.")
 share.compare(100 * np.mean(kinds == "ground"), "Most beams point downwards, but more than half "
               "of the returns come from objects in their way, mostly from walls and cars.")
 
 # %% [markdown]
-# The tall peak is road and pavement. It is wide because the street slopes. The long shoulder to its right is everything else. A good ground level is at the foot of the peak, where the shoulder begins.
+# The tall peak is the road and the pavement, and the long shoulder to its right is everything else. A good ground level is at the foot of the peak, where the shoulder begins.
 #
 # ## The naive idea: ground is where z is 0
 #
-# On a map, the ground has height 0. So keep the points above z = 0, and look from the side.
+# On a map, the ground has height 0. So we keep the points above z = 0, and look at them from the side.
 
 # %%
 near = cloud[np.abs(cloud[:, 1]) < 4]  # a slice of street, 8 m wide
@@ -91,17 +89,15 @@ plots.from_side(near, level=0.0, limits=((-15, 40), (-3, 3)),
                 title="Above z = 0 hardly any part of a car is left");
 
 # %% [markdown]
-# Whole cars are below the line, because their roofs are lower than our sensor. In this cloud, z = 0 is the height of the sensor. Other cars carry it higher or lower, so the level must be a parameter.
+# Whole cars are below the line. In this cloud, z = 0 is the height of our sensor, and their roofs are lower. Other cars carry their sensor higher or lower, so the level must be a parameter.
 #
 # ## The idea: one level, a little above the road
-#
-# *Half a metre of margin allows for bumps, slopes and noise. It costs the wheels of the cars.*
 #
 # Let $g$ be the ground level. Keep the points
 #
 # $$\{\, p : z_p \ge g \,\}.$$
 #
-# The road is at about $-1.7$ m, so $g = -1.2$ m leaves half a metre for kerbs, slopes and noise. Cars lose their wheels, but hardly fall apart. With the threshold of lesson 05, seven of the ten cars within 25 m are still one cluster, and the other three lose at most 4 % of their points.
+# The road is at about $-1.7$ m, so $g = -1.2$ m leaves half a metre for kerbs, bumps, slopes and noise. Cars lose their wheels, but they hardly fall apart. With the clustering of lesson 05, seven of the ten cars within 25 m are still one cluster, and the other three lose at most 4 % of their points.
 #
 # ## Exercise 1 · `filter_ground` (points)
 #
@@ -109,21 +105,21 @@ plots.from_side(near, level=0.0, limits=((-15, 40), (-3, 3)),
 
 # %% nbgrader={"grade": false, "grade_id": "filter_ground", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def filter_ground(cloud, ground_level=-1.2):
-    """Remove the ground: keep the points at or above a height.
+    """Remove the ground, and keep the points at or above a height.
 
     Parameters
     ----------
     cloud : ndarray, shape (n, 3) or (n, 4)
-        x, y, z in metres, the sensor at the origin; then intensity.
+        Columns x, y and z in metres from the sensor, then perhaps intensity.
     ground_level : float
         Height in metres, relative to the sensor.
 
     Returns
     -------
     ndarray, shape (m, 3) or (m, 4)
-        The rows with z >= ground_level, all columns, in the same order.
+        The rows with z >= ground_level, with all columns and in the same order.
     """
-    # 1. Compare the heights of all points with the level: one True or False per point.
+    # 1. Compare the heights of all points with the level. This gives one True or False per point.
     # 2. Index the cloud with the result.
     # roughly 2 lines
     ### BEGIN SOLUTION
@@ -138,11 +134,11 @@ def filter_ground(cloud, ground_level=-1.2):
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# The comparison gives a mask: one `True` or `False` per row. Index rows with it: `cloud[mask]`, not `cloud[:, mask]`.
+# The comparison gives a mask with one `True` or `False` per row. Select the rows with it: `cloud[mask]`, not `cloud[:, mask]`.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# Write `mask = cloud[:, 2] ...` with the comparison and `ground_level` in place of the dots. Then `return cloud[mask]`. Do not write -1.2 here: it is already the default of the parameter.
+# Write `mask = cloud[:, 2] ...` with the comparison and `ground_level` in place of the dots. Then write `return cloud[mask]`. Do not write -1.2 here, because it is already the default value of the parameter.
 # </details>
 
 # %% [markdown]
@@ -159,7 +155,7 @@ seven = np.array([[6.0, 0.5, -1.73, 0.20],   # road
 print(filter_ground(seven))
 
 # %% [markdown]
-# **Look before you check.** The first picture should show the street without its road, except for some streaks more than 20 m ahead. In the second picture, nothing may be below the dashed line.
+# **Look before you check.** The first picture should show the street without its road, except for some streaks more than 20 m ahead. In the second picture, nothing should be below the dashed line.
 
 # %%
 obstacles = filter_ground(cloud)
@@ -173,11 +169,9 @@ plots.from_side(filter_ground(near), level=-1.2, limits=((-15, 40), (-3, 3)),
 check(filter_ground)
 # %% [markdown]
 # ## Play: how high is high enough?
-#
-# *If the level is too low, ground stays. If it is too high, obstacles disappear.*
 
 # %%
-thin = cloud[::12]  # every twelfth point is enough to look at
+thin = cloud[::12]  # every twelfth point is enough for a picture
 
 
 @interact(level=FloatSlider(value=-1.2, min=-2.2, max=0.6, step=0.1, description="level (m)",
@@ -189,7 +183,7 @@ def show_level(level):
     plt.show()
 
 # %% [markdown]
-# The same without a slider, for three levels. A colour means the same height in all three.
+# The same without a slider, for three levels. A colour means the same height in all three pictures.
 
 # %%
 figure, rows = plt.subplots(3, 1, figsize=(8.5, 10.5), layout="compressed")
@@ -203,16 +197,16 @@ plots.ring(rows[2], -11.7, -2.7, radius=2.5, text="no car");
 # %% [markdown]
 # ## Theory against practice: what does the best level cost?
 #
-# For every level, your `filter_ground` now counts two errors: ground that stays (a phantom obstacle) and obstacle points that are removed (a blind spot).
+# If the level is too low, ground points stay (phantom obstacles). If it is too high, obstacle points are removed (blind spots). We count both errors of your `filter_ground` at many levels.
 
 # %%
 ground = cloud[kinds == "ground"]
-objects = truth["objects"]  # for each return, the number of the object it hit; 0 if none
+objects = truth["objects"]  # the number of the object that each return comes from; 0 if none
 upright = cloud[objects > 0]  # all returns from objects that stand on the ground
 
 
 def two_errors(levels):
-    """For each level, the share of the ground that stays and of the obstacles that is removed."""
+    """Return, for each level, the share of ground points that stay and of obstacle points removed."""
     stays = [len(filter_ground(ground, level)) / len(ground) for level in levels]
     goes = [1 - len(filter_ground(upright, level)) / len(upright) for level in levels]
     return np.array(stays), np.array(goes)
@@ -232,7 +226,7 @@ print(f"the curves cross at {crossing:.2f} m; half of the ground is below "
       f"{np.median(ground[:, 2]):.2f} m")
 
 # %% [markdown]
-# The default is to the right of the crossing, on purpose. A phantom obstacle makes the car brake for nothing, whereas we can spare the lowest half metre of an obstacle. Even so, some ground stays. Where is it?
+# The default is to the right of the crossing on purpose. A phantom obstacle makes the car brake for nothing, whereas we can do without the lowest half metre of an obstacle. Even so, some ground points stay. Where are they?
 
 # %%
 left_over = filter_ground(ground)
@@ -248,12 +242,12 @@ plots.from_side(ground[np.abs(ground[:, 1]) < 6], level=-1.2, limits=((-40, 75),
 # %% [markdown]
 # ## Thinning: too many points near the car
 #
-# *On upright surfaces, the density of points falls with the square of the distance. On the road it falls even faster.*
+# *On vertical surfaces, the density of points falls with the square of the distance. On the road, it falls even faster.*
 #
-# The next lessons compare each point with its neighbours, so fewer points mean less work. The naive way is to keep every fifth row. We try it on `upright`, the returns of all objects on the ground. (This part does not need exercise 1.)
+# The next lessons compare each point with its neighbours, so fewer points mean less work. The naive way is to keep every fifth row. We try this on `upright`, the returns from all objects on the ground. (This part does not need exercise 1.)
 
 # %% tags=["folded"]
-# @title What is left of a wall, of a pedestrian and of three cars (you need not read this)
+# @title Shows what is left of a wall, a pedestrian and three cars (you need not read this)
 def show_what_is_left(methods):
     """Show how many points of five objects each method leaves; `methods` maps names to functions."""
     table = []
@@ -266,31 +260,29 @@ def show_what_is_left(methods):
 
 # %%
 def by_skipping(rows):
-    """How many of these rows of `upright` are left when every fifth row is kept."""
+    """Return how many of these rows of `upright` are left if we keep every fifth row."""
     return np.sum(rows % 5 == 0)
 
 
 show_what_is_left({"every fifth": by_skipping})
 
 # %% [markdown]
-# Skipping rows thins everything by the same factor. The wall still has more points than its shape needs, and the last car has only about thirty left. We want the same density everywhere.
+# Skipping rows thins out everything by the same factor. The wall still has more points than its shape needs, but the last car has only about thirty. We want the same density everywhere.
 #
 # ## The idea: one point per cube of space
 #
-# *Cut space into cubes, and replace all points in a cube by their mean.*
-#
-# A cube of side $s$ is called a [*voxel*](#Words-of-the-course), a pixel with volume. The point $p$ is in the cell
+# Let us cut space into cubes with sides of length $s$. A cube is called a [*voxel*](#Words-of-the-course), which is a pixel with volume. The point $p$ is in the cell
 #
 # $$\left(\left\lfloor \tfrac{x}{s} \right\rfloor,\ \left\lfloor \tfrac{y}{s} \right\rfloor,\ \left\lfloor \tfrac{z}{s} \right\rfloor\right).$$
 #
-# The brackets mean *round down*, also below zero: $\lfloor -0.2 \rfloor = -1$. Points with the same three whole numbers share a cell. Their mean, the *centroid*, replaces them, intensity included.
+# The brackets mean *round down*, even below zero, so $\lfloor -0.2 \rfloor = -1$. Points with the same three whole numbers are in the same cell. We replace them by their mean in all columns, the *centroid*.
 #
-# `np.unique` finds the different numbers in an array, says for each entry which of them it is, and counts them. A cell is three numbers, so the folded function `as_numbers` first makes one number of each row.
+# `np.unique` finds the different numbers in an array, counts them, and says which of them each entry is. A cell is three numbers, so the folded function `as_numbers` first turns each row into one number.
 
 # %% tags=["folded"]
-# @title Makes one number of each row (you need not read this)
+# @title Turns each row into one number (you need not read this)
 def as_numbers(rows):
-    """One whole number for each row of whole numbers: equal for equal rows, and for no others."""
+    """Return one whole number for each row of whole numbers, equal only for equal rows."""
     rows = np.asfortranarray(rows)  # stored column by column, which is faster
     rows = rows - rows.min(axis=0)
     extent = rows.max(axis=0) + 1
@@ -306,7 +298,7 @@ print("a number for each row:", as_numbers(cells), "  different ones:", differen
 print("row by row:", which, "  how many of each:", how_many)
 
 # %% [markdown]
-# Rows 0, 2 and 3 are of kind 0, and row 1 is of kind 1. Now add up four prices for each kind. There is a trap:
+# Rows 0, 2 and 3 are of kind 0, and row 1 is of kind 1. Now we add up four prices by kind. There is a trap:
 
 # %%
 prices = np.array([10, 1, 5, 2])
@@ -320,7 +312,7 @@ np.add.at(sums, which, prices)
 print("np.add.at:             ", sums, "  10 + 5 + 2, and 1")
 
 # %% [markdown]
-# `sums[which] += prices` first reads the old values, which are zeros. Then it writes 10, 1, 5 and 2 to their places. Place 0 is written three times, and the last value, 2, stays. `np.add.at` adds one after the other. It can also add whole rows.
+# `sums[which] += prices` first reads the old values, which are zeros. Then it writes 10, 1, 5 and 2 to their places. Place 0 is written three times, and only the last value, 2, stays. `np.add.at` adds the values one after the other. It can also add whole rows.
 #
 # ## Exercise 2 · `voxel_grid` (points)
 #
@@ -328,25 +320,25 @@ print("np.add.at:             ", sums, "  10 + 5 + 2, and 1")
 
 # %% nbgrader={"grade": false, "grade_id": "voxel_grid", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def voxel_grid(cloud, voxel_size=0.2):
-    """Thin a cloud: one centroid per occupied cube.
+    """Thin out a cloud to one centroid per occupied cube.
 
     Parameters
     ----------
     cloud : ndarray, shape (n, 3) or (n, 4)
-        x, y, z in metres; then intensity.
+        Columns x, y and z in metres, then perhaps intensity.
     voxel_size : float
-        Side of a cube in metres.
+        Side length of a cube in metres.
 
     Returns
     -------
     ndarray, shape (m, 3) or (m, 4)
         The mean of all columns over the points of each occupied cell
-        floor(xyz / voxel_size); any order of rows.
+        floor(xyz / voxel_size). The rows may be in any order.
     """
-    # 1. An empty cloud has no cells: return an empty cloud with the same columns.
-    # 2. The cell of each point: three whole numbers, rounded down, also below zero.
-    # 3. The different cells, which of them each point is in, and how many points each holds.
-    # 4. Add up the rows of each cell: np.add.at(sums, which, rows) does this in one step.
+    # 1. If the cloud is empty, return an empty cloud with the same columns.
+    # 2. Find the cell of each point: three whole numbers, rounded down, even below zero.
+    # 3. Find the different cells, the cell of each point, and the number of points in each cell.
+    # 4. Add up the rows of each cell. np.add.at(sums, which, rows) does this in one step.
     # 5. Divide the sums by the counts.
     # roughly 7 lines
     ### BEGIN SOLUTION
@@ -363,19 +355,19 @@ def voxel_grid(cloud, voxel_size=0.2):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# `np.floor(cloud[:, :3] / voxel_size)` gives the cells. `.astype(int)` alone would round towards zero, and merge the cells on both sides of the sensor.
+# `np.floor(cloud[:, :3] / voxel_size)` gives the cells. On its own, `.astype(int)` would round towards zero and merge the cells on both sides of the sensor.
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# `np.unique(as_numbers(cells), return_inverse=True, return_counts=True)` gives three arrays. The second says which cell each point is in. The third says how many points each cell holds.
+# `np.unique(as_numbers(cells), return_inverse=True, return_counts=True)` gives three arrays. The second says which cell each point is in. The third says how many points each cell contains.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# `sums = np.zeros((number_of_cells, cloud.shape[1]))`, then `np.add.at(sums, which, cloud)`. Divide by the counts as a column, `counts[:, None]`, so that each row is divided by its own count.
+# Write `sums = np.zeros((number_of_cells, cloud.shape[1]))`, and then `np.add.at(sums, which, cloud)`. Divide by the counts as a column, `counts[:, None]`, so that each row is divided by its own count.
 # </details>
 
 # %% [markdown]
-# **Four voxels first.** Here are seven points, and cells of half a metre. Two points share a cell and become (0.2, 0.2, 0.2) with intensity 0.3. Three share another and become (0.7, 0.7, 0.2) with intensity 0.4. Two are alone.
+# **Four voxels first.** Here are seven points in cells of half a metre. Two points share a cell and become (0.2, 0.2, 0.2) with intensity 0.3. Three share another cell and become (0.7, 0.7, 0.2) with intensity 0.4. The other two are alone in their cells.
 
 # %% tags=["folded"]
 # @title Draws points, cells and centroids (you need not read this)
@@ -407,39 +399,39 @@ print(np.round(four, 3))
 draw_cells(few, four, 0.5, title="Seven points from above, in four cells of 0.5 m");
 
 # %% [markdown]
-# **Look before you check.** Now one flank of a car, seen from the side. Each square with points should contain exactly one centroid, and you should still recognise the car.
+# **Look before you check.** Here is the side of a car that faces us. Each square with points should contain exactly one centroid, and you should still recognise the car.
 
 # %%
 flank = cloud[(objects == 1) & (cloud[:, 1] > -2.4)]
 flank[:, 1] = -2.1  # flattened, so that each square in the picture is one cell
 draw_cells(flank, voxel_grid(flank, 0.2), 0.2, up=2,
-           title="The flank of a car from the side, cells of 0.2 m");
+           title="The side of a car, in cells of 0.2 m");
 
 # %% nbgrader={"grade": true, "grade_id": "test_voxel_grid", "locked": true, "points": 20, "schema_version": 3, "solution": false, "task": false}
 check(voxel_grid)
 # %% [markdown]
-# Back to the wall, the pedestrian and the three cars. Both methods leave about the same number of points in all.
+# Both methods leave about the same number of points in total.
 
 # %%
 def by_voxels(rows):
-    """How many centroids the voxel grid leaves of these rows of `upright`."""
+    """Return how many centroids the voxel grid makes from these rows of `upright`."""
     return len(voxel_grid(upright[rows], 0.2))
 
 # %%
 everything = np.arange(len(upright))
-print(f"In all: {by_skipping(everything):,} by skipping, {by_voxels(everything):,} centroids")
+print(f"In total: {by_skipping(everything):,} by skipping, {by_voxels(everything):,} centroids")
 show_what_is_left({"every fifth": by_skipping, "voxels of 0.2 m": by_voxels})
 
 # %% [markdown]
-# The near objects keep fewer points than with skipping, but still plenty. The two far cars keep more than twice as many. A centroid represents one piece of a surface, and a far surface has as many pieces as a near one.
+# The near objects keep fewer points than with skipping, but still plenty. The two distant cars keep more than twice as many. A centroid represents one piece of a surface, and a distant surface has as many pieces as a near one.
 #
 # ## Play: detail against cost
 #
-# *Larger cells save work, until objects lose their shape.*
+# *Larger cells save work, until the objects lose their shape.*
 
 # %%
-fewer = predict("A cell of 0.4 m holds eight times the volume of a cell of 0.2 m. "
-                "How many times fewer points will be left?", between=(1, 8), step=0.1,
+fewer = predict("A cell of 0.4 m has eight times the volume of a cell of 0.2 m. "
+                "By which factor will the number of points fall?", between=(1, 8), step=0.1,
                 digits=1)
 
 # %%
@@ -451,7 +443,7 @@ def show_cells(size):
 
 # %%
 def points_left(sizes):
-    """For each cell size, how many centroids are left of all objects on the ground."""
+    """Return how many centroids of all objects on the ground each cell size leaves."""
     return np.array([len(voxel_grid(upright, size)) for size in sizes])
 
 # %%
@@ -468,23 +460,24 @@ axes.set_xticks(sizes, [f"{size:g}" for size in sizes])
 axes.set_yticks([300, 1_000, 3_000, 10_000, 30_000, 100_000, 300_000],
                 ["300", "1,000", "3,000", "10,000", "30,000", "100,000", "300,000"])
 axes.minorticks_off()
-fewer.compare(left[2] / left[3], "A LiDAR sees surfaces, not volumes. Four times fewer cells "
-              "touch a surface, and two times fewer touch a pole or an edge. A street has both.")
+fewer.compare(left[2] / left[3], "A LiDAR sees surfaces, not volumes. With cells twice as wide, "
+              "a quarter as many cells touch a surface, and half as many touch a pole or an edge. "
+              "A street has both.")
 
 # %% [markdown]
-# A surface of area $A$ meets about $A / s^2$ cubes, and a pole of length $L$ about $L / s$. At the left end, your points rise less than either line, because most of these small cells contain a single point.
+# A surface of area $A$ touches about $A / s^2$ cubes, and a pole of length $L$ touches about $L / s$ cubes. At the left end, your curve rises less than either line, because most of these small cells contain a single point.
 
 # %% [markdown]
 # ## Common mistakes
 #
-# | mistake | what you see |
+# | what the code does | what you see |
 # |---|---|
-# | `<` instead of `>=` | the road without the cars |
-# | the wrong column, `cloud[:, 1]` | half a street: everything on the right is gone |
-# | `abs(z)` in the comparison | everything stays, because no absolute value is below -1.2 |
-# | `.astype(int)` without `np.floor` | cells around the sensor are twice as wide |
-# | `sums[which] += cloud` | centroids are pulled towards the sensor |
-# | `0.2` written into the function | the slider does nothing |
+# | compares with `<` instead of `>=` | the road without the cars |
+# | uses the wrong column, `cloud[:, 1]` | half a street, because everything on the right is gone |
+# | compares `abs(z)` with the level | everything, because no absolute value is below -1.2 |
+# | uses `.astype(int)` without `np.floor` | cells around the sensor are twice as wide |
+# | adds with `sums[which] += cloud` | centroids are too close to the sensor |
+# | uses the number 0.2 and not the parameter | the slider does nothing |
 
 # %% tags=["folded"]
 # @title The wrong column (you need not read this)
@@ -497,7 +490,7 @@ for (name, column), axes in zip(columns.items(), panels):
 # %% [markdown]
 # ## Let it drive
 #
-# Without points; skip it if you like. A car drives for ten seconds up a street that climbs by 6 %, and sees it through your `filter_ground`. The driver brakes for every box in the lane that is closer than the stopping distance. The cell takes 10 to 30 seconds.
+# This drive is optional. A car drives for ten seconds up a street that climbs by 6 %, and your `filter_ground` filters its scans. The driver brakes for every box in the lane that is closer than the stopping distance. The cell takes 10 to 30 seconds.
 
 # %%
 from utils.drive import chain, drive_street, on_time
@@ -505,7 +498,7 @@ from utils.lent import is_written, own
 
 
 def drive_with(level, street=6, seconds=10):
-    """Ten seconds of a street, seen through your filter."""
+    """Drive through a street with your filter."""
     mine = own(filter_ground)
     return drive_street(street, chain(ground=lambda points: mine(points, level)),
                         seconds=seconds, clock=on_time)
@@ -515,19 +508,19 @@ drive_with(-0.6) if is_written(filter_ground) else print(
     "filter_ground is not written, or has not passed its check.")
 
 # %% [markdown]
-# With -0.6 m, the car drives 82 m without braking. Now try the default, `drive_with(-1.2)`. The car brakes for bare asphalt, and gets less than half as far. The level is 0.53 m above the road under the car, and a climb of 6 % reaches it 9 m ahead of the sensor. Open a braking below the strip to see its frame. (The strip measures from the bumper, 2.6 m ahead of the sensor, when the answer arrives.)
+# With -0.6 m, the car drives 82 m without braking. Now try the default, `drive_with(-1.2)`. The car brakes for bare asphalt, and gets less than half as far. The level is 0.53 m above the road under the car, and a road that climbs by 6 % reaches this level 9 m ahead of the sensor. Open a braking event below the strip to see its frame. (The strip measures from the bumper, 2.6 m ahead of the sensor, at the moment when the answer arrives.)
 #
-# Is -0.6 m the better level? Send it downhill, where a pedestrian crosses after ten seconds: `drive_with(-0.6, street=16, seconds=13)`. Can one level drive 82 m uphill and stop downhill?
+# Is -0.6 m the better level? Try it downhill, where a pedestrian crosses after ten seconds, with `drive_with(-0.6, street=16, seconds=13)`. Is there a level with which the car drives 82 m uphill and stops in time downhill?
 #
 # <details><summary>An answer</summary>
 #
-# No. Downhill, the car hits the pedestrian at 30 km/h with -0.6 m, and at 4 km/h with -1.2 m. With -1.7 m it brakes in time. A level is right for one slope. The plane of lesson 03 follows the road.
+# No. Downhill, the car hits the pedestrian at 30 km/h with a level of -0.6 m, and at 4 km/h with -1.2 m. With -1.7 m, it brakes in time. A level is right for one slope only, but the plane of lesson 03 follows the road.
 # </details>
 
 # %% [markdown]
 # ## In practice
 #
-# - In Open3D, `voxel_grid` is one call. Its grid begins at the lowest corner of the cloud, ours at the sensor:
+# - In Open3D, a voxel grid takes one call. Its grid starts at the lowest corner of the cloud, but ours starts at the sensor.
 #
 #   ```python
 #   import open3d
@@ -536,38 +529,38 @@ drive_with(-0.6) if is_written(filter_ground) else print(
 #   ```
 #
 #   The Point Cloud Library has [`PassThrough`](https://pcl.readthedocs.io/projects/tutorials/en/latest/passthrough.html) and [`VoxelGrid`](https://pcl.readthedocs.io/projects/tutorials/en/latest/voxel_grid.html).
-# - Real cars fit a plane to each piece of road. Or they go outward along one azimuth, from [beam](#Words-of-the-course) to beam, and look for the first jump in height.
-# - Nearly every pipeline begins with a voxel grid, in a city usually of 0.1 to 0.3 m.
+# - Real cars fit a plane to each piece of the road. Other programs go outwards in one direction (azimuth), from [beam](#Words-of-the-course) to beam, and look for the first jump in height.
+# - Nearly every pipeline begins with a voxel grid. In a city, the cells are usually 0.1 to 0.3 m wide.
 #
 # ## Summary
 #
-# - Heights are relative to the sensor, so the ground level is a property of the car.
+# - Heights are relative to the sensor, so the right ground level depends on the car.
 # - One comparison removes nearly all of the ground. Slopes need a plane.
-# - A voxel grid evens out density.
+# - A voxel grid makes the density of points more even.
 #
-# **Sources.** A sensor 1.73 m above the road: KITTI data set, [Geiger et al. 2013](https://www.cvlibs.net/publications/Geiger2013IJRR.pdf). Voxel grid: [Rusu and Cousins 2011](https://doi.org/10.1109/ICRA.2011.5980567). Ground by lines in sectors of azimuth: [Himmelsbach et al. 2010](https://doi.org/10.1109/IVS.2010.5548059); by planes: [Zermas et al. 2017](https://doi.org/10.1109/ICRA.2017.7989591).
+# **Sources.** A sensor 1.73 m above the road: KITTI data set, [Geiger et al. 2013](https://www.cvlibs.net/publications/Geiger2013IJRR.pdf). Voxel grid: [Rusu and Cousins 2011](https://doi.org/10.1109/ICRA.2011.5980567). Finding the ground with lines in sectors of azimuth: [Himmelsbach et al. 2010](https://doi.org/10.1109/IVS.2010.5548059); with planes: [Zermas et al. 2017](https://doi.org/10.1109/ICRA.2017.7989591).
 #
 # **Next:** 07 · Filter by distance
 
 # %% [markdown]
 # ## If you want more
 #
-# 1. Write `filter_ground_sloped(cloud, ground_level, slope)`, whose level rises with distance. Which slope leaves the fewest errors in the curve above? (20 minutes)
+# 1. Write `filter_ground_sloped(cloud, ground_level, slope)`, whose level rises with distance. Which slope gives the fewest errors in the figure above? (20 minutes)
 # 2. In each cell, keep the point nearest to the centroid instead of the centroid itself. When does it matter that a centroid was never measured? (20 minutes)
 # 3. Load your own recording with `load_cloud("path/to/file.pcd")`, and find its ground level from the histogram. (10 minutes)
 
 # %% [markdown]
 # ### Which kind of object vanishes first? (5 minutes)
 #
-# Your function can tell. We take objects within 15 m, with at least a hundred returns.
+# Your function can answer this. We use objects within 15 m that have at least a hundred returns.
 
 # %%
-first = predict("Raise the level step by step. Of which kind is the first object that vanishes?",
+first = predict("We raise the level step by step. What kind of object vanishes first?",
                 choices=["a car", "a pedestrian", "a wall"])
 
 # %%
 def vanishes_at(kind, levels):
-    """The first of the rising levels at which an object of this kind has no return left."""
+    """Return the first of the rising levels at which an object of this kind has no returns."""
     mine = (kinds == kind) & (np.hypot(cloud[:, 0], cloud[:, 1]) < 15)
     numbers, sizes = np.unique(truth["objects"][mine], return_counts=True)
     for level in levels:

@@ -9,16 +9,16 @@
 # %% [markdown]
 # # 07 · Filter by distance
 #
-# ![A street from above. A dashed circle of 10 m around the sensor holds strong dots of cars and people; outside it, pale crosses. A long solid box reaches 30 m ahead, and a small box covers the ego car.](07_preview.png)
+# ![A street from above. Inside a dashed circle of 10 m around the sensor, the points of cars and people are bold dots. Outside it, points are pale crosses. A long box with solid lines reaches 30 m ahead, and a small box covers the ego car.](07_preview.png)
 #
-# A scan reaches 80 m in every direction, behind houses and into the next street. Most of these points cannot matter before the car has stopped, so a filter drops them first.
+# A scan reaches 80 m in every direction, past houses and into the next street. The car can stop long before it gets that far, so a filter drops the distant points first.
 #
 # **After this lesson you can**
-# - keep the near points, with the right kind of distance, and say what a larger radius costs,
+# - keep the points near the car, use the right kind of distance, and say what a larger radius costs,
 # - cut a region of interest out of a street, straight or bent,
 # - find and remove [returns](#Words-of-the-course) that do not come from obstacles.
 #
-# **You write** `filter_by_distance` (points), `crop_region` (points) and `remove_ego_returns` (points). **You need** boolean masks (lesson 01 or 06). This lesson forbids none of the packages listed at its end. **Time:** about 45 minutes.
+# **You write** `filter_by_distance` (points), `crop_region` (points) and `remove_ego_returns` (points). **You need** boolean masks (lesson 01 or 06). All packages listed at the end are allowed. **Time:** about 45 minutes.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -45,7 +45,7 @@ print(f"{len(cloud):,} returns; x from {low[0]:.0f} to {high[0]:.0f} m, "
 plots.from_above(cloud, limits=((-80, 80), (-80, 30)), title="One scan, out to 80 m");
 
 # %% [markdown]
-# Imagine a circle of 10 m around the sensor. It covers only 1/64 of the area that the sensor reaches, or 1.6 %. Your own function will answer the next question.
+# Imagine a circle with a radius of 10 m around the sensor. It covers only 1/64 of the area that the sensor reaches, or 1.6 %.
 
 # %%
 within_10 = predict("What share of all returns is within 10 m of the sensor?",
@@ -54,12 +54,10 @@ within_10 = predict("What share of all returns is within 10 m of the sensor?",
 # %% [markdown]
 # ## The naive idea: a ball around the sensor
 #
-# *The straight-line distance to the sensor is not the distance left to drive.*
-#
-# Why not use the length of x, y and z, `np.linalg.norm(cloud[:, :3], axis=1)`? Think of a lorry that carries its sensor 3.4 m above the road and brakes for everything within 6 m. A child is 5.7 m in front of the sensor. Here is the yard from the side, to scale.
+# Why do we not use the straight-line distance, `np.linalg.norm(cloud[:, :3], axis=1)`? Think of a lorry in a yard. It carries its sensor 3.4 m above the ground, and brakes for everything within 6 m. A child is 5.7 m in front of the sensor. Here is the yard from the side, to scale.
 
 # %% tags=["folded"]
-# @title Scan a lorry's yard (you need not read this)
+# @title Scans the yard of a lorry (you need not read this)
 from utils.ground import Ground
 from utils.simulator import Sensor, World, layers, scan
 from utils.streets import numbered, placed
@@ -74,7 +72,7 @@ seen, is_child = yard_scan.cloud[in_front], yard_scan.objects[in_front] > 0
 
 
 def draw_yard(rows, keep, title):
-    """The yard from the side, to scale, with 6 m along the road and 6 m in a straight line."""
+    """Draw the yard from the side, with 6 m along the road and 6 m in a straight line."""
     axes = plots.kept_and_removed(rows, keep, view="side to scale", limits=((-9, 9), (-3.9, 1)),
                                   title=title)
     turn = np.linspace(0, 2 * np.pi, 200)
@@ -87,41 +85,39 @@ def draw_yard(rows, keep, title):
 
 slanted = np.linalg.norm(seen[:, :3], axis=1)
 draw_yard(seen, slanted <= 6, "3-D distance up to 6 m: the child is not seen")
-print(f"of {is_child.sum()} returns of the child, {(slanted[is_child] <= 6).sum()} are kept")
+print(f"{(slanted[is_child] <= 6).sum()} of the {is_child.sum()} returns from the child are kept")
 
 # %% [markdown]
-# The straight line starts 3.4 m above the road. Even to the top of the child's head it is longer than 6 m, although only 5.7 m are left along the road. A ball is the wrong shape, because it gets narrower towards the road, where people stand.
+# The straight line starts 3.4 m above the ground. Even to the top of the child's head, it is longer than 6 m, although only 5.7 m are left to drive. A ball is the wrong shape, because it gets narrower towards the ground, where people stand.
 #
 # ## Exercise 1 · `filter_by_distance` (points)
 #
 # *Cars do not drive upwards, so only the horizontal distance counts.*
 #
-# The horizontal distance of lesson 01 ignores the height:
-#
 # $$d(p) = \sqrt{x_p^2 + y_p^2}, \qquad \text{keep } \{\, p : d(p) \le r \,\}.$$
 #
 # Keep the rows whose horizontal distance is at most `distance`.
 #
-# In all three exercises, the cloud may have three or four columns, it may be empty, and it contains no NaN. If no row is left, return an empty array with the same columns.
+# In all three exercises, the cloud may have three or four columns, and it may be empty, but it does not contain NaN. If no row is left, return an empty array with the same columns.
 
 # %% nbgrader={"grade": false, "grade_id": "filter_by_distance", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def filter_by_distance(cloud, distance=10.0):
-    """Keep the points near the sensor, measured along the ground.
+    """Keep the points near the sensor, with distances measured along the ground.
 
     Parameters
     ----------
     cloud : ndarray, shape (n, 3) or (n, 4)
-        x, y, z in metres, the sensor at the origin; then intensity.
+        Columns x, y and z in metres from the sensor, then perhaps intensity.
     distance : float
         Largest horizontal distance in metres.
 
     Returns
     -------
     ndarray, shape (m, 3) or (m, 4)
-        The rows with sqrt(x^2 + y^2) <= distance, all columns, in the same order.
+        The rows with sqrt(x^2 + y^2) <= distance, with all columns and in the same order.
     """
-    # 1. The horizontal distance of every point, from the columns x and y alone.
-    # 2. Compare all of them with `distance`: one True or False per point.
+    # 1. Use only the columns x and y to compute the horizontal distance of every point.
+    # 2. Compare all of them with `distance`. This gives one True or False per point.
     # 3. Index the cloud with the result.
     # roughly 2 lines
     ### BEGIN SOLUTION
@@ -140,10 +136,10 @@ def filter_by_distance(cloud, distance=10.0):
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# Write `d = np.hypot(...)` with the first two columns, and `return cloud[d ...]` with the comparison in place of the dots. Compare with the parameter, not with 10.
+# Write `d = np.hypot(...)` with the first two columns, and `return cloud[d ...]` with the comparison in place of the dots. Compare with the parameter `distance`, not with the number 10.
 # </details>
 #
-# **Four points first.** The first and the last are farther away than 10 m. The second is in a tree and the third is under a bridge, but along the road they are 6.3 m and 5 m away. These two rows should be left.
+# **Four points first.** The first and the last point are more than 10 m away. The second is in a tree and the third is under a bridge, but along the road they are only 6.3 m and 5 m away. These two rows should be left.
 
 # %%
 four = np.array([[11.0, 1.0, 0.0, 0.1],
@@ -153,18 +149,18 @@ four = np.array([[11.0, 1.0, 0.0, 0.1],
 filter_by_distance(four)
 
 # %% [markdown]
-# **Look before you check.** The first picture should be a disc of radius 10 m. It has a hole around the car, where no beam reaches the road, and shadows behind obstacles. In the second picture, the child should be blue from head to feet.
+# **Look before you check.** The first picture should show a disc with a radius of 10 m. It has a hole around the car, where no beam reaches the road, and shadows behind obstacles. In the second picture, the child should be blue from head to toe.
 
 # %%
 near = filter_by_distance(cloud)
 plots.from_above(near, limits=((-14, 14), (-11, 11)), title=f"{len(near):,} near points")
 
-rows = np.column_stack([seen[:, :3], np.arange(len(seen))])  # a number in place of intensity
+rows = np.column_stack([seen[:, :3], np.arange(len(seen))])  # row numbers instead of intensity
 kept = filter_by_distance(rows, 6.0)[:, 3].astype(int)
 draw_yard(seen, np.isin(np.arange(len(seen)), kept), "Your function: 6 m around the lorry")
 within_10.compare(100 * len(near) / len(cloud),
                   "The angles between the beams are equal, so their rings on the road are close "
-                  "together near the car. Besides, near objects hide far ones.")
+                  "together near the car. Also, near objects hide objects behind them.")
 
 # %% nbgrader={"grade": true, "grade_id": "test_filter_by_distance", "locked": true, "points": 20, "schema_version": 3, "solution": false, "task": false}
 check(filter_by_distance)
@@ -172,9 +168,9 @@ check(filter_by_distance)
 # %% [markdown]
 # ## Play: how far should the car look?
 #
-# *Near the sensor, one more metre brings thousands of points. Far away, it brings dozens.*
+# *Near the sensor, one more metre adds thousands of points. Far away, it adds dozens.*
 #
-# The scan is simulated, so we know what each return hit, and can draw only the obstacles. A car drives ahead of us in our lane, on the line y = 0. At which radius does it appear? Beyond what radius does the picture hardly change?
+# The scan is simulated, so we know what each return comes from, and can draw only the obstacles. A car drives ahead of us in our lane, on the line y = 0. At which radius does it appear? Beyond which radius does the picture hardly change?
 
 # %%
 from utils.datasets import DATA
@@ -183,7 +179,7 @@ truth = np.load(DATA / "cloud_truth.npz")
 names = truth["class_names"].tolist()
 no_obstacle = [names.index(kind) for kind in ("invalid", "ground", "ego")]
 obstacles = cloud[~np.isin(truth["classes"], no_obstacle)]
-thin = obstacles[::4]  # every fourth point is enough to look at
+thin = obstacles[::4]  # every fourth point is enough for a picture
 
 
 @interact(radius=IntSlider(value=10, min=2, max=60, description="radius (m)",
@@ -196,13 +192,13 @@ def show_radius(radius):
 # %% tags=["folded"]
 # @title The same without a slider (you need not read this)
 def first_radius(number):
-    """The smallest radius in whole metres that leaves 20 returns of an object."""
+    """Return the smallest radius, in whole metres, that leaves 20 returns of an object."""
     hits = cloud[truth["objects"] == number]
     return next(radius for radius in range(1, 81) if len(filter_by_distance(hits, radius)) >= 20)
 
 
 def share_within(radii):
-    """For each radius, the share of the obstacles' returns that your filter leaves."""
+    """Return the share of the obstacles' returns that your filter keeps, for each radius."""
     return [len(filter_by_distance(obstacles, radius)) / len(obstacles) for radius in radii]
 
 
@@ -221,11 +217,11 @@ print("share of the obstacles' returns:",
 # %% [markdown]
 # ## What a radius saves, and what it loses
 #
-# *Comparing every point with every other takes n² steps. Half the points take a quarter of the work.*
+# *Comparing every point with every other point takes n² steps, so half the points need only a quarter of the work.*
 #
-# The next cell counts what a radius leaves: points above the ground, the work (points squared), and road users. A road user counts if at least 20 of its returns are left.
+# The next cell counts how much each radius leaves: points above the ground, work (points squared), and road users. A road user counts if at least 20 of its returns are left.
 #
-# The dotted lines show how far ahead a car must see a stationary obstacle. It drives on for half a second while it thinks, then brakes with 7 m/s². At the speed $v$ it stops after $0.5\,\mathrm{s} \cdot v + v^2 / 14\,\mathrm{m/s^2}$, counted from its bumper, 2.6 m ahead of the sensor.
+# The dotted lines show how far ahead a car must see a stationary obstacle. The car drives on for half a second while it thinks, and then brakes at 7 m/s². From the speed $v$, it stops after $0.5\,\mathrm{s} \cdot v + v^2 / 14\,\mathrm{m/s^2}$, measured from its bumper, 2.6 m ahead of the sensor.
 
 # %% tags=["folded"]
 # @title What a radius saves and what it loses (you need not read this)
@@ -236,17 +232,17 @@ users = np.column_stack([cloud[:, :3], truth["objects"]])[is_user]  # x, y, z, n
 
 
 def points_within(radii):
-    """For each radius, the number of points above the ground that your filter leaves."""
+    """Return the number of points above the ground that your filter keeps, for each radius."""
     return [len(filter_by_distance(cloud[upright], radius)) for radius in radii]
 
 
 def users_within(radii):
-    """For each radius, the number of road users of which it leaves at least 20 returns."""
+    """Return the number of road users that keep at least 20 returns, for each radius."""
     numbers = [filter_by_distance(users, radius)[:, 3] for radius in radii]
     return [int((np.unique(left, return_counts=True)[1] >= 20).sum()) for left in numbers]
 
 
-bumper = 2.6  # metres ahead of the sensor; a radius begins at the sensor, braking at the bumper
+bumper = 2.6  # metres ahead of the sensor, where a radius starts; braking starts at the bumper
 metres_per_second = np.array([30, 50]) / 3.6
 stops = bumper + 0.5 * metres_per_second + metres_per_second**2 / 14
 radii = np.array([4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 40, 60, 80])
@@ -257,14 +253,14 @@ evenly = np.arange(4, 81)
 figure, (cost, loss) = plt.subplots(1, 2, figsize=(8.5, 4.4), layout="compressed", sharey=True)
 plots.curves({"points, if spread evenly": (evenly, (evenly / 80) ** 2)},
              {"points": (radii, points[:13]), "work, n²": (radii, points[:13] ** 2)},
-             across="radius (m)", up="share that is left", title="What is left to do", axes=cost)
+             across="radius (m)", up="share that is left", title="Points and work", axes=cost)
 plots.curves({}, {"road users": (radii, road_users[:13])},
              across="radius (m)", title="Road users seen", axes=loss)
 for speed, stop, near, some in zip((30, 50), stops, points[13:], road_users[13:]):
     for axes in (cost, loss):
         axes.axvline(stop, color="black", linestyle=":", linewidth=1)
     loss.text(stop + 0.8, 0.1 if speed == 30 else 0.25, f"stops from {speed} km/h")
-    print(f"From {speed} km/h, the car needs a radius of {stop:.1f} m. It saves {1 - near:.0%} of "
+    print(f"From {speed} km/h, the car needs a radius of {stop:.1f} m. This saves {1 - near:.0%} of "
           f"the points\nand {1 - near**2:.0%} of the work, and loses {1 - some:.0%} of the road users.")
 
 # %% [markdown]
@@ -274,7 +270,7 @@ for speed, stop, near, some in zip((30, 50), stops, points[13:], road_users[13:]
 #
 # *A street is long and narrow, and so is the region that matters to the car.*
 #
-# A box is given by two corners: the smallest and the largest x, y and z. A point is inside if *all* of its coordinates are between them:
+# A box is defined by two corners: the smallest and the largest x, y and z. A point is inside if *all* of its coordinates are between them.
 #
 # $$\begin{aligned} x_{\min} \le x_p &\le x_{\max} \\ \text{and}\quad y_{\min} \le y_p &\le y_{\max} \\ \text{and}\quad z_{\min} \le z_p &\le z_{\max}. \end{aligned}$$
 #
@@ -298,18 +294,18 @@ def crop_region(cloud, minimum, maximum):
     Parameters
     ----------
     cloud : ndarray, shape (n, 3) or (n, 4)
-        x, y, z in metres; then intensity.
+        Columns x, y and z in metres, then perhaps intensity.
     minimum, maximum : three numbers each
-        Smallest and largest x, y and z in metres: tuple, list or array.
+        Smallest and largest x, y and z in metres, as tuples, lists or arrays.
 
     Returns
     -------
     ndarray, shape (m, 3) or (m, 4)
-        The rows with minimum <= (x, y, z) <= maximum, all columns, in the same order.
+        The rows with minimum <= (x, y, z) <= maximum, with all columns and in the same order.
     """
-    # 1. The coordinates without the intensity.
-    # 2. Compare them with both corners: two tables of True and False.
-    # 3. A row is inside if both tables are True in all three columns.
+    # 1. Take the coordinates without the intensity.
+    # 2. Compare them with both corners. This gives two tables of True and False.
+    # 3. Keep each row for which both tables are True in all three columns.
     # roughly 3 lines
     ### BEGIN SOLUTION
     xyz = cloud[:, :3]
@@ -328,10 +324,10 @@ def crop_region(cloud, minimum, maximum):
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# Write `inside = (... & ...).all(axis=1)`. Then index the cloud, not `cloud[:, :3]`, so that the intensity stays.
+# Write `inside = (... & ...).all(axis=1)`. Then index the cloud, not `cloud[:, :3]`, so that you keep the intensity.
 # </details>
 #
-# **Six points first.** The region is 40 m of the street. The third point is inside. Each of the others is outside on one side only: behind, ahead, right, left, above. One row should be left, `[1, 2, -1, 0.4]`.
+# **Six points first.** The region is 40 m of the street. The third point is inside. Each of the others is outside on one side only: behind, ahead, right, left or above. Only the row `[1, 2, -1, 0.4]` should be left.
 
 # %%
 region = (-10, -5, -2), (30, 6, 1)
@@ -344,7 +340,7 @@ six = np.array([[-11.0, 2.0, -1.0, 0.4],
 crop_region(six, *region)
 
 # %% [markdown]
-# **Look before you check.** No point may be outside the dashed box. The dotted circles, of 10 and 30 m, are for the comparison below.
+# **Look before you check.** No point should be outside the dashed box. The dotted circles, with radii of 10 m and 30 m, are for the comparison below.
 
 # %%
 def outline(axes, minimum, maximum):
@@ -370,7 +366,7 @@ fewest = predict("Which of these keeps the fewest points above the ground?",
 # %% tags=["folded"]
 # @title Circle against box (you need not read this)
 def left_by(name):
-    """Points, wall points, road users ahead in the street, and all road users ahead."""
+    """Count points, wall points, road users ahead in the street, and all road users ahead."""
     def keep(rows):
         if name == "region of interest":
             return crop_region(rows, *region)
@@ -385,39 +381,39 @@ def left_by(name):
 
 
 left = {name: left_by(name) for name in ("circle of 10 m", "circle of 30 m", "region of interest")}
-show_table(["", "points", "on walls", "road users ahead in the street", "those on pavements included"],
+show_table(["", "points", "on walls", "road users ahead in the street", "all road users ahead"],
            [(name, f"{some:,}", f"{walls:,}", in_street, ahead)
             for name, (some, walls, in_street, ahead) in left.items()])
 fewest.compare(min(left, key=lambda name: left[name][0]),
-               "Half of the points above the ground are on house fronts. The box leaves them all "
-               "out, and far ahead there are few points to keep.")
+               "Half of the points above the ground are on house fronts. The box leaves out all of "
+               "them, and far ahead there are few points to keep.")
 
 # %% [markdown]
-# The box sees as far ahead as the large circle, with fewer points than the small one, and without a single wall. It gives up the people on the pavements, as the last column shows. They enter the box only when they reach the kerb.
+# The box reaches as far ahead as the large circle, but has fewer points than the small one, and not a single wall. It leaves out the people on the pavements, who enter the box only when they reach the kerb.
 #
 # ## A region that bends
 #
 # *While the driver holds the steering wheel still, the car follows a circle.*
 #
-# In the straight lane ahead, the first obstacle is a pedestrian. What is in the way if the driver steers left? A circle of radius $R$ has the *curvature* $\kappa = 1/R$. At the distance $x$ ahead, the middle of the lane has moved to the left by about $\tfrac{1}{2} \kappa x^2$. A lane of width $w$ therefore consists of the points with
+# In the straight lane ahead, the first obstacle is a pedestrian. What is in the way if the driver steers left? A circle of radius $R$ has the *curvature* $\kappa = 1/R$. At a distance $x$ ahead, the middle of the lane has moved to the left by about $\tfrac{1}{2} \kappa x^2$. A lane of width $w$ therefore consists of the points with
 #
 # $$|y_p - \tfrac{1}{2} \kappa x_p^2| \le w / 2.$$
 #
-# The function below keeps a straight lane. Change one line, so that the lane bends. This task has no check. Of the three points in the last line, the first and the third should be left. All blue points should be between the dashed lines.
+# The function below keeps a straight lane. Change one line so that the lane bends. This task has no check. Of the three points in the last line of the cell, the first and the third should be left. In the picture, all blue points should be between the dashed lines.
 
 # %%
 def crop_lane(cloud, width, curvature):
-    """Keep the points in a lane that bends: a curvature of 0.04 (1/m) is a circle of 25 m."""
-    middle = 0  # change this: y in the middle of the lane, at the x of each point
+    """Keep the points in a lane that bends. A curvature of 0.04 (1/m) is a circle of 25 m."""
+    middle = 0  # change this to the y of the middle of the lane at the x of each point
     return cloud[np.abs(cloud[:, 1] - middle) <= width / 2]
 
 
 print(crop_lane(np.array([[10.0, 2.0, -1.0], [10.0, 0.0, -1.0], [20.0, 8.5, -1.0]]), 2.6, 0.04))
 
 # %% tags=["folded"]
-# @title Draw the lane (you need not read this)
+# @title Draws the lane (you need not read this)
 ahead = upright & (truth["objects"] > 0) & (cloud[:, 0] > 0) & (cloud[:, 0] < 25)
-rows = np.column_stack([cloud[ahead, :3], np.flatnonzero(ahead)])  # a number in place of intensity
+rows = np.column_stack([cloud[ahead, :3], np.flatnonzero(ahead)])  # numbers instead of intensity
 in_lane = crop_lane(rows, 2.6, 0.04)[:, 3].astype(int)
 axes = plots.kept_and_removed(cloud[ahead], np.isin(np.flatnonzero(ahead), in_lane),
                               limits=((0, 25), (-6, 14)), title="A lane that bends to the left")
@@ -432,12 +428,12 @@ for metres, first in sorted((cloud[rows, 0].min(), rows[0]) for rows in hits):
 # %% [markdown]
 # <details><summary>An answer</summary>
 #
-# `middle = curvature * cloud[:, 0]**2 / 2`. The pedestrian is no longer in the lane. Instead an oncoming car is in it, 6 m ahead, and behind that a parked lorry.
+# Write `middle = curvature * cloud[:, 0]**2 / 2`. The pedestrian is no longer in the lane. Instead, an oncoming car is in the lane, 6 m ahead, with a parked lorry behind it.
 # </details>
 #
 # ## Returns that do not come from obstacles
 #
-# Sort the points above the ground within 10 m by their distance.
+# We sort the points above the ground within 10 m by their distance.
 
 # %%
 nearest = predict("How far away is the nearest of these returns?",
@@ -454,35 +450,35 @@ ego_box = (-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)  # around the ego car, as the sen
 outline(axes, *ego_box)
 axes.text(-1.4, -1.6, "ego car")
 nearest.compare(distances[0],
-                "Some rays without an echo are stored as a return at (0, 0, 0), which is the "
+                "Some rays without an echo are stored as returns at (0, 0, 0), the place of the "
                 "sensor itself. The next returns come from the ego car.")
 
 # %% [markdown]
-# There are two kinds:
+# These returns are of two kinds:
 #
-# - **Returns of the [ego car](#Words-of-the-course)**: the lowest [beams](#Words-of-the-course) hit its mirrors, tailgate and aerial. They form a cluster that is always 1.3 m away, so the car never starts.
-# - **Invalid returns**: a ray without an echo is sometimes stored as (0, 0, 0). Its height is above the ground level and its distance is within every radius, so it survives both filters.
+# - **Returns from the [ego car](#Words-of-the-course)**: The lowest [beams](#Words-of-the-course) hit its mirrors, tailgate and aerial. These returns form a cluster that is always 1.3 m away, so the car would never drive off.
+# - **Invalid returns**: A ray without an echo is sometimes stored as (0, 0, 0). This point is above the ground level and within every radius, so it survives both filters.
 #
-# The naive cure is a minimum distance: drop everything within 3 m.
+# The naive solution is a minimum distance. We drop everything within 3 m.
 
 # %%
 too_near = np.hypot(close[:, 0], close[:, 1]) < 3
 axes = plots.kept_and_removed(close, ~too_near, limits=close_up,
-                              title="The circle also covers the places next to the car")
+                              title="The circle also covers the space next to the car")
 outline(axes, *ego_box)
 axes.add_patch(plt.Circle((0, 0), 3, fill=False, linestyle=":"))
 plots.ring(axes, 0.5, -2.3, radius=0.4)
 axes.text(1.05, -2.3, "a child here?", va="center");
 
 # %% [markdown]
-# Between the dashed box and the dotted circle there is room for a child next to the door, and the car would not see them. A car is a box, so cut out a box. (Ours is 0.6 m wider on each side than the mirrors.)
+# Between the dashed box and the dotted circle, there is room for a child next to the door, but the car would not see this child. A car has the shape of a box, so we cut out a box. (Ours is 0.6 m wider on each side than the car with its mirrors.)
 #
 # ## Exercise 3 · `remove_ego_returns` (points)
 #
-# Keep the rows that `crop_region` removes. A point on a face is inside. You have written the mask already, so one or two lines are enough. What is the opposite of "inside in x and y and z"?
+# Keep the rows that `crop_region` removes. A point on a face counts as inside. You have already written the mask, so one or two lines are enough. What is the opposite of "inside in x and y and z"?
 
 # %%
-kept_ahead = predict("A function keeps points that are outside in x AND in y AND in z. "
+kept_ahead = predict("A function keeps only points that are outside in x AND in y AND in z. "
                      "What happens to the car ahead of us?", choices=["it stays", "it is removed"])
 
 # %% nbgrader={"grade": false, "grade_id": "remove_ego_returns", "locked": false, "schema_version": 3, "solution": true, "task": false}
@@ -492,17 +488,17 @@ def remove_ego_returns(cloud, minimum, maximum):
     Parameters
     ----------
     cloud : ndarray, shape (n, 3) or (n, 4)
-        x, y, z in metres; then intensity.
+        Columns x, y and z in metres, then perhaps intensity.
     minimum, maximum : three numbers each
-        Smallest and largest x, y and z of the box in metres: tuple, list or array.
+        Smallest and largest x, y and z of the box in metres, as tuples, lists or arrays.
 
     Returns
     -------
     ndarray, shape (m, 3) or (m, 4)
-        The rows that are not inside the box, faces included; all columns, in the same order.
+        The rows neither inside the box nor on its faces, with all columns and in the same order.
     """
-    # 1. Which rows are inside? Use the mask of crop_region.
-    # 2. Keep the others: ~ turns every True in a mask into False, and every False into True.
+    # 1. Find the rows inside the box with the mask of crop_region.
+    # 2. Keep the others. ~ turns every True in a mask into False, and every False into True.
     # roughly 2 lines
     ### BEGIN SOLUTION
     xyz = cloud[:, :3]
@@ -517,14 +513,14 @@ def remove_ego_returns(cloud, minimum, maximum):
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# Invert at the very end, when there is one value per row: `~inside`. If you reverse each comparison instead, you need `.any(axis=1)` in place of `.all(axis=1)`.
+# Invert the mask at the very end, when it has one value per row: `~inside`. If you reverse each comparison instead, you need `.any(axis=1)` in place of `.all(axis=1)`.
 # </details>
 # <details><summary>Hint 3</summary>
 #
 # Copy the line with `inside = ...`, and return `cloud[~inside]`.
 # </details>
 #
-# **Five points first.** The first is the left mirror. Each of the others is inside on two axes, but not on all three: a car ahead, a car behind, a wall on the left, a child on the right. Only the first row should be removed.
+# **Five points first.** The first is the left mirror. Each of the others is inside on two axes, but not on all three: a car ahead, a car behind, a wall on the left, and a child on the right. Only the first row should be removed.
 
 # %%
 five = np.array([[0.9, 1.0, -0.6, 0.4],
@@ -546,8 +542,8 @@ outline(axes, *ego_box)
 outside = (cloud[:, :3] < ego_box[0]) | (cloud[:, :3] > ego_box[1])  # column by column
 is_ahead = truth["objects"] == 11
 kept_ahead.compare("it stays" if outside.all(axis=1)[is_ahead].any() else "it is removed",
-                   "It is outside in x but inside in y, because it drives in our lane. A point that "
-                   "is not inside is outside in x OR in y OR in z.")
+                   "The car is outside in x but inside in y, because it drives in our lane. A "
+                   "point that is not inside the box is outside in x OR in y OR in z.")
 
 # %% nbgrader={"grade": true, "grade_id": "test_remove_ego_returns", "locked": true, "points": 5, "schema_version": 3, "solution": false, "task": false}
 check(remove_ego_returns)
@@ -555,29 +551,29 @@ check(remove_ego_returns)
 # %% [markdown]
 # ## The invalid returns
 #
-# The box of the ego car ends 0.4 m below the sensor, so the invalid returns are outside it and survive. Your function takes any box, and the sensor measures nothing nearer than 1 m. So a second, small box around the sensor is safe. (`drop_invalid` of lesson 01 also removes them.)
+# The box of the ego car ends 0.4 m below the sensor, so the invalid returns are outside it and survive. Your function works with any box, and the sensor measures nothing closer than 1 m. So it is safe to remove a second, small box around the sensor. (`drop_invalid` of lesson 01 also removes them.)
 
 # %%
 steps = {"raw scan": cloud, "above the ground": cloud[upright], "within 10 m": close,
          "without the ego car": free,
          "without the sensor itself": remove_ego_returns(free, (-0.1,) * 3, (0.1,) * 3)}
-show_table(["", "returns", "invalid", "the nearest"],
+show_table(["", "returns", "invalid", "nearest"],
            [(step, f"{len(rows):,}", (rows[:, :3] == 0).all(axis=1).sum(),
              f"{np.hypot(rows[:, 0], rows[:, 1]).min():.2f} m") for step, rows in steps.items()])
 
 # %% [markdown]
 # ## Common mistakes
 #
-# | mistake | what you see |
+# | what the code contains | what you see |
 # |---|---|
-# | `np.linalg.norm(cloud, axis=1)` | bright points vanish, or all of them |
-# | `np.linalg.norm(cloud[:, :3], axis=1)` | a ball: near points far below the sensor vanish, such as the child in front of the lorry |
-# | `(np.abs(x) <= r) & (np.abs(y) <= r)` | a square, with corners 41 % too far away |
-# | `x**2 + y**2 <= r` | hardly anything: the radius is 3.2 m instead of 10 m, and most returns so near come from the ego car |
-# | `any` instead of `all` | nearly everything stays, because most heights are inside |
+# | `np.linalg.norm(cloud, axis=1)` | bright points vanish, or all points |
+# | `np.linalg.norm(cloud[:, :3], axis=1)` | near points far below the sensor vanish, such as the child in front of the lorry |
+# | `(np.abs(x) <= r) & (np.abs(y) <= r)` | a square, whose corners are 41 % too far away |
+# | `x**2 + y**2 <= r` | hardly anything, because the radius is 3.2 m instead of 10 m, and most returns that near come from the ego car |
+# | `any` instead of `all` | nearly everything, because most heights are inside the region |
 
 # %% tags=["folded"]
-# @title Two of them as pictures (you need not read this)
+# @title Draws two of these mistakes (you need not read this)
 x, y = cloud[:, 0], cloud[:, 1]
 wrong = {"a square": (np.abs(x) <= 10) & (np.abs(y) <= 10), "squared ≤ plain: hardly anything": x**2 + y**2 <= 10}
 figure, panels = plt.subplots(1, 2, figsize=(8.5, 4.4), layout="compressed")
@@ -589,7 +585,7 @@ for (name, keep), axes in zip(wrong.items(), panels):
 # %% [markdown]
 # ## Let it drive
 #
-# Without points; skip it if you like. A car drives for ten seconds at 30 km/h, and sees what your `crop_region` leaves. The driver brakes for obstacles that are in the lane, or will be, within the stopping distance. After five seconds, a child runs out from the kerb. The lane reaches 1.3 m to either side. The cell takes 10 to 30 seconds.
+# This drive is optional. A car drives for ten seconds at 30 km/h, and sees only the points that your `crop_region` keeps. The driver brakes for obstacles within the stopping distance that are in the lane, or will be soon. After five seconds, a child runs into the street from the kerb. The lane reaches 1.3 m to either side. The cell takes 10 to 30 seconds.
 
 # %%
 from utils.drive import chain, drive_street, on_time
@@ -597,7 +593,7 @@ from utils.lent import is_written, own
 
 
 def drive_with(half_width):
-    """Ten seconds of a street, seen as far as this to either side."""
+    """Drive ten seconds through a street that the car sees up to `half_width` on each side."""
     mine, low, high = own(crop_region), (-5, -half_width, -2.5), (35, half_width, 1)
     return drive_street(2, chain(region=lambda points: mine(points, low, high)), seconds=10,
                         clock=on_time)
@@ -607,20 +603,20 @@ drive_with(6) if is_written(crop_region) else print(
     "crop_region is not written, or has not passed its check.")
 
 # %% [markdown]
-# With 6 m to either side, the car brakes with 9 m to go. Now try `drive_with(1.6)`. The region still holds the whole lane, so why does the drive end at the child? Then find the narrowest region that is wide enough. The bar to beat is 2.5 m.
+# With 6 m to either side, the car brakes with 9 m to go. Now try `drive_with(1.6)`. The region still contains the whole lane, so why does the car hit the child? Then find the narrowest region that is wide enough. Can you beat 2.5 m?
 #
 # <details><summary>An answer</summary>
 #
-# With 1.6 m, the car sees the child only when the child is almost in the lane. 2.5 m is wide enough: the car brakes after 7.1 s, with 8 m to go. With 2.2 m it brakes 0.3 s later, with 5 m to go, and that is too late.
+# With 1.6 m, the car sees the child only when the child is almost in the lane. With 2.5 m, the car brakes after 7.1 s with 8 m to go, which is early enough. With 2.2 m, it brakes 0.3 s later with 5 m to go, which is too late.
 # </details>
 
 # %% [markdown]
 # ## In practice
 #
-# - The region follows the planned path, and grows with the stopping distance.
-# - The box around a car must be checked after every change. A bicycle on the rack is a new obstacle that never goes away.
+# - In real cars, the region follows the planned path and grows with the stopping distance.
+# - The box around a car must be checked after every change to the car. A bicycle on the rack is a new obstacle that never goes away.
 #
-# The same with Open3D (from 0.18 on), which also keeps points on the faces; PCL has `CropBox`:
+# PCL has `CropBox`. Open3D (version 0.18 or later) also keeps points on the faces:
 #
 # ```python
 # box = open3d.geometry.AxisAlignedBoundingBox(min_bound=(-10, -5, -2), max_bound=(30, 6, 1))
@@ -630,8 +626,8 @@ drive_with(6) if is_written(crop_region) else print(
 #
 # ## Summary
 #
-# - Distance on a road is horizontal. It uses x and y only.
-# - A radius removes much of the area but little of the data. A box around the road removes walls and keeps the view ahead.
+# - Distance on a road is horizontal, so it uses only x and y.
+# - A radius removes most of the area, but not most of the points. A box around the road removes walls and keeps the view ahead.
 # - The ego car and invalid returns survive the ground and distance filters, and need boxes of their own.
 #
 # **Sources.** Sensor, mounting and coordinates: KITTI, [Geiger et al. 2013](https://www.cvlibs.net/publications/Geiger2013IJRR.pdf). A box as a filter: PCL's [CropBox](https://pointclouds.org/documentation/classpcl_1_1_crop_box.html). Broadcasting a corner over a table: [NumPy user guide](https://numpy.org/doc/stable/user/basics.broadcasting.html).
@@ -641,7 +637,7 @@ drive_with(6) if is_written(crop_region) else print(
 # %% [markdown]
 # ## If you want more
 #
-# 1. From the height $h$, a beam that points down by the angle $\alpha$ draws a ring of radius $h / \tan\alpha$ on a flat road. Each ring has equally many returns. Which share of the road's returns should be within 10 m? Compare with your function on the class `ground`. (`utils.simulator.hdl64().elevations` are the angles, and `origin[2]` is the height.) (20 minutes)
+# 1. From the height $h$, a beam that points downwards at an angle $\alpha$ draws a ring of radius $h / \tan\alpha$ on a flat road. Each ring has the same number of returns. What share of the road's returns should be within 10 m? Compare your result with the share that your function keeps of the class `ground`. (`utils.simulator.hdl64().elevations` contains the angles, and `origin[2]` is the height.) (20 minutes)
 # 2. Load your own recording with `load_cloud("path/to/file.pcd")`, and find the box of its car. Which points stay in place over ten frames? (20 minutes)
 
 # %% [markdown] tags=["footer"]

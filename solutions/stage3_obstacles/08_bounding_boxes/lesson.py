@@ -11,13 +11,13 @@
 # %% [markdown]
 # # 08 · Bounding boxes
 #
-# ![A street from above. An orange box surrounds each car, person, pole and wall. One car is at an angle to the street; its true outline is dashed, and much of its box is empty.](08_preview.png)
+# ![A street from above. An orange box surrounds each car, person, pole and wall. One car is at an angle to the street. Its true outline is dashed, and much of its box is empty.](08_preview.png)
 #
-# A [cluster](#Words-of-the-course) has hundreds or thousands of points. A braking car has no time to compare all of them with its path, so it compares a box.
+# A [cluster](#Words-of-the-course) has hundreds or thousands of points. A car that has to brake has no time to compare all of them with its path, so it compares a box around them.
 #
 # **After this lesson you can**
 # - put a box around every obstacle, and compute its eight corners from six numbers,
-# - say what such a box guarantees, and what it costs when a car is at an angle.
+# - explain what such a box guarantees, and what it costs when a car is at an angle.
 #
 # **You write** `get_bounding_boxes` (points). **Time:** (time). **You need** boolean masks (lesson 01) and the idea of cluster labels (lesson 05).
 
@@ -30,9 +30,9 @@
 # %% [markdown]
 # ## A street with labels
 #
-# *A label says to which obstacle a point belongs. Label 0 means no obstacle.*
+# *A label says which obstacle a point belongs to. Label 0 means no obstacle.*
 #
-# Here the labels come from the simulator, which knows for each [return](#Words-of-the-course) the object that it hit. The road, the ego car and everything beyond 20 m get label 0.
+# Here the labels come from the simulator, which knows where each [return](#Words-of-the-course) comes from. The road, the ego car and everything beyond 20 m get label 0.
 
 # %%
 import matplotlib.pyplot as plt
@@ -58,10 +58,10 @@ plots.clusters(cloud[labels > 0], labels[labels > 0], names=True, limits=street,
                title="The obstacles around us, from above")
 print(f"{len(cloud):,} returns, {np.count_nonzero(labels):,} of them on {len(present)} obstacles")
 print("labels:", present)
-print(f"car 10: {length:.1f} m long and {width:.1f} m wide, {length * width:.1f} m² from above")
+print(f"car 10 is {length:.1f} m long and {width:.1f} m wide, and covers {length * width:.1f} m²")
 
 # %% [markdown]
-# Some labels are missing, because those objects are hidden or too far away. Such gaps are normal. Ahead on the left, a car with label 10 turns out of a drive. Imagine a box around its points, with sides along x and y.
+# Some labels are missing, because those objects are hidden or too far away. Ahead on the left, a car with label 10 is turning out of a drive. Imagine a box around its points, with sides parallel to x and y.
 
 # %%
 area = predict("How many square metres will the box around car 10 cover?",
@@ -72,7 +72,7 @@ area = predict("How many square metres will the box around car 10 cover?",
 #
 # *Three numbers make a circle, but few obstacles are round.*
 #
-# For each cluster, take the mean of its points, and the distance to the farthest one as radius. Everything inside the circle counts as blocked.
+# Put a circle around each cluster, from the mean of its points to the farthest point. Everything inside the circle counts as blocked.
 
 # %% tags=["folded"]
 # @title One circle for each obstacle (you need not read this)
@@ -95,19 +95,17 @@ print(f"The grey strip is our lane. {len(circles_in_lane)} circles reach into it
       f"but only {len(obstacles_in_lane)} obstacles do.")
 
 # %% [markdown]
-# The circles fit people and poles. But the circle of a car reaches into the next lane, and that of a house front is as wide as the house is long. Obstacles are long in one direction and short in another, so each direction needs its own numbers.
+# The circles fit people and poles. But the circle of a car reaches into the next lane, and the circle of a house front is as wide as the house is long. Obstacles are long in one direction and short in another, so each direction needs its own numbers.
 #
 # ## The idea: a box is six numbers
 #
-# *On each axis, all points are between the smallest and the largest value.*
-#
-# Take the smallest and the largest x of the points, then the same for y and for z. For a cluster $C$ the box is
+# Take the smallest and the largest x of the points, and do the same for y and z. For a cluster $C$, the box is
 #
 # $$\begin{aligned} &[\min_{p \in C} x_p,\ \max_{p \in C} x_p] \\ \times\ &[\min_{p \in C} y_p,\ \max_{p \in C} y_p] \\ \times\ &[\min_{p \in C} z_p,\ \max_{p \in C} z_p]. \end{aligned}$$
 #
-# Such a box is called *axis-aligned*: its sides run along x, y and z, even if the obstacle is at an angle to them. It is a **keep-out volume**, which the car may not enter. That is safe only if every point of the cluster is inside.
+# Such a box is called *axis-aligned*, because its sides are parallel to the axes, even if the obstacle is not. It is a **keep-out volume**, which the car must not enter. That is safe only if every point of the cluster is inside.
 #
-# In NumPy, `min(axis=0)` takes the minimum of each column, and `min(axis=1)` that of each row. Here are the temperatures of three cities (columns) on four days (rows).
+# In NumPy, `min(axis=0)` gives the minimum of each column, and `min(axis=1)` gives the minimum of each row. Here are the temperatures in three cities (columns) on four days (rows).
 
 # %%
 temperatures = np.array([[18, 25, 7],
@@ -120,9 +118,9 @@ print("coldest on each day: ", temperatures.min(axis=1))
 # %% [markdown]
 # ## Eight corners in an agreed order
 #
-# *Each corner takes the smaller or the larger value on each axis: 2 × 2 × 2 = 8 corners.*
+# *On each axis, a corner has the smaller or the larger value, so there are 2 × 2 × 2 = 8 corners.*
 #
-# Programs that draw a box join its corners by their numbers. In our order, x changes fastest, then y, then z:
+# Programs that draw a box connect its corners by their numbers. In our order, x changes fastest, then y, and then z:
 #
 # | corner | 0 | 1 | 2 | 3 | 4 | 5 | 6 | 7 |
 # |---|---|---|---|---|---|---|---|---|
@@ -130,9 +128,9 @@ print("coldest on each day: ", temperatures.min(axis=1))
 # | y | min | min | **max** | **max** | min | min | **max** | **max** |
 # | z | min | min | min | min | **max** | **max** | **max** | **max** |
 #
-# Corners 0 to 3 are the floor and 4 to 7 the roof. You can fill in this table with three nested loops, x in the innermost. You can also write the number $k$ of the corner as a sum of 1, 2 and 4, such as 5 = 4 + 1. Corner $k$ takes the larger x if its sum contains 1, the larger y if it contains 2, and the larger z if it contains 4.
+# Corners 0 to 3 are the floor, and corners 4 to 7 are the roof. You can fill in this table with three nested loops, with x in the innermost loop. You can also write the number $k$ of a corner as a sum of 1, 2 and 4, such as 5 = 4 + 1. Corner $k$ has the larger x if its sum contains 1, the larger y if it contains 2, and the larger z if it contains 4.
 #
-# Python tests this with `&`, which combines binary digits as it combines masks. So `5 & 4` is 4, because 5 contains the 4, and `5 & 2` is 0, because it does not contain the 2. An `if` treats 0 as False and every other number as True. Here two digits choose a trip of 2 km or 5 km, on foot or by train.
+# Python tests this with `&`, which combines binary digits in the same way as masks. So `5 & 4` is 4, because 5 contains the 4, and `5 & 2` is 0, because 5 does not contain the 2. An `if` treats 0 as False and every other number as True. In this example, two binary digits choose a trip of 2 km or 5 km, on foot or by train.
 
 # %%
 for number in range(4):
@@ -146,7 +144,7 @@ plots.corner_numbers(block, title="A block of 4 x 2 x 1.5 m");
 # %% [markdown]
 # ## Exercise · `get_bounding_boxes` (points)
 #
-# Return one box for each label above 0, in ascending order of the labels. Labels may have gaps. If no label is above 0, return an array of shape (0, 8, 3). Rows with NaN have label 0, so they need no special case. This lesson forbids none of the packages named at the end of the notebook. The order of the corners costs no points; if yours is different, `check` shows a note, and the edges in the pictures cross.
+# Return one box for each label above 0, in ascending order of the labels. Labels may have gaps. If no label is above 0, return an array of shape (0, 8, 3). Rows with NaN have label 0, so they need no special case. All packages listed at the end are allowed. A different order of the corners costs no points, but `check` shows a note, and the edges in the pictures cross.
 
 # %% nbgrader={"grade": false, "grade_id": "get_bounding_boxes", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def get_bounding_boxes(cloud, cluster_labels):
@@ -155,15 +153,16 @@ def get_bounding_boxes(cloud, cluster_labels):
     Parameters
     ----------
     cloud : ndarray, shape (n, 3) or (n, 4)
-        x, y, z in metres; then intensity.
+        Columns x, y and z in metres, then perhaps intensity.
     cluster_labels : ndarray of int, shape (n,)
-        The cluster of each point; 0 for points of no cluster.
+        The cluster of each point, or 0 for points that belong to no cluster.
 
     Returns
     -------
     ndarray, shape (N, 8, 3)
-        Corners in metres, one box for each label > 0, in ascending label order. For drawing,
-        corner k has the larger x if k & 1, the larger y if k & 2, the larger z if k & 4.
+        Corners in metres of one box for each label > 0, in ascending order of the labels. For
+        drawing, corner k has the larger x if k & 1, the larger y if k & 2, and the larger z if
+        k & 4.
     """
     # 1. Find the labels above 0 that occur.
     # 2. For each of them, take the smallest and the largest x, y and z of its points.
@@ -183,18 +182,18 @@ def get_bounding_boxes(cloud, cluster_labels):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# `np.unique` lists the labels that occur, in ascending order. Leave out 0. For one label, `cloud[cluster_labels == label, :3]` are its points.
+# `np.unique` lists the labels that occur, in ascending order. Leave out 0. For one label, `cloud[cluster_labels == label, :3]` contains its points.
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# `low = points.min(axis=0)` and `high = points.max(axis=0)` hold three numbers each. The x of corner k is `high[0] if k & 1 else low[0]`. For y, use index 1 and `k & 2`. For z, use index 2 and `k & 4`.
+# `low = points.min(axis=0)` and `high = points.max(axis=0)` contain three numbers each. The x of corner k is `high[0] if k & 1 else low[0]`. For y, use index 1 and `k & 2`. For z, use index 2 and `k & 4`.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# Start with `boxes = np.zeros((len(found), 8, 3))`, where `found` are the labels above 0. Then write two loops, `for row, label in enumerate(found)` and inside it `for k in range(8)`, to fill `boxes[row, k]`.
+# Start with `boxes = np.zeros((len(found), 8, 3))`, where `found` contains the labels above 0. Then write the loop `for row, label in enumerate(found)`, and inside it the loop `for k in range(8)`, which fills `boxes[row, k]`.
 # </details>
 #
-# **One box first.** Seven points around the origin should give the shape (1, 8, 3), the first corner (−2, −1.5, −1.2) and the last one (3, 2.5, 0.8), numbered like the block above.
+# **One box first.** For seven points around the origin, the result should have the shape (1, 8, 3). Its first corner should be (−2, −1.5, −1.2), and its last corner (3, 2.5, 0.8). The corners should be in the same order as in the block above.
 
 # %%
 seven = np.array([[0.5, 0.2, -0.1], [-2.0, 0.4, 0.3], [3.0, -0.3, 0.2], [0.1, -1.5, -0.4],
@@ -205,7 +204,7 @@ print(one[0])
 plots.corner_numbers(one[0], title="The box of seven points");
 
 # %% [markdown]
-# **Look before you check.** Every obstacle should be in its box, and no box should reach back to the sensor.
+# **Look before you check.** Every obstacle should be inside its box, and no box should reach back to the sensor.
 
 # %%
 boxes = get_bounding_boxes(cloud, labels)
@@ -219,14 +218,14 @@ for label in beside:
     axes.text(x.max() + 0.3, y.mean(), label, fontweight="bold", va="center")
 turning = boxes[present.index(10)]
 area.compare(np.prod(np.ptp(turning[:, :2], axis=0)),
-             "A box that cannot turn must be larger when the car is at an angle. This one would "
-             "be larger still, but the scanner saw only the sides of the car that face it.")
+             "A box that cannot turn must be larger when the car is at an angle. This box would "
+             "be even larger, but the scanner saw only the sides of the car that face it.")
 
 # %% nbgrader={"grade": true, "grade_id": "test_get_bounding_boxes", "locked": true, "points": 20, "schema_version": 3, "solution": false, "task": false}
 check(get_bounding_boxes)
 
 # %% [markdown]
-# Here are the same boxes in space. Drag to turn, scroll to zoom.
+# Here are the same boxes in 3-D. Drag to rotate the view, and scroll to zoom.
 
 # %%
 from utils.scene3d import Scene
@@ -237,9 +236,9 @@ from utils.scene3d import Scene
 # %% [markdown]
 # ## What a box is good for
 #
-# *Two boxes collide exactly if they overlap on every axis. That takes six comparisons.*
+# *Two boxes collide if they overlap on every axis, and only then. This test takes six comparisons.*
 #
-# The car wants to drive straight on, through a corridor 2 m wide and 16 m long. Which obstacles are in it? Two boxes overlap on an axis if the low end of each is below the high end of the other.
+# The car is going to drive straight ahead, through a corridor 2 m wide and 16 m long. Which obstacles are in it? Two boxes overlap on an axis if the low end of each box is below the high end of the other box.
 
 # %%
 corridor_low, corridor_high = np.array([2.0, -1.0, -1.5]), np.array([18.0, 1.0, 0.3])
@@ -250,7 +249,7 @@ for row in np.flatnonzero(in_the_way):
     print(f"{kinds[present[row]]} {present[row]}: {low[row, 0] - 2.6:.1f} m ahead of the bumper")
 
 by_point, by_box = 6 * np.count_nonzero(labels), 6 * len(boxes)
-show_table(["paths to test", "comparisons with points", "to build the boxes", "with boxes"],
+show_table(["paths", "comparisons with points", "building the boxes", "comparisons with boxes"],
            [[paths, f"{paths * by_point:,}", f"{by_point:,}", f"{paths * by_box:,}"]
             for paths in (1, 100)])
 
@@ -262,11 +261,11 @@ plots.boxes(get_bounding_boxes(corridor, np.array([1, 1])), reference=True, labe
             names=["corridor"], axes=axes);
 
 # %% [markdown]
-# Building the boxes costs as much as one test of all points, because minimum and maximum look at every coordinate. But you build them once per scan, and the car may test a hundred paths.
+# Building the boxes costs as much as one test of all points, because minimum and maximum look at every coordinate. But you build them only once per scan, and the car may test a hundred paths.
 #
 # ## Play: turn a car
 #
-# Here is car 10, turned to the heading of your choice.
+# Now you can turn car 10.
 
 # %%
 largest = predict("At which heading is the box around the whole car largest?",
@@ -275,7 +274,7 @@ largest = predict("At which heading is the box around the whole car largest?",
 # %% tags=["folded"]
 # @title A car to turn (you need not read this)
 def turned(points, angle):
-    """Points turned about z by an angle in radians, anticlockwise."""
+    """Return points turned anticlockwise about the z axis by an angle in radians."""
     x, y, z = points[:, :3].T
     return np.column_stack([x * np.cos(angle) - y * np.sin(angle),
                             x * np.sin(angle) + y * np.cos(angle), z])
@@ -289,13 +288,13 @@ ahead = np.array([8.0, 0.0, 0.0])  # where the pictures show the car
 
 
 def box_area(points):
-    """Square metres that the box of one cluster covers."""
+    """Return the area in square metres that the box of one cluster covers."""
     box = get_bounding_boxes(points, np.ones(len(points), dtype=int))[0]
     return np.prod(np.ptp(box[:, :2], axis=0))
 
 
 def draw_turned(degrees, axes=None):
-    """The car's points and true outline, turned, and the box of the outline."""
+    """Draw the turned points and the true outline of the car, and the box of the outline."""
     angle = np.radians(degrees)
     car = turned(outline, angle) + ahead
     one = np.ones(4, dtype=int)
@@ -312,7 +311,7 @@ def show_turned(degrees):
     plt.show()
 
 # %% [markdown]
-# The same without a slider. The true outline of the car is dashed, and its scanned points are grey. (At another heading, a real scanner would see other parts.)
+# The same without a slider. The true outline of the car is dashed, and its scanned points are grey. (At another heading, a real scanner would see other parts of the car.)
 
 # %%
 figure, panels = plt.subplots(1, 2, figsize=(8.5, 4), layout="compressed")
@@ -323,13 +322,11 @@ for degrees, axes in zip((5, 40), panels):
 # %% [markdown]
 # ## Theory against practice: the empty corners
 #
-# *More than half of a diagonal car's box is air.*
-#
-# Length and width of a turned car both add to its extent along x and y. For length $l$, width $w$ and heading $\theta$, the box covers
+# The length and the width of a turned car both add to its extent along x and along y. For length $l$, width $w$ and heading $\theta$, the box covers the area
 #
 # $$A(\theta) = (l\cos\theta + w\sin\theta)\,(l\sin\theta + w\cos\theta).$$
 #
-# Your function measures the same for the outline of the car and for its scanned points.
+# We measure the same area with your function, for the outline of the car and for its scanned points.
 
 # %% tags=["folded"]
 # @title Theory and your boxes (you need not read this)
@@ -350,13 +347,13 @@ seen = measured["boxes of the scanned points"][1]
 print(f"The smallest box of the scanned points covers {min(seen):.1f} m², at "
       f"{degrees[np.argmin(seen)]}°. The car covers {length * width:.1f} m².")
 largest.compare(degrees[theory.argmax()],
-                "Multiplied out, the area is l w + (l² + w²) sin(2θ) / 2, and the sine is largest "
-                "when 2θ is 90°. At that heading the box is a square.")
+                "If you multiply the formula out, you get l w + (l² + w²) sin(2θ) / 2. The sine is "
+                "largest when 2θ is 90°. At that heading, the box is a square.")
 
 # %% [markdown]
-# The boxes of the scanned points are smaller, because a scanner sees only the sides that face it. Real systems add a margin, or fit a box of car size to the two visible sides.
+# The boxes of the scanned points are smaller, because a scanner sees only the sides that face it. Real systems add a margin, or fit a box as large as a car to the two visible sides.
 #
-# So an axis-aligned box is wrong in two ways. Where it holds air, it blocks street that is free. Where the scanner saw nothing, it stops short of the real obstacle. How large are both errors in this street?
+# So an axis-aligned box is wrong in two ways. It contains air, so it blocks parts of the street that are free. It does not contain parts that the scanner missed, so the real obstacle may stick out. How large are these two errors in this street?
 
 # %% tags=["folded"]
 # @title What sticks out of your boxes (you need not read this)
@@ -368,7 +365,7 @@ print(f"{vehicles.sum()} vehicles: {np.count_nonzero(off < 10)} are within 10° 
       f"and the worst is {off.max():.0f}° off")
 
 across = np.linspace(-0.5, 0.5, 50)
-spots = np.array([(x, y, 0.0) for x in across for y in across])  # all over a footprint
+spots = np.array([(x, y, 0.0) for x in across for y in across])  # spread over a footprint
 for name in (10, 4, 13):
     row = np.flatnonzero(truth["box_identities"] == name)[0]
     footprint = turned(spots * truth["box_sizes"][row], truth["box_yaws"][row])
@@ -378,21 +375,21 @@ for name in (10, 4, 13):
     print(f"{kinds[name]} {name}: {outside.mean():.0%} of its footprint is outside its box")
 
 # %% [markdown]
-# On a straight street nearly every vehicle is parallel to us, and axis-aligned boxes hold little air. At a junction, many vehicles would be at an angle to us. Lesson 11 turns the box with the car.
+# On a straight street, nearly every vehicle is parallel to us, and axis-aligned boxes contain little air. At a junction, many vehicles would be at an angle to us. Lesson 11 turns the box with the car.
 
 # %% [markdown]
 # ## Common mistakes
 #
 # | what the code does | what you see |
 # |---|---|
-# | `if x < low: ... elif x > high: ...` | boxes slightly too small, or infinite: a new minimum is never tried as a maximum |
+# | uses `if x < low: ... elif x > high: ...` | boxes are slightly too small or infinite, because a new minimum is never tried as a maximum |
 # | starts with `low = high = 0` | every box reaches to the sensor |
 # | draws a box around label 0 | one box over the whole street, with the ego car inside |
 # | loops over `range(1, labels.max())` | the last obstacle has no box, and gaps raise an error |
-# | uses `.max()` without `axis=0` | an error at `high[0]`, or cubes: x, y and z share one number |
+# | uses `.max()` without `axis=0` | an error at `high[0]`, or cubes, because x, y and z share one number |
 # | returns `np.array(boxes)` of an empty list | shape (0,), so the next step fails on an empty road |
 #
-# The first mistake is hard to notice, because most boxes are right. Try it on all obstacles of this scan, on three axes each.
+# The first mistake is hard to notice, because most boxes are right. We try it on all obstacles of this scan, with three axes each.
 
 # %%
 too_small = predict(f"How many of the {3 * len(present)} maxima does elif get wrong?",
@@ -420,7 +417,7 @@ too_small.compare(len(wrong_by),
                   "elif then never compares it with the maximum.")
 
 # %% [markdown]
-# Here are two more mistakes, drawn with your own function on changed data.
+# Here are two more mistakes.
 
 # %% tags=["folded"]
 # @title Two more mistakes (you need not read this)
@@ -434,7 +431,7 @@ plots.boxes(get_bounding_boxes(cloud, labels + 1), limits=((-82, 82), (-82, 30))
 # %% [markdown]
 # ## Let it drive
 #
-# This section has no points; skip it if you like. A car drives ten seconds through a quiet street with your `get_bounding_boxes`. The other steps are given. The cell takes about 15 seconds.
+# This drive is optional. A car drives for ten seconds through a quiet street with your `get_bounding_boxes`. The other steps are given. The cell takes about 15 seconds.
 
 # %%
 from utils.drive import askew, chain, drive_street, on_time
@@ -442,7 +439,7 @@ from utils.lent import is_written, own
 
 
 def drive_with(degrees):
-    """Ten seconds of a quiet street, with a scanner that is turned by some degrees."""
+    """Drive ten seconds through a quiet street with a scanner that is turned by some degrees."""
     return drive_street(1, askew(chain(boxes=own(get_bounding_boxes)), degrees), seconds=10,
                         clock=on_time)
 
@@ -451,21 +448,21 @@ drive_with(0) if is_written(get_bounding_boxes) else print(
     "get_bounding_boxes is not written, or has not passed its check.")
 
 # %% [markdown]
-# All goes well. Now a mechanic mounts the scanner turned by 12°: try `drive_with(12)`. Boxes along its axes are now at an angle to the street, and their corners reach into our lane. **A bar to beat:** find the largest whole angle at which the car still drives 82 m without braking.
+# All goes well. Now imagine that a mechanic mounts the scanner at an angle of 12°, and try `drive_with(12)`. The boxes are now at an angle to the street, and their corners reach into our lane. **A challenge:** find the largest angle, in whole degrees, at which the car still drives 82 m without braking.
 #
 # <details><summary>An answer</summary>
 #
-# It is 4°. From 5°, the long box of a lorry blocks the lane, and from 8° that of a parked car. From 9°, our car stops in front of a parked car, after at most 13 m.
+# It is 4°. At 5° and above, the long box of a lorry blocks the lane. At 8° and above, so does the box of a parked car. At 9° and above, our car stops in front of a parked car after at most 13 m.
 # </details>
 
 # %% [markdown]
 # ## In practice
 #
-# - Axis-aligned boxes are the usual first test for collisions. Programs look closer only where two boxes overlap.
-# - Data sets store centre, size and heading instead of corners. KITTI uses seven numbers, with the centre of the *floor*; nuScenes uses ten, with the heading as a quaternion.
-# - A single stray point inflates a box. With noisy sensors, systems take the 1st and 99th percentile and give up the guarantee that no point is outside.
+# - Axis-aligned boxes are the usual first test for collisions. Programs look closer only if two boxes overlap.
+# - Data sets store the centre, size and heading of a box instead of its corners. KITTI uses seven numbers, with the centre of the *floor*. nuScenes uses ten numbers, four of which describe the heading (a *quaternion*).
+# - A single stray point inflates a box. With noisy sensors, systems use the 1st and 99th percentiles, and give up the guarantee that no point is outside.
 #
-# Open3D does the same for one cluster, with its corners in another order: 3 is above 0, and 4 is opposite 0.
+# Open3D does the same for one cluster, but the corners have another order. Corner 3 is above corner 0, and corner 4 is opposite corner 0.
 #
 # ```python
 # box = open3d.geometry.AxisAlignedBoundingBox.create_from_points(point_cloud.points)
@@ -476,8 +473,8 @@ drive_with(0) if is_written(get_bounding_boxes) else print(
 # ## Summary
 #
 # - A box is a minimum and a maximum on each axis. Its corners are the eight combinations.
-# - It is a keep-out volume: every point of the cluster is inside. It also contains air, which fills more than half of the box if a car is at 45° to the axes. Unseen parts may stick out.
-# - Label 0 is not an obstacle, labels have gaps, and without obstacles the result is still an array.
+# - It is a keep-out volume, because every point of the cluster is inside. It also contains air, which fills more than half of it if a car is at 45° to the axes. Parts that the scanner did not see may stick out.
+# - Label 0 is not an obstacle, labels may have gaps, and the result is an array even without obstacles.
 #
 # **Sources.** Boxes as collision volumes: [Ericson, Real-Time Collision Detection, chapter 4](https://realtimecollisiondetection.net/). Boxes in a benchmark: [Geiger et al. 2013](https://www.cvlibs.net/publications/Geiger2013IJRR.pdf). NumPy reductions: [numpy.min](https://numpy.org/doc/stable/reference/generated/numpy.min.html).
 #
@@ -486,27 +483,27 @@ drive_with(0) if is_written(get_bounding_boxes) else print(
 # %% [markdown]
 # ## If you want more
 #
-# Each item takes 10 to 20 minutes, and so does *Breaking it on purpose*.
+# Each task takes 10 to 20 minutes, and so does *Breaking it on purpose*.
 #
-# 1. Replace the loop: sort the points by label and use `np.minimum.reduceat`. How much faster is that with a thousand clusters?
-# 2. Give every box a margin of 0.2 m and count the boxes that overlap. Which gaps of this street are closed now?
-# 3. Replace minimum and maximum by percentiles. How many points of the street are then outside their boxes?
+# 1. Replace the loop. Sort the points by label, and use `np.minimum.reduceat`. How much faster is this with a thousand clusters?
+# 2. Give every box a margin of 0.2 m, and count the boxes that overlap. Which gaps in this street are closed now?
+# 3. Replace the minimum and the maximum by percentiles. How many points of the street are then outside their boxes?
 
 # %% [markdown]
 # ### Breaking it on purpose
 #
-# *A good tester looks for the smallest input on which a right and a wrong answer differ.*
+# *A good tester looks for the smallest input on which a right and a wrong function give different results.*
 #
-# Three colleagues sent in their `get_bounding_boxes` without the code. In the pictures of their boxes, dots have label 1, squares 3, and crosses 0. What is wrong with A, B and C?
+# Three colleagues have written their own `get_bounding_boxes`, but do not show their code. In the pictures of their boxes, dots have label 1, squares have label 3, and crosses have label 0. What is wrong with A, B and C?
 
 # %%
 show_broken(get_bounding_boxes)
 
 # %% [markdown]
-# For each version, write a cloud on which it and your function disagree, with as few rows as you can. Once a cloud catches a version, you are told what is wrong with it.
+# For each version, write a cloud on which its boxes differ from yours, with as few rows as you can. Once a cloud exposes a version, you see what is wrong with it.
 
 # %%
-# One list of rows [x, y, z, label] for each of A, B and C: A=[[...], [...]].
+# For each of A, B and C, give rows [x, y, z, label] with positions in metres: A=[[...], [...]].
 tell_apart(get_bounding_boxes, A=None, B=None, C=None)
 
 # %% [markdown] tags=["footer"]

@@ -13,11 +13,11 @@
 #
 # ![A street from above. Cars, people, trees and house fronts are coloured clusters. Small grey crosses on the road are clusters that were too small and now count as noise.](09_preview.png)
 #
-# Clustering gives every point a [cluster](#Words-of-the-course), even if that cluster is three drops of water. If each cluster becomes a box, the car brakes for spray. If we remove too many, it does not brake for a child.
+# Clustering puts every point into a [cluster](#Words-of-the-course), even if this cluster is only three drops of water. If each cluster becomes a box, the car brakes for spray. If we remove too many clusters, it does not brake for a child.
 #
 # **After this lesson you can**
 # - remove small clusters from a labelled cloud, without changing the others,
-# - say which people a minimum size removes, and at which distance.
+# - say which people a minimum size removes, and at what distance.
 #
 # **You write** `filter_clusters` (points). **Time:** (time). **You need** boolean masks (lesson 01) and the idea of cluster labels (lesson 05).
 
@@ -30,7 +30,7 @@
 # %% [markdown]
 # ## A wet street, in clusters
 #
-# We take the course's scan, within 30 m and above the road. It has rained, and the scanner sees the spray of the wheels. Only the drops are invented.
+# We take the part of the course's scan that is within 30 m and above the road. We pretend that it has rained, and add spray from the wheels.
 
 # %%
 import matplotlib.pyplot as plt
@@ -52,15 +52,15 @@ spray = np.column_stack([rng.normal(middle, 0.12), np.full(len(middle), 0.1)])
 puff = 10_000 + np.arange(60).repeat(size_of_puff)  # numbers that no object has
 
 cloud = np.vstack([scan[wanted], spray])
-objects = np.concatenate([truth["objects"][wanted], puff])  # what each return hit; 0 is the road
+objects = np.concatenate([truth["objects"][wanted], puff])  # the object of each return; 0 is the road
 print(f"{len(cloud):,} points, {len(spray)} of them spray")
 
 # %% [markdown]
-# The labels come from the simulator. Every object is one cluster, and so is every square metre of road that got past the ground filter. Labels run from 1 to N, as in lesson 05.
+# The labels come from the simulator. Every object is one cluster, and so is every square metre of road that is left after the ground filter. Labels run from 1 to N, as in lesson 05.
 
 # %%
 def labels_from_truth(points, objects):
-    """One cluster for each object, and for each square metre of the road, which is object 0."""
+    """Return one label per object, and one per square metre of the road, which is object 0."""
     square = np.where(objects[:, None] == 0, np.floor(points[:, :2]), 0)
     return np.unique(np.column_stack([objects, square]), axis=0, return_inverse=True)[1].ravel() + 1
 
@@ -79,13 +79,13 @@ plots.clusters(cloud, cluster_labels, limits=street, title="Everything is a clus
 # %%
 how_many_small = predict(f"How many of the {cluster_labels.max()} clusters have fewer than 100 points?",
                          between=(0, int(cluster_labels.max())))
-share_of_small = predict("What share of all points do these small clusters hold together?",
+share_of_small = predict("What share of all points do these small clusters contain in total?",
                          between=(0, 100), unit="%")
 
 # %%
-sizes = np.bincount(cluster_labels)[1:]  # how often each label from 1 up occurs
+sizes = np.bincount(cluster_labels)[1:]  # how often each label occurs, from 1 upwards
 small = sizes < 100
-how_many_small.compare(small.sum(), "A scan holds few large objects and many small ones. Each puff "
+how_many_small.compare(small.sum(), "A scan contains few large objects and many small ones. Each puff "
                        "of spray, each pole and each patch of road is a cluster of its own.")
 share_of_small.compare(100 * sizes[small].sum() / sizes.sum(), "It takes hundreds of small clusters "
                        "to have as many points as one house front.")
@@ -96,13 +96,11 @@ axes.axhline(100, color="black", linestyle=":", label="100 points")
 axes.set_xscale("log"); axes.set_yscale("log"); axes.legend();
 
 # %% [markdown]
-# A filter by size therefore removes most of the *clusters* and hardly any of the *points*.
+# A filter by size therefore removes most of the *clusters*, but hardly any of the *points*.
 #
 # ## The naive idea: remove one, close the gap
 #
-# *A loop that renumbers the labels skips clusters.*
-#
-# Labels run from 1 to N without gaps, and you may want to keep it so: when a cluster goes, the later ones move up by one. Here are four clusters of 5, 1, 2 and 4 points, and we want at least 3.
+# Labels run from 1 to N without gaps, and you may want to keep them that way. Then, whenever you remove a cluster, you subtract 1 from all higher labels. Here are four clusters of 5, 1, 2 and 4 points, and we want at least 3.
 
 # %%
 labels = np.array([1, 1, 1, 1, 1, 2, 3, 3, 4, 4, 4, 4])
@@ -112,21 +110,21 @@ for number in range(1, 5):
     if 0 < how_many < 3:
         labels[labels == number] = 0
         labels[labels > number] -= 1  # close the gap
-        verdict = "goes, and later ones move up"
+        verdict = "goes, and higher labels drop by 1"
     print(f"label {number}: {how_many} points, {verdict:33}", labels)
 
 # %% [markdown]
-# The cluster of two points is still there. When cluster 2 was removed, cluster 3 became the new cluster 2. The loop then went on to 3. Of two consecutive small clusters, the second survives. A test with a single small cluster does not show this mistake.
+# The cluster of two points is still there. When cluster 2 was removed, cluster 3 became the new cluster 2. But the loop went on to label 3, and never tested the new cluster 2. If two small clusters have consecutive labels, the second one survives. A test with a single small cluster does not show this mistake.
 #
 # ## The idea: label 0 means noise
 #
-# Let $c_i$ be the label of point $i$, and $m$ the smallest size that counts. The new label is
+# Let $c_i$ be the label of point $i$, and let $m$ be the minimum size. The new label is
 #
 # $$c_i' = \begin{cases} c_i & \text{if } c_i \text{ occurs at least } m \text{ times,}\\ 0 & \text{otherwise.}\end{cases}$$
 #
-# No label moves, so no cluster is skipped. The labels may then have gaps, which lesson 08 allows.
+# The other labels do not change, so no cluster is skipped. The labels may then have gaps, which lesson 08 allows.
 #
-# What remains is counting, and NumPy has two tools for it. Here are the shoe sizes of eight people:
+# Now we only have to count, and NumPy has two tools for this. Here are the shoe sizes of eight people:
 
 # %%
 shoes = np.array([41, 38, 44, 41, 41, 38, 39, 44])
@@ -136,11 +134,11 @@ print("             for each person, the row of the table:", which)
 print("np.bincount  of size 41:", np.bincount(shoes)[41], " of size 40:", np.bincount(shoes)[40])
 
 # %% [markdown]
-# Index the table of counts with one row number per person, and you get one count per person. So `how_many[which]` says for each person how many people wear that size.
+# If you index the table of counts with one row number per person, you get one count per person. So `how_many[which]` says for each person how many people wear the same size.
 #
 # ## Exercise · `filter_clusters` (points)
 #
-# Set the labels of clusters with fewer than `min_num_points` points to 0. A cluster of exactly `min_num_points` points stays. Points with label 0 keep it, however many there are. The labels may have gaps, and the array may be empty. NaN cannot occur among labels. This lesson forbids none of the packages named at the end of the notebook.
+# Set the labels of clusters with fewer than `min_num_points` points to 0. A cluster of exactly `min_num_points` points stays. Points with label 0 keep this label, however many there are. The labels may have gaps, and the array may be empty. Labels are never NaN. All packages listed at the end are allowed.
 
 # %% nbgrader={"grade": false, "grade_id": "filter_clusters", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def filter_clusters(cluster_labels, min_num_points=100):
@@ -149,19 +147,19 @@ def filter_clusters(cluster_labels, min_num_points=100):
     Parameters
     ----------
     cluster_labels : ndarray of int, shape (n,)
-        The cluster of each point, 1 or greater; 0 for points that belong to none.
+        The cluster of each point (1 or greater), or 0 for points that belong to no cluster.
     min_num_points : int
         Clusters with fewer points than this are removed.
 
     Returns
     -------
     ndarray of int, shape (n,)
-        A new array: 0 for the points of clusters that are too small; all other
-        labels are unchanged.
+        A new array, with 0 for the points of clusters that are too small. All other labels are
+        unchanged.
     """
     # 1. Count how many points have each label.
     # 2. Find the size of each point's cluster.
-    # 3. Return a new array: 0 where that size is too small, the old label elsewhere.
+    # 3. Return a new array, with 0 if that size is too small, and the old label otherwise.
     # roughly 3 lines
     ### BEGIN SOLUTION
     _, row, size = np.unique(cluster_labels, return_inverse=True, return_counts=True)
@@ -172,11 +170,11 @@ def filter_clusters(cluster_labels, min_num_points=100):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# You need the cluster size for each *point*, not for each cluster. One comparison is then enough, and the answer has the length of `cluster_labels`.
+# You need the cluster size for each *point*, not for each cluster. One comparison is then enough, and the answer has the same length as `cluster_labels`.
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# For the shoes it was `how_many[which]`. Do the same with `cluster_labels` in place of `shoes`. Or loop over the labels, read from the original and write into a copy.
+# For the shoes, this was `how_many[which]`. Do the same with `cluster_labels` in place of `shoes`. Or loop over the labels, read from the original array, and write to a copy.
 # </details>
 # <details><summary>Hint 3</summary>
 #
@@ -184,7 +182,7 @@ def filter_clusters(cluster_labels, min_num_points=100):
 # </details>
 
 # %% [markdown]
-# **Try it on ten points first.** Cluster 1 has four points, clusters 2 and 3 have two each, cluster 5 has one, and one point is already noise. A minimum of two removes cluster 5, and a minimum of three also removes 2 and 3. The last line shows whether your function changed its input.
+# **Try it on ten points first.** Cluster 1 has four points, clusters 2 and 3 have two each, cluster 5 has one, and one point is already noise. A minimum of two removes cluster 5, and a minimum of three also removes clusters 2 and 3. The last line shows whether your function changed its input.
 
 # %%
 ten = np.array([1, 1, 2, 2, 3, 3, 1, 0, 5, 1])
@@ -200,7 +198,7 @@ axes = plots.clusters(np.column_stack([np.arange(10), np.zeros(10)]),
 axes.set_yticks([]); axes.set_ylabel(""); axes.set_xlabel("row"); axes.set_xticks(range(10));
 
 # %% [markdown]
-# **Look before you check.** Cars, people, trees and house fronts should be left, in their old colours. The road should have no clusters, only grey crosses.
+# **Look before you check.** Cars, people, trees and house fronts should be left, in their old colours. On the road, there should be only grey crosses.
 
 # %%
 filtered = filter_clusters(cluster_labels)  # the default minimum is 100
@@ -209,7 +207,7 @@ print(f"{len(np.unique(cluster_labels))} clusters in, {len(np.unique(filtered[fi
 plots.clusters(cloud, filtered, limits=street, title="Clusters of at least 100 points");
 
 # %% tags=["folded"]
-# @title What is left, to turn in space (you need not read this)
+# @title Shows in 3-D what is left (you need not read this)
 from utils.scene3d import Scene
 
 some = (np.arange(len(cloud)) % 4 == 0) & (np.abs(cloud[:, 1]) < 15)
@@ -226,18 +224,18 @@ check(filter_clusters)
 last_puff = predict("What is the smallest minimum that removes all spray?")
 
 # %% tags=["folded"]
-# @title What the slider shows (you need not read this)
-# Draw all points that the slider can remove, and every fourth of the others.
+# @title Prepares the slider (you need not read this)
+# Draw all points that the slider can remove, and every fourth of the other points.
 thin = np.flatnonzero((np.arange(len(cloud)) % 4 == 0) | (sizes[cluster_labels - 1] < 600))
 
 
 def left_over(minimum):
-    """The new labels of the points that are drawn."""
+    """Return the new labels of the points that are drawn."""
     return filter_clusters(cluster_labels, minimum)[thin]
 
 
 def lost_by(minimum):
-    """How many puffs of spray are left, and how many obstacles of each kind are gone."""
+    """Return how many puffs of spray are left, and how many obstacles of each kind are gone."""
     kept = filter_clusters(cluster_labels, minimum) > 0
     gone = np.unique(objects[~kept & (objects > 0) & (objects < 10_000)])
     first = [np.flatnonzero(truth["objects"] == number)[0] for number in gone]
@@ -245,7 +243,7 @@ def lost_by(minimum):
     return len(np.unique(objects[kept & (objects >= 10_000)])), dict(zip(kinds.tolist(), counts.tolist()))
 
 # %% [markdown]
-# Move the slider until the road is clear. Which obstacles go with the spray?
+# Move the slider until the road is clear. Which obstacles disappear together with the spray?
 
 # %%
 @interact(minimum=IntSlider(value=5, min=5, max=600, step=5, description="min points",
@@ -259,8 +257,8 @@ def show_minimum(minimum):
 
 # %%
 largest_puff = np.bincount(puff - 10_000).max()
-last_puff.compare(largest_puff + 1, f"The largest puff has {largest_puff} points. A minimum of one "
-                  "more removes it, and also each obstacle that has no more points.")
+last_puff.compare(largest_puff + 1, f"The largest puff has {largest_puff} points. A minimum that is "
+                  "greater by one removes it, and also every obstacle that is not larger.")
 print("obstacles that this minimum removes:",
       ", ".join(f"{count} {kind}" for kind, count in lost_by(int(largest_puff) + 1)[1].items()))
 
@@ -276,24 +274,24 @@ for minimum, axes in zip((10, 100, 500), rows):
 # %% [markdown]
 # ## Theory: how many points is a person?
 #
-# *Twice as far away, a quarter of the points.*
+# *At twice the distance, an object has a quarter of the points.*
 #
-# The rays of the scanner spread out, so a person far away is hit by fewer of them. The rays are $\delta_\varphi$ apart to the side and $\delta_\theta$ apart in height. At a distance $r$, neighbouring rays are $r\,\delta_\varphi$ and $r\,\delta_\theta$ metres apart. The number of rays that hit an area $A$ is therefore
+# The rays of the scanner spread out, so fewer of them hit a person who is far away. The angles between neighbouring rays are $\delta_\varphi$ sideways and $\delta_\theta$ up and down. At a distance $r$, the rays are $r\,\delta_\varphi$ and $r\,\delta_\theta$ metres apart. The number of rays that hit an area $A$ is therefore
 #
 # $$N(r) = \frac{A}{\delta_\varphi\,\delta_\theta\,r^2}$$
 #
-# Our scanner has $\delta_\varphi = 0.18°$, and its upper [beams](#Words-of-the-course) are $0.33°$ apart. A pedestrian shows it about $0.4\ \mathrm{m}^2$ above the ground level of this cloud.
+# Our scanner has $\delta_\varphi = 0.18°$, and its upper [beams](#Words-of-the-course) are $0.33°$ apart. The scanner sees about $0.4\ \mathrm{m}^2$ of a pedestrian above the ground level of this cloud.
 #
-# One scan holds few people, so the next cell simulates ten more streets.
+# One scan contains few people, so we simulate ten more streets.
 
 # %%
-reach_of_100 = predict("Up to which distance does a person in plain view have 100 points?",
+reach_of_100 = predict("Up to what distance does a person in plain view have 100 points?",
                        between=(0, 60), unit="m")
 
 # %% tags=["folded"]
-# @title Clusters of a simulated street, and people in plain view (you need not read this)
+# @title Finds the clusters of a street, and people in plain view (you need not read this)
 def plain_view(frame):
-    """For each cluster of a frame, whether it is a person that nothing nearer hides."""
+    """Return for each cluster of a frame whether it is a person and nothing closer hides it."""
     points, classes = frame.cloud, frame.scan.classes
     use = (points[:, 2] >= -1.2) & ~np.isin(classes, [names.index("invalid"), names.index("ego")])
     x, y, z = points[use, :3].T
@@ -316,7 +314,7 @@ def plain_view(frame):
 
 
 def clusters_of(frame):
-    """Labels of a simulated frame, with kind and distance of each cluster."""
+    """Return the labels of a simulated frame, and the kind and distance of each cluster."""
     points, classes = frame.cloud, frame.scan.classes
     use = (points[:, 2] >= -1.2) & ~np.isin(classes, [names.index("invalid"), names.index("ego")])
     labels = labels_from_truth(points[use], frame.scan.objects[use])
@@ -333,7 +331,7 @@ in_view = np.concatenate([plain_view(frame) for frame in frames])
 
 
 def theory(distance, area=0.4):
-    """Points on an object that shows the scanner `area` square metres."""
+    """Return how many points an object has if the scanner sees `area` square metres of it."""
     return area / (np.radians(0.18) * np.radians(1 / 3) * distance ** 2)
 
 
@@ -353,16 +351,16 @@ middling = (kind == "pedestrian") & (distance > 5) & (distance < 25)
 over = size / theory(distance)  # measured points as a multiple of the theory
 for what, group in (("in plain view", middling & in_view), ("partly hidden", middling & ~in_view)):
     low, mid, high = np.quantile(over[group], [0.1, 0.5, 0.9])
-    print(f"{group.sum():3} people 5 to 25 m away, {what}: {mid:.2f} times the points of the line "
-          f"(median; most people {low:.2f} to {high:.2f} times)")
-reach_of_100.compare(np.sqrt(theory(1.0) / 100), "There the line crosses the dotted one. In theory a "
-                     f"person has {theory(1.0):,.0f} points at 1 m, and a hundredth of that ten "
-                     "times as far away.")
+    print(f"{group.sum():3} people 5 to 25 m away, {what}: {mid:.2f} times as many points as in "
+          f"theory (median; most people have {low:.2f} to {high:.2f} times as many)")
+reach_of_100.compare(np.sqrt(theory(1.0) / 100), "There, the line crosses the dotted line. In "
+                     f"theory, a person has {theory(1.0):,.0f} points at 1 m, and a hundredth of "
+                     "that at 10 m.")
 
 # %% [markdown]
-# Up to 25 m, people in plain view are close to the line. They are few: most people are partly hidden by something nearer, and then often have less than half of the points. So the line shows how many points a person has *at best*. On logarithmic axes $1/r^2$ is a straight line of slope $-2$.
+# Up to 25 m, people in plain view are close to the line. But most people are partly hidden by something closer, and often have less than half as many points. So the line shows how many points a person has *at best*. On logarithmic axes, $1/r^2$ is a straight line with slope $-2$.
 #
-# A person farther away than the crossing has fewer than 100 points, even in plain view. A minimum size is therefore also a *maximum distance*. How far must a car see? As in lesson 07, a car drives on for half a second while it thinks, then brakes with 7 m/s². Its bumper is 2.6 m ahead of the scanner, from which we measure.
+# A person beyond the crossing of the two lines has fewer than 100 points, even in plain view. A minimum size is therefore also a *maximum distance*. How far must a car see? As in lesson 07, a car drives on for half a second while it thinks, and then brakes at 7 m/s². We measure from the scanner, and the bumper is 2.6 m ahead of it.
 
 # %%
 speed = 50 / 3.6
@@ -374,22 +372,20 @@ for minimum in (5, 10, 30, 100, 300):
     nearer = (kind == "pedestrian") & (distance < reach)
     rows.append([minimum, f"{reach:.1f} m", "yes" if reach > stopping else "no",
                  f"{np.mean(size[nearer] < minimum):.0%}"])
-show_table(["min_num_points", "keeps people in plain view, in theory up to", "in time from 50 km/h",
-            "removed of all people within that distance"], rows)
+show_table(["min_num_points", "keeps people in plain view up to (theory)", "in time from 50 km/h",
+            "removes this share of all people within that distance"], rows)
 
 # %% [markdown]
 # ## Practice: what does it cost?
 #
-# *A larger minimum removes more ghosts, but also more people.*
-#
-# Pieces of road are ghosts, obstacles that do not exist. They should go, and people should stay. Your `filter_clusters` decides.
+# Pieces of road are *ghosts*, or phantom obstacles. A larger minimum removes more ghosts, but also more people. Your `filter_clusters` shows how many.
 
 # %%
 minima = np.array([1, 2, 5, 10, 20, 30, 50, 100, 200, 400, 800])
 
 
 def gone_at(minimum):
-    """For each cluster of the ten streets, whether the filter removes it."""
+    """Return for each cluster of the ten streets whether the filter removes it."""
     return np.concatenate([~np.isin(np.unique(labels), filter_clusters(labels, minimum))
                            for labels, _, _ in streets])
 
@@ -409,9 +405,9 @@ for minimum in (10, 100):
           ", ".join(f"{row[group].mean():.0%} of {name}" for name, group in shown.items()))
 
 # %% [markdown]
-# The dotted line is the default. It removes all ghosts, but also the people beyond 15 m and many of the people near the car. Those are half hidden, for example by a parked car, and may step out at any moment. With a smaller minimum nearly all ghosts still go, and nearly all people near the car stay.
+# The dotted line marks the default. It removes all ghosts, but also the people beyond 15 m and many of the people near the car. The people near the car are half hidden, for example by a parked car, and may step out at any moment. With a smaller minimum, nearly all ghosts still go, and nearly all people near the car stay.
 #
-# But no minimum removes the ghosts and keeps the distant people. Their *sizes* overlap, so size alone cannot distinguish them. In the thinned clouds of lesson 12 a person has tens of points rather than hundreds, so the minimum there is smaller.
+# But no minimum removes the ghosts and keeps the distant people. Their *sizes* overlap, so size alone cannot distinguish them. In the thinned clouds of lesson 12, a person has tens of points rather than hundreds, so the minimum is smaller there.
 #
 # ## A maximum number of points does not work
 #
@@ -427,21 +423,21 @@ for label in np.argsort(sizes)[::-1][:14] + 1:  # labels of the largest clusters
 show_table(["kind", "distance", "points"], rows)
 
 # %% [markdown]
-# No: a car close by has more points than a wall farther away. A maximum in *metres* works better, because no car is 10 m long.
+# No, because a car nearby has more points than a wall that is farther away. A maximum in *metres* works better, because no car is 10 m long.
 #
 # ## Common mistakes
 #
 # | what the code does | what you see |
 # |---|---|
-# | renumbers the labels inside the loop | of consecutive small clusters, every second one is still there |
+# | renumbers the labels inside the loop | if small clusters have consecutive labels, every second one is still there |
 # | renumbers the labels at the end | no cluster is missing, but the colours have changed |
 # | compares `label < min_num_points` | the first 99 clusters are gone, whatever their size |
 # | compares with `>` instead of `<` | only spray, road and other small clusters are left |
-# | deletes the labels of small clusters | a later error: fewer labels than points |
+# | deletes the labels of small clusters | a later error, because there are fewer labels than points |
 # | writes `cluster_labels[...] = 0` | no error, until a later step needs the old labels |
 
 # %% tags=["folded"]
-# @title Three mistakes on the street (you need not read this)
+# @title Draws three mistakes on the street (you need not read this)
 def moved_up_in_the_loop(labels, minimum):
     labels = labels.copy()
     for number in range(1, labels.max() + 1):
@@ -452,7 +448,7 @@ def moved_up_in_the_loop(labels, minimum):
 
 
 size_at = sizes[cluster_labels - 1]  # for each point, the size of its cluster
-wrong = {"Moved up in the loop": moved_up_in_the_loop(cluster_labels, 100) > 0,
+wrong = {"Renumbered in the loop": moved_up_in_the_loop(cluster_labels, 100) > 0,
          "label < min_num_points": cluster_labels >= 100,
          "> instead of <": size_at <= 100}
 figure, rows = plt.subplots(3, 1, figsize=(8.5, 12), layout="compressed")
@@ -473,7 +469,7 @@ for (name, kept), axes in zip(wrong.items(), rows):
 # %% [markdown]
 # ## Let it drive
 #
-# This section has no points; skip it if you like. A car drives ten seconds at 30 km/h, and your `filter_clusters` decides which clusters are too small to brake for. The other steps are given. They thin the scan, so a cyclist has 50 to 100 points. After nine seconds a cyclist from a side street is in our lane. The cell takes about 15 seconds.
+# This drive is optional. A car drives for ten seconds at 30 km/h, and your `filter_clusters` decides which clusters are too small to brake for. The other steps are given. They thin out the scan, so a cyclist has 50 to 100 points. After nine seconds, a cyclist from a side street is in our lane. The cell takes about 15 seconds.
 
 # %%
 from utils.drive import chain, drive_street, on_time
@@ -481,7 +477,7 @@ from utils.lent import is_written, own
 
 
 def drive_with(min_num_points, street=3):
-    """Ten seconds of a street, without clusters of fewer points."""
+    """Drive ten seconds through a street, and remove clusters of fewer points."""
     mine = own(filter_clusters)
     return drive_street(street, chain(keep=lambda labels: mine(labels, min_num_points)), seconds=10,
                         clock=on_time)
@@ -491,17 +487,17 @@ drive_with(10) if is_written(filter_clusters) else print(
     "filter_clusters is not written, or has not passed its check.")
 
 # %% [markdown]
-# The car brakes early and stays 2 m away from the cyclist. Now try the default, `drive_with(100)`. **A bar to beat:** find the largest minimum, in steps of 10, with which the car still does not hit the cyclist. And what does a minimum of 1 do in the rain, `drive_with(1, street=8)`?
+# The car brakes early and stays 2 m away from the cyclist. Now try the default, `drive_with(100)`. **A challenge:** find the largest minimum, in steps of 10, with which the car does not hit the cyclist. And what does a minimum of 1 do in the rain? Try `drive_with(1, street=8)`.
 #
 # <details><summary>An answer</summary>
 #
-# With 100 the cyclist never has a box and is hit at 30 km/h. The largest minimum is 40. With 50 the cyclist rarely has a box, and the car brakes with 3 m to go. In the rain with 1, the car brakes for a drop at once and drives only 8 m. With 10 it drives 82 m without braking. Ten drops form a cluster almost only above the bonnet of the ego car, and there the driver believes a box only when it has stayed in place for a second.
+# With 100, the cyclist never has a box, and the car hits the cyclist at 30 km/h. The largest minimum is 40. With 50, the cyclist rarely has a box, and the car brakes with 3 m to go. In the rain, with a minimum of 1, the car brakes for a drop at once and drives only 8 m. With 10, it drives 82 m without braking. Ten drops form a cluster almost only above the bonnet of the ego car, and there the driver ignores a box until it has stayed in place for a second.
 # </details>
 
 # %% [markdown]
 # ## In practice
 #
-# In many libraries the minimum is a setting of the clustering itself:
+# In many libraries, the minimum is a setting of the clustering itself:
 #
 # ```python
 # # PCL, in C++
@@ -512,15 +508,15 @@ drive_with(10) if is_written(filter_clusters) else print(
 # labels = np.array(point_cloud.cluster_dbscan(eps=0.5, min_points=1))
 # ```
 #
-# - The minimum should fall with the distance. $m(r) = m_{10} \cdot (10\,\mathrm{m} / r)^2$ asks for the same *area* everywhere.
-# - In a cloud thinned with a voxel grid (lesson 06), sizes hardly depend on distance, up to the range where the beams are farther apart than the cells.
-# - Time helps more than size. In the next frame spray is somewhere else, and a person is not. Trackers therefore keep small clusters for a few frames and drop those that do not come back (lesson 12).
+# - The minimum should fall with the distance. If $m_{10}$ is the minimum at 10 m, then $m(r) = m_{10} \cdot (10\,\mathrm{m} / r)^2$ requires the same visible *area* at every distance.
+# - After a voxel grid (lesson 06), sizes hardly depend on distance, up to the range where the beams are farther apart than the cells.
+# - Time helps more than size. In the next frame, spray is somewhere else, but a person is not. Trackers therefore keep small clusters for a few frames, and drop those that do not come back (lesson 12).
 #
 # ## Summary
 #
-# - Points of small clusters get label 0, and the other labels keep their value.
+# - The points of small clusters get label 0, and all other labels stay the same.
 # - Count first, then decide for all points at once. Renumbering inside a loop skips clusters.
-# - The number of points falls with the square of the distance, so a minimum size is a maximum distance.
+# - The number of points falls with the square of the distance, so a minimum size is also a maximum distance.
 #
 # **Sources.** Minimum and maximum cluster sizes: [Point Cloud Library, Euclidean cluster extraction](https://pcl.readthedocs.io/projects/tutorials/en/latest/cluster_extraction.html). Noise as a label of its own: [Ester et al. 1996](https://cdn.aaai.org/KDD/1996/KDD96-037.pdf). Rain and fog in scans: [Heinzler et al. 2020](https://doi.org/10.1109/LRA.2020.2972865).
 #
@@ -529,10 +525,10 @@ drive_with(10) if is_written(filter_clusters) else print(
 # %% [markdown]
 # ## If you want more
 #
-# Each item takes 10 to 20 minutes.
+# Each task takes 10 to 20 minutes.
 #
-# 1. Write `filter_clusters_by_distance(cloud, cluster_labels, points_at_10m)` with the minimum $m(r)$ from above, and add its curves to the figure *ghosts and people*. How many distant people come back, and how many ghosts?
-# 2. Filter by extent: drop clusters that are longer than 8 m or less than 0.3 m high. Which mistakes are left?
+# 1. Write `filter_clusters_by_distance(cloud, cluster_labels, points_at_10m)` with the minimum $m(r)$ from above, and add its curves to the figure of ghosts and people. How many distant people come back, and how many ghosts?
+# 2. Filter by extent. Drop clusters that are longer than 8 m or less than 0.3 m high. Which mistakes are left?
 # 3. Add a parameter `max_num_points`. Find a value on `cloud.txt` that removes more walls than cars.
 
 # %% [markdown] tags=["footer"]

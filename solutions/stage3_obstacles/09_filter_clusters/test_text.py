@@ -98,8 +98,8 @@ def test_the_car_brakes_as_in_lesson_07():
     ours, theirs = (
         find_lesson(name).source.read_text("utf-8") for name in (NAME, "07_filter_by_distance")
     )
-    assert "drives on for half a second while it thinks, then brakes with 7 m/s²" in ours
-    assert "drives on for half a second while it thinks, then brakes with 7 m/s²" in theirs
+    assert "drives on for half a second while it thinks, and then brakes at 7 m/s²" in ours
+    assert "drives on for half a second while it thinks, and then brakes at 7 m/s²" in theirs
 
 
 def test_the_naive_loop_keeps_every_second_small_neighbour(lesson_run):
@@ -143,7 +143,7 @@ def test_the_cyclist_meets_the_car_at_the_stated_time():
 
 @pytest.mark.proof
 @pytest.mark.parametrize(("minimum", "hits"), [(10, False), (40, False), (50, True)])
-def test_the_largest_minimum_that_spares_the_cyclist_is_40(lesson, minimum, hits):
+def test_the_largest_minimum_that_spares_the_cyclist_is_40(lesson_run, minimum, hits):
     detect = chain(keep=lambda labels: lesson_run.filter_clusters(labels, minimum))
     trip = drive_street(3, detect, seconds=10, clock=on_time)
     assert bool(trip.report.collision) == hits
