@@ -113,6 +113,13 @@ def test_every_option_in_a_sentence_belongs_to_a_command(readme):
 
 
 @pytest.mark.parametrize("readme", READMES)
+def test_every_option_is_marked_as_code(readme):
+    """The website prints two hyphens in a sentence as a dash."""
+    prose = re.sub(r"`[^`\n]+`|<!--.*?-->", "", FENCED.sub("", text_of(readme)))
+    assert re.findall(r"(?<!\S)--\w.*", prose) == []
+
+
+@pytest.mark.parametrize("readme", READMES)
 def test_every_nbgrader_command_exists(readme):
     for rest in commands(readme, "nbgrader"):
         assert rest.split()[0] in NbGraderApp.subcommands, rest
