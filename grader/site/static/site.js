@@ -75,8 +75,8 @@
 
   // A short name moves to the next line. A long one breaks after an underscore, not within a word.
   for (const name of document.querySelectorAll(".bd-article code.literal .pre")) {
+    if (name.textContent.length < 16) name.classList.add("unbroken");
     if (name.getClientRects().length < 2) continue;
-    if (name.textContent.length < 20) name.classList.add("unbroken");
     for (const underscore of [...name.textContent.matchAll(/_(?=.)/g)].reverse()) {
       name.firstChild.splitText(underscore.index + 1).before(document.createElement("wbr"));
     }
