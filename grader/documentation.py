@@ -149,7 +149,9 @@ def _commands_page(parser: argparse.ArgumentParser) -> str:
 
 def _command_section(name: str, command: argparse.ArgumentParser) -> Iterator[str]:
     usage = " ".join(command.format_usage().removeprefix("usage: ").split())
-    yield f"## {name}\n\n{_mark_options(command.description or '')}\n"
+    # In one line, because a line that begins with "1." would begin a list.
+    description = " ".join((command.description or "").split())
+    yield f"## {name}\n\n{_mark_options(description)}\n"
     yield f"```\n{usage}\n```\n"
     options = [option for option in command._actions if option.dest != "help"]
     if options:
