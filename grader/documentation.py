@@ -23,6 +23,7 @@ PAGES_WITH_SECTIONS = tuple(
     PROJECT / page for page in ("README.md", "docs/teaching.md", "notebooks/README.md")
 )
 _SECTION = re.compile(r"(<!-- (\w+) -->)(.*?)(<!-- end -->)", re.S)
+_OPTION = re.compile(r"(?<!\S)--\w[\w-]*")
 _OUTCOMES = re.compile(r"\*\*After this lesson you can\*\*\n((?:- .*\n)+)")
 
 
@@ -148,17 +149,24 @@ def _commands_page(parser: argparse.ArgumentParser) -> str:
 
 def _command_section(name: str, command: argparse.ArgumentParser) -> Iterator[str]:
     usage = " ".join(command.format_usage().removeprefix("usage: ").split())
-    yield f"## {name}\n\n{command.description or ''}\n"
+    # In one line, because a line that begins with "1." would begin a list.
+    description = " ".join((command.description or "").split())
+    yield f"## {name}\n\n{_mark_options(description)}\n"
     yield f"```\n{usage}\n```\n"
     options = [option for option in command._actions if option.dest != "help"]
     if options:
         yield "| argument | meaning |\n|---|---|"
     for option in options:
         help_text = command._get_formatter()._expand_help(option) if option.help else ""
-        yield f"| {_format_argument(option)} | {help_text} |".replace("  |", " |")
+        yield f"| {_format_argument(option)} | {_mark_options(help_text)} |".replace("  |", " |")
     if command.epilog:
         calls = "\n".join(map(str.strip, command.epilog.splitlines()[1:]))
         yield f"\nExamples:\n\n```sh\n{calls}\n```"
+
+
+def _mark_options(text: str) -> str:
+    """Mark options as code, because the website would print two hyphens in a sentence as a dash."""
+    return _OPTION.sub(r"`\g<0>`", text)
 
 
 def _format_argument(option: argparse.Action) -> str:

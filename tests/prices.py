@@ -8,6 +8,7 @@ including the search for an edit. `tests/test_prices.py` compares the page with 
 import ast
 import json
 import re
+import statistics
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -17,10 +18,11 @@ from pathlib import Path
 
 from grader.course.lessons import Lesson, find_lesson, lesson_of
 from grader.course.paths import PROJECT
+from grader.course.rules import MISSED_TASK_KEEPS, ONE_SLIP_KEEPS
 from grader.documentation import lesson_title
 from grader.judging.judge import judge
 from grader.sandbox import choose_sandbox
-from tests.slips import Slip
+from tests.slips import MISSING, NAIVE, PARTLY, SMALL, USELESS, Slip
 from tests.test_slips import TABLES, solution_of
 
 PAGE = PROJECT / "docs" / "prices.md"
@@ -30,22 +32,43 @@ _ROW = re.compile(r"^\| (.+?) \| (\d+)\s% \| (\d+)\s% \|", re.M)
 _TOP = """\
 # Cost of likely slips
 
-This page lists the points that likely slips cost in each exercise. A slip is one small change to
-the lesson's own solution.
+A slip is one small change to the lesson's own solution. This page lists {slips} likely slips, and
+the share of the exercise's points that an answer with each slip keeps.
+{at_least} of these answers ({share} %) keep at least {one_slip} of the points.
 
-- *By the checks* is the share of the exercise's points that its checks earn.
-- *Kept* is the share of the points that the student gets. If the judge proves that an answer has
-  a single slip, the answer keeps 60 %, or 40 % if the slip misses the point of the exercise. See
+- If the judge proves that an answer has a single slip, the answer keeps at least {one_slip}, or at
+  least {missed_task} if the slip misses the point of the exercise. See
   [grading a class](grading.md#what-happens-to-a-submission).
-- If the change leaves out the method of the lesson, or no single edit corrects it, the answer
-  keeps only what its checks earn.
-- *Effect* describes the result. A *partly wrong* result is right for some common inputs and wrong
-  for others. A *small* fault is easy to correct, or rarely matters. *Method missing* means that
-  the answer does not use the method of the lesson. *Naive* code ignores its input, or follows an
-  idea that the lesson shows to fail.
+- If no single edit corrects an answer, or the change leaves out the method of the lesson, the
+  answer keeps only what its checks earn.
 
-`python -m tests.prices` writes this page. It puts each slip into the solution and judges the
-notebook with seed 1, which takes about ten minutes on two cores.
+## By effect
+
+| effect | meaning | slips | least kept | median | most kept |
+|---|---|---:|---:|---:|---:|
+{effects}
+
+## By exercise
+
+The table counts the slips by the share of the points that they keep. Each link leads to the list of
+an exercise's slips, which begins with those that cost most.
+
+{exercises}
+"""
+_UNIT = "\N{NO-BREAK SPACE}%"
+_MEANINGS = {
+    USELESS: "A caller cannot use the result.",
+    PARTLY: "The result is right for some common inputs and wrong for others.",
+    SMALL: "The fault is easy to correct, or rarely matters.",
+    MISSING: "The answer does not use the method of the lesson.",
+    NAIVE: "The code ignores its input, or follows an idea that the lesson shows to fail.",
+}
+_FOOT = """
+## How this page is made
+
+`python -m tests.prices` puts each slip into the solution and judges the notebook with seed 1, which
+takes about ten minutes on two cores. *By the checks* is the share that the answer would keep
+without the rule about slips.
 """
 
 
@@ -55,6 +78,11 @@ class Price:
 
     checks: float
     kept: float
+
+    @property
+    def percent_kept(self) -> int:
+        """The whole number on the page."""
+        return round(100 * self.kept)
 
 
 def all_slips() -> Iterator[tuple[str, Slip]]:
@@ -101,12 +129,12 @@ def read_page() -> dict[str, dict[str, Price]]:
         exercise = part.split("`")[1]
         prices[exercise] = {
             title.replace(PIPE, "|"): Price(int(checks) / 100, int(kept) / 100)
-            for title, checks, kept in _ROW.findall(part)
+            for title, kept, checks in _ROW.findall(part)
         }
     return prices
 
 
-def page(prices: dict[tuple[str, str], Price]) -> str:
+def page(prices: dict[str, dict[str, Price]]) -> str:
     """Return the text of the page.
 
     Parameters
@@ -114,32 +142,77 @@ def page(prices: dict[tuple[str, str], Price]) -> str:
     prices : dict
         Prices by exercise and title of the slip.
     """
-    parts = [_TOP]
+    percents = [price.percent_kept for row in prices.values() for price in row.values()]
+    at_least = sum(percent >= 100 * ONE_SLIP_KEEPS for percent in percents)
+    top = _TOP.format(
+        slips=len(percents),
+        at_least=at_least,
+        share=round(100 * at_least / len(percents)),
+        one_slip=_percent(ONE_SLIP_KEEPS),
+        missed_task=_percent(MISSED_TASK_KEEPS),
+        effects="\n".join(_effect_rows(prices)),
+        exercises="\n".join(_exercise_rows(prices)),
+    )
+    parts = [top]
     for name, table in TABLES.items():
         parts.append(f"\n## {name[:2]} · {lesson_title(find_lesson(name))}\n")
         for exercise, slips in table.items():
-            rows = [
-                f"| {title} | {_percent(price.checks)} | {_percent(price.kept)} "
-                f"| {slip.harm.word} |"
-                for slip in slips
-                for title in [slip.title.replace("|", PIPE)]
-                for price in [prices[exercise, slip.title]]
-            ]
-            head = ["| slip | by the checks | kept | effect |", "|---|---:|---:|---|"]
+            dearest_first = sorted(
+                slips, key=lambda slip: prices[exercise][slip.title].percent_kept
+            )
+            rows = [_slip_row(slip, prices[exercise][slip.title]) for slip in dearest_first]
+            head = ["| slip | keeps | by the checks | effect |", "|---|---:|---:|---|"]
             parts.append("\n".join([f"\n### `{exercise}`\n", *head, *rows, ""]))
-    return "".join(parts)
+    return "".join([*parts, _FOOT])
+
+
+def _effect_rows(prices: dict[str, dict[str, Price]]) -> Iterator[str]:
+    for harm, meaning in _MEANINGS.items():
+        percents = [
+            prices[exercise][slip.title].percent_kept
+            for exercise, slip in all_slips()
+            if slip.harm is harm
+        ]
+        numbers = min(percents), statistics.median_low(percents), max(percents)
+        columns = " | ".join(f"{number}{_UNIT}" for number in numbers)
+        yield f"| {harm.word} | {meaning} | {len(percents)} | {columns} |"
+
+
+def _exercise_rows(prices: dict[str, dict[str, Price]]) -> Iterator[str]:
+    low, high = round(100 * MISSED_TASK_KEEPS), round(100 * ONE_SLIP_KEEPS)
+    bands = f"below {low} % | {low} to {high - 1} % | {high} % | above {high} %"
+    yield f"| lesson | exercise | {bands} |"
+    yield "|---|---|---:|---:|---:|---:|"
+    for name, table in TABLES.items():
+        for exercise in table:
+            percents = [price.percent_kept for price in prices[exercise].values()]
+            counts = (
+                sum(percent < low for percent in percents),
+                sum(low <= percent < high for percent in percents),
+                sum(percent == high for percent in percents),
+                sum(percent > high for percent in percents),
+            )
+            columns = " | ".join(map(str, counts))
+            yield f"| {name[:2]} | [`{exercise}`](#{exercise}) | {columns} |"
+
+
+def _slip_row(slip: Slip, price: Price) -> str:
+    title = slip.title.replace("|", PIPE)
+    return f"| {title} | {_percent(price.kept)} | {_percent(price.checks)} | {slip.harm.word} |"
 
 
 def _percent(share: float) -> str:
-    return f"{100 * share:.0f}\N{NO-BREAK SPACE}%"
+    return f"{round(100 * share)}{_UNIT}"
 
 
 def main() -> None:
     """Judge all slips and write the page."""
-    cases, prices = list(all_slips()), {}
+    cases = list(all_slips())
+    prices: dict[str, dict[str, Price]] = {exercise: {} for exercise, _ in cases}
     with ProcessPoolExecutor(WORKERS) as pool:
-        for number, (case, price) in enumerate(zip(cases, pool.map(price_of, cases), strict=True)):
-            prices[case[0], case[1].title] = price
+        judged = zip(cases, pool.map(price_of, cases), strict=True)
+        for number, ((exercise, slip), price) in enumerate(judged):
+            prices[exercise][slip.title] = price
             print(f"\r{number + 1} of {len(cases)} slips", end="", file=sys.stderr, flush=True)
     PAGE.write_text(page(prices), "utf-8")
     print(f"\nwrote {PAGE.relative_to(PROJECT)}", file=sys.stderr)

@@ -3,9 +3,9 @@
     python -m tests.site_in_browser SITE AXE.js PICTURES
 
 Every page is opened in four views. No page may load anything from another host, scroll sideways,
-have broken pictures, be too heavy before scrolling, or have faults that axe-core finds. Then the
-script acts as a reader: it searches, enters a guess, moves a slider and chooses the dark theme. It
-does this with and without a server.
+have broken pictures or lines, be too heavy before scrolling, or have faults that axe-core finds.
+Then the script acts as a reader: it searches, enters a guess, moves a slider and chooses the dark
+theme. It does this with and without a server.
 """
 
 import functools
@@ -36,6 +36,19 @@ SWITCHES = (
 )
 BROKEN_IMAGES = """
 return [...document.images].filter((one) => one.complete && !one.naturalWidth).map((one) => one.src)
+"""
+BROKEN_LINES = """
+const parted = [...document.querySelectorAll('span.math')].filter((formula) => {
+  const mark = formula.nextSibling;
+  if (mark?.nodeType !== Node.TEXT_NODE || !/^[.,;:?!)]/.test(mark.data)) return false;
+  const place = document.createRange();
+  place.setStart(mark, 0);
+  place.setEnd(mark, 1);
+  return place.getBoundingClientRect().top >= formula.getBoundingClientRect().bottom;
+});
+const names = [...document.querySelectorAll('.bd-article code.literal .pre')].filter(
+  (name) => name.textContent.length < 16 && name.getClientRects().length > 1);
+return [...parted, ...names].map((one) => one.parentElement.innerText.slice(0, 60));
 """
 WAIT_UNTIL_SETTLED = """
 const done = arguments[arguments.length - 1];
@@ -128,6 +141,8 @@ def faults_of_page(driver, address, axe):
     driver.execute_async_script(WAIT_UNTIL_SETTLED)
     for picture in driver.execute_script(BROKEN_IMAGES):
         yield f"has a broken picture: {picture}"
+    for text in driver.execute_script(BROKEN_LINES):
+        yield f"breaks a line before a comma or within a name: {text}"
     for other in on_other_hosts(requested_addresses(driver)[0]):
         yield f"requests {other}"
     driver.execute_script(axe)

@@ -34,6 +34,10 @@ def test_every_command_and_option_is_in_the_reference():
         assert all(f"`{option}" in parts[name] for option in options - {"-h", "--help"}), name
 
 
+def test_no_sentence_of_the_reference_becomes_a_list():
+    assert re.findall(r"^\d+\. .*", page("docs/commands.md"), re.M) == []
+
+
 def test_the_syllabus_has_the_minutes_and_points_of_each_notebook():
     text = page("docs/teaching.md")
     rows = re.findall(r"^\| (\d\d) \| \[.*?\]\((.*?)\) \| (\d+) \| (\d+) \|", text, re.M)

@@ -35,6 +35,7 @@ def entry(monkeypatch):
         ({}, "about 1,200", 1234, ["Your guess: 1,200", "Answer: 1,234"]),
         ({"unit": "m", "digits": 1}, "-1.5", -1.73, ["Your guess: −1.5 m", "Answer: −1.7 m"]),
         ({"between": (0, 100), "unit": "%"}, 40.0, 37.6, ["Your guess: 40%", "Answer: 38%"]),
+        ({"between": (0, 90), "unit": "°"}, 40.0, 45.0, ["Your guess: 40°", "Answer: 45°"]),
         ({"choices": ["yes", "no"]}, "no", "yes", ["Your guess: no", "Answer: yes"]),
         ({}, "no idea", 3, ["Your guess: none yet", "Answer: 3"]),
     ],

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.prices import all_slips, price_of, read_page
+from tests.prices import PAGE, all_slips, page, price_of, read_page
 from tests.slips import MISSING, NAIVE, SMALL
 
 CASES = {f"{exercise}: {slip.title}": (exercise, slip) for exercise, slip in all_slips()}
@@ -14,6 +14,10 @@ def test_the_page_has_every_slip_of_every_exercise():
     listed = {f"{exercise}: {title}" for exercise, row in PRICES.items() for title in row}
     assert listed == CASES.keys()
     assert min(map(len, PRICES.values())) >= 15
+
+
+def test_the_page_is_written_by_the_program():
+    assert PAGE.read_text("utf-8") == page(PRICES)
 
 
 @pytest.mark.parametrize("case", CASES)

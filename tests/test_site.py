@@ -65,7 +65,7 @@ def positions():
         yield new_output("stream", name="stdout", text=f"at {value} <m>\n")
 
 
-QUESTION = {"question": "How many?", "choices": [], "unit": "m", "between": [0, 10], "step": 1}
+QUESTION = {"question": "How many?", "choices": [], "suffix": " m", "between": [0, 10], "step": 1}
 ANSWER = {"question": "How many?", "answer": "7 m", "why": "Because 3 < 4."}
 
 

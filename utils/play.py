@@ -233,7 +233,7 @@ def play(
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code: 0, 2 after an error, 130 after Ctrl-C."""
-    options = _parser().parse_args(arguments)
+    options = build_parser().parse_args(arguments)
     try:
         _run(options)
     except (ValueError, CloudFileError, OSError) as error:
@@ -282,7 +282,8 @@ def _run(options: argparse.Namespace) -> None:
     print(f"{film.path}: {film.recap}")
 
 
-def _parser() -> argparse.ArgumentParser:
+def build_parser() -> argparse.ArgumentParser:
+    """Return the parser of the command line ``python -m utils.play``."""
     parser = argparse.ArgumentParser(
         prog="python -m utils.play",
         description=__doc__.split("\n\n")[0],

@@ -13,11 +13,18 @@ _GUESSES: dict[str, float | str] = {}
 
 
 class Prediction:
-    """A question with a student's guess, created by `predict`."""
+    """A question with a student's guess, created by `predict`.
+
+    Attributes
+    ----------
+    suffix : str
+        The unit of a number, with a space before it if it needs one.
+    """
 
     def __init__(self, question: str, choices: tuple[str, ...], unit: str, digits: int) -> None:
         self._question, self._choices = question, choices
-        self._unit, self._digits = unit, digits
+        self._digits = digits
+        self.suffix = unit if unit in ("", "%", "°") else f" {unit}"
 
     @property
     def guess(self) -> float | str | None:
@@ -48,8 +55,7 @@ class Prediction:
     def _as_text(self, value: float | str) -> str:
         if isinstance(value, str):
             return value
-        space = "" if self._unit in ("", "%", "°") else " "
-        return f"{value:,.{self._digits}f}{space}{self._unit}".replace("-", "−")
+        return f"{value:,.{self._digits}f}{self.suffix}".replace("-", "−")
 
 
 def as_html_and_text(question: str, rows: dict[str, str], why: str) -> tuple[str, str]:

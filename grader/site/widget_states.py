@@ -104,7 +104,7 @@ def predict(
     from utils.predictions import Prediction
 
     prediction = Prediction(question, tuple(choices), unit, digits)
-    about = {"question": question, "choices": list(choices), "unit": unit}
+    about = {"question": question, "choices": list(choices), "suffix": prediction.suffix}
     if between:
         about |= {"between": [*between], "step": step}
     _display(QUESTION_TYPE, about, f"Guess first: {question}")

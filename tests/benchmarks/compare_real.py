@@ -189,6 +189,7 @@ def main() -> None:
     arguments = parser.parse_args()
     lesson, city = lesson_street(), city_block()[0]
     if arguments.pictures:
+        arguments.pictures.mkdir(parents=True, exist_ok=True)
         draw_street(lesson, arguments.pictures)
     if not os.environ.get("REAL_CLOUDS"):
         raise SystemExit("Set REAL_CLOUDS to a folder of KITTI recordings first.")

@@ -23,7 +23,7 @@ SUFFIXES = (".mp4", ".gif", ".png", ".html")
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code: 0, 2 after an error, 130 after Ctrl-C."""
-    options = _parser().parse_args(arguments)
+    options = build_parser().parse_args(arguments)
     try:
         detect = tracker = None
         if options.notebook:
@@ -71,7 +71,8 @@ def _compare(done: dict[int, DriveResult], seconds: float) -> None:
             print(f"{name:28} {result}")
 
 
-def _parser() -> argparse.ArgumentParser:
+def build_parser() -> argparse.ArgumentParser:
+    """Return the parser of the command line ``python -m utils.drive``."""
     parser = argparse.ArgumentParser(
         prog="python -m utils.drive",
         description=__doc__.split("\n\n")[0],

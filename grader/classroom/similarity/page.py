@@ -118,12 +118,12 @@ def _sentences(
         if pair.exclusive_steps
         else "Each of these steps also occurs in an answer of another student or of the course."
     )
-    with_kept = f", or {format_percent(pair.nearest_shares[1])} with an answer of the course"
+    with_kept = f", and with an answer of the course {format_percent(pair.nearest_shares[1])}"
     yield (
         f"{exclusive} The two answers have "
-        f"{format_percent(pair.share)} of their unusual code in common. Neither has more than "
-        f"{format_percent(pair.nearest_shares[0])} in common with the answer of another student"
-        f"{with_kept if kept else ''}."
+        f"{format_percent(pair.share)} of their unusual code in common. The highest share that "
+        "either has in common with another student's answer is "
+        f"{format_percent(pair.nearest_shares[0])}{with_kept if kept else ''}."
     )
 
 

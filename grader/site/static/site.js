@@ -14,7 +14,7 @@
   for (const form of document.querySelectorAll("form.guess")) {
     const question = form.dataset.question;
     const output = form.querySelector("output");
-    const shown = (value) => (output ? `${value} ${output.dataset.unit}`.trim() : value);
+    const shown = (value) => (output ? `${value}${output.dataset.suffix}` : value);
     const guess = known(question);
     if (guess) {
       for (const field of form.querySelectorAll("input")) {
@@ -59,6 +59,27 @@
       setTimeout(() => (button.textContent = "Copy"), 2000);
     });
     code.append(button);
+  }
+
+  // A browser may begin a line with the comma after a formula.
+  for (const formula of document.querySelectorAll("span.math")) {
+    const mark = formula.nextSibling;
+    const [start] = /^[.,;:?!)]+/.exec(mark?.nodeType === Node.TEXT_NODE ? mark.data : "") ?? [];
+    if (!start) continue;
+    mark.splitText(start.length);
+    const unbroken = document.createElement("span");
+    unbroken.className = "unbroken";
+    formula.before(unbroken);
+    unbroken.append(formula, mark);
+  }
+
+  // A short name moves to the next line. A long one breaks after an underscore, not within a word.
+  for (const name of document.querySelectorAll(".bd-article code.literal .pre")) {
+    if (name.textContent.length < 16) name.classList.add("unbroken");
+    if (name.getClientRects().length < 2) continue;
+    for (const underscore of [...name.textContent.matchAll(/_(?=.)/g)].reverse()) {
+      name.firstChild.splitText(underscore.index + 1).before(document.createElement("wbr"));
+    }
   }
 
   const reach = () => {

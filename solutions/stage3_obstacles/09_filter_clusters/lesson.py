@@ -253,14 +253,14 @@ def show_minimum(minimum):
     plots.clusters(cloud[thin], left_over(minimum), limits=street, title=f"at least {minimum} points")
     plt.show()
     print(f"puffs of spray left: {puffs_left}; removed obstacles:",
-          ", ".join(f"{count} {kind}" for kind, count in kinds_gone.items()) or "none")
+          ", ".join(f"{kind} ({count})" for kind, count in kinds_gone.items()) or "none")
 
 # %%
 largest_puff = np.bincount(puff - 10_000).max()
 last_puff.compare(largest_puff + 1, f"The largest puff has {largest_puff} points. A minimum that is "
                   "greater by one removes it, and also every obstacle that is not larger.")
 print("obstacles that this minimum removes:",
-      ", ".join(f"{count} {kind}" for kind, count in lost_by(int(largest_puff) + 1)[1].items()))
+      ", ".join(f"{kind} ({count})" for kind, count in lost_by(int(largest_puff) + 1)[1].items()))
 
 # %% [markdown]
 # The same without a slider, for three minima:

@@ -67,6 +67,7 @@ class ReplayFrame:
         import matplotlib.pyplot as plt
 
         from utils import plots
+        from utils.plots.style import PAPER
 
         shown = [1 + number for number in group_numbers((self.blank, *self.labels))[1:]]
         shown = [number - 1 if self.has_label(row) else 0 for row, number in enumerate(shown)]
@@ -75,8 +76,15 @@ class ReplayFrame:
         limits = ((-1.3, 3.8), (-2.6, 1.3))
         plots.graph(POINTS[:, :2], pairs, labels=shown, names=True, axes=axes, limits=limits)
         for row, words in ABOVE.items():
-            axes.annotate(words, POINTS[row, :2], xytext=(14, 2), textcoords="offset points",
-                          fontsize=9)  # fmt: skip
+            axes.annotate(
+                words,
+                POINTS[row, :2],
+                xytext=(14, 2),
+                textcoords="offset points",
+                fontsize=9,
+                zorder=9,  # above the circle around a visited point
+                bbox={"facecolor": PAPER, "edgecolor": "none", "alpha": 0.85, "pad": 1.0},
+            )
         look = {"markersize": 13, "fillstyle": "none", "color": "black"}
         if self.visited is not None:
             x, y = POINTS[self.visited, :2]
