@@ -70,7 +70,7 @@ company = predict("How many neighbours within half a metre does a point have, on
 #
 # *A tree makes each search fast, but there are still fifty thousand searches.*
 #
-# The next cells time two ways to find the neighbours of every point. The first compares each point with all others. The second searches a [kd-tree](#Words-of-the-course). SciPy's `cKDTree` is the tree from lesson 04 in compiled code. Each time is measured on a sample of the points and scaled up. It is processor time, which other programs hardly affect.
+# The next cells time two ways to find all neighbours. The first compares each point with all others. The second searches a [kd-tree](#Words-of-the-course). SciPy's `cKDTree` is the tree from lesson 04 in compiled code. Each way is timed on a sample of the points, and the time is scaled up. It is processor time, which other programs hardly affect.
 
 # %%
 def neighbours_by_comparing(points, asked):
@@ -114,7 +114,7 @@ waiting.compare(
 #
 # *Compiled code can list and join all pairs, but the list is long.*
 #
-# Two SciPy functions do both in compiled code. `query_pairs` lists all pairs of points that are within a given distance of each other. `connected_components` finds the [components](#Words-of-the-course) of a graph. Below, `components` takes pairs of nodes and calls `connected_components`. Then `join_all_pairs` lists and joins all pairs of points:
+# Two SciPy functions do both in compiled code. `query_pairs` lists all pairs of points that are within a given distance of each other. `connected_components` finds the [components](#Words-of-the-course) of a graph. Below, `components` calls `connected_components` for pairs of nodes, and `join_all_pairs` calls both:
 
 # %%
 def components(count, pairs):
@@ -139,9 +139,9 @@ listing = seconds_of(lambda: cKDTree(xyz).query_pairs(0.5, output_type="ndarray"
 print(f"listing the pairs alone: {listing:.2f} s")
 
 # %% [markdown]
-# This code is correct, short, and fast enough for many purposes. In total, it takes about as long as the tree searches above, and often less. Most of its time goes into joining, because there are so many pairs.
+# This code is correct, short, and fast enough for many purposes. It takes about as long as the tree searches above, and often less. Most of its time goes into joining, because there are so many pairs.
 #
-# But it still takes many turns of the scanner, and each pair needs 16 bytes of memory. The number of pairs depends on the density of the points and on the threshold, so **count before you list**. With `return_length=True`, the tree only counts:
+# But it still takes many turns of the scanner, and each pair needs 16 bytes of memory. The number of pairs depends on the density and the threshold, so **count before you list**. With `return_length=True`, the tree only counts:
 
 # %%
 few, table = xyz[::20], []  # every twentieth point is enough for an estimate
@@ -165,7 +165,7 @@ show_table(["threshold", "neighbours per point", "pairs", "memory"], table)
 #
 # If a is near b and b is near c, then all three are in the same [cluster](#Words-of-the-course), and the distance from a to c tells us nothing new. Most pairs are in dense patches of the cloud. Can you find whole *groups* of points that belong together without measuring any distance?
 #
-# Divide space into cubes, called **cells**. Two points in a cube of side $s$ are never farther apart than the diagonal of the cube, $s\sqrt{3}$. If the threshold is $r$ and
+# Divide space into cubes, called **cells**. Two points in a cube of side $s$ are never farther apart than its diagonal, $s\sqrt{3}$. If the threshold is $r$ and
 #
 # $$s = \frac{r}{\sqrt 3}$$
 #
@@ -195,7 +195,7 @@ right.grid(False)
 right.grid(which="minor", color="black", alpha=0.4, linewidth=0.8)  # behind the squares
 
 # %% [markdown]
-# From now on, you cluster *cells* instead of points, because there are far fewer cells. One point of each cell is its **representative**. Squares mark the representatives.
+# From now on, you cluster *cells* instead of points, because there are far fewer. One point of each cell is its **representative**, marked with a square.
 #
 # ## Step 1 · Which points share a cell?
 #
@@ -324,7 +324,7 @@ five = np.array([[0, 0, 0], [1, 0, 0], [2, 2, 1], [4, 0, 0], [0, 0, 3]])
 print(cKDTree(five).query_pairs(2, p=np.inf, output_type="ndarray"))
 
 # %% [markdown]
-# Each row of `five` is one cell. Cells 0, 1 and 2 are within two steps of each other. Cells 3 and 4 are too far from cell 0, but they are two steps from cell 2.
+# Cells 0, 1 and 2 are within two steps of each other. Cells 3 and 4 are too far from cell 0, but they are two steps from cell 2.
 #
 # Neighbouring cells do not always belong together, because their points may be nearly three cells apart along each axis. So you measure, in two steps:
 #
@@ -468,7 +468,7 @@ ring_parts(axes, xyz[seen], from_pairs[seen], nearly[seen])
 #
 # *Compare point by point, but only pairs that are still open.*
 #
-# In the first sitting, you put points into cells and joined cells into pieces. Now `label` holds the piece of each cell, and only open pairs are left to measure.
+# Now `label` holds the piece of each cell, and only open pairs are left to measure.
 #
 # What is the smallest distance between two groups of points, `p` and `q`? For each point of `q`, `cKDTree(p).query(q)` finds the nearest point of `p`. It returns two arrays: the distances, and the rows of these nearest points. It does not store a table of all distances, so it also works for thirty thousand points. For a few points, such a table is faster. `smallest_distance` chooses between these two ways:
 
@@ -560,7 +560,7 @@ check(join_exactly)
 #
 # *Find exactly the same clusters as in lesson 05.*
 #
-# Put the three steps together. A scan of 50,000 points must take well under ten seconds, and heaps of tens of thousands of points must neither fill the memory nor take minutes. The three steps meet these demands, but you may use any other method that does. The clouds contain no NaN rows, because lesson 01 removed them.
+# Put the three steps together. A scan of 50,000 points must take well under ten seconds, and heaps of tens of thousands of points must neither fill the memory nor take minutes. The three steps meet these demands, but you may use any other method that does. The clouds contain no NaN rows.
 #
 # - **Allowed:** NumPy, `scipy.spatial`, `scipy.sparse` with `connected_components`, the other packages named at the end of this notebook, and helper functions of your own.
 # - **Not allowed:** libraries that do the clustering: `sklearn.cluster`, `scipy.cluster`, `hdbscan`, `dbscan`, `open3d`, `pcl`.
@@ -658,7 +658,7 @@ print("without the exact step:",
 #
 # *The exponent depends on the algorithm and on the data. Everything else only moves the line up or down.*
 #
-# The next cells thin the scan to different sizes and cluster it in four ways. This takes about ten seconds. With more points in the same street, the cloud is denser, so the number of pairs grows as n².
+# The next cells thin the scan to different sizes and cluster it in four ways. This takes about ten seconds. More points in the same street make the cloud denser, so the number of pairs grows as n².
 
 # %% tags=["folded"]
 # @title Four ways, and their times at growing sizes (you need not read this)
@@ -750,7 +750,7 @@ def show_threshold(threshold):
 #
 # *Test the case that your shortcut does not cover.*
 #
-# Usually a cell holds a handful of points. But a wet wall just in front of the sensor, or several merged scans, can put thousands of points into one cell. If you compare thousands of points with thousands of others, you have the old problem again. So the next cells cluster two heaps, first a little *more* than the threshold apart, then a little less.
+# Usually a cell holds a handful of points. But a wet wall just in front of the sensor, or several merged scans, can put thousands of points into one cell. Comparing all of them with each other is the old problem again. So the next cells cluster two heaps, first a little *more* than the threshold apart, then a little less.
 #
 # **Estimate before you run it.** With 20,000 points in each heap, a list of all pairs could fill your computer's memory. So the cell first tries heaps of 1,000 points and then of 3,000. The larger heaps should take at most four times as long, not nine times.
 

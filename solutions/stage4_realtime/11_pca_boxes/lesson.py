@@ -14,7 +14,7 @@
 #
 # ![A car at an angle to the street, seen from above, with two rectangles around it. The dashed rectangle is parallel to the street, and much of it is empty. The other rectangle fits the points of the car closely.](11_preview.png)
 #
-# If a car is at an angle to the axes, much of its axis-aligned box is empty. In this lesson, you turn the box to fit the car. You learn three ways to find the angle, and you measure how reliable each of them is.
+# If a car is at an angle to the axes, much of its axis-aligned box is empty. In this lesson, you turn the box. You find the angle in three ways, and you measure how far you can trust each of them.
 #
 # **After this lesson you can**
 # - find the directions in which a cloud is longest and shortest, and explain why their signs and their order are only conventions,
@@ -34,7 +34,7 @@
 #
 # *The scanner sees only the two sides of a car that face it.*
 #
-# The car with label 10 is turning out of a driveway. As in lesson 08, the labels come from the truth of the scan, and label 0 means that a point is not part of an obstacle.
+# The car with label 10 is turning out of a driveway. As in lesson 08, the labels come from the truth of the scan, and points with label 0 are not obstacles.
 
 # %%
 import matplotlib.pyplot as plt
@@ -97,7 +97,7 @@ for degrees, axes in zip((20, 70), panels):
     axes.plot([5, 11], [5 * slope + height, 11 * slope + height], color="black", linewidth=2)
 
 # %% [markdown]
-# At 20°, the line is nearly right, but at 70°, it is far too flat. The error depends on the choice of the axes, so the line does not describe the car itself.
+# At 20°, the line is nearly right, but at 70°, it is far too flat. The slope depends on the choice of the axes, so it is not a property of the car.
 #
 # ## The direction of greatest spread
 #
@@ -159,7 +159,7 @@ print("svd:  variances", (singular**2 / len(people)).round(5), "axes in rows\n",
 # %% [markdown]
 # ## Exercise 1 · `principal_axes` (points)
 #
-# Return the three axes as columns, sorted by decreasing variance and right-handed. For a cluster of one point, any right-handed axes are correct. The points contain no NaN rows. In both exercises, you may use every package named at the end of this notebook.
+# For a cluster of one point, any right-handed axes are correct. The points contain no NaN rows. In both exercises, you may use all packages named at the end of this notebook.
 
 # %% nbgrader={"grade": false, "grade_id": "principal_axes", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def principal_axes(points):
@@ -216,7 +216,7 @@ six = turned(np.array([[2, 0, 0], [-2, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 0.5]
 print(principal_axes(six).round(2) + 0.0)
 
 # %% [markdown]
-# **Look before you check.** Now try a block of 600 points. Seen from above, the solid line should run along the block and the dashed line across it. Seen from the side, the dotted line should be vertical. The determinant should be 1.
+# **Look before you check.** Now try a block of 600 points. From above, the solid line should run along the block and the dashed line across it. From the side, the dotted line should be vertical. The determinant should be 1.
 
 # %% tags=["folded"]
 # @title A picture of three axes (you need not read this)
@@ -301,9 +301,9 @@ plots.compare(shares, label="points outside their own box (%)",
               title="Points outside a 3-D box that was set upright afterwards");
 
 # %% [markdown]
-# The boxes of cars lose a few points. The boxes of pedestrians, poles and walls lose most of their points. A pole's longest axis is vertical, so setting the box upright swaps its length, width and height. Therefore, **first decide that the box is upright, then measure it.**
+# Boxes of cars lose a few points. Boxes of pedestrians, poles and walls lose most of their points. A pole's longest axis is vertical, so setting the box upright swaps its length, width and height. Therefore, **first decide that the box is upright, then measure it.**
 #
-# To find the yaw, look at the points from above. In code, set the heights to zero:
+# To find the yaw, look at the points from above by setting their heights to zero:
 
 # %%
 print((car * [1, 1, 0] + 0.0)[:3])
@@ -350,11 +350,11 @@ lean.compare(np.median([degrees_off(axis_yaws[label], label) for label in vehicl
              "The points are on two sides, and the short side turns the axis.")
 
 # %% [markdown]
-# Only for car 5 is the first axis nearly right. The scanner is next to this car and sees only one of its sides. It sees two sides of each of the others.
+# The first axis is nearly right only for car 5. The scanner is next to this car and sees one of its sides. It sees two sides of all the others.
 #
 # ### Why it leans
 #
-# If the scanner sees two sides of a car, the points form an L with a long side of length $a$ and a short side of length $b$. Put the corner at the origin and the long side along x, and spread the points evenly along both sides. Then
+# The two visible sides of a car form an L with a long side $a$ and a short side $b$. Put the corner at the origin and the long side along x, and spread the points evenly along both sides. Then
 #
 # $$\begin{aligned} C_{xx} &= \frac{a^3/3}{a+b} - \left(\frac{a^2/2}{a+b}\right)^2\!, \\ C_{yy} &= \frac{b^3/3}{a+b} - \left(\frac{b^2/2}{a+b}\right)^2\!, \\ C_{xy} &= -\frac{a^2 b^2}{4(a+b)^2}. \end{aligned}$$
 #
@@ -362,7 +362,7 @@ lean.compare(np.median([degrees_off(axis_yaws[label], label) for label in vehicl
 #
 # $$\theta = \tfrac12 \operatorname{atan2}\bigl(2\,C_{xy},\ C_{xx} - C_{yy}\bigr).$$
 #
-# Now compare this formula with your own `principal_axes` for some L shapes.
+# Compare this formula with your own `principal_axes`:
 
 # %%
 def lean_of_l(ratio):
@@ -393,13 +393,13 @@ axes.axvline(1.8 / 4.2, color="black", linestyle=":", label=f"a car: {lean_of_l(
 axes.legend();
 
 # %% [markdown]
-# More points do not reduce this error. For real cars, it is even larger than for the even L, because most points are at the near end of the car.
+# More points do not reduce this error. Real cars lean more than this L, because most points are at the near end of the car.
 #
 # ## The smallest rectangle
 #
 # *Turn a rectangle around the car until its area is smallest.*
 #
-# Think of four rulers that form a rectangle around the car at some angle. Push them inwards until they touch the outermost points, and read off the area.
+# Think of four rulers that form a rectangle around the car. Push them inwards until they touch the outermost points, and read off the area.
 #
 # Let $u$ be the direction along the rectangle and $v$ the direction across it. Along $u$, the points reach from the smallest to the largest $u \cdot p$, and along $v$ from the smallest to the largest $v \cdot p$. For an array of angles, `u @ points[:, :2].T` has one row for each angle and one column for each point.
 
@@ -455,7 +455,7 @@ def turn_the_rectangle(degrees):
     plt.show()
 
 # %% [markdown]
-# A computer can try all angles at once. A quarter turn gives the same rectangle, so 90 angles are enough. The plot shows the areas for the turning car and for a parked car.
+# A computer can try all angles at once. A quarter turn gives the same rectangle, so 90 angles are enough for the turning car and for a parked car.
 
 # %%
 trials = np.arange(-20, 70)
@@ -516,7 +516,7 @@ print(f"along the legs: {floor_area_at(l_shape, 0.0):.3f}, "
 #
 # *A scanner sees surfaces, so most points are on the sides of the right rectangle.*
 #
-# Both rectangles around the thin L have the same area. But in the rectangle along the legs, all points are *on* a side, and in the other only three are. So measure how close the points are to the sides. A point at distance $d$ (in metres) from the nearest side counts $1 / (d + 0.05)$: 20 on the side, 10 at 5 cm, and about 1 at a metre. (Without the 0.05, a single point could decide.) The rectangle with the largest sum fits best. The idea is from [Zhang et al. 2017](https://www.ri.cmu.edu/publications/efficient-l-shape-fitting-for-vehicle-detection-using-laser-scanners/), who use only two of the sides.
+# In the rectangle along the legs of the thin L, all points are *on* a side. In the other rectangle, only three points are. So measure how close the points are to the sides. A point at distance $d$ (in metres) from the nearest side counts $1 / (d + 0.05)$: 20 on the side, 10 at 5 cm, and about 1 at a metre. (Without the 0.05, a single point could decide.) The rectangle with the largest sum fits best. The idea is from [Zhang et al. 2017](https://www.ri.cmu.edu/publications/efficient-l-shape-fitting-for-vehicle-detection-using-laser-scanners/), who use only two of the sides.
 
 # %%
 def closeness_at(points, angle):
@@ -559,7 +559,7 @@ draw_rectangles(cloud[labels == 7], [(rectangle_yaws[7], "smallest"), (closest_y
 # %% [markdown]
 # ## Exercise 2 · `get_oriented_boxes` (points)
 #
-# Return one upright, rotated [oriented box](#Words-of-the-course) for each label above 0, in ascending order. You choose how to find the yaw. All three ways earn the same points. Only rows with label 0 may contain NaN.
+# Return one [oriented box](#Words-of-the-course) for each label above 0. All three ways to find the yaw earn the same points. Only rows with label 0 may contain NaN.
 
 # %% nbgrader={"grade": false, "grade_id": "get_oriented_boxes", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def get_oriented_boxes(cloud, cluster_labels):
@@ -630,7 +630,7 @@ axes = plots.boxes(tiny, limits=((4.5, 11.5), (-2.5, 2.5)), title="Five points i
 axes.plot(five[:, 0], five[:, 1], "o", color="black", markersize=7);
 
 # %% [markdown]
-# **Look before you check.** Every point should be inside the box of its obstacle, and the boxes should be turned like the cars. If you use rectangles, those around parked cars are parallel to the street. If you use first axes, the boxes have the angle errors of the table above. That is not your mistake.
+# **Look before you check.** Every point should be inside the box of its obstacle, and the boxes should be turned like the cars. Rectangles around parked cars should be parallel to the street. Boxes along first axes have the angle errors of the table above, which is not your mistake.
 
 # %%
 boxes = get_oriented_boxes(cloud, labels)
@@ -654,7 +654,7 @@ from utils.scene3d import Scene
 check(get_oriented_boxes)
 
 # %% [markdown]
-# Now compare the angle errors and floor areas of your boxes with those of all three ways.
+# Compare your boxes with those of all three ways.
 
 # %%
 def floor_area(box):
@@ -752,7 +752,7 @@ print(f"third axis of {len(ground):,} returns of the ground: "
 
 # %% [markdown]
 # - **Cars and lorries:** use the closest rectangle. The smallest rectangle is nearly as good for cars, but it can be wrong for a thin L.
-# - **Cyclists:** none of the three is reliable. The first axis is best for the two cyclists in this scan. But for seventeen cyclists in forty other streets, the median error is 8° to 10° in each case, and the error of the first axis is up to 32°.
+# - **Cyclists:** none of the three is reliable. The first axis is best for the two cyclists in this scan. But for seventeen cyclists in forty other streets, each way has a median error of 8° to 10°, and the first axis has errors of up to 32°.
 # - **Pedestrians, poles and tree trunks:** none of the three works, because these obstacles are nearly round from above.
 # - **Walls:** all three work for a straight wall. The corner of a house is a thin L, like the lorry. There, the first axis leans, the smallest rectangle may lean, and the closest rectangle does not.
 # - **Planes:** use principal axes in space. The third axis of the ground is its normal, as in lesson 03.
@@ -802,7 +802,7 @@ flips.compare("all three" if min(jumps.values()) > 0 else "both of them, but not
 # %% [markdown]
 # The true yaw jumps by 360°, the first axis by 180°, and the smallest rectangle by 90°.
 #
-# These jumps do not change the corners of the box, but a tracker needs a steady heading. Of all headings that differ by quarter turns, it takes the one nearest to the heading in the previous frame. `np.unwrap` does this in one line if you give it the period. Which of the four sides is the front? On the road, the direction of motion tells you. Here we start with the true heading of the first frame.
+# These jumps do not change the corners of the box, but a tracker needs a steady heading. Of all headings that differ by quarter turns, it takes the one nearest to the heading in the previous frame. `np.unwrap` does this in one line if you give it the period. Which of the four sides is the front? On the road, the direction of motion tells you. Here we take the true heading of the first frame.
 
 # %%
 def steady(values, start):
@@ -897,7 +897,7 @@ drive_with(0) if is_written(get_oriented_boxes) else print(
 # ## In practice
 #
 # - Neural networks predict the yaw directly, but they also confuse front and back. The benchmark nuScenes scores orientation separately, and KITTI scores it together with detection.
-# - A good box around the *visible* part is still not the box around the car. Real systems extend the box away from the sensor to the size of an ordinary car.
+# - Even a good box around the *visible* part is not the box around the car. Real systems extend it away from the sensor to the size of an ordinary car.
 #
 # Libraries need one line each:
 #
@@ -909,10 +909,10 @@ drive_with(0) if is_written(get_oriented_boxes) else print(
 #
 # ## Summary
 #
-# - Principal axes are the eigenvectors of the covariance matrix. Sort them, remember that their signs are free, and make them right-handed.
-# - The box of a car needs only a yaw. First decide that the box is upright, then measure it, and every point stays inside.
-# - The points are on two sides of a car, so its first axis leans. For most cars in our street, the error is 13° or more.
-# - A first axis gives the heading up to half turns, and a rectangle up to quarter turns. Choose the heading nearest to the one in the previous frame.
+# - Principal axes are the eigenvectors of the covariance matrix. Sort them, and make them right-handed. Their signs are free.
+# - The box of a car needs only a yaw. First decide that the box is upright, then measure it.
+# - The points are on two sides of a car, so its first axis leans, by 13° or more for most cars in our street.
+# - A first axis gives the heading up to half turns, and a rectangle up to quarter turns. Choose the heading nearest to the previous one.
 #
 # **Sources.** Principal components: [Jolliffe and Cadima 2016](https://doi.org/10.1098/rsta.2015.0202). Limits of PCA boxes: [Dimitrov, Knauer, Kriegel and Rote 2006](https://www.researchgate.net/publication/235758825_On_the_bounding_boxes_obtained_by_principal_component_analysis). Quaternions and Euler angles: [SciPy, Rotation](https://docs.scipy.org/doc/scipy/reference/generated/scipy.spatial.transform.Rotation.html).
 #
