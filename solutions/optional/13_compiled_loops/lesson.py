@@ -126,8 +126,8 @@ if ready(count_near):
     # `check` has compiled the function already, so compile it again to measure the time.
     first = milliseconds(njit(as_python), points, level, 0.2, repeats=1)
     same = count_near(points, level, 0.2) == count_by_numpy(points, level, 0.2)
-    print(f"first call{', with compiling' * is_compiled}: {first:8.1f} ms; "
-          f"{'the same number' if same else 'NOT the same number'} as by NumPy")
+    print(f"first call{', including compilation' * is_compiled}: {first:8.1f} ms; "
+          f"{'the same number' if same else 'NOT the same number'} as NumPy")
     times = {"a loop in Python": 10 * milliseconds(as_python, points[::10], level, 0.2, repeats=1),
              "NumPy": milliseconds(count_by_numpy, points, level, 0.2)}
     if is_compiled:
@@ -745,7 +745,7 @@ def detect_compiled(cloud, threshold=0.5, least=10, ground_level=-1.2,
 # To race against this detector, paste your `detect_obstacles` into the next cell, with all functions that it calls. The floors and roofs of the boxes should be the same. The yaws differ if your boxes are not the smallest rectangles.
 
 # %% tags=["earlier"]
-# Paste your detector of lesson 12 here, and the functions that it calls.
+# Paste your detector from lesson 12 here, and the functions that it calls.
 ### BEGIN SOLUTION
 # from 01_point_clouds: drop_invalid
 # from 03_ransac_plane: ransac_plane, fit_plane, point_plane_distance
@@ -763,7 +763,7 @@ if ready(count_near, root_of, unite, any_close, snuggest_turn):
     first = milliseconds(detect_compiled, cloud, repeats=1)
     boxes, second = detect_compiled(cloud), milliseconds(detect_compiled, cloud)
     print(f"{len(boxes)} boxes; the first frame took {first:,.0f} ms of processor time"
-          f"{', with compiling' * is_compiled}; the next one takes {second:.1f} ms")
+          f"{', including compilation' * is_compiled}; the next one takes {second:.1f} ms")
     plots.boxes(boxes, cloud=points[points[:, 2] > -1.2], limits=((-15, 35), (-9, 11)),
                 title="Boxes by loops")
     pasted = globals().get("detect_obstacles")

@@ -86,7 +86,7 @@ def neighbours_by_tree(points, asked):
 # %% tags=["folded"]
 # @title A stopwatch (you need not read this)
 def timed(work, *arguments):
-    """Return the answer and the processor time in seconds; short work is repeated."""
+    """Return the answer and the processor time in seconds, as a mean if the work is short."""
     begin, rounds, spent = process_time(), 0, 0.0
     while spent < 0.05:
         answer, rounds, spent = work(*arguments), rounds + 1, process_time() - begin
@@ -217,8 +217,8 @@ def as_numbers(rows):
 rows = np.array([[4, 1], [0, 2], [4, 1], [4, 0]])
 numbers, first, which = np.unique(as_numbers(rows), return_index=True, return_inverse=True)
 print("a number for each row:           ", as_numbers(rows))
-print("the different ones, sorted:      ", numbers)
-print("row where each comes first:      ", first)
+print("the different numbers, sorted:   ", numbers)
+print("row where each first occurs:     ", first)
 print("so these are the different rows: ", rows[first].tolist())
 print("place of each row among these:   ", which)
 
@@ -274,7 +274,7 @@ def show_both(name, yours, expected):
 
 
 def draw_seven(cells, first, joined=(), still_open=(), pieces=(), close=(), title=None):
-    """Draw the points in their cells; pairs of cells or points as lines, pieces as colours."""
+    """Draw the points in their cells, with lines for pairs and colours for pieces."""
     axes = plots.graph(seven[:, :2], names=True, limits=((-1.3, 7.3), (-0.3, 3.3)), title=title)
     axes.set_xticks(range(-1, 8))
     axes.set_yticks(range(0, 4))
@@ -329,7 +329,7 @@ print(cKDTree(five).query_pairs(2, p=np.inf, output_type="ndarray"))
 # Neighbouring cells do not always belong together, because their points may be nearly three cells apart along each axis. So you measure, in two steps:
 #
 # - **Cheap.** Are the two *representatives* closer than $r$? Then join the cells. This takes one distance for each pair of cells. Cells that are joined, directly or through others, form a **piece**.
-# - **Exact.** Even if two representatives are farther apart than $r$, two other points of their cells may be close. But cells in the same piece need no more measuring. Two neighbouring cells in *different* pieces are called an **open pair**. Only open pairs are compared point by point.
+# - **Exact.** Even if two representatives are farther apart than $r$, two other points of their cells may be close. But you need not measure cells that are already in the same piece. Two neighbouring cells in *different* pieces are called an **open pair**. Only open pairs are compared point by point.
 #
 # The picture shows two open pairs, again in the plane, for a threshold of 0.5 m:
 
@@ -714,7 +714,7 @@ only_found = {"compare with all": neighbours_by_comparing,
 for name, (n, seconds) in series.items():
     if n[-1] >= len(xyz):
         spent, part = seconds[n.index(len(xyz))], ""
-    else:  # too slow for all obstacles: the time that the first section printed
+    else:  # too slow for all obstacles, so take the time from the first section
         spent, part = finding[only_found[name]], " (only finding neighbours)"
     spent = float(f"{spent:.2g}")
     table.append((f"{name}{part}", f"{spent:g} s", f"{spent / 0.1:g}"))
@@ -773,7 +773,7 @@ def spring_the_trap(way, most=20_000):
     print(f"The time grows as n to the power of {exponent:.1f}. {most:,} points will take about "
           f"{expected:.1f} s; a list of all pairs would take {16 * most ** 2 / 1e9:.1f} GB.")
     if exponent > 1.6 or expected > 20:
-        print("Stopped: this looks like all pairs. Ask a kd-tree for the closest pair instead.")
+        print("Stopped: the time grows as if you compared all pairs. Use a kd-tree instead.")
         return
     for gap in (0.51, 0.49):
         answer, seconds = timed(way, two_heaps(most, gap))
@@ -816,7 +816,7 @@ def grid_of(side):
 
 
 right = from_pairs + 1
-_, place, which = grid_of(0.5)  # points that share such a cell are joined, however far apart
+_, place, which = grid_of(0.5)  # points that share such a cell are joined, even if far apart
 same_cell = np.column_stack([from_pairs, from_pairs[place][which]])
 names, place, where = grid_of(0.5 / np.sqrt(3))
 touching = cKDTree(names).query_pairs(2, p=np.inf, output_type="ndarray")
@@ -953,7 +953,7 @@ axes.set_title("Two storeys: only points 3 and 4 are close", loc="left", fontwei
 
 # %%
 def time_steps(points, threshold=0.5):
-    """Print how long each step takes, and step 3 with one tree."""
+    """Print how long each step takes, and how long step 3 takes with one tree."""
     (grid, stand_ins, where), one = timed(points_in_cells, points, threshold)
     (near, piece), two = timed(join_cheaply, points, grid, stand_ins, threshold)
     _, three = timed(join_exactly, points, where, near, piece, threshold)
@@ -1142,7 +1142,7 @@ else:
 # *About 3 minutes.*
 
 # %%
-wider = predict("With a threshold of 1.0 m, not 0.5 m, how much time will your clustering take?",
+wider = predict("Will your clustering take more or less time at 1.0 m than at 0.5 m?",
                 choices=["more", "about the same", "less"])
 
 # %%

@@ -554,7 +554,7 @@ draw_rectangles(cloud[labels == 7], [(rectangle_yaws[7], "smallest"), (closest_y
 #
 # *If you turn the car until it is parallel to x, the simple box from lesson 08 fits.*
 #
-# Choose a yaw $\psi$: that of the closest rectangle, of the smallest rectangle, or of the first axis $(a_x, a_y)$ seen from above, $\psi = \operatorname{atan2}(a_y, a_x)$. Use `turned` to turn all points by $-\psi$, so that the car is parallel to x. Put the box around them, and turn its corners back by $+\psi$. A rotation does not change distances, so all points stay inside, whichever yaw you choose.
+# Choose a yaw $\psi$ from the closest rectangle, from the smallest rectangle, or from the first axis $(a_x, a_y)$ seen from above, with $\psi = \operatorname{atan2}(a_y, a_x)$. Use `turned` to turn all points by $-\psi$, so that the car is parallel to x. Put the box around them, and turn its corners back by $+\psi$. A rotation does not change distances, so all points stay inside, whichever yaw you choose.
 
 # %% [markdown]
 # ## Exercise 2 · `get_oriented_boxes` (points)
@@ -582,8 +582,8 @@ def get_oriented_boxes(cloud, cluster_labels):
         line, also have a valid box, with sides of length 0 or nearly 0.
     """
     # For each label above 0:
-    # 1. Choose a yaw: that of the closest rectangle (closeness_at), of the smallest
-    #    rectangle (floor_area_at), or of the first principal axis seen from above.
+    # 1. Choose a yaw from the closest rectangle (closeness_at), from the smallest
+    #    rectangle (floor_area_at), or from the first principal axis seen from above.
     # 2. Turn its points by -yaw, and find their smallest and largest x, y, z.
     # 3. List four floor corners going round, then four roof corners.
     # 4. Turn the corners by +yaw.
@@ -606,7 +606,7 @@ def get_oriented_boxes(cloud, cluster_labels):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# The loop over labels and the `.reshape(-1, 8, 3)` at the end are as in lesson 08. With `angles = np.radians(np.arange(90))`, the yaw of the closest rectangle is `yaw = angles[np.argmax(closeness_at(points, angles))]`, and that of the smallest one is `yaw = angles[np.argmin(floor_area_at(points, angles))]`. For the first axis, compute `first = principal_axes(points * [1, 1, 0])[:, 0]`, then `yaw = np.arctan2(first[1], first[0])`.
+# The loop over labels and the `.reshape(-1, 8, 3)` at the end are as in lesson 08. With `angles = np.radians(np.arange(90))`, the yaw of the closest rectangle is `yaw = angles[np.argmax(closeness_at(points, angles))]`, and the yaw of the smallest rectangle is `yaw = angles[np.argmin(floor_area_at(points, angles))]`. For the first axis, compute `first = principal_axes(points * [1, 1, 0])[:, 0]`, then `yaw = np.arctan2(first[1], first[0])`.
 # </details>
 # <details><summary>Hint 2</summary>
 #
@@ -884,7 +884,7 @@ drive_with(0) if is_written(get_oriented_boxes) else print(
     "get_oriented_boxes is not written, or has not passed its check.")
 
 # %% [markdown]
-# The goal is 59 m without braking needlessly. Then let your function find the yaw in another of the three ways, and drive again. We see the front and one side of the lorry, which form a right-angled triangle. The smallest rectangle along the longest side of such a triangle has the same area as along the two others. Finally, turn the scanner as in lesson 08, with `drive_with(12, street=1)`.
+# The goal is 59 m without braking needlessly. Then let your function find the yaw in another of the three ways, and drive again. We see the front and one side of the lorry, which form a right-angled triangle. The rectangle along the longest side of such a triangle has the same area as the rectangle along the other two sides. Finally, turn the scanner as in lesson 08, with `drive_with(12, street=1)`.
 #
 # <details><summary>An answer</summary>
 #

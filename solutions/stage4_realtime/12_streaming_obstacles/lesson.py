@@ -162,7 +162,7 @@ for notebook, functions in useful.items():
 # </details>
 
 # %% tags=["earlier"]
-# Paste your functions of the earlier lessons here.
+# Paste your functions from the earlier lessons here.
 ### BEGIN SOLUTION
 # from 01_point_clouds: drop_invalid
 # from 03_ransac_plane: ransac_plane, fit_plane, point_plane_distance
@@ -299,7 +299,7 @@ lost = np.zeros((3000, 4))
 lost[:1500] = np.nan
 bad_day = np.vstack([first.cloud, bonnet, lost])
 still_found = detect_obstacles(bad_day)
-print(f"{len(found)} boxes in the good scan, {len(still_found)} in the bad one")
+print(f"{len(found)} boxes in the good scan, {len(still_found)} in the bad scan")
 axes = plots.boxes(still_found, cloud=bonnet, limits=((-6, 12), (-5, 5)), label="found",
                    title="Close to the sensor, in the bad scan")
 plots.ring(axes, 1.5, 0, radius=1.7, text="no box in here");
@@ -1008,7 +1008,7 @@ def boxes_of_truth(frame, region, kind):
 
 
 def f1_of_kinds(frames, region):
-    """Return F1 of boxes around true clusters, and its error: for each kind (2, 3 overlaps)."""
+    """Return, for each kind of box around true clusters, F1 and its error; shape (2, 3)."""
     found = {kind: [boxes_of_truth(frame, region, kind) for frame in frames] for kind in KINDS}
     rows = {kind: scoring.score_card(boxes, frames, region)["F1"] for kind, boxes in found.items()}
     return {kind: np.array([row.values, row.errors]) for kind, row in rows.items()}
@@ -1130,7 +1130,7 @@ for axes, title, settings in (
     at_half, at_all = (scoring.score_boxes(boxes, corners_of(frame.boxes), overlap).true_positives
                        for overlap in (0.5, 0.05))
     print(f"{title}: {len(frame.boxes)} cars, boxes found: {len(boxes)}; hits at an IoU of 0.5: "
-          f"{at_half}, of 0.05: {at_all}")
+          f"{at_half}, at 0.05: {at_all}")
     plots.boxes(corners_of(frame.boxes), cloud=frame.cloud[:, :3], limits=((-20, 30), (-7, 7)),
                 reference=True, label="true", axes=axes)
     plots.boxes(boxes, axes=axes, label="found", title=title)
