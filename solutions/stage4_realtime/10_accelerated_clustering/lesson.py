@@ -798,7 +798,7 @@ if is_written(euclidean_clustering_accelerated):
 # | side of a cell = threshold | some objects merge although they are up to 1.7 thresholds apart |
 # | neighbouring cells joined without measuring | objects merge everywhere, as with a threshold 1.5 times as large |
 # | representatives only, no exact step | objects are torn where points are sparse, and if the cloud moves by 10 cm, other objects are torn |
-# | only the 26 cells around a cell searched | pairs two cells apart are missed, and one object in five is torn |
+# | only the 26 cells around a cell are searched | pairs two cells apart are missed, and one object in five is torn |
 # | `.astype(int)` without `np.floor` | cells around the sensor are twice as wide |
 # | `label[b] = label[a]` | only one cell changes its label, and the rest of its piece keeps the old one |
 # | a list of all pairs | the clusters are right, until the memory is full |
@@ -847,7 +847,7 @@ for (title, found), axes in zip(wrong.items(), grid.flat):
 # ```
 #
 # - Many scanners deliver their points as an image, with rows and columns. One pass over this image then finds all neighbours.
-# - Some libraries are not exact and do not say so. At a threshold of 0.5, the package `dbscan` 1.0.0 separates two of the points (0.042, 1.027, −0.947), (0.645, 0.226, −0.078), (0.288, 0.269, −0.423) and (0.055, 0.609, −0.429), although they are only 0.498 apart. Keep a slow but safe version, and compare which points it groups together.
+# - Some libraries are not exact and do not say so. Take the points (0.042, 1.027, −0.947), (0.645, 0.226, −0.078), (0.288, 0.269, −0.423) and (0.055, 0.609, −0.429). At a threshold of 0.5, the package `dbscan` 1.0.0 separates two of them, although they are only 0.498 apart. Keep a slow but safe version, and compare which points it groups together.
 #
 # ## Summary
 #

@@ -281,7 +281,7 @@ print(f"first axis, seen from above: {np.degrees(np.arctan2(first[1], first[0]))
 #
 # *A real car tilts by only a degree or two. If its box tilts more, the box is wrong.*
 #
-# Look at pitch and roll above. No car is tilted like that. The box tilts because the points are on two sides, the bonnet and the windscreen, but not on the underside. A pedestrian's first axis is even vertical, so its yaw is arbitrary.
+# Look at pitch and roll above. No car is tilted like that. The box tilts because the points are on two sides, the bonnet and the windscreen, but not on the underside. The first axis of a pedestrian is vertical, so its yaw is arbitrary.
 #
 # A tempting solution is to compute the box in 3-D first, with length, width and height along the principal axes, and then to set pitch and roll to zero. Are all points still inside?
 
@@ -752,7 +752,7 @@ print(f"third axis of {len(ground):,} returns of the ground: "
 
 # %% [markdown]
 # - **Cars and lorries:** use the closest rectangle. The smallest rectangle is nearly as good for cars, but it can be wrong for a thin L.
-# - **Cyclists:** none of the three is reliable. The first axis is best for the two cyclists in this scan. But for seventeen cyclists in forty other streets, each way has a median error of 8° to 10°, and the first axis has errors of up to 32°.
+# - **Cyclists:** none of the three is reliable. The first axis is best for the two cyclists in this scan. In forty other streets with seventeen cyclists, however, each way has a median error of 8° to 10°, and the first axis has errors of up to 32°.
 # - **Pedestrians, poles and tree trunks:** none of the three works, because these obstacles are nearly round from above.
 # - **Walls:** all three work for a straight wall. The corner of a house is a thin L, like the lorry. There, the first axis leans, the smallest rectangle may lean, and the closest rectangle does not.
 # - **Planes:** use principal axes in space. The third axis of the ground is its normal, as in lesson 03.

@@ -20,7 +20,7 @@
 # - compare detected boxes with the true boxes, and use the result to choose parameters,
 # - follow obstacles from [frame](#Words-of-the-course) to frame under one [track ID](#Words-of-the-course), even while they are hidden.
 #
-# **You write** `detect_obstacles` (points), `match_boxes` (points), three short steps of a tracker (checked, not graded), and two reports that a person grades: one on a second data set (5 points) and one on your detector (10 points). **You need** your functions from lessons 01, 03, 06, 07 and 09 to 11.
+# **You write** `detect_obstacles` (points), `match_boxes` (points) and three short steps of a tracker (checked, not graded). You also write two reports that a person grades: one on a second data set (5 points) and one on your detector (10 points). **You need** your functions from lessons 01, 03, 06, 07 and 09 to 11.
 #
 # **Time:** (time), in two sittings: *Part 1 · The detector* takes about 85 minutes, and *Part 2 · The tracker* about 80, including both reports.
 
@@ -753,7 +753,7 @@ switching.compare(mistakes["matching alone"].switches,
                   "shrink, so many centres move by more than 1 m.")
 
 # %% [markdown]
-# One stream is a small sample. Over eight streets (seeds 0 to 7, with the course's detector), the mean number of switches and its standard deviation are 76 ± 29 for matching alone, 38 ± 11 with prediction, the same with correction, and 18 ± 8 with coasting. The number of shared IDs is always 2 or 3, ± 2. So *predict* halves the switches, and *coast* halves them again. *Correct* does not save IDs at this distance. Its purpose is to measure the velocity, which a car needs in order to brake in time. With a gain of 0.5, the median error of the velocity is 0.08 ± 0.01 m/s.
+# One stream is a small sample. Over eight streets (seeds 0 to 7, with the course's detector), the mean number of switches is 76 ± 29 for matching alone and 38 ± 11 with prediction. With correction, it stays the same, and with coasting, it is 18 ± 8. (The number after ± is the standard deviation.) The number of shared IDs is always 2 or 3, ± 2. So *predict* halves the switches, and *coast* halves them again. *Correct* does not save IDs at this distance. Its purpose is to measure the velocity, which a car needs in order to brake in time. With a gain of 0.5, the median error of the velocity is 0.08 ± 0.01 m/s.
 
 # %% tags=["folded"]
 # @title Both mistakes against max_distance (you need not read this)
@@ -883,7 +883,7 @@ plots.boxes(detect_obstacles(frame.cloud), axes=axes, label="found", title="The 
 #
 # *Tracking.* `max_distance` from both curves. Switches and shared IDs at this value, with and without prediction and coasting.
 #
-# *Failures.* For example: a pedestrian next to a parked car becomes part of it; the box of a car straight ahead is a thin slice, because only its back is seen; a car is in two pieces, because its windows return no light. Limits: the detector does not know classes, does not see anything lower than 0.3 m (kerbs, a person on the ground), and loses an ID when an object is hidden for more than three frames.
+# *Failures.* For example, a pedestrian next to a parked car becomes part of the car. The box of a car straight ahead is a thin slice, because the scanner sees only its back. A car is in two pieces, because its windows do not return light. Limits: the detector does not know classes, does not see anything lower than 0.3 m (kerbs, a person on the ground), and loses an ID when an object is hidden for more than three frames.
 
 # %% [markdown]
 # ## Common mistakes
