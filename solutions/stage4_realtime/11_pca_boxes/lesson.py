@@ -34,7 +34,7 @@
 #
 # *The scanner sees only the two sides of a car that face it.*
 #
-# The car with label 10 is turning out of a driveway. As in lesson 08, the labels come from the truth of the scan, and points with label 0 are not obstacles.
+# The car with label 10 is turning out of a driveway. As in lesson 08, the labels come from the truth of the scan.
 
 # %%
 import matplotlib.pyplot as plt
@@ -97,7 +97,7 @@ for degrees, axes in zip((20, 70), panels):
     axes.plot([5, 11], [5 * slope + height, 11 * slope + height], color="black", linewidth=2)
 
 # %% [markdown]
-# At 20°, the line is nearly right, but at 70°, it is far too flat. The slope depends on the choice of the axes, so it is not a property of the car.
+# At 20°, the line is nearly right, but at 70°, it is far too flat. The slope depends on the axes, so it is not a property of the car.
 #
 # ## The direction of greatest spread
 #
@@ -132,7 +132,7 @@ heading.compare(np.degrees(true_yaw) % 180,
 # %% [markdown]
 # The directions of the largest and the smallest variance are at right angles. This is always so, because they are *eigenvectors* of $C$, and the eigenvectors of a symmetric matrix are at right angles. These eigenvectors are called the **principal axes**, and the eigenvalues are the variances along them. Computing them is called *principal component analysis* (PCA).
 #
-# The direction of the largest variance is not the true heading. The second half of the lesson explains why.
+# The direction of the largest variance is not the true heading. The second half explains why.
 
 # %% [markdown]
 # ## Two ways to compute, three things to watch
@@ -154,7 +154,7 @@ print("svd:  variances", (singular**2 / len(people)).round(5), "axes in rows\n",
 # - **Sign.** If $u$ is an axis, so is $-u$. The points do not tell you where the front of a car is.
 # - **Handedness.** Three axes at right angles can be right-handed, like the thumb, index finger and middle finger of your right hand, or left-handed. The determinant of their matrix is $+1$ or $-1$. Only a right-handed matrix is a *rotation*. A left-handed one mirrors the car.
 #
-# By default, `np.cov` treats each *row* as a variable. Without `rowvar=False`, a cloud of 1,000 points gives a matrix of shape 1,000 x 1,000. (With `bias=True`, it divides by $n$, as above, not by $n - 1$.)
+# By default, `np.cov` treats each *row* as a variable. Without `rowvar=False`, a cloud of 1,000 points gives a matrix of shape 1,000 x 1,000. (With `bias=True`, it divides by $n$, not by $n - 1$.)
 
 # %% [markdown]
 # ## Exercise 1 · `principal_axes` (points)
@@ -257,7 +257,7 @@ check(principal_axes)
 # - a **quaternion** $q = (x, y, z, w) = \left(n\sin\tfrac\varphi2, \cos\tfrac\varphi2\right)$ for a rotation by $\varphi$ about the unit vector $n$, where $q$ and $-q$ are the same rotation,
 # - three **Euler angles**: yaw about z, pitch about y and roll about x. The *order* of the three rotations matters.
 #
-# The next cell prints all of them for the axes of the turning car in space:
+# For the axes of the turning car in space, they are:
 
 # %%
 from scipy.spatial.transform import Rotation
@@ -316,7 +316,7 @@ for name, points in (("in space", car), ("from above", car * [1, 1, 0])):
 #
 # *An axis is useful as a heading only if it runs along the car.*
 #
-# Nine cars and lorries are within 20 m, and the truth of the scan contains their yaws. For each of them, what is the angle between the first axis and the nearest side of the true box? (Any side will do, because a quarter turn of the yaw gives the same box.)
+# Nine cars and lorries are within 20 m, and the truth of the scan contains their yaws. For each of them, what is the angle between the first axis and the nearest side of the true box? (Any side will do, because a quarter turn gives the same box.)
 
 # %%
 lean = predict("What is the median error of the first axis for these nine vehicles?",
@@ -350,7 +350,7 @@ lean.compare(np.median([degrees_off(axis_yaws[label], label) for label in vehicl
              "The points are on two sides, and the short side turns the axis.")
 
 # %% [markdown]
-# The first axis is nearly right only for car 5. The scanner is next to this car and sees one of its sides. It sees two sides of all the others.
+# The first axis is nearly right only for car 5. The scanner is next to this car and sees only one side. It sees two sides of all the others.
 #
 # ### Why it leans
 #
@@ -393,7 +393,7 @@ axes.axvline(1.8 / 4.2, color="black", linestyle=":", label=f"a car: {lean_of_l(
 axes.legend();
 
 # %% [markdown]
-# More points do not reduce this error. Real cars lean more than this L, because most points are at the near end of the car.
+# More points do not reduce this error. Real cars lean more than this L, because most points are at their near end.
 #
 # ## The smallest rectangle
 #
@@ -455,7 +455,7 @@ def turn_the_rectangle(degrees):
     plt.show()
 
 # %% [markdown]
-# A computer can try all angles at once. A quarter turn gives the same rectangle, so 90 angles are enough for the turning car and for a parked car.
+# A computer can try all angles at once. A quarter turn gives the same rectangle, so 90 angles are enough. Here are the turning car and a parked one.
 
 # %%
 trials = np.arange(-20, 70)
@@ -618,7 +618,7 @@ def get_oriented_boxes(cloud, cluster_labels):
 # </details>
 
 # %% [markdown]
-# **First a tiny case.** Four points are the corners of a rectangle of 4 x 2 m, turned by 30°, on the road at z = −1.5. A fifth point is above its middle, at z = 0. All three ways give the same box. Its floor should have the four corners in the picture, and its roof should have the same corners at z = 0.
+# **First a tiny case.** Four points are the corners of a rectangle of 4 x 2 m, turned by 30°, on the road at z = −1.5. A fifth point is above its middle, at z = 0. All three ways give the same box, with its floor at the four corners and its roof above them at z = 0.
 
 # %%
 five = turned(np.array([[2, 1, -1.5], [-2, 1, -1.5], [-2, -1, -1.5], [2, -1, -1.5], [0, 0, 0]]),
@@ -802,7 +802,7 @@ flips.compare("all three" if min(jumps.values()) > 0 else "both of them, but not
 # %% [markdown]
 # The true yaw jumps by 360°, the first axis by 180°, and the smallest rectangle by 90°.
 #
-# These jumps do not change the corners of the box, but a tracker needs a steady heading. Of all headings that differ by quarter turns, it takes the one nearest to the heading in the previous frame. `np.unwrap` does this in one line if you give it the period. Which of the four sides is the front? On the road, the direction of motion tells you. Here we take the true heading of the first frame.
+# These jumps do not change the corners of the box, but a tracker needs a steady heading. Of all headings that differ by quarter turns, it takes the one nearest to the previous heading. `np.unwrap` does this if you give it the period. Which of the four sides is the front? On the road, the direction of motion tells you. Here we take the true heading of the first frame.
 
 # %%
 def steady(values, start):
@@ -828,9 +828,7 @@ for name, values in followed.items():
 # %% [markdown]
 # ## Common mistakes
 #
-# *You can recognise each mistake in a picture.*
-#
-# | mistake | what you see |
+# # | mistake | what you see |
 # |---|---|
 # | turned by −yaw both times | the box has the right size, but it is turned clockwise around the sensor by twice the yaw |
 # | turned by +yaw both times | the box is turned anticlockwise around the sensor by twice the yaw, and it is too large |
@@ -884,7 +882,7 @@ drive_with(0) if is_written(get_oriented_boxes) else print(
     "get_oriented_boxes is not written, or has not passed its check.")
 
 # %% [markdown]
-# The goal is 59 m without braking needlessly. Then let your function find the yaw in another of the three ways, and drive again. We see the front and one side of the lorry, which form a right-angled triangle. The rectangle along the longest side of such a triangle has the same area as the rectangle along the other two sides. Finally, turn the scanner as in lesson 08, with `drive_with(12, street=1)`.
+# The goal is 59 m without braking needlessly. Then let your function find the yaw in another way, and drive again. We see the front and one side of the lorry, which form a right-angled triangle. The rectangle along the longest side of such a triangle has the same area as the rectangle along the other two sides. Finally, turn the scanner as in lesson 08, with `drive_with(12, street=1)`.
 #
 # <details><summary>An answer</summary>
 #

@@ -63,7 +63,7 @@ plots.boxes(corners, cloud=standing, limits=street, reference=True, label="true 
             title="The first frame of the city and its true boxes");
 
 # %% [markdown]
-# First make two predictions about the detector that you will write.
+# First make two predictions about your detector.
 
 # %%
 LIKELY = ["ransac_plane", "voxel_grid", "euclidean_clustering_accelerated", "get_oriented_boxes"]
@@ -176,7 +176,7 @@ for notebook, functions in useful.items():
 # %% [markdown]
 # ## Exercise 1 · `detect_obstacles` (points)
 #
-# Turn a raw scan into oriented boxes. You may change the defaults and add parameters, as long as `detect_obstacles(cloud)` works. Keep the names of the parameters if you can, because later cells use them. You may use all packages that are listed at the end of the notebook.
+# Turn a raw scan into oriented boxes. You may change the defaults and add parameters, as long as `detect_obstacles(cloud)` works. Keep the names of the parameters if you can, because later cells use them. You may use all packages listed at the end of the notebook.
 #
 # The judge uses scans of streets that you have not seen, from a 64-beam scanner 1.73 m above the road. It tests that
 #
@@ -354,7 +354,7 @@ else:
 #
 # False boxes lower precision, and missed obstacles lower recall. Only cars, lorries, cyclists and pedestrians on the carriageway (the part of the street for vehicles) count, and only if they have at least 30 returns.
 #
-# Successive frames show the same objects, so the next cells use one frame from each of eight streets. The **score card** counts hits at three minimum overlaps. It also shows how recall depends on the distance of an object, and on how much of it is hidden. The number after ± is the standard error. It shows how much the result would typically change with eight other streets.
+# Successive frames show the same objects, so the next cells use one frame from each of eight streets. The **score card** counts hits at three minimum overlaps. It also shows how recall depends on the distance of an object, and on how much of it is hidden. The number after ± is the standard error: how much the result would typically change with eight other streets.
 
 # %%
 carriageway = ((-15, 35), (-4, 6.4))
@@ -376,7 +376,7 @@ share_found.compare(100 * card["recall"].values[1],
 card.show()
 
 # %% [markdown]
-# Read each row from left to right. Objects that are hits at 0.3 but not at 0.7 were found, but their boxes are poor. Then read each group from top to bottom. Recall is lowest for distant objects, and for objects that are more than half hidden. Look at the errors before you call one number better than another. With the course's detector, recall is 0.84 ± 0.03 for objects in plain view and 0.92 ± 0.05 for partly hidden ones, but this difference may be due to chance.
+# Read each row from left to right. Objects that are hits at 0.3 but not at 0.7 were found, but their boxes are poor. Then read each group from top to bottom. Recall is lowest for distant objects, and for objects that are more than half hidden. Look at the errors before you compare two numbers. With the course's detector, recall is 0.84 ± 0.03 for objects in plain view and 0.92 ± 0.05 for partly hidden ones, but this difference may be due to chance.
 #
 # ## Play: choose the parameters
 #
@@ -524,7 +524,7 @@ after = unit_box + np.array([[0.8, 0, 0], [0.3, 0, 0], [9.6, 0, 0]])[:, None]
 print(match_boxes(before, after, 1.0))
 
 # %% [markdown]
-# **Look before you check.** The figure shows the boxes of two frames, with dashed lines for the earlier frame. Each solid line should connect a box with its earlier position, and no two of these lines should touch.
+# **Look before you check.** The boxes of the earlier frame are dashed. Each solid line should connect a box with its earlier position, and no two of these lines should touch.
 
 # %% tags=["folded"]
 # @title Two frames and the partners of their boxes (you need not read this)
@@ -753,7 +753,7 @@ switching.compare(mistakes["matching alone"].switches,
                   "shrink, so many centres move by more than 1 m.")
 
 # %% [markdown]
-# One stream is a small sample. Over eight streets (seeds 0 to 7, with the course's detector), the mean number of switches is 76 ± 29 for matching alone and 38 ± 11 with prediction. With correction, it stays the same, and with coasting, it is 18 ± 8. (The number after ± is the standard deviation.) The number of shared IDs is always 2 or 3, ± 2. So *predict* halves the switches, and *coast* halves them again. *Correct* does not save IDs at this distance. Its purpose is to measure the velocity, which a car needs in order to brake in time. With a gain of 0.5, the median error of the velocity is 0.08 ± 0.01 m/s.
+# One stream is a small sample. Over eight streets (seeds 0 to 7, with the course's detector), the mean number of switches (± standard deviation) is 76 ± 29 for matching alone and 38 ± 11 with prediction. With correction, it stays the same, and with coasting, it is 18 ± 8. The number of shared IDs is always 2 or 3, ± 2. So *predict* halves the switches, and *coast* halves them again. *Correct* does not save IDs at this distance. Its purpose is to measure the velocity, which a car needs in order to brake in time. With a gain of 0.5, the median error of the velocity is 0.08 ± 0.01 m/s.
 
 # %% tags=["folded"]
 # @title Both mistakes against max_distance (you need not read this)
@@ -777,7 +777,7 @@ for axes, kind, top, title in (
 #
 # ## Tracks and trails
 #
-# The next figure shows the last frame. The line at each box is its trail over three seconds, as seen from the moving ego car. Boxes on the carriageway show their ID if they were tracked for a second.
+# In the last frame, the line at each box is its trail over three seconds, as seen from the moving ego car. Boxes on the carriageway show their ID if they were tracked for a second.
 
 # %% tags=["folded"]
 # @title Track IDs and trails (you need not read this)
@@ -820,7 +820,7 @@ axes = plots.boxes(corners_of(counted(frame, around)), cloud=frame.cloud[frame.s
 plots.boxes(detect_obstacles(frame.cloud), axes=axes, label="found", title="The region misses half of the square");
 
 # %% [markdown]
-# There are only sixteen true boxes, so one hit more or less changes recall by 0.06. The four frames are from one drive, so ± does not tell you anything about other drives.
+# There are only sixteen true boxes, so one hit more or less changes recall by 0.06. The four frames are from one drive, so ± says nothing about other drives.
 #
 # <details><summary>Hint 1</summary>
 #
@@ -943,7 +943,7 @@ drive_with() if is_written(detect_obstacles) else print(
 #
 # - The gain of a *Kalman filter* starts high and shrinks with each frame to the value at which yours is fixed.
 # - Trackers usually choose the pairs with the best total (the Hungarian method), and often compare overlap or shape instead of distance.
-# - Learned detectors put a box around a whole car even if they see only half of it, and they distinguish cars from people. Your detector does not need training, and it also finds objects that are not in any training set.
+# - Learned detectors put a box around a whole car even if they see only half of it, and distinguish cars from people. Your detector needs no training, and it also finds objects that are not in any training set.
 # - Libraries contain most of the chain. For an array `points` of shape (n, 3), Open3D (imported as `o3d`) needs three lines:
 #
 # ```python
@@ -1142,7 +1142,7 @@ for axes, title, settings in (
 #
 # ## Summary
 #
-# - A detector is a chain of steps. Cheap filters come first, careful steps come last, and every step works on an empty cloud.
+# - A detector is a chain. Cheap filters come first, careful steps last, and every step works on an empty cloud.
 # - Precision, recall, and counts of switched and shared IDs turn opinions about parameters into curves. To find the cause of a mistake, change one step and keep the rest.
 # - A track connects boxes over time: predict, match one to one, correct, coast, drop.
 #
