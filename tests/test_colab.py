@@ -75,7 +75,7 @@ def test_setup_without_a_connection_suggests_a_fix(tmp_path):
     with served({ARCHIVE: archive_of(COURSE)}) as (address, requests):
         pass
     printed, problem = run_setup(tmp_path, address)
-    assert printed == "" and "Check the connection and run this cell again" in problem
+    assert printed == "" and "check the connection and run this cell again" in problem
     assert names_in(tmp_path) == []
 
 

@@ -9,16 +9,16 @@
 # %% [markdown]
 # # 13 · Compiled loops
 #
-# This lesson writes the grid of lesson 10 and the boxes of lesson 11 as plain loops, which a compiler turns into machine code. The result is exact and clusters a full scan in about a hundredth of a second.
+# In this lesson, you write the grid of lesson 10 and the boxes of lesson 11 as plain loops, and a compiler turns them into machine code. The result is exact, and it clusters a full scan in about a hundredth of a second.
 #
 # The lesson is optional. You do not submit it, but your functions are checked.
 #
 # **After this lesson you can**
-# - say why a loop is slow in Python and fast when compiled, and how it differs from NumPy,
-# - write code that the compiler accepts, and know what the first call costs,
-# - join groups by union-find, and stop as soon as the answer is known.
+# - explain why a loop is slow in Python and fast when compiled, and how it differs from NumPy,
+# - write code that the compiler accepts, and say what the first call costs,
+# - join groups with union-find, and stop as soon as the answer is known.
 #
-# **You write** five small functions. No package is forbidden, but Numba compiles only numbers, arrays, tuples, loops and NumPy. **You need** lessons 10 to 12. **Time:** (time), in two sittings of about 70 and 60 minutes.
+# **You write** five small functions. All packages are allowed, but Numba can compile only numbers, arrays, tuples, loops and NumPy. **You need** lessons 10 to 12. **Time:** (time), in two sittings of about 70 and 60 minutes.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -31,7 +31,7 @@
 #
 # *Numba translates a Python loop into machine code.*
 #
-# [Numba](https://numba.pydata.org) compiles a Python function at its first call. Colab has Numba. Elsewhere, run `pip install numba`; the course tests the version in `requirements-compiled.txt`. Without Numba, this notebook runs the same lines as plain Python, on one point in forty.
+# [Numba](https://numba.pydata.org) compiles a Python function at its first call. Colab has Numba. Elsewhere, run `pip install numba`. (The course tests the version in `requirements-compiled.txt`.) Without Numba, this notebook runs the same lines as plain Python, on one point in forty.
 
 # %%
 from time import process_time
@@ -54,12 +54,12 @@ except ImportError:
 is_compiled = njit.__module__.startswith("numba")
 cloud = load_cloud("cloud.txt")[::1 if is_compiled else 40]
 points = np.ascontiguousarray(cloud[:, :3])
-print(f"{len(points):,} points;", "Numba is here" if is_compiled else
+print(f"{len(points):,} points;", "Numba is installed" if is_compiled else
       "Numba is NOT installed, so everything runs as plain Python, hundreds of times slower")
 
 
 def milliseconds(function, *arguments, repeats=5):
-    """Median processor time of several calls, in milliseconds."""
+    """Return the median processor time of several calls, in milliseconds."""
     times = []
     for _ in range(repeats):
         begin = process_time()
@@ -70,11 +70,11 @@ def milliseconds(function, *arguments, repeats=5):
 # %% [markdown]
 # ## The naive idea: just write the loop
 #
-# *At every step, Python asks what kind of object a number is.*
+# *At every step, Python has to find out what kind of object a number is.*
 #
-# RANSAC asks in each round how many points are within 0.2 m of a plane. For each point, Python unpacks objects, looks up what `*` means for them, and packs the result into a new object.
+# In each round, RANSAC counts how many points are within 0.2 m of a plane. For each point, Python unpacks objects, looks up what `*` means for them, and packs the result into a new object.
 #
-# `@njit` above a function makes Numba compile it. **In this lesson, the check comes before you try your function.** The stop button does not end compiled code. And if you read a row that does not exist, you get whatever is in memory behind the array. So `check` first runs your function as plain Python, and compiles it only if it is right.
+# If you write `@njit` above a function, Numba compiles it. **In this lesson, run the check before you try your function.** The stop button does not stop compiled code. And if you read a row that does not exist, you get whatever is in memory behind the array. So `check` first runs your function as plain Python, and compiles it only if it is right.
 
 # %%
 level = np.array([0.0, 0.0, 1.0, 1.73])  # a, b, c, d: a level road
@@ -86,8 +86,8 @@ faster = predict("How many times faster is the compiled loop than the same loop 
 def count_near(points, plane, tolerance):
     """Count the points (n, 3) within a tolerance of a plane (4,), point by point."""
     # 1. Start at zero, and go through the row numbers.
-    # 2. The distance is |a x + b y + c z + d|, where points[i, 0] is x.
-    # 3. Count it if it is at most the tolerance.
+    # 2. Compute the distance |a x + b y + c z + d|, where points[i, 0] is x.
+    # 3. Count the point if its distance is at most the tolerance.
     # roughly 7 lines
     ### BEGIN SOLUTION
     count = 0
@@ -102,15 +102,15 @@ def count_near(points, plane, tolerance):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# `for i in range(len(points)):` goes through the row numbers. `points[i, 0]`, `points[i, 1]` and `points[i, 2]` are the x, y and z of one point: single numbers, not arrays.
+# `for i in range(len(points)):` goes through the row numbers. `points[i, 0]`, `points[i, 1]` and `points[i, 2]` are the x, y and z of one point. They are single numbers, not arrays.
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# `abs(...)` goes around the whole sum of three products and `plane[3]`, which is negative below the plane.
+# Put `abs(...)` around the whole sum of three products and `plane[3]`, because this sum is negative below the plane.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# Set the count to 0 before the loop. In the loop, add 1 `if` the distance is `<=` the tolerance. Put `return` after it, as far to the left as `for`.
+# Set the count to 0 before the loop. In the loop, add 1 `if` the distance is `<=` the tolerance. Put `return` after the loop, with the same indentation as `for`.
 # </details>
 
 # %%
@@ -126,8 +126,8 @@ if ready(count_near):
     # `check` has compiled the function already, so compile it again to measure the time.
     first = milliseconds(njit(as_python), points, level, 0.2, repeats=1)
     same = count_near(points, level, 0.2) == count_by_numpy(points, level, 0.2)
-    print(f"first call{', with compiling' * is_compiled}: {first:8.1f} ms; "
-          f"{'the same number' if same else 'NOT the same number'} as by NumPy")
+    print(f"first call{', including compilation' * is_compiled}: {first:8.1f} ms; "
+          f"{'the same number' if same else 'NOT the same number'} as NumPy")
     times = {"a loop in Python": 10 * milliseconds(as_python, points[::10], level, 0.2, repeats=1),
              "NumPy": milliseconds(count_by_numpy, points, level, 0.2)}
     if is_compiled:
@@ -142,7 +142,7 @@ if ready(count_near):
                        "handles objects that contain them.")
 
 # %% [markdown]
-# NumPy is also compiled. But it does one step for *all* points before the next: products, sums, absolute values, comparisons. Each step writes an array to memory, and the next reads it again. The compiled loop does all steps for one point at once, and writes nothing.
+# NumPy is also compiled. But it finishes each step for *all* points before it begins the next: products, sums, absolute values and comparisons. Each step writes an array to memory, and the next step reads it again. The compiled loop does all steps for one point at once and does not write any arrays.
 #
 # ## What the compiler needs
 #
@@ -150,12 +150,12 @@ if ready(count_near):
 #
 # Numba compiles a function for the types of its arguments. Therefore:
 #
-# - A variable keeps its type: it cannot be a number here and `None` there.
-# - Use arrays, numbers and tuples, but no objects of your own and no `cKDTree`.
+# - A variable cannot be a number in one place and `None` in another.
+# - Use arrays, numbers and tuples. You cannot use your own objects or `cKDTree`.
 # - Functions that you call also need `@njit`.
-# - Variables from outside are constants after compiling. After you change a function, run the cells of all functions that call it again.
+# - Outside variables and functions cannot change after compiling. If you change a function, rerun the cells of all functions that call it.
 #
-# **The first call pays.** It takes about a thousand times as long as the second. `@njit(cache=True)` keeps the machine code on disk. A car must not compile when the first pedestrian appears, so it first calls everything once.
+# **The first call is slow.** It takes about a thousand times as long as the second. `@njit(cache=True)` keeps the machine code on disk. A car must not compile when the first pedestrian appears, so it calls every function once before it drives.
 #
 # What does Numba say if it cannot compile a function?
 
@@ -178,11 +178,11 @@ if is_compiled:
 #
 # *Every cell points at a cell of its own piece, and the root of the piece points at itself.*
 #
-# Now we rewrite the clustering of lesson 10. Loops can join groups *one pair at a time*, *stop* at the first close pair, and need no list of pairs.
+# Now you rewrite the clustering of lesson 10. Loops can join groups *one pair at a time*, can *stop* at the first close pair, and do not need a list of pairs.
 #
-# Each cell has a parent, at first itself. If you follow the parents, you reach a **root**. Two cells with the same root are in the same piece. To join two pieces, let one root point at the other.
+# Each cell has a parent. At first, each cell is its own parent. If you follow the parents, you reach a **root**. Two cells with the same root are in the same piece. To join two pieces, let one root point at the other.
 #
-# On the way to the root, each visited cell is made to point at its grandparent. This *path halving* shortens the next search:
+# On the way to the root, let each cell that you visit point at its grandparent. This *path halving* shortens the next search:
 
 # %% tags=["folded"]
 # @title Draws path halving (you need not read this)
@@ -223,11 +223,11 @@ def root_of(parent, cell):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# A root is its own parent. So the loop runs `while parent[cell] != cell`, and the cell at which it ends is the answer.
+# A root is its own parent. So the loop runs `while parent[cell] != cell`. Return the cell at which the loop ends.
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# The grandparent is `parent[parent[cell]]`. In each round, write it into `parent[cell]`, and then go there. Otherwise the loop never ends.
+# The grandparent is `parent[parent[cell]]`. In each round, write it into `parent[cell]`, and then set `cell` to it. Otherwise, the loop never ends.
 # </details>
 
 # %%
@@ -246,18 +246,18 @@ def unite(parent, a, b):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# Change the parent of a *root*. If you change another cell's parent, you cut this cell out of its piece, with all cells that point at it.
+# Change the parent of a *root*. If you change the parent of another cell, you cut this cell out of its piece, together with all cells that point at it.
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# First get both roots from `root_of`. The `max` of the two gets the `min` as its parent. Return nothing, because the array itself is changed.
+# First get both roots from `root_of`. Make the `min` of the two roots the parent of the `max`. You need not return anything, because you change the array itself.
 # </details>
 
 # %%
 check(unite)
 
 # %% [markdown]
-# **Try it on seven nodes.** The four pairs of lesson 10 join 0, 2, 4 and 5, and also 1 and 3. Node 6 stays alone.
+# **Try it on seven nodes.** The four pairs from lesson 10 join nodes 0, 2, 4 and 5, and also nodes 1 and 3. Node 6 stays alone.
 
 # %%
 if ready(root_of, unite):
@@ -272,14 +272,14 @@ if ready(root_of, unite):
 #
 # *The quickest comparison is the one that you do not make.*
 #
-# When points are sorted by cell, those of cell a are in the rows from `a` up to, but not including, `a_end`. Is any of them closer than the threshold to a point of cell b? `limit` is the square of the threshold, which saves square roots.
+# If the points are sorted by cell, the points of the first cell are in the rows from `a` up to, but not including, `a_end`. Is any of them closer than the threshold to a point of the second cell? `limit` is the square of the threshold, which saves square roots.
 
 # %% nbgrader={"grade": false, "grade_id": "any_close", "locked": false, "schema_version": 3, "solution": true, "task": false}
 @njit
 def any_close(points, a, a_end, b, b_end, limit):
-    """Whether any point in rows a to a_end is closer than sqrt(limit) to one in rows b to b_end."""
+    """Return whether a point in rows a to a_end is closer than sqrt(limit) to one in b to b_end."""
     # 1. For each row of one cell and each row of the other:
-    # 2.     the square of their distance, from three differences.
+    # 2.     compute the square of their distance from three differences.
     # 3.     If it is below the limit, return True at once.
     # roughly 8 lines
     ### BEGIN SOLUTION
@@ -296,7 +296,7 @@ def any_close(points, a, a_end, b, b_end, limit):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# Write a loop in a loop: `i` in `range(a, a_end)`, and for each `i`, `j` in `range(b, b_end)`.
+# Write a loop inside a loop. The outer loop has `i` in `range(a, a_end)`, and the inner loop has `j` in `range(b, b_end)`.
 # </details>
 # <details><summary>Hint 2</summary>
 #
@@ -304,7 +304,7 @@ def any_close(points, a, a_end, b, b_end, limit):
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# `return True` is inside the `if`, and ends both loops. `return False` comes after both loops, as far to the left as the outer `for`.
+# Put `return True` inside the `if`, where it ends both loops. Put `return False` after both loops, with the same indentation as the outer `for`.
 # </details>
 
 # %%
@@ -317,16 +317,16 @@ if ready(any_close):
           "  expected: True False")
 
 # %% [markdown]
-# **A good place to stop.** Save the notebook. You have written all functions that the compiled clustering needs. The second sitting puts them together and turns to boxes.
+# **A good place to stop.** Save the notebook. You have written all functions that the compiled clustering needs. In the second sitting, you put them together and then write the boxes.
 
 # %% [markdown]
 # ## The grid, sorted
 #
-# **The second sitting begins here.** Remember: `unite` joins two cells, `root_of` names their piece, and `any_close` compares their points. If you have closed the notebook, first run all cells above.
+# **The second sitting begins here.** Remember that `unite` joins two cells, `root_of` returns the root of a piece, and `any_close` compares the points of two cells. If you have closed the notebook, first run all cells above this one.
 #
-# *Numbers can be sorted without comparing any two of them.*
+# *You can sort numbers without comparing any two of them.*
 #
-# The cells are numbered as in lesson 10. *Counting sort* orders them. It counts how often each number occurs. The counts say where each number begins:
+# The cells are numbered as in lesson 10, and a *counting sort* sorts these numbers. It counts how often each number occurs. From the counts, it knows where each number begins in the sorted array:
 
 # %% tags=["folded"]
 # @title Draws a counting sort (you need not read this)
@@ -351,12 +351,12 @@ axes.set_title("Counts say where each number begins; equal numbers keep their or
 axes.set_axis_off()
 
 # %% [markdown]
-# Large numbers are sorted digit by digit, beginning with the last one. In the next cell, a digit has 11 bits.
+# Large numbers are sorted digit by digit, beginning with the last digit. In the next cell, a digit has 11 bits.
 
 # %%
 @njit
 def ascending(numbers):
-    """The order that sorts whole numbers from 0 on; equal numbers keep their order."""
+    """Return the order that sorts whole numbers >= 0; equal numbers keep their order."""
     n, largest, shift = len(numbers), numbers.max(), 0
     order, other = np.arange(n), np.empty(n, np.int64)
     while largest >> shift:
@@ -381,9 +381,9 @@ def sort_by_cell(points, side):
     Returns
     -------
     order : the rows of the points, cell by cell
-    points : the points in that order
-    starts : (m + 1,), where each cell begins in that order; the last number is n
-    numbers : (m,), the cells' numbers in ascending order
+    points : the points in this order
+    starts : (m + 1,), where each cell begins in this order; the last number is n
+    numbers : (m,), the numbers of the cells in ascending order
     next_x, next_y : how much the number grows from one cell to the next along x and along y
     """
     n = len(points)
@@ -418,14 +418,14 @@ def sort_by_cell(points, side):
     return order, in_order, starts[:count + 1], numbers[:count], next_x, next_y
 
 # %% [markdown]
-# The neighbours of a cell are in 25 columns. Each pair has to be met only once, so 13 columns are enough. One pointer per column moves along with the cell.
+# The neighbours of a cell are in 25 columns of cells along z. You need to visit each pair of cells only once, so 13 columns are enough. In each column, a pointer moves forward together with the cell.
 #
-# `join_cells` first compares one point of each cell. For pairs that are still apart, `any_close` then compares all points, if the boxes around them are close enough. In crowded cells a kd-tree is faster, so these pairs are returned.
+# `join_cells` first compares one point of each cell. Then, for pairs that are still apart, `any_close` compares all points if the boxes around them are close enough. For crowded cells, a kd-tree is faster, so `join_cells` returns their pairs.
 
 # %%
 @njit
 def boxes_of(points, starts):
-    """Smallest and largest x, y, z of the points of each cell, two arrays (m, 3)."""
+    """Return the smallest and largest x, y, z of the points of each cell, two arrays (m, 3)."""
     low, high = points[starts[:-1]], points[starts[:-1]]
     for cell in range(len(low)):
         for i in range(starts[cell] + 1, starts[cell + 1]):
@@ -437,7 +437,7 @@ def boxes_of(points, starts):
 
 @njit
 def are_near(low, high, a, b, limit):
-    """Whether the boxes of two cells are closer than sqrt(limit)."""
+    """Return whether the boxes of two cells are closer than sqrt(limit)."""
     square = 0.0
     for axis in range(3):
         gap = max(low[a, axis] - high[b, axis], low[b, axis] - high[a, axis], 0.0)
@@ -481,7 +481,7 @@ def join_cells(points, starts, numbers, next_x, next_y, limit, crowd):
 
 @njit
 def numbered(parent, order, starts):
-    """Labels 1, 2, ... of the points, in order of first appearance."""
+    """Return labels 1, 2, ... of the points, in order of first appearance."""
     root, number = np.empty(len(order), np.int64), np.zeros(len(parent), np.int64)
     for cell in range(len(parent)):
         mine = root_of(parent, cell)
@@ -497,7 +497,7 @@ def numbered(parent, order, starts):
 
 
 def cluster_compiled(cloud, threshold=0.5):
-    """The clusters of lessons 05 and 10, with the same labels."""
+    """Return the clusters of lessons 05 and 10, with the same labels."""
     points = np.ascontiguousarray(cloud[:, :3], dtype=float)
     if not len(points):
         return np.zeros(0, int)
@@ -514,18 +514,18 @@ def cluster_compiled(cloud, threshold=0.5):
     return numbered(parent, order, starts)
 
 # %% [markdown]
-# **Look before you time.** Are the clusters the same, to the last point? `join_all_pairs` of lesson 10 is slow but reliable.
+# **Look before you measure the time.** Are the clusters the same for every single point? `join_all_pairs` from lesson 10 is slow but reliable.
 
 # %%
 def join_all_pairs(points, threshold=0.5):
-    """The label of each point, from a list of all pairs of neighbours."""
+    """Return the label of each point, from a list of all pairs of neighbours."""
     pairs = cKDTree(points).query_pairs(threshold, output_type="ndarray")
     graph = coo_array((np.ones(len(pairs), dtype=bool), pairs.T), shape=2 * (len(points),))
     return connected_components(graph, directed=False)[1]
 
 
 def same_clusters(labels, others):
-    """Whether two arrays of labels group the points alike; the labels may differ."""
+    """Return whether two arrays of labels form the same groups, even if the numbers differ."""
     combinations = np.unique(np.stack([labels, others]), axis=1).shape[1]
     return combinations == len(np.unique(labels)) == len(np.unique(others))
 
@@ -553,9 +553,9 @@ if ready(root_of, unite, any_close):
 # %% [markdown]
 # ## Boxes
 #
-# *Update ninety extremes point by point, and compare the areas at the end.*
+# *Update the extremes of ninety rectangles point by point, and compare the areas at the end.*
 #
-# The smallest rectangle of lesson 11 projects all points onto 90 directions, and keeps the smallest and the largest value of each. NumPy writes a table of all projections, but a loop needs only the extremes.
+# The smallest rectangle of lesson 11 needs the smallest and the largest projection onto each of 90 directions. NumPy writes a table of all projections, but a loop stores only these extremes.
 
 # %%
 turns = np.radians(np.arange(90))
@@ -564,10 +564,11 @@ cosines, sines = np.cos(turns), np.sin(turns)
 # %% nbgrader={"grade": false, "grade_id": "snuggest_turn", "locked": false, "schema_version": 3, "solution": true, "task": false}
 @njit
 def snuggest_turn(points):
-    """Index of the turn, 0 to 89, whose rectangle around the points has the smallest area."""
-    # 1. Four arrays of 90: smallest and largest along each direction, and across it.
-    # 2. For each point and each turn: along is x cos + y sin, across is y cos - x sin.
-    # 3. The area of each turn is a product of two differences; argmin() finds the smallest.
+    """Return the turn, 0 to 89, whose rectangle around the points has the smallest area."""
+    # 1. Make four arrays of 90: smallest and largest along each direction, and across it.
+    # 2. For each point and each turn, along is x cos + y sin, and across is y cos - x sin.
+    #    Update the four arrays.
+    # 3. The area of each turn is a product of two differences. Find the smallest with argmin().
     # roughly 12 lines
     ### BEGIN SOLUTION
     back, front = np.full(90, np.inf), np.full(90, -np.inf)
@@ -585,15 +586,15 @@ def snuggest_turn(points):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# Before the first point, the smallest value along each direction is `np.inf` and the largest is `-np.inf`: `np.full(90, np.inf)` makes 90 of them. If you start with zeros, the sensor at (0, 0) counts as a point of every car.
+# Before the first point, the smallest value along each direction is `np.inf` and the largest is `-np.inf`. `np.full(90, np.inf)` makes an array of 90 such values. If you start with zeros, the sensor at (0, 0) counts as a point of every car.
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# Write two loops: over the points, and in it over the 90 turns. There, `along` and `across` are two numbers. At `[turn]`, each of the four arrays keeps the `min` or `max` of its old value and the new one.
+# Write a loop over the points, and inside it a loop over the 90 turns. In the inner loop, `along` and `across` are two numbers. At `[turn]`, store the `min` or `max` of the old value and the new one in each of the four arrays.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# After both loops, (largest minus smallest along) times (largest minus smallest across) is an array of 90 areas. Its `.argmin()` is the number of the turn.
+# After both loops, (largest minus smallest along) times (largest minus smallest across) is an array of 90 areas. Return its `.argmin()`, the index of the turn.
 # </details>
 
 # %%
@@ -610,20 +611,20 @@ if ready(snuggest_turn):
 # %% [markdown]
 # ## The whole detector
 #
-# *One pass over the points replaces several steps of NumPy.*
+# *One pass over the points replaces several NumPy steps.*
 #
-# The next cell contains the steps of lesson 12. One pass drops invalid returns, crops the region and removes the ego car. The rounds of RANSAC only count inliers, with your `count_near` and the random samples of lesson 12.
+# The next cell contains the steps of lesson 12. A single pass drops invalid returns, crops the region and removes the ego car. The rounds of RANSAC use your `count_near` to count inliers, and the random samples are those of lesson 12.
 
 # %% tags=["folded"]
 # @title Defines the steps of the detector as loops (you need not read this)
 @njit
 def useful_points(cloud, minimum, maximum, car_low, car_high):
-    """x, y, z of the valid returns in the region of interest, without those of the ego car."""
+    """Return x, y, z of the valid returns in the region of interest, without the ego car."""
     kept, count = np.empty((len(cloud), 3)), 0
     for i in range(len(cloud)):
         x, y, z = cloud[i, 0], cloud[i, 1], cloud[i, 2]
         inside = (minimum[0] <= x <= maximum[0] and minimum[1] <= y <= maximum[1]
-                  and minimum[2] <= z <= maximum[2])  # no comparison with NaN is true
+                  and minimum[2] <= z <= maximum[2])  # false for NaN
         own = (car_low[0] <= x <= car_high[0] and car_low[1] <= y <= car_high[1]
                and car_low[2] <= z <= car_high[2])
         if inside and not own and (x != 0 or y != 0 or z != 0):
@@ -634,7 +635,7 @@ def useful_points(cloud, minimum, maximum, car_low, car_high):
 
 @njit
 def best_plane(points, samples, tolerance):
-    """The plane with the most points near it, of planes through samples of three rows (k, 3)."""
+    """Return the plane with the most points near it; `samples` (k, 3) are rows of three points."""
     best, most = np.zeros(4), 0
     for p, q, r in samples:
         normal = np.cross(points[q] - points[p], points[r] - points[p])
@@ -651,13 +652,13 @@ def best_plane(points, samples, tolerance):
 
 @njit
 def away(point, plane):
-    """Distance of a point from a plane."""
+    """Return the distance of a point from a plane."""
     return abs(plane[0] * point[0] + plane[1] * point[1] + plane[2] * point[2] + plane[3])
 
 
 @njit
 def scatter(points, plane, tolerance):
-    """Mean of the points near a plane, and the sums of the products of their deviations."""
+    """Return the mean of the points near a plane, and the summed products of their deviations."""
     mean, spread, count = np.zeros(3), np.zeros((3, 3)), 0
     for point in points:
         if away(point, plane) <= tolerance:
@@ -676,7 +677,7 @@ def scatter(points, plane, tolerance):
 
 @njit
 def far_from(points, plane, distance):
-    """The points farther than a distance from a plane."""
+    """Return the points that are farther than a distance from a plane."""
     kept, count = np.empty((len(points), 3)), 0
     for point in points:
         if away(point, plane) > distance:
@@ -688,7 +689,7 @@ def far_from(points, plane, distance):
 
 @njit
 def voxel_means(points, side):
-    """The mean of the points of each cell."""
+    """Return the mean of the points of each cell."""
     _, points, starts, numbers, _, _ = sort_by_cell(points, side)
     means = np.zeros((len(numbers), 3))
     for cell in range(len(numbers)):
@@ -701,7 +702,7 @@ def voxel_means(points, side):
 
 @njit
 def oriented_boxes(points, labels, least):
-    """Boxes (N, 8, 3) of clusters with at least `least` points, in the order of labels."""
+    """Return boxes (N, 8, 3) of clusters with at least `least` points, in the order of labels."""
     order = ascending(labels)
     boxes, count, first = np.empty((labels.max(), 8, 3)), 0, 0
     for i in range(1, len(order) + 1):
@@ -741,10 +742,10 @@ def detect_compiled(cloud, threshold=0.5, least=10, ground_level=-1.2,
     return oriented_boxes(points, cluster_compiled(points, threshold), least)
 
 # %% [markdown]
-# To race against it, paste your `detect_obstacles` here, with all functions that it calls. The floors and roofs of the boxes should be the same. Their yaw differs if yours are not the smallest rectangles.
+# To race against this detector, paste your `detect_obstacles` into the next cell, with all functions that it calls. The floors and roofs of the boxes should be the same. The yaws differ if your boxes are not the smallest rectangles.
 
 # %% tags=["earlier"]
-# Paste your detector of lesson 12 here, and the functions that it calls.
+# Paste your detector from lesson 12 here, and the functions that it calls.
 ### BEGIN SOLUTION
 # from 01_point_clouds: drop_invalid
 # from 03_ransac_plane: ransac_plane, fit_plane, point_plane_distance
@@ -762,7 +763,7 @@ if ready(count_near, root_of, unite, any_close, snuggest_turn):
     first = milliseconds(detect_compiled, cloud, repeats=1)
     boxes, second = detect_compiled(cloud), milliseconds(detect_compiled, cloud)
     print(f"{len(boxes)} boxes; the first frame took {first:,.0f} ms of processor time"
-          f"{', with compiling' * is_compiled}; the next one takes {second:.1f} ms")
+          f"{', including compilation' * is_compiled}; the next one takes {second:.1f} ms")
     plots.boxes(boxes, cloud=points[points[:, 2] > -1.2], limits=((-15, 35), (-9, 11)),
                 title="Boxes by loops")
     pasted = globals().get("detect_obstacles")
@@ -776,25 +777,25 @@ if ready(count_near, root_of, unite, any_close, snuggest_turn):
             print(f"it finds {len(others)} boxes")
 
 # %% [markdown]
-# A frame comes only every 100 ms. You can spend the time that is left on finer voxels, or on comparing two frames.
+# A new frame comes only every 100 ms. You can use the remaining time for smaller voxels, or to compare two frames.
 #
 # ## In practice
 #
 # - Real detectors are compiled ahead of time, in C++ or CUDA.
 # - The method matters more than the compiler. A compiled loop over all pairs of points is slower than lesson 10 in plain NumPy.
-# - Numba can spread a loop over all processors (`prange`) and change the order of sums (`fastmath`). Both may choose another of two nearly equal answers.
+# - Numba can spread a loop over all processors (`prange`) and change the order of sums (`fastmath`). With either option, the result may change if two answers are nearly equal.
 #
 # ## Summary
 #
-# - Python handles objects, compiled code handles numbers. It can stop as soon as it knows the answer.
-# - The compiler needs types that do not change, and it takes its time at the first call.
+# - Python handles objects, but compiled code handles numbers. A loop can stop as soon as it knows the answer.
+# - The compiler needs types that do not change, and the first call includes the time to compile.
 # - Union-find joins pairs as they come. Counting sort orders cells without comparing them.
 #
 # ## If you want more
 #
 # Each task takes about 20 minutes.
 #
-# 1. Put `@njit(parallel=True)` and `prange` into `count_near`. How many points does it take before the parallel version is faster?
+# 1. Use `@njit(parallel=True)` and `prange` in `count_near`. How many points must a cloud have before the parallel version is faster?
 # 2. Convert the cloud to `float32`. Which answers change?
 # 3. With `@njit(cache=True)`, how long does the first call take after a restart?
 #

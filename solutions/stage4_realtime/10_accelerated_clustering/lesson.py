@@ -12,12 +12,12 @@
 # %% [markdown]
 # # 10 · Clustering in real time
 #
-# ![A car from above, twice. On the left its points are tied together by a dense web of lines. On the right a grid lies over the points, one point of each cell is marked, and a few short lines between marked points hold the car together.](10_preview.png)
+# ![Two views of a car from above. On the left, a dense web of lines connects its points. On the right, the points are divided into the cells of a grid, one point in each cell is marked, and a few short lines connect the marked points.](10_preview.png)
 #
-# Lesson 05 clusters a scan correctly, one point after the other. But the scanner delivers ten scans a second. In this lesson you find exactly the same clusters in about a tenth of a second, in three small steps.
+# Your function from lesson 05 clusters a scan correctly, one point at a time. But the scanner delivers ten scans a second. In this lesson, you find exactly the same clusters in about a tenth of a second, in three small steps.
 #
 # **After this lesson you can**
-# - find out where an algorithm spends its time and its memory before you make it faster,
+# - find out where an algorithm spends time and memory before you speed it up,
 # - cluster fifty thousand points exactly, in three steps that leave few pairs to compare,
 # - explain why the result is exact, and find an input that breaks a careless shortcut.
 #
@@ -34,7 +34,7 @@
 #
 # *A result that arrives after the next scan is out of date.*
 #
-# Here is a full turn of the scanner without the road and the ego car. Nothing is thinned.
+# This is a full turn of the scanner without the road and the ego car. All other points are kept.
 
 # %%
 from math import dist
@@ -58,7 +58,7 @@ street = ((-20, 40), (-15, 15))  # limits of x and y, for pictures
 plots.from_above(obstacles, limits=street, title=f"{len(obstacles):,} points to cluster");
 
 # %% [markdown]
-# Clustering begins by finding neighbours, which are points closer than the threshold, here half a metre. Lesson 05 compared each point with all others.
+# Clustering begins with a search for neighbours: points that are closer to each other than the threshold, here half a metre. In lesson 05, you compared each point with all others.
 
 # %%
 waiting = predict("How long does it take to compare each of these points with all others?",
@@ -70,7 +70,7 @@ company = predict("How many neighbours within half a metre does a point have, on
 #
 # *A tree makes each search fast, but there are still fifty thousand searches.*
 #
-# You measure two ways to find the neighbours of every point. The first compares each point with all others. The second searches a [kd-tree](#Words-of-the-course): SciPy's `cKDTree` is the tree of lesson 04 in compiled code. Each way is timed for some of the points, and the time multiplied. All times are processor times.
+# The next cells time two ways to find all neighbours. The first compares each point with all others. The second searches a [kd-tree](#Words-of-the-course). SciPy's `cKDTree` is the tree from lesson 04 in compiled code. Each way is timed on a sample of the points, and the time is scaled up. It is processor time, which other programs hardly affect.
 
 # %%
 def neighbours_by_comparing(points, asked):
@@ -79,14 +79,14 @@ def neighbours_by_comparing(points, asked):
 
 
 def neighbours_by_tree(points, asked):
-    """Return the same rows, found by a kd-tree."""
+    """Return the same rows, but find them with a kd-tree."""
     tree = cKDTree(points)
     return [tree.query_ball_point(point, 0.5) for point in asked]
 
 # %% tags=["folded"]
 # @title A stopwatch (you need not read this)
 def timed(work, *arguments):
-    """Return the answer and the processor time in seconds; short work is repeated."""
+    """Return the answer and the processor time in seconds, as a mean if the work is short."""
     begin, rounds, spent = process_time(), 0, 0.0
     while spent < 0.05:
         answer, rounds, spent = work(*arguments), rounds + 1, process_time() - begin
@@ -108,17 +108,17 @@ waiting.compare(
     f"distances. NumPy needs about {1e9 * seconds / len(xyz) ** 2:.0f} nanoseconds for each.")
 
 # %% [markdown]
-# The tree is far faster, but still far too slow. And this only *finds* the neighbours. Joining them into clusters takes more time.
+# The tree is far faster, but still far too slow. And joining the neighbours into clusters takes even more time.
 #
 # ## All pairs at once
 #
 # *Compiled code can list and join all pairs, but the list is long.*
 #
-# Two functions of SciPy do this in compiled code. `query_pairs` lists all pairs of points within a distance, and `connected_components` finds the [components](#Words-of-the-course) of a graph. Below, `components` calls the second one for pairs of nodes, and `join_all_pairs` calls both:
+# Two SciPy functions do both in compiled code. `query_pairs` lists all pairs of points that are within a given distance of each other. `connected_components` finds the [components](#Words-of-the-course) of a graph. Below, `components` calls `connected_components` for pairs of nodes, and `join_all_pairs` calls both:
 
 # %%
 def components(count, pairs):
-    """Return the component of each of `count` nodes that are joined by pairs (m, 2)."""
+    """Return the component of each of `count` nodes. Each row of `pairs` (m, 2) joins two."""
     pairs = np.reshape(pairs, (-1, 2)).astype(int, copy=False)
     graph = coo_array((np.ones(len(pairs), dtype=bool), pairs.T), shape=(count, count))
     return connected_components(graph, directed=False)[1]
@@ -139,12 +139,12 @@ listing = seconds_of(lambda: cKDTree(xyz).query_pairs(0.5, output_type="ndarray"
 print(f"listing the pairs alone: {listing:.2f} s")
 
 # %% [markdown]
-# This is correct, short, and fast enough for many purposes. It takes about as long as only *searching* the tree above, often less. Most of the time goes into joining, because there are so many pairs.
+# This code is correct, short, and fast enough for many purposes. It takes about as long as the tree searches above, and often less. Most of its time goes into joining, because there are so many pairs.
 #
-# But it takes many turns of the scanner, and each pair needs two whole numbers of 8 bytes. The number of pairs depends on density and threshold, so **count before you list**. With `return_length=True`, the tree only counts:
+# But it still takes many turns of the scanner, and each pair needs 16 bytes of memory. The number of pairs depends on the density and the threshold, so **count before you list**. With `return_length=True`, the tree only counts:
 
 # %%
-few, table = xyz[::20], []  # every twentieth point is enough to count
+few, table = xyz[::20], []  # every twentieth point is enough for an estimate
 for threshold in (0.25, 0.5, 1.0, 2.0):
     neighbours = cKDTree(xyz).query_ball_point(few, threshold, return_length=True) - 1
     pairs = 20 * neighbours.sum() / 2
@@ -152,24 +152,24 @@ for threshold in (0.25, 0.5, 1.0, 2.0):
                   f"{16 * pairs / 1e6:,.0f} MB"))
     if threshold == 0.5:
         company.compare(neighbours.mean(), "Points are dense near the scanner. The side of a "
-                        "parked car holds thousands of returns, and all those within half a metre "
-                        "are neighbours.")
+                        "parked car has thousands of returns, and each of them is a neighbour of "
+                        "all others within half a metre.")
 show_table(["threshold", "neighbours per point", "pairs", "memory"], table)
 
 # %% [markdown]
-# Doubling the threshold makes the list two or three times as long, although there are *fewer* clusters to find. Twice as many points in the same street make *four* times as many pairs.
+# If you double the threshold, the list becomes two or three times as long, although there are *fewer* clusters to find. Twice as many points in the same street give *four* times as many pairs.
 #
 # ## Nearly all pairs tell us nothing new
 #
-# *To hold n points together takes n − 1 pairs. We measured more than a hundred times as many.*
+# *Joining n points takes n − 1 pairs. The list has more than a hundred times as many.*
 #
-# If a is near b and b is near c, then all three share a [cluster](#Words-of-the-course), and the distance from a to c tells us nothing new. Most pairs are inside dense patches. Can you find whole *groups* of points that belong together without measuring any distance?
+# If a is near b and b is near c, then all three are in the same [cluster](#Words-of-the-course), and the distance from a to c tells us nothing new. Most pairs are in dense patches of the cloud. Can you find whole *groups* of points that belong together without measuring any distance?
 #
-# Cut space into cubes, the **cells**. Two points in a cube of side $s$ are never farther apart than its diagonal, $s\sqrt{3}$. With threshold $r$ and
+# Divide space into cubes, called **cells**. Two points in a cube of side $s$ are never farther apart than its diagonal, $s\sqrt{3}$. If the threshold is $r$ and
 #
 # $$s = \frac{r}{\sqrt 3}$$
 #
-# the diagonal is $r$, so **points that share a cell share a cluster**. In the plane, where a picture is possible, the diagonal of a square is $s\sqrt2$, so $s = r / \sqrt 2$:
+# then the diagonal is $r$, so **points that share a cell share a cluster**. The picture shows the same idea in the plane. The diagonal of a square is $s\sqrt2$, so there $s = r / \sqrt 2$:
 
 # %% tags=["folded"]
 # @title One car: all pairs of neighbours, and the cells (you need not read this)
@@ -180,7 +180,7 @@ web = cKDTree(car).query_pairs(0.5, output_type="ndarray")
 side = 0.5 / np.sqrt(2)
 first_in_cell = {}
 for row, cell in enumerate(map(tuple, np.floor(car / side))):
-    first_in_cell.setdefault(cell, row)  # the first point stands for its cell
+    first_in_cell.setdefault(cell, row)  # the first point represents its cell
 stand_in = np.array(list(first_in_cell.values()))
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(8.5, 5.2), layout="compressed")
@@ -195,13 +195,13 @@ right.grid(False)
 right.grid(which="minor", color="black", alpha=0.4, linewidth=0.8)  # behind the squares
 
 # %% [markdown]
-# From now on you cluster *cells* instead of points, and there are far fewer. One point of each cell is its **representative** (squares).
+# From now on, you cluster *cells* instead of points, because there are far fewer. One point of each cell is its **representative**, marked with a square.
 #
 # ## Step 1 · Which points share a cell?
 #
 # *Three whole numbers identify a cell.*
 #
-# At a threshold of 0.5 m, a cell in space is 0.5 / √3 = 0.289 m wide. Along one axis, a point at 1.2 m is in cell 4, because 1.2 / 0.289 = 4.15 is rounded down. Sorting single numbers is several times faster than sorting rows, so `as_numbers` from lesson 06 turns each row into one number. `np.unique` then finds the different numbers, and returns two more arrays if you ask for them:
+# For a threshold of 0.5 m, a cell in space is 0.5 / √3 = 0.289 m wide. Along one axis, a point at 1.2 m is in cell 4, because 1.2 / 0.289 = 4.15 is rounded down. Sorting single numbers is several times faster than sorting rows, so `as_numbers` from lesson 06 turns each row into one number. `np.unique` then finds the different numbers, and on request it returns two more arrays:
 
 # %%
 def as_numbers(rows):
@@ -217,8 +217,8 @@ def as_numbers(rows):
 rows = np.array([[4, 1], [0, 2], [4, 1], [4, 0]])
 numbers, first, which = np.unique(as_numbers(rows), return_index=True, return_inverse=True)
 print("a number for each row:           ", as_numbers(rows))
-print("the different ones, sorted:      ", numbers)
-print("row where each comes first:      ", first)
+print("the different numbers, sorted:   ", numbers)
+print("row where each first occurs:     ", first)
 print("so these are the different rows: ", rows[first].tolist())
 print("place of each row among these:   ", which)
 
@@ -243,7 +243,7 @@ def points_in_cells(points, threshold):
         For each point, the row of its cell in `cells`.
     """
     # 1. Compute the side of a cell whose diagonal is the threshold.
-    # 2. Find the cell of each point along x, y and z: round down, also below zero.
+    # 2. Find the cell of each point along x, y and z: round down, even below zero.
     # 3. Find the different cells, `first` and `cell_of_point` with np.unique, as above.
     # roughly 3 lines
     ### BEGIN SOLUTION
@@ -255,10 +255,10 @@ def points_in_cells(points, threshold):
 # %% [markdown]
 # <details><summary>A hint for step 1</summary>
 #
-# `np.floor(points / side)` does step 2 for all points at once. Use it in place of `rows` above; `rows[first]` are then the different cells. Do not use `.astype(int)` instead, because it rounds −0.4 to 0.
+# `np.floor(points / side)` does step 2 for all points at once. Use the result in place of `rows` above. Then `rows[first]` are the different cells. Do not replace `np.floor` with `.astype(int)`, because that rounds −0.4 to 0.
 # </details>
 #
-# **Try it on seven points**, all at z = 0. With a threshold of √3 m, a cell is 1 m wide, so you can read it off the coordinates.
+# **Try it on seven points**, which are all at z = 0. With a threshold of √3 m, a cell is 1 m wide, so you can read the cell of each point off its coordinates.
 
 # %% tags=["folded"]
 # @title Seven points, and how they are drawn (you need not read this)
@@ -274,7 +274,7 @@ def show_both(name, yours, expected):
 
 
 def draw_seven(cells, first, joined=(), still_open=(), pieces=(), close=(), title=None):
-    """Draw the points in their cells; pairs of cells or points as lines, pieces as colours."""
+    """Draw the points in their cells, with lines for pairs and colours for pieces."""
     axes = plots.graph(seven[:, :2], names=True, limits=((-1.3, 7.3), (-0.3, 3.3)), title=title)
     axes.set_xticks(range(-1, 8))
     axes.set_yticks(range(0, 4))
@@ -307,7 +307,7 @@ show_both("cell of each point", cell_of_point.tolist(), [1, 2, 3, 3, 4, 5, 0])
 draw_seven(cells, first, title="Seven points in six cells");
 
 # %% [markdown]
-# Points 2 and 3 share cell 3, and point 2 represents both. If the cell of point 6 differs, check how you round numbers below zero.
+# Points 2 and 3 share cell 3, and point 2 represents both. If your point 6 is in a different cell, check how you round negative numbers.
 
 # %%
 check(points_in_cells)
@@ -317,25 +317,25 @@ check(points_in_cells)
 #
 # *First join without measuring, then with one distance for each pair of cells, and only then point by point.*
 #
-# Two points closer than $r = s\sqrt3 \approx 1.73\,s$ are at most **two cells apart** along each axis. So a cell has to look only at the $5 \times 5 \times 5$ block around it. A kd-tree of the cells finds these neighbours if it measures the largest coordinate difference (`p=np.inf`) instead of the usual distance:
+# Two points that are closer than $r = s\sqrt3 \approx 1.73\,s$ are at most **two cells apart** along each axis. So the neighbours of a cell are all in the block of $5 \times 5 \times 5$ cells around it. A kd-tree of the cells finds these neighbours if it measures the largest coordinate difference (`p=np.inf`) instead of the usual distance:
 
 # %%
-blocks = np.array([[0, 0, 0], [1, 0, 0], [2, 2, 1], [4, 0, 0], [0, 0, 3]])
-print(cKDTree(blocks).query_pairs(2, p=np.inf, output_type="ndarray"))
+five = np.array([[0, 0, 0], [1, 0, 0], [2, 2, 1], [4, 0, 0], [0, 0, 3]])
+print(cKDTree(five).query_pairs(2, p=np.inf, output_type="ndarray"))
 
 # %% [markdown]
-# Blocks 0, 1 and 2 are within two steps of each other. Blocks 3 and 4 are too far from block 0, but two steps from block 2.
+# Cells 0, 1 and 2 are within two steps of each other. Cells 3 and 4 are too far from cell 0, but they are two steps from cell 2.
 #
 # Neighbouring cells do not always belong together, because their points may be nearly three cells apart along each axis. So you measure, in two steps:
 #
 # - **Cheap.** Are the two *representatives* closer than $r$? Then join the cells. This takes one distance for each pair of cells. Cells that are joined, directly or through others, form a **piece**.
-# - **Exact.** Representatives may be farther apart than $r$ although two other points of their cells are close. But cells in the same piece need no more measuring. Two neighbouring cells in *different* pieces are an **open pair**, and only open pairs are compared point by point.
+# - **Exact.** Even if two representatives are farther apart than $r$, two other points of their cells may be close. But you need not measure cells that are already in the same piece. Two neighbouring cells in *different* pieces are called an **open pair**. Only open pairs are compared point by point.
 #
-# Here are two open pairs at a threshold of 0.5 m, in the plane again:
+# The picture shows two open pairs, again in the plane, for a threshold of 0.5 m:
 
 # %% tags=["folded"]
 # @title Two pairs of cells whose representatives are far apart (you need not read this)
-one = np.array([[0.05, 0.20], [0.12, 0.06], [0.30, 0.12]])  # the first stands for its cell
+one = np.array([[0.05, 0.20], [0.12, 0.06], [0.30, 0.12]])  # the first represents its cell
 figure, panels = plt.subplots(2, 1, figsize=(8.5, 5.4), layout="compressed")
 for axes, shift, verdict in ((panels[0], 0.0, "join"), (panels[1], 0.1, "stay apart")):
     other = np.array([[0.97, 0.25], [0.75 + shift, 0.14]])
@@ -358,7 +358,7 @@ for axes, shift, verdict in ((panels[0], 0.0, "join"), (panels[1], 0.1, "stay ap
 #
 # *One distance between representatives decides most pairs of cells.*
 #
-# Do it by eye first, in the picture of the seven points. Which cells are at most two steps apart? Of those, join the ones whose squares are closer than √3 ≈ 1.73 m. Then count the open pairs.
+# Do this by eye first, in the picture of the seven points. Which cells are at most two steps apart? Join those whose representatives are closer than √3 ≈ 1.73 m. Then count the open pairs.
 
 # %%
 puzzle = predict("Seven points, six cells: how many open pairs are left?")
@@ -382,9 +382,9 @@ def join_cheaply(points, cells, first, threshold):
     label : ndarray of int, shape (m,)
         For each cell, the number of its piece.
     """
-    # 1. Find all pairs of cells at most two steps apart, as with the five blocks above.
+    # 1. Find all pairs of cells at most two steps apart, as with the five cells above.
     # 2. For each pair, compute the distance between the two representatives.
-    # 3. Find the pieces: the components of cells that pairs with a small distance join.
+    # 3. Keep the pairs with a small distance. The components that they form are the pieces.
     # roughly 3 lines
     ### BEGIN SOLUTION
     pairs = cKDTree(cells).query_pairs(2, p=np.inf, output_type="ndarray")
@@ -395,7 +395,7 @@ def join_cheaply(points, cells, first, threshold):
 # %% [markdown]
 # <details><summary>A hint for step 2</summary>
 #
-# `pairs[:, 0]` and `pairs[:, 1]` are two arrays of cells. `first[...]` turns cells into rows of points, and `points[...]` turns rows into points. Subtract the two arrays of points and take `np.linalg.norm(..., axis=1)`. A mask keeps the rows of `pairs` with a small gap.
+# `pairs[:, 0]` and `pairs[:, 1]` are two arrays of cell numbers. `first[...]` turns cell numbers into rows of `points`, and `points[...]` turns these rows into coordinates. Subtract the two arrays of coordinates and take `np.linalg.norm(..., axis=1)`. A mask then keeps the rows of `pairs` with a small distance.
 # </details>
 
 # %%
@@ -406,16 +406,16 @@ pairs_agree = show_both("neighbouring cells", sorted(pairs.tolist()),
 pieces_agree = show_both("pieces", groups_of(label), [[0], [1, 2, 3], [4, 5]])
 if pairs_agree and pieces_agree:
     puzzle.compare(differs.sum(), "Seven pairs of cells are neighbours. Three are joined: 1 with "
-                   "2, 2 with 3, and 4 with 5. Then 1 and 3 are in one piece as well, through 2. "
-                   "Three pairs are left.")
+                   "2, 2 with 3, and 4 with 5. Cells 1 and 3 are then in the same piece as well, "
+                   "through cell 2. Three open pairs are left.")
 draw_seven(cells, first, pairs[~differs], pairs[differs],
-           title="Lines: in the same piece. Dots: open pairs");
+           title="Solid lines: same piece. Dotted lines: open pairs");
 
 # %%
 check(join_cheaply)
 
 # %% [markdown]
-# **On the street.** After two steps, the picture is nearly right. Rings show clusters that are still torn.
+# **On the street.** After two steps, the picture is nearly right.
 
 # %%
 def after_two_steps(points, threshold=0.5):
@@ -434,7 +434,7 @@ print(f"{nearly.max()} pieces so far; there should be {from_pairs.max() + 1} clu
 # %% tags=["folded"]
 # @title Draw the pieces, with rings around torn clusters (you need not read this)
 def ring_parts(axes, points, whole, parts):
-    """Ring the smaller parts of torn clusters in `whole`; of overlapping rings, draw one."""
+    """Draw rings around the smaller parts of torn clusters in `whole`, without overlaps."""
     found = []
     for name in np.unique(whole):
         mine = np.flatnonzero(whole == name)
@@ -455,7 +455,7 @@ far = ((20, 40), (-7, 7))
 seen = (x > 20) & (x < 40) & (np.abs(y) < 7)
 here = len(np.unique(nearly[seen]))
 axes = plots.clusters(obstacles[seen], nearly[seen], like=from_pairs[seen] + 1, limits=far,
-                      title=f"{here} pieces after two steps: rings where clusters are torn")
+                      title=f"{here} pieces after two steps: rings show torn clusters")
 axes.get_legend().remove()
 ring_parts(axes, xyz[seen], from_pairs[seen], nearly[seen])
 
@@ -466,11 +466,11 @@ ring_parts(axes, xyz[seen], from_pairs[seen], nearly[seen])
 #
 # ## Step 3 · The exact join
 #
-# *Point by point, but only where the answer is still open.*
+# *Compare point by point, but only pairs that are still open.*
 #
-# In the first sitting, you put points into cells and joined cells into pieces. Now `label` holds the piece of each cell, and only open pairs are left to measure.
+# Now `label` holds the piece of each cell, and only open pairs are left to measure.
 #
-# How close do two groups of points `p` and `q` come to each other? `cKDTree(p).query(q)` finds, for each point of `q`, the nearest point of `p`. It returns two arrays: the distances, and the rows of these nearest points. It needs no table of all distances, so it also works for thirty thousand points. For a few points, such a table is faster. `smallest_distance` chooses between the two:
+# What is the smallest distance between two groups of points, `p` and `q`? For each point of `q`, `cKDTree(p).query(q)` finds the nearest point of `p`. It returns two arrays: the distances, and the rows of these nearest points. It does not store a table of all distances, so it also works for thirty thousand points. For a few points, such a table is faster. `smallest_distance` chooses between these two ways:
 
 # %%
 p, q = seven[:4], seven[4:]
@@ -488,9 +488,9 @@ def smallest_distance(p, q):
 print(f"smallest distance: {smallest_distance(p, q):.2f} m")
 
 # %% [markdown]
-# Do this for each open pair, in a loop. Three rules make the loop right:
+# Find this distance for each open pair, in a loop. The loop follows three rules:
 #
-# - **Relabel the whole piece.** If cells `a` and `b` hold two close points, all cells in the piece of `b` get the label of `a`: `label[label == label[b]] = label[a]`.
+# - **Relabel the whole piece.** If a point of cell `a` is close to a point of cell `b`, all cells in the piece of `b` get the label of `a`: `label[label == label[b]] = label[a]`.
 # - **Compare the labels again before you measure.** The loop may have joined the two pieces in the meantime.
 # - **Change a copy of `label`**, so that you can run the cell below twice.
 #
@@ -509,7 +509,7 @@ print("open pairs of cells:", pairs[differs].tolist())
 
 # %% nbgrader={"grade": false, "grade_id": "join_exactly", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def join_exactly(points, cell_of_point, pairs, label, threshold):
-    """Join pieces that hold two points closer than the threshold.
+    """Join two pieces if a point of one is closer than the threshold to a point of the other.
 
     Parameters
     ----------
@@ -527,9 +527,9 @@ def join_exactly(points, cell_of_point, pairs, label, threshold):
         For each cell, the number of its piece. There may be gaps in the numbers.
     """
     # 1. Get the points of each cell, and copy the labels.
-    # 2. For each open pair: do its two labels still differ, and is the smallest distance
-    #    between the points of its two cells below the threshold?
-    # 3. If so, relabel one of the two pieces.
+    # 2. For each open pair, check that its two labels still differ, and that the smallest
+    #    distance between the points of its two cells is below the threshold.
+    # 3. If both are true, relabel one of the two pieces.
     # roughly 5 lines
     ### BEGIN SOLUTION
     inside, label = points_by_cell(points, cell_of_point), label.copy()
@@ -542,14 +542,14 @@ def join_exactly(points, cell_of_point, pairs, label, threshold):
 # %% [markdown]
 # <details><summary>A hint for step 3</summary>
 #
-# `pairs[mask]` are the open pairs, and the mask is computed like `differs` for the seven points. `for a, b in pairs[mask]:` takes one pair after the other. With `inside = points_by_cell(points, cell_of_point)`, the points of its cells are `inside[a]` and `inside[b]`.
+# `pairs[mask]` are the open pairs. Compute the mask in the same way as `differs` for the seven points. `for a, b in pairs[mask]:` goes through the open pairs. After `inside = points_by_cell(points, cell_of_point)`, the points of the two cells are `inside[a]` and `inside[b]`.
 # </details>
 
 # %%
 exact = join_exactly(seven, cell_of_point, pairs, label, np.sqrt(3))
 show_both("pieces", groups_of(exact), [[0], [1, 2, 3, 4, 5]])
 draw_seven(cells, first, pieces=exact.tolist(), close=[(3, 4)],
-           title=f"Dots: points 3 and 4 are {dist(seven[3], seven[4]):.2f} m apart. "
+           title=f"Dotted: points 3 and 4 are {dist(seven[3], seven[4]):.2f} m apart. "
                  "Same colour: same piece");
 
 # %%
@@ -558,14 +558,14 @@ check(join_exactly)
 # %% [markdown]
 # ## Exercise · `euclidean_clustering_accelerated` (points)
 #
-# *The same clusters as in lesson 05, exactly.*
+# *Find exactly the same clusters as in lesson 05.*
 #
-# Put the three steps together. The clusters must be exact. A scan of 50,000 points must take well under ten seconds, and heaps of tens of thousands of points must neither fill the memory nor take minutes. The three steps do all that, but any other way is right as well. The clouds contain no NaN rows: lesson 01 removed them.
+# Put the three steps together. A scan of 50,000 points must take well under ten seconds, and heaps of tens of thousands of points must neither fill the memory nor take minutes. The three steps meet these demands, but you may use any other method that does. The clouds contain no NaN rows.
 #
 # - **Allowed:** NumPy, `scipy.spatial`, `scipy.sparse` with `connected_components`, the other packages named at the end of this notebook, and helper functions of your own.
 # - **Not allowed:** libraries that do the clustering: `sklearn.cluster`, `scipy.cluster`, `hdbscan`, `dbscan`, `open3d`, `pcl`.
 #
-# One thing is new. Pieces have numbers with gaps, but clusters get the labels 1, 2, 3 in the order in which they first appear in the cloud. (Another order costs no points if the labels are 1 to N and group the same points.) `np.unique` helps again:
+# One thing is new. The numbers of the pieces have gaps, but the clusters get the labels 1, 2, 3 and so on, in the order in which they first appear in the cloud. (You lose no points for another order if the labels are 1 to N and group the same points.) `np.unique` helps again:
 
 # %%
 pieces = np.array([7, 3, 7, 5])  # the pieces of four points
@@ -595,7 +595,7 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
     """
     # 1. Use x, y and z only; an empty cloud has no labels.
     # 2. Call your three steps, one line each.
-    # 3. Go from the pieces of cells to the pieces of points.
+    # 3. Give each point the piece of its cell.
     # 4. Number them 1, 2, ... in order of first appearance.
     # roughly 8 lines
     ### BEGIN SOLUTION
@@ -620,11 +620,11 @@ def euclidean_clustering_accelerated(cloud, threshold=0.5):
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# Do with `label[cell_of_point]` what was done with `pieces`. Compute the ranks of `start`, use `[which]` to get one rank for each point, and add 1.
+# Treat `label[cell_of_point]` like `pieces` above. Compute the ranks of `start`, use `[which]` to get one rank for each point, and add 1.
 # </details>
 
 # %% [markdown]
-# **Look before you check.** First the seven points: six of them belong together. Then the street: each car and wall should have one colour, not many.
+# **Look before you check.** Six of the seven points belong together. On the street, each car and each wall should have one colour, not many.
 
 # %%
 print("seven points:", euclidean_clustering_accelerated(seven, np.sqrt(3)),
@@ -639,11 +639,11 @@ plots.clusters(obstacles, labels, names=True, limits=street, title="Your cluster
 check(euclidean_clustering_accelerated)
 
 # %% [markdown]
-# Are these *exactly* the clusters from all pairs? If so, each label of one occurs with a single label of the other, and there are as many combinations as labels on either side.
+# Are these *exactly* the clusters from all pairs? If so, each of your labels always occurs with the same label from all pairs, and the other way round. Then there are as many combinations as labels on either side.
 
 # %%
 def same_clusters(labels, others):
-    """Return whether two labellings group the points alike, whatever the numbers."""
+    """Return whether two arrays of labels form the same groups, even if the numbers differ."""
     combinations = np.unique(np.stack([labels, others]), axis=1).shape[1]
     return combinations == len(np.unique(labels)) == len(np.unique(others))
 
@@ -656,9 +656,9 @@ print("without the exact step:",
 # %% [markdown]
 # ## Theory against practice: four ways on one chart
 #
-# *The exponent depends on the algorithm and on the data. Everything else moves the line up or down.*
+# *The exponent depends on the algorithm and on the data. Everything else only moves the line up or down.*
 #
-# The next cells thin the scan to different sizes and cluster it in four ways, which takes about ten seconds. More points in the same street are denser, so the number of pairs grows as n².
+# The next cells thin the scan to different sizes and cluster it in four ways. This takes about ten seconds. More points in the same street make the cloud denser, so the number of pairs grows as n².
 
 # %% tags=["folded"]
 # @title Four ways, and their times at growing sizes (you need not read this)
@@ -714,7 +714,7 @@ only_found = {"compare with all": neighbours_by_comparing,
 for name, (n, seconds) in series.items():
     if n[-1] >= len(xyz):
         spent, part = seconds[n.index(len(xyz))], ""
-    else:  # too slow for all obstacles: the time that the first section printed
+    else:  # too slow for all obstacles, so take the time from the first section
         spent, part = finding[only_found[name]], " (only finding neighbours)"
     spent = float(f"{spent:.2g}")
     table.append((f"{name}{part}", f"{spent:g} s", f"{spent / 0.1:g}"))
@@ -725,13 +725,13 @@ if "yours" in series and series["yours"][0][-1] == len(everything):
           if spent < 0.1 else "more than one turn")
 
 # %% [markdown]
-# The legend gives the exponents. The line of the tree bends upwards, because its answers become longer as the cloud becomes denser. Compiled code lists and joins all pairs several times as fast. Your line is the flattest, because a denser cloud mostly puts more points into the same cells. On such data, its exponent can even be below 1. For a few thousand points, the list of all pairs wins.
+# The legend gives the exponents. The line of the tree bends upwards, because each search returns more neighbours as the cloud becomes denser. Compiled code lists and joins all pairs several times as fast. Your line is the flattest, because a denser cloud mostly puts more points into the same cells. On such data, its exponent can even be below 1. For a few thousand points, listing all pairs is fastest.
 #
 # ## Play: another threshold
 #
 # *The threshold decides what counts as one object, and how long clustering takes.*
 #
-# Move the slider and watch the time, with every third point. When do cars begin to merge with walls?
+# Move the slider and watch the time. The cloud has only every third point. At which threshold do cars begin to merge with walls?
 
 # %%
 third = obstacles[::3]
@@ -750,13 +750,13 @@ def show_threshold(threshold):
 #
 # *Test the case that your shortcut does not cover.*
 #
-# Usually a cell holds a handful of points. But a wet wall just in front of the sensor, or several merged scans, can put thousands into one cell. Comparing thousands with thousands is the old problem again. So here are two heaps, first a little *more* than the threshold apart, then a little less.
+# Usually a cell holds a handful of points. But a wet wall just in front of the sensor, or several merged scans, can put thousands of points into one cell. Comparing all of them with each other is the old problem again. So the next cells cluster two heaps, first a little *more* than the threshold apart, then a little less.
 #
-# **Estimate before you run it.** With 20,000 points in each heap, a list of all pairs could fill your computer's memory. So the cell begins with 1,000 and 3,000 points, which should take at most four times as long, not nine times.
+# **Estimate before you run it.** With 20,000 points in each heap, a list of all pairs could fill your computer's memory. So the cell first tries heaps of 1,000 points and then of 3,000. The larger heaps should take at most four times as long, not nine times.
 
 # %%
 def two_heaps(n, gap):
-    """Return two heaps of n points, 20 cm wide, with a gap (m) between them."""
+    """Return two heaps of n points each, 20 cm wide, with a gap (m) between them."""
     heap = np.random.default_rng(11).uniform(0, 0.2, (n, 3))
     return np.vstack([heap, heap[:, [1, 2, 0]] + [0.2 + gap, 0, 0]])
 
@@ -773,7 +773,7 @@ def spring_the_trap(way, most=20_000):
     print(f"The time grows as n to the power of {exponent:.1f}. {most:,} points will take about "
           f"{expected:.1f} s; a list of all pairs would take {16 * most ** 2 / 1e9:.1f} GB.")
     if exponent > 1.6 or expected > 20:
-        print("Stopped: this looks like all pairs. Ask a kd-tree for the closest pair instead.")
+        print("Stopped: the time grows as if you compared all pairs. Use a kd-tree instead.")
         return
     for gap in (0.51, 0.49):
         answer, seconds = timed(way, two_heaps(most, gap))
@@ -791,32 +791,32 @@ if is_written(euclidean_clustering_accelerated):
 # %% [markdown]
 # ## Common mistakes
 #
-# *Most are fast and nearly right.*
+# *Most give a fast answer that is nearly right.*
 #
 # | mistake | what you see |
 # |---|---|
-# | side of a cell = threshold | here and there, objects merge that are up to 1.7 thresholds apart |
-# | neighbouring cells joined without measuring | objects merge everywhere, as with a threshold half as large again |
-# | representatives only, no exact step | objects are torn where points are sparse, and other objects once the cloud moves by 10 cm |
-# | only the 26 cells around a cell | pairs two cells apart are missed, and one object in five is torn |
+# | side of a cell = threshold | some objects merge although they are up to 1.7 thresholds apart |
+# | neighbouring cells joined without measuring | objects merge everywhere, as with a threshold 1.5 times as large |
+# | representatives only, no exact step | objects are torn where points are sparse, and if the cloud moves by 10 cm, other objects are torn |
+# | only the 26 cells around a cell are searched | pairs two cells apart are missed, and one object in five is torn |
 # | `.astype(int)` without `np.floor` | cells around the sensor are twice as wide |
-# | `label[b] = label[a]` | one cell changes its piece, and the rest of its piece stays behind |
-# | a list of all pairs | right, until the memory is full |
-# | the points thinned first | right for the thinned cloud, but clusters of the full cloud differ |
+# | `label[b] = label[a]` | only one cell changes its label, and the rest of its piece keeps the old one |
+# | a list of all pairs | the clusters are right, until the memory is full |
+# | the points thinned first | the clusters are right for the thinned cloud, but not for the full cloud |
 #
-# Rings show the differences for the first three.
+# In the pictures, rings show what the first three mistakes change.
 
 # %% tags=["folded"]
 # @title Three mistakes on the street (you need not read this)
 def grid_of(side):
-    """Return the different cells of that side, the first point in each, and each point's cell."""
+    """Return the different cells of this side, the first point in each, and each point's cell."""
     names, place, which = np.unique(
         np.floor(xyz / side), axis=0, return_index=True, return_inverse=True)
     return names, place, which.ravel()
 
 
 right = from_pairs + 1
-_, place, which = grid_of(0.5)  # points that share such a cell are joined, however far apart
+_, place, which = grid_of(0.5)  # points that share such a cell are joined, even if far apart
 same_cell = np.column_stack([from_pairs, from_pairs[place][which]])
 names, place, where = grid_of(0.5 / np.sqrt(3))
 touching = cKDTree(names).query_pairs(2, p=np.inf, output_type="ndarray")
@@ -846,17 +846,17 @@ for (title, found), axes in zip(wrong.items(), grid.flat):
 # extraction.setClusterTolerance(0.5); extraction.extract(indices);            // PCL, in C++
 # ```
 #
-# - Many scanners deliver points in rows and columns. Then one pass over this image finds all neighbours.
-# - Some libraries are not exact and do not say so. At a threshold of 0.5, the package `dbscan` 1.0.0 separates two of the points (0.042, 1.027, −0.947), (0.645, 0.226, −0.078), (0.288, 0.269, −0.423) and (0.055, 0.609, −0.429), although they are only 0.498 apart. Keep a slow but safe version, and compare *partitions*.
+# - Many scanners deliver their points as an image, with rows and columns. One pass over this image then finds all neighbours.
+# - Some libraries are not exact and do not say so. Take the points (0.042, 1.027, −0.947), (0.645, 0.226, −0.078), (0.288, 0.269, −0.423) and (0.055, 0.609, −0.429). At a threshold of 0.5, the package `dbscan` 1.0.0 separates two of them, although they are only 0.498 apart. Keep a slow but safe version, and compare which points it groups together.
 #
 # ## Summary
 #
-# - Measure first. Here, pairs that tell nothing new took most of the time.
+# - Measure first. Here, most of the time went into pairs that tell us nothing new.
 # - Points in a cell of side $r/\sqrt3$ belong together without measuring. Cells more than two steps apart are never neighbours.
 # - Join without measuring first, then cheaply, and compare points only for pairs that are still open. The result is fast *and* exact.
 # - Test the case that your shortcut does not cover, and estimate the cost before you run it.
 #
-# **Sources.** Cells of side $r/\sqrt{d}$ for DBSCAN: [Gunawan 2013](https://research.tue.nl/en/studentTheses/a-faster-algorithm-for-dbscan) (in the plane), [Gan and Tao 2015](https://doi.org/10.1145/2723372.2737792). Parallel and exact, the `dbscan` package: [Wang, Gu and Shun 2020](https://doi.org/10.1145/3318464.3380582). Connected components: [SciPy](https://docs.scipy.org/doc/scipy/reference/generated/scipy.sparse.csgraph.connected_components.html). In the range image: [Bogoslavskyi and Stachniss 2016](https://doi.org/10.1109/IROS.2016.7759050).
+# **Sources.** Cells of side $r/\sqrt{d}$ for DBSCAN: [Gunawan 2013](https://research.tue.nl/en/studentTheses/a-faster-algorithm-for-dbscan) (in the plane), [Gan and Tao 2015](https://doi.org/10.1145/2723372.2737792). The parallel, exact algorithm behind the `dbscan` package: [Wang, Gu and Shun 2020](https://doi.org/10.1145/3318464.3380582). Connected components: [SciPy](https://docs.scipy.org/doc/scipy/reference/generated/scipy.sparse.csgraph.connected_components.html). Clustering in the scanner's image: [Bogoslavskyi and Stachniss 2016](https://doi.org/10.1109/IROS.2016.7759050).
 #
 # **Next:** 11 · Boxes that turn
 
@@ -865,15 +865,15 @@ for (title, found), axes in zip(wrong.items(), grid.flat):
 #
 # ### One tree for all open pairs
 #
-# *About 15 minutes.* Your loop handles more than a thousand open pairs one by one. One tree can answer for all of them, if it keeps them apart.
+# *About 15 minutes.* Your loop handles more than a thousand open pairs one by one. A single tree can handle all of them at once, if it keeps the pairs apart.
 #
-# Think of a building with one floor for each cell. A fourth coordinate is the height of the floor, and floors are two thresholds apart. So points on different floors are never close. For each open pair, the points of the larger cell stay at home on their own floor, in `p`. Those of the other cell visit this floor, in `q`. In a crowded cell, points that are a threshold or more away from the other cell's bounding box are skipped.
+# Think of a building with one floor for each cell. Each point gets a fourth coordinate, the height of its floor. The floors are two thresholds apart, so points on different floors are never close. For each open pair, the points of the fuller cell stay at home on their own floor (array `p`). The points of the other cell visit this floor (array `q`). In a crowded cell, points that are a threshold or more away from the other cell's bounding box are skipped.
 
 # %%
 def on_floors(points, cell_of_point, open_pairs, threshold):
     """Return the points of open pairs of cells, with one cell visiting the floor of the other.
 
-    Cells with a hundred points or more return only those that may be close to the other cell.
+    From cells with a hundred points or more, take only points that may be close to the other.
 
     Returns
     -------
@@ -923,7 +923,7 @@ figure, axes = plt.subplots(figsize=(8.5, 3.9), layout="compressed")
 
 
 def place(x, y, height):
-    """Where to draw a point: y runs to the back, and the height of the floor upwards."""
+    """Return where to draw a point: y runs to the back, and the height of the floor upwards."""
     return x + 0.4 * y, 0.4 * y + 0.28 * height
 
 
@@ -953,7 +953,7 @@ axes.set_title("Two storeys: only points 3 and 4 are close", loc="left", fontwei
 
 # %%
 def time_steps(points, threshold=0.5):
-    """Print how long each step takes, and step 3 with one tree."""
+    """Print how long each step takes, and how long step 3 takes with one tree."""
     (grid, stand_ins, where), one = timed(points_in_cells, points, threshold)
     (near, piece), two = timed(join_cheaply, points, grid, stand_ins, threshold)
     _, three = timed(join_exactly, points, where, near, piece, threshold)
@@ -971,13 +971,13 @@ else:
 # %% [markdown]
 # ### A faster version
 #
-# *Two hours or more.* The rest of the time goes into sorting and trees. These ideas need less of both:
+# *Two hours or more.* Most of the remaining time goes into sorting and into trees. These ideas need less of both:
 #
-# 1. **No tree of cells.** Sort the cells by `(x * Y + y) * Z + z`. Then those of a column are next to each other, and a few binary searches in one array find the neighbours of all cells.
+# 1. **No tree of cells.** Sort the cells by `(x * Y + y) * Z + z`. Then the cells of a column are next to each other, and a few binary searches in one array find the neighbours of all cells.
 # 2. **Boxes first.** Before the exact step, discard pairs of cells whose bounding boxes are too far apart.
 # 3. **No tree of points.** Compare the points of many small pairs of cells at once, in batches. Use a kd-tree only for large pairs.
 #
-# Unfold the next cell to write such a version. It is not graded, and the cell after it measures it.
+# Unfold the next cell if you want to write such a version. The cell after it measures your version.
 
 # %% nbgrader={"grade": false, "grade_id": "clustering_at_full_speed", "locked": false, "schema_version": 3, "solution": true, "task": false} tags=["folded"]
 # @title An optional faster version (not graded)
@@ -986,10 +986,10 @@ def clustering_at_full_speed(cloud, threshold=0.5):
 
     Parameters and result are the same.
     """
-    # 1. Pack the cells into one number each, and sort the points by it.
-    # 2. Neighbouring cells by binary search; the cheap join as before.
+    # 1. Turn each cell into one number, and sort the points by it.
+    # 2. Find neighbouring cells by binary search, and do the cheap join as before.
     # 3. Discard open pairs whose bounding boxes are too far apart.
-    # 4. Compare the points of small pairs in batches, those of large pairs with a kd-tree.
+    # 4. Compare points: those of small pairs in batches, those of large pairs with a kd-tree.
     # roughly 90 lines
     ### BEGIN SOLUTION
     # The same three steps, without a tree of cells; only large heaps need a tree of points.
@@ -1130,11 +1130,11 @@ if is_written(clustering_at_full_speed) and is_written(euclidean_clustering_acce
     race()
     spring_the_trap(clustering_at_full_speed)
 else:
-    print("You need not write the fast version. The course's own takes a third to a half of the "
-          "time of the three steps.")
+    print("You need not write the fast version. The course's own version takes between a third "
+          "and a half of the time of the three steps.")
 
 # %% [markdown]
-# Lesson 13, `notebooks/optional/13_compiled_loops.ipynb`, lets [Numba](https://numba.pydata.org) compile this grid as loops. Do not use Numba in the graded function, because the judge does not have it.
+# In lesson 13, `notebooks/optional/13_compiled_loops.ipynb`, you write this grid as loops, and [Numba](https://numba.pydata.org) compiles them. Do not use Numba in the graded function, because the judge does not have it.
 
 # %% [markdown]
 # ### How the threshold changes the time
@@ -1142,8 +1142,8 @@ else:
 # *About 3 minutes.*
 
 # %%
-wider = predict("With a threshold of 1.0 m instead of 0.5 m, how long will your clustering take?",
-                choices=["longer", "about as long", "less long"])
+wider = predict("Will your clustering take more or less time at 1.0 m than at 0.5 m?",
+                choices=["more", "about the same", "less"])
 
 # %%
 thresholds = np.array([0.2, 0.3, 0.5, 0.7, 1.0])
@@ -1169,25 +1169,25 @@ axes.yaxis.set_major_formatter("{x:g}")
 axes.minorticks_off()
 if "yours" in times:
     change = times["yours"][4] / times["yours"][2]
-    wider.compare("longer" if change > 1.1 else "less long" if change < 0.9 else "about as long",
-                  "A larger threshold makes larger cells, so there are fewer cells and fewer open "
-                  "pairs. A list of all pairs of points grows instead.")
+    wider.compare("more" if change > 1.1 else "less" if change < 0.9 else "about the same",
+                  "A larger threshold gives larger cells, so there are fewer cells and fewer open "
+                  "pairs. A list of all pairs of points becomes longer instead.")
 
 # %% [markdown]
 # ### Breaking it on purpose
 #
-# *About 15 minutes. A good test is the smallest input on which right and wrong differ.*
+# *About 15 minutes. A good test is the smallest input that separates a right version from a wrong one.*
 #
-# Three colleagues have made clustering faster, but wrong. Here are their results for fourteen points at a threshold of 0.8 m. What is wrong with A, B and C?
+# Three colleagues have made clustering faster, but their versions are wrong. Here are the results for fourteen points at a threshold of 0.8 m. What is wrong with A, B and C?
 
 # %%
 show_broken(euclidean_clustering_accelerated)
 
 # %% [markdown]
-# For each of them, write a cloud on which it differs from yours, in as few rows as you can. The best cloud catches only one of the three. When a cloud catches a version, you see what it does wrong.
+# For each version, write a cloud for which its result differs from yours. Use as few rows as you can. The best cloud catches only one of the three. When a cloud catches a version, you see what this version does wrong.
 
 # %%
-# Give the rows for A, B and C, one point [x, y, z] each: A=[[...], [...]].
+# For A, B and C, write a list of points [x, y, z]: A=[[...], [...]].
 tell_apart(euclidean_clustering_accelerated, A=None, B=None, C=None)
 
 # %% [markdown] tags=["footer"]

@@ -12,14 +12,14 @@
 # %% [markdown]
 # # 11 · Boxes that turn
 #
-# ![A car at an angle to the street, seen from above, in two rectangles: a dashed one along the street, much of it empty, and the closest one around its points.](11_preview.png)
+# ![A car at an angle to the street, seen from above, with two rectangles around it. The dashed rectangle is parallel to the street, and much of it is empty. The other rectangle fits the points of the car closely.](11_preview.png)
 #
-# Much of an axis-aligned box is empty if the car in it is at an angle to the axes. In this lesson you turn the box. There are three ways to find the angle, and you measure how far to trust each.
+# If a car is at an angle to the axes, much of its axis-aligned box is empty. In this lesson, you turn the box. You find the angle in three ways, and you measure how far you can trust each of them.
 #
 # **After this lesson you can**
 # - find the directions in which a cloud is longest and shortest, and explain why their signs and their order are only conventions,
 # - put an upright, rotated box around any cluster, with every point inside,
-# - choose between principal axes, the smallest rectangle and the closest one, and say why.
+# - choose between principal axes, the smallest rectangle and the closest one, and explain your choice.
 #
 # **You write** `principal_axes` (points) and `get_oriented_boxes` (points). **You need** axis-aligned boxes (lesson 08) and matrix products. **Time:** (time), in two sittings of 35 and 80 minutes.
 
@@ -34,7 +34,7 @@
 #
 # *The scanner sees only the two sides of a car that face it.*
 #
-# Label 10 is a car that turns out of a driveway. As in lesson 08, the labels come from the truth of the scan, and label 0 is not an obstacle.
+# The car with label 10 is turning out of a driveway. As in lesson 08, the labels come from the truth of the scan.
 
 # %%
 import matplotlib.pyplot as plt
@@ -58,18 +58,18 @@ around_car = ((4.0, 10.4), (1.0, 6.4))
 plots.from_above(car, limits=around_car, title="The turning car, from above");
 
 # %% [markdown]
-# The direction in which a car points is its *heading*. In formulas and code it is an angle about z, the [yaw](#Words-of-the-course). Estimate it from the picture.
+# The direction in which a car points is its *heading*. In formulas and code, the heading is an angle about z, called the [yaw](#Words-of-the-course). Estimate it from the picture.
 
 # %%
-heading = predict("By how many degrees is this car turned away from the x axis?",
+heading = predict("How many degrees is this car turned away from the x axis?",
                   between=(0, 90), unit="°")
 
 # %% [markdown]
 # ## The naive idea: fit a line
 #
-# *A line fit measures errors along y only, so its answer depends on the heading of the car.*
+# *A line fit measures errors only along y, so the result is wrong for some headings.*
 #
-# A line $y = ax + b$ through the points has the slope $a = \tan\theta$. NumPy fits it in one call. To test it, we need a car with a known heading: a block of random points, turned by $\theta$ about z.
+# If a line $y = ax + b$ runs along the car, its slope is $a = \tan\theta$, where $\theta$ is the yaw. NumPy fits it in one call. Test this on a block of random points, turned by a known $\theta$ about z:
 #
 # $$\begin{pmatrix} x' \\ y' \end{pmatrix} = \begin{pmatrix} \cos\theta & -\sin\theta \\ \sin\theta & \cos\theta \end{pmatrix} \begin{pmatrix} x \\ y \end{pmatrix}$$
 
@@ -97,28 +97,28 @@ for degrees, axes in zip((20, 70), panels):
     axes.plot([5, 11], [5 * slope + height, 11 * slope + height], color="black", linewidth=2)
 
 # %% [markdown]
-# At 20° the line is nearly right, but at 70° it is far too flat. The slope depends on the axes, so it is not a property of the car.
+# At 20°, the line is nearly right, but at 70°, it is far too flat. The slope depends on the axes, so it is not a property of the car.
 #
 # ## The direction of greatest spread
 #
-# *Look along every direction, and take the one in which the points are spread most.*
+# *Try every direction, and take the one along which the points are spread most.*
 #
-# Let $m$ be the mean of the points and $u$ a direction, a vector of length 1. Projected onto $u$, a point $p$ lands at $u \cdot (p - m)$. The mean square of these values is the *variance* along $u$,
+# Let $m$ be the mean of the points and $u$ a direction, that is, a vector of length 1. The projection of a point $p$ onto $u$ is at $u \cdot (p - m)$. The mean square of these values is the *variance* along $u$,
 #
 # $$s^2(u) = \frac1n \sum_p \bigl(u \cdot (p - m)\bigr)^2 = u^{\mathsf T} C\, u,$$
 #
-# with the *covariance matrix* of the points, 3 x 3:
+# where $C$ is the *covariance matrix* of the points, of shape 3 x 3:
 #
 # $$C = \frac1n \sum_p (p - m)(p - m)^{\mathsf T}.$$
 #
-# Here is the variance along every direction, in steps of one degree:
+# The plot shows the variance along every direction, in steps of one degree:
 
 # %%
 looking = np.arange(0, 181)
 directions = np.column_stack([np.cos(np.radians(looking)), np.sin(np.radians(looking))])
 spread = np.var(car[:, :2] @ directions.T, axis=0)
 best, worst = looking[spread.argmax()], looking[spread.argmin()]
-axes = plots.curves({"variance": (looking, spread)}, across="looking direction (°)",
+axes = plots.curves({"variance": (looking, spread)}, across="direction (°)",
                     up="variance along it (m²)", title="Spread of the turning car, seen from above")
 axes.axvline(best, color="black", linestyle="--", label=f"largest: {best}°")
 axes.axvline(worst, color="black", linestyle=":", label=f"smallest: {worst}°")
@@ -130,16 +130,16 @@ heading.compare(np.degrees(true_yaw) % 180,
                 "It only measures how far the points are from their mean.")
 
 # %% [markdown]
-# The largest and the smallest variance are at right angles. That is always so: the *eigenvectors* of a symmetric matrix are at right angles, and the variance is largest along one of them and smallest along another. They are the **principal axes**, and the eigenvalues are the variances along them. This is *principal component analysis* (PCA).
+# The directions of the largest and the smallest variance are at right angles. This is always so, because they are *eigenvectors* of $C$, and the eigenvectors of a symmetric matrix are at right angles. These eigenvectors are called the **principal axes**, and the eigenvalues are the variances along them. Computing them is called *principal component analysis* (PCA).
 #
-# The direction of the largest variance and the true heading do not agree. The second half explains why.
+# The direction of the largest variance is not the true heading. The second half explains why.
 
 # %% [markdown]
 # ## Two ways to compute, three things to watch
 #
 # *Order, sign and handedness are conventions, and libraries do not agree on them.*
 #
-# `np.linalg.eigh` finds the eigenvectors of a symmetric matrix. `np.linalg.svd` takes the centred points and needs no covariance. Its singular values are the square roots of $n$ times the variances. Here are both, for the height and arm span of four people.
+# `np.linalg.eigh` finds the eigenvectors of a symmetric matrix. `np.linalg.svd` takes the centred points and does not need the covariance matrix. Its singular values are the square roots of $n$ times the variances. The next cell uses both, for the height and arm span of four people.
 
 # %%
 people = np.array([[1.60, 1.58], [1.71, 1.74], [1.80, 1.79], [1.93, 1.97]])
@@ -150,16 +150,16 @@ print("eigh: variances", values.round(5), "axes in columns\n", vectors.round(3))
 print("svd:  variances", (singular**2 / len(people)).round(5), "axes in rows\n", rows.round(3))
 
 # %% [markdown]
-# - **Order.** `eigh` sorts variances upwards and returns axes in columns. `svd` sorts downwards and returns axes in rows.
-# - **Sign.** If $u$ is an axis, so is $-u$. Nothing in the points says where the front of a car is.
-# - **Handedness.** Three axes at right angles form a right-handed triple, like thumb, index and middle finger of the right hand, or a left-handed one. The determinant is $+1$ or $-1$. Only a right-handed triple is a *rotation*. The other kind mirrors the car.
+# - **Order.** `eigh` sorts the variances in ascending order and returns the axes as columns. `svd` sorts in descending order and returns the axes as rows.
+# - **Sign.** If $u$ is an axis, so is $-u$. The points do not tell you where the front of a car is.
+# - **Handedness.** Three axes at right angles can be right-handed, like the thumb, index finger and middle finger of your right hand, or left-handed. The determinant of their matrix is $+1$ or $-1$. Only a right-handed matrix is a *rotation*. A left-handed one mirrors the car.
 #
-# `np.cov` takes *rows* as variables by default. Without `rowvar=False`, a cloud of 1,000 points gives a matrix of 1,000 x 1,000. (`bias=True` divides by $n$, as above, and not by $n - 1$.)
+# By default, `np.cov` treats each *row* as a variable. Without `rowvar=False`, a cloud of 1,000 points gives a matrix of shape 1,000 x 1,000. (With `bias=True`, it divides by $n$, not by $n - 1$.)
 
 # %% [markdown]
 # ## Exercise 1 · `principal_axes` (points)
 #
-# Return the three axes as columns, by decreasing variance, right-handed. For a cluster of one point, any right-handed axes are right. The points contain no NaN rows. Both exercises allow every package named at the end of this notebook.
+# For a cluster of one point, any right-handed axes are correct. The points contain no NaN rows. In both exercises, you may use all packages named at the end of this notebook.
 
 # %% nbgrader={"grade": false, "grade_id": "principal_axes", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def principal_axes(points):
@@ -178,7 +178,7 @@ def principal_axes(points):
     """
     # 1. If there are no points, return any right-handed axes.
     # 2. Centre the points and compute their covariance matrix, 3 x 3.
-    # 3. Compute its eigenvectors, and put the one of the largest variance first.
+    # 3. Compute its eigenvectors, and put the one with the largest variance first.
     # 4. If the determinant is negative, flip the sign of one column.
     # roughly 8 lines
     ### BEGIN SOLUTION
@@ -196,19 +196,19 @@ def principal_axes(points):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# Take `points[:, :3]` and subtract their mean over the rows, `axis=0`. Do not divide by the standard deviation, because then every direction is equally wide.
+# Take `points[:, :3]` and subtract their mean over the rows, `axis=0`. Do not divide by the standard deviation, because that makes the cloud equally wide along x, y and z.
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# With the centred points in `q`, the covariance is `q.T @ q / len(q)`: 3 x 3 even for one point. `np.linalg.eigh` returns variances and vectors in ascending order, and `[:, ::-1]` reverses the order of columns.
+# If `q` are the centred points, the covariance matrix is `q.T @ q / len(q)`. Its shape is 3 x 3 even for one point. `np.linalg.eigh` returns variances and vectors in ascending order, and `[:, ::-1]` reverses the order of the columns.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# At the end, test `np.linalg.det(axes) < 0`. If so, `axes[:, 2] = -axes[:, 2]`. For no points, return `np.eye(3)` before anything else.
+# At the end, test `np.linalg.det(axes) < 0`. If it is true, set `axes[:, 2] = -axes[:, 2]`. If there are no points, return `np.eye(3)` before you compute anything.
 # </details>
 
 # %% [markdown]
-# **First a tiny case.** Six points: 2 m ahead and behind, 1 m to the left and right, half a metre up and down, all turned by 30°. So the columns should be (0.87, 0.5, 0), (−0.5, 0.87, 0) and (0, 0, 1). Each may have the opposite signs.
+# **First a tiny case.** Six points are 2 m ahead and behind, 1 m to the left and right, and half a metre up and down, all turned by 30°. So the columns should be (0.87, 0.5, 0), (−0.5, 0.87, 0) and (0, 0, 1). Each column may have the opposite sign.
 
 # %%
 six = turned(np.array([[2, 0, 0], [-2, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 0.5], [0, 0, -0.5]]),
@@ -216,7 +216,7 @@ six = turned(np.array([[2, 0, 0], [-2, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 0.5]
 print(principal_axes(six).round(2) + 0.0)
 
 # %% [markdown]
-# **Look before you check.** Now a block of 600 points. From above, the solid line should run along the block and the dashed one across it. From the side, the dotted one should be upright. Each may point either way. The determinant should be 1.
+# **Look before you check.** Now try a block of 600 points. From above, the solid line should run along the block and the dashed line across it. From the side, the dotted line should be vertical. The determinant should be 1.
 
 # %% tags=["folded"]
 # @title A picture of three axes (you need not read this)
@@ -245,19 +245,19 @@ draw_axes(sample, axes_of_sample)
 check(principal_axes)
 
 # %% [markdown]
-# **A good place to stop.** Save the notebook. You can find the principal axes of any cluster. When you come back, run all cells from the top.
+# **A good place to stop.** Save the notebook. You can now find the principal axes of any cluster. When you come back, run all cells from the top.
 #
 # ## One rotation, three notations
 #
-# *A rotation is nine numbers, four or three. Only the nine are unambiguous.*
+# *You can write a rotation as nine, four or three numbers. Only the nine are unique.*
 #
-# Your `principal_axes` returns a matrix $A$ with the axes in its columns. It turns the x axis into the first principal axis. The same rotation can be written as
+# Your `principal_axes` returns a matrix $A$ with the axes in its columns. As a rotation, $A$ turns the x axis into the first principal axis. You can write the same rotation as
 #
-# - a **rotation matrix**: nine numbers, $A^{\mathsf T}A = I$ and $\det A = 1$;
-# - a **quaternion** $(x, y, z, w) = \left(n\sin\tfrac\varphi2, \cos\tfrac\varphi2\right)$ for a turn by $\varphi$ about the unit vector $n$; $q$ and $-q$ are the same rotation;
-# - **Euler angles**: yaw about z, pitch about y, roll about x. The *order* of the three turns matters.
+# - a **rotation matrix**: nine numbers, with $A^{\mathsf T}A = I$ and $\det A = 1$,
+# - a **quaternion** $q = (x, y, z, w) = \left(n\sin\tfrac\varphi2, \cos\tfrac\varphi2\right)$ for a rotation by $\varphi$ about the unit vector $n$, where $q$ and $-q$ are the same rotation,
+# - three **Euler angles**: yaw about z, pitch about y and roll about x. The *order* of the three rotations matters.
 #
-# Here they are for the axes of the turning car, in space:
+# For the axes of the turning car in space, they are:
 
 # %%
 from scipy.spatial.transform import Rotation
@@ -275,15 +275,15 @@ first = turn.as_matrix()[:, 0]
 print(f"first axis, seen from above: {np.degrees(np.arctan2(first[1], first[0])):.1f}°")
 
 # %% [markdown]
-# The two yaws differ. With ZYX, which vehicles use, the yaw is the direction of the first axis seen from above: $\psi = \operatorname{atan2}(A_{21}, A_{11})$.
+# The two yaws differ. In the order ZYX, which is usual for vehicles, the yaw is the direction of the first axis seen from above: $\psi = \operatorname{atan2}(A_{21}, A_{11})$.
 #
 # ## Why only yaw
 #
-# *A car leans by a degree or two. If its box leans more, the box is wrong, not the car.*
+# *A real car tilts by only a degree or two. If its box tilts more, the box is wrong.*
 #
-# Look at pitch and roll above: no car is tilted like that. The points are on two sides, bonnet and windscreen, but none is on the underside. A pedestrian's first axis is even vertical, so its yaw is arbitrary.
+# Look at pitch and roll above. No car is tilted like that. The box tilts because the points are on two sides, the bonnet and the windscreen, but not on the underside. The first axis of a pedestrian is vertical, so its yaw is arbitrary.
 #
-# A tempting repair makes the box in 3-D first. Its *size* is its length, width and height, measured along its own axes. Then it sets pitch and roll to zero. Are all points still inside?
+# A tempting solution is to compute the box in 3-D first, with length, width and height along the principal axes, and then to set pitch and roll to zero. Are all points still inside?
 
 # %%
 def outside_flattened(points):
@@ -301,9 +301,9 @@ plots.compare(shares, label="points outside their own box (%)",
               title="Points outside a 3-D box that was set upright afterwards");
 
 # %% [markdown]
-# Cars lose a few points. Pedestrians, poles and walls lose most of theirs. A pole's longest axis is vertical, so setting the box upright swaps its length, width and height. So **first decide that the box is upright, then measure it.**
+# Boxes of cars lose a few points. Boxes of pedestrians, poles and walls lose most of their points. A pole's longest axis is vertical, so setting the box upright swaps its length, width and height. Therefore, **first decide that the box is upright, then measure it.**
 #
-# To find the yaw, look from above: set the heights to zero.
+# To find the yaw, look at the points from above by setting their heights to zero:
 
 # %%
 print((car * [1, 1, 0] + 0.0)[:3])
@@ -316,10 +316,10 @@ for name, points in (("in space", car), ("from above", car * [1, 1, 0])):
 #
 # *An axis is useful as a heading only if it runs along the car.*
 #
-# Nine cars and lorries are within 20 m, and the truth of the scan contains their yaws. How many degrees are between the first axis of each and the nearest side of its true box? (A box along the width of a car is the same box as one along its length.)
+# Nine cars and lorries are within 20 m, and the truth of the scan contains their yaws. For each of them, what is the angle between the first axis and the nearest side of the true box? (Any side will do, because a quarter turn gives the same box.)
 
 # %%
-lean = predict("What is the median error of the first axis for these nine?",
+lean = predict("What is the median error of the first axis for these nine vehicles?",
                between=(0, 45), unit="°")
 
 # %% tags=["folded"]
@@ -346,23 +346,23 @@ for label in vehicles:
     print(f"{kinds[label]:>5} {label:2}, {np.count_nonzero(labels == label):5,} points: "
           f"first axis {degrees_off(axis_yaws[label], label):4.1f}° off")
 lean.compare(np.median([degrees_off(axis_yaws[label], label) for label in vehicles]),
-             "The first axis is the direction of greatest spread, not that of a side. The points "
-             "are on the two sides that face the scanner, and the short side turns the axis.")
+             "The first axis is the direction of greatest spread, not the direction of a side. "
+             "The points are on two sides, and the short side turns the axis.")
 
 # %% [markdown]
-# Only car 5 is nearly right. The scanner is next to it and sees one side. Of the others it sees two.
+# The first axis is nearly right only for car 5. The scanner is next to this car and sees only one side. It sees two sides of all the others.
 #
 # ### Why it leans
 #
-# From the corner we see an L: a long side of length $a$ and a short one of length $b$. Put the corner at the origin and the long side along x, with the points evenly along both. Then
+# The two visible sides of a car form an L with a long side $a$ and a short side $b$. Put the corner at the origin and the long side along x, and spread the points evenly along both sides. Then
 #
 # $$\begin{aligned} C_{xx} &= \frac{a^3/3}{a+b} - \left(\frac{a^2/2}{a+b}\right)^2\!, \\ C_{yy} &= \frac{b^3/3}{a+b} - \left(\frac{b^2/2}{a+b}\right)^2\!, \\ C_{xy} &= -\frac{a^2 b^2}{4(a+b)^2}. \end{aligned}$$
 #
-# $C_{xy}$ is not zero, so the first axis leans away from the long side, by
+# $C_{xy}$ is not zero, so the first axis leans away from the long side by the angle
 #
 # $$\theta = \tfrac12 \operatorname{atan2}\bigl(2\,C_{xy},\ C_{xx} - C_{yy}\bigr).$$
 #
-# Now measure some L's with your own `principal_axes`.
+# Compare this formula with your own `principal_axes`:
 
 # %%
 def lean_of_l(ratio):
@@ -375,7 +375,7 @@ def lean_of_l(ratio):
 
 
 def points_of_l(ratio):
-    """Return even points on an L with sides 1 and ratio, the long one along x."""
+    """Return evenly spaced points on an L with sides 1 and ratio, the long one along x."""
     long_side, short = np.arange(0, 1, 0.001), np.arange(0, ratio, 0.001)
     return np.vstack([np.column_stack([long_side, 0 * long_side, 0 * long_side]),
                       np.column_stack([0 * short, short, 0 * short])])
@@ -393,21 +393,21 @@ axes.axvline(1.8 / 4.2, color="black", linestyle=":", label=f"a car: {lean_of_l(
 axes.legend();
 
 # %% [markdown]
-# More points do not reduce the lean. Real cars lean more than the even L, because most points are at the near end.
+# More points do not reduce this error. Real cars lean more than this L, because most points are at their near end.
 #
 # ## The smallest rectangle
 #
 # *Turn a rectangle around the car until its area is smallest.*
 #
-# Think of four rulers that form a rectangle. Put them around the car at some angle, push them up to the outermost points, and read off the area.
+# Think of four rulers that form a rectangle around the car. Push them inwards until they touch the outermost points, and read off the area.
 #
-# Along the direction $u$ of the rectangle, the points reach from the smallest to the largest $u \cdot p$. Across it, along $v$, they reach from the smallest to the largest $v \cdot p$. For an array of angles, `u @ points[:, :2].T` has one row for each angle and one column for each point.
+# Let $u$ be the direction along the rectangle and $v$ the direction across it. Along $u$, the points reach from the smallest to the largest $u \cdot p$, and along $v$ from the smallest to the largest $v \cdot p$. For an array of angles, `u @ points[:, :2].T` has one row for each angle and one column for each point.
 
 # %%
 def floor_area_at(points, angle):
     """Return the area (m²) of the rectangle around points (n, 3) with one side at an angle.
 
-    The points are seen from above, the angle is in radians. An array of angles gives an array.
+    The points are seen from above. The angle is in radians. An array of angles gives an array.
     """
     u = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
     v = np.stack([-np.sin(angle), np.cos(angle)], axis=-1)
@@ -443,7 +443,7 @@ def draw_rectangles(points, rectangles, limits, title, axes=None, box=None):
     axes.set_title(title, loc="left", pad=24, fontsize=11, fontweight="bold")
 
 # %% [markdown]
-# Turn the rectangle around the turning car by hand. At which angle is it smallest?
+# Now rotate the rectangle around the turning car by hand. At which angle is it smallest?
 
 # %%
 @interact(degrees=IntSlider(value=0, min=0, max=90, step=1, description="angle (°)",
@@ -455,7 +455,7 @@ def turn_the_rectangle(degrees):
     plt.show()
 
 # %% [markdown]
-# The computer tries all angles at once. A rectangle looks the same after a quarter turn, so 90 angles are enough. Here they are for the turning car and for a parked one.
+# A computer can try all angles at once. A quarter turn gives the same rectangle, so 90 angles are enough. Here are the turning car and a parked one.
 
 # %%
 trials = np.arange(-20, 70)
@@ -474,9 +474,9 @@ plots.curves(curves, marks, across="angle of the rectangle (°)", up="area (m²)
              title="Area of the rectangle around two cars");
 
 # %% [markdown]
-# The valley of car 9 has a sharp bottom at the true angle. If the whole outline is visible, with sides $L$ and $W$, turning the rectangle away from it by a small angle $\delta$ (in radians) adds $(L^2 + W^2)\,\delta$ to its area. For a car, that is about 0.36 m² for each degree. Only the outline matters, not how dense the points are.
+# The curve of car 9 has a sharp minimum at the true angle. Suppose that the whole outline of a car is visible, with sides $L$ and $W$. If you turn the rectangle away from it by a small angle $\delta$ (in radians), its area grows by $(L^2 + W^2)\,\delta$. For a car, that is about 0.36 m² for each degree. Only the outline matters, not the density of the points.
 #
-# The valley of car 10 is wide, and its bottom is not at the truth, because much of the car is out of sight. And all nine?
+# The curve of car 10 has a wide minimum, and it is not at the true angle, because much of the car is hidden. What about all nine vehicles?
 
 # %%
 angles = np.radians(np.arange(90))
@@ -501,10 +501,10 @@ for label, axes in zip((9, 4, 10, 7), panels.flat):
                     f"{kinds[label]} {label}", axes, box=true_boxes[label])
 
 # %% [markdown]
-# - Of **car 9**, the scanner saw two whole sides, and the bonnet and the roof between them. The smallest rectangle is on the true box.
-# - Of **car 4**, it saw a good half. The smallest rectangle ends where the points end, but its sides run along the car. The first axis is close to the diagonal of the visible part.
-# - Of **car 10**, neither rectangle can know the hidden part.
-# - **Lorry 7** (its class is `truck`) is higher than the scanner, so its roof is hidden and the points form a thin L. The rectangle along the legs of a thin L and the one along the line between its ends have the *same* area. So small details decide where the search ends.
+# - **Car 9:** the scanner saw two whole sides, and the bonnet and the roof between them. The smallest rectangle agrees with the true box.
+# - **Car 4:** the scanner saw a little more than half of the car. The smallest rectangle ends where the points end, but its sides are parallel to the car. The first axis is close to the diagonal of the visible part.
+# - **Car 10:** neither rectangle can include the hidden part.
+# - **Lorry 7** (its class is `truck`) is higher than the scanner, so its roof is hidden and the points form a thin L. You can put a rectangle along the legs of a thin L or along the line between the two ends. Both rectangles have the *same* area, so small details decide which of them is found.
 
 # %%
 l_shape, along_ends = points_of_l(0.43), np.arctan2(-0.43, 1.0)
@@ -514,9 +514,9 @@ print(f"along the legs: {floor_area_at(l_shape, 0.0):.3f}, "
 # %% [markdown]
 # ## The closest rectangle
 #
-# *A scanner sees surfaces, so most points are on a side of the right rectangle.*
+# *A scanner sees surfaces, so most points are on the sides of the right rectangle.*
 #
-# Both rectangles around the thin L are equally small. But along its legs, all points are *on* a side, and in the other rectangle only three are. So measure how close the points are to the sides. Each point counts one over its distance to the nearest side plus 5 cm: 20 on a side, 10 at 5 cm, about 1 at a metre. (Without the 5 cm, a single point would decide.) The largest sum fits best. The idea is from [Zhang et al. 2017](https://www.ri.cmu.edu/publications/efficient-l-shape-fitting-for-vehicle-detection-using-laser-scanners/), who use only two of the sides.
+# In the rectangle along the legs of the thin L, all points are *on* a side. In the other rectangle, only three points are. So measure how close the points are to the sides. A point at distance $d$ (in metres) from the nearest side counts $1 / (d + 0.05)$: 20 on the side, 10 at 5 cm, and about 1 at a metre. (Without the 0.05, a single point could decide.) The rectangle with the largest sum fits best. The idea is from [Zhang et al. 2017](https://www.ri.cmu.edu/publications/efficient-l-shape-fitting-for-vehicle-detection-using-laser-scanners/), who use only two of the sides.
 
 # %%
 def closeness_at(points, angle):
@@ -552,19 +552,14 @@ draw_rectangles(cloud[labels == 7], [(rectangle_yaws[7], "smallest"), (closest_y
 # %% [markdown]
 # ## Turn the points, then box them
 #
-# *If you turn the car until it is parallel to x, the plain box from lesson 08 fits.*
+# *If you turn the car until it is parallel to x, the simple box from lesson 08 fits.*
 #
-# 1. Choose a yaw $\psi$: of the closest rectangle, of the smallest one, or of the first axis $(a_x, a_y)$ seen from above, $\psi = \operatorname{atan2}(a_y, a_x)$.
-# 2. Turn all points by $-\psi$. Now the car is parallel to x.
-# 3. Take minimum and maximum, four floor corners and four roof corners.
-# 4. Turn the corners by $+\psi$, back to the street.
-#
-# `turned` from above does 2 and 4. A rotation keeps distances, so all points stay inside, whatever yaw you choose.
+# Choose a yaw $\psi$ from the closest rectangle, from the smallest rectangle, or from the first axis $(a_x, a_y)$ seen from above, with $\psi = \operatorname{atan2}(a_y, a_x)$. Use `turned` to turn all points by $-\psi$, so that the car is parallel to x. Put the box around them, and turn its corners back by $+\psi$. A rotation does not change distances, so all points stay inside, whichever yaw you choose.
 
 # %% [markdown]
 # ## Exercise 2 · `get_oriented_boxes` (points)
 #
-# Return one upright, rotated [oriented box](#Words-of-the-course) for each label above 0, in ascending order. You choose the yaw: all three ways earn the same points. Only rows with label 0 may contain NaN.
+# Return one [oriented box](#Words-of-the-course) for each label above 0. All three ways to find the yaw earn the same points. Only rows with label 0 may contain NaN.
 
 # %% nbgrader={"grade": false, "grade_id": "get_oriented_boxes", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def get_oriented_boxes(cloud, cluster_labels):
@@ -587,8 +582,8 @@ def get_oriented_boxes(cloud, cluster_labels):
         line, also have a valid box, with sides of length 0 or nearly 0.
     """
     # For each label above 0:
-    # 1. Choose a yaw: of the closest rectangle around its points (closeness_at), of the
-    #    smallest one (floor_area_at), or of their first principal axis seen from above.
+    # 1. Choose a yaw from the closest rectangle (closeness_at), from the smallest
+    #    rectangle (floor_area_at), or from the first principal axis seen from above.
     # 2. Turn its points by -yaw, and find their smallest and largest x, y, z.
     # 3. List four floor corners going round, then four roof corners.
     # 4. Turn the corners by +yaw.
@@ -611,19 +606,19 @@ def get_oriented_boxes(cloud, cluster_labels):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# The loop over labels and the `.reshape(-1, 8, 3)` at the end are as in lesson 08. With `angles = np.radians(np.arange(90))`, the yaw of the closest rectangle is `yaw = angles[np.argmax(closeness_at(points, angles))]`, and that of the smallest one is `yaw = angles[np.argmin(floor_area_at(points, angles))]`. For the first axis, compute `first = principal_axes(points * [1, 1, 0])[:, 0]`, then `yaw = np.arctan2(first[1], first[0])`.
+# The loop over labels and the `.reshape(-1, 8, 3)` at the end are as in lesson 08. With `angles = np.radians(np.arange(90))`, the yaw of the closest rectangle is `yaw = angles[np.argmax(closeness_at(points, angles))]`, and the yaw of the smallest rectangle is `yaw = angles[np.argmin(floor_area_at(points, angles))]`. For the first axis, compute `first = principal_axes(points * [1, 1, 0])[:, 0]`, then `yaw = np.arctan2(first[1], first[0])`.
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# In `turned(points, -yaw)` the car is parallel to x; `low` and `high` are its minimum and maximum. Floor corners going round: (low x, low y), (high x, low y), (high x, high y), (low x, high y), all at low z.
+# In `turned(points, -yaw)`, the car is parallel to x. Let `low` and `high` be the minimum and maximum of these points. The floor corners, going round, are (low x, low y), (high x, low y), (high x, high y) and (low x, high y), all at low z.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# The roof has the same four corners at high z. Put all eight into an array of shape (8, 3) and append `turned(that_array, yaw)` to a list, this time with plus yaw. If boxes are far from their cars, swung round the sensor, both signs are the same.
+# The roof has the same four corners at high z. Put all eight corners into an array of shape (8, 3). Append `turned(that_array, yaw)` to a list, this time with plus yaw. If your boxes are far from their cars, turned around the sensor, you used the same sign twice.
 # </details>
 
 # %% [markdown]
-# **First a tiny case.** Five points: the corners of a rectangle of 4 x 2 m, turned by 30°, on the road at z = −1.5, and one point above its middle at z = 0. All three yaws give the same box. Its floor should have the four corners in the picture, and its roof the same at z = 0.
+# **First a tiny case.** Four points are the corners of a rectangle of 4 x 2 m, turned by 30°, on the road at z = −1.5. A fifth point is above its middle, at z = 0. All three ways give the same box, with its floor at the four corners and its roof above them at z = 0.
 
 # %%
 five = turned(np.array([[2, 1, -1.5], [-2, 1, -1.5], [-2, -1, -1.5], [2, -1, -1.5], [0, 0, 0]]),
@@ -635,7 +630,7 @@ axes = plots.boxes(tiny, limits=((4.5, 11.5), (-2.5, 2.5)), title="Five points i
 axes.plot(five[:, 0], five[:, 1], "o", color="black", markersize=7);
 
 # %% [markdown]
-# **Look before you check.** Every point should be inside the box of its obstacle, and the boxes should turn with the cars. Rectangles of parked cars are parallel to the street. Boxes along first axes are as crooked as the table above says, and that is not your mistake.
+# **Look before you check.** Every point should be inside the box of its obstacle, and the boxes should be turned like the cars. Rectangles around parked cars should be parallel to the street. Boxes along first axes have the angle errors of the table above, which is not your mistake.
 
 # %%
 boxes = get_oriented_boxes(cloud, labels)
@@ -659,7 +654,7 @@ from utils.scene3d import Scene
 check(get_oriented_boxes)
 
 # %% [markdown]
-# Compare the error and floor area of your boxes with all three ways.
+# Compare your boxes with those of all three ways.
 
 # %%
 def floor_area(box):
@@ -682,13 +677,13 @@ show_table(["", "your error", "your area", "first axis", "smallest", "closest"],
 # %% [markdown]
 # ## Which one, when?
 #
-# *The closest rectangle for cars and lorries, principal axes for planes.*
+# *Use the closest rectangle for cars and lorries, and principal axes for planes.*
 #
-# The smallest rectangle tries ninety headings. PCA needs one small matrix.
+# The smallest rectangle needs ninety trials. PCA needs only one small matrix.
 
 # %%
-cost = predict(f"For a car of {len(car):,} points, how many times as long as PCA does the "
-               "smallest rectangle take?",
+cost = predict(f"How many times as long as PCA does the smallest rectangle take, for a car of "
+               f"{len(car):,} points?",
                choices=["up to 5 times", "5 to 30 times", "more than 30 times"])
 
 # %% tags=["folded"]
@@ -709,7 +704,7 @@ def closest_rectangle(points):
 
 
 def microseconds(compute, points):
-    """Return the processor time of a call in microseconds; short calls are repeated."""
+    """Return the processor time of a call in microseconds, as a mean over many calls."""
     begin, runs = process_time(), 0
     while process_time() - begin < 0.05:
         compute(points)
@@ -726,15 +721,15 @@ for name, points in (("wall", cloud[labels == 30]), ("car", car)):
     times_as_long[name] = took[1] / took[0]
 cost.compare("up to 5 times" if times_as_long["car"] <= 5 else
              "5 to 30 times" if times_as_long["car"] <= 30 else "more than 30 times",
-             "With few points, both methods mainly wait for NumPy to begin. For the larger wall, "
+             "With few points, most of the time is spent starting NumPy's functions. For the wall, "
              f"the rectangle takes {times_as_long['wall']:.0f} times as long as PCA.")
 
 # %% [markdown]
-# Here are median errors for each kind of obstacle.
+# The median errors depend on the kind of obstacle:
 
 # %%
 def middle_errors():
-    """Return, for each kind of obstacle, its number and the median errors of all three."""
+    """Return for each kind how many obstacles there are, and the median errors of all three."""
     errors = {}
     for label in present:
         points = cloud[labels == label, :3]
@@ -756,21 +751,21 @@ print(f"third axis of {len(ground):,} returns of the ground: "
       f"{np.degrees(np.arccos(abs(normal[2]))):.1f}° off the vertical")
 
 # %% [markdown]
-# - **Cars and lorries**: the closest rectangle. The smallest is nearly as good for cars, and off for a thin L.
-# - **Cyclists**: none is reliable. The first axis is best for the two cyclists of this scan. On seventeen cyclists in forty other streets, however, each way has a median error of 8° to 10°, and the first axis is off by up to 32°.
-# - **Pedestrians, poles and tree trunks**: none. From above they are nearly round.
-# - **Walls**: any, if straight. The corner of a house is a thin L, like the lorry. There, the first axis leans, the smallest rectangle may, and the closest does not.
-# - **Planes**: principal axes, in space. The third axis of the ground is its normal, as in lesson 03.
+# - **Cars and lorries:** use the closest rectangle. The smallest rectangle is nearly as good for cars, but it can be wrong for a thin L.
+# - **Cyclists:** none of the three is reliable. The first axis is best for the two cyclists in this scan. In forty other streets with seventeen cyclists, however, each way has a median error of 8° to 10°, and the first axis has errors of up to 32°.
+# - **Pedestrians, poles and tree trunks:** none of the three works, because these obstacles are nearly round from above.
+# - **Walls:** all three work for a straight wall. The corner of a house is a thin L, like the lorry. There, the first axis leans, the smallest rectangle may lean, and the closest rectangle does not.
+# - **Planes:** use principal axes in space. The third axis of the ground is its normal, as in lesson 03.
 #
 # ## From frame to frame
 #
 # *A heading that is right in one frame can jump in the next.*
 #
-# In the next scene, a car drives in circles. Each yaw is computed from a single frame, in five to ten seconds altogether.
+# In the next scene, a car drives in circles. Each yaw is computed from a single frame. The cell takes five to ten seconds.
 
 # %%
-flips = predict("Which of the three curves over time jumps: the true yaw, that of the first axis, "
-                "that of the smallest rectangle?",
+flips = predict("Plot three yaws over time: of the truth, the first axis and the smallest rectangle. "
+                "Which of them jump?",
                 choices=["only the first axis", "only the smallest rectangle",
                          "both of them, but not the truth", "all three"])
 
@@ -801,17 +796,17 @@ jumps = {name: int((abs(np.diff(values)) > np.radians(60)).sum())
          for name, values in headings.items()}
 print("jumps by more than 60°:", jumps)
 flips.compare("all three" if min(jumps.values()) > 0 else "both of them, but not the truth",
-              "After 180°, an angle continues at −180°, an axis has no front, and a rectangle "
-              "looks the same after a quarter turn.")
+              "An angle continues at −180° after 180°, an axis may point either way, and a "
+              "rectangle looks the same after a quarter turn.")
 
 # %% [markdown]
-# The truth jumps by 360°, because angles do. The first axis jumps by 180°, and the smallest rectangle by 90°.
+# The true yaw jumps by 360°, the first axis by 180°, and the smallest rectangle by 90°.
 #
-# The box stays the same set of corners, but a tracker needs a steady heading. Of all headings that differ by quarter turns, take the one nearest to the heading in the previous frame. `np.unwrap` does that in one line, given the period. Which of the four is the front? On the road, the direction of motion answers that. Here we take the true heading in the first frame.
+# These jumps do not change the corners of the box, but a tracker needs a steady heading. Of all headings that differ by quarter turns, it takes the one nearest to the previous heading. `np.unwrap` does this if you give it the period. Which of the four sides is the front? On the road, the direction of motion tells you. Here we take the true heading of the first frame.
 
 # %%
 def steady(values, start):
-    """Return headings without jumps of quarter turns, beginning nearest to `start`."""
+    """Return headings without jumps by quarter turns; the first is the one nearest to `start`."""
     smooth = np.unwrap(values, period=np.pi / 2)
     return smooth + np.round((start - smooth[0]) / (np.pi / 2)) * np.pi / 2
 
@@ -828,24 +823,22 @@ for name, values in followed.items():
           f"worst {errors.max():4.1f}°")
 
 # %% [markdown]
-# Now both follow the car. The first axis still leans, to one side or the other, as the car shows us its other corner. The smallest rectangle is hardly ever off. To track a car, use a rectangle.
+# Now both curves follow the car. The first axis still leans to one side or the other, depending on which corner the scanner sees. The smallest rectangle is almost always right. So use a rectangle to track a car.
 
 # %% [markdown]
 # ## Common mistakes
 #
-# *You can recognise each of them in the picture.*
-#
-# | mistake | what you see |
+# # | mistake | what you see |
 # |---|---|
-# | turned by −yaw both times | the box has the right size, but it has swung clockwise round the sensor, by twice the yaw |
-# | turned by +yaw both times | the box has swung anticlockwise by twice the yaw, and it is too large |
-# | degrees mixed with radians, or the index of the smallest area used as its angle | boxes that hold their points, but at a wrong angle |
-# | largest area instead of smallest | a box turned by 45° against its car, more than twice as large for a full outline |
-# | divided by the standard deviation (z-score) | the first axis is at 45° or −45°, whatever the cluster; if z was set to 0 before, an error: 0 / 0 |
+# | turned by −yaw both times | the box has the right size, but it is turned clockwise around the sensor by twice the yaw |
+# | turned by +yaw both times | the box is turned anticlockwise around the sensor by twice the yaw, and it is too large |
+# | degrees mixed with radians, or the index of the smallest area used as its angle | the boxes contain their points, but at a wrong angle |
+# | largest area instead of smallest | the box is at 45° to its car and, for a full outline, more than twice as large |
+# | divided by the standard deviation (z-score) | the first axis is at 45° or −45° for every cluster; if z was set to 0 before, NumPy reports an error because of 0 / 0 |
 # | not centred | the first axis points from the sensor to the car |
-# | columns left in ascending order | the "first" axis is the shortest; if z was set to 0 before, it is vertical, and the yaw is arbitrary |
+# | columns left in ascending order | the "first" axis has the smallest variance; if z was set to 0 before, it is vertical, and the yaw is arbitrary |
 # | determinant −1 | the box is right, but SciPy refuses to convert the axes into a quaternion or Euler angles |
-# | size measured in 3-D, box set upright afterwards | points outside |
+# | size measured in 3-D, box set upright afterwards | some points are outside their box |
 
 # %% tags=["folded"]
 # @title A picture of three mistakes (you need not read this)
@@ -870,9 +863,9 @@ crooked.legend(lines, ["z-score: 45°", "not centred"], loc="upper left", frameo
 # %% [markdown]
 # ## Let it drive
 #
-# *A box at a wrong angle blocks a lane that is free.*
+# *A box at a wrong angle can block a free lane.*
 #
-# Without points. A car drives for ten seconds with your `get_oriented_boxes`, behind a car and past an oncoming lorry. The car brakes for every box in its lane that is nearer than its stopping distance. The cell takes 10 to 20 seconds.
+# This part earns no points. The ego car drives for ten seconds with your `get_oriented_boxes`, behind another car and past an oncoming lorry. It brakes for every box in its lane that is nearer than its stopping distance. The cell takes 10 to 20 seconds.
 
 # %%
 from utils.drive import askew, chain, drive_street, on_time
@@ -889,22 +882,22 @@ drive_with(0) if is_written(get_oriented_boxes) else print(
     "get_oriented_boxes is not written, or has not passed its check.")
 
 # %% [markdown]
-# The bar is 59 m without a needless braking. Then change the yaw in your function to another of the three, and drive again. For the lorry, we see its front and one side, which form a triangle. The smallest rectangle around a right-angled triangle is as small along its longest side as along the two others. Then turn the scanner as in lesson 08, with `drive_with(12, street=1)`.
+# The goal is 59 m without braking needlessly. Then let your function find the yaw in another way, and drive again. We see the front and one side of the lorry, which form a right-angled triangle. The rectangle along the longest side of such a triangle has the same area as the rectangle along the other two sides. Finally, turn the scanner as in lesson 08, with `drive_with(12, street=1)`.
 #
 # <details><summary>An answer</summary>
 #
-# With closest rectangles, the car brakes once in street 12, for the car ahead. With smallest ones, it also brakes twice for the box of the lorry. Along first axes, it stops after 8 m, because the box of a parked car leans into its lane.
+# In street 12, with closest rectangles, the ego car brakes once, for the car ahead. With smallest rectangles, it also brakes twice for the box of the lorry. With first axes, it stops after 8 m, because the box of a parked car leans into its lane.
 #
-# In street 1, with the scanner turned by 12°, it drives 82 m with closest rectangles and never brakes. With smallest ones, it brakes once, for the box of a lorry. Along first axes, it stops after 11 m.
+# In street 1, with the scanner turned by 12° and closest rectangles, it drives 82 m and never brakes. With smallest rectangles, it brakes once, for the box of a lorry. With first axes, it stops after 11 m.
 # </details>
 
 # %% [markdown]
 # ## In practice
 #
-# - Detectors that learn predict the yaw directly, and cannot tell front from back either. nuScenes scores orientation separately, KITTI together with detection.
-# - A good box around the *visible* part is still not the box around the car. Systems extend it away from the sensor to the size of an ordinary car.
+# - Neural networks predict the yaw directly, but they also confuse front and back. The benchmark nuScenes scores orientation separately, and KITTI scores it together with detection.
+# - Even a good box around the *visible* part is not the box around the car. Real systems extend it away from the sensor to the size of an ordinary car.
 #
-# In one line:
+# Libraries need one line each:
 #
 # ```python
 # centre, sides, degrees = cv2.minAreaRect(points[:, :2].astype(np.float32))  # OpenCV: smallest rectangle
@@ -914,12 +907,12 @@ drive_with(0) if is_written(get_oriented_boxes) else print(
 #
 # ## Summary
 #
-# - Principal axes are the eigenvectors of the covariance matrix. Sort them, remember that signs are free, and make the triple right-handed.
-# - A car on a road needs only the yaw. First decide that the box is upright, then measure it, and every point stays inside.
-# - The points of a scan are on two sides of a car, so its first axis leans, by 13° and more for most cars of our street.
-# - A heading is known up to half turns, that of a rectangle up to quarter turns. Choose the one nearest to the last frame.
+# - Principal axes are the eigenvectors of the covariance matrix. Sort them, and make them right-handed. Their signs are free.
+# - The box of a car needs only a yaw. First decide that the box is upright, then measure it.
+# - The points are on two sides of a car, so its first axis leans, by 13° or more for most cars in our street.
+# - A first axis gives the heading up to half turns, and a rectangle up to quarter turns. Choose the heading nearest to the previous one.
 #
-# **Sources.** Principal components: [Jolliffe and Cadima 2016](https://doi.org/10.1098/rsta.2015.0202). How bad PCA boxes can be: [Dimitrov, Knauer, Kriegel and Rote 2006](https://www.researchgate.net/publication/235758825_On_the_bounding_boxes_obtained_by_principal_component_analysis). Quaternions and Euler angles: [SciPy, Rotation](https://docs.scipy.org/doc/scipy/reference/generated/scipy.spatial.transform.Rotation.html).
+# **Sources.** Principal components: [Jolliffe and Cadima 2016](https://doi.org/10.1098/rsta.2015.0202). Limits of PCA boxes: [Dimitrov, Knauer, Kriegel and Rote 2006](https://www.researchgate.net/publication/235758825_On_the_bounding_boxes_obtained_by_principal_component_analysis). Quaternions and Euler angles: [SciPy, Rotation](https://docs.scipy.org/doc/scipy/reference/generated/scipy.spatial.transform.Rotation.html).
 #
 # **Next:** 12 · Streaming obstacles
 
@@ -928,8 +921,8 @@ drive_with(0) if is_written(get_oriented_boxes) else print(
 #
 # *About half an hour each.*
 #
-# 1. **Smallest rectangle, exactly.** One side of it is always on an edge of the convex hull ([rotating calipers](https://en.wikipedia.org/wiki/Rotating_calipers)). Use `scipy.spatial.ConvexHull` and try only those headings. Clusters on a line have no hull.
-# 2. **Two sides only.** A scanner sees at most two sides of a car. So [Zhang et al. 2017](https://www.ri.cmu.edu/publications/efficient-l-shape-fitting-for-vehicle-detection-using-laser-scanners/) choose, of each two opposite sides, the one that is nearer to all points together, and use the distance to these two. Change `closeness_at` to do this.
+# 1. **The exact smallest rectangle.** One of its sides is always on an edge of the convex hull ([rotating calipers](https://en.wikipedia.org/wiki/Rotating_calipers)). Use `scipy.spatial.ConvexHull` and try only the headings of these edges. `ConvexHull` does not work if all points are on a line.
+# 2. **Two sides only.** A scanner sees at most two sides of a car. So [Zhang et al. 2017](https://www.ri.cmu.edu/publications/efficient-l-shape-fitting-for-vehicle-detection-using-laser-scanners/) choose the nearer side from each pair of opposite sides, judged by all points together. They measure distances only to these two sides. Change `closeness_at` to do this.
 
 # %% [markdown] tags=["footer"]
 # (footer)

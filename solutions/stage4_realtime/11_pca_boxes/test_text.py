@@ -144,7 +144,7 @@ def test_explanations_for_single_vehicles_are_true(street):
     assert np.ptp(seen[4][:, 0]) < 0.6 * street.boxes[4].size[0]
     for label in set(VEHICLES) - {5}:
         # The first axis leans more than in an L with evenly spread points, because most points are
-        # at the near end.
+        # at their near end.
         sides = np.sort(np.ptp(seen[label], axis=0))
         assert angle_to_side(
             axis_yaw(points_of(street, label)), street.boxes[label]

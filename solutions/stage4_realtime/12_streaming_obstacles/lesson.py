@@ -11,18 +11,18 @@
 # %% [markdown]
 # # 12 · Streaming obstacles
 #
-# ![A city street from above at one moment of a drive. Rotated boxes surround cars, people and poles, and a thin trail at each box shows where it was in the frames before.](12_preview.png)
+# ![A city street seen from above during a drive. Rotated boxes surround cars, people and poles, and a thin trail at each box shows where it was in earlier frames.](12_preview.png)
 #
-# Now you connect your functions into a machine. A raw scan goes in, and boxes with track IDs come out, ten times a second.
+# Now you build a machine from your functions. Ten times a second, a raw scan goes in and boxes with track IDs come out.
 #
 # **After this lesson you can**
-# - build a detector from your own functions, and say where its time goes,
+# - build a detector from your own functions, and say how long each step takes,
 # - compare detected boxes with the true boxes, and use the result to choose parameters,
 # - follow obstacles from [frame](#Words-of-the-course) to frame under one [track ID](#Words-of-the-course), even while they are hidden.
 #
-# **You write** `detect_obstacles` (points), `match_boxes` (points), three short steps of a tracker (checked, not graded), and two reports that a person reads: on a second data set (5 points) and on your detector (10 points). **You need** your functions of lessons 01, 03, 06, 07 and 09 to 11.
+# **You write** `detect_obstacles` (points), `match_boxes` (points) and three short steps of a tracker (checked, not graded). You also write two reports that a person grades: one on a second data set (5 points) and one on your detector (10 points). **You need** your functions from lessons 01, 03, 06, 07 and 09 to 11.
 #
-# **Time:** (time), in two sittings: *Part 1 · The detector* takes about 85 minutes, and *Part 2 · The tracker* about 80, with both reports.
+# **Time:** (time), in two sittings: *Part 1 · The detector* takes about 85 minutes, and *Part 2 · The tracker* about 80, including both reports.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -33,9 +33,9 @@
 # %% [markdown]
 # ## Part 1 · The detector
 #
-# A *stream* is a sequence of scans, here ten a second. The simulator drives the [ego car](#Words-of-the-course), which carries a 64-beam scanner, through two places. In the *city* it drives at 5 m/s along a street full of parked cars, people, poles and trees. In the *cyclist* stream, which you need for your first report, it follows a cyclist across a square where nothing moves in a straight line.
+# A *stream* is a sequence of scans, here ten per second. In the simulator, the [ego car](#Words-of-the-course) carries a 64-beam scanner through two places. In the *city* stream, it drives at 5 m/s along a street full of parked cars, people, poles and trees. In the *cyclist* stream, it follows a cyclist across a square where nothing moves in a straight line. You need this stream for your first report.
 #
-# A frame has a `cloud`, a `time` and the true `boxes`. You start with ten frames of the city, which are one second.
+# Each frame has a `cloud`, a `time` and the true `boxes`. You start with one second of the city, which is ten frames.
 
 # %%
 from cProfile import Profile
@@ -47,7 +47,7 @@ from ipywidgets import FloatSlider, IntSlider, interact
 
 from utils import (check, is_written, load_my_functions, plots, predict, scenes, scoring,
                    show_table)
-from utils.lent import own  # own(f) is your own function f, without the stored answers
+from utils.lent import own  # own(f) is your own function f, never a stored answer
 from utils.scoring import counted, within
 from utils.tracking import Tracker
 
@@ -63,18 +63,18 @@ plots.boxes(corners, cloud=standing, limits=street, reference=True, label="true 
             title="The first frame of the city and its true boxes");
 
 # %% [markdown]
-# Your detector will drop invalid returns, remove the road, thin, cluster, remove small clusters and fit boxes. Make two predictions first.
+# First make two predictions about your detector.
 
 # %%
 LIKELY = ["ransac_plane", "voxel_grid", "euclidean_clustering_accelerated", "get_oriented_boxes"]
 slowest = predict("Which step will take the longest?", choices=[*LIKELY, "another"])
-share_found = predict("What share of the cars, lorries, cyclists and pedestrians on the carriageway "
+share_found = predict("What share of the cars, lorries, cyclists and pedestrians on the road "
                       "will get a box that covers them well?", between=(0, 100), unit="%")
 
 # %% [markdown]
 # ## The naive idea: every occupied square metre is an obstacle
 #
-# Do we need clusters at all? Divide the street into squares of one metre, and call a square occupied if it holds at least five returns above the ground level. Robot vacuum cleaners use maps of this kind.
+# Do we need clusters at all? Divide the street into squares of one metre, and call a square occupied if it contains at least five returns above the ground level. Robot vacuum cleaners use maps of this kind.
 
 # %%
 def occupied_squares(cloud, ground_level=-1.2):
@@ -94,28 +94,28 @@ plots.ring(axes, 0, 0, radius=2, text="the ego car")
 plots.ring(axes, 29, 1.2, radius=2.1, text="bare road");
 
 # %% [markdown]
-# There are many squares, but no car. A car is several squares that are not connected, and other squares in the next frame. Where the street climbs above the ground level, the road becomes a barrier. The squares around the sensor are the ego car.
+# These squares are not cars. A car consists of several squares that are not connected, and the squares change in the next frame. Where the street rises above the ground level, the road itself looks like a barrier.
 #
 # ## The idea: a chain of filters
 #
-# Early steps see the most points, so they must be cheap. Late steps see few points, so they can be careful.
+# The first steps process the most points, so they must be cheap. The last steps process few points, so they can be careful.
 #
 # | step | lesson | removes | without it |
 # |---|---|---|---|
 # | drop [invalid returns](#Words-of-the-course) | 01 | NaN and (0, 0, 0) | errors, or a cluster inside the sensor |
-# | keep the region of interest | 07 | what the car cannot hit | boxes around house fronts |
-# | remove the [ego car](#Words-of-the-course) | 07 | returns from its mirrors, aerial, bonnet and roof | full braking forever, as soon as enough of the ego car is seen |
-# | remove the road | 03 | half of the points that are left | rings of road that connect cars and pavements |
-# | thin with a [voxel](#Words-of-the-course) grid | 06 | nine of ten points that are left | more than ten times as many points to cluster |
-# | cluster | 10 or 05 | nothing | points that belong to no object |
-# | remove small clusters | 09 | raindrops, specks, single leaves | twice as many boxes |
-# | fit boxes | 11 | all points | no shape that a car can avoid |
+# | keep the region of interest | 07 | objects that the car cannot hit | boxes around house fronts |
+# | remove the [ego car](#Words-of-the-course) | 07 | returns from its mirrors, aerial, bonnet and roof | full braking forever, as soon as the scanner sees enough of the ego car |
+# | remove the road | 03 | half of the remaining points | rings of road that connect cars and pavements |
+# | thin with a [voxel](#Words-of-the-course) grid | 06 | nine out of ten remaining points | more than ten times as many points to cluster |
+# | cluster | 10 or 05 | nothing | points that do not belong to any object |
+# | remove small clusters | 09 | raindrops, specks and single leaves | twice as many boxes |
+# | fit boxes | 11 | all points, and leaves only boxes | no shape that a car can avoid |
 #
-# **Which filter for the road?** This street climbs by 2.2 %, so the road itself reaches the level of lesson 06, −1.2 m, about 24 m ahead. A plane climbs with the road: `ransac_plane` of lesson 03 finds it, and `fit_plane` makes it exact. Keep the points that are more than 0.3 m from the plane. Give RANSAC only the points below the ground level, because next to a lorry the largest plane is the lorry. If you prefer `filter_ground`, end the region of interest at x = 15 m, well before the level fails.
+# **How do you remove the road?** This street climbs by 2.2 %, so about 24 m ahead, the road itself reaches −1.2 m, the ground level of lesson 06. A fitted plane climbs with the road. `ransac_plane` from lesson 03 finds this plane, and `fit_plane` makes it exact. Keep the points that are more than 0.3 m from the plane. Give RANSAC only the points below the ground level, because next to a lorry, the largest plane is the side of the lorry. If you prefer `filter_ground`, end the region of interest at x = 15 m, where the road is still below the ground level.
 #
 # ## Bring your own functions
 #
-# `mine = load_my_functions("06_filter_ground.ipynb")` takes the functions out of your saved notebook. Then call `mine.voxel_grid(cloud)`.
+# `mine = load_my_functions("06_filter_ground.ipynb")` reads the functions from your saved notebook. Then you can call `mine.voxel_grid(cloud)`.
 
 # %% tags=["folded"]
 # @title Check which functions are ready (you need not read this)
@@ -139,7 +139,7 @@ for notebook, functions in useful.items():
         print(f"{name:33} in {notebook:26} {state}")
 
 # %% [markdown]
-# **The judge sees only this notebook**, so it must contain your functions, their imports and everything that they call. With `paste`, `load_my_functions` prints the code to copy into the next cell: `paste="filter_clusters"` prints one function, and this prints all of them:
+# **The judge sees only this notebook**, so it must contain your functions, their imports and everything that they call. With `paste`, `load_my_functions` prints code that you copy into the next cell. `paste="filter_clusters"` prints one function, and this loop prints all of them:
 #
 # ```python
 # for notebook, functions in useful.items():
@@ -152,17 +152,17 @@ for notebook, functions in useful.items():
 #
 # | instead of | spare part |
 # |---|---|
-# | `crop_region`, `remove_ego_returns` | one mask: `((points >= low) & (points <= high)).all(axis=1)`, and `~mask` for the ego car. It also drops NaN, because no comparison with NaN is true |
-# | `ransac_plane`, `fit_plane` | `from sklearn.linear_model import RANSACRegressor`; `road = RANSACRegressor(residual_threshold=0.2, random_state=0).fit(low[:, :2], low[:, 2])`; `road.predict(points[:, :2])` is the height of the road below each point. It needs three low points |
+# | `crop_region`, `remove_ego_returns` | one mask: `((points >= low) & (points <= high)).all(axis=1)`, and `~mask` for the ego car. The mask also drops NaN, because these comparisons with NaN are false |
+# | `ransac_plane`, `fit_plane` | `from sklearn.linear_model import RANSACRegressor`; `road = RANSACRegressor(residual_threshold=0.2, random_state=0).fit(low[:, :2], low[:, 2])`; `road.predict(points[:, :2])` is the height of the road below each point. The fit needs three low points |
 # | `voxel_grid` | one point of each voxel: `points[np.unique(np.floor(points / 0.2), axis=0, return_index=True)[1]]` |
 # | `euclidean_clustering_accelerated` | `from sklearn.cluster import DBSCAN`; `DBSCAN(eps=threshold, min_samples=1).fit_predict(points) + 1` |
 # | `filter_clusters` | `labels * (np.bincount(labels) >= min_num_points)[labels]` |
-# | `get_oriented_boxes` | for each cluster, `pca = PCA(2).fit(points[:, :2])` from `sklearn.decomposition`: a plain box (lesson 08) around `pca.transform(points[:, :2])`, then `pca.inverse_transform` of its four corners |
+# | `get_oriented_boxes` | for each cluster, `pca = PCA(2).fit(points[:, :2])` from `sklearn.decomposition`; put a simple box (lesson 08) around `pca.transform(points[:, :2])`, and apply `pca.inverse_transform` to its four corners |
 #
 # </details>
 
 # %% tags=["earlier"]
-# Paste your functions of the earlier lessons here.
+# Paste your functions from the earlier lessons here.
 ### BEGIN SOLUTION
 # from 01_point_clouds: drop_invalid
 # from 03_ransac_plane: ransac_plane, fit_plane, point_plane_distance
@@ -176,18 +176,18 @@ for notebook, functions in useful.items():
 # %% [markdown]
 # ## Exercise 1 · `detect_obstacles` (points)
 #
-# Turn a raw scan into oriented boxes. You may change the defaults and add parameters, as long as `detect_obstacles(cloud)` works. Keep the given names if you can, because later cells use them. You may use all packages that are listed at the end of the notebook.
+# Turn a raw scan into oriented boxes. You may change the defaults and add parameters, as long as `detect_obstacles(cloud)` works. Keep the names of the parameters if you can, because later cells use them. You may use all packages listed at the end of the notebook.
 #
 # The judge uses scans of streets that you have not seen, from a 64-beam scanner 1.73 m above the road. It tests that
 #
-# - each isolated car has a box of its own, turned with the car, if the whole car is within 10 m and at most 7 m to the side. This includes a car that crosses 9 m ahead;
-# - two cars parked 0.85 m apart have two boxes, and a lorry has a box, however many points it has;
-# - pedestrians who are alone within 7 m have a box. In full view, 25 to 50 of their points are left after thinning;
-# - at least six of ten boxes contain obstacles and not road, and a single raindrop in the air gets no box;
-# - no box is on the ego car, from (-1.5, -1.7, -1.0) to (2.6, 1.7, -0.4) as in lesson 07, even if its whole bonnet and roof are seen;
-# - no frame causes an error: an empty frame, an empty road, three columns, or rows with NaN, infinity or (0, 0, 0).
+# - each isolated car has its own box, at the same angle as the car, if the whole car is within 10 m and at most 7 m to the side. This includes a car that crosses the street 9 m ahead;
+# - two cars parked 0.85 m apart have two boxes, and a lorry has a box, even if it has very many points;
+# - each isolated pedestrian within 7 m has a box. A pedestrian in full view has 25 to 50 points after thinning;
+# - at least six out of ten boxes contain an obstacle and not road, and a single raindrop in the air does not get a box;
+# - no box is on the ego car, from (-1.5, -1.7, -1.0) to (2.6, 1.7, -0.4) as in lesson 07, even if the scanner sees its whole bonnet and roof;
+# - your function also works for an empty frame, an empty road, a cloud with three columns, and rows with NaN, infinity or (0, 0, 0).
 #
-# You decide how far beyond 10 m you look. A call is stopped after ten seconds, and a tenth of a second is the aim.
+# You decide how far beyond 10 m you look. The judge stops a call after ten seconds, but aim for a tenth of a second.
 
 # %% nbgrader={"grade": false, "grade_id": "detect_obstacles", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def detect_obstacles(cloud, threshold=0.5, min_num_points=10, ground_level=-1.2,
@@ -239,7 +239,7 @@ def detect_obstacles(cloud, threshold=0.5, min_num_points=10, ground_level=-1.2,
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# Build it step by step in a separate cell, and print the number of points after each step. It should fall from about 114,000 to a few thousand before clustering.
+# Build the detector step by step in a separate cell, and print the number of points after each step. This number should fall from about 114,000 to a few thousand before clustering.
 # </details>
 # <details><summary>Hint 2</summary>
 #
@@ -247,11 +247,11 @@ def detect_obstacles(cloud, threshold=0.5, min_num_points=10, ground_level=-1.2,
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# If no point is left, return `np.empty((0, 8, 3))`. Otherwise use `voxel_grid(points, 0.2)`. `euclidean_clustering_accelerated(points, threshold)` returns labels, and `filter_clusters(labels, min_num_points)` sets those of small clusters to 0. `get_oriented_boxes` takes the points and these labels.
+# If no point is left, return `np.empty((0, 8, 3))`. Otherwise use `voxel_grid(points, 0.2)`. `euclidean_clustering_accelerated(points, threshold)` returns labels, and `filter_clusters(labels, min_num_points)` sets the labels of small clusters to 0. `get_oriented_boxes` takes the points and these labels.
 # </details>
 
 # %% [markdown]
-# **First a tiny case.** A level road made of dots, two lost returns, and one cardboard car: 4 m long, 1.8 m wide, at (8, 2), turned by 30°. There should be one box of this size, along the sides of the car.
+# **First a tiny case.** The cloud below has a level road made of dots, two lost returns, and a cardboard car at (8, 2). The car is 4 m long, 1.8 m wide and turned by 30°. You should find one box of this size, parallel to the sides of the car.
 
 # %% tags=["folded"]
 # @title A cardboard street (you need not read this)
@@ -280,7 +280,7 @@ plots.boxes(toy_boxes, cloud=toy[np.isfinite(toy[:, 0])], limits=((-1, 15), (-5,
             title="A cardboard car and your box");
 
 # %% [markdown]
-# **Look before you check.** Each car within 15 m should have a box along its sides, and no box should be on bare road or at the sensor. Farther ahead the points are sparse, so a box may cover only the back of a car, or two neighbours.
+# **Look before you check.** Each car within 15 m should have a box parallel to its sides, and no box should be on bare road or at the sensor. Farther ahead, the points are sparse, so a box may cover only the back of a car, or two neighbouring cars.
 
 # %%
 found = detect_obstacles(first.cloud)
@@ -289,7 +289,7 @@ axes = plots.boxes(corners, cloud=standing, limits=street, reference=True, label
 plots.boxes(found, axes=axes, label="found", title="Your boxes on the first frame of the city");
 
 # %% [markdown]
-# **Now a bad scan.** In fog a scanner loses thousands of returns, and a dirty bonnet reflects light everywhere. In a good scan the ego car has too few returns for a box, so you do not notice if you forget to remove it. Here you do. The number of boxes should not change.
+# **Now try a bad scan.** In fog, a scanner loses thousands of returns, and a dirty bonnet reflects light everywhere. In a good scan, the ego car has too few returns for a box, so you do not notice if you forget to remove it. In this scan, you do. The number of boxes should not change.
 
 # %% tags=["folded"]
 # @title A bad scan: bonnet and lost returns (you need not read this)
@@ -299,7 +299,7 @@ lost = np.zeros((3000, 4))
 lost[:1500] = np.nan
 bad_day = np.vstack([first.cloud, bonnet, lost])
 still_found = detect_obstacles(bad_day)
-print(f"{len(found)} boxes in the good scan, {len(still_found)} in the bad one")
+print(f"{len(found)} boxes in the good scan, {len(still_found)} in the bad scan")
 axes = plots.boxes(still_found, cloud=bonnet, limits=((-6, 12), (-5, 5)), label="found",
                    title="Close to the sensor, in the bad scan")
 plots.ring(axes, 1.5, 0, radius=1.7, text="no box in here");
@@ -310,7 +310,7 @@ check(detect_obstacles)
 # %% [markdown]
 # ## Where does the time go?
 #
-# A new frame comes every tenth of a second. A detector that takes longer works on old frames. Python's profiler measures the time in each function that `detect_obstacles` calls.
+# A new frame arrives every tenth of a second. If a detector takes longer, its frames are out of date. Python's profiler measures the time in each function that `detect_obstacles` calls.
 
 # %% tags=["folded"]
 # @title How long each step takes (you need not read this)
@@ -327,7 +327,7 @@ def seconds_by_step(function, *arguments):
 # %%
 if is_written(detect_obstacles):
     detector = own(detect_obstacles)
-    detector(first.cloud)  # the first call of anything is slower
+    detector(first.cloud)  # the first call is always slower
     steps = seconds_by_step(detector, first.cloud)
     whole = sum(steps.values())
     print(f"{whole * 1000:.0f} ms for a frame. The scanner needs 100 ms.")
@@ -335,8 +335,8 @@ if is_written(detect_obstacles):
                   label="time (ms)", title="Time in each step of your detector")
     longest = next(iter(steps))
     slowest.compare(longest if longest in LIKELY else "another",
-                    "Clustering gets only a few thousand points, and your lesson 10 is fast. The "
-                    "voxel grid sorts tens of thousands of points, RANSAC measures as many "
+                    "Clustering gets only a few thousand points, and your function is fast. The "
+                    "voxel grid sorts tens of thousands of points, RANSAC computes as many "
                     "distances in each round, and each box is tried at 90 angles.")
 else:
     print("detect_obstacles is not written yet, so there is nothing to measure.")
@@ -344,17 +344,17 @@ else:
 # %% [markdown]
 # ## How good are the boxes?
 #
-# How well does a box fit a true box? Divide the area that they share by the total area that they cover, seen from above. This *intersection over union* is 1 for the same box, and 0 for boxes that do not overlap:
+# How well does a found box fit a true box? Divide the area that they share by the total area that they cover, seen from above. This *intersection over union* (IoU) is 1 for equal boxes, and 0 for boxes that do not overlap:
 #
 # $$\mathrm{IoU}(A, B) = \frac{|A \cap B|}{|A \cup B|}$$
 #
-# A found box is a hit if it overlaps a true box by at least some minimum. Each true box can be hit once. Then
+# A found box is a *hit* if its overlap (IoU) with a true box is at least some minimum. Each true box can be hit only once. Then
 #
 # $$\text{precision} = \frac{\text{hits}}{\text{found}}, \qquad \text{recall} = \frac{\text{hits}}{\text{true}}, \qquad F_1 = \frac{2 \cdot \text{precision} \cdot \text{recall}}{\text{precision} + \text{recall}}.$$
 #
-# False boxes lower precision, and missed obstacles lower recall. We count cars, lorries, cyclists and pedestrians with at least 30 returns on the carriageway.
+# False boxes lower precision, and missed obstacles lower recall. Only cars, lorries, cyclists and pedestrians on the carriageway (the part of the street for vehicles) count, and only if they have at least 30 returns.
 #
-# The next frame of a street shows the same objects, so we use one frame from each of eight streets. The **score card** counts hits at three minimum overlaps. It then shows recall by distance, and by how much of an object is hidden behind others. The number after ± is the standard error: how much the result would change with eight other streets.
+# Successive frames show the same objects, so the next cells use one frame from each of eight streets. The **score card** counts hits at three minimum overlaps. It also shows how recall depends on the distance of an object, and on how much of it is hidden. The number after ± is the standard error: how much the result would typically change with eight other streets.
 
 # %%
 carriageway = ((-15, 35), (-4, 6.4))
@@ -370,17 +370,17 @@ def card_of(stream, region=carriageway, **parameters):
 # %%
 card = card_of("streets")
 share_found.compare(100 * card["recall"].values[1],
-                    "Near cars are found. Beyond 15 m the scanner often sees only the back of a car, "
+                    "Nearby cars are found. Beyond 15 m, the scanner often sees only the back of a car, "
                     "and a box around the back covers less than half of the car. Other cars are "
                     "merged with their neighbours.")
 card.show()
 
 # %% [markdown]
-# Read each row from left to right: objects that are hits at 0.3 and not at 0.7 were found, but with a poor box. Read each group from top to bottom: recall is lowest far away, and where more than half of an object is hidden. Look at the errors before you call a number better: with the course's detector, recall is 0.84 ± 0.03 in plain view and 0.92 ± 0.05 for partly hidden objects, and this may be chance.
+# Read each row from left to right. Objects that are hits at 0.3 but not at 0.7 were found, but their boxes are poor. Then read each group from top to bottom. Recall is lowest for distant objects, and for objects that are more than half hidden. Look at the errors before you compare two numbers. With the course's detector, recall is 0.84 ± 0.03 for objects in plain view and 0.92 ± 0.05 for partly hidden ones, but this difference may be due to chance.
 #
 # ## Play: choose the parameters
 #
-# Move the sliders, and compare your boxes with the true ones.
+# Move the sliders, and compare your boxes with the true boxes.
 
 # %% tags=["folded"]
 # @title Two sliders (you need not read this)
@@ -404,7 +404,7 @@ def show_settings(threshold, minimum_size):
     plt.show()
 
 # %% [markdown]
-# A threshold that is too small tears cars apart at their windows. One that is too large merges them with posts, trees and each other. To choose a value, draw precision, recall and $F_1$ at an overlap of 0.5 on the eight streets. The two figures take about 20 seconds.
+# To choose a value, plot precision, recall and $F_1$ for the eight streets, at an overlap of 0.5. The two figures take about 20 seconds.
 
 # %%
 def sweep(parameter, values):
@@ -430,13 +430,13 @@ draw_sweep(sweep("threshold", thresholds), thresholds, "threshold (m)", rows[0])
 draw_sweep(sweep("min_num_points", sizes), sizes, "min_num_points", rows[1])
 
 # %% [markdown]
-# At 0.2 m cars are torn, which lowers precision and recall. Beyond 0.5 m objects are merged. Recall falls, and precision does not, because there are fewer boxes. The errors grow, because the streets differ in how much is merged.
+# At 0.2 m, cars are split at their windows, which lowers precision and recall. Beyond 0.5 m, cars merge with posts, trees and each other. Then recall falls but precision does not, because there are fewer boxes. The errors grow, because more objects merge in some streets than in others.
 #
-# Do not simply take the maximum of the lower curve. Almost all objects that count here are cars and lorries, so the best $F_1$ has a minimum that would remove the pedestrians: in full view 10 m away, a pedestrian has about 35 points after thinning. Check each choice on another stream.
+# Do not simply take the `min_num_points` with the best $F_1$. Almost all objects that count here are cars and lorries, so this value would remove the pedestrians. In full view 10 m away, a pedestrian has about 35 points after thinning. Check each choice on another stream.
 #
 # ## The numbers of boxes change from frame to frame
 #
-# Here are the boxes of three successive frames, with their rows in the result. Follow one car from the first frame to the third. (The first cell simulates two more seconds of the city and runs your detector on all three. It takes about 15 seconds.)
+# The next figure shows the boxes of three successive frames. The number at each box is its row in the result. Follow one car from the first frame to the third. (The first cell simulates two more seconds, which takes about 15 seconds.)
 
 # %% tags=["folded"]
 # @title Three seconds of the city with the boxes of each frame (you need not read this)
@@ -459,13 +459,13 @@ for number, axes in zip((0, 1, 2), rows):
                 limits=((1, 27), (-4.5, 7.5)), title=f"frame {number}")
 
 # %% [markdown]
-# If a box appears or disappears early in the list, all later numbers change. To measure how fast an object moves, we must find its box in the previous frame.
+# If a box appears or disappears early in the list, all later numbers change. To measure how fast an object moves, you must find its box in the previous frame.
 #
 # ## Exercise 2 · `match_boxes` (points)
 #
-# In a tenth of a second nothing moves far. So the two boxes whose centres are closest become partners, then the closest two of those that are still free, and so on, as long as their distance is at most `max_distance`. The centre of a box is the mean of its corners.
+# In a tenth of a second, nothing moves far. So the two boxes whose centres are closest become partners. Next come the closest two boxes that are still free, and so on, as long as their distance is at most `max_distance`. The centre of a box is the mean of its corners.
 #
-# Return for each current box the row of its partner in `previous`, or -1 if it has none. Each previous box has at most one partner. Two other rules are also right: pair only boxes that are nearest to each other, or pair as many boxes as possible with the smallest sum of distances.
+# Each box has at most one partner. Two other rules are also right. You may pair only boxes that are nearest to each other, or pair as many boxes as possible with the smallest sum of distances.
 
 # %% nbgrader={"grade": false, "grade_id": "match_boxes", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def match_boxes(previous, current, max_distance):
@@ -484,8 +484,8 @@ def match_boxes(previous, current, max_distance):
         For each current box, the index of its partner in `previous`, or -1. No index
         except -1 occurs twice.
     """
-    # 1. Compute the centres of both, and a table of distances: one row per current box, one
-    #    column per previous box.
+    # 1. Compute the centres of all boxes, and a table of distances with one row per current
+    #    box and one column per previous box.
     # 2. Start with -1 for every current box.
     # 3. While the smallest distance in the table is at most max_distance, its row and its column
     #    are a pair. Store the pair, and set the row and the column to infinity.
@@ -507,15 +507,15 @@ def match_boxes(previous, current, max_distance):
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# `table.argmin()` counts through the table row by row, and `np.unravel_index(table.argmin(), table.shape)` turns this number into a row and a column. An empty table has no minimum, so test `table.size` first.
+# `table.argmin()` returns a single number that counts the entries row by row. `np.unravel_index(table.argmin(), table.shape)` turns it into a row and a column. An empty table has no minimum, so test `table.size` first.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# In `while table.size and table.min() <= max_distance:`, find the row and the column, store the column in the answer at the row, and set `table[row, :]` and `table[:, column]` to `np.inf`. Or let `scipy.optimize.linear_sum_assignment` find the smallest sum. First write a huge number wherever the distance is too large. Otherwise a forbidden pair may replace an allowed one. Leave out the pairs with this number.
+# In `while table.size and table.min() <= max_distance:`, find the row and the column, store the column at position `row` of the result, and set `table[row, :]` and `table[:, column]` to `np.inf`. Alternatively, `scipy.optimize.linear_sum_assignment` finds the smallest sum. Before you call it, write a huge number wherever the distance is too large. Otherwise, a forbidden pair may replace an allowed one. Afterwards, leave out the pairs with this number.
 # </details>
 
 # %% [markdown]
-# **First a tiny case.** In the previous frame, two boxes were at x = 0 and x = 10. Now there are three, at x = 0.8, 0.3 and 9.6, and `max_distance` is 1 m. The first two are both close to previous box 0. The second is nearer and gets it, so the answer is −1, 0, 1.
+# **First a tiny case.** In the previous frame, two boxes were at x = 0 and x = 10. Now there are three boxes, at x = 0.8, 0.3 and 9.6, and `max_distance` is 1 m. The first two are both close to previous box 0. The second is nearer, so it gets this partner, and the result is −1, 0, 1.
 
 # %%
 unit_box = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], dtype=float)
@@ -524,7 +524,7 @@ after = unit_box + np.array([[0.8, 0, 0], [0.3, 0, 0], [9.6, 0, 0]])[:, None]
 print(match_boxes(before, after, 1.0))
 
 # %% [markdown]
-# **Look before you check.** Here are the boxes of two frames, the earlier ones dashed. Each line should join a box with its place a moment ago, and no two lines should meet.
+# **Look before you check.** The boxes of the earlier frame are dashed. Each solid line should connect a box with its earlier position, and no two of these lines should touch.
 
 # %% tags=["folded"]
 # @title Two frames and the partners of their boxes (you need not read this)
@@ -542,25 +542,25 @@ if is_written(match_boxes):
 check(match_boxes)
 
 # %% [markdown]
-# **A good place to stop.** Save the notebook. You have a detector, and a function that finds its boxes again in the next frame. If you come back later, run all cells above this one first, which takes about a minute: in JupyterLab *Run*, *Run All Above Selected Cell*, in Colab *Runtime*, *Run before*.
+# **A good place to stop.** Save the notebook. You have a detector, and a function that finds its boxes again in the next frame. When you come back, first run all cells above this one, which takes about a minute. In JupyterLab, choose *Run*, *Run All Above Selected Cell*. In Colab, choose *Runtime*, *Run before*.
 
 # %% [markdown]
 # ## Part 2 · The tracker
 #
-# In part 1 you wrote `detect_obstacles`, which turns a scan into boxes, and `match_boxes`, which finds each box in the previous frame. Now each obstacle gets a track ID.
+# In part 1, you wrote `detect_obstacles` and `match_boxes`. Now each obstacle gets a track ID.
 #
-# A [track](#Words-of-the-course) is one obstacle through many frames: an ID, a box and a velocity. If IDs are only passed from box to box, they are lost in two ways. **The ego car moves:** at 5 m/s every stationary object comes 0.5 m nearer in each frame, and oncoming cars twice as far. **Boxes flicker:** for a frame or two an object has too few points, or is hidden behind another. Four moves help, and you have written one of them:
+# A [track](#Words-of-the-course) follows one obstacle through many frames. It has an ID, a box and a velocity. If you only pass IDs from each box to its partner, IDs are lost for two reasons. First, **the ego car moves.** At 5 m/s, every stationary object comes 0.5 m nearer in each frame, and oncoming cars come nearer by twice as much. Second, **boxes flicker.** For a frame or two, an object has too few points, or is hidden behind another object. Four steps help, and you have already written one of them:
 #
-# | move | your function | finds out |
+# | step | your function | finds out |
 # |---|---|---|
 # | predict | `predict_boxes` | where each track should be now |
 # | match | `match_boxes` | which box belongs to which track |
-# | correct | `correct_boxes` | where each track is, and how fast |
+# | correct | `correct_boxes` | where each track is, and how fast it moves |
 # | coast | `coast` | which tracks without a box are kept |
 #
 # ### Step 1 · Predict
 #
-# In a tenth of a second a velocity hardly changes. So an object with velocity $v$ moves by $v$ times the time, with all its corners. Velocities are in m/s relative to the ego car. A parked car has the ego car's velocity with the opposite sign.
+# In a tenth of a second, a velocity hardly changes. So all corners of a box move by its velocity times the time. Velocities are in m/s, relative to the ego car. A parked car has the velocity of the ego car with the opposite sign.
 
 # %% nbgrader={"grade": false, "grade_id": "predict_boxes", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def predict_boxes(boxes, velocities, seconds):
@@ -585,7 +585,7 @@ def predict_boxes(boxes, velocities, seconds):
     ### END SOLUTION
 
 # %% [markdown]
-# Two boxes at x = 10 m and 20 m approach at 5 and 13 m/s. A tenth of a second later they should be at 9.5 m and 18.7 m.
+# Two boxes at x = 10 m and 20 m approach at 5 and 13 m/s. A tenth of a second later, they should be at 9.5 m and 18.7 m.
 
 # %%
 two = unit_box - unit_box.mean(axis=0) + np.array([[10.0, 0, 0], [20.0, 0, 0]])[:, None]
@@ -599,11 +599,11 @@ check(predict_boxes)
 # %% [markdown]
 # ### Step 2 · Correct
 #
-# A box is never found exactly where it was expected. Either the object changed its velocity, or only its box changed, because the scanner saw a little more of the object. So use only a part of the difference. This part is the **gain**, from 0 (ignore what was found) to 1 (ignore what was expected). Let $r$ be the centre of *found* minus the centre of *expected*, and $T$ the time between frames. Then
+# A box is never found exactly at its expected position. Perhaps the object changed its velocity, or only its box changed, because the scanner saw a little more of the object. So use only part of the difference. This part is the **gain**. A gain of 0 ignores the found box, and a gain of 1 ignores the expected box. Let $r$ be the found centre minus the expected centre, and $T$ the time between frames. Then
 #
 # $$x = x_\text{expected} + \alpha\, r, \qquad v = v_\text{old} + \frac{\beta}{T}\, r, \qquad \beta = 2\,(1 - \sqrt{1 - \alpha})^2.$$
 #
-# $\alpha$ is the gain, and $\beta$ is the gain of the velocity that goes with it. This is the *alpha–beta filter*, and a Kalman filter for constant velocity settles at these two gains.
+# Here $\alpha$ is the gain, and $\beta$ is the gain of the velocity. This method is called an *alpha–beta filter*. A Kalman filter for constant velocity settles at these two gains.
 
 # %% nbgrader={"grade": false, "grade_id": "correct_boxes", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def correct_boxes(expected, velocities, found, gain, seconds):
@@ -616,9 +616,9 @@ def correct_boxes(expected, velocities, found, gain, seconds):
     velocities : ndarray, shape (N, 3)
         In metres per second.
     found : ndarray, shape (N, 8, 3)
-        Found boxes in the same order; a box may have grown, or begin at another corner.
+        Found boxes in the same order; a box may have grown, or start at another corner.
     gain : float
-        From 0 (only what was expected counts) to 1 (only what was found counts).
+        From 0 (only the expected box counts) to 1 (only the found box counts).
     seconds : float
         Time since the previous frame.
 
@@ -630,7 +630,7 @@ def correct_boxes(expected, velocities, found, gain, seconds):
         The new velocities.
     """
     # 1. Compute the difference: centres of found minus centres of expected, (N, 3).
-    # 2. Move each found box back by a part of its difference, 1 - gain.
+    # 2. Move each found box back by (1 - gain) times its difference.
     # 3. Compute the gain of the velocity, and the new velocities.
     # roughly 4 lines
     ### BEGIN SOLUTION
@@ -641,7 +641,7 @@ def correct_boxes(expected, velocities, found, gain, seconds):
     ### END SOLUTION
 
 # %% [markdown]
-# A box that was expected at 9.5 m is found at 9.9 m. With a gain of 0.5 it is placed halfway, at 9.7 m, and its velocity changes from −5 to −4.31 m/s.
+# A box that was expected at 9.5 m is found at 9.9 m. With a gain of 0.5, it is placed halfway, at 9.7 m, and its velocity changes from −5 to −4.31 m/s.
 
 # %%
 if is_written(predict_boxes) and is_written(correct_boxes):
@@ -655,7 +655,7 @@ check(correct_boxes)
 # %% [markdown]
 # ### Step 3 · Coast
 #
-# A track without a box is kept for a few frames at its predicted position. Count for each track how many frames in a row it has missed, and keep it while this count is at most `patience`.
+# A track without a box is kept for a few frames at its predicted position. For each track, count how many frames in a row it has missed, and keep the track while this count is at most `patience`.
 
 # %% nbgrader={"grade": false, "grade_id": "coast", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def coast(missed, partners, patience):
@@ -676,7 +676,7 @@ def coast(missed, partners, patience):
         New counts; 0 for a track that has a box in this frame.
     kept : ndarray of bool, shape (N_tracks,)
     """
-    # 1. Which tracks have a box? -1 means no track, but as an index it means the last row.
+    # 1. Find the tracks that have a box. -1 means no track, but as an index it is the last row.
     # 2. Set their counts to 0, and add 1 to the other counts.
     # roughly 3 lines
     ### BEGIN SOLUTION
@@ -686,7 +686,7 @@ def coast(missed, partners, patience):
     ### END SOLUTION
 
 # %% [markdown]
-# Four tracks have missed 0, 3, 2 and 1 frames. The boxes of this frame belong to the last track, to the first, and to a new object. So the counts become 0, 4, 3 and 0, and with a patience of 3 the second track is dropped.
+# Four tracks have missed 0, 3, 2 and 1 frames. The boxes of this frame belong to the last track, to the first, and to a new object. So the counts become 0, 4, 3 and 0. With a patience of 3, the second track is dropped.
 
 # %%
 if is_written(coast):
@@ -696,7 +696,7 @@ if is_written(coast):
 check(coast)
 
 # %% [markdown]
-# `Tracker` stores the tracks and calls your functions in the order of the table. It leaves out those that are not written. A new track begins with the velocity of a parked car. `follow(frames_of_boxes, max_distance)` runs the tracker on a stream.
+# `Tracker` stores the tracks and calls your functions in the order of the table. It skips functions that are not written. A new track begins with the velocity of a parked car. `follow(frames_of_boxes, max_distance)` runs the tracker on a stream.
 
 # %% tags=["folded"]
 # @title A tracker with your functions (you need not read this)
@@ -704,7 +704,7 @@ ALL = ("predict", "correct", "coast")
 
 
 def moves(names):
-    """Return your functions for these moves, by the names of the moves."""
+    """Return your functions for these steps, by the names of the steps."""
     mine = {"predict": predict_boxes, "correct": correct_boxes, "coast": coast}
     return {name: mine[name] for name in names}
 
@@ -720,16 +720,16 @@ def follow(frames_of_boxes, max_distance, gain=0.5, use=ALL, speed=5.0):
     return track_ids, velocities
 
 # %% [markdown]
-# How much does each move help? To count mistakes we need the truth, so each box belongs to the object with the most returns in it. Then
+# How much does each step help? To count mistakes, we use the truth: a box belongs to the object with the most returns in it. There are two kinds of mistakes:
 #
-# - an object that has another ID than the last time has **switched** its ID;
-# - an ID that belonged to two objects is **shared**.
+# - If an object gets a different ID, the object has **switched** its ID.
+# - If an ID has belonged to two objects, the ID is **shared**.
 #
 # `mistakes_of(max_distance, ALL)` counts both.
 
 # %%
-switching = predict("Matching alone, up to 1 m, three seconds, about thirty boxes in each frame: "
-                    "how many switches will there be?")
+switching = predict("How many switches will matching alone make in three seconds, up to a distance of "
+                    "1 m and with about thirty boxes in each frame?")
 
 # %% tags=["folded"]
 # @title Count the mistakes (you need not read this)
@@ -750,10 +750,10 @@ show_table(["", "switches", "shared IDs"],
            [[way, made.switches, made.shared] for way, made in mistakes.items()])
 switching.compare(mistakes["matching alone"].switches,
                   "Most boxes move 0.5 m in a frame, because the ego car does. Boxes also grow and "
-                  "shrink, so many centres are more than 1 m from where they were.")
+                  "shrink, so many centres move by more than 1 m.")
 
 # %% [markdown]
-# One stream is a small sample. Over eight streets (seeds 0 to 7, with the course's detector), switches are 76 ± 29 for matching alone, 38 ± 11 with prediction, as many with correction, and 18 ± 8 with coasting: mean and standard deviation. Shared IDs are 2 or 3, ± 2, each time. So *predict* halves the switches, and *coast* halves them again. *Correct* saves no IDs at this distance. It is there for the velocity, which a car needs in order to brake in time. With a gain of 0.5 the median error is 0.08 ± 0.01 m/s.
+# One stream is a small sample. Over eight streets (seeds 0 to 7, with the course's detector), the mean number of switches (± standard deviation) is 76 ± 29 for matching alone and 38 ± 11 with prediction. With correction, it stays the same, and with coasting, it is 18 ± 8. The number of shared IDs is always 2 or 3, ± 2. So *predict* halves the switches, and *coast* halves them again. *Correct* does not save IDs at this distance. Its purpose is to measure the velocity, which a car needs in order to brake in time. With a gain of 0.5, the median error of the velocity is 0.08 ± 0.01 m/s.
 
 # %% tags=["folded"]
 # @title Both mistakes against max_distance (you need not read this)
@@ -773,11 +773,11 @@ for axes, kind, top, title in (
     axes.axvline(0.5, color="black", linestyle=":")
 
 # %% [markdown]
-# The dotted line is the distance that the ego car drives in one frame. To the left of it, matching alone loses even parked cars, and its curve leaves the picture first. To the right, an ID passes more often from an object that vanishes to one that appears. At no distance are both mistakes zero. Between 1 and 1.5 m is a fair choice here.
+# The dotted line is the distance that the ego car drives in one frame. To the left of this line, matching alone loses even parked cars, and its curve leaves the picture first. To the right, IDs pass more often from an object that disappears to one that appears. There is no distance without mistakes. A value between 1 and 1.5 m is a good choice here.
 #
 # ## Tracks and trails
 #
-# Here is the last frame. The line at each box is its track over the three seconds, as the moving ego car saw it. Boxes on the carriageway that were tracked for a second carry their ID.
+# In the last frame, the line at each box is its trail over three seconds, as seen from the moving ego car. Boxes on the carriageway show their ID if they were tracked for a second.
 
 # %% tags=["folded"]
 # @title Track IDs and trails (you need not read this)
@@ -801,15 +801,15 @@ for track_id in track_ids[-1][within(detected[-1], carriageway)].tolist():
 plots.ring(axes, -2.8, 4.1, radius=1.3, text="what is this box?");
 
 # %% [markdown]
-# Parked cars have come half a metre nearer per frame. Objects that drive in our direction leave a short trail, and oncoming ones a long trail. A trail that bends or jumps shows a box that grew, shrank or merged with another. The ringed box holds two objects: a lorry that is passing us, and a parked car less than the threshold away from it. A moment ago each had its own box and ID.
+# Parked cars came half a metre nearer in each frame. Objects that drive in our direction leave short trails, and oncoming objects leave long trails. If a trail bends or jumps, its box grew, shrank or merged with another box. The box in the ring contains two objects: a lorry that is passing us, and a parked car that is closer to it than the threshold. A moment ago, each had its own box and ID.
 #
-# `python -m utils.play city --detector 12_streaming_obstacles.ipynb` plays the stream in a window, with your boxes, IDs and trails. `--record city.gif` makes a film.
+# `python -m utils.play city --detector 12_streaming_obstacles.ipynb` plays the stream in a window, with your boxes, IDs and trails. Add `--record city.gif` to make a film.
 #
 # ## Second data set (5 points, read by a person)
 #
-# Run your detector on the cyclist stream. The region that fits the street misses half of what moves on the square. Find settings with a better $F_1$, and follow the cyclist through all frames. You may take a real drive instead, `utils.fetch_recording("udacity_city")`. It has no true boxes, so count by eye on three frames.
+# Run your detector on the cyclist stream. The region that fits the street misses half of the moving objects on the square. Find settings with a better $F_1$, and follow the cyclist through all frames. Instead, you may use a real drive, `utils.fetch_recording("udacity_city")`. A real drive does not have true boxes, so count by eye in three frames.
 #
-# **How it is read.** *2 points:* the settings before and after, and the reason for each change. *2 points:* precision, recall and F1 before and after, on the same frames and for the same overlap (or counts by eye). *1 point:* one failure that is left, where it happens and why.
+# **How it is graded.** *2 points:* the settings before and after, and the reason for each change. *2 points:* precision, recall and F1 before and after, on the same frames and for the same overlap (or counts by eye). *1 point:* one remaining failure, where it happens and why.
 
 # %%
 around = ((-15, 35), (-20, 20))
@@ -820,19 +820,19 @@ axes = plots.boxes(corners_of(counted(frame, around)), cloud=frame.cloud[frame.s
 plots.boxes(detect_obstacles(frame.cloud), axes=axes, label="found", title="The region misses half of the square");
 
 # %% [markdown]
-# Sixteen true boxes are few: one hit more or less changes recall by 0.06. The four frames are from one drive, so ± says nothing about other drives.
+# There are only sixteen true boxes, so one hit more or less changes recall by 0.06. The four frames are from one drive, so ± says nothing about other drives.
 #
 # <details><summary>Hint 1</summary>
 #
-# `card_of("cyclist", around, minimum=(-15, -20, -3), maximum=(35, 20, 1))` scores other settings without changing the function. Recall rises and precision falls. Draw the frame. Where are the false boxes, and what is in them?
+# `card_of("cyclist", around, minimum=(-15, -20, -3), maximum=(35, 20, 1))` scores other settings without changing the function. With this region, recall rises and precision falls. Draw the frame. Where are the false boxes, and what do they contain?
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# Change one thing at a time, and write down the three numbers. How many points does the cyclist have after thinning, and how many does a treetop have? `min_num_points` belongs between the two.
+# Change one thing at a time, and write down the three numbers. How many points does the cyclist have after thinning, and how many does a treetop have? Choose `min_num_points` between these two numbers.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# `follow` takes a list with the boxes of each frame, and returns first a list with their track IDs. The ego car drives at 4.5 m/s there: `follow(boxes, 1.2, speed=4.5)`. The cyclist is the nearest true box ahead with the kind "cyclist". `scoring.holders` says which box holds the cyclist.
+# `follow` takes a list with the boxes of each frame. Its first result is a list with their track IDs. In this stream, the ego car drives at 4.5 m/s, so call `follow(boxes, 1.2, speed=4.5)`. The cyclist is the nearest true box ahead with the kind "cyclist". `scoring.holders` tells you which box contains the cyclist.
 # </details>
 
 # %% [markdown] nbgrader={"grade": true, "grade_id": "second_data_set", "locked": false, "points": 5, "schema_version": 3, "solution": true, "task": false}
@@ -850,14 +850,14 @@ plots.boxes(detect_obstacles(frame.cloud), axes=axes, label="found", title="The 
 # | region alone | 0.64 | 1.00 | 0.78 |
 # | both | 1.00 | 1.00 | 1.00 |
 #
-# The cyclist keeps one track ID through all ten frames. What is left: a minimum of 40 points removes most pedestrians 10 m away, and this square has no pedestrians that would show it. At an overlap of 0.7, seven of the sixteen true boxes are missed again. Give full points for any such tables with reasons that fit the numbers, even if the numbers are poor.
+# The cyclist keeps one track ID through all ten frames. One failure remains. A minimum of 40 points removes most pedestrians 10 m away, but this square has no pedestrians, so the score does not show it. At an overlap of 0.7, seven of the sixteen true boxes are still missed. Give full points for any such tables with reasons that fit the numbers, even if the numbers are poor.
 
 # %% [markdown]
 # ## Write-up (10 points, read by a person)
 #
 # Describe your detector for a colleague who will maintain it, in 300 to 500 words, with numbers from your own runs. You may drag pictures into the cell.
 #
-# **How it is read.** *2 points:* the steps, their order and the reason for it. *2 points:* the time for a frame and for each step, on which machine, and what you would speed up first. *2 points:* how you chose the parameters: curves or tables, the stream that you used, and another on which you checked them. *2 points:* tracking: `max_distance` and why, with counts of switched and shared IDs. *2 points:* two failures with frame number, cause and remedy, and a task for which you would not trust this detector.
+# **How it is graded.** *2 points:* the steps, their order and the reason for this order. *2 points:* the time for a frame and for each step, the machine, and the step that you would speed up first. *2 points:* how you chose the parameters, with curves or tables, the stream that you used, and another stream on which you checked them. *2 points:* how you chose `max_distance` for tracking, with counts of switched and shared IDs. *2 points:* two failures with frame number, cause and remedy, and a task for which you would not trust this detector.
 #
 # <details><summary>Hint 1</summary>
 #
@@ -865,38 +865,38 @@ plots.boxes(detect_obstacles(frame.cloud), axes=axes, label="found", title="The 
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# To find failures, draw found and true boxes for the frame with the worst score.
+# To find failures, draw the found and the true boxes for the frame with the worst score.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# "It works well" is not a result. "Recall 0.6 ± 0.1 at an overlap of 0.5, over eight streets" is one.
+# "It works well" is not a result. "Recall 0.6 ± 0.1 at an overlap of 0.5, over eight streets" is a result.
 # </details>
 
 # %% [markdown] nbgrader={"grade": true, "grade_id": "write_up", "locked": false, "points": 10, "schema_version": 3, "solution": true, "task": false}
 # **For graders: what a good report says.**
 #
-# *Steps.* Invalid returns, region and ego car come first, because these steps are cheap comparisons and remove a third of the cloud. Then the road: a plane through the low returns, because this street climbs and a level fails beyond 20 m. Then a voxel grid of 0.2 m, so that clustering sees thousands of points instead of tens of thousands, neighbours within 0.5 m, no clusters below 10 points, and the closest rectangle around each.
+# *Steps.* Invalid returns, region and ego car come first, because these steps are cheap comparisons and remove a third of the cloud. Then a plane through the low returns removes the road, because this street climbs and a fixed level fails beyond 20 m. A voxel grid of 0.2 m leaves thousands of points for clustering instead of tens of thousands. Clusters connect neighbours within 0.5 m, clusters of fewer than 10 points are removed, and each of the others gets its closest rectangle.
 #
 # *Time.* A total and the machine, the share of each step from `seconds_by_step`, the ratio to 0.1 s, and a plan for the longest step.
 #
-# *Parameters.* A sweep of at least two, the stream on which they were tuned, and the score on another. Give full points even if the second score is worse, which is normal.
+# *Parameters.* A sweep of at least two parameters, the stream on which they were tuned, and the score on another stream. Give full points even if the second score is worse, which is normal.
 #
 # *Tracking.* `max_distance` from both curves. Switches and shared IDs at this value, with and without prediction and coasting.
 #
-# *Failures.* For example: a pedestrian next to a parked car becomes part of it; the box of a car straight ahead is a thin slice, because only its back is seen; a car is in two pieces, because its windows return no light. Limits: the detector knows no classes, sees nothing lower than 0.3 m (kerbs, a person on the ground), and loses an ID when an object is hidden for more than three frames.
+# *Failures.* For example, a pedestrian next to a parked car becomes part of the car. The box of a car straight ahead is a thin slice, because the scanner sees only its back. A car is in two pieces, because its windows do not return light. Limits: the detector does not know classes, does not see anything lower than 0.3 m (kerbs, a person on the ground), and loses an ID when an object is hidden for more than three frames.
 
 # %% [markdown]
 # ## Common mistakes
 #
 # | mistake | what you see |
 # |---|---|
-# | the road stays in | one giant box around everything near the car, and flat slabs farther away |
-# | `min_num_points=100` on a thinned cloud | boxes on near cars, on few distant ones, and on no pedestrian |
-# | `match_boxes` in the order of the boxes | two cars exchange their IDs when a third one appears |
+# | the road is not removed | one giant box surrounds everything near the car, and there are flat boxes farther away |
+# | `min_num_points=100` on a thinned cloud | most nearby cars have boxes, but few distant cars and no pedestrians do |
+# | `match_boxes` in the order of the boxes | two cars exchange their IDs when a third car appears |
 
 # %% tags=["folded"]
 # @title Two mistakes in pictures (you need not read this)
-wrong = {"the road stays in (ground_level = -9 m)": {"ground_level": -9.0},
+wrong = {"the road is not removed (ground_level = -9 m)": {"ground_level": -9.0},
          "min_num_points = 100 after thinning": {"min_num_points": 100}}
 figure, rows = plt.subplots(2, 1, figsize=(8.5, 8), layout="compressed")
 for (title, settings), axes in zip(wrong.items(), rows):
@@ -911,7 +911,7 @@ for person in pedestrians:
 # %% [markdown]
 # ## Let it drive
 #
-# This part gives no points. A car drives ten seconds with your detector, at ten scans a second. It brakes for every box that is in its lane, or will be, within the stopping distance of lesson 07. It hits objects without a box, and stops for boxes around nothing. If your detector needs more than a tenth of a second, the car sees everything too late. The cell takes about 20 seconds.
+# This part earns no points. The ego car drives for ten seconds with your detector, at ten scans per second. It brakes for every box within the stopping distance of lesson 07 that is in its lane or will be there. It hits objects that have no box, and it stops for boxes that contain nothing. If your detector needs more than a tenth of a second, the car sees everything too late. The cell takes about 20 seconds.
 
 # %%
 from functools import partial
@@ -920,7 +920,7 @@ from utils.drive import drive_street
 
 
 def drive_with(street=3, **settings):
-    """Drive ten seconds of a street with your detector and these settings."""
+    """Drive through a street for ten seconds with your detector and these settings."""
     return drive_street(street, partial(own(detect_obstacles), **settings), seconds=10)
 
 
@@ -928,23 +928,23 @@ drive_with() if is_written(detect_obstacles) else print(
     "detect_obstacles is not written, or has not passed its check.")
 
 # %% [markdown]
-# Below the strip, each braking event opens its frame. Now change one number: `drive_with(min_num_points=100)` hits the cyclist, who never gets a box. What is the largest minimum with which the car still brakes in time? `drive_with().save("film.mp4")` makes a film.
+# Click a braking event below the strip to see its frame. Now change one number. With `drive_with(min_num_points=100)`, the car hits the cyclist, who never gets a box. What is the largest minimum with which the car still brakes in time? `drive_with().save("film.mp4")` makes a film.
 #
-# There are twenty streets, with people who step off the kerb, climbs, rain and a dirty bonnet. Save this notebook, and drive all of them, which takes about a quarter of an hour:
+# There are twenty streets, with people who step off the kerb, hills, rain and a dirty bonnet. Save this notebook, and drive through all of them, which takes about a quarter of an hour:
 #
 # ```
 # python -m utils.drive 12_streaming_obstacles.ipynb
 # ```
 #
-# **The bar to beat:** with squares of a metre the car drives 279 m in all. With the course's detector it drives 2,914 m without a collision, and brakes once for nothing.
+# **The results to beat:** with the occupied squares, the car drives 279 m in all twenty streets together. With the course's detector, it drives 2,914 m without a collision, and brakes once for nothing.
 
 # %% [markdown]
 # ## In practice
 #
 # - The gain of a *Kalman filter* starts high and shrinks with each frame to the value at which yours is fixed.
-# - Matching usually takes the best sum over all pairs (the Hungarian method), and often overlap or shape instead of distance.
-# - Learned detectors box whole cars from half of their returns, and distinguish cars from people. Your detector needs no training, and sees objects that no training set contains.
-# - Libraries contain most of the chain. In Open3D, with `points` an array (n, 3) and `o3d` the module:
+# - Trackers usually choose the pairs with the best total (the Hungarian method), and often compare overlap or shape instead of distance.
+# - Learned detectors put a box around a whole car even if they see only half of it, and distinguish cars from people. Your detector needs no training, and it also finds objects that are not in any training set.
+# - Libraries contain most of the chain. For an array `points` of shape (n, 3), Open3D (imported as `o3d`) needs three lines:
 #
 # ```python
 # cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points)).voxel_down_sample(voxel_size=0.2)
@@ -952,21 +952,21 @@ drive_with() if is_written(detect_obstacles) else print(
 # labels = np.array(cloud.select_by_index(road, invert=True).cluster_dbscan(eps=0.5, min_points=10))
 # ```
 #
-# There `min_points` counts the neighbours of a point, and −1 means no cluster.
+# Here `min_points` counts the neighbours of a point, and the label −1 means no cluster.
 #
 # ## If you want more
 #
-# Ideas 1 to 3 take about 20 minutes each, 4 and 5 about 40, and each of the three experiments after them about 10.
+# Ideas 1 to 3 take about 20 minutes each, and ideas 4 and 5 take about 40. The three experiments after them take about 10 minutes each.
 #
 # 1. Add the speed of the ego car to the velocity of each track, draw it as an arrow, and compare it with `box.velocity`.
-# 2. Give `Tracker` a `patience` of 0, 1, 3, 10 and 30 frames. From which value do IDs pass to other objects while a track coasts?
+# 2. Give `Tracker` a `patience` of 0, 1, 3, 10 and 30 frames. At which value do IDs begin to pass to other objects while a track coasts?
 # 3. Draw only tracks that have been seen three times. How do precision and recall change?
-# 4. Time your detector with every 32nd, 16th, … and all returns of a frame, on logarithmic axes. Every filter is proportional to $n$, so why is the slope of your curve below 1?
-# 5. Halve the voxels and ask for three times as many points: `voxel_grid(points, 0.1)` and `min_num_points=30`. Why do pedestrians gain more than cars? (Thinning moves the outermost points inwards, by up to half a voxel.) Then let it drive. The scanner of the drive has a third of the returns. When does a child have 30 points?
+# 4. Time your detector with every 32nd, 16th, … and all returns of a frame, on logarithmic axes. The time of every filter is proportional to $n$, so why is the slope of your curve below 1?
+# 5. Use voxels of half the size and require three times as many points: `voxel_grid(points, 0.1)` and `min_num_points=30`. Why does this help pedestrians more than cars? (Thinning moves the outermost points inwards by up to half a voxel.) Then let the detector drive. The scanner of the drive has only a third of the returns. At which distance does a child have 30 points?
 #
 # ### Which step causes the misses?
 #
-# The cause may be the clusters, the part of a car that is seen, or the box around it. Let the truth do the clustering, and look at the boxes alone. Around the same points of each car we put three boxes: along the axes (lesson 08), along the principal axes, and the smallest rectangle (lesson 11).
+# The cause may be the clusters, the visible part of a car, or the kind of box. To study the boxes alone, take the clusters from the truth. The next cells put three boxes around the same points of each car: along the axes (lesson 08), along the principal axes, and the smallest rectangle (lesson 11).
 
 # %% tags=["folded"]
 # @title Three kinds of boxes around the same points (you need not read this)
@@ -1008,7 +1008,7 @@ def boxes_of_truth(frame, region, kind):
 
 
 def f1_of_kinds(frames, region):
-    """Return F1 of boxes around true clusters, and its error: for each kind (2, 3 overlaps)."""
+    """Return, for each kind of box around true clusters, F1 and its error; shape (2, 3)."""
     found = {kind: [boxes_of_truth(frame, region, kind) for frame in frames] for kind in KINDS}
     rows = {kind: scoring.score_card(boxes, frames, region)["F1"] for kind, boxes in found.items()}
     return {kind: np.array([row.values, row.errors]) for kind, row in rows.items()}
@@ -1031,22 +1031,22 @@ show_table(["F1 at an overlap of", *map(str, scoring.OVERLAPS)],
             for kind, numbers in measured.items()])
 steepest.compare(max(fall, key=fall.get),
                  "Principal axes lean, because a scanner sees two sides of a car (lesson 11), and a "
-                 "box at an angle shares less area with the true one. All boxes had the same points.")
+                 "box at an angle shares less area with the true box. All boxes had the same points.")
 
 # %% [markdown]
-# Now the causes are separate:
+# Now you can separate the causes:
 #
-# - **The kind of box.** The curve of the principal axes collapses, and the two others do not. If yours does, fit smallest rectangles. On streets, boxes along the axes are even a little better: over 24 streets by 0.02 ± 0.01 in F1, at each of the three overlaps. Almost everything there is parallel to the x axis. Beyond 15 m, where few points of a car are left, one smallest rectangle in ten is turned by more than 8°. On the square of the cyclist it is the other way round: in the first frame of eight squares, at an overlap of 0.5, F1 is 0.93 ± 0.03 for smallest rectangles and 0.39 ± 0.03 for boxes along the axes.
-# - **The part that is seen.** Even the best boxes around perfect clusters miss cars. Only the back of a car 20 m ahead is seen, and its box is a slice of the car. It counts twice, as a miss and as a false box.
-# - **The clusters.** The gap between your markers and the best line is due to merged neighbours, cars in pieces, and boxes on objects that do not count here.
+# - **The kind of box.** The curve of the principal axes falls steeply, and the two others do not. If the curve of your detector falls like this, fit smallest rectangles. On streets, boxes along the axes are even a little better, because almost everything is parallel to the x axis. Over 24 streets, their F1 is higher by 0.02 ± 0.01 at each of the three overlaps. Beyond 15 m, cars have few points, and one smallest rectangle in ten is wrong by more than 8°. On the square of the cyclist, the opposite is true. In the first frames of eight squares, at an overlap of 0.5, F1 is 0.93 ± 0.03 for smallest rectangles and 0.39 ± 0.03 for boxes along the axes.
+# - **The visible part.** Even the best boxes around perfect clusters miss cars. The scanner sees only the back of a car 20 m ahead, so the box is a slice of the car. This box counts twice, as a miss and as a false box.
+# - **The clusters.** The gap between your markers and the best line has other causes: merged neighbours, cars in several pieces, and boxes on objects that do not count here.
 #
 # ### A gain from the wobble of the boxes
 #
-# A gain of 0.5 was a guess. The right gain depends on two things: how far the centre of a box wobbles while the object keeps its velocity, $\sigma$ in metres, and how hard objects accelerate, $a$ in m/s². With a time $T$ between frames, a Kalman filter settles at the gain
+# The gain of 0.5 was a guess. The right gain depends on two numbers. The first is $\sigma$, how far the centre of a box wobbles while the velocity of the object is constant, in metres. The second is $a$, how strongly objects accelerate, in m/s². If $T$ is the time between frames, a Kalman filter settles at the gain
 #
 # $$\alpha = 1 - r^2, \qquad r = \frac{4 + \Lambda - \sqrt{\Lambda^2 + 8 \Lambda}}{4}, \qquad \Lambda = \frac{a\,T^2}{\sigma}.$$
 #
-# The wobble can be measured without any truth. At constant velocity, the second position is halfway between the first and the third: $p_1 - 2 p_2 + p_3 = 0$. What is left is the wobble of three boxes, with the weights 1, −2 and 1. Independent errors add up in their squares: $(1 + 4 + 1)\,\sigma^2 = 6\,\sigma^2$.
+# You can measure the wobble without the truth. At constant velocity, the second of three positions is halfway between the others, so $p_1 - 2 p_2 + p_3 = 0$. For measured positions, this sum contains the errors of three boxes with the weights 1, −2 and 1. The squares of independent errors add up, so the mean square of the sum is $(1 + 4 + 1)\,\sigma^2 = 6\,\sigma^2$.
 
 # %%
 wobble_guess = predict("How far does the centre of a box wobble from frame to frame "
@@ -1075,12 +1075,12 @@ def gain_for(wobble, acceleration, seconds=0.1):
 wobble = wobble_of(1.0)
 print(f"wobble: {100 * wobble:.1f} cm; gain for objects that brake gently, with 2 m/s²: "
       f"{gain_for(wobble, 2.0):.2f}")
-wobble_guess.compare(100 * wobble, "Half of the boxes wobble by less than 3 cm. Now and then one grows "
-                     "by a metre, because it merges with a neighbour, and large errors dominate a "
+wobble_guess.compare(100 * wobble, "Half of the boxes wobble by less than 3 cm. Now and then, a box grows "
+                     "by a metre, because it merges with a neighbour. Such large errors dominate a "
                      "root mean square.")
 
 # %% [markdown]
-# Does the formula give a good gain? The simulator knows the velocity of each object, so we can try all gains.
+# Does the formula give a good gain? The simulator knows the velocity of each object, so you can try all gains.
 
 # %% tags=["folded"]
 # @title Switches and velocities for all gains (you need not read this)
@@ -1112,11 +1112,11 @@ for axes, values, up, title in (
     axes.get_legend().remove()
 
 # %% [markdown]
-# If the gain is too small, the tracker learns too slowly that an object approaches, and loses its ID. If it is too large, every wobble looks like speed. At 0.9 the median error of a velocity is 0.3 m/s. The gain from the wobble is about the smallest that costs no IDs. Over the eight streets, switches are 38 ± 14 at a gain of 0.3, 18 ± 8 at 0.5 and 16 ± 7 at 0.7. The errors of the velocity are 0.06, 0.08 and 0.15 m/s, each ± 0.01 or 0.02.
+# If the gain is too small, the tracker notices too late that an object is approaching, and the object loses its ID. If the gain is too large, every wobble looks like a velocity. At 0.9, the median error of the velocity is 0.3 m/s. The gain from the wobble is about the smallest one that does not lose IDs. Over the eight streets, the number of switches is 38 ± 14 at a gain of 0.3, 18 ± 8 at 0.5 and 16 ± 7 at 0.7. The errors of the velocity are 0.06, 0.08 and 0.15 m/s, each ± 0.01 or 0.02.
 #
 # ### Another road, other settings
 #
-# The stream *highway* has three cars. Its scanner is 2.6 m above the road and has 8 beams instead of 64, so each car has a few dozen returns at most. With the settings of the city, most cars are missed.
+# The stream *highway* has three cars. Its scanner is 2.6 m above the road and has 8 beams instead of 64, so each car has at most a few dozen returns. With the settings for the city, your detector misses most cars.
 
 # %%
 frame = scenes.highway(frames=1)[0]
@@ -1130,25 +1130,25 @@ for axes, title, settings in (
     at_half, at_all = (scoring.score_boxes(boxes, corners_of(frame.boxes), overlap).true_positives
                        for overlap in (0.5, 0.05))
     print(f"{title}: {len(frame.boxes)} cars, boxes found: {len(boxes)}; hits at an IoU of 0.5: "
-          f"{at_half}, of 0.05: {at_all}")
+          f"{at_half}, at 0.05: {at_all}")
     plots.boxes(corners_of(frame.boxes), cloud=frame.cloud[:, :3], limits=((-20, 30), (-7, 7)),
                 reference=True, label="true", axes=axes)
     plots.boxes(boxes, axes=axes, label="found", title=title)
 
 # %% [markdown]
-# The ground level had to follow the height of the scanner, and the threshold and the minimum had to follow the gaps between its beams. The code did not change.
+# The new ground level fits the height of this scanner, and the new threshold and minimum fit the gaps between its beams. The code did not change.
 #
-# Three boxes for three cars look like three hits, but only the car with 35 returns is hit. The others have 6 and 12 returns, all from a bumper or a side, and a box around these is a sliver. No setting brings back what eight beams did not see.
+# Three boxes for three cars look like three hits, but only the car with 35 returns is a hit. The others have 6 and 12 returns, all from a bumper or a side, so their boxes are thin strips. No setting can replace the parts that eight beams did not see.
 #
 # ## Summary
 #
-# - A detector is a chain: cheap filters first, careful steps last, and every step works on an empty cloud.
-# - Precision, recall, and counts of switched and shared IDs turn opinions about parameters into curves. To find a cause, change one step and keep the rest.
+# - A detector is a chain. Cheap filters come first, careful steps last, and every step works on an empty cloud.
+# - Precision, recall, and counts of switched and shared IDs turn opinions about parameters into curves. To find the cause of a mistake, change one step and keep the rest.
 # - A track connects boxes over time: predict, match one to one, correct, coast, drop.
 #
 # **Sources.** Overlap, precision and recall for street scenes: [Geiger et al. 2012](https://doi.org/10.1109/CVPR.2012.6248074). Tracking mistakes: [Bernardin and Stiefelhagen 2008](https://doi.org/10.1155/2008/246309). A tracker in few lines: [Bewley et al. 2016](https://doi.org/10.1109/ICIP.2016.7533003). The gain at which a filter settles: [Kalata 1984](https://doi.org/10.1109/TAES.1984.310438). Optimal assignment: [Kuhn 1955](https://doi.org/10.1002/nav.3800020109). The pipeline with its three scenes: [Udacity, Sensor Fusion](https://github.com/udacity/SFND_Lidar_Obstacle_Detection). A simple tracker for a learned detector: [Weng et al. 2020](https://doi.org/10.1109/IROS45743.2020.9341164).
 #
-# **That was the last lesson.** Congratulations: you wrote a LiDAR pipeline from the first mask to the last track.
+# **That was the last lesson.** Congratulations! You wrote a LiDAR pipeline, from the first mask to the last track.
 
 # %% [markdown] tags=["footer"]
 # (footer)

@@ -442,7 +442,7 @@ def test_statements_about_wobble_and_gain_are_true(lesson_names, things):
             for track in first.keys() & second.keys() & third.keys()
         ]
     assert 0.01 < np.median(bends) / np.sqrt(6) < 0.03  # "half of the boxes"
-    assert max(bends) > 1  # "now and then one grows by a metre"
+    assert max(bends) > 1  # "now and then, a box grows by a metre"
     switches, error = lesson_names["gain_curve"]([0.1, 0.5, 0.9])
     assert switches[0] > 2 * switches[1]
     assert error[1] <= 0.1 and error[2] == pytest.approx(0.3, abs=0.05)
@@ -622,7 +622,7 @@ def test_the_lesson_takes_two_sittings_of_the_stated_minutes():
 def test_the_bar_to_beat_is_the_result_of_the_stored_drives():
     results = reference_results(range(1, 21))
     course, squares = (results[name] for name in DRIVERS[1:])
-    assert f"with squares of a metre the car drives {squares.metres:.0f} m in all" in TEXT
+    assert f"with the occupied squares, the car drives {squares.metres:.0f} m in all" in TEXT
     assert f"it drives {course.metres:,.0f} m without a collision, and brakes once" in TEXT
     assert (course.collisions, course.needless) == (0, 1)
 
