@@ -458,8 +458,6 @@ for threshold, axes in zip((0.03, 0.2, 0.8), panels):
 # %% [markdown]
 # ## When the wall wins
 #
-# *RANSAC finds the largest plane, which need not be the ground.*
-#
 # In the next picture, RANSAC gets only the right-hand pavement and the house front next to it.
 
 # %%
@@ -483,7 +481,7 @@ plots.plane_model(beside, won, near, 0.2, view="above", limits=((-2, 14), (-9, -
 #
 # RANSAC's plane goes exactly through three noisy points. If they are half a metre apart, an error of 1 cm tilts the plane by about a degree. But now we know the inliers, and nearly all the obstacles are gone. Least squares is the right tool for these points, because it averages the noise of thousands of them.
 #
-# Soon you will measure the slopes of thirty planes, one for each of thirty seeds, before and after such a fit.
+# You will measure the slopes of thirty planes, from thirty seeds, before and after such a fit.
 
 # %%
 calmer = predict("After the fit to all inliers, how do the thirty slopes scatter?",
@@ -661,7 +659,7 @@ check(fit_plane)
 #
 # ## How many rounds?
 #
-# Let $w$ be the share of ground points. A sample of $s = 3$ points is good if all of them are on the ground. This has the probability $w^s$, so a sample is bad with probability $1 - w^s$. All samples of $N$ rounds are bad with probability $(1 - w^s)^N$. We want at least one good sample with a confidence $C$, such as 0.99:
+# Let $w$ be the share of ground points. A sample of $s = 3$ points is good if all of them are on the ground, which has the probability $w^s$. So a sample is bad with probability $1 - w^s$, and all samples of $N$ rounds are bad with probability $(1 - w^s)^N$. We want at least one good sample with a confidence $C$, such as 0.99:
 #
 # $$1 - (1 - w^s)^N \ge C \quad\Longleftrightarrow\quad N \ge \frac{\log(1 - C)}{\log(1 - w^s)} .$$
 #
@@ -669,7 +667,7 @@ check(fit_plane)
 #
 # ## Exercise 5 · `iterations_needed` (points)
 #
-# Return the smallest whole number $N$ that satisfies the inequality. Two inlier ratios are special cases. Return 1 for `inlier_ratio` 1, because every sample is then good. Return `math.inf` for 0, because no sample is good. `confidence` is never 0 or 1.
+# Return the smallest whole number $N$ that satisfies the inequality. Return 1 for `inlier_ratio` 1, because every sample is then good, and `math.inf` for 0, because no sample is good. `confidence` is never 0 or 1.
 
 # %% nbgrader={"grade": false, "grade_id": "iterations_needed", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def iterations_needed(inlier_ratio, sample_size, confidence):
@@ -841,7 +839,7 @@ for (name, (plane, mask)), axes in zip(wrong.items(), panels):
 # %% [markdown]
 # ### Noise, or the model?
 #
-# Why do good samples fail? We draw 2,000 samples. For each, we ask whether all three points are on the ground, and whether their plane contains nine tenths of the ground. Then we ask the same for a street whose ground is one perfect plane. The only error left is the sensor's noise of 2 cm *along the ray*. The rays meet the road at a flat angle, so the noise moves a point up or down by only about 6 mm.
+# Why do good samples fail? We draw 2,000 samples, and ask whether all three points are on the ground, and whether their plane contains nine tenths of the ground. Then we ask the same for a street whose ground is one perfect plane. The only error left is the sensor's noise of 2 cm *along the ray*. The rays meet the road at a flat angle, so the noise moves a point up or down by only about 6 mm.
 
 # %%
 def good_samples(points, ground):
@@ -962,7 +960,7 @@ won_by_ground.compare(sum(upright > 0.9 for _, upright, *_ in lines),
                       "normal points up finds the ground.")
 
 # %% [markdown]
-# The sensor is mounted 1.73 m above the road, and the street climbs by 2.2 %. The plane gives both numbers in every frame, from the points alone. Its errors differ from frame to frame. They are at most about 1 cm and 0.1 %.
+# The sensor is mounted 1.73 m above the road. The plane gives this height and the slope in every frame, from the points alone. Its errors differ from frame to frame, and are at most about 1 cm and 0.1 %.
 #
 # The next picture shows the frame in which the largest plane is steepest.
 
