@@ -127,7 +127,7 @@ for azimuth, where in ((0, "ahead"), (90, "to the left"), (-90, "to the right"))
 #
 # *A turning beam draws a ring on the road, and an obstacle leaves a gap in the ring.*
 #
-# A scanner turns a stack of lasers that aim at different elevations, and fires all of them at every step. Each laser is a [beam](#Words-of-the-course), each single shot is a *ray*, and all the returns from one turn form a *scan*. The cloud above comes from a small scanner with 8 beams and 128 steps. Like everything in this course, it is simulated, so we know the truth.
+# A scanner turns a stack of lasers that point at different elevations, and fires all of them at every step. Each laser is a [beam](#Words-of-the-course), each single shot is a *ray*, and all the returns from one turn form a *scan*. The cloud above comes from a small scanner with 8 beams and 128 steps. Like everything in this course, it is simulated, so we know the truth.
 #
 # In the first picture, the car ahead casts a *shadow*, so the outermost ring has a gap behind it. A scanner sees only the side of a car that faces the scanner. The next picture shows the rays straight ahead, from the side.
 
@@ -282,7 +282,7 @@ people.compare(found, "The one with 9 returns is a child behind the car parked o
 #
 # *A row of a cloud is not a vector, because its columns measure different things.*
 #
-# A car that has to brake needs the distance *along the road*, whether the laser hit a bumper or the roof above it. NumPy has a function for the length of a vector, so we first try `np.linalg.norm(cloud, axis=1)`. We test it on a strip straight ahead, less than 30 cm to either side. In this strip, the distance along the road is simply x.
+# A car that has to brake needs the distance *along the road*, no matter whether the laser hit a bumper or the roof above it. NumPy has a function for the length of a vector, so we first try `np.linalg.norm(cloud, axis=1)`. We test it on a strip straight ahead, less than 30 cm to either side. In this strip, the distance along the road is simply x.
 
 # %%
 strip = cloud[(np.abs(cloud[:, 1]) < 0.3) & (cloud[:, 0] > 3) & (cloud[:, 0] < 21)]

@@ -543,8 +543,8 @@ every_second = predict("With 10 rounds, at what inlier ratio do half of all runs
 
 # %%
 every_second.compare(100 * np.sqrt(1 - 0.5 ** (1 / 10)),
-                     "At this ratio, only one sample in 15 is good, so ten rounds draw one in just half "
-                     "of all runs. RANSAC can find a line that holds only a quarter of all points.")
+                     "At this ratio, only one sample in 15 is good, so ten rounds draw a good one in only "
+                     "half of all runs. RANSAC can find a line that holds only a quarter of all points.")
 
 # %% [markdown]
 # Now test your own function on two hundred scenes with a known inlier ratio. A run succeeds if it finds at least 80 % of the points on the line.

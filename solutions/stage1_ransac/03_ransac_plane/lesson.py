@@ -445,7 +445,7 @@ figure, panels = plt.subplots(3, 1, figsize=(8.5, 8), layout="compressed")
 for threshold, axes in zip((0.03, 0.2, 0.8), panels):
     found, near = ransac_plane(street, 50, threshold, 1)
     plots.from_above(street[~near], limits=((-10, 30), (-5, 5)), axes=axes,
-                     title=f"Left with {threshold} m. Removed: {shares(near)}")
+                     title=f"A threshold of {threshold} m removes {shares(near)}")
     print(f"threshold {threshold} m: the plane climbs by {-100 * found[0] / found[2]:.1f} %")
 
 # %% [markdown]
@@ -514,7 +514,7 @@ spread = ((section @ directions.T) ** 2).sum(axis=0)
 
 figure, (seen, curve) = plt.subplots(2, 1, figsize=(8.5, 7), layout="compressed")
 plots.line_model(section, [*last, 0], limits=((-5, 5), (-2.2, 2.2)), axes=seen,
-                 title="Twelve points and the line with the smallest squares")
+                 title="Twelve points and the line with the smallest sum of squares")
 seen.set(xlabel="x, forward (m)", ylabel="z, up (m)")
 for name, direction, length in (("first", first * np.sign(first[0]), 2.0),
                                 ("last", last * np.sign(last[1]), 1.4)):
@@ -725,7 +725,7 @@ print("tosses of a coin:", iterations_needed(0.5, 1, 0.9))
 # **Look before you check.** In both columns, the numbers should fall from infinity to 1. A plane should need at least as many rounds as a line.
 
 # %%
-show_table(["share of inliers", "a line", "a plane"],
+show_table(["share of inliers", "rounds for a line", "rounds for a plane"],
            [(w, *(iterations_needed(w, size, 0.99) for size in (2, 3)))
             for w in (0, 0.1, 0.3, 0.5, 0.7, 0.9, 1)])
 

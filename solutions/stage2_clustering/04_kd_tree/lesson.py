@@ -413,7 +413,7 @@ print(f"found {found}, expected {near_ones}")
 print(f"looked at {sorted(visited)}, expected {sorted(looked_at)}")
 
 # %% [markdown]
-# **Look before you check.** The player shows *your* search within 4 m of (2, -1), in the tree that your `insert` makes of fifteen points. A ring marks the current node, and dotted regions have not been reached yet. At the end, three points must be green, and four branches must be pruned (hatched). If a step is wrong, the player starts there and says why.
+# **Look before you check.** The player shows *your* search within 4 m of (2, -1), in the tree that your `insert` makes from fifteen points. A ring marks the current node, and dotted regions have not been reached yet. At the end, three points must be green, and four branches must be pruned (hatched). If a step is wrong, the player starts there and says why.
 
 # %%
 fifteen = np.array([[-6, 0], [1, -2], [4, -1], [-2, 5], [-1, 1], [-7, 3], [-3, -9], [3, -7],
@@ -587,7 +587,7 @@ check(median_order)
 # %% [markdown]
 # ## Theory against practice: count the visits
 #
-# The time of a search depends on the machine, but the number of nodes that it looks at does not. We draw 125 to 8,000 points of the scan and search around about fifty of them, each time for the five nearest. We do this three times, for four orders of arrival. The last order is an artificial wall along which x, y and z all rise.
+# The time of a search depends on the machine, but the number of nodes that it looks at does not. We draw 125 to 8,000 points of the scan and search around about fifty of them, each time for the five nearest. We do this three times for each of four orders of arrival. The last order is an artificial wall along which x, y and z all rise.
 
 # %% tags=["folded"]
 # @title Count the nodes of a search for five neighbours (you need not read this)
