@@ -11,16 +11,16 @@
 # %% [markdown]
 # # 01 · Point clouds
 #
-# ![One turn of a laser scanner, drawn twice, with colour for distance. Above, rows of returns in which a cyclist, a turning car, a pedestrian and a parked car are named. Below, the same returns from above, in rings around the sensor.](01_preview.png)
+# ![The same laser scan drawn twice, coloured by distance. The upper picture shows the view ahead as rows of dots, with labels at a cyclist, a turning car, a pedestrian and a parked car. The lower picture shows the scan from above, as rings around the sensor.](01_preview.png)
 #
-# Both pictures show the same data. The upper one shows the street ahead as a laser scanner sees it, with one row of dots for each laser beam. The lower one is a map of the result: a list of points in space, called a *point cloud*.
+# Both pictures show the same laser scan. The upper one is the scanner's own view of the street ahead, with one row of dots per laser beam. The lower one is a map of the result: a list of points, called a *point cloud*.
 #
 # **After this lesson you can**
 # - explain how a laser scanner measures a point, and what each of its parameters changes,
-# - process a hundred thousand points with one line of NumPy instead of a loop, and measure how much faster that is,
-# - remove the returns that are not points.
+# - process a hundred thousand points with one line of NumPy instead of a loop, and measure how much faster that line is,
+# - remove the rows of a scan that are not real points.
 #
-# **You write** `horizontal_distance` (points) and `drop_invalid` (points). **Time:** (time). **You need** basic Python. The lesson explains the NumPy that it uses.
+# **You write** `horizontal_distance` (points) and `drop_invalid` (points). **Time:** (time). **You need** basic Python. The lesson explains the NumPy it uses.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -31,9 +31,7 @@
 # %% [markdown]
 # ## Your first line of code
 #
-# *A cloud is a table with one row per return and the columns x, y, z and intensity.*
-#
-# A scanner on the roof of a car has turned around once, on a straight road with three box-shaped cars. Each row of its cloud is a [return](#Words-of-the-course), a place from which light came back. The sensor is the origin; x points forward, y to the left and z up, always in metres.
+# A scanner on the roof of a car has made one full turn on a straight road with three box-shaped cars. Each row of its cloud is a [return](#Words-of-the-course), a place from which laser light came back. The columns are x, y, z and intensity. The sensor is at the origin. The x axis points forward, y to the left and z up, always in metres.
 
 # %%
 import matplotlib.pyplot as plt
@@ -52,9 +50,9 @@ for x, y in ((15, 0), (8, -4), (-12, 4)):
     plots.ring(axes, x, y, radius=2.8, text="car")
 
 # %% [markdown]
-# `highway[:, 0]` is the column of all x. `highway[:, 0] > 0` tests for each row whether the return is ahead of the sensor. The result is a *mask*, one `True` or `False` per row. `highway[mask]` keeps the rows where the mask is `True`.
+# `highway[:, 0]` is the column of x values. `highway[:, 0] > 0` tests for each row whether the return is ahead of the sensor. The result is a *mask*, with one `True` or `False` per row. `highway[mask]` keeps the rows where the mask is `True`.
 #
-# Now it is your turn. Change the comparison so that only the three cars are left, and run the cell again. How do the cars differ from the road? Nothing is checked here, and an answer is below.
+# Now it is your turn. Change the comparison so that only the three cars remain, and run the cell again. How do the cars differ from the road? This cell is not checked. An answer is below.
 
 # %%
 mine = highway[highway[:, 0] > 0]
@@ -64,10 +62,10 @@ plots.from_above(mine, values=mine[:, 2], span=(-2.6, 0), label="height z (m)",
 # %% [markdown]
 # <details><summary>An answer</summary>
 #
-# The road is low, so compare heights: `highway[highway[:, 2] > -2.5]`. This also removes a few low returns from the cars. Lesson 06 makes a filter of this line.
+# The road is lower than the cars, so compare heights: `highway[highway[:, 2] > -2.5]`. This also removes a few low returns from the cars. In lesson 06, you turn this line into a filter.
 # </details>
 #
-# You need little more NumPy than this to work with a cloud:
+# These four lines show most of the NumPy that you need to work with a cloud:
 
 # %%
 heights = highway[:, 2]                     # a column: one number per return
@@ -81,41 +79,41 @@ print("left:      ", left.shape)
 print("left_ahead:", left_ahead.shape)
 
 # %% [markdown]
-# None of these lines needs a loop, because each works on all returns at once. Such code is called *vectorised*.
+# None of these lines needs a loop, because each one works on all the returns at once. Code like this is called *vectorised*.
 #
 # ## One pulse
 #
 # *A LiDAR measures how long light takes to come back.*
 #
-# LiDAR stands for *light detection and ranging*. A laser sends a pulse that lasts a few nanoseconds, and a detector next to it waits for the echo. How long does it wait? Every lesson has a few such questions; guess before you read on.
+# LiDAR stands for *light detection and ranging*. A laser sends a pulse of a few nanoseconds, and a detector next to it waits for the echo. How long does it wait? Every lesson asks a few questions like this. Guess before you read on.
 
 # %%
 echo = predict("A car is 30 m ahead. How long after the pulse does its echo arrive?",
                choices=["0.2 seconds", "0.2 milliseconds", "0.2 microseconds", "0.2 nanoseconds"])
 
 # %% [markdown]
-# The light travels to the car and back. An echo that arrives after the time $t$ therefore comes from the range
+# The light travels to the car and back. An echo that arrives after a time $t$ therefore comes from the range
 #
 # $$r = \frac{c\,t}{2}, \qquad c = 299\,792\,458\ \text{m/s}.$$
 
 # %%
 SPEED_OF_LIGHT = 299_792_458  # metres per second
 echo.compare(f"{2 * 30 / SPEED_OF_LIGHT * 1e6:.1f} microseconds",
-             "There and back is 60 m, and light travels 300 m in a microsecond. "
-             "So a scanner can send its next pulse about a microsecond later.")
+             "The round trip is 60 m, and light travels 300 m in a microsecond. "
+             "So the scanner can send its next pulse about a microsecond later.")
 later = 2 * 0.02 / SPEED_OF_LIGHT
-print(f"if the car were 2 cm farther away, the echo would be {later * 1e12:.0f} picoseconds later")
+print(f"if the car were 2 cm farther away, the echo would arrive {later * 1e12:.0f} picoseconds later")
 
 # %% [markdown]
-# To distinguish 30.00 m from 30.02 m, a scanner must distinguish times that differ by the last number above. (A picosecond is a millionth of a microsecond.)
+# To distinguish 30.00 m from 30.02 m, a scanner must measure time differences as small as the last number above. (A picosecond is a millionth of a microsecond.)
 #
-# A range alone is not a point, but the scanner also knows where it aimed. The *azimuth* $\alpha$ is the angle around the vertical axis, from straight ahead towards the left. The *elevation* $\varepsilon$ is the angle above the horizon. The range and these two angles make a point:
+# A range alone does not give a point, but the scanner also knows where it aimed. The *azimuth* $\alpha$ is the angle around the vertical axis, from straight ahead towards the left. The *elevation* $\varepsilon$ is the angle above the horizon. The range and these two angles give the point:
 #
 # $$x = r\cos\varepsilon\cos\alpha, \qquad y = r\cos\varepsilon\sin\alpha, \qquad z = r\sin\varepsilon.$$
 
 # %%
 def point_of(range_, azimuth, elevation):
-    """x, y and z of an echo; the angles are in degrees."""
+    """Return x, y and z of an echo. The angles are in degrees."""
     azimuth, elevation = np.radians(azimuth), np.radians(elevation)
     flat = range_ * np.cos(elevation)
     return np.array([flat * np.cos(azimuth), flat * np.sin(azimuth), range_ * np.sin(elevation)])
@@ -129,40 +127,38 @@ for azimuth, where in ((0, "ahead"), (90, "to the left"), (-90, "to the right"))
 #
 # *A turning beam draws a ring on the road, and an obstacle leaves a gap in the ring.*
 #
-# A scanner stacks several lasers at different elevations, turns the stack and fires all lasers at every step. Each laser is a [beam](#Words-of-the-course), each single shot is a *ray*, and all returns of one turn are a *scan*. The cloud above comes from a small scanner with 8 beams and 128 steps. It is simulated, like everything in this course, so we know the truth.
+# A scanner turns a stack of lasers that point at different elevations, and fires all of them at every step. Each laser is a [beam](#Words-of-the-course), each single shot is a *ray*, and all the returns from one turn form a *scan*. The cloud above comes from a small scanner with 8 beams and 128 steps. Like everything in this course, it is simulated, so we know the truth.
 #
-# In the first picture, the outermost ring has a gap behind the car ahead, because that car casts a *shadow*. A scanner sees only the side of a car that faces it. Here are the rays that go straight ahead, from the side.
+# In the first picture, the car ahead casts a *shadow*, so the outermost ring has a gap behind it. A scanner sees only the side of a car that faces the scanner. The next picture shows the rays straight ahead, from the side.
 
 # %%
 ahead = highway[(highway[:, 0] > 0) & (np.abs(highway[:, 1]) < 0.1)]
 figure, axes = plt.subplots(figsize=(8.5, 3.4), layout="compressed")
 plots.from_side(ahead, values=ahead[:, 2], span=(-2.6, 0), label="height z (m)", axes=axes,
                 limits=((-2, 22), (-3.2, 0.6)), title="The rays that go straight ahead")
-for x, _, z, _ in ahead:  # row by row; _ stands for numbers that we do not need
+for x, _, z, _ in ahead:  # one row at a time; _ is a number that we do not need
     axes.plot([0, x], [0, z], color="black", linewidth=0.4)
 print("the rays end at x =", ahead[:, 0].round(1), "m")
 
 # %% [markdown]
-# The steep rays meet the road, each a little farther out. The two flattest rays meet the car, 13 m ahead. Rays above the car would meet nothing, and the cloud would have no rows for them. A point cloud therefore says nothing about free space.
+# The steep rays hit the road, each a little farther out. The two flattest rays hit the car, 13 m ahead. A ray above the car would hit nothing and leave no row in the cloud. A point cloud therefore tells you nothing about free space.
 #
 # ## Play: build your own scanner
 #
-# *The number of beams, the step and the noise each change the scan in their own way.*
-#
-# Now you change the scanner: the number of beams, the azimuth step between two shots, and the [noise](#Words-of-the-course) of the range. The street stays the same. With 32 beams, each of the four cars and three pedestrians within 12 m has at least eight returns.
+# Now you choose the number of beams, the azimuth step between two shots, and the [noise](#Words-of-the-course) in the range. The street stays the same. With 32 beams, each of the four cars and three pedestrians within 12 m has at least eight returns.
 
 # %%
-left_over = predict("With only 4 beams, how many of these seven still have five returns or more?",
+left_over = predict("With only 4 beams, how many of these seven still have at least five returns?",
                     between=(0, 7))
 
 # %% tags=["folded"]
-# @title A street, and a scanner with your parameters (you need not read this)
+# @title Build a street and a scanner with your parameters (you need not read this)
 from utils.scenes import random_street
 from utils.simulator import Sensor, layers
 
 
 def scan_with(beams=32, step=0.8, noise=0.02):
-    """A frame of the street; the step is in degrees, the noise in metres."""
+    """Return a frame of the street. The step is in degrees, the noise in metres."""
     sensor = Sensor(elevations=layers(beams, -25.0, 2.0), azimuth_step=np.radians(step),
                     range_noise=noise)
     return random_street(seed=3, sensor=sensor)
@@ -192,7 +188,7 @@ def show_scanner(beams, step, noise):
     plt.show()
 
 # %% [markdown]
-# The same without sliders: one scanner, then one parameter made worse at a time. Each title ends with the number of all returns. Two circles mark a pole (left) and a pedestrian (right), with the number of their returns.
+# Here is the same without sliders. The first picture shows the full scan, and in each of the others, one parameter is worse. The titles give the total number of returns. The circles mark a pole (left) and a pedestrian (right), with the number of returns from each.
 
 # %%
 scanners = {"32 beams, 0.8°, 2 cm": {}, "8 beams": {"beams": 8},
@@ -206,9 +202,9 @@ for (name, change), axes in zip(scanners.items(), rows.flat):
                    text=f"{np.sum(frame.scan.objects == box.identity)}")
 
 # %% [markdown]
-# With fewer beams, the rings are farther apart, and the pedestrian is between two of them. With larger steps, the thin pole is between two rays. With more noise, nothing disappears, but walls become thick and flat surfaces rough.
+# With fewer beams, the rings are farther apart, and the pedestrian falls between two of them. With larger steps, the thin pole falls between two rays. With more noise, nothing disappears, but walls look thicker and flat surfaces look rough.
 #
-# How many returns of each car and each pedestrian are left? The simulator knows.
+# How many returns does each car and each pedestrian still have? The simulator knows.
 
 # %% tags=["folded"]
 # @title Count the returns of each object (you need not read this)
@@ -216,19 +212,18 @@ counted = {}
 for beams in (32, 16, 8, 4):
     returns = np.bincount(scan_with(beams).scan.objects, minlength=100)
     counted[f"{beams} beams"] = [returns[box.identity] for box in cars + pedestrians]
-show_table(["returns of a", *counted],
+show_table(["returns from a", *counted],
            [(f"{box.kind} at {distance_of(box):.1f} m", *numbers)
             for box, *numbers in zip(cars + pedestrians, *counted.values())])
 left_over.compare(sum(n >= 5 for n in counted["4 beams"]),
-                  "The last column of the table shows all four cars, and no pedestrian. A ring "
-                  "leaves many returns on a car, but one or two on a pedestrian, or none.")
+                  "In the last column of the table, the four cars still have many returns, but "
+                  "no pedestrian has five. A ring leaves many returns on a car, but only one or "
+                  "two on a pedestrian, or none.")
 
 # %% [markdown]
 # ## A cloud is an array
 #
-# *Each row is a return, and each column a quantity.*
-#
-# From here on we use one scan of a 64-beam scanner in a street. Each row holds x, y, z, and the *intensity* of the echo between 0 and 1. Bright paint and number plates reflect much light, tyres and windows only a little.
+# For the rest of this lesson, we use one scan of a street from a 64-beam scanner. Its fourth column is the *intensity* of the echo, between 0 and 1. Bright paint and number plates reflect a lot of light, but tyres and windows reflect only a little.
 
 # %%
 cloud = load_cloud("cloud.txt")
@@ -250,7 +245,7 @@ plots.ring(axes, 5.1, -2.9, radius=1.2, text="number plate")
 print(f"{len(bright)} of {len(cloud):,} returns are brighter than 0.9 (black squares)");
 
 # %% [markdown]
-# The small groups of points next to the sensor are parts of the [ego car](#Words-of-the-course): a mirror, the tailgate and the aerial.
+# The small groups of points next to the sensor are parts of the [ego car](#Words-of-the-course), which carries the scanner: a mirror, the tailgate and the aerial.
 #
 # People are easier to find in three dimensions.
 
@@ -258,7 +253,7 @@ print(f"{len(bright)} of {len(cloud):,} returns are brighter than 0.9 (black squ
 people = predict("How many pedestrians are in the next picture? Do not count cyclists.")
 
 # %% [markdown]
-# Drag the points to turn them.
+# Drag the picture to turn it.
 
 # %%
 from utils.scene3d import Scene
@@ -267,27 +262,27 @@ nearby = cloud[(np.abs(cloud[:, 0]) < 25) & (np.abs(cloud[:, 1]) < 12)]
 Scene("The street in space").add_cloud(nearby).add_ego_car().show(interactive=True)
 
 # %% [markdown]
-# A second file holds the truth: which object each return came from, and where each car and each pedestrian was.
+# A second file holds the truth: the object that each return came from, and the position of each car and pedestrian.
 
 # %%
 from utils.datasets import DATA
 
 truth = np.load(DATA / "cloud_truth.npz")
-axes = plots.from_above(cloud, limits=street, title="The pedestrians and the numbers of their returns")
+axes = plots.from_above(cloud, limits=street, title="Each pedestrian, with its number of returns")
 found = 0
 for kind, (x, y, _), returns in zip(truth["box_kinds"], truth["box_centres"], truth["box_returns"]):
     if kind == "pedestrian" and abs(x) < 25 and abs(y) < 12:
         found += 1
         plots.ring(axes, x, y, radius=0.8, text=f"{returns}")
-people.compare(found, "The one with 9 returns is a child behind the car that is parked on the left. "
-                      "A scanner cannot see through cars, so most of the child is not in the cloud.")
+people.compare(found, "The one with 9 returns is a child behind the car parked on the left. A scanner "
+                      "cannot see through a car, so most of the child is missing from the cloud.")
 
 # %% [markdown]
 # ## The naive idea: the length of the row
 #
-# *A row of a cloud is not a vector, because its columns do not all mean the same.*
+# *A row of a cloud is not a vector, because its columns measure different things.*
 #
-# For a car that has to brake, the distance *along the road* matters. Whether the laser hit a bumper or the roof above it must make no difference. NumPy has a function for the length of a vector, so the first idea is `np.linalg.norm(cloud, axis=1)`. We try it on a strip straight ahead, less than 30 cm to either side. There, the distance along the road is simply x.
+# A car that has to brake needs the distance *along the road*, no matter whether the laser hit a bumper or the roof above it. NumPy has a function for the length of a vector, so we first try `np.linalg.norm(cloud, axis=1)`. We test it on a strip straight ahead, less than 30 cm to either side. In this strip, the distance along the road is simply x.
 
 # %%
 strip = cloud[(np.abs(cloud[:, 1]) < 0.3) & (cloud[:, 0] > 3) & (cloud[:, 0] < 21)]
@@ -301,23 +296,21 @@ print(f"the same return without its intensity:  {np.linalg.norm(strip[worst, :3]
 print(f"without its intensity and its height:   {np.linalg.norm(strip[worst, :2]) - x[worst]:.3f} m")
 
 # %% [markdown]
-# The error is largest near the car, where it matters most. The column of points just before 9 m is a pedestrian who crosses the road. By this measure, the feet are farther away than the head.
+# The error is largest near the car, where it matters most. The column of points just before 9 m is a pedestrian crossing the road. According to this measure, the feet are farther away than the head.
 #
-# There are two causes. The main one is height, because the length runs down to the road at a slant. The other one is intensity, which is squared and added as well. Here it adds a centimetre, but other sensors report intensities up to 255. The rest, in the last line, is not an error, because the return is a little to the side.
+# There are two causes. The main one is height, because the length is measured at a slant, from the roof down to the return. The other is intensity, which is squared and added as well. Here it adds a centimetre, but other sensors report intensities up to 255. The small value in the last printed line is not an error, because the return is a little to one side.
 #
 # ## The idea: measure on the ground
 #
-# *Leave out the height and use only x and y.*
-#
-# The *horizontal distance* of a point $(x, y, z)$ from the sensor is
+# The *horizontal distance* of a point $(x, y, z)$ from the sensor leaves out the height:
 #
 # $$d = \sqrt{x^2 + y^2}.$$
 #
-# All points of a lamp post have the same $d$, from bottom to top.
+# All points of an upright lamp post have the same $d$, from bottom to top.
 #
 # ## Exercise 1 · `horizontal_distance` (points)
 #
-# Return one distance per point. The cloud may have three or four columns, and it may be empty. NumPy is enough; of the packages listed at the end, this lesson forbids nothing.
+# Return one distance per point. The cloud may have three or four columns, and it may be empty. You may use any package listed at the end, but NumPy is enough.
 
 # %% nbgrader={"grade": false, "grade_id": "horizontal_distance", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def horizontal_distance(cloud):
@@ -331,9 +324,9 @@ def horizontal_distance(cloud):
     Returns
     -------
     ndarray, shape (n,)
-        sqrt(x² + y²) in metres. Neither height nor intensity counts.
+        sqrt(x² + y²) in metres. Height and intensity make no difference.
     """
-    # 1. Take the column of x and the column of y.
+    # 1. Take the x column and the y column.
     # 2. Square both, add them and take the square root (np.sqrt), for all points at once.
     # roughly 2 lines
     ### BEGIN SOLUTION
@@ -344,19 +337,19 @@ def horizontal_distance(cloud):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# A column of n numbers behaves like a single number: `heights * 2` doubles all of them. So write Pythagoras' theorem as if for one point.
+# You can compute with a column as if it were a single number. For example, `heights * 2` doubles every height. So write Pythagoras' theorem as you would for one point.
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# `cloud[:, 0]` is the x of every point (all rows, column 0). Which column is y?
+# `cloud[:, 0]` takes column 0 of all rows, so it is the x of every point. Which column is y?
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# `np.hypot(a, b)` is the square root of a² + b², also for whole columns. Return it for the columns 0 and 1.
+# `np.hypot(a, b)` is the square root of a² + b², and it also works on whole columns. Return it for columns 0 and 1.
 # </details>
 
 # %% [markdown]
-# **Three points first.** Their (x, y) are (3, 4), (−6, 8) and (0, 7). Their heights and intensities must make no difference. Expected: 5, 10 and 7.
+# **Three points first.** They are at (3, 4), (−6, 8) and (0, 7), so their distances are 5, 10 and 7. Their heights and intensities must make no difference.
 
 # %%
 three = np.array([[3.0, 4.0, -1.7, 0.1], [-6.0, 8.0, 4.0, 0.9], [0.0, 7.0, 2.5, 1.0]])
@@ -364,12 +357,12 @@ print("yours:   ", np.round(horizontal_distance(three), 2))
 print("expected: [ 5. 10.  7.]")
 
 # %% [markdown]
-# **Look before you check.** The colour shows your distance, so it should change in circles around the sensor. Each dashed line, at 5, 10, 15 and 20 m, should follow one colour.
+# **Look before you check.** The colour shows your distance, so it should change in circles around the sensor. Along each dashed circle, at 5, 10, 15 and 20 m, the colour should stay the same.
 
 # %%
 some = cloud[::8]
 axes = plots.from_above(some, values=horizontal_distance(some), span=(0, 20), limits=street,
-                        label="horizontal distance (m)", title="Equal colour, equal distance")
+                        label="horizontal distance (m)", title="Points of equal colour are equally far away")
 for radius in (5, 10, 15, 20):
     axes.add_patch(plt.Circle((0, 0), radius, fill=False, linestyle="--"))
 
@@ -379,13 +372,13 @@ check(horizontal_distance)
 # %% [markdown]
 # ## Theory against practice: where the rings are
 #
-# *Equal angles between the beams mean unequal distances on the road.*
+# *Beams at equal angles do not draw rings at equal distances.*
 #
-# A beam that points down by the angle $\delta$ from the height $h$ meets a flat road at the distance
+# If a beam leaves the sensor at a height $h$ and points down by an angle $\delta$, it hits a flat road at the distance
 #
 # $$d = \frac{h}{\tan\delta}.$$
 #
-# Our sensor is $h = 1.73$ m above the road. The simulator knows the angle of each beam, and which returns come from the road. Your function measures the distance of each ring, once ahead of the car and once behind it.
+# Our sensor is $h = 1.73$ m above the road. The simulator knows the angle of each beam and which returns come from the road. Your function measures the distance of each ring, once ahead of the car and once behind it.
 
 # %% tags=["folded"]
 # @title Measure the rings with your function (you need not read this)
@@ -397,7 +390,7 @@ downwards = -np.degrees(np.array(hdl64().elevations))
 
 
 def rings(side):
-    """Angle and measured distance of the beams that met the road at least 10 times."""
+    """Return angle and distance of each beam that hit the road at least 10 times."""
     angle_of, ring_of = [], []
     for beam, angle in enumerate(downwards):
         met_road = is_road & side & (truth["beams"] == beam)
@@ -411,7 +404,7 @@ angles = np.linspace(2.5, 25, 100)
 axes = plots.curves({"flat road": (angles, 1.73 / np.tan(np.radians(angles)))},
                     {"yours, ahead": rings(cloud[:, 0] > 2), "yours, behind": rings(cloud[:, 0] < -2)},
                     across="angle below the horizon (degrees)", up="distance of the ring (m)",
-                    title="Each beam draws a ring: theory, and your measurement")
+                    title="Each beam draws a ring: theory and your measurement")
 axes.set_ylim(0, 45)
 places = 1.73 / np.tan(np.radians(np.sort(downwards[downwards > 1])[::-1]))  # near to far
 some = [np.abs(places - place).argmin() for place in (5, 10, 20, 40)]
@@ -419,24 +412,24 @@ show_table(["a ring at", "the next beam's ring"],
            [(f"{places[i]:.1f} m", f"{places[i + 1] - places[i]:.2f} m farther out") for i in some])
 
 # %% [markdown]
-# Near the car, the measured rings are on the curve. Farther out, the rings ahead are nearer than the curve says and the rings behind are farther away, because the street climbs. The printed gaps grow faster than the distance, although the upper beams, which reach far, are closer together than the lower ones. A pedestrian far away therefore gets only a few points.
+# Near the car, the measured rings are on the curve. Farther out, the rings ahead are nearer than the curve predicts and the rings behind are farther away, because the street climbs. The gaps in the table grow faster than the distance, although the upper beams, which reach far, are closer together than the lower ones. A distant pedestrian therefore gets only a few points.
 #
 # ## Why no loop?
 #
 # *NumPy does the same work in machine code instead of Python.*
 #
-# A scanner makes ten turns a second, so all processing of a turn must fit into 100 ms. Here is your function, written with a loop.
+# A scanner makes ten turns a second, so a program has only 100 ms for each turn. Here is your function, written with a loop.
 
 # %%
 import math
 
 
 def with_a_loop(cloud):
-    """The same distances, point by point."""
+    """Return the same distances, computed one point at a time."""
     return [math.sqrt(row[0] * row[0] + row[1] * row[1]) for row in cloud]
 
 
-faster = predict("On 100,000 points, the loop takes how many times as long as your function?")
+faster = predict("For 100,000 points, how many times as long as your function does the loop take?")
 
 # %% tags=["folded"]
 # @title A stopwatch (you need not read this)
@@ -445,8 +438,8 @@ from time import process_time
 
 
 def seconds(function, cloud):
-    """Processor time of one call in seconds; short calls are repeated."""
-    function = inspect.unwrap(function)  # without any function around it
+    """Return the processor time of one call in seconds. Short calls are repeated."""
+    function = inspect.unwrap(function)  # without any wrappers
     begin, runs = process_time(), 0
     while process_time() - begin < 0.05:
         function(cloud)
@@ -459,10 +452,10 @@ times = {"loop": [seconds(with_a_loop, cloud[:n]) for n in counts]}
 if is_written(horizontal_distance):
     times["yours"] = [seconds(horizontal_distance, cloud[:n]) for n in counts]
     faster.compare(times["loop"][-1] / times["yours"][-1],
-                   "For every single number, Python looks up a function, unpacks the number and "
-                   "makes a new object. NumPy does that once for a whole column.")
+                   "For each number, Python looks up a function, unpacks the number and makes a "
+                   "new object. NumPy does this only once for a whole column.")
 else:
-    print("horizontal_distance is not written yet, so only the loop is measured.")
+    print("You have not written horizontal_distance yet, so only the loop is measured.")
 plots.timing({name: (counts, series) for name, series in times.items()}, fit=False,
              title="Time for n points, on logarithmic axes")
 for name, series in times.items():
@@ -470,17 +463,17 @@ for name, series in times.items():
     print(f"{name}: {series[-1] * 1e3:.2f} ms for 100,000 points; grows like n^{slope:.2f} above 3,000")
 
 # %% [markdown]
-# On logarithmic axes, $t = k\,n^p$ is a straight line with slope $p$. On the right, both lines have a slope of about 1, so ten times the points take about ten times as long. Vectorising changes $k$, not $p$. On the left, your curve is flatter, because each call of NumPy costs some time, even for a few points.
+# On logarithmic axes, $t = k\,n^p$ is a straight line with slope $p$. On the right, both lines have a slope of about 1, so ten times as many points take about ten times as long. Vectorising changes $k$, but not $p$. On the left, your line is flatter, because every NumPy call takes some time, even for a few points.
 #
 # ## Returns that are not points
 #
 # *A lost echo can look like an obstacle at the sensor.*
 #
-# Your function can answer the question of an emergency brake: how far away is the nearest obstacle?
+# An emergency brake must know how far away the nearest obstacle is. Your function can tell it:
 
 # %%
 def nearer_than(limit):
-    """The rows of the scan with a horizontal distance below `limit` metres."""
+    """Return the rows of the scan with a horizontal distance below `limit` metres."""
     return cloud[horizontal_distance(cloud) < limit]
 
 # %%
@@ -490,9 +483,9 @@ print("all rows nearer than 0.5 m:")
 print(too_near)
 
 # %% [markdown]
-# The car would brake as hard as it can, for no reason. The nearest "obstacle" is exactly at the sensor. Many scanners write a row at (0, 0, 0) when an echo is lost. This scan has three of them.
+# The car would brake as hard as it can, for no reason, because the nearest "obstacle" is exactly at the sensor. Many scanners write a row at (0, 0, 0) when an echo is lost. This scan contains three such rows.
 #
-# Other scanners write NaN, *not a number*, or an infinite range. NaN spreads through every sum, and it is not equal to anything, not even to itself.
+# Other scanners write NaN (*not a number*) or an infinite range instead. One NaN turns a whole sum into NaN. It is not equal to anything, not even to itself.
 
 # %%
 nan = np.nan
@@ -502,7 +495,7 @@ print("mean of the cloud:", one_bad.mean(axis=0))
 print("first attempt, one_bad[one_bad != nan]:", one_bad[one_bad != nan])
 
 # %% [markdown]
-# The first attempt keeps every number, even NaN, and loses the rows. `np.isfinite` works better. It is False for NaN and for both infinities, number by number. With `axis=1`, `all` and `any` combine the numbers of each row. `~` inverts a mask:
+# The first attempt keeps every number, even NaN, but loses the rows. `np.isfinite` works better. It tests each number, and gives False for NaN and for plus or minus infinity. With `axis=1`, `all` and `any` combine the numbers of each row. `~` inverts a mask:
 
 # %%
 table = np.array([[1.0, 2.0], [np.inf, 3.0], [0.0, 0.0]])
@@ -514,7 +507,7 @@ print("no 0 in the row:   ", ~(table == 0).any(axis=1))
 # %% [markdown]
 # ## Exercise 2 · `drop_invalid` (points)
 #
-# Keep the rows that are points. A row is *not* a point if one of its coordinates is not finite, or if all three are exactly 0. A point exactly to the left of the sensor has x = 0 and is valid. A point with an intensity of NaN is also valid.
+# Keep the rows that are points. A row is *not* a point if any of its coordinates is not finite, or if all three are exactly 0. A point exactly to the left of the sensor has x = 0 and is valid. A point whose intensity is NaN is also valid.
 
 # %% nbgrader={"grade": false, "grade_id": "drop_invalid", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def drop_invalid(cloud):
@@ -528,12 +521,12 @@ def drop_invalid(cloud):
     Returns
     -------
     ndarray, shape (m, 3) or (m, 4)
-        The rows of the cloud, in the same order and with all columns, except those
-        with a NaN or infinite coordinate and those at exactly (0, 0, 0).
+        All rows except those with a NaN or infinite coordinate and those at exactly
+        (0, 0, 0). The order of the rows and the columns stay as they are.
     """
     # 1. Take the three coordinates; the intensity does not matter.
-    # 2. A mask: are all three finite?
-    # 3. A mask: are all three equal to 0?
+    # 2. Make a mask: are all three finite?
+    # 3. Make a second mask: are all three equal to 0?
     # 4. Keep the rows where the first mask is True and the second is False.
     # roughly 4 lines
     ### BEGIN SOLUTION
@@ -546,19 +539,19 @@ def drop_invalid(cloud):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# Build two masks with one entry per row, as for `table` above, from the columns `cloud[:, :3]`.
+# Build two masks from the columns `cloud[:, :3]`. Each has one entry per row, as for `table` above.
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# In a good row, every coordinate is finite: `all`. In a lost return, every coordinate is 0: `all` again, then inverted. With `any`, you would lose the points straight to the left.
+# In a good row, *all* coordinates are finite, so use `all`. In a lost return, *all* coordinates are 0, so use `all` again and invert the mask. With `any`, you would lose the points exactly to the left.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# `finite = np.isfinite(...).all(axis=1)` and `zero = (... == 0).all(axis=1)`, both from the three coordinates. Then index the cloud with `finite & ~zero`.
+# Write `finite = np.isfinite(...).all(axis=1)` and `zero = (... == 0).all(axis=1)`, with the three coordinates in place of the dots. Then index the cloud with `finite & ~zero`.
 # </details>
 
 # %% [markdown]
-# **Six rows first.** Three of them are points and must come back unchanged: the first and the last two.
+# **Six rows first.** The first row and the last two are points, and must come back unchanged.
 
 # %%
 six = np.array([[6.0, 2.0, -1.7, 0.4],      # an ordinary point
@@ -573,11 +566,11 @@ print("expected:")
 print(six[[0, 4, 5]])
 
 # %% [markdown]
-# **Look before you check.** We damage the scan as heavy rain would. Four thousand echoes are lost, and a thousand rows become NaN. The bar at 0 m must be gone afterwards, and no other bar may change. The small bar at 1 m shows real points of the ego car, which lesson 07 removes. Rows with NaN have no bar; only the number of rows shows that they are gone.
+# **Look before you check.** We damage the scan as heavy rain would: four thousand echoes are lost, and a thousand rows become NaN. Your function must remove the bar at 0 m and leave all other bars as they are. The small bar at 1 m shows real points on the ego car, which lesson 07 removes. Rows with NaN are not in any bar. Only the number of rows shows that they are gone.
 
 # %%
 def profile(scan, clean):
-    """The number of rows, the number in each metre up to 20 m, and the smallest distance.
+    """Return the number of rows, the number in each metre up to 20 m, and the smallest distance.
 
     With `clean`, drop_invalid first removes the rows that are not points.
     """
@@ -607,18 +600,16 @@ check(drop_invalid)
 # %% [markdown]
 # ## Common mistakes
 #
-# *Each mistake leaves its mark in a picture or in the shape of the result.*
-#
 # | mistake | what you see |
 # |---|---|
 # | `abs(x) + abs(y)` | diamonds instead of circles |
-# | no square root | "up to 10 m" keeps only points nearer than 3.2 m |
+# | no square root | a limit of "10 m" keeps only points nearer than 3.2 m |
 # | `cloud[0]` and `cloud[1]`, rows instead of columns | four numbers instead of one per point |
-# | `x == 0` as a test for lost returns | points exactly to the left and right also disappear |
-# | `cloud[cloud != nan]` | every number stays, in one long row |
+# | `x == 0` as the test for lost returns | points exactly to the left and right also disappear |
+# | `cloud[cloud != nan]` | every number is kept, in one long row |
 
 # %% tags=["folded"]
-# @title Two of these mistakes (you need not read this)
+# @title Draw two of these mistakes (you need not read this)
 xs, ys = cloud[:, 0], cloud[:, 1]
 wrong = {"abs(x) + abs(y)": np.abs(xs) + np.abs(ys), "no square root": xs * xs + ys * ys}
 figure, pair = plt.subplots(2, 1, figsize=(8.5, 9.4), layout="compressed")
@@ -631,10 +622,10 @@ print(f"points of this scan with x = 0 that are not lost returns: {((xs == 0) & 
 # %% [markdown]
 # ## In practice
 #
-# - Scanners send ranges and angles, and a driver program turns them into points, as `point_of` does. Some drivers write NaN for missing returns, and others leave them out. Look for NaN and for (0, 0, 0) in a new recording before you trust its nearest point.
-# - A turn takes 100 ms. At 50 km/h the car moves 1.4 m in that time, so real systems correct each return for this motion.
+# - A scanner sends ranges and angles, and a driver program turns them into points, as `point_of` does. Some drivers write NaN for a missing return, and others write no row. In a new recording, look for NaN and for (0, 0, 0) before you trust the nearest point.
+# - A turn takes 100 ms. At 50 km/h, the car moves 1.4 m in that time, so real systems correct each return for this motion.
 #
-# Open3D removes points that are not finite with one call, and PCL does so with `pcl::removeNaNFromPointCloud`. Rows at (0, 0, 0) are finite, so both keep them:
+# Open3D (below) and PCL (`pcl::removeNaNFromPointCloud`) can remove points that are not finite. Rows at (0, 0, 0) are finite, so both libraries keep them.
 #
 # ```python
 # import open3d as o3d
@@ -644,21 +635,21 @@ print(f"points of this scan with x = 0 that are not lost returns: {((xs == 0) & 
 #
 # ## Summary
 #
-# - Range, azimuth and elevation give a point. A turn gives a scan, which is a list of points.
-# - Columns and masks are far faster than a loop.
+# - A range, an azimuth and an elevation give a point. One turn gives a scan, which is a list of points.
+# - Working with columns and masks is far faster than a loop.
 # - The distance that matters for driving is horizontal: sqrt(x² + y²).
 # - Rows at (0, 0, 0) and rows with NaN are not points. Remove them first.
 #
-# **Sources.** How LiDARs work: [Behroozpour et al. 2017](https://doi.org/10.1109/MCOM.2017.1700030). The sensor and its place on the car: KITTI, [Geiger et al. 2013](https://www.cvlibs.net/publications/Geiger2013IJRR.pdf). Arrays instead of loops: [Harris et al. 2020](https://doi.org/10.1038/s41586-020-2649-2).
+# **Sources.** How a LiDAR works: [Behroozpour et al. 2017](https://doi.org/10.1109/MCOM.2017.1700030). The sensor and its place on the car: KITTI, [Geiger et al. 2013](https://www.cvlibs.net/publications/Geiger2013IJRR.pdf). Arrays instead of loops: [Harris et al. 2020](https://doi.org/10.1038/s41586-020-2649-2).
 #
 # **Next:** 02 · RANSAC: a line through the crowd
 
 # %% [markdown]
 # ## If you want more
 #
-# 1. (20 minutes) Write `azimuth(cloud)` in degrees with `np.arctan2`. Draw the scan as the scanner saw it: azimuth to the left, elevation upwards, coloured by your distance. The upper picture at the top of this lesson was made this way.
-# 2. (15 minutes) A pedestrian is 0.5 m wide and 1.7 m tall. The 64-beam scanner has steps of 0.18° and beams a third of a degree apart. Beyond which distance does the pedestrian get fewer than 10 returns? Compare with `truth["box_returns"]`.
-#    <details><summary>An answer</summary>At the distance d, one step is 0.00314 d wide and the beams are 0.00582 d apart. So 0.5 / (0.00314 d) × 1.7 / (0.00582 d) returns fit, about 46,500 / d². These are fewer than 10 beyond 68 m. In the scan it also happens much nearer, because other objects are in front.</details>
+# 1. (20 minutes) Write `azimuth(cloud)` with `np.arctan2`, in degrees. Draw the scan as the scanner saw it, with azimuth to the left and elevation upwards, coloured by your distance. The upper picture at the top of this lesson was made this way.
+# 2. (15 minutes) A pedestrian is 0.5 m wide and 1.7 m tall. The 64-beam scanner has steps of 0.18°, and its beams are a third of a degree apart. Beyond what distance does the pedestrian get fewer than 10 returns? Compare your result with `truth["box_returns"]`.
+#    <details><summary>An answer</summary>At a distance d, the steps are 0.00314 d apart and the beams 0.00582 d. The pedestrian therefore gets 0.5 / (0.00314 d) × 1.7 / (0.00582 d) returns, or about 46,500 / d². Beyond 68 m, this is fewer than 10. In the scan, some pedestrians much nearer also get fewer, because other objects are in front of them.</details>
 
 # %% [markdown] tags=["footer"]
 # (footer)

@@ -11,12 +11,12 @@
 # %% [markdown]
 # # 02 · RANSAC: a line through the crowd
 #
-# ![Twenty points, drawn twice. On the left, a line fitted to all of them by least squares runs flat through the cloud. On the right, the line found by RANSAC follows a diagonal row of points. A band around it contains its inliers, and crosses mark the outliers.](02_preview.png)
+# ![The same twenty points drawn twice. On the left, the least-squares line through all of them is nearly flat. On the right, the RANSAC line follows a diagonal row of points. A band around the line contains its inliers, and crosses mark the outliers.](02_preview.png)
 #
-# Half of these points are on a line, and you see it at a glance. The usual way to fit a line, on the left, misses it. RANSAC, on the right, finds it by trying lines at random.
+# Half of these points are along a line, and you can see it at a glance. The usual way to fit a line, on the left, misses it. RANSAC, on the right, finds it by trying lines at random.
 #
 # **After this lesson you can**
-# - find a line although half of the points are wrong, with an algorithm of a dozen lines,
+# - find a line even if half of the points are wrong, with an algorithm of a dozen lines,
 # - say how often RANSAC fails, and how many rounds it needs,
 # - name what real systems add to RANSAC.
 #
@@ -31,11 +31,9 @@
 # %% [markdown]
 # ## Twenty points, half of them wrong
 #
-# *Some points have nothing to do with the line.*
+# A laser scanner looks around at the height of your knee. Seen from above, each [return](#Words-of-the-course) is a point (x, y) in metres. A wall gives a straight, slightly rough row of points. People, a bicycle and a litter bin in front of it give points as well.
 #
-# A laser scanner looks around at the height of your knee. Seen from above, each [return](#Words-of-the-course) is a point (x, y) in metres. A wall gives a straight, slightly rough row of points. But people, a bicycle and a litter bin in front of the wall give points as well.
-#
-# We make such points ourselves, so that we know the answer. Ten are along the line y = x, each moved by up to 0.6 m in x and in y. These are the [inliers](#Words-of-the-course). The other ten are anywhere. These are the *outliers*.
+# We make such points ourselves, so that we know the answer. Ten are near the line y = x, each moved by up to 0.6 m in x and in y. They are the [inliers](#Words-of-the-course). The other ten, the *outliers*, can be anywhere.
 
 # %%
 import matplotlib.pyplot as plt
@@ -47,7 +45,7 @@ from utils.breaking import show_broken, tell_apart
 
 
 def quiz_points(rng):
-    """20 points: the first 10 along y = x, the others anywhere. Shape (20, 2)."""
+    """Return 20 points: the first 10 along y = x, the others anywhere. Shape (20, 2)."""
     steps = np.arange(-5, 5)
     along_the_line = np.column_stack([steps, steps]) + rng.uniform(-0.6, 0.6, (10, 2))
     anywhere = rng.uniform(-5, 5, (10, 2))
@@ -61,14 +59,12 @@ print(points[:3].round(2))
 plots.line_model(points, limits=window, title="Where is the wall?");
 
 # %% [markdown]
-# `np.random.default_rng(18)` is a *random generator*. The number is its *seed*, which decides what is drawn, so every student sees the same points.
+# `np.random.default_rng(18)` is a *random generator*. The number is its *seed*. It decides what the generator draws, so every student sees the same points.
 
 # %% [markdown]
 # ## The naive idea: fit all of them
 #
-# *Least squares uses every point, and the farthest points count most.*
-#
-# The classic method, `np.polyfit`, takes the line with the smallest sum of *squared* errors. We fit it once to all twenty points, and once to the ten inliers, which we would not know in a real scan. Dots take part in the fit, crosses do not.
+# The classic method, `np.polyfit`, finds the line with the smallest sum of *squared* errors. We fit it to all twenty points, and then to the ten inliers alone, which we would not know in a real scan. The fit uses the dots and ignores the crosses.
 
 # %% tags=["folded"]
 # @title Save space in small pictures (you need not read this)
@@ -91,11 +87,11 @@ for y in (4, -5, -20, -80):
     print(f"    outlier at y = {y:3d}: slope {slope:6.2f}")
 
 # %% [markdown]
-# The true slope is 1. Ten outliers make the line nearly flat. A single outlier turns it as far as you like if it is far enough away, because the errors are squared. A point 10 m away counts as much as a hundred points 1 m away. We must find out which points are wrong *before* we fit.
+# The true slope is 1. Ten outliers make the line nearly flat. Even a single outlier can turn it as far as you like, if it is far enough away. The errors are squared, so a point 10 m away counts as much as a hundred points 1 m away. We must find out which points are wrong *before* we fit.
 #
 # ## A line for every direction
 #
-# *A line that is described by its normal may have any direction.*
+# *A normal can describe a line in any direction.*
 #
 # The formula from school, y = m x + q, fails for a wall straight ahead of the car:
 
@@ -107,19 +103,19 @@ except ZeroDivisionError as error:
     print("slope of a wall straight ahead:", error)
 
 # %% [markdown]
-# We therefore describe a line by three numbers $(a, b, c)$. It consists of the points with
+# We therefore describe a line by three numbers $(a, b, c)$. A point $(x, y)$ is on the line if
 #
 # $$a\,x + b\,y + c = 0.$$
 #
-# The pair $(a, b)$ is the *normal*, an arrow at right angles to the line. For two points $p$ and $q$ on the line,
+# The pair $(a, b)$ is the *normal*, an arrow at right angles to the line. To compute it from two points $p$ and $q$ on the line:
 #
-# - the direction of the line is $(d_x, d_y) = q - p$;
-# - a quarter turn of this arrow gives a normal: $(-d_y,\ d_x)$;
-# - division by the length $\sqrt{d_x^2 + d_y^2}$ gives the *unit normal* $(a, b)$, which has length 1;
-# - $c$ follows because $p$ satisfies the equation: $c = -(a\,p_x + b\,p_y)$.
+# - Subtract the points. The direction of the line is $(d_x, d_y) = q - p$.
+# - Rotate this arrow by a quarter turn. The result $(-d_y,\ d_x)$ is a normal.
+# - Divide it by its length $\sqrt{d_x^2 + d_y^2}$. The result $(a, b)$ has length 1 and is called the *unit normal*.
+# - Compute $c$. Because $p$ satisfies the equation, $c = -(a\,p_x + b\,p_y)$.
 
 # %% tags=["folded"]
-# @title The quarter turn (you need not read this)
+# @title Draw the quarter turn (you need not read this)
 from utils.plots.style import BLUE, GREEN, VERMILION
 
 p, q = np.array([1.0, 2.0]), np.array([4.0, 6.0])
@@ -139,11 +135,11 @@ for point, name in ((p, "p"), (q, "q")):
 axes.get_legend().remove()
 
 # %% [markdown]
-# In the picture, p = (1, 2) and q = (4, 6). The direction (3, 4) has length 5, and its quarter turn is (−4, 3). Division by 5 gives the unit normal (−0.8, 0.6). Then c = −(−0.8 · 1 + 0.6 · 2) = −0.4.
+# In the picture, p = (1, 2), q = (4, 6), and the direction (3, 4) has length 5. The last number is c = −(−0.8 · 1 + 0.6 · 2) = −0.4.
 #
 # ## Exercise 1 · `line_through` (points)
 #
-# Compute the line through two points. The normal may point to either side. If the points are equal, their differences are exactly 0, and so is the length. Return `None` then, because no single line goes through them. NumPy is enough; of the packages listed at the end, this lesson forbids nothing.
+# Compute the line through two points. Its normal may point to either side. If the two points are equal, return `None`, because many lines go through a single point. In that case, their differences are exactly 0, and so is the length. You may use any package listed at the end, but NumPy is enough.
 
 # %% nbgrader={"grade": false, "grade_id": "line_through", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def line_through(p, q):
@@ -159,10 +155,10 @@ def line_through(p, q):
     tuple (a, b, c) of float, or None
         The line a x + b y + c = 0 with a² + b² = 1; None if the points are equal.
     """
-    # 1. The direction from p to q.
-    # 2. Its length; if it is 0, return None.
-    # 3. A quarter turn, divided by the length: a and b.
-    # 4. c, so that p is on the line.
+    # 1. Compute the direction from p to q.
+    # 2. Compute its length. If the length is 0, return None.
+    # 3. Rotate the direction by a quarter turn and divide it by the length. This gives a and b.
+    # 4. Compute c so that p is on the line.
     # roughly 6 lines
     ### BEGIN SOLUTION
     dx, dy = q[0] - p[0], q[1] - p[1]
@@ -176,19 +172,19 @@ def line_through(p, q):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# `p[0]` is the x of p and `p[1]` its y. `np.hypot(dx, dy)` is the length of the arrow (dx, dy).
+# `p[0]` is the x of p, and `p[1]` is its y. `np.hypot(dx, dy)` is the length of the arrow (dx, dy).
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# The normal of the direction (dx, dy) is (-dy, dx): swap the numbers, and change one sign. Without the sign, you mirror the arrow instead of turning it.
+# A normal of the direction (dx, dy) is (-dy, dx). Swap the two numbers, and change the sign of the first. If you forget the sign, you mirror the arrow instead of turning it.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# Test `length == 0` before you divide. With `a` and `b` divided by the length, c is minus (a times the x of p, plus b times the y of p). Return all three, with commas between them.
+# Test whether `length == 0` before you divide. Then divide both parts of the normal by the length to get `a` and `b`. Add a times the x of p and b times the y of p. Their sum with a minus sign is c. Return a, b and c, separated by commas.
 # </details>
 
 # %% [markdown]
-# **Two lines by hand first.** One goes through (0, 1) and (4, 1), and the other is the line in the picture. Your three numbers may all have the opposite sign to the expected ones, because that is the same line.
+# **Two lines by hand first.** The first goes through (0, 1) and (4, 1), and the second is the line in the picture. All three of your numbers may have the opposite sign, because that describes the same line.
 
 # %%
 print("yours:   ", np.round(line_through(np.array([0.0, 1.0]), np.array([4.0, 1.0])), 2) + 0)
@@ -197,7 +193,7 @@ print("yours:   ", np.round(line_through(np.array([1.0, 2.0]), np.array([4.0, 6.
 print("expected: [-0.8 0.6 -0.4]")
 
 # %% [markdown]
-# **Look before you check.** Each line should go through its two points: one upright, one level and one slanted.
+# **Look before you check.** There is one vertical line, one horizontal line and one slanted line. Each should go through its two points.
 
 # %%
 axes = None
@@ -217,17 +213,17 @@ check(line_through)
 #
 # *With a unit normal, the equation of the line measures distances.*
 #
-# Put a point into $a\,x + b\,y + c$. On the line you get 0. A step of 1 m along the normal, from $(x, y)$ to $(x + a,\ y + b)$, adds $a \cdot a + b \cdot b = 1$. So the value counts metres, positive on one side of the line and negative on the other. The distance is its absolute value:
+# Put the coordinates of a point into $a\,x + b\,y + c$. On the line, the result is 0. If you move 1 m along the normal, from $(x, y)$ to $(x + a,\ y + b)$, it grows by $a \cdot a + b \cdot b = 1$. So it counts metres, positive on one side of the line and negative on the other. The distance is its absolute value:
 #
 # $$\text{distance} = |a\,x + b\,y + c|.$$
 #
-# With a normal of length 5, all distances would be five times too long.
+# If the normal had length 5, all distances would be five times too large.
 #
-# In an array, `points[:, 0]` is the column of all x, one number per point. Arithmetic and `np.abs` work on whole columns, so you need no loop.
+# In an array, `points[:, 0]` is the column of x values, with one number per point. Arithmetic and `np.abs` work on whole columns, so you need no loop.
 #
 # ## Exercise 2 · `point_line_distance` (points)
 #
-# Compute the distances of all points from one line, in metres.
+# Compute the distance of every point from one line, in metres.
 
 # %% nbgrader={"grade": false, "grade_id": "point_line_distance", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def point_line_distance(points, line):
@@ -243,10 +239,10 @@ def point_line_distance(points, line):
     Returns
     -------
     ndarray, shape (n,)
-        Distances in metres, none of them negative.
+        Distances in metres, never negative.
     """
-    # 1. The three numbers of the line.
-    # 2. a x + b y + c for all points at once, and its absolute value.
+    # 1. Unpack the three numbers of the line.
+    # 2. Compute a x + b y + c for all points at once, and return its absolute value.
     # roughly 2 lines
     ### BEGIN SOLUTION
     a, b, c = line
@@ -256,19 +252,19 @@ def point_line_distance(points, line):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# `a, b, c = line` unpacks the line. Then write the formula as if x and y were single numbers, with `points[:, 0]` for x.
+# `a, b, c = line` unpacks the line. Write the formula as if x and y were single numbers, with `points[:, 0]` in place of x.
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# `points[0]` is the first point. `points[:, 0]` is the x of every point: all rows, column 0.
+# `points[0]` is the first point. `points[:, 0]` takes column 0 of all rows, so it is the x of every point.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# Compute `value = a * ... + b * ... + c` with the two columns for the dots, and return `np.abs(value)`.
+# Compute `value = a * ... + b * ... + c`, with the two columns in place of the dots. Then return `np.abs(value)`.
 # </details>
 
 # %% [markdown]
-# **Three points first.** The line y = 1 is (0, 1, −1). One point is on it, one is 2 m above it and one is 2 m below it. Expected: 0, 2 and 2.
+# **Three points first.** The line y = 1 is (0, 1, −1). One point is on the line, one is 2 m above it and one is 2 m below it. So the distances are 0, 2 and 2.
 
 # %%
 three = np.array([[0.0, 1.0], [2.0, 3.0], [5.0, -1.0]])
@@ -276,7 +272,7 @@ print("yours:   ", np.round(point_line_distance(three, (0.0, 1.0, -1.0)), 2))
 print("expected: [0. 2. 2.]")
 
 # %% [markdown]
-# **Look before you check.** Around each point is a circle whose radius is your distance. Every circle should just touch the line.
+# **Look before you check.** Each point is the centre of a circle whose radius is your distance. Every circle should just touch the line.
 
 # %%
 line = line_through(np.array([-5.0, -2.0]), np.array([5.0, 3.0]))
@@ -291,18 +287,18 @@ check(point_line_distance)
 # %% [markdown]
 # ## The idea: two points make a line, all points vote
 #
-# *Many points are near the right line, and few are near a wrong one.*
+# *The right line has many points near it, and a wrong line has only a few.*
 #
 # RANSAC stands for *random sample consensus*. It works in *rounds*. Each round
 #
-# 1. draws a random *sample*: two points, the fewest that determine a line,
-# 2. counts the *consensus*: the points within a threshold of that line, which are its inliers.
+# 1. draws a random *sample* of two points, the smallest number that determines a line,
+# 2. counts the *consensus*, which is the number of points within a threshold of that line. These points are its inliers.
 #
 # At the end, the line with the most inliers wins.
 #
-# If one of the two points is an outlier, the line goes anywhere, and few other points are near it. If both are inliers, the line follows the wall, and so do the wall's other points. An outlier costs only one vote, whether it is 3 m away or 300 m.
+# If either point is an outlier, the line can go anywhere, and few other points are near it. If both are inliers, the line follows the wall and is near the wall's other points. An outlier costs only one vote, whether it is 3 m or 300 m away.
 #
-# Your two functions are enough to watch RANSAC at work. `<=` compares every distance with the threshold, here 1 m, and gives a *mask*, one True or False per point. The sum of a mask counts the True. `points[chosen]` picks the two chosen rows, and the star in front passes them as two arguments. In the four rounds below, rings mark the sample, dots are within the threshold, and crosses are not.
+# Your two functions are enough to watch RANSAC at work. `<=` compares each distance with the threshold, here 1 m, and gives a *mask* with one True or False per point. The sum of a mask is the number of True values. `points[chosen]` picks the two chosen rows, and the star in front passes them as two arguments. In the four rounds below, rings mark the sample, dots the points within the threshold, and crosses the others.
 
 # %%
 rng = np.random.default_rng(3)
@@ -313,29 +309,29 @@ for axes in grid.flat:
     near = point_line_distance(points, candidate) <= 1.0
     small(plots.line_model(points, candidate, near, 1.0, limits=window, axes=axes,
                            title=f"points {chosen[0]} and {chosen[1]}: {near.sum()} of 20 are near"))
-    ring_x, ring_y = points[chosen].T  # .T swaps rows and columns: all x, then all y
+    ring_x, ring_y = points[chosen].T  # .T swaps rows and columns, so the first row holds all x
     axes.plot(ring_x, ring_y, "o", color="black", markersize=11, fillstyle="none")
 
 # %% [markdown]
-# A sample is *good* if both of its points belong to the wall (rows 0 to 9).
+# A sample is *good* if both of its points belong to the wall, that is, to rows 0 to 9.
 
 # %%
-good_samples = predict("Two of the twenty points are drawn at random. How often is the sample good?",
+good_samples = predict("You draw two of the twenty points at random. How often is the sample good?",
                        between=(0, 100), unit="%")
 
 # %% [markdown]
-# Twenty points have only 190 pairs, so we can count.
+# Twenty points form only 190 pairs, so we can try them all.
 
 # %%
 from itertools import combinations
 
 pairs = list(combinations(range(20), 2))
 good_samples.compare(100 * np.mean([i < 10 and j < 10 for i, j in pairs]),
-                     "The first point belongs to the wall in 10 of 20 cases, the second in 9 of the "
-                     "remaining 19. The product is a little less than one half times one half.")
+                     "The first point belongs to the wall in 10 of 20 cases, and the second in 9 of "
+                     "the other 19. The product is a little less than one half times one half.")
 
 # %% [markdown]
-# About every fourth sample is good, but RANSAC does not know which. It repeats the round and remembers the best line:
+# About one sample in four is good, but RANSAC does not know which. So it repeats the round many times and remembers the best line:
 
 # %%
 rng = np.random.default_rng(3)
@@ -348,13 +344,11 @@ for number in range(1, 11):
           f"the best so far has {max(counts):2d}")
 
 # %% [markdown]
-# Round 4 found the wall. Rounds 2, 7 and 9 also drew two points of the wall, but close together. Because the wall is rough, a line through two close points runs in a wrong direction. You will measure later what that costs.
+# Round 4 found the wall. Rounds 2, 7 and 9 also drew two points of the wall, but these are close together. The wall is rough, so the line through them has the wrong direction. Later you will measure how much this matters.
 #
 # ## Bad samples
 #
-# *Draw two different rows, and expect equal coordinates.*
-#
-# Two kinds of samples do not determine a line. In the first, the same point is drawn twice. `rng.choice(n, size=2, replace=False)` prevents that, because it draws two *different* indices, like two cards from a pack. In the second, two rows have the same coordinates, because scanners round, and some report a strong echo twice. How often does each happen? We round the coordinates to whole metres and draw 5,000 samples:
+# Some samples do not determine a line. The same point may be drawn twice. `rng.choice(n, size=2, replace=False)` prevents this by drawing two *different* indices, like two cards from a pack. But two rows may also have equal coordinates, because scanners round, and some report a strong echo twice. How often does each happen? We round the coordinates to whole metres and draw 5,000 samples:
 
 # %%
 rng = np.random.default_rng(0)
@@ -367,22 +361,22 @@ for name, drawn in samples.items():
     print(f"{name:>23}: the same row {same_row:.1%}, equal coordinates {twins:.1%}")
 
 # %% [markdown]
-# Such a sample is called *degenerate*. Your `line_through` returns `None`, and RANSAC goes on with the next round. Code that does not test for `None` crashes, but so rarely that you will probably not see it happen.
+# Such a sample is called *degenerate*. Your `line_through` returns `None` for it, and RANSAC goes on to the next round. Code that does not test for `None` crashes, but so rarely that you will probably not see it happen.
 #
 # ## Exercise 3 · `ransac_line` (points)
 #
-# Now combine your `line_through` and `point_line_distance` into RANSAC.
+# Combine your `line_through` and `point_line_distance` into RANSAC.
 
 # %% nbgrader={"grade": false, "grade_id": "ransac_line", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def ransac_line(points, max_iterations, distance_tolerance, rng):
-    """Find the line with the most points near it, from random samples.
+    """Find the line with the most points near it by trying random samples.
 
     Parameters
     ----------
     points : ndarray, shape (n, 2)
         x and y in metres; n may be 0.
     max_iterations : int
-        How many samples of two points to draw.
+        Number of samples of two points to draw.
     distance_tolerance : float
         Largest distance of an inlier from the line, in metres.
     rng : numpy.random.Generator or int
@@ -392,17 +386,17 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
     Returns
     -------
     line : tuple (a, b, c) of float, or None
-        The best line found; None if there is none, as with fewer than two points.
+        The best line found, or None if there is none, for example with fewer than two points.
     inliers : ndarray of bool, shape (n,)
         True for each point within distance_tolerance of that line.
     """
     rng = np.random.default_rng(rng)  # takes a seed as well as a generator
-    # 1. The best so far: no line, and a mask of n times False.
-    # 2. With fewer than two points there is nothing to draw: return that.
+    # 1. Prepare the best result so far: no line, and a mask of n times False.
+    # 2. With fewer than two points, there is nothing to draw, so return this result.
     # 3. Repeat max_iterations times:
-    #    a. Draw two different indices and take the line through these points.
-    #    b. If `line_through` returned None, go on with the next round.
-    #    c. The mask of the points within distance_tolerance of the line.
+    #    a. Draw two different indices, and compute the line through these two points.
+    #    b. If `line_through` returns None, go on to the next round.
+    #    c. Make the mask of the points within distance_tolerance of the line.
     #    d. If it has more inliers than the best so far, keep this line and its mask.
     # 4. Return the best line and its mask.
     # roughly 12 lines
@@ -424,19 +418,19 @@ def ransac_line(points, max_iterations, distance_tolerance, rng):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# The cell with the four rounds contains steps 3a and 3c. You still have to remember the best, test for `None`, and handle fewer than two points. `np.zeros(n, dtype=bool)` is n times False.
+# The cell with the four rounds contains steps 3a and 3c. You still have to remember the best line, test for `None`, and handle fewer than two points. `np.zeros(n, dtype=bool)` is a mask of n times False.
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# `rng.choice(len(points), size=2, replace=False)` gives two indices, and `points[index]` is the point. `continue` goes on with the next round of a loop. Count with `mask.sum()`.
+# `rng.choice(len(points), size=2, replace=False)` gives two indices, and `points[index]` is the point with that index. `continue` goes on to the next round of a loop. `mask.sum()` counts the inliers.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# In each round, draw the sample `i, j = ...` and compute `candidate = line_through(...)`. Skip the round if it `is None`. Then compute `mask = ... <= distance_tolerance`. If its sum is larger than that of the best mask, replace *both* the best line and the best mask. Return after the loop, not inside it.
+# In each round, draw the sample `i, j = ...` and compute `candidate = line_through(...)`. If it `is None`, skip the rest of the round. Then compute `mask = ... <= distance_tolerance`. If its sum is larger than that of the best mask, replace *both* the best line and the best mask. Return after the loop, not inside it.
 # </details>
 
 # %% [markdown]
-# **Five points first.** Four of them are on the line y = 1. More than half of all samples are good, so twenty rounds find that line.
+# **Five points first.** Four of them are on the line y = 1. More than half of all samples are good, so twenty rounds will find that line.
 
 # %%
 five = np.array([[0.0, 1.0], [1.0, 1.0], [2.0, 1.0], [3.0, 1.0], [2.0, 4.0]])
@@ -445,7 +439,7 @@ print("yours:   ", np.round(line, 2) + 0, inliers)
 print("expected: [0. 1. -1.] or [0. -1. 1.], and four times True, then False")
 
 # %% [markdown]
-# **Look before you check.** Your function runs ten rounds on the twenty points, with four different seeds. Most of the four lines should follow the diagonal. With so few rounds, about one run in ten misses it, even if your function is right.
+# **Look before you check.** Your function runs ten rounds on the twenty points for each of four seeds. Most of the four lines should follow the diagonal. With so few rounds, about one run in ten misses it, even if your function is right.
 
 # %%
 figure, grid = plt.subplots(2, 2, figsize=(8.5, 7.0), layout="compressed")
@@ -464,21 +458,19 @@ check(ransac_line)
 replay(ransac_line)
 
 # %% [markdown]
-# **A good place to stop.** Save the notebook. Your RANSAC works. The second sitting takes 25 minutes. When you come back, first run all cells above this one.
+# **A good place to stop.** Your RANSAC works. Save the notebook. The second sitting takes 25 minutes. When you come back, first run all the cells above this one.
 
 # %% [markdown]
 # ## Play: rounds and threshold
 #
-# *More rounds make every run find the same line, and a wider threshold makes it less exact.*
-#
 # Each round of your `ransac_line` draws two points and counts the points near their line. A run with another seed draws other samples, so it may find another line.
 
 # %%
-same_line = predict("With how many rounds do ten seeds all give the same line?",
+same_line = predict("After how many rounds do ten seeds all give the same line?",
                     choices=["20 rounds", "200 rounds", "2,000 rounds"])
 
 # %% [markdown]
-# Change one slider at a time, and try a few seeds.
+# Change one slider at a time, and try a few different seeds.
 
 # %%
 @interact(rounds=SelectionSlider(options=[10, 20, 50, 100, 200, 500, 1000, 2000],
@@ -493,11 +485,11 @@ def show_ransac(rounds, threshold, seed):
     plt.show()
 
 # %% [markdown]
-# The same without sliders: here are the directions of the lines from ten seeds. The true direction is 45°.
+# Here is the same without sliders: the directions of the lines that ten seeds find. The true direction is 45°.
 
 # %%
 def directions(rounds, threshold):
-    """Direction of the line that each of ten seeds finds, in degrees from 0 to 180."""
+    """Return the direction of the line that each of ten seeds finds, from 0 to 180 degrees."""
     lines = [ransac_line(points, rounds, threshold, seed)[0] for seed in range(10)]
     return np.array([np.degrees(np.arctan2(-a, b)) % 180 for a, b, _ in lines])
 
@@ -512,12 +504,12 @@ for rounds in (20, 200, 2_000):
         always_the_same.append(f"{rounds:,} rounds")
 if always_the_same:
     same_line.compare(always_the_same[0],
-                      "Only one of all 190 samples gives a line with 12 inliers, and a run must draw "
-                      "exactly that one. A good line is easier to find. After 20 rounds, all ten "
-                      "directions are within about 10° of the wall.")
+                      "Only one of the 190 possible samples gives a line with 12 inliers, and a run "
+                      "must draw exactly this sample. A good line is easier to find. After 20 rounds, "
+                      "all ten directions are within about 10° of the wall.")
 
 # %% [markdown]
-# Even the best line is not exactly at 45°, because it passes through two points that are up to 0.6 m off in x and in y. What about the threshold? The wall's points are within 0.85 m of the true line, the length of (0.6, 0.6). Here are four thresholds, and below them the spread of the ten directions for six thresholds.
+# Even the best line is not exactly at 45°, because it goes through two points that are up to 0.6 m off in x and in y. What does the threshold change? All points of the wall are within 0.85 m of the true line, the length of (0.6, 0.6). The pictures show four thresholds. The printed lines show how much the ten directions differ for six thresholds.
 
 # %%
 figure, grid = plt.subplots(2, 2, figsize=(8.5, 7.0), layout="compressed")
@@ -532,37 +524,35 @@ for threshold in (0.2, 0.5, 1.0, 2.0, 3.0, 4.0):
           f"{np.ptp(directions(200, threshold)):4.1f}°")
 
 # %% [markdown]
-# A narrow band gives nearly the same direction each time, but at 0.2 m it loses half of the wall's points. A wide band includes other points. Many lines then have nearly the same number of inliers, so the direction varies. Here 1 m is a good compromise, because it keeps nearly the whole wall and few others.
+# A narrow band gives nearly the same direction every time, but at 0.2 m it loses half of the wall's points. A wide band includes other points. Many lines then have nearly the same number of inliers, so the direction varies. Here 1 m is a good compromise, because it keeps nearly the whole wall and only a few other points.
 #
 # ## Theory against practice: how many rounds?
 #
-# *With fewer inliers, RANSAC needs more rounds.*
-#
-# Let $w$ be the share of inliers among all points, the *inlier ratio*. For the twenty points it is 50 %.
+# The *inlier ratio* $w$ is the share of inliers among all points. For the twenty points, it is 50 %.
 
 # %%
-every_second = predict("With 10 rounds, at which inlier ratio does every second run fail?",
+every_second = predict("With 10 rounds, at what inlier ratio do half of all runs fail?",
                        between=(0, 100), unit="%")
 
 # %% [markdown]
-# A sample is good with a probability of about $w \cdot w$, because both points must be inliers. It is bad with probability $1 - w^2$, and all samples of $N$ rounds are bad with $(1 - w^2)^N$. So RANSAC succeeds with probability
+# Both points of a good sample must be inliers, so a sample is good with a probability of about $w \cdot w$, and bad with probability $1 - w^2$. All the samples of $N$ rounds are bad with probability $(1 - w^2)^N$. So RANSAC succeeds with probability
 #
 # $$P = 1 - (1 - w^2)^N.$$
 #
-# Every second run fails if $P = \frac{1}{2}$, which can be solved for $w$.
+# If half of all runs fail, then $P = \frac{1}{2}$. We solve this for $w$.
 
 # %%
 every_second.compare(100 * np.sqrt(1 - 0.5 ** (1 / 10)),
-                     "At this ratio, only one sample in 15 is good. Ten rounds draw one in every second "
-                     "run. RANSAC can find a line that holds only a quarter of all points.")
+                     "At this ratio, only one sample in 15 is good, so ten rounds draw a good one in only "
+                     "half of all runs. RANSAC can find a line that holds only a quarter of all points.")
 
 # %% [markdown]
-# Now test your own function, two hundred times on scenes with a known inlier ratio. A run succeeds if it finds at least 80 % of the line's points.
+# Now test your own function on two hundred scenes with a known inlier ratio. A run succeeds if it finds at least 80 % of the points on the line.
 
 # %% tags=["folded"]
-# @title Scenes with a known inlier ratio (you need not read this)
+# @title Make scenes with a known inlier ratio (you need not read this)
 def scene(rng, inlier_ratio, roughness, n=60):
-    """Points on a line 20 m long with some roughness, and others at least 1 m away from it."""
+    """Return points on a rough line 20 m long, and others at least 1 m away from it."""
     on_line = np.arange(n) < round(inlier_ratio * n)
     xy = rng.uniform(-10, 10, (n, 2))
     xy[on_line, 1] = rng.normal(0, roughness, on_line.sum())
@@ -572,7 +562,7 @@ def scene(rng, inlier_ratio, roughness, n=60):
 
 # %%
 def success_rate(rounds, inlier_ratio, roughness=0.005, threshold=0.2, runs=200):
-    """Share of runs in which your ransac_line finds the line."""
+    """Return the share of runs in which your ransac_line finds the line."""
     found = 0
     for seed in range(runs):
         rng = np.random.default_rng((seed, rounds, round(100 * inlier_ratio)))
@@ -595,14 +585,14 @@ show_table(["w = 0.3", "theory", "measured"],
              f"{measured[f'{rounds} rounds'][1][1]:.0%}") for rounds in (2, 10, 40)])
 
 # %% [markdown]
-# Your measurements follow the curves. Two hundred runs are only a sample, so they are off by a few per cent. The formula itself is a little too high, because the first point is not put back before the second draw. If 12 of 60 points are inliers, ten rounds succeed with 32 % instead of 34 %.
+# Your measurements follow the curves, but two hundred runs are only a sample, so they are off by a few per cent. The formula itself is slightly too high, because RANSAC does not put the first point back before it draws the second. If 12 of 60 points are inliers, ten rounds succeed in 32 % of all runs instead of 34 %.
 #
-# Follow the ten-round curve from left to right. With a fifth of inliers, most runs fail; from two thirds on, nearly all succeed. The table at w = 0.3 shows that more rounds make up for fewer inliers. Lesson 03 solves the formula for the number of rounds.
+# Follow the ten-round curve from left to right. If a fifth of the points are inliers, most runs fail. With two thirds or more, nearly all runs succeed. The table for w = 0.3 shows that more rounds make up for fewer inliers.
 #
-# These walls were smooth, to half a centimetre. On a rough wall, two inliers close together are not a good sample, but theory counts them as good. With half of the points on the wall, the formula promises that eight rounds find it in 90 % of all runs.
+# These walls were smooth to within half a centimetre. With half of the points on such a wall, the formula promises that eight rounds find it in 90 % of all runs. What about a rough wall?
 
 # %%
-rough_wall = predict("If the wall is rough to 0.25 m, how many runs find it with 8 rounds?",
+rough_wall = predict("If the wall is rough to 0.25 m, what share of the runs finds it with 8 rounds?",
                      between=(0, 100), unit="%")
 
 # %%
@@ -614,27 +604,27 @@ measured = {f"wall rough to {roughness} m": (
 plots.curves({"theory for w = 0.5": (many, 1 - (1 - 0.5**2) ** many)}, measured, across="rounds",
              up="share of runs that find the line", title="A rough wall needs more rounds")
 rough_wall.compare(100 * success_rate(8, 0.5, 0.25, 0.6),
-                   "A line through two rough points close together runs in a wrong direction, "
-                   "although both are inliers. The formula counts such a sample as good.")
+                   "Two inliers close together are not a good sample on a rough wall, because the line "
+                   "through them has the wrong direction. The formula counts them as good.")
 
 # %% [markdown]
 # The rougher the wall, the farther the measurements are below the curve. With enough rounds, the gap closes. In practice, use two or three times as many rounds as the formula says.
 #
 # ## What real systems add
 #
-# *Each variant improves the score, the sample or the final line.*
+# Variants of RANSAC improve the score, the sample or the final line:
 #
 # | variant | weakness of plain RANSAC | improvement |
 # |---|---|---|
-# | MSAC | a point counts 1 inside the band and 0 outside it, so two different lines may both have 10 inliers | keeps the line with the smallest sum of min(d², t²), for distances d and threshold t |
-# | PROSAC | draws all points equally often | draws the most reliable points first, such as strong echoes |
-# | LO-RANSAC | a line through two rough points has a wrong direction | fits each new best line again to all its inliers |
+# | MSAC | every point inside the band counts 1 and every other point 0, so two different lines may both score 10 | keeps the line with the smallest sum of min(d², t²), for distances d and threshold t |
+# | PROSAC | it draws all points equally often | draws the most reliable points first, such as strong echoes |
+# | LO-RANSAC | a line through two rough points has the wrong direction | refits each new best line to all its inliers |
 #
-# The last idea is worth a try. Least squares failed because of the outliers, and RANSAC has just removed them. RANSAC finds *which* points belong to the line, and least squares then finds *where* it is. We do so for 300 sets of twenty points, and measure the error of the direction.
+# The last idea is worth a try. Least squares failed because of the outliers, but RANSAC has just removed them. RANSAC finds *which* points belong to the line, and least squares then finds *where* the line is. We do this for 300 sets of twenty points and measure the error of the direction.
 
 # %%
 def slope_errors():
-    """Errors of 300 directions in degrees: by RANSAC alone, and after a fit to its inliers."""
+    """Return the errors of 300 directions in degrees: by RANSAC alone, and after a refit."""
     alone, refitted = [], []
     for seed in range(300):
         rng = np.random.default_rng(seed)
@@ -658,9 +648,7 @@ print(f"median error: {np.median(alone):.1f} degrees by RANSAC alone, "
 # %% [markdown]
 # ## From twenty points to a street
 #
-# *The same function works on thousands of points.*
-#
-# `cloud.txt` is one scan from the roof of a car in a street: x, y, z in metres from the scanner, and the brightness of the echo. We take a thin slice at the scanner's height, to the right of the car, and ignore the height. The slice contains house fronts, cars, trees and people. Your function finds the wall with the most points, which need not be the longest. Then it finds the next wall among the other points.
+# Your function also works on thousands of points. `cloud.txt` is one scan of a street from the roof of a car, with x, y and z in metres from the scanner and the brightness of the echo. We take a thin slice at the scanner's height, to the right of the car, and ignore z. The slice contains house fronts, cars, trees and people. Your function finds the wall with the most points, which need not be the longest. Then it searches the remaining points for the next wall.
 
 # %%
 cloud = load_cloud("cloud.txt")
@@ -669,31 +657,29 @@ in_slice = (np.abs(z) < 0.3) & (x > -25) & (x < 25) & (y > -17) & (y < -1)
 left_over = cloud[in_slice, :2]
 
 figure, panels = plt.subplots(2, 1, figsize=(8.5, 7.2), layout="compressed")
-for name, axes in zip(("the first wall", "the next wall, among the other points"), panels):
+for name, axes in zip(("the first wall", "the next wall, in the remaining points"), panels):
     line, inliers = ransac_line(left_over, 100, 0.1, 1)
     plots.line_model(left_over, line, inliers, 0.1, limits=((-25, 25), (-17, 0)), axes=axes,
                      title=f"{name}: {np.sum(inliers):,} of {len(left_over):,} points")
-    axes.lines[-1].set_linewidth(0.5)  # a thin line shows the inliers under it
+    axes.lines[-1].set_linewidth(0.5)  # a thin line does not hide the inliers
     left_over = left_over[~np.asarray(inliers)]  # ~ inverts a mask
 
 # %% [markdown]
-# People and cars in front of the walls do no harm. In lesson 03, the same idea finds the road.
+# The people and cars in front of the walls do no harm.
 #
 # ## Common mistakes
 #
-# *Each mistake leaves its mark in the picture.*
-#
 # | mistake | what you see |
 # |---|---|
-# | no `abs` in the distance | everything on one side of the line counts as inliers |
-# | the normal is not divided by its length | the band is too thin for points far apart, too wide for points close together |
-# | the last line is returned, not the best | another line with each seed, however many rounds |
-# | line and mask are not replaced together | inliers that are not along the line |
-# | y = m x + q for the line | an exception, or no wall straight ahead |
-# | squared distances compared with the threshold | a band of the wrong width: 0.25 acts as 0.5 |
+# | no `abs` in the distance | all points on one side of the line count as inliers |
+# | the normal is not divided by its length | the band is too thin for points far apart, and too wide for points close together |
+# | the last line is returned, not the best | each seed gives another line, however many rounds you run |
+# | line and mask are not replaced together | the inliers are not along the line |
+# | the line is y = m x + q | an exception, or a wall straight ahead is not found |
+# | squared distances are compared with the threshold | the band has the wrong width: 0.25 acts as 0.5 |
 
 # %% tags=["folded"]
-# @title Three of these mistakes (you need not read this)
+# @title Draw three of these mistakes (you need not read this)
 diagonal, other = np.array([1, -1, 0]) / np.sqrt(2), np.array([0.2, 1.0, -3.0]) / np.hypot(0.2, 1.0)
 value = points @ diagonal[:2] + diagonal[2]
 shown = {"correct": (diagonal, np.abs(value) <= 1.0),
@@ -708,12 +694,12 @@ for (name, (line, mask)), axes in zip(shown.items(), grid.flat):
 # %% [markdown]
 # ## In practice
 #
-# - The threshold depends on the range noise and on the roughness of the wall. Two or three times the noise is a good start.
-# - The inlier ratio is not known beforehand. After each new best line, real programs compute from its inlier ratio how many rounds are needed, and stop after that many. `max_iterations` is then only a limit.
+# - The threshold depends on the range noise and on the roughness of the wall. Two or three times the noise is a good first value.
+# - You do not know the inlier ratio beforehand. After each new best line, real programs compute how many rounds its inlier ratio requires, and stop after that many. `max_iterations` is then only a limit.
 # - Keep the seed, so that you can repeat a run exactly when you debug it.
-# - RANSAC finds the wall with the most points, which may not be the one you meant.
+# - The wall with the most points may not be the one you meant.
 #
-# scikit-learn has RANSAC for any model of the form y = f(x). It measures the distance along y, so it cannot find a wall straight ahead. At the end it fits the line to all inliers, as we did:
+# scikit-learn has a RANSAC for any model of the form y = f(x). It measures distances along y, so it cannot find a wall straight ahead. At the end, it fits the line to all its inliers, as we did:
 #
 # ```python
 # from sklearn.linear_model import RANSACRegressor
@@ -724,10 +710,10 @@ for (name, (line, mask)), axes in zip(shown.items(), grid.flat):
 # ## Summary
 #
 # - A single bad point can turn a least-squares line in any direction.
-# - In each round, RANSAC draws the smallest sample that determines a model, and counts the inliers. The best model wins.
-# - It succeeds with probability 1 − (1 − w²)^N, so fewer inliers need many more rounds.
-# - Draw without replacement, and expect `None` from degenerate samples.
-# - Afterwards, least squares on the inliers makes a good line better.
+# - In each round, RANSAC draws the smallest sample that determines a model, and counts the inliers. The model with the most inliers wins.
+# - RANSAC succeeds with probability 1 − (1 − w²)^N, so with fewer inliers you need many more rounds.
+# - Draw without replacement, and be ready for `None`.
+# - A least-squares fit to the inliers makes a good line better.
 #
 # **Sources.** RANSAC: [Fischler and Bolles 1981](https://doi.org/10.1145/358669.358692). MSAC: [Torr and Zisserman 2000](https://doi.org/10.1006/cviu.1999.0832). PROSAC: [Chum and Matas 2005](https://doi.org/10.1109/CVPR.2005.221). LO-RANSAC: [Chum, Matas and Kittler 2003](https://doi.org/10.1007/978-3-540-45243-0_31). USAC, which combines such variants: [Raguram et al. 2013](https://doi.org/10.1109/TPAMI.2012.257).
 #
@@ -736,23 +722,23 @@ for (name, (line, mask)), axes in zip(shown.items(), grid.flat):
 # %% [markdown]
 # ## If you want more
 #
-# 1. (30 minutes) Turn your function into MSAC, which keeps the line with the smallest sum of min(d², t²). Compare both on many sets of twenty points, for thresholds from 0.3 to 3 m.
-#    <details><summary>An answer</summary>On the 300 sets from above, with 40 rounds, both are alike at 0.3 m. MSAC is better from about 0.7 m on. The median errors are 2.2° (plain) and 1.6° (MSAC) at 1 m, and 7.1° and 2.6° at 3 m. So the choice of the threshold no longer matters much.</details>
-# 2. (25 minutes) Draw the second point only among the quarter of the points that is nearest to the first, or only among the farthest quarter. Try both on the twenty points with ten rounds and many seeds. How often are fewer than eight of the wall's ten points inliers, and why?
-#    <details><summary>An answer</summary>Far apart is better, because roughness turns a short line more than a long one. Of 1,000 runs, 10 % missed the wall with any second point, 18 % with a near one and 3 % with a far one. On a street with many objects, near may be better, because neighbours more often belong to the same wall.</details>
+# 1. (30 minutes) Turn your function into MSAC, which keeps the line with the smallest sum of min(d², t²). Compare the two on many sets of twenty points, for thresholds from 0.3 to 3 m.
+#    <details><summary>An answer</summary>On the 300 sets from above, with 40 rounds, both have about the same error at 0.3 m. MSAC is better for thresholds of about 0.7 m and more. At 1 m, the median errors are 2.2° (plain) and 1.6° (MSAC). At 3 m, they are 7.1° and 2.6°. So with MSAC, the choice of the threshold matters much less.</details>
+# 2. (25 minutes) Draw the second point only from the quarter of the points that are nearest to the first, or only from the farthest quarter. Try both on the twenty points, with ten rounds and many seeds. How often are fewer than eight of the wall's ten points inliers, and why?
+#    <details><summary>An answer</summary>It is better to draw points far apart, because roughness turns a short line more than a long one. In 1,000 runs, RANSAC missed the wall in 10 % with any second point, in 18 % with a near one and in 3 % with a far one. On a street with many objects, near points may be better, because neighbours more often belong to the same wall.</details>
 
 # %% [markdown]
 # ### Breaking it on purpose
 #
 # *A good tester looks for the smallest input on which a wrong function gives itself away.*
 #
-# This takes about 20 minutes. Three colleagues have each sent in a `ransac_line`, without the code. The figure shows what they and you find in fifteen points, with a threshold of 0.5 m. What is wrong with A, B and C?
+# This takes about 20 minutes. Three colleagues have each sent you a `ransac_line`, but not its code. The figure shows what their functions and yours find in fifteen points, with a threshold of 0.5 m. What is wrong with A, B and C?
 
 # %%
 show_broken(ransac_line)
 
 # %% [markdown]
-# For each version, find a cloud where its answer differs from yours. Use as few points as you can. The best cloud exposes only that version. Once a cloud exposes a version, you are told what is wrong with it. Nothing is graded here.
+# For each version, find a cloud where its answer differs from yours. Use as few points as you can. The best cloud exposes only that version. Once a cloud exposes a version, the cell tells you what is wrong with it. Nothing is graded here.
 
 # %%
 # Give each of A, B and C a list of points [x, y]: A=[[...], [...]].

@@ -11,16 +11,16 @@
 # %% [markdown]
 # # 03 · The road as a plane
 #
-# ![A street seen from the side. A line runs through a band of dark road points and rises gently to the right; pale points of cars, people and trees stand above it.](03_preview.png)
+# ![A street seen from the side. A line runs through a band of dark road points and rises gently to the right. Above it are the pale points of cars, people and trees.](03_preview.png)
 #
-# A street is full of obstacles, but the road itself is flat. If you find the plane of the road, every point well above it belongs to an obstacle. This works at any height of the sensor, even if the street climbs.
+# A street is full of obstacles, but the road itself is nearly flat. Once you know the plane of the road, every point well above it belongs to an obstacle. This works for a sensor at any height, even if the street climbs.
 #
 # **After this lesson you can**
 # - describe a plane by four numbers and measure distances from it,
 # - find the ground among cars, walls and people with RANSAC, and notice when it has found a wall instead,
 # - refine a plane, distinguish scatter from bias, and say how many rounds RANSAC needs.
 #
-# **You write** `plane_through` (points), `point_plane_distance` (points), `ransac_plane` (points), `fit_plane` (points) and `iterations_needed` (points). All packages named at the end of this notebook are allowed. **You need** the idea of RANSAC from lesson 02. **Time:** (time), in two sittings of about 70 and 55 minutes.
+# **You write** `plane_through` (points), `point_plane_distance` (points), `ransac_plane` (points), `fit_plane` (points) and `iterations_needed` (points). You may use any package listed at the end of this notebook. **You need** the idea of RANSAC from lesson 02. **Time:** (time), in two sittings of about 70 and 55 minutes.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -31,9 +31,7 @@
 # %% [markdown]
 # ## The road is the flat part of a street
 #
-# *From the side, the road is the only thing that looks like a line.*
-#
-# We use every eighth [return](#Words-of-the-course) of the street around the car, from the scan in `cloud.txt`. Its columns are x forward, y left, z up in metres from the sensor, and intensity. Road and pavements together are the *ground*, which we want to find.
+# We use every eighth [return](#Words-of-the-course) from the street around the car, taken from the scan in `cloud.txt`. Its columns are x (forward), y (left) and z (up), in metres from the sensor, and intensity. The *ground*, which we want to find, is the road and the pavements together.
 
 # %%
 import math
@@ -56,16 +54,16 @@ plots.from_side(street, limits=side, title="The street around the car, from the 
 # **Predict first.** Look at the picture and guess two numbers.
 
 # %%
-share = predict("What share of these points is ground?", between=(0, 100), unit="%")
+share = predict("What share of these points is on the ground?", between=(0, 100), unit="%")
 all_three = predict("You pick three of these points at random. "
                     "How likely is it that all three are on the ground?",
                     between=(0, 100), unit="%")
 
 # %% [markdown]
-# The scan is simulated, so we know what each return hit. We use this truth only to judge results.
+# The scan is simulated, so we know what each return hit. We use this truth only to judge our results.
 
 # %% tags=["folded"]
-# @title Reads the truth and compares your guess (you need not read this)
+# @title Read the truth and compare your guess (you need not read this)
 from utils.datasets import DATA
 
 truth = np.load(DATA / "cloud_truth.npz")
@@ -73,15 +71,13 @@ names = truth["class_names"].tolist()
 kinds = truth["classes"][rows]
 is_ground = kinds == names.index("ground")
 share.compare(100 * is_ground.mean(),
-              "Most beams look down, so more than half of the points are ground. Most of the "
-              "others belong to cars, which are tall and close to the sensor.")
+              "Most beams point down, so more than half of the points are on the ground. Most of the "
+              "other points belong to cars, which are tall and close to the sensor.")
 
 # %% [markdown]
 # ## The naive idea: the best plane for all points
 #
-# *Least squares uses every point, and many points belong to obstacles.*
-#
-# You probably know how to fit a line to measurements: make the sum of the squared errors as small as possible. The same works for a plane $z = \alpha x + \beta y + \gamma$. Let us fit one to all points.
+# You probably know how to fit a line to measurements: you make the sum of the squared errors as small as possible. This also works for a plane $z = \alpha x + \beta y + \gamma$. We fit one to all the points.
 
 # %%
 table = np.column_stack([street[:, :2], np.ones(len(street))])
@@ -94,25 +90,23 @@ plots.plane_model(street, naive, limits=side,
                   title="Least squares with all points gives a plane in mid-air");
 
 # %% [markdown]
-# The plane floats above the ground, because every car pulls it upwards. Squares make this worse: a point 1 m away counts as much as a hundred points 10 cm away. A better method finds the points that agree with each other, and ignores the rest.
+# The plane floats above the ground, because every car pulls it upwards. Squaring the errors makes this worse, because a point 1 m away counts as much as a hundred points 10 cm away. A better method finds the points that agree with each other, and ignores the rest.
 #
-# In lesson 02, RANSAC did this with lines. For planes it needs two tools: a plane through three points, and distances from it.
+# In lesson 02, RANSAC did this for lines. For planes, it needs two tools: the plane through three points, and distances from a plane.
 
 # %% [markdown]
 # ## The idea: three points give a plane
 #
-# *A plane is described by the direction perpendicular to it, and a distance.*
-#
-# Think of a sheet of cardboard with a pencil glued upright to it. The direction of the pencil says how the sheet is turned, and one more number how far away it is. The pencil is the *normal* $n = (a, b, c)$, and the number is $d$. The plane contains all points $(x, y, z)$ with
+# Think of a sheet of cardboard with a pencil glued upright to it. The direction of the pencil tells you how the sheet is turned, and one more number tells you how far away it is. The pencil is the *normal* $n = (a, b, c)$, and the number is $d$. A point $(x, y, z)$ is on the plane if
 #
 # $$a x + b y + c z + d = 0 .$$
 #
-# Take three points $p, q, r$ of the plane. The *cross product* of two sides is perpendicular to both:
+# Take three points $p, q, r$ on the plane. The *cross product* of two sides of their triangle is perpendicular to both:
 #
 # $$n = (q - p) \times (r - p), \qquad d = -\, n \cdot p .$$
 
 # %% tags=["folded"]
-# @title Draws the cross product of two sides (you need not read this)
+# @title Draw the cross product of two sides (you need not read this)
 first, second, normal = np.array([[2.0, 0, 0], [1, 3, 0], [0, 0, 1]])
 slant = np.array([[1, 0], [0.45, 0.35], [0, 1]])  # x to the right, y to the back, z up
 figure, axes = plt.subplots(figsize=(8.5, 3.9), layout="compressed", facecolor="white")
@@ -135,12 +129,12 @@ axes.set_title("The cross product of q − p and r − p is perpendicular to bot
 axes.set_axis_off()
 
 # %% [markdown]
-# Two details matter on the road.
+# Two details matter in practice.
 #
-# - **Length.** $(2a, 2b, 2c, 2d)$ describes the same plane. We divide by the length of $n$, so that $n$ becomes a *unit normal*, of length 1. Then $a x + b y + c z + d$ is a distance in metres.
-# - **Points on one line.** A plane can turn about a line, so they do not fix it. Their cross product is $(0, 0, 0)$, and dividing by its length gives `nan`. Rounding may leave a length of $10^{-17}$, so compare the length with a tiny number instead of 0. (In lesson 02, 0 was right, because the difference of two equal points is exactly 0.)
+# - **Length.** $(2a, 2b, 2c, 2d)$ describes the same plane. We divide $n$ by its length, which makes it a *unit normal*, with length 1. Then $a x + b y + c z + d$ is a distance in metres.
+# - **Points on one line.** Such points do not determine a plane, because a plane through them can still turn about the line. Their cross product is $(0, 0, 0)$, and dividing it by its length gives `nan`. Rounding errors may leave a length of $10^{-17}$, so compare the length with a tiny number, not with 0. (In lesson 02, you could compare with 0, because the difference of two equal points is exactly 0.)
 #
-# The sign is free: $(a, b, c, d)$ and $(-a, -b, -c, -d)$ are the same plane, seen from its two sides.
+# The sign is up to you. $(a, b, c, d)$ and $(-a, -b, -c, -d)$ describe the same plane, seen from its two sides.
 
 # %% [markdown]
 # ## Exercise 1 · `plane_through` (points)
@@ -162,9 +156,9 @@ def plane_through(p, q, r):
         (a, b, c, d) of a x + b y + c z + d = 0 with a unit normal (a, b, c) of either sign;
         None if the points are on one line.
     """
-    # 1. The cross product of the sides from p to q and from p to r.
-    # 2. Its length. If it is nearly zero, say below 1e-9, return None.
-    # 3. Divide by the length, and choose d so that p is on the plane.
+    # 1. Compute the cross product of the sides from p to q and from p to r.
+    # 2. Compute its length. If it is nearly zero, say below 1e-9, return None.
+    # 3. Divide the cross product by its length, and choose d so that p is on the plane.
     # roughly 6 lines
     ### BEGIN SOLUTION
     normal = np.cross(q - p, r - p)
@@ -182,15 +176,15 @@ def plane_through(p, q, r):
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# `np.linalg.norm(normal)` is the length. Test it before you divide by it. Compute d after the division: $d = -(a x_p + b y_p + c z_p)$ with the new a, b, c.
+# `np.linalg.norm(normal)` is the length. Test it before you divide by it. After the division, compute $d = -(a x_p + b y_p + c z_p)$ with the new a, b and c.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# `normal = np.cross(...)`; `length = ...`; `if length < 1e-9: return None`; divide; return `(normal[0], normal[1], normal[2], -(normal @ ...))`.
+# Write `normal = np.cross(...)` and `length = ...`, then `if length < 1e-9: return None`. Divide the normal by its length, and return `(normal[0], normal[1], normal[2], -(normal @ ...))`.
 # </details>
 
 # %% [markdown]
-# **A case to do by hand.** Three points of a level road are 1.7 m below the sensor. The cross product of the sides $(5, -3, 0)$ and $(2, 2, 0)$ is $(0, 0, 16)$, straight up. Expected: $(0, 0, 1, 1.7)$, or all four with the other sign (`-0.` equals 0); and `None` for three points on one line.
+# **A case to do by hand.** Three points of a level road are 1.7 m below the sensor. The cross product of the sides $(5, -3, 0)$ and $(2, 2, 0)$ is $(0, 0, 16)$, which points straight up. So the plane is $(0, 0, 1, 1.7)$, or all four numbers with the opposite sign (`-0.` equals 0). For three points on one line, the answer is `None`.
 
 # %%
 p, q, r = np.array([[4.0, 1.0, -1.7], [9.0, -2.0, -1.7], [6.0, 3.0, -1.7]])
@@ -198,10 +192,10 @@ print("a level road:", np.asarray(plane_through(p, q, r)))
 print("on one line: ", plane_through(*np.array([[0.0, 0, 0], [1, 1, 1], [3, 3, 3]])))
 
 # %% [markdown]
-# **Look before you check.** The plane through three returns of the road should run along the road, and the printed length should be 1.
+# **Look before you check.** The plane through three returns from the road should run along the road, and the printed length should be 1.
 
 # %% tags=["folded"]
-# @title Draws your plane through three returns (you need not read this)
+# @title Draw your plane through three returns (you need not read this)
 corners = np.array([street[np.argmin(np.linalg.norm(street[:, :3] - place, axis=1)), :3]
                     for place in [(-8, 1, -1.9), (6, -1, -1.6), (16, 3, -1.4)]])
 plane = plane_through(*corners)
@@ -215,11 +209,11 @@ check(plane_through)
 # %% [markdown]
 # ## Exercise 2 · `point_plane_distance` (points)
 #
-# Start on the plane and walk along the normal. Because $n$ has length 1, each metre adds exactly 1 to $a x + b y + c z + d$. On the plane the sum is 0, so at a point $p$ it is the number of metres walked, with a minus sign on the other side of the plane:
+# Imagine that you start on the plane and walk along the normal. Because $n$ has length 1, each metre adds exactly 1 to $a x + b y + c z + d$. On the plane, this sum is 0. At a point $p$, it is therefore the number of metres that you have walked. On the other side of the plane the sum is negative, so the distance is its absolute value:
 #
 # $$\text{distance}(p) = |\,a x_p + b y_p + c z_p + d\,|$$
 #
-# Be careful with the fourth column. NumPy multiplies a cloud of shape (n, 4) by a plane of four numbers without an error, but it also multiplies the intensity by $d$.
+# Be careful with the fourth column. NumPy does not complain if you multiply a cloud of shape (n, 4) by the four numbers of a plane. But then it also multiplies the intensity by $d$.
 
 # %% nbgrader={"grade": false, "grade_id": "point_plane_distance", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def point_plane_distance(points, plane):
@@ -237,7 +231,7 @@ def point_plane_distance(points, plane):
     ndarray, shape (n,)
         Distances in metres, never negative.
     """
-    # 1. x, y and z of all points, times the normal: one number per point.
+    # 1. Multiply x, y and z of all points by the normal. This gives one number per point.
     # 2. Add d and take the absolute value.
     # roughly 2 lines
     ### BEGIN SOLUTION
@@ -252,15 +246,15 @@ def point_plane_distance(points, plane):
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# `a * points[:, 0] + b * points[:, 1] + ...` computes the sum for all points at once. So does `points[:, :3] @ normal`, plus d.
+# `a * points[:, 0] + b * points[:, 1] + ...` computes the sum for all points at once. `points[:, :3] @ normal` gives the same, but without d.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# One line is enough: `return np.abs(... + d)`, with the three products in place of the dots.
+# One line is enough. Write `return np.abs(... + d)`, with the three products in place of the dots.
 # </details>
 
 # %% [markdown]
-# **A case to do by hand.** On the level road $(0, 0, 1, 1.7)$, the distance is $|z + 1.7|$. The four points are on the road, on a kerb, on a car's roof and at the bottom of a pothole. Expected: 0, 0.13, 1.5 and 0.1. The pothole is 10 cm *below* the plane, but its distance is positive.
+# **A case to do by hand.** For the level road $(0, 0, 1, 1.7)$, the distance is $|z + 1.7|$. The four points are on the road, on a kerb, on a car's roof and at the bottom of a pothole. Their distances are 0, 0.13, 1.5 and 0.1. The pothole is 10 cm *below* the plane, but its distance is positive.
 
 # %%
 four = np.array([[5.0, 2.0, -1.7, 0.3], [6.0, 4.0, -1.57, 0.3],
@@ -268,7 +262,7 @@ four = np.array([[5.0, 2.0, -1.7, 0.3], [6.0, 4.0, -1.57, 0.3],
 print(np.round(point_plane_distance(four, (0.0, 0.0, 1.0, 1.7)), 2))
 
 # %% [markdown]
-# **Look before you check.** The colour is the distance from the plane above. The road should have the colour of 0 m along its whole length, although it climbs.
+# **Look before you check.** The colour shows the distance from the plane above. The road should have the colour of 0 m along its whole length, although it climbs.
 
 # %%
 distances = point_plane_distance(street, plane)
@@ -282,9 +276,9 @@ check(point_plane_distance)
 # %% [markdown]
 # ## RANSAC: try planes through random points
 #
-# *A plane through three ground points is near most of the ground. Other planes are near few points.*
+# *A plane through three ground points is near most of the ground. Other planes are near only a few points.*
 #
-# One *round* of RANSAC takes three different points at random, the *sample*, and puts a plane through them. Then it counts the [inliers](#Words-of-the-course) of this plane: the points that are no farther away than a threshold, here 0.2 m.
+# In one *round*, RANSAC draws three different points at random, the *sample*, and computes the plane through them. Then it counts the [inliers](#Words-of-the-course) of this plane, the points within a threshold of it. Here the threshold is 0.2 m.
 
 # %%
 def one_round(rng):
@@ -294,10 +288,10 @@ def one_round(rng):
     return three, attempt, point_plane_distance(street, attempt) <= 0.2
 
 # %% [markdown]
-# Here are four rounds. Squares are the sample, dots are inliers, and crosses are all other points. The line shows where the plane crosses y = 0, straight ahead of the sensor. If a plane leans sideways, inliers to the left or right may be far from this line.
+# Here are four rounds. Squares mark the sample, dots the inliers, and crosses all other points. The line shows where the plane cuts through y = 0, straight ahead of the sensor. If a plane leans sideways, its inliers on the left or right may be far from this line.
 
 # %% tags=["folded"]
-# @title Draws four rounds (you need not read this)
+# @title Draw four rounds (you need not read this)
 rng = np.random.default_rng(2)
 figure, panels = plt.subplots(4, 1, figsize=(8.5, 9.6), sharex=True, layout="compressed")
 for number, axes in enumerate(panels, start=1):
@@ -311,17 +305,17 @@ for number, axes in enumerate(panels, start=1):
 
 picks = rng.integers(len(street), size=(1_000_000, 3))
 all_three.compare(100 * is_ground[picks].all(axis=1).mean(),
-                  "Counted in a million picks. The formula says the same: each point is ground "
-                  "with probability w, so all three are ground with probability "
+                  "We counted this in a million picks. A formula says the same. Each point is on the "
+                  "ground with probability w, so all three are on the ground with probability "
                   f"w x w x w = {is_ground.mean() ** 3:.0%}. In one round this is rare, but in "
                   "fifty rounds it happens several times.")
 
 # %% [markdown]
-# A plane through a car usually cuts through the street at an odd angle and has few inliers. If all three points are ground and far apart, the count jumps. So play many rounds, and keep the plane with the most inliers. This method assumes only that the ground is the largest plane.
+# A plane through a car usually cuts through the street at an odd angle and has few inliers. If all three points are on the ground and far apart, the count jumps. So RANSAC runs many rounds and keeps the plane with the most inliers. It assumes only that the ground is the largest plane.
 #
 # ## Exercise 3 · `ransac_plane` (points)
 #
-# Return the best plane and the mask of its inliers. If `plane_through` returns `None`, skip this sample, but count the round. With fewer than three points, you cannot draw a sample.
+# Return the best plane and the mask of its inliers. If `plane_through` returns `None`, skip the sample, but count the round. With fewer than three points, you cannot draw a sample.
 
 # %% nbgrader={"grade": false, "grade_id": "ransac_plane", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def ransac_plane(points, max_iterations, distance_tolerance, rng):
@@ -332,7 +326,7 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
     points : ndarray, shape (n, 3) or (n, 4)
         x, y, z in metres; then intensity, which is not used.
     max_iterations : int
-        Number of rounds; the sample of each is three different rows.
+        Number of rounds. Each draws a sample of three different rows.
     distance_tolerance : float
         Threshold: the largest distance of an inlier from the plane in metres.
     rng : numpy.random.Generator or int
@@ -346,10 +340,11 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
         True where the distance from the model is at most distance_tolerance;
         all False if the model is None, for example with fewer than three points.
     """
-    # 1. The generator; no model so far, and a mask that is all False.
+    # 1. Make the generator. Start with no model and a mask that is all False.
     # 2. With fewer than three points, return these two.
-    # 3. In each of max_iterations rounds: three different rows, the plane through them (or the
-    #    next round), the mask of the points near it. If it has more inliers, keep both.
+    # 3. In each of max_iterations rounds, draw three different rows and compute their plane. If
+    #    there is none, go on to the next round. Make the mask of the points near the plane. If
+    #    it has more inliers than the best mask so far, keep this plane and its mask.
     # roughly 13 lines
     ### BEGIN SOLUTION
     rng = np.random.default_rng(rng)
@@ -370,19 +365,19 @@ def ransac_plane(points, max_iterations, distance_tolerance, rng):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# The loop is the same as in lesson 02, with three points instead of two. Before the loop, write `rng = np.random.default_rng(rng)`, which takes a generator or a whole number, `model = None`, and `inliers = np.zeros(len(points), dtype=bool)`.
+# The loop is the same as in lesson 02, with three points instead of two. Before the loop, write `rng = np.random.default_rng(rng)`, which accepts a generator or a whole number, `model = None`, and `inliers = np.zeros(len(points), dtype=bool)`.
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# A round: `i = rng.choice(len(points), 3, replace=False)`, then `plane_through(*points[i, :3])`. The star passes the three rows as p, q and r. If the result is None, `continue`.
+# In each round, write `i = rng.choice(len(points), 3, replace=False)`, then `plane_through(*points[i, :3])`. The star passes the three rows as p, q and r. If the result is `None`, use `continue`.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# At the end of a round, build the mask `point_plane_distance(...) <= distance_tolerance`. If its `np.count_nonzero(...)` is larger than that of the best mask, replace model **and** mask. After the loop, return both, in this order.
+# At the end of a round, make the mask `point_plane_distance(...) <= distance_tolerance`. If its `np.count_nonzero(...)` is larger than that of the best mask, replace model **and** mask. After the loop, return both, in this order.
 # </details>
 
 # %% [markdown]
-# **A small case first.** Of seven points, five are on a floor at z = −1.7 m, and two are above it. Expected: the plane $(0, 0, 1, 1.7)$ or its negative, and a mask of five times `True`, then twice `False`.
+# **A small case first.** Five of the seven points are on a floor at z = −1.7 m, and two are above it. So the plane is $(0, 0, 1, 1.7)$ or its negative, and the mask is five times `True`, then twice `False`.
 
 # %%
 seven = np.array([[0.0, 0.0, -1.7], [4.0, 0.0, -1.7], [1.0, 3.0, -1.7],
@@ -393,7 +388,7 @@ print("plane:", np.asarray(model), "\nmask: ", inliers)
 plots.plane_model(seven, model, inliers, 0.1, limits=((-1, 6), (-2.3, 1)), title="Five of seven");
 
 # %% [markdown]
-# **Look before you check.** Now the street. The band should contain the ground from end to end, and little of the cars above it.
+# **Look before you check.** Now your function searches the street. The band should contain the ground from end to end, and only a little of the cars.
 
 # %%
 model, inliers = ransac_plane(street, 50, 0.2, np.random.default_rng(1))
@@ -401,7 +396,7 @@ print("plane:", np.round(model, 3))
 plots.plane_model(street, model, inliers, 0.2, limits=side, title="The plane that your ransac_plane found");
 
 # %% tags=["folded"]
-# @title Draws the same in 3D (you need not read this)
+# @title Draw the same in 3D (you need not read this)
 from utils.scene3d import Scene
 
 inliers = np.asarray(inliers)
@@ -418,19 +413,19 @@ check(ransac_plane)
 replay(ransac_plane)
 
 # %% [markdown]
-# **A good place to stop.** Save the notebook. Your `ransac_plane` finds the ground. The second sitting shows how the search can fail, improves its plane, and computes how many rounds you need.
+# **A good place to stop.** Your `ransac_plane` finds the ground. Save the notebook. In the second sitting, you see how the search can fail, improve its plane, and compute how many rounds you need.
 
 # %% [markdown]
 # ## The threshold: how thick is the ground?
 #
-# **The second sitting begins here.** Remember: `ransac_plane` returns the largest plane and the mask of the points near it. If you have closed the notebook, first run all cells above: in JupyterLab with *Run*, *Run All Above Selected Cell*, in Colab with *Runtime*, *Run before*.
+# **The second sitting begins here.** Remember that `ransac_plane` returns the largest plane and the mask of the points near it. If you have closed the notebook, first run all the cells above. In JupyterLab, choose *Run*, *Run All Above Selected Cell*. In Colab, choose *Runtime*, *Run before*.
 #
-# *A thin band loses ground. A thick band removes wheels, feet and whole bonnets.*
+# *A thin band misses some of the ground. A thick band removes wheels, feet and whole bonnets.*
 
 # %%
 def shares(near):
-    """Say which share of the ground, and of all other points, a mask contains."""
-    return (f"{near[is_ground].mean():.0%} of the ground, {near[~is_ground].mean():.0%} of all else")
+    """Say what share of the ground, and of all other points, a mask contains."""
+    return (f"{near[is_ground].mean():.0%} of the ground, {near[~is_ground].mean():.0%} of the rest")
 
 
 @interact(threshold=FloatSlider(value=0.2, min=0.02, max=0.8, step=0.02,
@@ -442,28 +437,26 @@ def show_threshold(threshold):
     plt.show()
 
 # %% [markdown]
-# The same without a slider: the points that are *not* within the threshold, seen from above.
+# Here is the same without a slider. The pictures show the points that are *not* within the threshold, seen from above.
 
 # %% tags=["folded"]
-# @title Draws what is left with three thresholds (you need not read this)
+# @title Draw what is left with three thresholds (you need not read this)
 figure, panels = plt.subplots(3, 1, figsize=(8.5, 8), layout="compressed")
 for threshold, axes in zip((0.03, 0.2, 0.8), panels):
     found, near = ransac_plane(street, 50, threshold, 1)
     plots.from_above(street[~near], limits=((-10, 30), (-5, 5)), axes=axes,
-                     title=f"Left with {threshold} m. Removed: {shares(near)}")
+                     title=f"A threshold of {threshold} m removes {shares(near)}")
     print(f"threshold {threshold} m: the plane climbs by {-100 * found[0] / found[2]:.1f} %")
 
 # %% [markdown]
-# The street was built with a slope of 2.2 %, with kerbs, and with a crown: its middle is higher than its edges.
+# The simulated street has a slope of 2.2 %, kerbs and a crown, which means that its middle is higher than its edges.
 #
-# - **0.03 m:** more than a third of the ground is left. The reason is the crown, not noise: the road leaves the best plane by several centimetres, upwards and downwards.
-# - **0.2 m:** the ground is gone, and the obstacles have lost only their lowest part.
-# - **0.8 m:** most of the obstacles are also gone. A plane that cuts through the cars has more inliers than the road, so the plane tilts: look at its slope.
+# - **0.03 m:** More than a third of the ground is left. The cause is the crown, not noise. The road is several centimetres above the best plane in some places and below it in others.
+# - **0.2 m:** The ground is gone, and the obstacles have lost only their lowest part.
+# - **0.8 m:** Most of the obstacles are also gone. A plane that cuts through the cars has more inliers than the road, so the plane tilts. Look at its slope.
 
 # %% [markdown]
 # ## When the wall wins
-#
-# *RANSAC finds the largest plane, which need not be the ground.*
 #
 # In the next picture, RANSAC gets only the right-hand pavement and the house front next to it.
 
@@ -475,23 +468,23 @@ plots.plane_model(beside, won, near, 0.2, view="above", limits=((-2, 14), (-9, -
                   title=f"From above: a wall with the normal ({won[0]:z.1f}, {won[1]:z.1f}, {won[2]:z.1f})");
 
 # %% [markdown]
-# The house front has more points than the pavement, so it wins fairly. The normal shows the mistake. The normal of the ground points up or down, so $|c|$ is near 1. The normal of a wall is horizontal, so $|c|$ is near 0. There are three remedies, which you can combine:
+# The house front has more points than the pavement, so it wins fairly. The normal reveals the mistake. The normal of the ground points up or down, so $|c|$ is near 1. The normal of a wall is horizontal, so $|c|$ is near 0. There are three remedies, which you can combine:
 #
-# - search only where ground can be (the region of interest of lesson 07),
+# - search only where ground is possible (the region of interest in lesson 07),
 # - skip every plane whose normal is far from vertical, before you count its inliers,
-# - remove the largest plane and search the rest, until you find the ground.
+# - remove the largest plane and search the remaining points, until you find the ground.
 
 # %% [markdown]
 # ## Refit the plane to all inliers
 #
-# *Three points find the ground. Thousands describe it.*
+# *Three points are enough to find the ground, but thousands describe it better.*
 #
-# RANSAC's plane goes exactly through three noisy points. If they are half a metre apart, an error of 1 cm tilts the plane by about a degree. But now we know the inliers, and nearly all obstacles are gone. For these points least squares is the right tool, because it averages the noise of thousands of points.
+# RANSAC's plane goes exactly through three noisy points. If they are half a metre apart, an error of 1 cm tilts the plane by about a degree. But now we know the inliers, and nearly all the obstacles are gone. Least squares is the right tool for these points, because it averages the noise of thousands of them.
 #
-# Soon you will measure the slopes of thirty planes, from thirty seeds, before and after such a fit. The true slope is 2.2 %.
+# You will measure the slopes of thirty planes, from thirty seeds, before and after such a fit.
 
 # %%
-calmer = predict("How do the thirty slopes scatter after the fit to all inliers?",
+calmer = predict("After the fit to all inliers, how do the thirty slopes scatter?",
                  choices=["less, and around the true slope",
                           "less, but on one side of it",
                           "as much as before"])
@@ -499,20 +492,18 @@ calmer = predict("How do the thirty slopes scatter after the fit to all inliers?
 # %% [markdown]
 # ## The plane with the smallest squares
 #
-# *The best normal is the direction in which the points spread least.*
+# Which plane has the smallest sum of squared distances? We need to know where it is and how it is turned.
 #
-# Which plane has the smallest sum of squared distances? We need to know where it is, and how it is turned.
+# **Where it is.** Keep the normal $n$ fixed. Measured along $n$, each point has the position $n \cdot p$, while the whole plane has one position. The sum of squared differences is smallest if the plane's position is the mean of the points' positions. So the best plane goes through the mean of the points. We subtract the mean from all points, and then we no longer need $d$.
 #
-# **Where.** Keep the normal $n$ fixed. Along $n$, each point has the position $n \cdot p$, and the plane has one single position. The sum of squared differences is smallest for the mean of these positions. So the best plane goes through the mean of the points. We subtract the mean from all points, and no longer need $d$.
-#
-# **How it is turned.** A centred point $q$ is $|n \cdot q|$ away from the plane. The sum of the squared distances is
+# **How it is turned.** After this step, a point $q$ is $|n \cdot q|$ away from the plane. The sum of the squared distances is
 #
 # $$S(n) = \textstyle\sum (n \cdot q)^2 .$$
 #
-# It measures the *spread* of the points along $n$. A road spreads far along itself, and hardly at all upwards. So the best normal is the direction of least spread. The figure shows twelve points of a slope, seen from the side, and $S$ for every direction.
+# It measures the *spread* of the points along $n$. The points of a road spread far along the road, and hardly at all upwards. So the best normal is the direction of least spread. The figure shows twelve points on a slope, seen from the side, and $S$ for every direction.
 
 # %% tags=["folded"]
-# @title Draws the spread in every direction (you need not read this)
+# @title Draw the spread in every direction (you need not read this)
 along = np.linspace(-3, 3, 12)
 heights = 0.3 * along + 0.25 * np.tile([1, -1, 0.5, -0.5], 3)
 section = np.column_stack([along, heights]) - [along.mean(), heights.mean()]
@@ -523,7 +514,7 @@ spread = ((section @ directions.T) ** 2).sum(axis=0)
 
 figure, (seen, curve) = plt.subplots(2, 1, figsize=(8.5, 7), layout="compressed")
 plots.line_model(section, [*last, 0], limits=((-5, 5), (-2.2, 2.2)), axes=seen,
-                 title="Twelve points and the line with the smallest squares")
+                 title="Twelve points and the line with the smallest sum of squares")
 seen.set(xlabel="x, forward (m)", ylabel="z, up (m)")
 for name, direction, length in (("first", first * np.sign(first[0]), 2.0),
                                 ("last", last * np.sign(last[1]), 1.4)):
@@ -537,9 +528,9 @@ plots.curves({"sum of squares along this direction": (angles, spread)},
              title="The sum of squares in every direction");
 
 # %% [markdown]
-# **How to find it in 3D.** The *singular value decomposition* gives three perpendicular directions $v_1, v_2, v_3$, sorted from the most to the least spread. For each, it gives a singular value $s_k$ with $S(v_k) = s_k^2$. No other direction has a smaller sum than the last one, so $n = v_3$. (*If you want more* has the proof.)
+# **How to find it in 3D.** The *singular value decomposition* gives three perpendicular directions $v_1, v_2, v_3$, sorted from the largest spread to the smallest. For each direction, it also gives a singular value $s_k$ with $S(v_k) = s_k^2$. No other direction has a smaller sum than the last one, so $n = v_3$. (*If you want more* contains the proof.)
 #
-# The example has four points of a rough floor, 4 m long and 2 m wide, up to 10 cm too high or too low:
+# The example is a rough floor of four points, 4 m long and 2 m wide. Each point is 10 cm too high or too low:
 
 # %%
 floor = np.array([[0.0, 0.0, -1.6], [4.0, 0.0, -1.8], [0.0, 2.0, -1.8], [4.0, 2.0, -1.6]])
@@ -550,11 +541,11 @@ for value, direction in zip(singular, directions):
     print(f"along {np.abs(direction.round(2))}: sum of squares {squares:.2f} = {value:.2f}²")
 
 # %% [markdown]
-# Without `full_matrices=False`, NumPy also builds an n × n matrix, which needs 20 gigabytes for 50,000 points.
+# Without `full_matrices=False`, NumPy also builds an n × n matrix. For 50,000 points, this matrix needs 20 gigabytes.
 #
 # ## Exercise 4 · `fit_plane` (points)
 #
-# Return the plane with the smallest sum of squared distances, for any direction: a wall is also a plane.
+# Return the plane with the smallest sum of squared distances. It may face in any direction, because a wall is also a plane.
 
 # %% nbgrader={"grade": false, "grade_id": "fit_plane", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def fit_plane(points):
@@ -571,9 +562,9 @@ def fit_plane(points):
         (a, b, c, d) with a unit normal (a, b, c) of either sign: the plane with the smallest
         sum of squared distances.
     """
-    # 1. The mean of x, y and z, and the coordinates relative to it.
-    # 2. Their singular value decomposition; the normal is the direction of least spread.
-    # 3. d, so that the mean is on the plane.
+    # 1. Compute the mean of x, y and z, and subtract it from the coordinates.
+    # 2. Compute the singular value decomposition. The normal is the direction of least spread.
+    # 3. Choose d so that the mean is on the plane.
     # roughly 4 lines
     ### BEGIN SOLUTION
     centre = points[:, :3].mean(axis=0)
@@ -589,33 +580,33 @@ def fit_plane(points):
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# `np.linalg.svd(...)` returns three things. The third contains one direction per *row*, and the last row belongs to the smallest spread.
+# `np.linalg.svd(...)` returns three things. The third contains one direction per *row*, and the last row is the direction of the smallest spread.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# With `centre = points[:, :3].mean(axis=0)` and the last row as `normal`, return `(*normal, d)` with `d = -(normal @ centre)`. The rows have length 1 already.
+# Write `centre = points[:, :3].mean(axis=0)`, and call the last row `normal`. Then return `(*normal, d)` with `d = -(normal @ centre)`. The rows already have length 1.
 # </details>
 
 # %% [markdown]
-# **A small case first.** The mean of the rough floor is at z = −1.7 m, and its errors cancel out. Expected: $(0, 0, 1, 1.7)$ or its negative.
+# **A small case first.** The mean of the rough floor is at z = −1.7 m, and its errors cancel out. So the plane is $(0, 0, 1, 1.7)$ or its negative.
 
 # %%
 print(np.round(fit_plane(floor), 2))
 
 # %% [markdown]
-# **Look before you check.** For each of thirty seeds, we compute three slopes: of the plane through three points, of the least-squares plane of all inliers, and of a second fit to the points within 0.1 m of the first.
+# **Look before you check.** For each of thirty seeds, we compute three slopes. The first belongs to the plane through three points, and the second to the least-squares plane of all its inliers. The third belongs to a new fit to the points within 0.1 m of the second plane.
 
 # %%
 BUILT = 2.2  # per cent
 
 
 def slope_of(plane):
-    """How much a plane climbs in the forward direction, in per cent."""
+    """Return how much a plane climbs in the forward direction, in per cent."""
     return -100 * plane[0] / plane[2]
 
 
 def slopes_of(seeds):
-    """For each seed, the slopes of RANSAC's plane and of three fits to its inliers."""
+    """Return, for each seed, the slopes of RANSAC's plane and of three fits to its inliers."""
     slopes = {"three points": [], "all inliers": [], "again, within 0.1 m": [],
               "inliers on the ground": []}
     for seed in seeds:
@@ -634,14 +625,14 @@ for name, values in slopes.items():
 print(f"{'as built':>22}: {BUILT:.3f} %")
 
 # %% tags=["folded"]
-# @title Draws the slopes (you need not read this)
+# @title Draw the slopes (you need not read this)
 shown = {name: (np.arange(30), slopes[name]) for name in list(slopes)[:3]}
 built = {"as built": ([0, 29], [BUILT, BUILT])}
 figure, panels = plt.subplots(2, 1, figsize=(8.5, 7.4), layout="compressed")
 plots.curves(built, shown, up="slope of the street (%)", axes=panels[0],
              title="Refitting reduces the scatter")
 plots.curves(built, shown, across="seed", up="slope of the street (%)", axes=panels[1],
-             title="The same, enlarged: some triangles are outside the picture")
+             title="The same, enlarged: some planes through three points are outside the picture")
 panels[1].set_ylim(1.92, 2.24)
 panels[1].get_legend().remove()
 
@@ -651,34 +642,32 @@ answer = ("as much as before" if np.std(fitted) > 0.5 * np.std(before)
           else "less, but on one side of it" if off
           else "less, and around the true slope")
 calmer.compare(answer,
-               "Averaging reduces errors that differ from run to run. Errors that are the same "
-               "in every run stay: here, wheels and bumpers within the threshold. Most of them "
-               "are behind us and lift the plane there, so it climbs less.")
+               "Averaging reduces errors that differ from run to run, but not errors that are the "
+               "same in every run. Here, wheels and bumpers are within the threshold. Most of "
+               "them are behind us and lift the plane there, so it climbs less.")
 
 # %% nbgrader={"grade": true, "grade_id": "test_fit_plane", "locked": true, "points": 5, "schema_version": 3, "solution": false, "task": false}
 check(fit_plane)
 
 # %% [markdown]
-# The symbols of "all inliers" are close together, but all of them are below "as built". An estimate can be precise and still be wrong, always on the same side. It is then *biased*. (The three-point planes are biased too, more than twice as much on average. The scatter hides it.) More points do not reduce a bias. You have to find its cause.
+# The symbols of "all inliers" are close together, but all of them are below "as built". An estimate can vary little and still be wrong, always on the same side. It is then *biased*. (The planes through three points are also biased, on average more than twice as much, but the scatter hides it.) More points do not reduce a bias. You have to find its cause.
 #
-# - **Points that do not belong there.** The threshold also lets in wheels and bumpers. The line "inliers on the ground" leaves them out with the help of the truth, and most of the error is gone. On a real road we do not know the truth. But the plane is now good enough for a smaller threshold, and "again, within 0.1 m" does as well.
-# - **A surface that is not a plane.** A small error remains, because of crown and kerbs.
+# - **Points that do not belong there.** The threshold also lets in wheels and bumpers. "Inliers on the ground" leaves them out with the help of the truth, and most of the error is gone. On a real road, we do not know the truth. But the plane is now good enough for a smaller threshold, and "again, within 0.1 m" does just as well.
+# - **A surface that is not a plane.** A small error remains because of the crown and the kerbs.
 #
-# An error of 0.3 % in the slope, as with three points, is 9 cm at a distance of 30 m. The bias of the first fit is 2 cm there, and that of the second 5 mm.
+# The slope of a plane through three points is off by about 0.3 %, which makes 9 cm at a distance of 30 m. The bias of the first fit makes 2 cm there, and the bias of the second makes 5 mm.
 #
 # ## How many rounds?
 #
-# *The number depends on the share of inliers, not on the number of points.*
-#
-# Let $w$ be the share of ground points. A sample of $s = 3$ points is good if all of them are ground, which has the probability $w^s$. It is bad with probability $1 - w^s$, and all of $N$ rounds have bad samples with probability $(1 - w^s)^N$. We want at least one good sample with a confidence $C$, such as 0.99:
+# Let $w$ be the share of ground points. A sample of $s = 3$ points is good if all of them are on the ground, which has the probability $w^s$. So a sample is bad with probability $1 - w^s$, and all samples of $N$ rounds are bad with probability $(1 - w^s)^N$. We want at least one good sample with a confidence $C$, such as 0.99:
 #
 # $$1 - (1 - w^s)^N \ge C \quad\Longleftrightarrow\quad N \ge \frac{\log(1 - C)}{\log(1 - w^s)} .$$
 #
-# The inequality changes its direction because $\log(1 - w^s)$ is negative.
+# The inequality changes direction because we divide by $\log(1 - w^s)$, which is negative.
 #
 # ## Exercise 5 · `iterations_needed` (points)
 #
-# Return the smallest whole $N$ that satisfies the inequality. Two ratios need a case of their own: return 1 for `inlier_ratio` 1, where every sample is good, and `math.inf` for 0, where none is. `confidence` is never 0 or 1.
+# Return the smallest whole number $N$ that satisfies the inequality. Return 1 for `inlier_ratio` 1, because every sample is then good, and `math.inf` for 0, because no sample is good. `confidence` is never 0 or 1.
 
 # %% nbgrader={"grade": false, "grade_id": "iterations_needed", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def iterations_needed(inlier_ratio, sample_size, confidence):
@@ -689,7 +678,7 @@ def iterations_needed(inlier_ratio, sample_size, confidence):
     inlier_ratio : float
         Share w of inliers among the points, from 0 to 1.
     sample_size : int
-        Points in a sample, s: two for a line, three for a plane.
+        Number s of points in a sample: two for a line, three for a plane.
     confidence : float
         Wanted probability of at least one sample without outliers; above 0 and below 1.
 
@@ -697,11 +686,11 @@ def iterations_needed(inlier_ratio, sample_size, confidence):
     -------
     int, or math.inf
         The smallest whole N with 1 - (1 - w^s)^N >= confidence; 1 for w = 1; math.inf for
-        w = 0, where no number is enough.
+        w = 0, because no number is then enough.
     """
-    # 1. The probability of a good sample.
-    # 2. Is it 1 or 0? Then the answer is known.
-    # 3. The quotient of the logarithms, rounded up.
+    # 1. Compute the probability of a good sample.
+    # 2. If it is 1 or 0, you already know the answer.
+    # 3. Otherwise, divide the logarithms and round up.
     # roughly 6 lines
     ### BEGIN SOLUTION
     good_sample = inlier_ratio**sample_size
@@ -719,24 +708,24 @@ def iterations_needed(inlier_ratio, sample_size, confidence):
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# `math.log(0)` raises an error, and `math.log(1)` is 0, so you cannot divide by it. Both cases need an `if` of their own.
+# `math.log(0)` raises an error, and `math.log(1)` is 0, so you cannot divide by it. Each of the two cases needs its own `if`.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# With `good = inlier_ratio ** sample_size`: return 1 if it is 1, `math.inf` if it is 0, and otherwise `math.ceil(math.log(1 - ...) / math.log1p(-good))`. `math.log1p(x)` is the logarithm of 1 + x, and also works if `good` is so small that `1 - good` is rounded to 1.
+# Write `good = inlier_ratio ** sample_size`. Return 1 if it is 1, and `math.inf` if it is 0. Otherwise, return `math.ceil(math.log(1 - ...) / math.log1p(-good))`. `math.log1p(x)` is the logarithm of 1 + x. It also works if `good` is so small that `1 - good` is rounded to 1.
 # </details>
 
 # %% [markdown]
-# **A case to do by hand.** You toss a coin and wait for heads: $w = 0.5$, $s = 1$. In three tosses, heads comes with probability $1 - 0.5^3 = 0.875$, and in four with $1 - 0.5^4 = 0.9375$. So for a confidence of 0.9 the answer is 4.
+# **A case to do by hand.** You toss a coin and wait for heads, so $w = 0.5$ and $s = 1$. The probability of heads is $1 - 0.5^3 = 0.875$ in three tosses, and $1 - 0.5^4 = 0.9375$ in four. So for a confidence of 0.9, the answer is 4.
 
 # %%
 print("tosses of a coin:", iterations_needed(0.5, 1, 0.9))
 
 # %% [markdown]
-# **Look before you check.** Both columns should fall from infinity to 1, and a plane should need at least as many rounds as a line.
+# **Look before you check.** In both columns, the numbers should fall from infinity to 1. A plane should need at least as many rounds as a line.
 
 # %%
-show_table(["share of inliers", "a line", "a plane"],
+show_table(["share of inliers", "rounds for a line", "rounds for a plane"],
            [(w, *(iterations_needed(w, size, 0.99) for size in (2, 3)))
             for w in (0, 0.1, 0.3, 0.5, 0.7, 0.9, 1)])
 
@@ -748,11 +737,11 @@ check(iterations_needed)
 #
 # *The formula assumes that every plane through three ground points finds the ground.*
 #
-# Your `ransac_plane` searches 700 points of the street with 1, 2, 4, ... 64 rounds, a hundred times each. A run is a success if its inliers contain nine tenths of the true ground. A second cloud reaches 20 m to all sides. It also contains the house fronts and trees, so its share of ground is smaller. (The second cell below takes up to 10 seconds.)
+# Your `ransac_plane` searches 700 points of the street with 1, 2, 4, ... 64 rounds, a hundred times each. A run succeeds if its inliers contain nine tenths of the true ground. Then it searches a second cloud, which reaches 20 m in all directions. This cloud also contains the house fronts and trees, so its share of ground is smaller. (The second cell below takes up to 10 seconds.)
 
 # %%
 def success_rate(points, rounds, ground):
-    """Share of a hundred runs that find nine tenths of the ground points."""
+    """Return the share of a hundred runs that find nine tenths of the ground points."""
     masks = [ransac_plane(points, rounds, 0.2, seed)[1] for seed in range(100)]
     return np.mean([(near & ground).sum() >= 0.9 * ground.sum() for near in masks])
 
@@ -776,29 +765,27 @@ axes.set_xscale("log", base=2)
 axes.set_xticks(numbers, numbers);
 
 # %% [markdown]
-# With house fronts, every measurement is below the formula. On the street, some are. Not every good sample gives a good plane, for two reasons.
+# With house fronts, every measurement is below the formula. On the street, only some are. Not every good sample gives a good plane, for two reasons.
 #
-# - **The model.** A real ground is not one plane: it has a crown, kerbs and pavements. Three ground points, one of them on a pavement, may give a plane that fits nothing.
-# - **Noise.** If three points are close together or nearly on one line, a little noise tilts their plane so much that it loses the ground far away.
+# - **The model.** Real ground is not one plane, because it has a crown, kerbs and pavements. If one of the three points is on a pavement, their plane may fit nothing.
+# - **Noise.** If three points are close together or nearly on one line, a little noise tilts their plane so much that it misses the distant ground.
 #
-# Between the house fronts, two good samples in three fail. *If you want more* shows that the model causes most of the failures. More rounds help: in practice, engineers play two or three times as many as the formula says. A million points would need no more.
+# Between the house fronts, two good samples in three fail. *If you want more* shows that the model causes most of these failures. More rounds help. In practice, engineers run two or three times as many rounds as the formula says. For a million points, they need no more.
 
 # %% [markdown]
 # ## Common mistakes
 #
-# *Most of them give a plane, but the wrong one.*
-#
 # | mistake | what you see |
 # |---|---|
 # | the normal is not divided by its length | the band is far too thin, because a large triangle has a long normal |
-# | no `np.abs` | every point on one side of the plane is an inlier, however far away |
-# | `d` has the wrong sign | a plane as far above the sensor as the ground is below |
-# | the last sample wins, not the best | another plane in each run |
-# | no test for `None` | an error, but only in a few runs |
-# | `points @ plane` with four columns | inliers that depend on brightness |
+# | no `np.abs` | all points on one side of the plane are inliers, however far away they are |
+# | `d` has the wrong sign | the plane is as far above the sensor as the ground is below it |
+# | the last sample wins, not the best | each run gives another plane |
+# | no test for `None` | an error occurs, but only in a few runs |
+# | `points @ plane` with four columns | the inliers depend on brightness |
 
 # %% tags=["folded"]
-# @title Draws the first three mistakes (you need not read this)
+# @title Draw the first three mistakes (you need not read this)
 _, near = ransac_plane(street, 50, 0.2, 1)
 refitted = np.array(fit_plane(street[near]))
 upward = refitted * np.sign(refitted[2])  # its normal points up
@@ -815,7 +802,7 @@ for (name, (plane, mask)), axes in zip(wrong.items(), panels):
 # %% [markdown]
 # ## In practice
 #
-# Open3D has the search in one call, with the same parameters. It returns the four numbers and the rows of the inliers:
+# Open3D does this search in one call, with the same parameters. It returns the four numbers and the rows of the inliers:
 #
 # ```python
 # points = open3d.utility.Vector3dVector(street[:, :3])
@@ -823,16 +810,16 @@ for (name, (plane, mask)), axes in zip(wrong.items(), panels):
 #     distance_threshold=0.2, ransac_n=3, num_iterations=50)
 # ```
 #
-# - A car first tries the ground plane of the previous frame.
-# - Libraries compute `iterations_needed` inside the loop, with the best share so far, and stop when more rounds are pointless.
-# - Good samples can be made more likely: the lower beams hit ground more often, and points far apart give a better plane.
+# - Real systems first try the ground plane of the previous frame.
+# - Libraries compute `iterations_needed` inside the loop, from the best inlier ratio so far, and stop when more rounds are pointless.
+# - You can make good samples more likely. The lower beams hit the ground more often, and points far apart give a better plane.
 #
 # ## Summary
 #
-# - A plane is a unit normal and an offset. The sign is free, the length is not.
+# - A unit normal and an offset describe a plane. The sign does not matter, but the length of the normal does.
 # - RANSAC finds the plane with the most inliers. The number of rounds depends on the share of inliers, not on the number of points.
-# - Look at the normal: the largest plane may be a wall.
-# - Refit with all inliers. This removes scatter, but not all of the bias.
+# - Look at the normal, because the largest plane may be a wall.
+# - Refit the plane to all inliers. This removes scatter, but not all of the bias.
 #
 # **Sources.** RANSAC: [Fischler and Bolles 1981](https://doi.org/10.1145/358669.358692). MSAC: [Torr and Zisserman 2000](https://doi.org/10.1006/cviu.1999.0832). Least-squares planes by SVD: [Shakarji 1998](https://doi.org/10.6028/jres.103.043). The loop in a library: [PCL, planar segmentation](https://pcl.readthedocs.io/projects/tutorials/en/latest/planar_segmentation.html), [Open3D, plane segmentation](https://www.open3d.org/docs/release/tutorial/geometry/pointcloud.html#Plane-segmentation).
 #
@@ -841,22 +828,26 @@ for (name, (plane, mask)), axes in zip(wrong.items(), panels):
 # %% [markdown]
 # ## If you want more
 #
-# Three tasks to program, about half an hour each:
+# Here are three programming tasks, which take about half an hour each:
 #
-# 1. Stop early: call `iterations_needed` in `ransac_plane`. How many rounds does the street need on average?
-# 2. Before you count inliers, skip planes that are not nearly level. How much time does this save? Does the lorry in the drive below still win?
-# 3. MSAC adds up the squared distances, cut off at the threshold, instead of counting. Is its plane better before the refit?
+# 1. Stop early. Call `iterations_needed` in `ransac_plane`. How many rounds does the street need on average?
+# 2. Skip planes that are not nearly level before you count their inliers. How much time does this save? Does the lorry in the drive below still win?
+# 3. MSAC does not count inliers. It adds up the squared distances, each cut off at the square of the threshold. Before the refit, is its plane better than yours?
 #
-# Below are two finished experiments and a proof, about 20 minutes in all.
+# Below are two finished experiments and a proof. They take about 20 minutes in all.
 
 # %% [markdown]
 # ### Noise, or the model?
 #
-# Why do good samples fail? We take 2,000 samples one by one. Are all three points on the ground? And does their plane contain nine tenths of the ground? Then we ask the same about a street whose ground is one perfect plane. Only the sensor's noise is left: 2 cm *along the ray*. The rays meet the road at a flat angle, so this moves a point up or down by only about 6 mm.
+# Why do good samples fail? We draw 2,000 samples, and ask whether all three points are on the ground, and whether their plane contains nine tenths of the ground. Then we ask the same for a street whose ground is one perfect plane. The only error left is the sensor's noise of 2 cm *along the ray*. The rays meet the road at a flat angle, so the noise moves a point up or down by only about 6 mm.
 
 # %%
 def good_samples(points, ground):
-    """Of 2,000 samples, the share on the ground; the successes among these; and among all."""
+    """Draw 2,000 samples of three points.
+
+    Returns the share of samples on the ground, the share of these that succeed, and the share of
+    all samples that succeed.
+    """
     rng = np.random.default_rng(3)
     pure, success = np.zeros((2, 2000), dtype=bool)
     for number in range(2000):
@@ -869,7 +860,7 @@ def good_samples(points, ground):
 
 # %%
 def flattened(points, ground):
-    """The same points with the ground on one plane, except for 2 cm of noise along each ray."""
+    """Return the points with the ground on one plane, except for 2 cm of noise along each ray."""
     table = np.column_stack([points[:, :2], np.ones(len(points))])
     level = table @ np.linalg.lstsq(table[ground], points[ground, 2], rcond=None)[0]
     flat = points.copy()
@@ -886,30 +877,28 @@ for label, (points, on_ground) in searched.items():
     print(f"{label}: {pure:.0%} of the samples are on the ground.")
     print(f"    {kept:.0%} of these find nine tenths of it; on a perfect plane, {kept_if_flat:.0%}")
     print(f"    rounds for 99 %: {iterations_needed(on_ground.mean(), 3, 0.99)} by the formula, "
-          f"{iterations_needed(chance, 1, 0.99)} with the measured chance of a sample")
+          f"{iterations_needed(chance, 1, 0.99)} from the measured success rate of a sample")
 
 # %% [markdown]
-# - **The model.** On the perfect plane, nine good samples in ten succeed. On the real ground of the street it is seven in ten, and between the house fronts only one in three. So crown, kerbs and pavements cause most failures. Within 20 m, nine tenths of the ground are between 9 cm below the best plane and 13 cm above it.
-# - **Noise.** It causes the failures that are left on the perfect plane, about one in ten.
+# - **The model.** On the perfect plane, nine good samples in ten succeed. On the real ground of the street, seven in ten succeed, and between the house fronts only one in three. So crown, kerbs and pavements cause most failures. Within 20 m, nine tenths of the ground are between 9 cm below the best plane and 13 cm above it.
+# - **Noise.** It causes the failures that remain on the perfect plane, about one in ten.
 #
-# With a better model, such as one plane for each piece of road, many more samples succeed.
+# With a better model, such as one plane for each piece of road, many more samples would succeed.
 
 # %% [markdown]
 # ### Ten frames of a drive
 #
-# *A drive shows when the method fails.*
-#
-# In a drive, a wall may win at any time. The third remedy needs no change to your function.
+# During a drive, a wall may win at any time. The third remedy works without any change to your function.
 
 # %%
 def ground_plane(points, rounds=100, threshold=0.2, seed=1):
-    """The largest plane whose normal points up or down, and the rows of its inliers."""
+    """Return the largest plane whose normal points up or down, and the rows of its inliers."""
     left = np.arange(len(points))
     for _ in range(10):
         plane, near = ransac_plane(points[left], rounds, threshold, seed)
         if plane is None or abs(plane[2]) > 0.9:
             return plane, left[near]
-        left = left[~near]  # not ground: remove it, and search the rest
+        left = left[~near]  # this is not the ground, so search the rest
     return None, left[:0]
 
 
@@ -921,7 +910,7 @@ plots.plane_model(beside, moved, near, 0.2, limits=((-2, 14), (-2.6, 1.2)),
                   title=f"From the side, cut at y = {cut} m: the largest level plane");
 
 # %% [markdown]
-# A car receives ten [frames](#Words-of-the-course) a second. We drive for three seconds at 5 m/s through another street, which also climbs by 2.2 %. In every third frame we search for the ground, with the rounds that your formula gives for a share of 0.3, and refit its plane. (This takes up to 10 seconds.)
+# The scanner delivers ten [frames](#Words-of-the-course) a second. We drive for three seconds at 5 m/s through another street, which also climbs by 2.2 %. In every third frame, we search for the ground and refit its plane. For the number of rounds, we use your formula with a share of 0.3. (This takes up to 10 seconds.)
 
 # %%
 won_by_ground = predict("In how many of the ten frames is the largest plane the ground?",
@@ -937,15 +926,16 @@ def open_drive(source):
 
 
 def around_us(cloud):
-    """The street around the car: every eighth return."""
+    """Return the street around the car: every eighth return."""
     return cloud[(cloud[:, 0] > -10) & (cloud[:, 0] < 30) & (np.abs(cloud[:, 1]) < 5)][::8]
 
 
 def drive(source):
     """Find the ground in every third frame.
 
-    Returns a tuple for each: the frame's number, |c| of the largest plane, the share of points
-    near the ground plane, its slope in per cent, and the sensor's height above it in metres.
+    Returns a tuple for each frame: its number, |c| of the largest plane, the share of points
+    near the ground plane, the slope of the ground plane in per cent, and the height of the
+    sensor above it in metres.
     """
     rounds, frames, lines = iterations_needed(0.3, 3, 0.99), open_drive(source), []
     for number in range(0, len(frames), 3):
@@ -958,7 +948,7 @@ def drive(source):
     return lines
 
 # %%
-SOURCE = "simulated"  # "udacity_city" downloads a real street instead: see below
+SOURCE = "simulated"  # "udacity_city" downloads a real street instead, as explained below
 lines = drive(SOURCE)
 show_table(["frame", "|c| of the largest plane", "points near the ground plane", "slope",
             "height of the sensor"],
@@ -966,13 +956,13 @@ show_table(["frame", "|c| of the largest plane", "points near the ground plane",
             for number, upright, part, slope, height in lines])
 won_by_ground.compare(sum(upright > 0.9 for _, upright, *_ in lines),
                       "If |c| is near 0, the largest plane is upright. The next picture shows "
-                      "what it is. Also in those frames, the search for the largest plane whose "
+                      "what it is. Even in those frames, the search for the largest plane whose "
                       "normal points up finds the ground.")
 
 # %% [markdown]
-# The sensor is mounted 1.73 m above the road, and the street climbs by 2.2 %. The plane finds both in every frame, from the points alone. Its errors, at most about 1 cm and 0.1 %, differ from frame to frame.
+# The sensor is mounted 1.73 m above the road. The plane gives this height and the slope in every frame, from the points alone. Its errors differ from frame to frame, and are at most about 1 cm and 0.1 %.
 #
-# The next picture shows the frame in which the ground did worst.
+# The next picture shows the frame in which the largest plane is steepest.
 
 # %%
 worst = min(lines, key=lambda line: line[1])[0]
@@ -988,18 +978,18 @@ middle = (low + high) / 2
 plots.ring(aside, middle[0], middle[2], radius=0.6 * (high - low)[0]);
 
 # %% [markdown]
-# The ring marks the side of a lorry that comes towards us and passes. It has more points than the ground, and it hides the ground behind it. More rounds do not help here, because the lorry really is the largest plane. Looking at the normal helps.
+# The ring marks the side of a lorry that comes towards us and passes. The side has more points than the ground, and it hides the ground behind it. More rounds do not help here, because the lorry really is the largest plane. Looking at the normal does help.
 #
-# **A real street.** If you are online, set `SOURCE = "udacity_city"` and run the last cells again. This downloads 22 frames (about 40 MB) of the [KITTI project](https://www.cvlibs.net/datasets/kitti), after showing their licence. The true slope is not known there, but the height of the sensor is: 1.73 m. Do you find it?
+# **A real street.** If you are online, set `SOURCE = "udacity_city"` and run the last cells again. They show you the licence of the [KITTI project](https://www.cvlibs.net/datasets/kitti) and then download 22 of its frames (about 40 MB). We do not know the true slope there, but we know the height of the sensor, 1.73 m. Does your plane give the same height?
 
 # %% [markdown]
 # ### Why the last direction wins
 #
-# The three directions of a singular value decomposition have a special property: $\sum (v_1 \cdot q)(v_2 \cdot q) = 0$, and the same for the other two pairs. Every unit normal is a mixture, $n = \alpha v_1 + \beta v_2 + \gamma v_3$ with $\alpha^2 + \beta^2 + \gamma^2 = 1$. If you put it into $S$, all products of two different directions are zero:
+# The three directions of a singular value decomposition have a special property: $\sum (v_1 \cdot q)(v_2 \cdot q) = 0$, and the same is true for the other two pairs. Every unit normal is a mixture $n = \alpha v_1 + \beta v_2 + \gamma v_3$ with $\alpha^2 + \beta^2 + \gamma^2 = 1$. If you put this mixture into $S$, all products of two different directions are zero:
 #
 # $$S(n) = \alpha^2 s_1^2 + \beta^2 s_2^2 + \gamma^2 s_3^2 .$$
 #
-# This is an average of the three spreads, with weights that add up to 1. An average is never smaller than its smallest number. It is equal to this number if all the weight is there: $\gamma = 1$, so $n = v_3$.
+# This is a weighted average of the three spreads, with weights that add up to 1. An average is never smaller than its smallest number. It equals this number if all the weight is there, that is, if $\gamma = 1$ and $n = v_3$.
 
 # %% [markdown] tags=["footer"]
 # (footer)

@@ -193,7 +193,7 @@ def test_refitted_slopes_scatter_less_but_stay_biased(street):
     scatter = {name: np.std(values) for name, values in slopes.items()}
     assert scatter["all inliers"] < scatter["three points"] / 3
     assert max(slopes["all inliers"]) < 2.2
-    # The text says that three-point planes are biased "more than twice as much on average".
+    # The text says that planes through three points are biased more than twice as much on average.
     assert 2.2 - mean["three points"] > 2 * (2.2 - mean["all inliers"])
     # The answer to the prediction is that averaging does not remove the bias.
     assert 2.2 - mean["all inliers"] > 3 * scatter["all inliers"] / 30**0.5
@@ -263,7 +263,7 @@ def test_noise_on_the_flattened_ground_is_along_the_ray(street, search_clouds):
         noise = np.linalg.norm(flat[ground, :3], axis=1) - ranges
         assert abs(noise.mean()) < 0.003
         assert noise.std() == pytest.approx(Sensor.range_noise, rel=0.1)
-        # The text says that this moves a point up or down by only about 6 mm.
+        # The text says that the noise moves a point up or down by only about 6 mm.
         upwards = Sensor.range_noise * np.abs(rays[:, 2])
         assert np.median(upwards) == pytest.approx(0.006, abs=0.001)
 

@@ -13,12 +13,12 @@
 # %% [markdown]
 # # 04 · The kd-tree
 #
-# ![A street from above, cut by straight lines into smaller and smaller rectangles. There is a small circle around a pedestrian. Nearly all rectangles are hatched: the search never entered them.](04_preview.png)
+# ![A street from above, cut by straight lines into smaller and smaller rectangles. A small circle surrounds a pedestrian. Nearly all rectangles are hatched, because the search never entered them.](04_preview.png)
 #
-# Which points are near a given point? Clustering asks this for every point of a scan, about a hundred thousand times, and ten scans arrive every second. Your kd-tree will answer without comparing all points, and still miss none.
+# Which points are near a given point? Clustering asks this for every point of a scan, about a hundred thousand times, and ten scans arrive every second. Your kd-tree will answer without comparing all points, and it will not miss any.
 #
 # **After this lesson you can**
-# - build a kd-tree, by hand on paper and in code,
+# - build a kd-tree, both by hand on paper and in code,
 # - search a kd-tree within a radius, and explain why each branch was visited or skipped,
 # - balance a kd-tree, and show by counting how much work this saves.
 #
@@ -33,7 +33,7 @@
 # %% [markdown]
 # ## What is near the lamp post?
 #
-# Here is one scan without the road and without the [ego car](#Words-of-the-course), the car that carries the scanner. A lamp post is four metres ahead and four to the right. Which [returns](#Words-of-the-course) are within half a metre of a point in the middle of the post?
+# Here is one scan without the road and without the [ego car](#Words-of-the-course), which carries the scanner. A lamp post is four metres ahead and four metres to the right. Which [returns](#Words-of-the-course) are within half a metre of a point in the middle of the post?
 
 # %%
 from dataclasses import dataclass
@@ -60,20 +60,20 @@ for _ in range(100):  # one run is too short to measure
 seconds = (process_time() - begin) / 100
 print(f"{is_near.sum()} of {len(obstacles):,} points are near. "
       f"To find them, we computed {len(obstacles):,} distances in {1000 * seconds:.1f} ms.")
-print(f"The same question for every point: {len(obstacles) ** 2:,} distances, "
-      f"about {seconds * len(obstacles) / 60:.1f} minutes.")
+print(f"The same question for every point needs {len(obstacles) ** 2:,} distances, "
+      f"or about {seconds * len(obstacles) / 60:.1f} minutes.")
 
 # %% [markdown]
-# Every search has to look at the points that are near. How many others will your tree look at? The answer comes at the end of the lesson.
+# Every search has to look at the points that are near. How many others will your tree look at? The end of the lesson has the answer.
 
 # %%
 few = predict(f"Your finished tree holds all {len(obstacles):,} points. How many of them will it "
-              f"look at to find the {is_near.sum()} that are near?")
+              f"look at to find the {is_near.sum()} near ones?")
 
 # %% [markdown]
 # ## The naive idea: sort by x
 #
-# If the points are sorted by x, all neighbours of the lamp post are in one short piece of the list, from $x - 0.5$ to $x + 0.5$. A binary search finds both ends of that piece in a few steps. No other point can be near.
+# If the points are sorted by x, all neighbours of the lamp post are in one short piece of the list, from $x - 0.5$ to $x + 0.5$. A binary search finds both ends of this piece in a few steps. No other point can be near.
 
 # %%
 in_strip = np.abs(obstacles[:, 0] - post[0]) <= half_a_metre
@@ -91,21 +91,19 @@ for axis, name in enumerate("xyz"):
           f"{strip.sum() / is_near.sum():5.1f} for each neighbour")
 
 # %% [markdown]
-# The strip crosses the whole street. A cyclist, a house front and, beyond the picture, a hedge are in it, because they are as far *ahead* as the post. Sorting by y or z has the same problem. We want the *square* where two strips cross, but one list cannot be sorted by x and by y at once.
+# The strip crosses the whole street. A cyclist, a house front and, beyond the picture, a hedge are in it, because they are as far *ahead* as the post. Sorting by y or z has the same problem. We want the *square* where two strips cross, but one list cannot be sorted by both x and y.
 #
 # ## The idea: x and y take turns
 #
-# *Cut the plane by x, each half by y, and each quarter by x again.*
-#
 # A **kd-tree** is a tree of points with $k$ dimensions. Each point becomes a *node*, which cuts (or *splits*) its region in two:
 #
-# - The first node, the *root*, cuts by x. Points with a smaller x go to the left, all others to the right.
-# - Its children cut by y: again smaller to the left, all others to the right.
-# - The third level cuts by x again, and so on. In space the axes are x, y, z, x, y, z, ...
+# - The first node, the *root*, cuts by x. Points with a smaller x go to the left, and all others go to the right.
+# - Its children cut by y. Again, smaller goes left, and everything else goes right.
+# - The third level cuts by x again, and so on. In three dimensions, the axes are x, y, z, x, y, z, ...
 #
-# The root has depth 0, its children have depth 1. At depth $d$ the axis is $d \bmod k$, in Python `depth % len(point)`. A node without children is a *leaf*.
+# The root has depth 0, and its children have depth 1. At depth $d$, the axis is $d \bmod k$, which is `depth % len(point)` in Python. A node without children is a *leaf*.
 #
-# `@dataclass` writes the `__init__` of both classes: `Node(point, index)` is a leaf, and `KdTree()` is an empty tree.
+# `@dataclass` writes the `__init__` of both classes. `Node(point, index)` makes a leaf, and `KdTree()` makes an empty tree.
 
 # %%
 @dataclass(eq=False, repr=False)
@@ -132,9 +130,9 @@ class KdTree:
 
 
 # %% tags=["folded"]
-# @title Makes finished trees for the pictures (you need not read this)
+# @title Make finished trees for the pictures (you need not read this)
 def plant(self, points, left, right, indices=None):
-    """Build a finished tree from a table: left[i] and right[i] are rows, -1 for none."""
+    """Build a finished tree from a table. left[i] and right[i] are rows, or -1 for none."""
     nodes = [Node(p, i) for p, i in zip(points, indices or range(len(points)))]
     for node, low, high in zip(nodes, left, right):
         node.left = nodes[low] if low >= 0 else None
@@ -146,7 +144,7 @@ KdTree.plant = plant  # the checks also use it
 
 
 def first_of(count):
-    """The tree of the first `count` of the eight points, in their order."""
+    """Return the tree of the first `count` of the eight points, inserted in their order."""
     sides = (1, -1, 3, -1, -1, 7, -1, -1), (2, 4, 5, 6, -1, -1, -1, -1)
     left, right = [[row if row < count else -1 for row in side[:count]] for side in sides]
     tree = KdTree()
@@ -155,18 +153,18 @@ def first_of(count):
 
 
 def better_of_seven():
-    """A tree of the seven points with row 3 as its root."""
+    """Return a tree of the seven points with row 3 as its root."""
     order, tree = [3, 0, 2, 1, 4, 6, 5], KdTree()
     tree.plant(seven[order].tolist(), [1, 3, 5, -1, -1, -1, -1], [2, 4, 6, -1, -1, -1, -1], order)
     return tree
 
 
 # %% [markdown]
-# Here seven points arrive one after another. The numbers are the rows of the array.
+# Here seven points arrive one after another. The numbers are their rows in the array.
 
 # %%
 seven = np.array([[-1.0, 2], [-6, -3], [6, 5], [3, -4], [-4, 7], [4, 8], [8, -7]])
-eight = np.vstack([seven, [2, 5]])  # one more for later
+eight = np.vstack([seven, [2, 5]])  # one more point for later
 window = ((-10, 10), (-10, 10))
 figure, grid = plt.subplots(2, 2, figsize=(8.5, 9), layout="compressed")
 for count, axes in zip((1, 2, 4, 7), grid.flat):
@@ -174,15 +172,15 @@ for count, axes in zip((1, 2, 4, 7), grid.flat):
                     title=f"after {count} point{'s' * (count > 1)}")
 
 # %% [markdown]
-# Follow point 6 at (8, -7). It starts at the root and answers one question at each node:
+# Follow point 6, which is at (8, -7). It starts at the root and answers one question at each node:
 #
 # | at node | question | answer | next |
 # |---|---|---|---|
-# | 0, cuts x at -1 | is 8 smaller? | no | right, to node 2 |
-# | 2, cuts y at 5 | is -7 smaller? | yes | left, to node 3 |
-# | 3, cuts x at 3 | is 8 smaller? | no | right, a free place |
+# | 0, cuts x at -1 | is 8 smaller than -1? | no | right, to node 2 |
+# | 2, cuts y at 5 | is -7 smaller than 5? | yes | left, to node 3 |
+# | 3, cuts x at 3 | is 8 smaller than 3? | no | right, where the place is free |
 #
-# The other points do not move. Now an eighth point arrives, at (2, 5). Find its place with a pencil.
+# The other points do not move. Now an eighth point arrives, at (2, 5). Find its place with pencil and paper.
 
 # %%
 where = predict("Where does (2, 5) go?",
@@ -190,17 +188,17 @@ where = predict("Where does (2, 5) go?",
 
 # %%
 where.compare(place_of(first_of(8).root, 7),
-              "At node 0 it goes right, because 2 is not smaller than -1. Node 2 cuts y at 5, and "
-              "5 is not smaller than 5. Equal goes right, to node 5, which cuts x at 4. There, 2 "
-              "is smaller, so the point goes left, where the place is free.")
+              "At node 0, the point goes right, because 2 is not smaller than -1. Node 2 cuts y at 5, "
+              "and 5 is not smaller than 5. An equal point goes right, to node 5, which cuts x at 4. "
+              "There, 2 is smaller, so the point goes left, where the place is free.")
 plots.kd_tree(first_of(8).root, title="The same tree as a diagram, with row 7 at (2, 5)");
 
 # %% [markdown]
 # ## Exercise 1 · `insert` (points)
 #
-# `tree.insert(point, index)` calls your function with the tree as its first argument. Use a loop. A function that calls itself once per level stops with a `RecursionError` in a tree of a thousand levels, and a later cell grows such a tree.
+# `tree.insert(point, index)` calls your function with the tree as its first argument. Use a loop. A function that calls itself once per level would stop with a `RecursionError` in a tree of a thousand levels, and a later cell grows such a tree.
 #
-# This lesson forbids `scipy.spatial` and scikit-learn, which contain ready-made kd-trees. The end of the notebook lists the packages that you may use.
+# In this lesson, you must not use `scipy.spatial` or scikit-learn, because they contain finished kd-trees. The end of the notebook lists all the packages that you may use.
 
 # %% nbgrader={"grade": false, "grade_id": "insert", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def insert(tree, point, index):
@@ -209,16 +207,16 @@ def insert(tree, point, index):
     Parameters
     ----------
     tree : KdTree
-        The tree to change. Its `root` is a Node, or None while the tree is empty.
+        The tree to change. Its `root` is a Node, or None if the tree is empty.
     point : sequence of k floats
         x, y or x, y, z in metres.
     index : int
         The row of the point in its cloud.
     """
-    # 1. Make the new node. In an empty tree it becomes the root, and you are done.
-    # 2. Otherwise start at the root, at depth 0.
-    # 3. The axis is depth % len(point). Strictly smaller goes left, everything else right.
-    # 4. If there is a child on that side, go on from there, one level deeper.
+    # 1. Make the new node. If the tree is empty, the new node becomes the root, and you are done.
+    # 2. Otherwise, start at the root, at depth 0.
+    # 3. The axis is depth % len(point). Strictly smaller goes left, everything else goes right.
+    # 4. If there is a child on that side, move to it, one level deeper, and repeat step 3.
     # 5. If that side is free, the new node becomes that child, and you are done.
     # roughly 14 lines
     ### BEGIN SOLUTION
@@ -244,19 +242,19 @@ def insert(tree, point, index):
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# If the point is smaller along the axis, look at `node.left`. If that is `None`, put the new node there and return. Otherwise, go there. For all other points, do the same with `node.right`.
+# If the point is smaller along the axis, look at `node.left`. If that is `None`, put the new node there and return. Otherwise, move to it. For all other points, do the same with `node.right`.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# In the loop, compute `axis = depth % len(point)`. In the branch `if point[axis] < node.point[axis]:`, check whether `node.left` is `None`. If it is, put the new node there and return. Otherwise, write `node = node.left`. The `else:` branch does the same with `node.right`. Last, add 1 to the depth.
+# In the loop, compute `axis = depth % len(point)`. In the branch `if point[axis] < node.point[axis]:`, check whether `node.left` is `None`. If it is, put the new node there and return. Otherwise, write `node = node.left`. The `else:` branch does the same with `node.right`. At the end of the loop, add 1 to the depth.
 # </details>
 
 # %% [markdown]
-# **A tiny tree first.** On paper, (5, 5) is the root. (2, 8) has a smaller x and goes left, (7, 3) goes right. `grow` makes a tree with your function. If a cell never finishes, stop it with ■: your loop has no way out.
+# **A tiny tree first.** On paper, (5, 5) is the root, (2, 8) goes left because its x is smaller, and (7, 3) goes right. `grow` makes a tree with your function. If a cell never finishes, stop it with ■. Your loop then has no way out.
 
 # %%
 def grow(points, order=None):
-    """A kd-tree of points, inserted in this order of rows; by default from first to last."""
+    """Return a kd-tree of points, inserted in this order of rows (first to last by default)."""
     points, tree = np.asarray(points).tolist(), KdTree()  # Python's own numbers are faster
     for row in range(len(points)) if order is None else order:
         tree.insert(points[row], row)
@@ -270,7 +268,7 @@ for index in range(3):
 print("expected: the root, left of 0, right of 0")
 
 # %% [markdown]
-# **Look before you check.** Your tree of the eight points should look exactly like the one above.
+# **Look before you check.** Your tree of the eight points should look exactly like the tree above.
 
 # %%
 by_arrival = grow(eight)
@@ -280,24 +278,24 @@ plots.kd_tree(by_arrival.root, title="Your tree");
 check(KdTree, exercise="insert")
 
 # %% [markdown]
-# **A good place to stop.** You can grow a tree. Save the notebook. In the next sitting (40 minutes) you search the tree.
+# **A good place to stop.** You can grow a tree. Save the notebook. In the next sitting (40 minutes), you search the tree.
 
 # %% [markdown]
 # ## Searching: which branches can be left out?
 #
-# *If you have just opened the notebook, run all cells above. `insert` sends smaller points to the left and all others to the right.*
+# *If you have just opened the notebook, run all the cells above. `insert` sends smaller points to the left and all others to the right.*
 #
-# We want all points whose distance from a target is at most a radius $r$ (the parameter `tolerance`). Look at a node that cuts at the coordinate $s$. If $t$ is the target's coordinate along the same axis, the circle around the target reaches from $t - r$ to $t + r$. These are the ends of a **box** around it, drawn dotted below. Now ask two separate questions:
+# We want all the points whose distance from a target is at most a radius $r$ (the parameter `tolerance`). They are inside a circle around the target, and the circle is inside a **box**, drawn dotted below. Look at a node that cuts at the coordinate $s$. If $t$ is the target's coordinate along the same axis, the box reaches from $t - r$ to $t + r$. Decide about each side separately:
 #
-# $$\text{search the left branch, if } t - r < s$$
+# $$\text{search the left branch if } t - r < s$$
 #
-# $$\text{search the right branch, if } t + r \ge s$$
+# $$\text{search the right branch if } t + r \ge s$$
 #
-# If the box does not reach a side, no point there can be near. The whole branch is left out, or *pruned*. If the box reaches across the cut, both sides must be searched.
+# If the box does not reach one side of the cut, no point there can be near. The search leaves out, or *prunes*, the whole branch. If the box reaches across the cut, the search must visit both sides.
 #
-# **Why is there an equals sign on the right only?** `insert` puts a point with exactly the coordinate $s$ on the right. If $t + r = s$, this point may be at distance $r$, and "at most $r$" includes it. With `>` you lose this neighbour, but only if the box ends exactly at the cut.
+# **Why is there an equals sign only on the right?** `insert` puts a point with exactly the coordinate $s$ on the right. If $t + r = s$, this point may be at a distance of exactly $r$, and "at most $r$" includes it. With `>`, you would lose this neighbour, but only if the box ends exactly at the cut.
 #
-# Try it on the seven points, within 4 m of (-3, 4). We use a better tree, with row 3 as its root. The last sitting explains its order.
+# Try it on the seven points, within 4 m of (-3, 4). We use a better tree, which has row 3 as its root. The last sitting explains its order.
 
 # %%
 better, target, radius = better_of_seven(), [-3, 4], 4
@@ -311,7 +309,7 @@ pruned = predict("Which branch is pruned?",
                           "right of node 3 and left of node 0"])
 
 # %% [markdown]
-# Squares mark the nodes that the search visits, and the points that it finds are green. Pruned branches are hatched, and crossed out in the tree.
+# Squares mark the nodes that the search visits, and the points that it finds are green. Pruned branches are hatched on the map and crossed out in the tree.
 
 # %%
 looked_at, near_ones = [3, 0, 1, 4], [i for i in range(7) if dist(seven[i], target) <= radius]
@@ -319,10 +317,10 @@ reached = {"right of node 3": target[0] + radius >= seven[3, 0],
            "left of node 0": target[1] - radius < seven[0, 1]}
 never = [branch for branch in reached if not reached[branch]]
 pruned.compare(" and ".join(never) or "none",
-               "At node 3 the box ends at x = 1, and the cut is at 3, so no point to the right can "
-               "be near. At node 0 the box reaches from y = 0 to 8, across the cut at 2, so both "
-               "sides are searched. Node 1 is far away, but the search has to look at it, because "
-               "the box reaches into its region.")
+               "At node 3, the box ends at x = 1 and the cut is at 3, so no point to the right can "
+               "be near. At node 0, the box reaches from y = 0 to 8, across the cut at 2, so the "
+               "search takes both sides. Node 1 is far away, but the search has to look at it, "
+               "because the box reaches into its region.")
 figure, (plane, diagram) = plt.subplots(1, 2, figsize=(8.5, 4.9), layout="compressed")
 plots.kd_search(seven, better.root, target, radius, looked_at, found=near_ones, limits=window,
                 axes=plane, title="After the search")
@@ -337,13 +335,11 @@ plots.kd_tree(better.root, visited=looked_at, found=near_ones, axes=diagram,
 # | 1, cuts x at -6 | -7 to 1 | no node there | no node there | far |
 # | 4, cuts x at -4 | -7 to 1 | no node there | no node there | near |
 #
-# The *box* decides where to go on, but the *circle* decides which points are found. A corner of the box is 1.41 radii away (1.73 in space).
+# The *box* decides where the search continues, but the *circle* decides which points it finds. A corner of the box is 1.41 radii away from the target (1.73 in three dimensions).
 #
 # ## Exercise 2 · `search` (points)
 #
-# *At each node: is its point near? And for each side: can a point there be near?*
-#
-# Return the indices of all points within `tolerance`, in any order. Two branches may wait at the same time, so keep a list of places that you still have to visit, each with its depth. `math.dist(p, q)` is the distance between two points (imported above as `dist`). A `search` that calls itself is also right, but it may stop with a `RecursionError` later, in a tree of a thousand levels.
+# Return the indices of all points within `tolerance`, in any order. Sometimes both branches must be searched, so keep a list of places that you still have to visit, each with its depth. `math.dist(p, q)`, imported above as `dist`, is the distance between two points. A `search` that calls itself is also right, but it may later stop with a `RecursionError`.
 
 # %% nbgrader={"grade": false, "grade_id": "search", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def search(tree, target, tolerance):
@@ -356,18 +352,18 @@ def search(tree, target, tolerance):
     target : sequence of k floats
         x, y or x, y, z in metres.
     tolerance : float
-        Radius in metres; a point at exactly this distance is found.
+        Radius in metres. A point at exactly this distance is found.
 
     Returns
     -------
     list of int
         The indices of the points found, in any order.
     """
-    # 1. One place waits: the root, at depth 0. Nothing is found yet.
-    # 2. While places wait, take one. If it is None, take the next.
+    # 1. Start with one waiting place, the root at depth 0, and an empty list of results.
+    # 2. While places wait, take one of them. If it is None, go on to the next.
     # 3. If its point is within the tolerance of the target, note its index.
-    # 4. If the box reaches below the split along this node's axis, the left child waits.
-    # 5. If the box reaches the split or beyond, the right child also waits.
+    # 4. If the box reaches below the split along this node's axis, let the left child wait.
+    # 5. If the box reaches the split or goes beyond it, let the right child wait as well.
     # roughly 12 lines
     ### BEGIN SOLUTION
     found, waiting = [], [(tree.root, 0)]
@@ -389,15 +385,15 @@ def search(tree, target, tolerance):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# Start with a search that leaves nothing out: put both children of every node into the list. Then add the two conditions, one for each child.
+# Start with a search that leaves nothing out. It puts both children of every node into the list. Then add the two conditions, one for each child.
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# Start with `waiting = [(tree.root, 0)]`, then `while waiting:` and `node, depth = waiting.pop()`. Compare `target[axis]`, minus or plus the tolerance, with `node.point[axis]`. Use `if` twice, never `else`, because both can be true.
+# Start with `waiting = [(tree.root, 0)]`, then write `while waiting:` and `node, depth = waiting.pop()`. Compare `target[axis]`, minus or plus the tolerance, with `node.point[axis]`. Use `if` twice and never `else`, because both conditions can be true.
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# The left child waits if `target[axis] - tolerance` is smaller than the split. The right child waits if `target[axis] + tolerance` is greater than or equal to it. Children wait with `depth + 1`. A node is found if `dist(node.point, target)` is at most the tolerance, whatever the box says.
+# Let the left child wait if `target[axis] - tolerance` is smaller than the split. Let the right child wait if `target[axis] + tolerance` is greater than or equal to it. Both wait with `depth + 1`. A node is found if `dist(node.point, target)` is at most the tolerance, whether or not its children wait.
 # </details>
 
 # %% [markdown]
@@ -405,7 +401,7 @@ def search(tree, target, tolerance):
 
 # %%
 def trace(tree, target, tolerance):
-    """The nodes that a search looks at, in order, and the indices that it finds."""
+    """Return the nodes that a search looks at, in order, and the indices that it finds."""
     with watched(tree) as visited:
         found = tree.search(target, tolerance)
     return visited, [] if found is None else sorted(found)
@@ -417,7 +413,7 @@ print(f"found {found}, expected {near_ones}")
 print(f"looked at {sorted(visited)}, expected {sorted(looked_at)}")
 
 # %% [markdown]
-# **Look before you check.** The player shows *your* search within 4 m of (2, -1), in the tree that your `insert` makes of fifteen points. Dotted regions are not reached yet, and a ring marks the current node. At the end, three points must be green and four branches pruned (hatched). If a step is wrong, the player begins there and says why.
+# **Look before you check.** The player shows *your* search within 4 m of (2, -1), in the tree that your `insert` makes from fifteen points. A ring marks the current node, and dotted regions have not been reached yet. At the end, three points must be green, and four branches must be pruned (hatched). If a step is wrong, the player starts there and says why.
 
 # %%
 fifteen = np.array([[-6, 0], [1, -2], [4, -1], [-2, 5], [-1, 1], [-7, 3], [-3, -9], [3, -7],
@@ -431,7 +427,7 @@ check(KdTree, exercise="search")
 # %% [markdown]
 # ## Play: how much is left out?
 #
-# Here are 120 points of the street from above, inserted in random order. Move the circle and change its radius. Even a search that finds nothing looks at some nodes, because it has to walk down to where a point would be.
+# Here are 120 points of the street, seen from above and inserted in random order. Move the circle and change its radius. Even a search that finds nothing looks at some nodes, because it has to walk down to the place where a point would be.
 
 # %%
 rng = np.random.default_rng(4)
@@ -463,18 +459,18 @@ for metres, axes in zip((2.0, 8.0), panels):
     draw_search(8.8, metres, axes)
 
 # %% [markdown]
-# **A good place to stop.** You can insert and search. Save the notebook. In the last sitting (45 minutes) you choose the *order* in which the points arrive, and count what you gain.
+# **A good place to stop.** You can insert and search. Save the notebook. In the last sitting (45 minutes), you choose the *order* in which the points arrive, and count how much work this saves.
 
 # %% [markdown]
 # ## Balance: the order of arrival shapes the tree
 #
-# *If you have just opened the notebook, run all cells above. `insert` grows a tree, and `search` prunes the branches that the box does not reach.*
+# *If you have just opened the notebook, run all the cells above. `insert` grows a tree, and `search` prunes the branches that the box does not reach.*
 #
-# A thousand points need at least ten levels, because nine full levels hold only $2^9 - 1 = 511$ points. The actual number depends on the order of arrival. We try a random order, a wall whose points arrive along a [beam](#Words-of-the-course), sorted by x and y, and the same wall shuffled.
+# A thousand points need at least ten levels, because nine full levels hold only $2^9 - 1 = 511$ points. The actual number depends on the order in which the points arrive. We try a random order, a wall whose points arrive along a [beam](#Words-of-the-course), sorted by x and y, and the same wall shuffled.
 
 # %%
 def levels(points, order=None):
-    """Number of levels of the tree that your insert grows."""
+    """Return the number of levels of the tree that your insert grows."""
     return depth_of(grow(points, order).root)
 
 
@@ -486,22 +482,22 @@ for name, rows in {"random order": thousand, "along a wall, end to end": wall,
     print(f"{name:>25}: {levels(rows):4d} levels")
 
 # %% [markdown]
-# The sorted wall makes a list: every point goes to the right of the one before. Searching it is hardly better than comparing all points. Shuffling helps. But how do we get the best tree every time?
+# The sorted wall turns the tree into a list, because every point goes to the right of the one before. Searching this list is hardly better than comparing all points. Shuffling helps. But how do we get the best tree every time?
 #
-# A tree has the fewest levels if every node has as many nodes to its left as to its right. So the root must be the **median** along x: half of the other points are smaller. In each half, the median along y comes next, and so on, each part along the axis of its level.
+# A tree has the fewest levels if every node has as many nodes to its left as to its right. So the root must be the **median** along x, because half of the other points are smaller than it. In each half, the median along y comes next. This continues in every part, along the axis of its level.
 
 # %%
-root_row = predict("The better tree has row 3 as its root, the median along x. Which row "
-                   "would be the root if y were cut first? The rows are "
+root_row = predict("The better tree has row 3 as its root, which is the median along x. Which row "
+                   "would be the root if we cut by y first? The rows are "
                    + ", ".join(f"{row} ({x:g}, {y:g})" for row, (x, y) in enumerate(seven)),
                    choices=["row 0", "row 2", "row 5", "row 6", "row 3"])
 
 # %%
 middle_y = np.median(seven[:, 1])
 root_row.compare(f"row {np.flatnonzero(seven[:, 1] == middle_y)[0]}",
-                 f"The median of y is {middle_y:g}: three points have a smaller y, and three a "
-                 "greater one. Row 3 is the median along x. Row 6 has the greatest x, so no point "
-                 "could go to its right.")
+                 f"The median of y is {middle_y:g}, because three points have a smaller y and three "
+                 "have a greater one. Row 3 is the median along x. Row 6 has the greatest x, so no "
+                 "point could go to its right.")
 figure, panels = plt.subplots(2, 1, figsize=(8.5, 8), layout="compressed")
 for title, order, axes in (("medians first", [3, 0, 2, 1, 4, 6, 5], panels[0]),
                            ("greatest x first, then medians", [6, 0, 1, 3, 5, 4, 2], panels[1])):
@@ -509,13 +505,13 @@ for title, order, axes in (("medians first", [3, 0, 2, 1, 4, 6, 5], panels[0]),
     plots.kd_tree(one.root, title=f"{title}: {depth_of(one.root)} levels", axes=axes)
 
 # %% [markdown]
-# If you take the last sorted point instead of the middle one, the right side of the root stays empty, and the tree has one level more.
+# If you take the last sorted point instead of the middle one, the right side of the root stays empty, and the tree has one more level.
 #
-# Among an even number of points, two are in the middle. We take the *lower* one: of $m$ sorted points, the one at place $\lfloor (m - 1) / 2 \rfloor$, counted from 0. Then the tree has $\lfloor \log_2 n \rfloor + 1$ levels, as long as no coordinate occurs twice.
+# If the number of points is even, two of them are in the middle, and we take the *lower* one. Among $m$ sorted points, this is the one at place $\lfloor (m - 1) / 2 \rfloor$, counted from 0. The tree then has $\lfloor \log_2 n \rfloor + 1$ levels, as long as no coordinate occurs twice.
 #
 # ## Exercise 3 · `median_order` (points)
 #
-# Return the order in which to insert: a list of row numbers. You need no tree here, because the sorted points before and after the median are the ones that will go left and right.
+# Return the order in which to insert the points, as a list of row numbers. You do not need a tree for this. The sorted points before the median will go left, and the points after it will go right.
 
 # %% nbgrader={"grade": false, "grade_id": "median_order", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def median_order(points):
@@ -530,13 +526,13 @@ def median_order(points):
     -------
     list of int
         Each row number from 0 to n - 1 once. In every part of the tree, the lower median along
-        the current axis comes before all others of that part.
+        the current axis comes before all other points of that part.
     """
-    # 1. One part waits: all rows, at depth 0. The order is empty.
-    # 2. While parts wait, take one. A part without rows is done.
+    # 1. Start with one waiting part, all rows at depth 0, and an empty order.
+    # 2. While parts wait, take one of them. If it has no rows, go on to the next.
     # 3. Sort its rows by their coordinate along the axis of this depth.
     # 4. The row at place (number of rows - 1) // 2 comes next in the order.
-    # 5. The rows before it and the rows after it wait as parts of the next depth.
+    # 5. Let the rows before it and the rows after it wait as two parts, one level deeper.
     # roughly 11 lines
     ### BEGIN SOLUTION
     order, waiting = [], [(np.arange(len(points)), 0)]
@@ -555,7 +551,7 @@ def median_order(points):
 # %% [markdown]
 # <details><summary>Hint 1</summary>
 #
-# Work with row numbers, not points: start with `np.arange(len(points))`. `points[rows, axis]` is one coordinate of those rows.
+# Work with row numbers, not with points. Start with `np.arange(len(points))`. `points[rows, axis]` is one coordinate of those rows.
 # </details>
 # <details><summary>Hint 2</summary>
 #
@@ -563,11 +559,11 @@ def median_order(points):
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# After sorting, `m = (len(rows) - 1) // 2`. Append `rows[m]` to the order. Add `rows[:m]` and `rows[m + 1:]` to the list of parts, both with `depth + 1`. Use a list of pairs and a `while` loop as in `search`. A function that calls itself is also fine, because a balanced tree is never deep.
+# After sorting, compute `m = (len(rows) - 1) // 2`. Append `rows[m]` to the order. Add `rows[:m]` and `rows[m + 1:]` to the list of parts, both with `depth + 1`. Use a list of pairs and a `while` loop, as in `search`. A function that calls itself is also fine, because a balanced tree is never deep.
 # </details>
 
 # %% [markdown]
-# **Four points first.** They are sorted by x. The lower median, at place 1, is row 1. Row 0 is to its left, and rows 2 and 3 are to its right. Their y are 3 and 6, so their lower median is row 2.
+# **Four points first.** They are already sorted by x. The lower median, at place 1, is row 1. Row 0 is to its left, and rows 2 and 3 are to its right. Their y coordinates are 3 and 6, so their lower median is row 2.
 
 # %%
 four = np.array([[1, 8], [2, 5], [6, 3], [9, 6]])
@@ -575,7 +571,7 @@ print(f"your order: {np.asarray(median_order(four)).tolist()}")
 print("expected:   [1, 0, 2, 3]; also right: [1, 2, 0, 3] and [1, 2, 3, 0]")
 
 # %% [markdown]
-# **Look before you check.** The fifteen points should now make four full levels, with row 4 on top.
+# **Look before you check.** The fifteen points should now make four full levels, with row 4 at the top.
 
 # %%
 medians_first = grow(fifteen, median_order(fifteen))
@@ -591,12 +587,10 @@ check(median_order)
 # %% [markdown]
 # ## Theory against practice: count the visits
 #
-# *In a balanced tree, twice as many points need only one more level.*
-#
-# Time depends on the machine, but the number of nodes looked at does not. We draw 125 to 8,000 points of the scan and search around about fifty of them, each time for the five nearest. We do this three times, for four orders of arrival. The last one is an artificial wall along which x, y and z all rise.
+# The time of a search depends on the machine, but the number of nodes that it looks at does not. We draw 125 to 8,000 points of the scan and search around about fifty of them, each time for the five nearest. We do this three times for each of four orders of arrival. The last order is an artificial wall along which x, y and z all rise.
 
 # %% tags=["folded"]
-# @title One search for five neighbours, counted (you need not read this)
+# @title Count the nodes of a search for five neighbours (you need not read this)
 ORDERS = {
     "medians first": lambda points: points[median_order(points)],
     "random order": lambda points: points,
@@ -606,12 +600,12 @@ ORDERS = {
 
 
 def five_nearest(points, targets):
-    """For each target, the radius that just holds its five nearest points."""
+    """Return, for each target, the radius that just holds its five nearest points."""
     return np.sort(np.linalg.norm(points - targets[:, None], axis=2), axis=1)[:, 4] + 1e-9
 
 
 def cost_of(name, n):
-    """Nodes that a search in a tree of n points looks at, on average over three draws."""
+    """Return the nodes that a search in a tree of n points looks at, averaged over three draws."""
     looks = []
     for draw in range(3):
         points = np.random.default_rng((n, draw)).choice(obstacles, n, replace=False)
@@ -627,7 +621,7 @@ def cost_of(name, n):
 
 # %%
 counts = np.array([125, 250, 500, 1000, 2000, 4000, 8000])
-# A tree that is a list takes long to grow, so the wall stops at 1,000.
+# A tree that is a list takes long to grow, so the wall stops at 1,000 points.
 costs = {name: np.array([cost_of(name, n) for n in counts if n <= 1000 or "wall" not in name])
          for name in ORDERS}
 axes = plots.curves({"all points": (counts, counts),
@@ -646,16 +640,16 @@ show_table(["order", "nodes looked at", "slope", "added by each doubling"],
              f"{np.diff(cost).mean():.1f}") for name, cost in costs.items()])
 
 # %% [markdown]
-# In the sorted wall, a search looks at half of all nodes: slope 1, as if there were no tree. With medians first, each doubling adds only a few nodes. On average, random order looks at a fifth more, so in practice people often just shuffle. Sorting by x wastes the cuts by x, but not those by y and z.
+# In the sorted wall, a search looks at half of all nodes, and the slope is 1, as if there were no tree. With medians first, each doubling adds only a few nodes. With a random order, a search looks at a fifth more nodes on average, so in practice people often just shuffle the points. Sorting by x wastes the cuts by x, but not the cuts by y and z.
 #
 # ### And on the clock?
 #
-# Your tree runs in Python, one comparison at a time. NumPy compares all points, but in compiled code.
+# Your tree runs in Python and makes one comparison at a time. NumPy compares all points, but in compiled code.
 
 # %% tags=["folded"]
-# @title Measures times (you need not read this)
+# @title Measure times (you need not read this)
 def seconds_of(work):
-    """Time that the processor spends on some work. Short work is repeated."""
+    """Return the time that the processor spends on some work. Short work is repeated."""
     begin, runs = process_time(), 0
     while process_time() - begin < 0.05:
         work()
@@ -664,7 +658,7 @@ def seconds_of(work):
 
 
 def measure(n):
-    """Put into `clock` the seconds to build a tree of n points, to search it, and NumPy's."""
+    """Put into `clock` the seconds to build and search a tree of n points, and NumPy's seconds."""
     points = np.random.default_rng(n).choice(obstacles, n, replace=False)
     building = seconds_of(lambda: grow(points, median_order(points)))
     tree, targets = grow(points, median_order(points)), points[::n // 50]
@@ -682,7 +676,7 @@ if all(map(is_written, (insert, search, median_order))):
         measure(n)
     building, yours, numpys = np.transpose(list(clock.values()))
     axes = plots.timing({"your tree": (counts, yours), "NumPy, all points": (counts, numpys)},
-                        fit=False, title="One search, the tree already built")
+                        fit=False, title="One search in a finished tree")
     gain = numpys[-1] - yours[-1]
     print(f"Building the tree of {n:,} points took {1000 * building[-1]:.0f} ms. "
           + (f"It pays after {building[-1] / gain:,.0f} searches." if gain > 0 else
@@ -691,7 +685,7 @@ else:
     print("Nothing to measure yet: this cell needs your own insert, search and median_order.")
 
 # %% [markdown]
-# NumPy's time grows with the number of points, and the time of your search far more slowly. Where the lines cross, the better algorithm overtakes the faster language. For a single question a tree does not pay, because it has to be built first. Clustering asks once for every point, here 8,000 times: compare that with the number of searches printed above. A compiled kd-tree, such as SciPy's in lesson 10, pays much earlier.
+# NumPy's time grows with the number of points, while your search slows down far less. Where the lines cross, the better algorithm overtakes the faster language. For a single question, a tree does not pay, because you have to build it first. But clustering asks a question for every point, here 8,000 times. Compare this with the number of searches printed above. A compiled kd-tree, such as SciPy's in lesson 10, pays much earlier.
 #
 # ### The lamp post again
 #
@@ -699,7 +693,7 @@ else:
 
 # %%
 def search_the_scan(target, tolerance):
-    """Levels of a tree of all obstacle points, nodes that a search visits, and points found."""
+    """Search a tree of all obstacle points; return its levels, nodes visited, points found."""
     tree = grow(obstacles, median_order(obstacles))
     with watched(tree) as visited:
         found = tree.search(target, tolerance)
@@ -711,26 +705,26 @@ height, visits, matches = search_the_scan(post, half_a_metre)
 print(f"{height} levels for {len(obstacles):,} points; found {matches} of {is_near.sum()}")
 few.compare(visits,
             f"The search has to look at the {matches} that are near. The others are nodes on the "
-            "way down, and points in regions that the box reaches. It never touches the rest.")
+            "way down and points in regions that the box reaches. It never touches the rest.")
 
 # %% [markdown]
-# The tree has more than the 16 levels that $\lfloor \log_2 n \rfloor + 1$ promises, because many coordinates are equal and equal always goes right. All 1,653 points of the horizontal beam have z = 0. If you move every point by a random fraction of a millimetre, the tree has 16 levels.
+# The formula $\lfloor \log_2 n \rfloor + 1$ promises 16 levels. The tree has more, because many coordinates are equal, and an equal point always goes right. For example, all 1,653 points of the horizontal beam have z = 0. If you moved every point by a random fraction of a millimetre, the tree would have 16 levels.
 #
 # ## Common mistakes
 #
 # | mistake | what you see |
 # |---|---|
-# | the box decides, not the circle | points in the corners that are not neighbours |
+# | the box decides, not the circle | points in the corners are found, but they are not neighbours |
 # | `if ... else` instead of two `if` | points beyond a cut are missing |
-# | `>` instead of `>=` for the right side | a point at exactly the radius is missing, in some directions only |
-# | `<=` instead of `<` in `insert` | equal goes left, and `search` misses it |
-# | the axis is always 0 | parallel cuts: strips again |
-# | squared distance compared with the radius | 0.5 acts as 0.71, and 3 as 1.73 |
-# | no condition before going on | right results, no hatching: every node is visited |
+# | `>` instead of `>=` for the right side | a point at exactly the radius is missing, but only in some directions |
+# | `<=` instead of `<` in `insert` | equal points go left, and `search` misses them |
+# | the axis is always 0 | all cuts are parallel, so the regions are strips again |
+# | the squared distance is compared with the radius | 0.5 acts as 0.71, and 3 as 1.73 |
+# | no conditions in `search` | the results are right, but nothing is hatched, because the search visits every node |
 # | `insert` calls itself | a `RecursionError` at the sorted wall |
 
 # %% tags=["folded"]
-# @title Draws four of these mistakes (you need not read this)
+# @title Draw four of these mistakes (you need not read this)
 cases = [("the box decides", seven, better, [-1.5, 4.5], 3.0, [0, 4], None),
          ("if ... else", seven, better, [1, 4], 5.2, [0], [3, 0, 1]),
          ("> instead of >=", eight, first_of(8), [2, 1], 4.0, [0], None),
@@ -749,11 +743,11 @@ for (title, points, one, centre, metres, finds, visited), axes in zip(cases, pan
 # %% [markdown]
 # ## In practice
 #
-# - Real trees keep 10 to 40 points in each leaf and compare with all of them. They cut the longest side of a region instead of taking turns.
-# - With more dimensions, the box touches more regions. From about ten on, a kd-tree visits nearly every node.
-# - A map that grows while the car drives needs insertion *and* balance. Incremental trees rebuild unbalanced branches in the background.
+# - Real trees keep 10 to 40 points in each leaf and compare the target with all of them. They also cut the longest side of a region instead of taking turns.
+# - With more dimensions, the box touches more regions. With about ten dimensions or more, a search visits nearly every node.
+# - A map that grows while the car drives needs a tree that allows insertion *and* stays balanced. Incremental trees rebuild unbalanced branches in the background.
 #
-# The same search in three libraries:
+# This is the same search in three libraries:
 #
 # ```python
 # near = scipy.spatial.KDTree(xyz, leafsize=10).query_ball_point(post, r=0.5)
@@ -764,10 +758,10 @@ for (title, points, one, centre, metres, finds, visited), axes in zip(cases, pan
 # ## Summary
 #
 # - A kd-tree cuts space by each axis in turn.
-# - A search goes left if the box reaches below the cut, and right if it reaches the cut or beyond. It misses no point.
-# - The order of arrival shapes the tree. Medians first give the fewest levels, and a random order is nearly as good.
+# - A search goes left if the box reaches below the cut, and right if it reaches the cut or beyond. It does not miss any point.
+# - The order of arrival shapes the tree. Inserting medians first gives the fewest levels, and a random order is nearly as good.
 #
-# **Sources.** The kd-tree: [Bentley 1975](https://doi.org/10.1145/361002.361007). Medians and expected logarithmic search: [Friedman, Bentley and Finkel 1977](https://doi.org/10.1145/355744.355745). The cut of SciPy's tree: [Maneewongvatana and Mount 1999](https://arxiv.org/abs/cs/9901013) and [its documentation](https://docs.scipy.org/doc/scipy/reference/generated/scipy.spatial.KDTree.html). Growing maps: [Cai, Xu and Zhang 2021](https://arxiv.org/abs/2102.10808).
+# **Sources.** The kd-tree: [Bentley 1975](https://doi.org/10.1145/361002.361007). Medians and expected logarithmic search: [Friedman, Bentley and Finkel 1977](https://doi.org/10.1145/355744.355745). How SciPy's tree cuts: [Maneewongvatana and Mount 1999](https://arxiv.org/abs/cs/9901013) and [its documentation](https://docs.scipy.org/doc/scipy/reference/generated/scipy.spatial.KDTree.html). Growing maps: [Cai, Xu and Zhang 2021](https://arxiv.org/abs/2102.10808).
 #
 # **Next:** 05 · Euclidean clustering
 
@@ -776,9 +770,9 @@ for (title, points, one, centre, metres, finds, visited), axes in zip(cases, pan
 #
 # Number 3 takes about an hour, the others about half an hour each.
 #
-# 1. Write `nearest(tree, target)`. Its radius shrinks to the best distance so far. Which side should you visit first? (The side of the target, because a small radius prunes more of the other side.)
-# 2. Cut the longest side of the region instead of taking turns. Count visits on a street, which is longer than it is high.
-# 3. Write `remove(tree, index)`. The node that replaces the removed one must still separate the two branches below.
+# 1. Write `nearest(tree, target)`, which shrinks its radius to the best distance so far. Which side should it visit first? (It should visit the target's side first. The radius is then soon small, and a small radius prunes more of the other side.)
+# 2. Cut the longest side of the region instead of taking turns. Count the visits on a street, which is longer than it is high.
+# 3. Write `remove(tree, index)`. The node that replaces the removed node must still separate the two branches below it.
 
 # %% [markdown] tags=["footer"]
 # (footer)
