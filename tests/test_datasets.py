@@ -6,6 +6,7 @@ The only server in these tests listens on the loopback address.
 import errno
 import hashlib
 import io
+import shutil
 import ssl
 import struct
 import threading
@@ -29,6 +30,19 @@ def cache(tmp_path, monkeypatch):
     monkeypatch.setenv("LIDAR_LAB_CACHE", str(tmp_path / "cache"))
     monkeypatch.setenv("no_proxy", "*")
     return tmp_path / "cache"
+
+
+@pytest.mark.parametrize("is_replaced", [False, True])
+def test_a_street_and_its_truth_belong_together(tmp_path, monkeypatch, capsys, is_replaced):
+    own, folder = datasets.load_cloud(), tmp_path / "data"
+    shutil.copytree(datasets.DATA, folder, ignore=shutil.ignore_patterns("pictures"))
+    if is_replaced:
+        write_cloud(folder / "cloud.txt", own[::2])
+    monkeypatch.setattr(datasets, "DATA", folder)
+    cloud, truth = datasets.load_street()
+    np.testing.assert_array_equal(cloud, own)
+    assert {len(truth[name]) for name in ("classes", "objects", "beams")} == {len(own)}
+    assert ("not the course's scan" in capsys.readouterr().out) == is_replaced
 
 
 class TestLoadCloud:

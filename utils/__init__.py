@@ -12,6 +12,7 @@ _MODULE_OF = {
     "check": "utils.checks",
     "load_cloud": "utils.datasets",
     "load_sequence": "utils.datasets",
+    "load_street": "utils.datasets",
     "fetch_recording": "utils.datasets",
     "load_my_functions": "utils.notebooks.my_functions",
     "read_cloud": "utils.clouds",

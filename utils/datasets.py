@@ -6,6 +6,7 @@ import hashlib
 import io
 import json
 import os
+import tempfile
 import zipfile
 import zlib
 from collections.abc import Sequence
@@ -51,6 +52,39 @@ def load_cloud(name: str | os.PathLike = "cloud.txt") -> np.ndarray:
         if os.path.exists(folder / path):
             return read_cloud(folder / path)
     raise missing_file_error(path, [Path.cwd(), DATA], SUFFIXES)
+
+
+def load_street() -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Load the course's scan and its truth.
+
+    The truth belongs to this scan only. If ``data/cloud.txt`` is another scan, a sentence says so,
+    and the course's scan is simulated again.
+
+    Returns
+    -------
+    cloud : ndarray, shape (115451, 4)
+        x forward, y left, z up in metres, with the sensor at the origin; then intensity.
+    truth : dict of str to ndarray
+        The arrays of ``cloud_truth.npz``, which ``data/README.md`` describes.
+    """
+    cloud, truth = _read_street(DATA)
+    if len(cloud) != len(truth["classes"]):
+        print(
+            "data/cloud.txt is not the course's scan. This lesson compares the scan with its "
+            "truth, so it uses the course's scan. To read your own file, pass its path to "
+            "load_cloud."
+        )
+        from utils.simulator.scenes import write_lesson_cloud
+
+        with tempfile.TemporaryDirectory() as folder:
+            write_lesson_cloud(Path(folder))
+            cloud, truth = _read_street(Path(folder))
+    return cloud, truth
+
+
+def _read_street(folder: Path) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    with np.load(folder / "cloud_truth.npz") as arrays:
+        return read_cloud(folder / "cloud.txt"), dict(arrays)
 
 
 def load_sequence(name: str = "city", seed: int = 0) -> Sequence:

@@ -38,7 +38,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from ipywidgets import FloatSlider, IntSlider, interact
 
-from utils import check, is_written, load_cloud, plots, predict, show_table
+from utils import check, is_written, load_cloud, load_street, plots, predict, show_table
 from utils.scenes import simple_highway
 
 frame = simple_highway()
@@ -262,12 +262,10 @@ nearby = cloud[(np.abs(cloud[:, 0]) < 25) & (np.abs(cloud[:, 1]) < 12)]
 Scene("The street in space").add_cloud(nearby).add_ego_car().show(interactive=True)
 
 # %% [markdown]
-# A second file holds the truth: the object that each return came from, and the position of each car and pedestrian.
+# A second file contains the truth: the object that each return came from, and the position of each car and pedestrian. `load_street` reads both files.
 
 # %%
-from utils.datasets import DATA
-
-truth = np.load(DATA / "cloud_truth.npz")
+cloud, truth = load_street()
 axes = plots.from_above(cloud, limits=street, title="Each pedestrian, with its number of returns")
 found = 0
 for kind, (x, y, _), returns in zip(truth["box_kinds"], truth["box_centres"], truth["box_returns"]):

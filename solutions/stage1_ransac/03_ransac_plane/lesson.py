@@ -40,9 +40,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 from ipywidgets import FloatSlider, interact
 
-from utils import check, load_cloud, plots, predict, replay, show_table
+from utils import check, load_street, plots, predict, replay, show_table
 
-cloud = load_cloud("cloud.txt")
+cloud, truth = load_street()  # `truth` says what each return hit
 nearby = (cloud[:, 0] > -10) & (cloud[:, 0] < 30) & (np.abs(cloud[:, 1]) < 5)
 rows = np.flatnonzero(nearby)[::8]
 street = cloud[rows]
@@ -64,9 +64,6 @@ all_three = predict("You pick three of these points at random. "
 
 # %% tags=["folded"]
 # @title Read the truth and compare your guess (you need not read this)
-from utils.datasets import DATA
-
-truth = np.load(DATA / "cloud_truth.npz")
 names = truth["class_names"].tolist()
 kinds = truth["classes"][rows]
 is_ground = kinds == names.index("ground")

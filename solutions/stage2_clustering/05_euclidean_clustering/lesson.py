@@ -44,12 +44,12 @@ import matplotlib.pyplot as plt
 import numpy as np
 from ipywidgets import FloatSlider, interact
 
-from utils import check, is_written, load_cloud, plots, predict, replay, show_table
+from utils import check, is_written, load_street, plots, predict, replay, show_table
 from utils.breaking import show_broken, tell_apart
 from utils.scene3d import Scene
 
 # Each row is one return: x (forward), y (left) and z (up) in metres from the sensor, and intensity.
-cloud = load_cloud("cloud.txt")
+cloud, truth = load_street()  # `truth` says what each return hit
 x, y, z = cloud[:, 0], cloud[:, 1], cloud[:, 2]
 standing = (z > -1.2) & (x > -8) & (x < 22) & (np.abs(y) < 9) & (np.hypot(x, y) > 2)
 near = cloud[standing]
@@ -283,9 +283,6 @@ replay(euclidean_clustering)
 
 # %% tags=["folded"]
 # @title Lists the twelve largest clusters and their objects (you need not read this)
-from utils.datasets import DATA
-
-truth = np.load(DATA / "cloud_truth.npz")
 objects = truth["objects"][standing][kept]  # the object of each point; 0 is the road
 kinds = truth["class_names"][truth["classes"][standing][kept]]  # its kind
 

@@ -37,9 +37,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 from ipywidgets import FloatSlider, interact
 
-from utils import check, load_cloud, plots, predict, show_table
+from utils import check, load_street, plots, predict, show_table
 
-cloud = load_cloud("cloud.txt")
+cloud, truth = load_street()  # `truth` says what each return hit
 print(f"{len(cloud):,} returns, {cloud.shape[1]} columns, heights from "
       f"{cloud[:, 2].min():.1f} to {cloud[:, 2].max():.1f} m")
 cloud[:3]
@@ -61,9 +61,6 @@ share = predict("What share of all returns comes from the ground (road and pavem
 # The scan is simulated, so we know what each return comes from.
 
 # %%
-from utils.datasets import DATA
-
-truth = np.load(DATA / "cloud_truth.npz")
 kinds = truth["class_names"][truth["classes"]]  # one word per return, such as "ground" or "car"
 
 plots.histogram(cloud[:, 2], label="height z (m)", marks={"road under the car": -1.73},

@@ -36,9 +36,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 from ipywidgets import IntSlider, interact
 
-from utils import check, load_cloud, plots, predict, show_table
+from utils import check, load_street, plots, predict, show_table
 
-cloud = load_cloud("cloud.txt")
+cloud, truth = load_street()  # `truth` says what each return hit
 low, high = cloud[:, :3].min(axis=0), cloud[:, :3].max(axis=0)
 print(f"{len(cloud):,} returns; x from {low[0]:.0f} to {high[0]:.0f} m, "
       f"y from {low[1]:.0f} to {high[1]:.0f} m, z from {low[2]:.1f} to {high[2]:.1f} m")
@@ -173,9 +173,6 @@ check(filter_by_distance)
 # The scan is simulated, so we know what each return comes from, and can draw only the obstacles. A car drives ahead of us in our lane, on the line y = 0. At which radius does it appear? Beyond which radius does the picture hardly change?
 
 # %%
-from utils.datasets import DATA
-
-truth = np.load(DATA / "cloud_truth.npz")
 names = truth["class_names"].tolist()
 no_obstacle = [names.index(kind) for kind in ("invalid", "ground", "ego")]
 obstacles = cloud[~np.isin(truth["classes"], no_obstacle)]

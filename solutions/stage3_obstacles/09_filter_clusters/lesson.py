@@ -37,10 +37,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 from ipywidgets import IntSlider, interact
 
-from utils import check, load_cloud, plots, predict, scenes, show_table
-from utils.datasets import DATA
+from utils import check, load_street, plots, predict, scenes, show_table
 
-scan, truth = load_cloud("cloud.txt"), np.load(DATA / "cloud_truth.npz")
+scan, truth = load_street()  # `truth` says what each return hit
 names = truth["class_names"].tolist()
 useless = np.isin(truth["classes"], [names.index("invalid"), names.index("ego")])
 wanted = (scan[:, 2] >= -1.2) & (np.hypot(scan[:, 0], scan[:, 1]) < 30) & ~useless

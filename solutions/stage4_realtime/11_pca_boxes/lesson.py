@@ -41,11 +41,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 from ipywidgets import IntSlider, interact
 
-from utils import check, load_cloud, plots, predict, show_table
-from utils.datasets import DATA
+from utils import check, load_street, plots, predict, show_table
 
-cloud = load_cloud("cloud.txt")
-truth = np.load(DATA / "cloud_truth.npz")
+cloud, truth = load_street()  # `truth` says what each return hit
 stands_near = (cloud[:, 2] >= -1.2) & (np.hypot(cloud[:, 0], cloud[:, 1]) < 20)
 labels = np.where(stands_near, truth["objects"], 0)
 kinds = dict(zip(truth["box_identities"].tolist(), truth["box_kinds"].tolist()))
