@@ -9,7 +9,10 @@ with contextlib.suppress(ImportError):  # the last line reports missing packages
 packed = "PACKED"
 data = base64.b85decode(packed)
 assert hashlib.sha256(data).hexdigest() == "DIGEST", "This cell is damaged. Download the notebook again."
-if "utils" not in sys.modules:
+loaded = sys.modules.get("utils")  # or another package of this name, or a folder that was deleted
+if not hasattr(loaded, "begin") or not Path(loaded.__file__).exists():
+    for name in [name for name in sys.modules if name.partition(".")[0] == "utils"]:
+        del sys.modules[name]
     folder = Path(tempfile.mkdtemp(prefix="lidar-obstacle-lab-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     with tarfile.open(fileobj=io.BytesIO(lzma.decompress(data))) as archive:

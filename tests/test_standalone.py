@@ -121,6 +121,29 @@ def test_the_setup_cell_names_the_packages_that_a_browser_has_to_load():
     assert {"numpy", "scipy", "matplotlib", "shapely", "lzma", "utils"} <= named
 
 
+def test_the_setup_cell_repairs_a_missing_or_foreign_package(tmp_path):
+    """Some systems delete temporary files while a kernel runs, and PyPI has another `utils`."""
+    cell = standalone.setup_cell(LESSON.name)
+    (tmp_path / "cell.py").write_text(cell, encoding="utf-8")
+    (tmp_path / "utils.py").write_text("")
+    program = """if True:
+        import shutil, sys, utils
+        from pathlib import Path
+        cell = Path("cell.py").read_text(encoding="utf-8")
+        assert not hasattr(utils, "begin")
+        exec(cell)
+        shutil.rmtree(Path(sys.modules["utils"].__file__).parents[1])
+        exec(cell)
+        from utils import plots, load_cloud
+        print(len(load_cloud()))
+    """
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[-1] == "115451"
+
+
 def test_a_damaged_setup_cell_is_reported(tmp_path):
     cell = standalone.setup_cell(LESSON.name)
     place = cell.index('packed = "') + 5000
