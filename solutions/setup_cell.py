@@ -10,7 +10,6 @@ import utils; utils.begin("NUMBER")
 # Run this cell first. It finds the course folder and checks that nothing is missing.
 import sys
 from pathlib import Path
-
 folders = [p for p in (Path.cwd(), *Path.cwd().parents) if (p / "utils" / "checks").is_dir()]
 assert folders, "The folder `utils` is missing. Unzip the whole course and open the notebook in its folder, or use the standalone notebook, which works without any other files."
 sys.path.insert(0, str(folders[0]))
