@@ -185,7 +185,7 @@ if is_compiled:
 # On the way to the root, let each cell that you visit point at its grandparent. This *path halving* shortens the next search:
 
 # %% tags=["folded"]
-# @title Draws path halving (you need not read this)
+# @title Draw path halving (you need not read this)
 figure, panels = plt.subplots(2, 1, figsize=(8.5, 3.6), layout="compressed", facecolor="white")
 states = {"Before: root 0 is six steps from cell 6": [0, 0, 1, 2, 3, 4, 5],
           "After root_of(parent, 6): three steps": [0, 0, 0, 2, 2, 4, 4]}
@@ -329,7 +329,7 @@ if ready(any_close):
 # The cells are numbered as in lesson 10, and a *counting sort* sorts these numbers. It counts how often each number occurs. From the counts, it knows where each number begins in the sorted array:
 
 # %% tags=["folded"]
-# @title Draws a counting sort (you need not read this)
+# @title Draw a counting sort (you need not read this)
 numbers = np.array([3, 1, 0, 3, 1, 2, 1])
 counts = np.bincount(numbers)
 starts = np.cumsum(counts) - counts
@@ -616,7 +616,7 @@ if ready(snuggest_turn):
 # The next cell contains the steps of lesson 12. A single pass drops invalid returns, crops the region and removes the ego car. The rounds of RANSAC use your `count_near` to count inliers, and the random samples are those of lesson 12.
 
 # %% tags=["folded"]
-# @title Defines the steps of the detector as loops (you need not read this)
+# @title Define the steps of the detector as loops (you need not read this)
 @njit
 def useful_points(cloud, minimum, maximum, car_low, car_high):
     """Return x, y, z of the valid returns in the region of interest, without the ego car."""

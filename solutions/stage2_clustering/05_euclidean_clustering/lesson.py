@@ -59,7 +59,7 @@ print(f"{len(cloud):,} returns in the scan, {len(near):,} of them from obstacles
 # The algorithm of this lesson is slow, so we keep only one point in each cube of 20 cm.
 
 # %% tags=["folded"]
-# @title Keeps the first point in each cube of 20 cm (you need not read this)
+# @title Keep the first point in each cube of 20 cm (you need not read this)
 cubes = np.floor(near[:, :3] / 0.2)
 kept = np.sort(np.unique(cubes, axis=0, return_index=True)[1])
 obstacles = near[kept]
@@ -104,7 +104,7 @@ plots.ring(rows[1], 8.9, -0.3, radius=3.0, text="one ball");
 # Here are seven points. A line connects every two points that are less than 0.8 m apart.
 
 # %% tags=["folded"]
-# @title Finds all pairs of points closer than a distance (you need not read this)
+# @title Find all pairs of points closer than a distance (you need not read this)
 def close_pairs(points, distance):
     gaps = np.linalg.norm(points[:, None] - points[None], axis=2)  # one row and column per point
     return np.argwhere(np.triu(gaps < distance, k=1))  # k=1: each pair once
@@ -128,7 +128,7 @@ plots.graph(seven, close_pairs(seven, 0.8), names=True, axes=axes,
 # Here the cluster of a car grows from one point. Each step adds all points within half a metre of a member of the cluster.
 
 # %% tags=["folded"]
-# @title Grows a cluster step by step (you need not read this)
+# @title Grow a cluster step by step (you need not read this)
 ahead, left = obstacles[:, 0], obstacles[:, 1]
 car = obstacles[(ahead > 4.7) & (ahead < 10) & (left > -5) & (left < 0.5), :3]
 member = np.arange(len(car)) == np.argmin(car @ [1, 1, 0])  # start at the lower left corner
@@ -282,7 +282,7 @@ replay(euclidean_clustering)
 # The scan is simulated, so we know which object each return comes from.
 
 # %% tags=["folded"]
-# @title Lists the twelve largest clusters and their objects (you need not read this)
+# @title List the twelve largest clusters and their objects (you need not read this)
 objects = truth["objects"][standing][kept]  # the object of each point; 0 is the road
 kinds = truth["class_names"][truth["classes"][standing][kept]]  # its kind
 
@@ -335,7 +335,7 @@ plots.ring(axes, -2.0, -8.2, radius=1.5, text="touches both");
 # In this smaller part of the street, two pedestrians walk at the lower left. At the top, a car is turning next to a cyclist.
 
 # %% tags=["folded"]
-# @title Cuts out this part of the street (you need not read this)
+# @title Cut out this part of the street (you need not read this)
 in_yard = (ahead > 1.3) & (ahead < 11) & (left > -7) & (left < 6.2)
 yard, window = obstacles[in_yard], ((1, 11), (-7, 7.6))
 true_number = np.unique(objects[in_yard], return_inverse=True)[1].ravel() + 1

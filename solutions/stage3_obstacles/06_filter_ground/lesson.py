@@ -244,7 +244,7 @@ plots.from_side(ground[np.abs(ground[:, 1]) < 6], level=-1.2, limits=((-40, 75),
 # The next lessons compare each point with its neighbours, so fewer points mean less work. The naive way is to keep every fifth row. We try this on `upright`, the returns from all objects on the ground. (This part does not need exercise 1.)
 
 # %% tags=["folded"]
-# @title Shows what is left of a wall, a pedestrian and three cars (you need not read this)
+# @title Show what is left of a wall, a pedestrian and three cars (you need not read this)
 def show_what_is_left(methods):
     """Show how many points of five objects each method leaves; `methods` maps names to functions."""
     table = []
@@ -277,7 +277,7 @@ show_what_is_left({"every fifth": by_skipping})
 # `np.unique` finds the different numbers in an array, counts them, and says which of them each entry is. A cell is three numbers, so the folded function `as_numbers` first turns each row into one number.
 
 # %% tags=["folded"]
-# @title Turns each row into one number (you need not read this)
+# @title Turn each row into one number (you need not read this)
 def as_numbers(rows):
     """Return one whole number for each row of whole numbers, equal only for equal rows."""
     rows = np.asfortranarray(rows)  # stored column by column, which is faster
@@ -367,7 +367,7 @@ def voxel_grid(cloud, voxel_size=0.2):
 # **Four voxels first.** Here are seven points in cells of half a metre. Two points share a cell and become (0.2, 0.2, 0.2) with intensity 0.3. Three share another cell and become (0.7, 0.7, 0.2) with intensity 0.4. The other two are alone in their cells.
 
 # %% tags=["folded"]
-# @title Draws points, cells and centroids (you need not read this)
+# @title Draw points, cells and centroids (you need not read this)
 def draw_cells(points, centroids, size, up=1, title=""):
     """Draw from above, or from the side with up=2; the lines are the borders of the cells."""
     figure, axes = plt.subplots(figsize=(8.5, 4.2), layout="compressed")

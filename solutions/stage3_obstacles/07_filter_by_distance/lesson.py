@@ -408,7 +408,7 @@ def crop_lane(cloud, width, curvature):
 print(crop_lane(np.array([[10.0, 2.0, -1.0], [10.0, 0.0, -1.0], [20.0, 8.5, -1.0]]), 2.6, 0.04))
 
 # %% tags=["folded"]
-# @title Draws the lane (you need not read this)
+# @title Draw the lane (you need not read this)
 ahead = upright & (truth["objects"] > 0) & (cloud[:, 0] > 0) & (cloud[:, 0] < 25)
 rows = np.column_stack([cloud[ahead, :3], np.flatnonzero(ahead)])  # numbers instead of intensity
 in_lane = crop_lane(rows, 2.6, 0.04)[:, 3].astype(int)
@@ -570,7 +570,7 @@ show_table(["", "returns", "invalid", "nearest"],
 # | `any` instead of `all` | nearly everything, because most heights are inside the region |
 
 # %% tags=["folded"]
-# @title Draws two of these mistakes (you need not read this)
+# @title Draw two of these mistakes (you need not read this)
 x, y = cloud[:, 0], cloud[:, 1]
 wrong = {"a square": (np.abs(x) <= 10) & (np.abs(y) <= 10), "squared ≤ plain: hardly anything": x**2 + y**2 <= 10}
 figure, panels = plt.subplots(1, 2, figsize=(8.5, 4.4), layout="compressed")

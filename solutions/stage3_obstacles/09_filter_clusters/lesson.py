@@ -206,7 +206,7 @@ print(f"{len(np.unique(cluster_labels))} clusters in, {len(np.unique(filtered[fi
 plots.clusters(cloud, filtered, limits=street, title="Clusters of at least 100 points");
 
 # %% tags=["folded"]
-# @title Shows in 3-D what is left (you need not read this)
+# @title Show in 3-D what is left (you need not read this)
 from utils.scene3d import Scene
 
 some = (np.arange(len(cloud)) % 4 == 0) & (np.abs(cloud[:, 1]) < 15)
@@ -223,7 +223,7 @@ check(filter_clusters)
 last_puff = predict("What is the smallest minimum that removes all spray?")
 
 # %% tags=["folded"]
-# @title Prepares the slider (you need not read this)
+# @title Prepare the slider (you need not read this)
 # Draw all points that the slider can remove, and every fourth of the other points.
 thin = np.flatnonzero((np.arange(len(cloud)) % 4 == 0) | (sizes[cluster_labels - 1] < 600))
 
@@ -288,7 +288,7 @@ reach_of_100 = predict("Up to what distance does a person in plain view have 100
                        between=(0, 60), unit="m")
 
 # %% tags=["folded"]
-# @title Finds the clusters of a street, and people in plain view (you need not read this)
+# @title Find the clusters of a street, and people in plain view (you need not read this)
 def plain_view(frame):
     """Return for each cluster of a frame whether it is a person and nothing closer hides it."""
     points, classes = frame.cloud, frame.scan.classes
@@ -436,7 +436,7 @@ show_table(["kind", "distance", "points"], rows)
 # | writes `cluster_labels[...] = 0` | no error, until a later step needs the old labels |
 
 # %% tags=["folded"]
-# @title Draws three mistakes on the street (you need not read this)
+# @title Draw three mistakes on the street (you need not read this)
 def moved_up_in_the_loop(labels, minimum):
     labels = labels.copy()
     for number in range(1, labels.max() + 1):
