@@ -111,8 +111,8 @@ def test_student_requirements_cover_all_imports_of_the_notebooks():
         for package in packages
         if package in distributions()
     }
-    # Packages for films and for windows with 3D scenes are optional.
-    extra = own_pins("requirements-3d.txt").keys() | {"vtk"}
+    # Packages for films, for windows with 3D scenes and for more formats are optional.
+    extra = {"vtk", *own_pins("requirements-3d.txt"), *own_pins("requirements-formats.txt")}
     assert needed - extra <= pins.keys()
     assert {"jupyterlab", "ipykernel"} <= pins.keys()
 

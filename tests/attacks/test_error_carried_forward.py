@@ -84,7 +84,7 @@ def test_an_unwritten_helper_is_also_replaced(tmp_path):
     results, verdict = judged(LINE, tmp_path, **answers)
     assert results["line_through"].score == 0 == results["point_line_distance"].score
     assert results["ransac_line"].score == results["ransac_line"].max_score
-    assert any(" instead, ransac_line earns " in problem for problem in verdict.problems)
+    assert any(" instead, the checks of ransac_line earn " in problem for problem in verdict.problems)
 
 
 def test_the_judge_never_parses_student_code(tmp_path, monkeypatch):
