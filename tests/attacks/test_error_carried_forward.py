@@ -84,7 +84,9 @@ def test_an_unwritten_helper_is_also_replaced(tmp_path):
     results, verdict = judged(LINE, tmp_path, **answers)
     assert results["line_through"].score == 0 == results["point_line_distance"].score
     assert results["ransac_line"].score == results["ransac_line"].max_score
-    assert any(" instead, the checks of ransac_line earn " in problem for problem in verdict.problems)
+    assert any(
+        " instead, the checks of ransac_line earn " in problem for problem in verdict.problems
+    )
 
 
 def test_the_judge_never_parses_student_code(tmp_path, monkeypatch):
@@ -117,4 +119,4 @@ def test_a_different_answer_in_the_second_run_gains_nothing(tmp_path):
     assert results["line_through"].score < results["line_through"].max_score
     result = results["ransac_line"]
     assert result.score < result.max_score / 4
-    assert " instead, ransac_line earns " not in result.cause
+    assert "the checks of ransac_line earn" not in result.cause
