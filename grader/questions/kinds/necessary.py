@@ -1,0 +1,47 @@
+"""Necessary: a statement is deleted. What happens?"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from random import Random
+
+from grader.questions.answer import Behaviour
+from grader.questions.kinds.wording import lines_are
+from grader.questions.question import OutcomeClaim, Question, arrange, distractors
+from grader.questions.texts import is_value, same_answer
+
+# A deleted assignment often leads to these errors, which say nothing about understanding.
+TRIVIAL = ("an error: NameError", "an error: UnboundLocalError")
+
+
+def necessary(behaviour: Behaviour, random: Random) -> Iterator[Question]:
+    """Ask what a case does after a statement has been deleted."""
+    for number, case in enumerate(behaviour.cases):
+        own = behaviour.own[number].outcome
+        if case.run or not is_value(own):
+            continue
+        outcomes = {
+            edit: runs[number].outcome
+            for edit, runs in behaviour.deleted.items()
+            if number < len(runs)
+        }
+        for edit, right in outcomes.items():
+            if not right or same_answer(right, own) or right in TRIVIAL:
+                continue
+            others = [text for text in outcomes.values() if text not in TRIVIAL]
+            wrong = [own, *distractors(right, [*others, *behaviour.neighbours(number)])]
+            wrong = [wrong[0], *(text for text in wrong[1:] if not same_answer(text, own))]
+            arranged = arrange(right, wrong, random)
+            if arranged:
+                yield Question(
+                    "necessary",
+                    f"{lines_are(edit)} deleted. What is the result of this call now?",
+                    case.code,
+                    *arranged,
+                    f"Before, the result is `{own}`.",
+                    True,
+                    (
+                        OutcomeClaim(case.executed, edit, right),
+                        OutcomeClaim(case.executed, None, own),
+                    ),
+                )
