@@ -17,6 +17,7 @@ from grader.judging.judge import program_for
 from grader.questions.cases import Case, cases_of
 from grader.questions.texts import outcome_text, value_text
 from grader.sandbox import Limits, Sandbox
+from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import Program
 from grader.sandbox.student import StudentProxy
 
@@ -26,6 +27,11 @@ MAX_EDITS = 150
 MAX_LISTING = 150  # lines of an answer that fit on two pages
 MAX_WATCHED = 6  # variables of a case whose values are compared with those of changed versions
 MAX_LINE_LENGTH = 110
+# Versions that are run with one request. If a request takes too long, its versions are left out.
+VERSIONS_PER_REQUEST = 25
+LIMITS = Limits(call_seconds=3.0)
+# No further versions are run after these processor seconds.
+MAX_CPU_SECONDS = 2.5
 
 
 @dataclass(frozen=True)
@@ -200,10 +206,15 @@ class Behaviour:
         return all(outcomes[case] == self.own[case].outcome for outcomes in self.peers)
 
 
-def observe(
-    answer: Answer, sandbox: Sandbox, limits: Limits | None = None, peers: tuple = ()
-) -> Behaviour:
+def observe(answer: Answer, sandbox: Sandbox, peers: tuple[tuple[str, ...], ...] = ()) -> Behaviour:
     """Read an answer and run all its versions.
+
+    Parameters
+    ----------
+    answer : Answer
+    sandbox : grader.sandbox.Sandbox
+    peers : tuple of (tuple of str)
+        Outcomes of other right answers, from `outcomes_of`.
 
     Raises
     ------
@@ -213,7 +224,7 @@ def observe(
     """
     cases = cases_of(answer.lesson).get(answer.exercise, ())
     codes = codes_of(cases)
-    with StudentProxy(answer.program, sandbox, limits) as student:
+    with StudentProxy(answer.program, sandbox, LIMITS) as student:
         description = _as_dict(student.read_answer(*answer.request))
         lines = _listing(answer, description.get("places"))
         number_of = {(line.cell, line.line): line.number for line in lines}
@@ -223,9 +234,20 @@ def observe(
         deletions = _edits(lines, number_of, description.get("deletions"))
         watched = list(_watched(own, lines))
         versions = [*deletions, *edits]
-        rows = [list(edit.row) for edit in versions]
-        runs = _runs(student.run_cases(rows, codes, watched), number_of)
-    by_edit = {edit: run for edit, run in zip(versions, runs, strict=False) if run}
+        by_edit: dict[Edit, tuple[Run, ...]] = {}
+        for begin in range(0, len(versions), VERSIONS_PER_REQUEST):
+            if student.cpu_seconds > MAX_CPU_SECONDS:
+                break
+            part = versions[begin : begin + VERSIONS_PER_REQUEST]
+            rows = [list(edit.row) for edit in part]
+            try:
+                runs = _runs(student.run_cases(rows, codes, watched), number_of)
+            except StudentStopped as stopped:
+                if not stopped.out_of_time:
+                    raise
+                student.read_answer(*answer.request)  # in a new process
+                continue
+            by_edit |= {edit: run for edit, run in zip(part, runs, strict=False) if run}
     return Behaviour(
         answer,
         lines,

@@ -11,6 +11,8 @@ code, so that it can confirm them.
 import ast
 import builtins
 import collections
+import contextlib
+import signal
 import sys
 from collections.abc import Iterator
 
@@ -19,10 +21,10 @@ import numpy as np
 from utils.notebooks import slicing
 from utils.notebooks.edits import edits_of
 
-MAX_STEPS = 2_000
+MAX_STEPS = 10_000
 """Statements after which a small case counts as endless."""
-MAX_TOTAL_STEPS = 60_000
-"""Statements of all changed versions together; the remaining versions are left out."""
+MAX_SECONDS = 0.3
+"""Processor seconds after which a small case counts as endless, even if it runs few statements."""
 MAX_NOTES = 400
 MAX_LEAVES = 64
 """Numbers in the largest value that is reported. Nobody compares more of them on paper."""
@@ -31,14 +33,14 @@ SEEDS = (11, 12, 13)
 _SIMPLE = (ast.Assign, ast.AugAssign, ast.AnnAssign, ast.Expr, ast.Return, ast.Continue, ast.Break)
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 _ENDS = (ast.Return, ast.Continue, ast.Break, ast.Raise)
-_UNTAUGHT = {
-    ast.Lambda: "lambda",
-    ast.NamedExpr: "assignment expression :=",
-    ast.ListComp: "list comprehension",
-    ast.SetComp: "set comprehension",
-    ast.DictComp: "dict comprehension",
-    ast.GeneratorExp: "generator expression",
-    ast.ClassDef: "class",
+CONSTRUCTS = {
+    ast.Lambda: "a lambda function",
+    ast.NamedExpr: "the operator :=",
+    ast.ListComp: "a list comprehension",
+    ast.SetComp: "a set comprehension",
+    ast.DictComp: "a dict comprehension",
+    ast.GeneratorExp: "a generator expression",
+    ast.ClassDef: "a class",
     ast.Try: "try",
     ast.With: "with",
     ast.Match: "match",
@@ -46,9 +48,8 @@ _UNTAUGHT = {
     ast.YieldFrom: "yield from",
     ast.Global: "global",
     ast.Nonlocal: "nonlocal",
-    ast.Starred: "starred expression *",
-    ast.IfExp: "conditional expression",
-    ast.MatMult: "operator @",
+    ast.Starred: "a starred expression",
+    ast.IfExp: "a conditional expression",
 }
 
 _cells: list[str] = []
@@ -116,9 +117,9 @@ def run_cases(versions: list, codes: list, watched: list) -> list:
     -------
     list
         For each version a list with the result of each case, up to one that does not end, or None
-        if it is not valid code. The list ends early after `MAX_TOTAL_STEPS`.
+        if it is not valid code.
     """
-    results, total = [], 0
+    results = []
     for version in versions:
         recorder = _Recorder()
         try:
@@ -136,9 +137,6 @@ def run_cases(versions: list, codes: list, watched: list) -> list:
             if runs[-1]["outcome"] == ["endless"]:  # the other cases probably do not end either
                 break
         results.append(runs)
-        total += recorder.total
-        if total > MAX_TOTAL_STEPS:
-            break
     return results
 
 
@@ -241,7 +239,6 @@ def _deletions(statement: slicing.Statement) -> Iterator[list]:
 
 def _words(statement: slicing.Statement) -> Iterator[list]:
     """Yield the library names, builtins and constructs that a statement uses."""
-    functions = [node.name for node in ast.walk(statement.node) if isinstance(node, _FUNCTIONS)]
     for node in ast.walk(statement.node):
         line = getattr(node, "lineno", statement.node.lineno)
         if isinstance(node, ast.Attribute):
@@ -252,18 +249,30 @@ def _words(statement: slicing.Statement) -> Iterator[list]:
                     yield [statement.cell, line, "name", name]
         elif isinstance(node, ast.Name) and hasattr(builtins, node.id):
             yield [statement.cell, line, "name", node.id]
-        elif isinstance(node, ast.BinOp) and type(node.op) in _UNTAUGHT:
-            yield [statement.cell, line, "construct", _UNTAUGHT[type(node.op)]]
-        elif type(node) in _UNTAUGHT:
-            yield [statement.cell, line, "construct", _UNTAUGHT[type(node)]]
-        elif isinstance(node, _FUNCTIONS) and node.decorator_list:
-            yield [statement.cell, line, "construct", "decorator"]
-        if isinstance(node, _FUNCTIONS):
-            calls = [one.func for one in ast.walk(node) if isinstance(one, ast.Call)]
-            if node.name in {getattr(call, "id", getattr(call, "attr", "")) for call in calls}:
-                yield [statement.cell, line, "construct", "recursion"]
-    if len(functions) > 1 and isinstance(statement.node, _FUNCTIONS):
-        yield [statement.cell, statement.node.lineno, "construct", "function in a function"]
+        for construct in _constructs_at(node):
+            yield [statement.cell, line, "construct", construct]
+
+
+def constructs_of(tree: ast.AST) -> Iterator[str]:
+    """Yield the names of the constructs in some code."""
+    for node in ast.walk(tree):
+        yield from _constructs_at(node)
+
+
+def _constructs_at(node: ast.AST) -> Iterator[str]:
+    if type(node) in CONSTRUCTS:
+        yield CONSTRUCTS[type(node)]
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.MatMult):
+        yield "the operator @"
+    if isinstance(node, _FUNCTIONS):
+        inner = [one for one in ast.walk(node) if one is not node]
+        called = {getattr(one.func, "id", "") for one in inner if isinstance(one, ast.Call)}
+        if node.decorator_list:
+            yield "a decorator"
+        if any(isinstance(one, _FUNCTIONS) for one in inner):
+            yield "a function inside a function"
+        if node.name in called:
+            yield "recursion"
 
 
 # ---- running -------------------------------------------------------------------------------------
@@ -348,7 +357,7 @@ class _Recorder:
     """Counts the statements of a run, and records the values after them."""
 
     def __init__(self) -> None:
-        self.watched, self.watches_all, self.total = set(), False, 0
+        self.watched, self.watches_all = set(), False
         self.reset()
 
     def reset(self) -> None:
@@ -356,7 +365,6 @@ class _Recorder:
 
     def step(self, cell: int, line: int) -> None:
         self.counts[cell, line] += 1
-        self.total += 1
         if self.counts.total() > MAX_STEPS:
             raise _TooManySteps
 
@@ -420,14 +428,28 @@ def _outcome(code: str, seed: int) -> list:
     namespace = {**_namespace(), "np": np, "rng": seed}
     try:
         *statements, last = ast.parse(code).body
-        exec(compile(ast.Module(statements, []), "<case>", "exec"), namespace)
-        value = eval(compile(ast.Expression(last.value), "<case>", "eval"), namespace)
+        with _time_limit():
+            exec(compile(ast.Module(statements, []), "<case>", "exec"), namespace)
+            value = eval(compile(ast.Expression(last.value), "<case>", "eval"), namespace)
         return ["value", _plain(value)]
     except BaseException as error:
         name = type(error).__name__
         if isinstance(error, _TooManySteps) or name in ("TookTooLong", "RecursionError"):
             return ["endless"]
         return ["error", name[:60]]
+
+
+@contextlib.contextmanager
+def _time_limit() -> Iterator[None]:
+    def stop(*signal_and_frame: object) -> None:
+        raise _TooManySteps
+
+    signal.signal(signal.SIGVTALRM, stop)
+    signal.setitimer(signal.ITIMER_VIRTUAL, MAX_SECONDS, MAX_SECONDS)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0)
 
 
 def _same(first: object, second: object) -> bool:

@@ -1,4 +1,4 @@
-"""Cost: how often does a line run, and how often if there is more input?"""
+"""How often a line runs, and how often if there is more input."""
 
 from __future__ import annotations
 

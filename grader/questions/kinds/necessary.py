@@ -1,4 +1,4 @@
-"""Necessary: a statement is deleted. What happens?"""
+"""What happens if a statement is deleted."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Predict: what does the function return in a small case?"""
+"""What the function returns in a small case."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Trace: what value does a variable have after a line?"""
+"""The value of a variable after a line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What if: one line changes. What is the value now, and for which calls does it change?"""
+"""The effect of a change: the new value, or the calls that it affects."""
 
 from __future__ import annotations
 

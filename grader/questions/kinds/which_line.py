@@ -59,7 +59,7 @@ def _with_symptom(behaviour: Behaviour, number: int, random: Random) -> Iterator
                 case.code,
                 *arranged,
                 " ".join(
-                    f"{_choice(edit)} gives {'the same value as before' if same_answer(text, own) else code(text)}."
+                    f"If {_choice(edit)}, the result is {code(text)}."
                     for edit, text in outcomes.items()
                     if edit != right
                 ),

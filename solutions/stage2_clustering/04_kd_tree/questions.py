@@ -23,18 +23,22 @@ def _grown(points: str, asked: str) -> str:
     )
 
 
-SMALL = """tree = KdTree(
-    Node([4.0, 2.0], 0,
-         left=Node([2.0, 3.0], 1),
-         right=Node([6.0, 1.0], 2)))
+SMALL = """tree = KdTree()
+tree.root = Node(
+    [4.0, 2.0], 0,
+    left=Node([2.0, 3.0], 1),
+    right=Node([6.0, 1.0], 2))
 """
-LARGE = """tree = KdTree(
-    Node([4.0, 2.0], 0,
-         left=Node([2.0, 3.0], 1,
-                   left=Node([1.0, 1.0], 3),
-                   right=Node([3.0, 5.0], 4)),
-         right=Node([7.0, 3.0], 2,
-                    right=Node([6.0, 4.0], 5))))
+LARGE = """tree = KdTree()
+tree.root = Node(
+    [4.0, 2.0], 0,
+    left=Node(
+        [2.0, 3.0], 1,
+        left=Node([1.0, 1.0], 3),
+        right=Node([3.0, 5.0], 4)),
+    right=Node(
+        [7.0, 3.0], 2,
+        right=Node([6.0, 4.0], 5)))
 """
 
 
@@ -81,12 +85,14 @@ CASES = {
         Case("list(median_order(np.array([[3.0, 1.0], [1.0, 2.0], [2.0, 3.0]])))"),
         Case(
             "list(median_order(np.array([[4.0, 1.0], [3.0, 2.0], [2.0, 3.0], [1.0, 4.0]])))",
-            larger="points = np.array([[6.0, 1.0], [5.0, 2.0], [4.0, 3.0], [3.0, 4.0], [2.0, 5.0],\n"
-            "                   [1.0, 6.0], [7.0, 7.0], [8.0, 8.0]])\nlist(median_order(points))",
+            larger="points = np.array([[6.0, 1.0], [5.0, 2.0], [4.0, 3.0], [3.0, 4.0],\n"
+            "                   [2.0, 5.0], [1.0, 6.0], [7.0, 7.0], [8.0, 8.0]])\n"
+            "list(median_order(points))",
         ),
         Case("list(median_order(np.array([[1.0, 5.0], [2.0, 4.0]])))"),
         Case(
-            "list(median_order(np.array([[5.0, 1.0], [1.0, 3.0], [2.0, 1.0], [4.0, 4.0], [3.0, 2.0]])))"
+            "points = np.array([[5.0, 1.0], [1.0, 3.0], [2.0, 0.0], [4.0, 4.0], [3.0, 2.0]])\n"
+            "list(median_order(points))"
         ),
         Case("list(median_order(np.array([[2.0, 2.0]])))"),
     ),

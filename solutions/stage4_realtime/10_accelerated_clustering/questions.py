@@ -21,7 +21,8 @@ CASES = {
             "euclidean_clustering_accelerated(cloud, 1.2)"
         ),
         Case(
-            "cloud = np.array([[0.0, 0.0, 0.0, 9.0], [1.0, 0.0, 0.0, 2.0]])\neuclidean_clustering_accelerated(cloud, 2.0)"
+            "cloud = np.array([[0.0, 0.0, 0.0, 9.0], [1.0, 0.0, 0.0, 2.0]])\n"
+            "euclidean_clustering_accelerated(cloud, 2.0)"
         ),
     ),
 }

@@ -1,0 +1,98 @@
+"""Choose questions about one answer: of different kinds, of rising depth, with verified keys."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterator
+from random import Random
+
+from grader.course.kept_answers import answers_to, fill_in
+from grader.course.lessons import Lesson
+from grader.questions.answer import Answer, Behaviour, outcomes_of
+from grader.questions.kinds import KINDS
+from grader.questions.question import DEPTHS, Question
+from grader.questions.verification import Verifier
+from grader.sandbox import Sandbox
+from utils.notebooks.reading import decode_notebook
+
+# Other right answers that are asked the same question.
+MAX_PEERS = 4
+# In this order, one question of each kind is chosen: first an easy and a hard one.
+EASY, HARD = ("predict", "trace", "cost"), ("what if", "necessary", "which line")
+# Candidates of one kind that are verified before the kind is given up.
+MAX_TRIES = 5
+
+
+def candidates(behaviour: Behaviour, random: Random) -> list[Question]:
+    """Return all questions about an answer, with keys that are not verified yet."""
+    return [question for kind in KINDS for question in kind(behaviour, random)]
+
+
+def choose_questions(
+    behaviour: Behaviour, sandbox: Sandbox, count: int, random: Random
+) -> list[Question]:
+    """Return up to `count` questions with verified keys, the easiest first.
+
+    Kinds are repeated only if there are not enough of them. Two questions do not share a call,
+    because the text of one could contain the answer to the other.
+    """
+    by_kind: dict[str, list[Question]] = {}
+    for question in candidates(behaviour, random):
+        by_kind.setdefault(question.kind, []).append(question)
+    for questions in by_kind.values():
+        random.shuffle(questions)
+        questions.sort(key=lambda question: not question.is_about_code)  # stable
+    chosen: list[Question] = []
+    with Verifier(behaviour, sandbox) as verifier:
+        for kind in _kinds_in_turn(list(by_kind), count, random):
+            if len(chosen) == count:
+                break
+            question = _next_question(by_kind[kind], chosen, verifier)
+            chosen += [question] if question else []
+    return sorted(chosen, key=lambda question: DEPTHS[question.kind])
+
+
+def _kinds_in_turn(kinds: list[str], count: int, random: Random) -> Iterator[str]:
+    """Yield kinds: an easy one, a hard one, the others, and then all of them again."""
+    easy = [kind for kind in kinds if kind in EASY]
+    hard = [kind for kind in kinds if kind in HARD]
+    random.shuffle(easy)
+    random.shuffle(hard)
+    order = easy[:1] + hard[:1]
+    rest = easy[1:] + hard[1:]
+    random.shuffle(rest)
+    yield from (order + rest) * count
+
+
+def _next_question(
+    questions: list[Question], chosen: list[Question], verifier: Verifier
+) -> Question | None:
+    """Return the next verified question of a kind, and remove it and those before it."""
+    used = {claim.code for question in chosen for claim in question.claims}
+    for question in [one for one in questions if used.isdisjoint(_codes(one))][:MAX_TRIES]:
+        questions.remove(question)
+        if verifier.confirms(question):
+            return question
+    return None
+
+
+def _codes(question: Question) -> set[str]:
+    return {claim.code for claim in question.claims}
+
+
+@functools.cache
+def peers_of(lesson: Lesson, exercise: str, sandbox: Sandbox) -> tuple[tuple[str, ...], ...]:
+    """Return the outcomes of some other right answers, from the lesson's kept answers."""
+    if not (lesson.folder / "answers" / f"{exercise}.txt").is_file():
+        return ()
+    right = [answer.source for answer in answers_to(exercise) if answer.right]
+    return tuple(
+        outcomes_of(Answer(lesson, exercise, _code_with(lesson, exercise, source), {}), sandbox)
+        for source in right[:MAX_PEERS]
+    )
+
+
+def _code_with(lesson: Lesson, exercise: str, source: str) -> tuple[str, ...]:
+    """Return the code of a notebook with one answer."""
+    text = fill_in(lesson, {exercise: source})
+    return decode_notebook(text.encode(), lesson.name).code
