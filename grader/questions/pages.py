@@ -16,10 +16,14 @@ SHEETS, KEY = "sheets.html", "key.html"
 MINUTES_PER_STUDENT = 2
 
 
-def write_pages(course: Course, stage: str, sheets: Sequence[Sheet]) -> tuple[Path, Path]:
-    """Write all sheets and the key of a stage, and return their paths."""
-    folder = viva_folder(course, stage)
-    folder.mkdir(parents=True, exist_ok=True)
+def write_pages(
+    course: Course, stage: str, sheets: Sequence[Sheet], student: str = ""
+) -> tuple[Path, Path]:
+    """Write the sheets and the key of a stage, and return their paths.
+
+    The pages of a single student are in a folder of their own.
+    """
+    folder = viva_folder(course, stage) / student
     shown = [sheet for sheet in sheets if sheet.questions]
     paths = folder / SHEETS, folder / KEY
     write_atomically(_render("viva_sheets.html", stage, shown), paths[0])

@@ -24,7 +24,9 @@ _QTI_MANIFEST = """\
 <?xml version="1.0" encoding="UTF-8"?>
 <manifest identifier="questions" xmlns="http://www.imsglobal.org/xsd/imscp_v1p1">
 <organizations/>
-<resources><resource identifier="quiz" type="imsqti_xmlv1p2"><file href="quiz.xml"/></resource></resources>
+<resources>
+<resource identifier="quiz" type="imsqti_xmlv1p2"><file href="quiz.xml"/></resource>
+</resources>
 </manifest>
 """
 
@@ -32,7 +34,6 @@ _QTI_MANIFEST = """\
 def write_quizzes(course: Course, stage: str, sheets: Sequence[Sheet]) -> Path:
     """Write the quizzes of all students with questions, and return their folder."""
     folder = viva_folder(course, stage) / "quizzes"
-    folder.mkdir(parents=True, exist_ok=True)
     for sheet in sheets:
         if sheet.questions:
             for ending, make in QUIZZES.items():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
@@ -67,7 +67,7 @@ def make_sheets(
     sandbox: Sandbox,
     count: int,
     executor: Executor,
-    students: Iterable[str] = (),
+    student: str = "",
     advance: Callable[[int, int, object], None] = lambda *_: None,
 ) -> list[Sheet]:
     """Return a sheet for each student with a submission, sorted by student.
@@ -82,28 +82,25 @@ def make_sheets(
     count : int
         Number of questions for each student.
     executor : concurrent.futures.Executor
-    students : iterable of str, optional
-        Ids of the students; by default all.
+    student : str, optional
+        Id of the only student; by default, the whole class.
     advance : callable, optional
         Called with (done, total, student) after each sheet.
     """
     by_student: dict[str, list[Submission]] = {}
-    chosen = set(students)
     for submission in find_submissions(course, [stage]):
-        if not chosen or submission.student in chosen:
+        if student in ("", submission.student):
             by_student.setdefault(submission.student, []).append(submission)
     names = _names(course)
     advance(0, len(by_student), None)
-    futures = {
-        student: executor.submit(
-            make_sheet, course, names.get(student, student), submissions, seed, sandbox, count
-        )
-        for student, submissions in by_student.items()
-    }
+    futures = [
+        executor.submit(make_sheet, course, names.get(id, id), submissions, seed, sandbox, count)
+        for id, submissions in by_student.items()
+    ]
     sheets = []
-    for student, future in futures.items():
+    for future in futures:
         sheets.append(future.result())
-        advance(len(sheets), len(by_student), student)
+        advance(len(sheets), len(by_student), sheets[-1].name)
     return sheets
 
 

@@ -52,5 +52,6 @@ CASES = {
         Case(_detect("block(6.0, 1.0, -0.9, 1.0), block(200.0, 0.0, -0.9, 1.0)")),
         Case(_detect("block(6.0, 1.0, -0.9, 1.0), block(10.0, 1.0, -0.9, 0.3)")),
         Case(_detect("block(8.0, 0.0, -0.9, 1.0), np.zeros((50, 3))")),
+        Case(_detect("block(8.0, 0.0, -0.9, 0.7)")),
     ),
 }
