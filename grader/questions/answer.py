@@ -7,6 +7,7 @@ plain data, is left out. Nothing here decides a mark.
 from __future__ import annotations
 
 import functools
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -32,6 +33,8 @@ VERSIONS_PER_REQUEST = 25
 LIMITS = Limits(call_seconds=3.0)
 # No further versions are run after these processor seconds.
 MAX_CPU_SECONDS = 2.5
+# Code that edits insert but few people write: `~` and `- 1 + 1`.
+_UNUSUAL = (re.compile("~"), re.compile(r"[-+] ?1\)? ?[-+] ?1\b"))
 
 
 @dataclass(frozen=True)
@@ -64,15 +67,15 @@ class Answer:
         return replace(program, names=(*program.names, *TASKS))
 
     @property
-    def request(self) -> tuple[list, list, list, list]:
+    def request(self) -> tuple[list, str, list, list, list]:
         """The arguments of the observer's `read_answer`."""
         released = {cell.source.strip() for cell in cells_as_released(self.lesson)}
-        given = self.lesson.header.given
         others = {exercise.name for exercise in self.lesson.machine_graded} - {self.exercise}
         unchanged = [
             number for number, cell in enumerate(self.cells, start=1) if cell.strip() in released
         ]
-        return list(self.cells), [self.exercise, *given], sorted(others), unchanged
+        given = list(self.lesson.header.given)
+        return list(self.cells), self.exercise, given, sorted(others), unchanged
 
 
 @functools.cache
@@ -128,13 +131,17 @@ class Edit:
     row: tuple[int, int, int, str]
 
     @property
-    def changes_one_line(self) -> bool:
-        """Whether the edit replaces one line with one other line that fits on the page."""
+    def can_be_shown(self) -> bool:
+        """Whether the edit replaces one line with one other line that a person might write."""
         return (
             self.first == self.last
             and "\n" not in self.after
             and self.after.split() != self.before.split()
             and len(self.after.strip()) <= MAX_LINE_LENGTH
+            and not any(
+                len(unusual.findall(self.after)) > len(unusual.findall(self.before))
+                for unusual in _UNUSUAL
+            )
         )
 
 

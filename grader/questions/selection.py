@@ -11,6 +11,7 @@ from grader.course.lessons import Lesson
 from grader.questions.answer import Answer, Behaviour, outcomes_of
 from grader.questions.kinds import KINDS
 from grader.questions.question import DEPTHS, Question
+from grader.questions.texts import ERROR
 from grader.questions.verification import Verifier
 from grader.sandbox import Sandbox
 from utils.notebooks.reading import decode_notebook
@@ -41,7 +42,7 @@ def choose_questions(
         by_kind.setdefault(question.kind, []).append(question)
     for questions in by_kind.values():
         random.shuffle(questions)
-        questions.sort(key=lambda question: not question.is_about_code)  # stable
+        questions.sort(key=_rank)  # stable, so that the order stays random within a rank
     chosen: list[Question] = []
     with Verifier(behaviour, sandbox) as verifier:
         for kind in _kinds_in_turn(list(by_kind), count, random):
@@ -50,6 +51,11 @@ def choose_questions(
             question = _next_question(by_kind[kind], chosen, verifier)
             chosen += [question] if question else []
     return sorted(chosen, key=lambda question: DEPTHS[question.kind])
+
+
+def _rank(question: Question) -> tuple[bool, bool]:
+    """Return a sort key: first questions about the code, and questions whose answer is no error."""
+    return not question.is_about_code, question.right_choice.startswith(ERROR)
 
 
 def _kinds_in_turn(kinds: list[str], count: int, random: Random) -> Iterator[str]:

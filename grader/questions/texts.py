@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-ENDLESS = "it never ends"
+ENDLESS, ERROR = "it never ends", "an error: "
 MAX_VALUE_LENGTH = 150
 
 
@@ -20,7 +20,7 @@ def outcome_text(outcome: object) -> str:
         case ["value", content]:
             return value_text(content)
         case ["error", str(name)] if name.isidentifier():
-            return f"an error: {name}"
+            return f"{ERROR}{name}"
         case ["endless"]:
             return ENDLESS
     return ""
@@ -76,7 +76,7 @@ def _normal(text: str) -> str:
 
 def is_value(text: str) -> bool:
     """Return whether a text is a value, and not an error or an endless call."""
-    return bool(text) and text != ENDLESS and not text.startswith("an error: ")
+    return bool(text) and text != ENDLESS and not text.startswith(ERROR)
 
 
 def similarity(text: str, other: str) -> int:

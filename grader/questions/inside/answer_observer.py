@@ -60,15 +60,16 @@ class _TooManySteps(BaseException):
     """A case runs too many statements; few answers catch a `BaseException`."""
 
 
-def read_answer(cells: list, names: list, others: list, unchanged: list) -> dict:
+def read_answer(cells: list, exercise: str, given: list, others: list, unchanged: list) -> dict:
     """Describe the statements that belong to an answer.
 
     Parameters
     ----------
     cells : list of str
         Source of the notebook's code cells.
-    names : list of str
-        The exercise, and given classes that may contain it.
+    exercise : str
+    given : list of str
+        Classes of the lesson that contain the exercise if no function has its name.
     others : list of str
         Other exercises, which do not belong to this answer.
     unchanged : list of int
@@ -83,6 +84,7 @@ def read_answer(cells: list, names: list, others: list, unchanged: list) -> dict
         ``words``: cell, line, kind and text of names and constructs.
     """
     parsed, _ = slicing.parse_notebook(cells)
+    names = [exercise] if any(exercise in one.binds for one in parsed) else given
     _cells[:] = cells
     _statements[:] = [
         statement

@@ -8,10 +8,10 @@ from random import Random
 from grader.questions.answer import Behaviour
 from grader.questions.kinds.wording import lines_are
 from grader.questions.question import OutcomeClaim, Question, arrange, distractors
-from grader.questions.texts import is_value, same_answer
+from grader.questions.texts import ERROR, is_value, same_answer
 
 # A deleted assignment often leads to these errors, which say nothing about understanding.
-TRIVIAL = ("an error: NameError", "an error: UnboundLocalError")
+TRIVIAL = (f"{ERROR}NameError", f"{ERROR}UnboundLocalError")
 
 
 def necessary(behaviour: Behaviour, random: Random) -> Iterator[Question]:

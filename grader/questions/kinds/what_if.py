@@ -17,7 +17,7 @@ LETTERS = "ABC"
 
 def what_if(behaviour: Behaviour, random: Random) -> Iterator[Question]:
     """Ask for the effect of a change: in one case, and on which of three cases."""
-    edits = [edit for edit in behaviour.edited if edit.changes_one_line]
+    edits = [edit for edit in behaviour.edited if edit.can_be_shown]
     yield from itertools.islice(_values(behaviour, edits, random), MAX_EDITS)
     yield from itertools.islice(_affected_calls(behaviour, edits, random), MAX_EDITS)
 

@@ -35,7 +35,7 @@ def _with_symptom(behaviour: Behaviour, number: int, random: Random) -> Iterator
     edits = {
         edit: runs[number].outcome
         for edit, runs in behaviour.edited.items()
-        if number < len(runs) and runs[number].outcome and edit.changes_one_line
+        if number < len(runs) and runs[number].outcome and edit.can_be_shown
     }
     symptoms = [
         text
