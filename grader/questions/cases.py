@@ -44,6 +44,11 @@ class Case:
         return self.run or self.code
 
 
+def shown_code(code: str) -> str:
+    """Return the statements of a case as students read them, with a value for `rng`."""
+    return f"rng = 7  # the result is the same for every seed\n{code}" if "rng" in code else code
+
+
 @functools.cache
 def cases_of(lesson: Lesson) -> dict[str, tuple[Case, ...]]:
     """Return the cases of a lesson by exercise; empty if the lesson declares none."""

@@ -54,7 +54,7 @@ def choose_questions(
 
 
 def _rank(question: Question) -> tuple[bool, bool]:
-    """Return a sort key: first questions about the code, and questions whose answer is no error."""
+    """Return a sort key: questions about the code and questions for a value come first."""
     return not question.is_about_code, question.right_choice.startswith(ERROR)
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 
 ENDLESS, ERROR = "it never ends", "an error: "
+# Errors of undefined names, which say nothing about understanding.
+TRIVIAL_ERRORS = (f"{ERROR}NameError", f"{ERROR}UnboundLocalError")
 MAX_VALUE_LENGTH = 150
 
 
@@ -83,5 +85,9 @@ def similarity(text: str, other: str) -> int:
     """Return how similar two answers look: 2 for the same form, 1 for two values, otherwise 0."""
     if not (is_value(text) and is_value(other)):
         return 0
-    form = [text.count("["), text.count(","), text == "None"]
-    return 1 + (form == [other.count("["), other.count(","), other == "None"])
+    return 1 + (_form(text) == _form(other))
+
+
+def _form(text: str) -> tuple[int, int, bool, bool]:
+    """Return the brackets and commas of a value, and whether it has decimals or is None."""
+    return text.count("["), text.count(","), "." in text, text == "None"

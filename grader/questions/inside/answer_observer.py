@@ -27,7 +27,7 @@ MAX_SECONDS = 0.3
 """Processor seconds after which a small case counts as endless, even if it runs few statements."""
 MAX_NOTES = 400
 MAX_LEAVES = 64
-"""Numbers in the largest value that is reported. Nobody compares more of them on paper."""
+"""Numbers in the largest value that is reported. Larger values take too long on paper."""
 SEEDS = (11, 12, 13)
 """Values of the name `rng` in a case; the outcome has to be the same for all of them."""
 _SIMPLE = (ast.Assign, ast.AugAssign, ast.AnnAssign, ast.Expr, ast.Return, ast.Continue, ast.Break)

@@ -6,11 +6,13 @@ from collections.abc import Iterator
 from random import Random
 
 from grader.questions.answer import Behaviour
+from grader.questions.cases import shown_code
 from grader.questions.kinds.trace import _keeps_lines
 from grader.questions.kinds.wording import times
 from grader.questions.question import CountClaim, Question, arrange, distractors
 
 MAX_COUNT = 40
+MAX_RATIO = 4  # a wrong count that is larger can be excluded without reading the code
 
 
 def cost(behaviour: Behaviour, random: Random) -> Iterator[Question]:
@@ -46,10 +48,13 @@ def _counts(
         ]
         others += run.counts.values()
         others += [before, 2 * before, 4 * before, right + 1] if smaller else [right - 1, right + 1]
-        wrong = distractors(times(right), map(times, filter(None, others)))
+        likely = [count for count in others if 0 < count <= MAX_RATIO * right]
+        wrong = distractors(times(right), map(times, likely))
         arranged = arrange(times(right), wrong, random)
         if arranged:
-            calls = f"# first call\n{smaller}\n\n# second call\n{code}" if smaller else code
+            calls = shown_code(code)
+            if smaller:
+                calls = f"# first call\n{shown_code(smaller)}\n\n# second call\n{calls}"
             yield Question(
                 "cost",
                 f"During the first call, line {line} runs {times(before)}. How many times does it "

@@ -6,12 +6,13 @@ from collections.abc import Iterator
 from random import Random
 
 from grader.questions.answer import Behaviour
+from grader.questions.cases import shown_code
 from grader.questions.kinds.wording import lines_are
 from grader.questions.question import OutcomeClaim, Question, arrange, distractors
-from grader.questions.texts import ERROR, is_value, same_answer
+from grader.questions.texts import TRIVIAL_ERRORS, is_value, same_answer
 
-# A deleted assignment often leads to these errors, which say nothing about understanding.
-TRIVIAL = (f"{ERROR}NameError", f"{ERROR}UnboundLocalError")
+# Outcomes that do not depend on the rest of the code: the last `return` or a name is missing.
+TRIVIAL = ("None", *TRIVIAL_ERRORS)
 
 
 def necessary(behaviour: Behaviour, random: Random) -> Iterator[Question]:
@@ -36,7 +37,7 @@ def necessary(behaviour: Behaviour, random: Random) -> Iterator[Question]:
                 yield Question(
                     "necessary",
                     f"{lines_are(edit)} deleted. What is the result of this call now?",
-                    case.code,
+                    shown_code(case.code),
                     *arranged,
                     f"Before, the result is `{own}`.",
                     True,

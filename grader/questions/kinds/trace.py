@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from random import Random
 
 from grader.questions.answer import Behaviour, Edit
+from grader.questions.cases import shown_code
 from grader.questions.kinds.wording import times
 from grader.questions.question import Question, ValueClaim, arrange, distractors
 
@@ -26,7 +27,7 @@ def trace(behaviour: Behaviour, random: Random) -> Iterator[Question]:
                 continue
             turn = random.randrange(turns)
             right = values[turn]
-            if not right or right in behaviour.text_of(line):
+            if not right or right in behaviour.text_of(line) or name == "_":
                 continue
             nearby = _values_of_neighbours(behaviour, number, line, name, turn)
             wrong = distractors(right, [*nearby, *values])
@@ -35,7 +36,7 @@ def trace(behaviour: Behaviour, random: Random) -> Iterator[Question]:
                 yield Question(
                     "trace",
                     _sentence(statements[line].last, name, turn, turns),
-                    case.code,
+                    shown_code(case.code),
                     *arranged,
                     "The other choices are values of this variable at other times, or after one "
                     "small change of the code.",

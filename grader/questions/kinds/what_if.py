@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from random import Random
 
 from grader.questions.answer import Behaviour, Edit, Run
+from grader.questions.cases import shown_code
 from grader.questions.kinds.wording import code, value_of
 from grader.questions.question import OutcomeClaim, Question, arrange, distractors
 from grader.questions.texts import is_value, same_answer
@@ -31,13 +32,13 @@ def _values(behaviour: Behaviour, edits: list[Edit], random: Random) -> Iterator
         right = runs[number].outcome
         if not is_value(right) or same_answer(right, own):
             continue
-        wrong = [own, *distractors(right, behaviour.neighbours(number))]
+        wrong = [own, *distractors(right, filter(is_value, behaviour.neighbours(number)))]
         arranged = arrange(right, _without_repeats(wrong), random)
         if arranged:
             yield Question(
                 "what if",
                 f"Line {edit.first} becomes {code(edit.after)}. What is {value_of(case.code)} now?",
-                case.code,
+                shown_code(case.code),
                 *arranged,
                 f"Without the change, the value is {code(own)}.",
                 True,
@@ -83,7 +84,7 @@ def _affected_calls(behaviour: Behaviour, edits: list[Edit], random: Random) -> 
                 f"Line {edit.first} becomes {code(edit.after)}. For which of these calls is the "
                 "result different from before?",
                 "\n\n".join(
-                    f"# call {letter}\n{behaviour.cases[number].code}"
+                    f"# call {letter}\n{shown_code(behaviour.cases[number].code)}"
                     for letter, number in zip(LETTERS, asked, strict=True)
                 ),
                 *arranged,
@@ -98,8 +99,8 @@ def _affected_calls(behaviour: Behaviour, edits: list[Edit], random: Random) -> 
 
 
 def _affected(own: Sequence[Run], runs: Sequence[Run], numbers: list[int]) -> str:
-    """Return the letters of the calls whose outcome an edit changes; empty if one is unknown."""
-    if any(number >= len(runs) or not runs[number].outcome for number in numbers):
+    """Return the letters of the calls whose value an edit changes; empty if one has no value."""
+    if any(number >= len(runs) or not is_value(runs[number].outcome) for number in numbers):
         return ""
     letters = [
         letter

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from random import Random
 
 from grader.questions.answer import Behaviour, Edit
+from grader.questions.cases import shown_code
 from grader.questions.kinds.wording import code, value_of
 from grader.questions.question import (
     MAX_CHOICES,
@@ -15,7 +16,7 @@ from grader.questions.question import (
     Question,
     arrange,
 )
-from grader.questions.texts import is_value, same_answer, similarity
+from grader.questions.texts import TRIVIAL_ERRORS, is_value, same_answer, similarity
 
 MAX_SYMPTOMS = 4  # results of a case that are asked about
 
@@ -35,7 +36,9 @@ def _with_symptom(behaviour: Behaviour, number: int, random: Random) -> Iterator
     edits = {
         edit: runs[number].outcome
         for edit, runs in behaviour.edited.items()
-        if number < len(runs) and runs[number].outcome and edit.can_be_shown
+        if number < len(runs)
+        and runs[number].outcome not in ("", *TRIVIAL_ERRORS)
+        and edit.can_be_shown
     }
     symptoms = [
         text
@@ -56,7 +59,7 @@ def _with_symptom(behaviour: Behaviour, number: int, random: Random) -> Iterator
                 "which line",
                 f"The code is changed in one line. Now {value_of(case.code)} is `{symptom}` "
                 f"instead of `{own}`. Which change was made?",
-                case.code,
+                shown_code(case.code),
                 *arranged,
                 " ".join(
                     f"If {_choice(edit)}, the result is {code(text)}."
@@ -114,7 +117,7 @@ def _without_run(behaviour: Behaviour, number: int, random: Random) -> Iterator[
     yield Question(
         "which line",
         "Which of these lines does not run during this call?",
-        case.code,
+        shown_code(case.code),
         *arranged,
         "The other lines run at least once.",
         True,

@@ -18,7 +18,7 @@ class WatchedNode(Node):
 
 def _grown(points: str, asked: str) -> str:
     return (
-        f"tree = KdTree()\nfor index, point in enumerate({points}):\n"
+        f"points = {points}\ntree = KdTree()\nfor index, point in enumerate(points):\n"
         f"    tree.insert(point, index)\n{asked}"
     )
 
