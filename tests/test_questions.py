@@ -464,6 +464,12 @@ def test_usage_errors_say_what_to_do(call, message, course, sandbox, monkeypatch
     assert not (course.root / "viva").exists()
 
 
+def test_a_stage_without_cases_is_an_error(course, monkeypatch, capsys):
+    monkeypatch.setattr("grader.questions.cases.cases_of", lambda lesson: {})
+    assert cli.main(["viva", STAGE]) == 2
+    assert "Write a questions.py in the folder of a lesson" in capsys.readouterr().err
+
+
 def test_all_kinds_have_a_depth():
     assert [kind.__name__.replace("_", " ") for kind in KINDS] == list(DEPTHS)
 

@@ -16,7 +16,7 @@ from grader.course.lessons import Lesson
 from grader.intake.preflight import cells_as_released
 from grader.judging.judge import program_for
 from grader.questions.cases import Case, cases_of
-from grader.questions.texts import outcome_text, value_text
+from grader.questions.texts import outcome_text, same_answer, value_text
 from grader.sandbox import Limits, Sandbox
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import Program
@@ -209,8 +209,9 @@ class Behaviour:
                 yield runs[case].outcome
 
     def is_common(self, case: int) -> bool:
-        """Return whether all other right answers have the same outcome in a case."""
-        return all(outcomes[case] == self.own[case].outcome for outcomes in self.peers)
+        """Return whether the other right answers are known and have the same outcome in a case."""
+        own = self.own[case].outcome
+        return bool(self.peers) and all(same_answer(peer[case], own) for peer in self.peers)
 
 
 def observe(answer: Answer, sandbox: Sandbox, peers: tuple[tuple[str, ...], ...] = ()) -> Behaviour:

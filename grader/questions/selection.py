@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 from collections.abc import Iterator
 from random import Random
@@ -14,6 +15,7 @@ from grader.questions.question import DEPTHS, Question
 from grader.questions.texts import ERROR
 from grader.questions.verification import Verifier
 from grader.sandbox import Sandbox
+from grader.sandbox.failures import StudentError, StudentStopped
 from utils.notebooks.reading import decode_notebook
 
 # Other right answers that are asked the same question.
@@ -91,11 +93,12 @@ def peers_of(lesson: Lesson, exercise: str, sandbox: Sandbox) -> tuple[tuple[str
     """Return the outcomes of some other right answers, from the lesson's kept answers."""
     if not (lesson.folder / "answers" / f"{exercise}.txt").is_file():
         return ()
-    right = [answer.source for answer in answers_to(exercise) if answer.right]
-    return tuple(
-        outcomes_of(Answer(lesson, exercise, _code_with(lesson, exercise, source), {}), sandbox)
-        for source in right[:MAX_PEERS]
-    )
+    peers = []
+    for source in [answer.source for answer in answers_to(exercise) if answer.right][:MAX_PEERS]:
+        answer = Answer(lesson, exercise, _code_with(lesson, exercise, source), {})
+        with contextlib.suppress(StudentError, StudentStopped):  # such as a missing package
+            peers.append(outcomes_of(answer, sandbox))
+    return tuple(peers)
 
 
 def _code_with(lesson: Lesson, exercise: str, source: str) -> tuple[str, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor
+from concurrent.futures import BrokenExecutor, Executor
 from dataclasses import dataclass
 from pathlib import Path
 from random import Random
@@ -93,14 +93,20 @@ def make_sheets(
             by_student.setdefault(submission.student, []).append(submission)
     names = _names(course)
     advance(0, len(by_student), None)
-    futures = [
-        executor.submit(make_sheet, course, names.get(id, id), submissions, seed, sandbox, count)
+    futures = {
+        id: executor.submit(
+            make_sheet, course, names.get(id, id), submissions, seed, sandbox, count
+        )
         for id, submissions in by_student.items()
-    ]
+    }
     sheets = []
-    for future in futures:
-        sheets.append(future.result())
-        advance(len(sheets), len(by_student), sheets[-1].name)
+    for id, future in futures.items():
+        name = names.get(id, id)
+        try:
+            sheets.append(future.result())
+        except BrokenExecutor:
+            sheets.append(Sheet(id, name, problem="The process died. Run the command again."))
+        advance(len(sheets), len(by_student), name)
     return sheets
 
 

@@ -54,13 +54,13 @@ def _counts(
         if arranged:
             calls = shown_code(code)
             if smaller:
-                calls = f"# first call\n{shown_code(smaller)}\n\n# second call\n{calls}"
+                calls = f"# part 1\n{shown_code(smaller)}\n\n# part 2\n{calls}"
             yield Question(
                 "cost",
-                f"During the first call, line {line} runs {times(before)}. How many times does it "
-                "run during the second call?"
+                f"While part 1 runs, line {line} runs {times(before)}. How many times does it run "
+                "while part 2 runs?"
                 if smaller
-                else f"How many times does line {line} run during this call?",
+                else f"How many times does line {line} run while the code below runs?",
                 calls,
                 *arranged,
                 f"Line {line} was counted while the code ran.",

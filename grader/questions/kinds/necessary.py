@@ -1,4 +1,4 @@
-"""What happens if a statement is deleted."""
+"""The effect of deleting a statement."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from random import Random
 
 from grader.questions.answer import Behaviour
 from grader.questions.cases import shown_code
-from grader.questions.kinds.wording import lines_are
+from grader.questions.kinds.wording import lines_are, value_of
 from grader.questions.question import OutcomeClaim, Question, arrange, distractors
 from grader.questions.texts import TRIVIAL_ERRORS, is_value, same_answer
 
@@ -36,10 +36,10 @@ def necessary(behaviour: Behaviour, random: Random) -> Iterator[Question]:
             if arranged:
                 yield Question(
                     "necessary",
-                    f"{lines_are(edit)} deleted. What is the result of this call now?",
+                    f"{lines_are(edit)} deleted. What is {value_of(case.code)} now?",
                     shown_code(case.code),
                     *arranged,
-                    f"Before, the result is `{own}`.",
+                    f"Before, the value is `{own}`.",
                     True,
                     (
                         OutcomeClaim(case.executed, edit, right),

@@ -49,8 +49,8 @@ def _sentence(line: int, name: str, turn: int, turns: int) -> str:
     if turns == 1:
         return f"What is the value of `{name}` after line {line} has run?"
     return (
-        f"During this call, line {line} runs {times(turns)}. What is the value of `{name}` after "
-        f"line {line} has run for the {ORDINALS[turn]} time?"
+        f"While the code below runs, line {line} runs {times(turns)}. What is the value of "
+        f"`{name}` after line {line} has run for the {ORDINALS[turn]} time?"
     )
 
 

@@ -82,7 +82,7 @@ def _affected_calls(behaviour: Behaviour, edits: list[Edit], random: Random) -> 
             yield Question(
                 "what if",
                 f"Line {edit.first} becomes {code(edit.after)}. For which of these calls is the "
-                "result different from before?",
+                "value of the last line different from before?",
                 "\n\n".join(
                     f"# call {letter}\n{shown_code(behaviour.cases[number].code)}"
                     for letter, number in zip(LETTERS, asked, strict=True)

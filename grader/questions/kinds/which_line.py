@@ -116,7 +116,7 @@ def _without_run(behaviour: Behaviour, number: int, random: Random) -> Iterator[
     arranged = arrange(f"line {right}", [f"line {line}" for line in wrong], random)
     yield Question(
         "which line",
-        "Which of these lines does not run during this call?",
+        "Which of these lines does not run while the code below runs?",
         shown_code(case.code),
         *arranged,
         "The other lines run at least once.",

@@ -7,7 +7,8 @@ from grader.questions.answer import Edit
 
 def value_of(code: str) -> str:
     """Return what a question about a case's value asks for."""
-    return "the value of the last line" if "\n" in code.strip() else "the value of this expression"
+    is_long = "\n" in code.strip()
+    return "the value of the last line below" if is_long else "the value of this expression"
 
 
 def lines_are(edit: Edit) -> str:
