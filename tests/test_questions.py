@@ -3,6 +3,7 @@
 import ast
 import collections
 import io
+import itertools
 import json
 import re
 import time
@@ -35,7 +36,7 @@ from utils.notebooks.reading import decode_notebook
 
 EXERCISES = [exercise.name for lesson in COURSE for exercise in lesson.machine_graded]
 HOSTILE = "</pre></code><script>alert(1)</script>]]>&amp;\x00\"'`"
-SECONDS = 5.0
+SECONDS = 20.0  # an answer takes less than 5 on a quiet machine
 
 
 def answer_with(exercise, source):
@@ -203,12 +204,10 @@ def test_choices_are_deterministic_and_of_rising_depth(sandbox):
     assert chosen[0] == chosen[1] and len(chosen[0]) == 4
     depths = [DEPTHS[question.kind] for question in chosen[0]]
     assert depths == sorted(depths) and len(set(depths)) == 4
-    codes = [
-        claim.code
-        for question in chosen[0]
-        for claim in {c.code: c for c in question.claims}.values()
-    ]
-    assert len(codes) == len(set(codes)), "one question may reveal the answer to another"
+    for first, second in itertools.combinations(chosen[0], 2):
+        if {first.kind, second.kind} in ({"predict", "which line"}, {"trace", "cost"}):
+            shared = {c.code for c in first.claims} & {c.code for c in second.claims}
+            assert not shared, "one question may reveal the answer to another"
     others = {choose_questions(behaviour, sandbox, 3, Random(seed))[0] for seed in range(3)}
     assert len(others) > 1
 

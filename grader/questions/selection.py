@@ -24,6 +24,8 @@ MAX_PEERS = 4
 EASY, HARD = ("predict", "trace", "cost"), ("what if", "necessary", "which line")
 # Candidates of one kind that are verified before the kind is given up.
 MAX_TRIES = 5
+# Kinds of questions about the same case, one of which may contain the answer to the other.
+REVEALING = ({"predict", "which line"}, {"trace", "cost"}, {"cost"})
 
 
 def candidates(behaviour: Behaviour, random: Random) -> list[Question]:
@@ -36,8 +38,8 @@ def choose_questions(
 ) -> list[Question]:
     """Return up to `count` questions with verified keys, the easiest first.
 
-    Kinds are repeated only if there are not enough of them. Two questions do not share a call,
-    because the text of one could contain the answer to the other.
+    Kinds are repeated only if there are not enough of them. Questions share a case only if they
+    have to, and never if the text of one could contain the answer to the other.
     """
     by_kind: dict[str, list[Question]] = {}
     for question in candidates(behaviour, random):
@@ -75,13 +77,23 @@ def _kinds_in_turn(kinds: list[str], count: int, random: Random) -> Iterator[str
 def _next_question(
     questions: list[Question], chosen: list[Question], verifier: Verifier
 ) -> Question | None:
-    """Return the next verified question of a kind, and remove it and those before it."""
-    used = {claim.code for question in chosen for claim in question.claims}
-    for question in [one for one in questions if used.isdisjoint(_codes(one))][:MAX_TRIES]:
+    """Return the next verified question of a kind, and remove those that were tried."""
+    possible = [question for question in questions if not _reveals(question, chosen)]
+    used = {code for question in chosen for code in _codes(question)}
+    possible.sort(key=lambda question: not used.isdisjoint(_codes(question)))  # stable
+    for question in possible[:MAX_TRIES]:
         questions.remove(question)
         if verifier.confirms(question):
             return question
     return None
+
+
+def _reveals(question: Question, chosen: list[Question]) -> bool:
+    """Return whether a question may contain the answer to a chosen one, or the other way round."""
+    return any(
+        {question.kind, other.kind} in REVEALING and _codes(question) & _codes(other)
+        for other in chosen
+    )
 
 
 def _codes(question: Question) -> set[str]:
