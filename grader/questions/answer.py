@@ -29,7 +29,7 @@ MAX_LISTING = 150  # lines of an answer that fit on two pages
 MAX_WATCHED = 6  # variables of a case whose values are compared with those of changed versions
 MAX_LINE_LENGTH = 110
 # Versions that are run with one request. If a request takes too long, its versions are left out.
-VERSIONS_PER_REQUEST = 25
+VERSIONS_PER_REQUEST = 10
 LIMITS = Limits(call_seconds=3.0)
 # No further versions are run after these processor seconds.
 MAX_CPU_SECONDS = 2.5
