@@ -32,7 +32,7 @@ MAX_LINE_LENGTH = 110
 VERSIONS_PER_REQUEST = 10
 LIMITS = Limits(call_seconds=3.0)
 # No further versions are run after these processor seconds.
-MAX_CPU_SECONDS = 2.5
+MAX_CPU_SECONDS = 2.0
 # Code that edits insert but few people write: `~` and `- 1 + 1`.
 _UNUSUAL = (re.compile("~"), re.compile(r"[-+] ?1\)? ?[-+] ?1\b"))
 
