@@ -454,6 +454,45 @@ def _add_similarity(subparsers: argparse._SubParsersAction) -> None:
     )
 
 
+def _add_viva(subparsers: argparse._SubParsersAction) -> None:
+    viva = add_command(
+        subparsers,
+        "viva",
+        commands.run_viva,
+        "Write questions about students' own code, for an oral exam. Choose an exercise with full "
+        "points for each student, and find the right answers by running the student's code. Write "
+        "viva/STAGE/sheets.html with one sheet per student, key.html for the examiner, and quizzes "
+        "for Moodle and Canvas. The questions never affect marks.",
+        "stage2_clustering",
+        "stage2_clustering --student anna --questions 5",
+    )
+    viva.add_argument(
+        "stage", metavar="STAGE", help="graded stage to ask about, such as stage2_clustering"
+    )
+    viva.add_argument(
+        "--student",
+        metavar="X",
+        help="write only this student's questions, into viva/STAGE/ID/; X is an id, name, e-mail "
+        "address or login (default: whole class)",
+    )
+    viva.add_argument(
+        "--questions",
+        type=positive_number,
+        default=3,
+        metavar="N",
+        help="number of questions per student (default: %(default)s)",
+    )
+    viva.add_argument(
+        "--seed",
+        type=int,
+        metavar="N",
+        help="seed that selects exercises and questions (default: the course's secret seed, in "
+        ".course_seed)",
+    )
+    add_sandbox_option(viva)
+    add_workers_option(viva, "students whose code runs")
+
+
 def _add_forget(subparsers: argparse._SubParsersAction) -> None:
     forget = add_command(
         subparsers,
@@ -557,6 +596,7 @@ COMMANDS = (
     _add_export,
     _add_autograder,
     _add_similarity,
+    _add_viva,
     _add_forget,
     _add_site,
     _add_new,

@@ -567,6 +567,59 @@ def run_similarity(options: argparse.Namespace) -> int:
     return SUCCESS
 
 
+def run_viva(options: argparse.Namespace) -> int:
+    """Run the command ``viva STAGE``."""
+    from grader.classroom.executors import EXECUTORS
+    from grader.classroom.folders import UnknownStudent, find_student
+    from grader.course.lessons import all_lessons
+    from grader.course.seed import course_seed
+    from grader.questions.cases import cases_of
+    from grader.questions.pages import write_pages
+    from grader.questions.quizzes import write_quizzes
+    from grader.questions.viva import make_sheets
+
+    if not stages_exist([options.stage]):
+        return USAGE_ERROR
+    if not any(cases_of(lesson) for lesson in all_lessons() if lesson.stage == options.stage):
+        print(
+            f"No lesson in {options.stage} has small cases to ask about. Write a questions.py in "
+            "the folder of a lesson; see docs/authors.md.",
+            file=sys.stderr,
+        )
+        return USAGE_ERROR
+    course = Course()
+    try:
+        student = find_student(course, options.student) if options.student else ""
+    except UnknownStudent as error:
+        print(console.printable_text(error), file=sys.stderr)
+        return USAGE_ERROR
+    sandbox = choose_sandbox(options.sandbox)
+    console.warn_if_unprotected(sandbox)
+    seed = course_seed(course, options.seed)
+    with (
+        EXECUTORS["processes"](options.workers) as executor,
+        console.progress_bar("Asking") as advance,
+    ):
+        sheets = make_sheets(
+            course, options.stage, seed, sandbox, options.questions, executor, student, advance
+        )
+    if not sheets:
+        print(
+            f"There are no submissions in {course.submitted}/{student or '<student>'}/"
+            f"{options.stage}/. Run: python -m grader collect ARCHIVE --stage {options.stage}",
+            file=sys.stderr,
+        )
+        return USAGE_ERROR
+    sheets_path, key_path = write_pages(course, options.stage, sheets, student)
+    quizzes = write_quizzes(course, options.stage, sheets)
+    print(f"Sheets for students: {sheets_path}\nKey (do not show it to the class): {key_path}")
+    print(f"Quizzes for Moodle and Canvas: {quizzes}")
+    for sheet in sheets:
+        if sheet.problem:
+            console.print_notice(f"{sheet.name}: {sheet.problem}")
+    return SUCCESS
+
+
 def run_forget(options: argparse.Namespace) -> int:
     """Run the command ``forget STUDENT [--delete]``."""
     from grader.classroom.folders import UnknownStudent

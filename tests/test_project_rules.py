@@ -14,7 +14,7 @@ from grader.sandbox import SANDBOXES
 from tests import mutants
 
 # Layers of the grader, lowest first. A layer imports only from itself and from lower layers.
-LAYERS = ("course", "intake", "sandbox", "judging", "classroom", "lms")
+LAYERS = ("course", "intake", "sandbox", "judging", "classroom", "questions", "lms")
 
 
 def imported_by(path):

@@ -28,7 +28,7 @@ from grader.course.roster import Roster, normalized_text, read_roster, roster_pa
 from grader.lms.gradebook import database_url, gradebook_exists, open_gradebook
 from grader.lms.mark_history import count_changes_of, delete_changes_of
 
-CLASS_PAGES = ("report", "league", "scores*", "handed_back/*.zip")
+CLASS_PAGES = ("report", "league", "viva", "scores*", "handed_back/*.zip")
 """Files and folders about the whole class, which are written again without the student."""
 
 

@@ -1,0 +1,489 @@
+"""Observe a student's answer: read its source, run small cases, and record each step.
+
+This module runs in the sandbox, next to the student's code, and is sent there as text. It contains
+no expected answer. Everything that it returns is untrusted, because student code may change it.
+
+`read_answer` has to be called first. `run_cases` inserts calls into the student's statements, which
+count and record. `trace_case` gets the same facts from `sys.settrace` instead, without changing the
+code, so that it can confirm them.
+"""
+
+import ast
+import builtins
+import collections
+import contextlib
+import signal
+import sys
+from collections.abc import Iterator
+
+import numpy as np
+
+from utils.notebooks import slicing
+from utils.notebooks.edits import edits_of
+
+MAX_STEPS = 10_000
+"""Statements after which a small case counts as endless."""
+MAX_SECONDS = 0.3
+"""Processor seconds after which a small case counts as endless, even if it runs few statements."""
+MAX_NOTES = 400
+MAX_LEAVES = 64
+"""Numbers in the largest value that is reported. Larger values take too long on paper."""
+SEEDS = (11, 12, 13)
+"""Values of the name `rng` in a case; the outcome has to be the same for all of them."""
+_SIMPLE = (ast.Assign, ast.AugAssign, ast.AnnAssign, ast.Expr, ast.Return, ast.Continue, ast.Break)
+_FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
+_ENDS = (ast.Return, ast.Continue, ast.Break, ast.Raise)
+CONSTRUCTS = {
+    ast.Lambda: "a lambda function",
+    ast.NamedExpr: "the operator :=",
+    ast.ListComp: "a list comprehension",
+    ast.SetComp: "a set comprehension",
+    ast.DictComp: "a dict comprehension",
+    ast.GeneratorExp: "a generator expression",
+    ast.ClassDef: "a class",
+    ast.Try: "try",
+    ast.With: "with",
+    ast.Match: "match",
+    ast.Yield: "yield",
+    ast.YieldFrom: "yield from",
+    ast.Global: "global",
+    ast.Nonlocal: "nonlocal",
+    ast.Starred: "a starred expression",
+    ast.IfExp: "a conditional expression",
+}
+
+_cells: list[str] = []
+_statements: list[slicing.Statement] = []
+
+
+class _TooManySteps(BaseException):
+    """A case runs too many statements; few answers catch a `BaseException`."""
+
+
+def read_answer(cells: list, exercise: str, given: list, others: list, unchanged: list) -> dict:
+    """Describe the statements that belong to an answer.
+
+    Parameters
+    ----------
+    cells : list of str
+        Source of the notebook's code cells.
+    exercise : str
+    given : list of str
+        Classes of the lesson that contain the exercise if no function has its name.
+    others : list of str
+        Other exercises, which do not belong to this answer.
+    unchanged : list of int
+        Numbers of the cells that the student did not change.
+
+    Returns
+    -------
+    dict
+        ``places``: cell, first and last line of each statement. ``statements``: cell, first and
+        last line, and the names that it changes, for each simple statement that is alone on its
+        lines. ``edits`` and ``deletions``: cell, first and last line, and the new text.
+        ``words``: cell, line, kind and text of names and constructs.
+    """
+    parsed, _ = slicing.parse_notebook(cells)
+    names = [exercise] if any(exercise in one.binds for one in parsed) else given
+    _cells[:] = cells
+    _statements[:] = [
+        statement
+        for statement in slicing.slice_for(names, parsed)
+        if statement.cell not in unchanged and not statement.binds & set(others)
+    ]
+    definitions = [one for one in _statements if isinstance(one.node, (*_FUNCTIONS, ast.ClassDef))]
+    return {
+        "places": [[one.cell, _first_line(one.node), one.node.end_lineno] for one in _statements],
+        "statements": [row for one in definitions for row in _simple_statements(one)],
+        "edits": [
+            [edit.cell, edit.first, edit.last, edit.text] for edit in edits_of(cells, definitions)
+        ],
+        "deletions": [row for one in definitions for row in _deletions(one)],
+        "words": [row for one in _statements for row in _words(one)],
+    }
+
+
+def run_cases(versions: list, codes: list, watched: list) -> list:
+    """Run each case with each version of the answer.
+
+    Parameters
+    ----------
+    versions : list
+        An edit for each version; None for the student's own version.
+    codes : list of str
+        Statements of each case; the last one is an expression.
+    watched : list
+        Index of a case, cell, line and name, for values to report; all values if it is empty.
+
+    Returns
+    -------
+    list
+        For each version a list with the result of each case, up to one that does not end, or None
+        if it is not valid code.
+    """
+    results = []
+    for version in versions:
+        recorder = _Recorder()
+        try:
+            _define(version, recorder)
+        except Exception:
+            results.append(None)
+            continue
+        runs = []
+        for number, code in enumerate(codes):
+            recorder.watched = {
+                (cell, line, name) for case, cell, line, name in watched if case == number
+            }
+            recorder.watches_all = not watched
+            runs.append(_run(code, recorder))
+            if version and runs[-1]["outcome"] == ["endless"]:  # other cases may not end either
+                break
+        results.append(runs)
+    return results
+
+
+def evaluate(version: list | None, code: str) -> list:
+    """Return the outcome of a case with a version of the answer that is not instrumented."""
+    try:
+        _define(version, None)
+    except Exception:
+        return ["invalid"]
+    outcomes = [_outcome(code, seed) for seed in _seeds_of(code)]
+    return outcomes[0] if all(_same(one, outcomes[0]) for one in outcomes) else ["varies"]
+
+
+def trace_case(code: str) -> dict:
+    """Return how often each line runs, and the values after it, as seen by Python's own tracing."""
+    _define(None, None)
+    tracer = _Tracer({name for one in _statements for name in _all_names(one.node)})
+    sys.settrace(tracer.enter)
+    try:
+        outcome = _outcome(code, SEEDS[0])
+    finally:
+        sys.settrace(None)
+    counts = [[*place, count] for place, count in tracer.counts.items()]
+    return {"outcome": outcome, "counts": counts, "notes": tracer.notes[:MAX_NOTES]}
+
+
+# ---- source --------------------------------------------------------------------------------------
+
+
+def _first_line(node: ast.AST) -> int:
+    return min([node.lineno, *(one.lineno for one in getattr(node, "decorator_list", ()))])
+
+
+def _blocks(tree: ast.AST) -> Iterator[list]:
+    """Yield each list of statements inside a function."""
+    for node in ast.walk(tree):
+        if isinstance(node, (ast.ClassDef, ast.Module)):
+            continue
+        for name in ("body", "orelse", "finalbody"):
+            body = getattr(node, name, None)
+            if isinstance(body, list) and body and isinstance(body[0], ast.stmt):
+                yield body
+
+
+def _inner_statements(tree: ast.AST) -> list:
+    return [statement for body in _blocks(tree) for statement in body]
+
+
+def _is_docstring(node: ast.AST) -> bool:
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+
+
+def _simple_statements(statement: slicing.Statement) -> Iterator[list]:
+    inner = _inner_statements(statement.node)
+    occupied = collections.Counter(
+        line
+        for node in inner
+        for line in range(
+            node.lineno, (node.end_lineno if isinstance(node, _SIMPLE) else node.lineno) + 1
+        )
+    )
+    for node in inner:
+        lines = range(node.lineno, node.end_lineno + 1)
+        alone = all(occupied[line] == 1 for line in lines) and node.lineno != statement.node.lineno
+        if isinstance(node, _SIMPLE) and alone and not _is_docstring(node):
+            yield [statement.cell, node.lineno, node.end_lineno, sorted(_changed_names(node))]
+
+
+def _changed_names(node: ast.AST) -> set:
+    """Return the names of local variables that a simple statement may change."""
+    targets = {
+        ast.Assign: lambda: node.targets,
+        ast.AugAssign: lambda: [node.target],
+        ast.AnnAssign: lambda: [node.target],
+        ast.Expr: lambda: [getattr(getattr(node.value, "func", None), "value", None)],
+    }.get(type(node), list)()
+    names = set()
+    for target in targets:
+        for part in target.elts if isinstance(target, (ast.Tuple, ast.List)) else [target]:
+            while isinstance(part, (ast.Subscript, ast.Attribute, ast.Starred)):
+                part = part.value
+            if isinstance(part, ast.Name):
+                names.add(part.id)
+    return names
+
+
+def _all_names(node: ast.AST) -> set:
+    return {one.id for one in ast.walk(node) if isinstance(one, ast.Name)}
+
+
+def _deletions(statement: slicing.Statement) -> Iterator[list]:
+    """Yield an edit for each simple statement that can be deleted from its block."""
+    for body in _blocks(statement.node):
+        for node in body:
+            if len(body) > 1 and isinstance(node, _SIMPLE) and not _is_docstring(node):
+                blank = "\n" * (node.end_lineno - node.lineno)
+                text = f"{' ' * node.col_offset}pass{blank}"
+                yield [statement.cell, node.lineno, node.end_lineno, text]
+
+
+def _words(statement: slicing.Statement) -> Iterator[list]:
+    """Yield the library names, builtins and constructs that a statement uses."""
+    for node in ast.walk(statement.node):
+        line = getattr(node, "lineno", statement.node.lineno)
+        if isinstance(node, ast.Attribute):
+            yield [statement.cell, line, "name", node.attr]
+        elif isinstance(node, (ast.Import, ast.ImportFrom)):
+            for name in [getattr(node, "module", None), *(alias.name for alias in node.names)]:
+                if name:
+                    yield [statement.cell, line, "name", name]
+        elif isinstance(node, ast.Name) and hasattr(builtins, node.id):
+            yield [statement.cell, line, "name", node.id]
+        for construct in _constructs_at(node):
+            yield [statement.cell, line, "construct", construct]
+
+
+def constructs_of(tree: ast.AST) -> Iterator[str]:
+    """Yield the names of the constructs in some code."""
+    for node in ast.walk(tree):
+        yield from _constructs_at(node)
+
+
+def _constructs_at(node: ast.AST) -> Iterator[str]:
+    if type(node) in CONSTRUCTS:
+        yield CONSTRUCTS[type(node)]
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.MatMult):
+        yield "the operator @"
+    if isinstance(node, _FUNCTIONS):
+        inner = [one for one in ast.walk(node) if one is not node]
+        called = {getattr(one.func, "id", "") for one in inner if isinstance(one, ast.Call)}
+        if node.decorator_list:
+            yield "a decorator"
+        if any(isinstance(one, _FUNCTIONS) for one in inner):
+            yield "a function inside a function"
+        if node.name in called:
+            yield "recursion"
+
+
+# ---- running -------------------------------------------------------------------------------------
+
+
+def _namespace() -> dict:
+    return vars(sys.modules["__main__"])
+
+
+def _define(version: list | None, recorder: object) -> None:
+    """Run the statements of the answer again, with an edit in one of them."""
+    for statement in _statements:
+        node = _edited(statement, version) if version else None
+        node = node or _parse_lines(statement, _lines_of(statement.cell))
+        if recorder:
+            node = _instrument(node, statement.cell)
+        module = ast.fix_missing_locations(ast.Module([node], []))
+        code = compile(
+            module, f"code cell {statement.cell}", "exec", statement.future, dont_inherit=True
+        )
+        exec(code, _namespace())
+    if recorder:
+        _namespace().update(__step__=recorder.step, __note__=recorder.note)
+
+
+def _lines_of(cell: int) -> list[str]:
+    return _cells[cell - 1].split("\n")
+
+
+def _parse_lines(statement: slicing.Statement, lines: list[str]) -> ast.stmt:
+    """Parse a statement again, because an instrumented tree must not be used twice."""
+    first, last = _first_line(statement.node), statement.node.end_lineno
+    if not isinstance(statement.node, (*_FUNCTIONS, ast.ClassDef)):
+        return statement.node
+    return _parse_block(lines, first, last)
+
+
+def _parse_block(lines: list[str], first: int, last: int) -> ast.stmt:
+    tree = ast.parse("\n" * (first - 1) + "\n".join(lines[first - 1 : last]))
+    return tree.body[0]
+
+
+def _edited(statement: slicing.Statement, version: list) -> ast.stmt | None:
+    """Return the statement with an edit, or None if the edit is in another statement."""
+    cell, begin, end, text = version
+    first, last = _first_line(statement.node), statement.node.end_lineno
+    if cell != statement.cell or not (first <= begin and end <= last):
+        return None
+    lines = _lines_of(cell)
+    new = text.split("\n")
+    lines[begin - 1 : end] = new
+    return _parse_block(lines, first, last + len(new) - (end - begin + 1))
+
+
+def _instrument(tree: ast.stmt, cell: int) -> ast.stmt:
+    """Insert a call before each statement inside functions, and one after those that continue."""
+    if not isinstance(tree, (*_FUNCTIONS, ast.ClassDef)):
+        return tree
+    for body in list(_blocks(tree)):
+        changed = []
+        for node in body:
+            is_fixed = _is_docstring(node) or isinstance(node, (ast.Global, ast.Nonlocal))
+            if not is_fixed:
+                changed.append(_call(f"__step__({cell}, {node.lineno})", node))
+            changed.append(node)
+            names = _changed_names(node) if isinstance(node, _SIMPLE) else ()
+            if names and not isinstance(node, _ENDS):
+                call = f"__note__({cell}, {node.lineno}, {sorted(names)!r}, locals())"
+                changed.append(_call(call, node))
+        body[:] = changed
+    return tree
+
+
+def _call(source: str, node: ast.stmt) -> ast.stmt:
+    call = ast.parse(source).body[0]
+    for part in ast.walk(call):
+        ast.copy_location(part, node)
+    return call
+
+
+class _Recorder:
+    """Counts the statements of a run, and records the values after them."""
+
+    def __init__(self) -> None:
+        self.watched, self.watches_all = set(), False
+        self.reset()
+
+    def reset(self) -> None:
+        self.counts, self.notes = collections.Counter(), []
+
+    def step(self, cell: int, line: int) -> None:
+        self.counts[cell, line] += 1
+        if self.counts.total() > MAX_STEPS:
+            raise _TooManySteps
+
+    def note(self, cell: int, line: int, names: list[str], values: dict) -> None:
+        for name in names:
+            is_watched = self.watches_all or (cell, line, name) in self.watched
+            if is_watched and name in values and len(self.notes) < MAX_NOTES:
+                self.notes.append([cell, line, name, _plain(values[name])])
+
+
+class _Tracer:
+    """Records the same facts as `_Recorder` for unchanged code, with `sys.settrace`."""
+
+    def __init__(self, names: set) -> None:
+        self.names, self.notes = names, []
+        self.counts, self.previous = collections.Counter(), {}
+
+    def enter(self, frame: object, event: str, argument: object) -> object:
+        code = frame.f_code
+        if not code.co_filename.startswith("code cell ") or code.co_name.startswith("<"):
+            return None
+        return self.inside
+
+    def inside(self, frame: object, event: str, argument: object) -> object:
+        if event == "exception":
+            self.previous.pop(frame, None)
+        if event in ("line", "return") and frame in self.previous:
+            cell, line = self.previous.pop(frame)
+            for name, value in frame.f_locals.items():
+                if name in self.names and len(self.notes) < MAX_NOTES:
+                    self.notes.append([cell, line, name, _plain(value)])
+        if event == "line":
+            place = int(frame.f_code.co_filename.removeprefix("code cell ")), frame.f_lineno
+            self.counts[place] += 1
+            self.previous[frame] = place
+        return self.inside
+
+
+def _seeds_of(code: str) -> tuple:
+    return SEEDS if "rng" in code else SEEDS[:1]
+
+
+def _run(code: str, recorder: _Recorder) -> dict:
+    runs = []
+    for seed in _seeds_of(code):
+        recorder.reset()
+        outcome = _outcome(code, seed)
+        counts = [[*place, count] for place, count in recorder.counts.items()]
+        runs.append({"outcome": outcome, "counts": counts, "notes": recorder.notes})
+    first = runs[0]
+    if not all(_same(run["outcome"], first["outcome"]) for run in runs):
+        first["outcome"] = ["varies"]
+    for name in ("counts", "notes"):  # what depends on random numbers is not asked
+        if not all(_same(run[name], first[name]) for run in runs):
+            first[name] = []
+    return first
+
+
+def _outcome(code: str, seed: int) -> list:
+    """Return what a case does: its value, the name of an exception, or that it does not end."""
+    namespace = {**_namespace(), "np": np, "rng": seed}
+    try:
+        *statements, last = ast.parse(code).body
+        with _time_limit():
+            exec(compile(ast.Module(statements, []), "<case>", "exec"), namespace)
+            value = eval(compile(ast.Expression(last.value), "<case>", "eval"), namespace)
+        return ["value", _plain(value)]
+    except BaseException as error:
+        name = type(error).__name__
+        if isinstance(error, _TooManySteps) or name in ("TookTooLong", "RecursionError"):
+            return ["endless"]
+        return ["error", name[:60]]
+
+
+@contextlib.contextmanager
+def _time_limit() -> Iterator[None]:
+    def stop(*signal_and_frame: object) -> None:
+        raise _TooManySteps
+
+    signal.signal(signal.SIGVTALRM, stop)
+    signal.setitimer(signal.ITIMER_VIRTUAL, MAX_SECONDS, MAX_SECONDS)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0)
+
+
+def _same(first: object, second: object) -> bool:
+    return repr(first) == repr(second)
+
+
+def _plain(value: object) -> object:
+    """Return a small value as plain data, and a dict that stands for any other value."""
+    try:
+        return _plain_part(value, [MAX_LEAVES])
+    except Exception:
+        return {"other": None}
+
+
+def _plain_part(value: object, budget: list) -> object:
+    if isinstance(value, (np.ndarray, np.generic)):
+        if value.size > budget[0]:
+            raise ValueError
+        value = value.tolist()
+    if isinstance(value, (set, frozenset)):
+        return {"set": _plain_part(sorted(value), budget)}
+    if isinstance(value, (list, tuple, collections.deque)):
+        if not value:
+            budget[0] -= 1
+        return [_plain_part(part, budget) for part in value]
+    if isinstance(value, dict):
+        return {
+            "dict": [
+                [_plain_part(key, budget), _plain_part(part, budget)] for key, part in value.items()
+            ]
+        }
+    budget[0] -= 1
+    if budget[0] < 0 or not isinstance(value, (bool, int, float, str, type(None))):
+        raise ValueError
+    return value[:60] if isinstance(value, str) else value

@@ -1,0 +1,72 @@
+"""How often a line runs, and how often if there is more input."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from random import Random
+
+from grader.questions.answer import Behaviour
+from grader.questions.cases import shown_code
+from grader.questions.kinds.trace import _keeps_lines
+from grader.questions.kinds.wording import times
+from grader.questions.question import CountClaim, Question, arrange, distractors
+
+MAX_COUNT = 40
+MAX_RATIO = 4  # a wrong count that is larger can be excluded without reading the code
+
+
+def cost(behaviour: Behaviour, random: Random) -> Iterator[Question]:
+    """Ask for the number of runs of lines in loops."""
+    larger = [case for case in behaviour.cases if case.larger]
+    for number, case in enumerate(behaviour.cases):
+        if case.run:
+            continue
+        yield from _counts(behaviour, number, case.code, "", random)
+        if case.larger:
+            second = len(behaviour.cases) + larger.index(case)
+            yield from _counts(behaviour, second, case.larger, case.code, random, number)
+
+
+def _counts(
+    behaviour: Behaviour,
+    number: int,
+    code: str,
+    smaller: str,
+    random: Random,
+    first: int | None = None,
+) -> Iterator[Question]:
+    run = behaviour.own[number]
+    for line in sorted({statement.first for statement in behaviour.statements} & run.counts.keys()):
+        right = run.counts[line]
+        before = behaviour.own[first].counts.get(line, 0) if smaller else 0
+        if not 1 < right <= MAX_COUNT or (smaller and before < 1):
+            continue
+        others = [
+            runs[number].counts.get(line, 0)
+            for edit, runs in behaviour.edited.items()
+            if number < len(runs) and _keeps_lines(edit)
+        ]
+        others += run.counts.values()
+        others += [before, 2 * before, 4 * before, right + 1] if smaller else [right - 1, right + 1]
+        likely = [count for count in others if 0 < count <= MAX_RATIO * right]
+        wrong = distractors(times(right), map(times, likely))
+        arranged = arrange(times(right), wrong, random)
+        if arranged:
+            calls = shown_code(code)
+            if smaller:
+                calls = f"# part 1\n{shown_code(smaller)}\n\n# part 2\n{calls}"
+            yield Question(
+                "cost",
+                f"While part 1 runs, line {line} runs {times(before)}. How many times does it run "
+                "while part 2 runs?"
+                if smaller
+                else f"How many times does line {line} run while the code below runs?",
+                calls,
+                *arranged,
+                f"Line {line} was counted while the code ran.",
+                True,
+                (
+                    CountClaim(code, line, right),
+                    *([CountClaim(smaller, line, before)] if smaller else []),
+                ),
+            )

@@ -1,0 +1,48 @@
+"""The effect of deleting a statement."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from random import Random
+
+from grader.questions.answer import Behaviour
+from grader.questions.cases import shown_code
+from grader.questions.kinds.wording import lines_are, value_of
+from grader.questions.question import OutcomeClaim, Question, arrange, distractors
+from grader.questions.texts import TRIVIAL_ERRORS, is_value, same_answer
+
+# Outcomes that do not depend on the rest of the code: the last `return` or a name is missing.
+TRIVIAL = ("None", *TRIVIAL_ERRORS)
+
+
+def necessary(behaviour: Behaviour, random: Random) -> Iterator[Question]:
+    """Ask what a case does after a statement has been deleted."""
+    for number, case in enumerate(behaviour.cases):
+        own = behaviour.own[number].outcome
+        if case.run or not is_value(own):
+            continue
+        outcomes = {
+            edit: runs[number].outcome
+            for edit, runs in behaviour.deleted.items()
+            if number < len(runs)
+        }
+        for edit, right in outcomes.items():
+            if not right or same_answer(right, own) or right in TRIVIAL:
+                continue
+            others = [text for text in outcomes.values() if text not in TRIVIAL]
+            wrong = [own, *distractors(right, [*others, *behaviour.neighbours(number)])]
+            wrong = [wrong[0], *(text for text in wrong[1:] if not same_answer(text, own))]
+            arranged = arrange(right, wrong, random)
+            if arranged:
+                yield Question(
+                    "necessary",
+                    f"{lines_are(edit)} deleted. What is {value_of(case.code)} now?",
+                    shown_code(case.code),
+                    *arranged,
+                    f"Before, the value is `{own}`.",
+                    True,
+                    (
+                        OutcomeClaim(case.executed, edit, right),
+                        OutcomeClaim(case.executed, None, own),
+                    ),
+                )

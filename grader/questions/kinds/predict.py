@@ -1,0 +1,30 @@
+"""What the function returns in a small case."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from random import Random
+
+from grader.questions.answer import Behaviour
+from grader.questions.cases import shown_code
+from grader.questions.kinds.wording import value_of
+from grader.questions.question import OutcomeClaim, Question, arrange, distractors
+from grader.questions.texts import is_value
+
+
+def predict(behaviour: Behaviour, random: Random) -> Iterator[Question]:
+    """Ask for the value of each case, or for what the case's own question asks."""
+    for number, case in enumerate(behaviour.cases):
+        right = behaviour.own[number].outcome
+        wrong = distractors(right, filter(is_value, behaviour.neighbours(number)))
+        arranged = arrange(right, wrong, random)
+        if is_value(right) and arranged:
+            yield Question(
+                case.kind if case.asked else "predict",
+                case.asked or f"What is {value_of(case.code)}?",
+                shown_code(case.code),
+                *arranged,
+                "The other choices are results of the same code with one small change.",
+                not behaviour.is_common(number),
+                (OutcomeClaim(case.executed, None, right),),
+            )

@@ -1,0 +1,69 @@
+"""The value of a variable after a line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from random import Random
+
+from grader.questions.answer import Behaviour, Edit
+from grader.questions.cases import shown_code
+from grader.questions.kinds.wording import times
+from grader.questions.question import Question, ValueClaim, arrange, distractors
+
+MAX_TURNS = 6  # a value after more runs takes too long on paper
+ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth")
+
+
+def trace(behaviour: Behaviour, random: Random) -> Iterator[Question]:
+    """Ask for values of variables that the source does not show."""
+    statements = {statement.first: statement for statement in behaviour.statements}
+    for number, case in enumerate(behaviour.cases):
+        run = behaviour.own[number]
+        pairs = dict.fromkeys((line, name) for line, name, text in run.notes if text)
+        for line, name in pairs:
+            values = run.values(line, name)
+            turns = run.counts.get(line, 0)
+            if line not in statements or not len(values) == turns <= MAX_TURNS or case.run:
+                continue
+            turn = random.randrange(turns)
+            right = values[turn]
+            if not right or right in behaviour.text_of(line) or name == "_":
+                continue
+            nearby = _values_of_neighbours(behaviour, number, line, name, turn)
+            wrong = distractors(right, [*nearby, *values])
+            arranged = arrange(right, wrong, random)
+            if arranged:
+                yield Question(
+                    "trace",
+                    _sentence(statements[line].last, name, turn, turns),
+                    shown_code(case.code),
+                    *arranged,
+                    "The other choices are values of this variable at other times, or after one "
+                    "small change of the code.",
+                    True,
+                    (ValueClaim(case.executed, line, name, turn, right),),
+                )
+
+
+def _sentence(line: int, name: str, turn: int, turns: int) -> str:
+    if turns == 1:
+        return f"What is the value of `{name}` after line {line} has run?"
+    return (
+        f"While the code below runs, line {line} runs {times(turns)}. What is the value of "
+        f"`{name}` after line {line} has run for the {ORDINALS[turn]} time?"
+    )
+
+
+def _values_of_neighbours(
+    behaviour: Behaviour, case: int, line: int, name: str, turn: int
+) -> Iterator[str]:
+    for edit, runs in behaviour.edited.items():
+        if case < len(runs) and _keeps_lines(edit):
+            values = runs[case].values(line, name)
+            if turn < len(values):
+                yield values[turn]
+
+
+def _keeps_lines(edit: Edit) -> bool:
+    """Return whether the lines below an edit keep their numbers."""
+    return edit.after.count("\n") == edit.last - edit.first

@@ -1,0 +1,135 @@
+"""The effect of a change: the new value, or the calls that it affects."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from random import Random
+
+from grader.questions.answer import Behaviour, Edit, Run
+from grader.questions.cases import shown_code
+from grader.questions.kinds.wording import code, value_of
+from grader.questions.question import OutcomeClaim, Question, arrange, distractors
+from grader.questions.texts import is_value, same_answer
+
+MAX_EDITS = 6  # changes that are asked about in each of the two ways
+LETTERS = "ABC"
+
+
+def what_if(behaviour: Behaviour, random: Random) -> Iterator[Question]:
+    """Ask for the effect of a change: in one case, and on which of three cases."""
+    edits = [edit for edit in behaviour.edited if edit.can_be_shown]
+    yield from itertools.islice(_values(behaviour, edits, random), MAX_EDITS)
+    yield from itertools.islice(_affected_calls(behaviour, edits, random), MAX_EDITS)
+
+
+def _values(behaviour: Behaviour, edits: list[Edit], random: Random) -> Iterator[Question]:
+    for number, edit in itertools.product(range(len(behaviour.cases)), _one_per_line(edits)):
+        case, own = behaviour.cases[number], behaviour.own[number].outcome
+        runs = behaviour.edited[edit]
+        if case.run or number >= len(runs) or not is_value(own):
+            continue
+        right = runs[number].outcome
+        if not is_value(right) or same_answer(right, own):
+            continue
+        wrong = [own, *distractors(right, filter(is_value, behaviour.neighbours(number)))]
+        arranged = arrange(right, _without_repeats(wrong), random)
+        if arranged:
+            yield Question(
+                "what if",
+                f"Line {edit.first} becomes {code(edit.after)}. What is {value_of(case.code)} now?",
+                shown_code(case.code),
+                *arranged,
+                f"Without the change, the value is {code(own)}.",
+                True,
+                (
+                    OutcomeClaim(case.executed, edit, right),
+                    OutcomeClaim(case.executed, None, own),
+                ),
+            )
+
+
+def _without_repeats(texts: list[str]) -> list[str]:
+    first = texts[0]
+    return [first, *(text for text in texts[1:] if not same_answer(text, first))]
+
+
+def _one_per_line(edits: list[Edit]) -> list[Edit]:
+    """Return the edits in rounds: the likeliest of each line, then the second of each line."""
+    rounds: dict[int, list[Edit]] = {}
+    for edit in edits:
+        rounds.setdefault(edit.first, []).append(edit)
+    return [
+        edit for row in itertools.zip_longest(*rounds.values()) for edit in row if edit is not None
+    ]
+
+
+def _affected_calls(behaviour: Behaviour, edits: list[Edit], random: Random) -> Iterator[Question]:
+    numbers = [
+        number
+        for number, case in enumerate(behaviour.cases)
+        if not case.run and is_value(behaviour.own[number].outcome)
+    ]
+    if len(numbers) < len(LETTERS):
+        return
+    for edit in _one_per_line(edits):
+        asked = sorted(random.sample(numbers, len(LETTERS)))
+        right = _affected(behaviour.own, behaviour.edited[edit], asked)
+        others = (_affected(behaviour.own, runs, asked) for runs in behaviour.edited.values())
+        wrong = distractors(right, [text for text in others if text != "none of them"])
+        arranged = arrange(right, wrong, random)
+        if right and right != "none of them" and arranged:
+            yield Question(
+                "what if",
+                f"Line {edit.first} becomes {code(edit.after)}. For which of these calls is the "
+                "value of the last line different from before?",
+                "\n\n".join(
+                    f"# call {letter}\n{shown_code(behaviour.cases[number].code)}"
+                    for letter, number in zip(LETTERS, asked, strict=True)
+                ),
+                *arranged,
+                _results_sentence(behaviour, edit, asked),
+                True,
+                tuple(
+                    claim
+                    for letter, number in zip(LETTERS, asked, strict=True)
+                    for claim in _claims(behaviour, edit, number)
+                ),
+            )
+
+
+def _affected(own: Sequence[Run], runs: Sequence[Run], numbers: list[int]) -> str:
+    """Return the letters of the calls whose value an edit changes; empty if one has no value."""
+    if any(number >= len(runs) or not is_value(runs[number].outcome) for number in numbers):
+        return ""
+    letters = [
+        letter
+        for letter, number in zip(LETTERS, numbers, strict=True)
+        if not same_answer(runs[number].outcome, own[number].outcome)
+    ]
+    if len(letters) == len(LETTERS):
+        return "all three"
+    return (
+        " and ".join(letters)
+        if len(letters) > 1
+        else f"only {letters[0]}"
+        if letters
+        else "none of them"
+    )
+
+
+def _claims(behaviour: Behaviour, edit: Edit, number: int) -> tuple[OutcomeClaim, OutcomeClaim]:
+    case, own = behaviour.cases[number], behaviour.own[number].outcome
+    after = behaviour.edited[edit][number].outcome
+    return (
+        OutcomeClaim(case.executed, None, own),
+        OutcomeClaim(case.executed, edit, own, same_answer(after, own)),
+    )
+
+
+def _results_sentence(behaviour: Behaviour, edit: Edit, numbers: list[int]) -> str:
+    runs = behaviour.edited[edit]
+    return " ".join(
+        f"{letter}: {code(behaviour.own[number].outcome)} before, {code(runs[number].outcome)} now."
+        for letter, number in zip(LETTERS, numbers, strict=True)
+    )

@@ -1,0 +1,128 @@
+"""Which line: find the change that causes a result, or a line that does not run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from random import Random
+
+from grader.questions.answer import Behaviour, Edit
+from grader.questions.cases import shown_code
+from grader.questions.kinds.wording import code, value_of
+from grader.questions.question import (
+    MAX_CHOICES,
+    MIN_CHOICES,
+    CountClaim,
+    OutcomeClaim,
+    Question,
+    arrange,
+)
+from grader.questions.texts import TRIVIAL_ERRORS, is_value, same_answer, similarity
+
+MAX_SYMPTOMS = 4  # results of a case that are asked about
+
+
+def which_line(behaviour: Behaviour, random: Random) -> Iterator[Question]:
+    """Ask for the one of several changes that gives a result, and for a line that does not run."""
+    for number, case in enumerate(behaviour.cases):
+        if not case.run:
+            yield from _without_run(behaviour, number, random)
+            yield from _with_symptom(behaviour, number, random)
+
+
+def _with_symptom(behaviour: Behaviour, number: int, random: Random) -> Iterator[Question]:
+    case, own = behaviour.cases[number], behaviour.own[number].outcome
+    if not is_value(own):
+        return
+    edits = {
+        edit: runs[number].outcome
+        for edit, runs in behaviour.edited.items()
+        if number < len(runs)
+        and runs[number].outcome not in ("", *TRIVIAL_ERRORS)
+        and edit.can_be_shown
+    }
+    symptoms = [
+        text
+        for text in dict.fromkeys(edits.values())
+        if is_value(text) and not same_answer(text, own)
+    ]
+    # Stable, so that equally similar results stay in the order of the likeliest edits.
+    symptoms.sort(key=lambda text: -similarity(own, text))
+    for symptom in symptoms[:MAX_SYMPTOMS]:
+        causes = [edit for edit, text in edits.items() if same_answer(text, symptom)]
+        right = random.choice(causes[:3])
+        others = [edit for edit, text in edits.items() if not same_answer(text, symptom)]
+        wrong = _spread(right, others, edits, own)
+        arranged = arrange(_choice(right), map(_choice, wrong), random)
+        if arranged:
+            outcomes = {edit: edits[edit] for edit in (right, *wrong)}
+            yield Question(
+                "which line",
+                f"The code is changed in one line. Now {value_of(case.code)} is `{symptom}` "
+                f"instead of `{own}`. Which change was made?",
+                shown_code(case.code),
+                *arranged,
+                " ".join(
+                    f"If {_choice(edit)}, the result is {code(text)}."
+                    for edit, text in outcomes.items()
+                    if edit != right
+                ),
+                True,
+                (
+                    OutcomeClaim(case.executed, None, own),
+                    *(
+                        OutcomeClaim(case.executed, edit, symptom, edit == right)
+                        for edit in outcomes
+                    ),
+                ),
+            )
+
+
+def _spread(right: Edit, others: list[Edit], outcomes: dict[Edit, str], own: str) -> list[Edit]:
+    """Return wrong changes: in other lines and with other effects as far as possible."""
+    wrong, lines, effects = [], {right.first}, {outcomes[right]}
+    ranked = sorted(
+        others, key=lambda edit: (same_answer(outcomes[edit], own), not is_value(outcomes[edit]))
+    )
+    for wants_line, wants_effect in ((True, True), (True, False), (False, True), (False, False)):
+        for edit in ranked:
+            if len(wrong) == MAX_CHOICES - 1:
+                return wrong
+            is_new = edit not in wrong and _choice(edit) not in map(_choice, wrong)
+            if (
+                is_new
+                and _choice(edit) != _choice(right)
+                and (not wants_line or edit.first not in lines)
+                and (not wants_effect or outcomes[edit] not in effects)
+            ):
+                wrong.append(edit)
+                lines.add(edit.first)
+                effects.add(outcomes[edit])
+    return wrong
+
+
+def _choice(edit: Edit) -> str:
+    return f"line {edit.first} becomes {code(edit.after)}"
+
+
+def _without_run(behaviour: Behaviour, number: int, random: Random) -> Iterator[Question]:
+    case, counts = behaviour.cases[number], behaviour.own[number].counts
+    lines = [statement.first for statement in behaviour.statements]
+    idle = [line for line in lines if not counts.get(line)]
+    busy = [line for line in lines if counts.get(line)]
+    if not idle or len(busy) < MIN_CHOICES - 1 or not any(counts.values()):
+        return
+    right = random.choice(idle)
+    wrong = random.sample(busy, min(len(busy), MAX_CHOICES - 1))
+    arranged = arrange(f"line {right}", [f"line {line}" for line in wrong], random)
+    yield Question(
+        "which line",
+        "Which of these lines does not run while the code below runs?",
+        shown_code(case.code),
+        *arranged,
+        "The other lines run at least once.",
+        True,
+        (
+            CountClaim(case.executed, right, 0),
+            *(CountClaim(case.executed, line, counts[line]) for line in wrong),
+        ),
+    )

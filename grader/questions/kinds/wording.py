@@ -1,0 +1,29 @@
+"""Phrases that several kinds of questions share."""
+
+from __future__ import annotations
+
+from grader.questions.answer import Edit
+
+
+def value_of(code: str) -> str:
+    """Return what a question about a case's value asks for."""
+    is_long = "\n" in code.strip()
+    return "the value of the last line below" if is_long else "the value of this expression"
+
+
+def lines_are(edit: Edit) -> str:
+    """Return the subject and verb for the lines of an edit, such as "Lines 4 and 5 are"."""
+    if edit.first == edit.last:
+        return f"Line {edit.first} is"
+    joint = "and" if edit.last == edit.first + 1 else "to"
+    return f"Lines {edit.first} {joint} {edit.last} are"
+
+
+def times(count: int) -> str:
+    """Return a count as a word with its unit, such as "4 times"."""
+    return "once" if count == 1 else f"{count} times"
+
+
+def code(text: str) -> str:
+    """Return a line of code between backticks, without its indentation."""
+    return f"`{text.strip().replace('`', chr(0x2BB))}`"

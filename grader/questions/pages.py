@@ -1,0 +1,57 @@
+"""Write the sheets for students, and the examiner's page with the right choices."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from grader.classroom.pages import format_code, render
+from grader.course.atomic_files import write_atomically
+from grader.course.paths import Course
+from grader.questions.question import Question
+from grader.questions.viva import Sheet, viva_folder
+
+LETTERS = "ABCD"
+SHEETS, KEY = "sheets.html", "key.html"
+MINUTES_PER_STUDENT = 2
+
+
+def write_pages(
+    course: Course, stage: str, sheets: Sequence[Sheet], student: str = ""
+) -> tuple[Path, Path]:
+    """Write the sheets and the key of a stage, and return their paths.
+
+    The pages of a single student are in a folder of their own.
+    """
+    folder = viva_folder(course, stage) / student
+    shown = [sheet for sheet in sheets if sheet.questions]
+    paths = folder / SHEETS, folder / KEY
+    write_atomically(_render("viva_sheets.html", stage, shown), paths[0])
+    write_atomically(_render("viva_key.html", stage, sheets), paths[1])
+    return paths
+
+
+def _render(template: str, stage: str, sheets: Sequence[Sheet]) -> str:
+    return render(
+        template,
+        stage=stage,
+        sheets=sheets,
+        letters=LETTERS,
+        minutes=MINUTES_PER_STUDENT,
+        format_code=format_code,
+        lines_text=lines_text,
+        subject=subject_text,
+    )
+
+
+def lines_text(lines: Sequence[int]) -> str:
+    """Return line numbers as a text, such as "line 4" or "lines 4 and 7"."""
+    *first, last = map(str, lines)
+    return f"lines {', '.join(first)} and {last}" if first else f"line {last}"
+
+
+def subject_text(question: Question) -> str:
+    """Return what an examiner should know about the origin of a question's key."""
+    if question.is_about_code:
+        return f"{question.kind}; the answer follows from this student's code."
+    return f"{question.kind}; all right answers have this result, so ask how the code gets there."

@@ -1,0 +1,119 @@
+"""Choose questions about one answer: of different kinds, of rising depth, with verified keys."""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+from collections.abc import Iterator
+from random import Random
+
+from grader.course.kept_answers import answers_to, fill_in
+from grader.course.lessons import Lesson
+from grader.questions.answer import Answer, Behaviour, outcomes_of
+from grader.questions.kinds import KINDS
+from grader.questions.question import DEPTHS, Question
+from grader.questions.texts import ERROR
+from grader.questions.verification import Verifier
+from grader.sandbox import Sandbox
+from grader.sandbox.failures import StudentError, StudentStopped
+from utils.notebooks.reading import decode_notebook
+
+# Other right answers that are asked the same question.
+MAX_PEERS = 4
+# In this order, one question of each kind is chosen: first an easy and a hard one.
+EASY, HARD = ("predict", "trace", "cost"), ("what if", "necessary", "which line")
+# Candidates of one kind that are verified before the kind is given up.
+MAX_TRIES = 5
+# Kinds of questions about the same case, one of which may contain the answer to the other.
+REVEALING = ({"predict", "which line"}, {"trace", "cost"}, {"cost"})
+
+
+def candidates(behaviour: Behaviour, random: Random) -> list[Question]:
+    """Return all questions about an answer, with keys that are not verified yet."""
+    return [question for kind in KINDS for question in kind(behaviour, random)]
+
+
+def choose_questions(
+    behaviour: Behaviour, sandbox: Sandbox, count: int, random: Random
+) -> list[Question]:
+    """Return up to `count` questions with verified keys, the easiest first.
+
+    Kinds are repeated only if there are not enough of them. Questions share a case only if they
+    have to, and never if the text of one could contain the answer to the other.
+    """
+    by_kind: dict[str, list[Question]] = {}
+    for question in candidates(behaviour, random):
+        by_kind.setdefault(question.kind, []).append(question)
+    for questions in by_kind.values():
+        random.shuffle(questions)
+        questions.sort(key=_rank)  # stable, so that the order stays random within a rank
+    chosen: list[Question] = []
+    with Verifier(behaviour, sandbox) as verifier:
+        for kind in _kinds_in_turn(list(by_kind), count, random):
+            if len(chosen) == count:
+                break
+            question = _next_question(by_kind[kind], chosen, verifier)
+            chosen += [question] if question else []
+    return sorted(chosen, key=lambda question: DEPTHS[question.kind])
+
+
+def _rank(question: Question) -> tuple[bool, bool]:
+    """Return a sort key: questions about the code and questions for a value come first."""
+    return not question.is_about_code, question.right_choice.startswith(ERROR)
+
+
+def _kinds_in_turn(kinds: list[str], count: int, random: Random) -> Iterator[str]:
+    """Yield kinds: an easy one, a hard one, the others, and then all of them again."""
+    easy = [kind for kind in kinds if kind in EASY]
+    hard = [kind for kind in kinds if kind in HARD]
+    random.shuffle(easy)
+    random.shuffle(hard)
+    order = easy[:1] + hard[:1]
+    rest = easy[1:] + hard[1:]
+    random.shuffle(rest)
+    yield from (order + rest) * count
+
+
+def _next_question(
+    questions: list[Question], chosen: list[Question], verifier: Verifier
+) -> Question | None:
+    """Return the next verified question of a kind, and remove those that were tried."""
+    possible = [question for question in questions if not _reveals(question, chosen)]
+    used = {code for question in chosen for code in _codes(question)}
+    possible.sort(key=lambda question: not used.isdisjoint(_codes(question)))  # stable
+    for question in possible[:MAX_TRIES]:
+        questions.remove(question)
+        if verifier.confirms(question):
+            return question
+    return None
+
+
+def _reveals(question: Question, chosen: list[Question]) -> bool:
+    """Return whether a question may contain the answer to a chosen one, or the other way round."""
+    return any(
+        {question.kind, other.kind} in REVEALING and _codes(question) & _codes(other)
+        for other in chosen
+    )
+
+
+def _codes(question: Question) -> set[str]:
+    return {claim.code for claim in question.claims}
+
+
+@functools.cache
+def peers_of(lesson: Lesson, exercise: str, sandbox: Sandbox) -> tuple[tuple[str, ...], ...]:
+    """Return the outcomes of some other right answers, from the lesson's kept answers."""
+    if not (lesson.folder / "answers" / f"{exercise}.txt").is_file():
+        return ()
+    peers = []
+    for source in [answer.source for answer in answers_to(exercise) if answer.right][:MAX_PEERS]:
+        answer = Answer(lesson, exercise, _code_with(lesson, exercise, source), {})
+        with contextlib.suppress(StudentError, StudentStopped):  # such as a missing package
+            peers.append(outcomes_of(answer, sandbox))
+    return tuple(peers)
+
+
+def _code_with(lesson: Lesson, exercise: str, source: str) -> tuple[str, ...]:
+    """Return the code of a notebook with one answer."""
+    text = fill_in(lesson, {exercise: source})
+    return decode_notebook(text.encode(), lesson.name).code

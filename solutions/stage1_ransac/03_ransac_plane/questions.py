@@ -1,0 +1,70 @@
+"""Small cases for questions about students' own code; see `grader.questions.cases`."""
+
+from grader.questions.cases import Case
+
+
+def _points(function: str, *points: str) -> Case:
+    names = "pqr"[: len(points)]
+    lines = [f"{name} = np.array([{point}])" for name, point in zip(names, points, strict=True)]
+    return Case("\n".join([*lines, f"{function}({', '.join(names)})"]))
+
+
+def _cloud(*rows: str) -> str:
+    body = ",\n".join(f"    [{row}]" for row in rows)
+    return f"points = np.array([\n{body},\n])\n"
+
+
+def _ransac(cloud: str, rounds: int, asked: str = "inliers") -> str:
+    return f"{cloud}plane, inliers = ransac_plane(points, {rounds}, 0.1, rng)\n{asked}"
+
+
+FLOOR = ("0.0, 0.0, 1.0", "2.0, 0.0, 1.0", "0.0, 2.0, 1.0", "3.0, 3.0, 1.0")
+TRIANGLE = _cloud("0.0, 0.0, 0.0", "2.0, 0.0, 0.0", "0.0, 2.0, 0.0")
+CASES = {
+    "plane_through": (
+        _points("plane_through", "0.0, 0.0, 0.0", "1.0, 0.0, 0.0", "0.0, 1.0, 0.0"),
+        _points("plane_through", "0.0, 0.0, 2.0", "2.0, 0.0, 2.0", "0.0, 3.0, 2.0"),
+        _points("plane_through", "1.0, 0.0, 0.0", "1.0, 2.0, 0.0", "1.0, 0.0, 2.0"),
+        _points("plane_through", "0.0, 0.0, 0.0", "0.0, 1.0, 0.0", "4.0, 0.0, 3.0"),
+        _points("plane_through", "0.0, 0.0, 1.0", "1.0, 1.0, 1.0", "2.0, 2.0, 1.0"),
+    ),
+    "point_plane_distance": (
+        Case("point_plane_distance(np.array([[1.0, 2.0, 5.0]]), (0.0, 0.0, 1.0, -2.0))"),
+        Case(
+            "points = np.array([[0.0, 0.0, 0.0], [3.0, 7.0, 0.0]])\n"
+            "point_plane_distance(points, (1.0, 0.0, 0.0, -2.0))"
+        ),
+        Case(
+            "points = np.array([[5.0, 0.0, 0.0], [0.0, 1.0, -5.0]])\n"
+            "point_plane_distance(points, (0.6, 0.0, 0.8, 0.0))"
+        ),
+        Case(
+            "points = np.array([[0.0, 5.0, 0.0], [0.0, 0.0, 10.0]])\n"
+            "point_plane_distance(points, (0.0, 0.8, -0.6, 1.0))"
+        ),
+    ),
+    "ransac_plane": (
+        Case(_ransac(_cloud(*FLOOR, "1.0, 1.0, 5.0"), 40)),
+        Case(_ransac(_cloud("0.0, 0.0, 9.0", *FLOOR), 40, "sum(inliers)")),
+        Case(_ransac(TRIANGLE, 3), larger=_ransac(TRIANGLE, 6)),
+        Case(_ransac(TRIANGLE, 3, "np.abs(plane)")),
+        Case(_ransac(_cloud("0.0, 0.0, 1.0", "1.0, 0.0, 1.0"), 5)),
+        Case(_ransac(_cloud("0.0, 0.0, 1.0", "1.0, 0.0, 1.0", "2.0, 0.0, 1.0"), 3)),
+    ),
+    "fit_plane": (
+        Case(_cloud(*FLOOR[:3]) + "fit_plane(points)"),
+        Case(_cloud("2.0, 0.0, 0.0", "2.0, 4.0, 0.0", "2.0, 0.0, 2.0") + "fit_plane(points)"),
+        Case(_cloud("0.0, 0.0, 0.0", "4.0, 0.0, 3.0", "0.0, 2.0, 0.0") + "fit_plane(points)"),
+        Case(
+            _cloud("0.0, 3.0, 0.0", "2.0, 3.0, 0.0", "0.0, 3.0, 4.0") + "np.abs(fit_plane(points))"
+        ),
+    ),
+    "iterations_needed": (
+        Case("iterations_needed(0.5, 1, 0.9)"),
+        Case("iterations_needed(0.5, 2, 0.5)"),
+        Case("iterations_needed(0.5, 1, 0.7)"),
+        Case("iterations_needed(1.0, 3, 0.99)"),
+        Case("iterations_needed(0.0, 2, 0.99)"),
+        Case("iterations_needed(0.9, 1, 0.8)"),
+    ),
+}

@@ -1,0 +1,99 @@
+"""Small cases for questions about students' own code; see `grader.questions.cases`."""
+
+from grader.questions.cases import Case
+
+# Nodes that report when their point is read.
+WATCH = """visited = []
+
+
+class WatchedNode(Node):
+    def __getattribute__(self, name):
+        if name == "point":
+            visited.append(object.__getattribute__(self, "index"))
+        return object.__getattribute__(self, name)
+
+
+"""
+
+
+def _grown(points: str, asked: str) -> str:
+    return (
+        f"points = {points}\ntree = KdTree()\nfor index, point in enumerate(points):\n"
+        f"    tree.insert(point, index)\n{asked}"
+    )
+
+
+SMALL = """tree = KdTree()
+tree.root = Node(
+    [4.0, 2.0], 0,
+    left=Node([2.0, 3.0], 1),
+    right=Node([6.0, 1.0], 2))
+"""
+LARGE = """tree = KdTree()
+tree.root = Node(
+    [4.0, 2.0], 0,
+    left=Node(
+        [2.0, 3.0], 1,
+        left=Node([1.0, 1.0], 3),
+        right=Node([3.0, 5.0], 4)),
+    right=Node(
+        [7.0, 3.0], 2,
+        right=Node([6.0, 4.0], 5)))
+"""
+
+
+def _visits(tree: str, search: str) -> Case:
+    return Case(
+        f"{tree}tree.search({search})",
+        asked="Which nodes does the search visit, in order? Write their indices. A node is "
+        "visited when its `point` is read for the first time.",
+        run=f"{WATCH}{tree.replace('Node(', 'WatchedNode(')}tree.search({search})\n"
+        "list(dict.fromkeys(visited))",
+    )
+
+
+CASES = {
+    "insert": (
+        Case(
+            _grown(
+                "[[4.0, 2.0], [2.0, 3.0], [6.0, 1.0]]",
+                "tree.root.left.index, tree.root.right.index",
+            ),
+            larger=_grown(
+                "[[4.0, 2.0], [2.0, 3.0], [6.0, 1.0], [1.0, 5.0], [0.0, 1.0], [8.0, 0.0]]",
+                "tree.root.index",
+            ),
+        ),
+        Case(_grown("[[4.0, 2.0], [2.0, 3.0], [3.0, 1.0]]", "tree.root.left.left.index")),
+        Case(_grown("[[4.0, 2.0], [4.0, 1.0], [4.0, 3.0]]", "tree.root.right.right.index")),
+        Case(_grown("[[5.0, 5.0], [2.0, 6.0], [1.0, 7.0]]", "tree.root.left.right.index")),
+        Case(_grown("[[3.0, 1.0], [1.0, 2.0], [2.0, 2.0]]", "tree.root.left.right.index")),
+    ),
+    "search": (
+        Case(
+            f"{SMALL}list(tree.search([3.0, 3.0], 1.5))",
+            larger=f"{LARGE}list(tree.search([3.0, 3.0], 9.0))",
+        ),
+        Case(f"{LARGE}list(tree.search([3.0, 4.0], 1.5))"),
+        Case(f"{LARGE}list(tree.search([5.0, 3.0], 2.5))"),
+        Case(f"{SMALL}list(tree.search([4.0, 5.0], 1.0))"),
+        _visits(SMALL, "[3.0, 3.0], 1.5"),
+        _visits(LARGE, "[2.0, 1.0], 1.5"),
+        _visits(LARGE, "[5.0, 2.0], 1.5"),
+    ),
+    "median_order": (
+        Case("list(median_order(np.array([[3.0, 1.0], [1.0, 2.0], [2.0, 3.0]])))"),
+        Case(
+            "list(median_order(np.array([[4.0, 1.0], [3.0, 2.0], [2.0, 3.0], [1.0, 4.0]])))",
+            larger="points = np.array([[6.0, 1.0], [5.0, 2.0], [4.0, 3.0], [3.0, 4.0],\n"
+            "                   [2.0, 5.0], [1.0, 6.0], [7.0, 7.0], [8.0, 8.0]])\n"
+            "list(median_order(points))",
+        ),
+        Case("list(median_order(np.array([[1.0, 5.0], [2.0, 4.0]])))"),
+        Case(
+            "points = np.array([[5.0, 1.0], [1.0, 3.0], [2.0, 0.0], [4.0, 4.0], [3.0, 2.0]])\n"
+            "list(median_order(points))"
+        ),
+        Case("list(median_order(np.array([[2.0, 2.0]])))"),
+    ),
+}

@@ -1,0 +1,38 @@
+"""Small cases for questions about students' own code; see `grader.questions.cases`."""
+
+from grader.questions.cases import Case
+
+
+def _cloud(*rows: str) -> str:
+    body = ",\n".join(f"    [{row}]" for row in rows)
+    return f"cloud = np.array([\n{body},\n])\n"
+
+
+A = _cloud("0.0, 0.0, 0.0", "2.0, 1.0, 1.0", "4.0, -3.0, 0.0")
+B = _cloud("1.0, 1.0, 5.0", "-1.0, 2.0, 0.0")
+C = _cloud("3.0, 0.0, 0.0, 9.0", "0.0, 0.0, -2.0, 1.0", "1.0, 1.0, 1.0, 1.0")
+D = _cloud("2.0, 0.0, 0.0", "2.5, 0.0, 0.0", "1.0, -1.0, 1.0")
+BOXES = (
+    (A, "(-1.0, -1.0, -1.0), (3.0, 2.0, 2.0)"),
+    (B, "(0.0, 0.0, 0.0), (2.0, 2.0, 2.0)"),
+    (C, "(0.0, 0.0, -3.0), (2.0, 2.0, 2.0)"),
+    (D, "(0.0, -1.0, 0.0), (2.0, 1.0, 1.0)"),
+)
+CASES = {
+    "filter_by_distance": (
+        Case(
+            _cloud("3.0, 4.0, 0.0", "6.0, 8.0, 0.0", "0.0, 1.0, 9.0")
+            + "filter_by_distance(cloud, 6.0)"
+        ),
+        Case(_cloud("0.0, 9.0, 5.0", "8.0, 8.0, 0.0") + "filter_by_distance(cloud)"),
+        Case(_cloud("-3.0, 4.0, 1.0", "0.0, -2.0, 0.0") + "filter_by_distance(cloud, 4.0)"),
+        Case(_cloud("3.0, 4.0, 0.0", "4.0, 4.0, 0.0") + "filter_by_distance(cloud, 5.0)"),
+        Case(
+            _cloud("1.0, 0.0, 0.0, 50.0", "0.0, 30.0, 0.0, 1.0") + "filter_by_distance(cloud, 20.0)"
+        ),
+    ),
+    "crop_region": tuple(Case(f"{cloud}crop_region(cloud, {box})") for cloud, box in BOXES),
+    "remove_ego_returns": tuple(
+        Case(f"{cloud}remove_ego_returns(cloud, {box})") for cloud, box in BOXES
+    ),
+}

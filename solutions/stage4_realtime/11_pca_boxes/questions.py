@@ -1,0 +1,48 @@
+"""Small cases for questions about students' own code; see `grader.questions.cases`."""
+
+from grader.questions.cases import Case
+
+
+def _cloud(*rows: str) -> str:
+    body = ",\n".join(f"    [{row}]" for row in rows)
+    return f"cloud = np.array([\n{body},\n])\n"
+
+
+def _boxes(cloud: str, labels: str, asked: str) -> Case:
+    return Case(
+        f"{cloud}labels = np.array({labels})\n"
+        f"boxes = np.asarray(get_oriented_boxes(cloud, labels))\n{asked}"
+    )
+
+
+LONG = _cloud("-4.0, 0.0, 0.0", "4.0, 0.0, 0.0", "0.0, 1.0, 0.0", "0.0, -1.0, 0.0")
+FLAT = _cloud("0.0, 0.0, 0.0", "0.0, 6.0, 0.0", "2.0, 0.0, 1.0", "2.0, 6.0, 1.0")
+MORE = _cloud(
+    *("0.0, 0.0, 1.0", "8.0, 0.0, 1.0", "0.0, 2.0, 1.0", "8.0, 2.0, 3.0"),
+    *("20.0, 0.0, 0.0", "24.0, 0.0, 0.0", "20.0, 1.0, 0.0", "24.0, 1.0, 5.0"),
+)
+FIRST, BOTH = "[1, 1, 1, 1, 0, 0, 0, 0]", "[2, 2, 2, 2, 1, 1, 1, 1]"
+CASES = {
+    "principal_axes": (
+        Case(f"{LONG}np.abs(principal_axes(cloud))[:, 0]"),
+        Case(
+            _cloud("0.0, 0.0, 3.0", "0.0, 0.0, -3.0", "1.0, 0.0, 0.0", "-1.0, 0.0, 0.0")
+            + "np.abs(principal_axes(cloud))[:, 0]"
+        ),
+        Case(
+            _cloud("4.0, 3.0, 0.0", "-4.0, -3.0, 0.0", "0.0, 0.0, 1.0", "0.0, 0.0, -1.0")
+            + "np.abs(principal_axes(cloud))[:, 0]"
+        ),
+        Case(f"{LONG}np.abs(principal_axes(cloud))[:, 1]"),
+        Case(f"{LONG}np.linalg.det(principal_axes(cloud))"),
+        Case(f"{LONG}principal_axes(cloud + [10.0, 5.0, 0.0])[2]"),
+    ),
+    "get_oriented_boxes": (
+        _boxes(MORE, FIRST, "boxes.shape"),
+        _boxes(MORE, BOTH, "boxes.max(axis=1)"),
+        _boxes(MORE, FIRST, "boxes[0, :, 2]"),
+        _boxes(MORE, BOTH, "boxes[0].min(axis=0)"),
+        _boxes(FLAT, "[3, 3, 3, 3]", "boxes[0, 0]"),
+        _boxes(FLAT, "[0, 0, 0, 0]", "boxes.shape"),
+    ),
+}
