@@ -51,7 +51,13 @@ def course(tmp_path):
     for file in (
         *(f"{folder}/ada/x.html" for folder in ("feedback", "verdicts", "submitted", "autograded")),
         *("handed_back/x/ada.html", f"handed_back/{STAGE}_canvas.zip", "report/index.html"),
-        *("report/similarity_x.html", "league/x.html", "viva/x/key.html", "scores.csv", "scores.until-2026.csv"),
+        *(
+            "report/similarity_x.html",
+            "league/x.html",
+            "viva/x/key.html",
+            "scores.csv",
+            "scores.until-2026.csv",
+        ),
         *("gradebook.db.2026-10-12", "submitted/ADA/x.html"),
     ):
         (course.root / file).parent.mkdir(parents=True, exist_ok=True)
