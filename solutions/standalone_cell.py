@@ -1,10 +1,7 @@
 # @title Run this cell first: it contains the tools of the course and the data { display-mode: "form" }
 # You need not read it. It unpacks `utils` into a temporary folder and computes the lesson's scan.
-import atexit, base64, contextlib, hashlib, io, lzma, shutil, sys, tarfile, tempfile
+import atexit, base64, hashlib, io, lzma, shutil, sys, tarfile, tempfile
 from pathlib import Path
-
-with contextlib.suppress(ImportError):  # the last line names what is missing
-    import matplotlib, numpy, scipy, shapely  # a kernel in a browser loads these packages
 
 packed = "PACKED"
 data = base64.b85decode(packed)
