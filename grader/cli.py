@@ -525,7 +525,7 @@ def _add_site(subparsers: argparse._SubParsersAction) -> None:
     site.add_argument(
         "--live",
         action="store_true",
-        help="add pages that run lessons in the browser, with a Python kernel from jsDelivr",
+        help="add Run and Check under each exercise, with Python in the browser; needs npm",
     )
     add_workers_option(site, "lessons executed")
 

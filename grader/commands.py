@@ -176,16 +176,19 @@ def run_site(options: argparse.Namespace) -> int:
     from grader.course.standalone import ReleaseError
     from grader.site.builder import check_ready, write_site
     from grader.site.errors import SiteError
-    from grader.site.runs import missing_packages, solved_runs
+    from grader.site.live.files import FOLDER as LIVE_FOLDER
+    from grader.site.live.files import pack
+    from grader.site.runs import CACHE, missing_packages, solved_runs
 
     folder = options.to or PROJECT / "site"
     missing = {lesson: missing_packages(lesson) for lesson in optional_lessons()}
     can_run = [lesson for lesson, packages in missing.items() if not packages]
     try:
         check_ready(folder)
+        live = pack(CACHE) if options.live else None
         with console.progress_bar("Running the lessons") as advance:
             ran = solved_runs([*all_lessons(), *can_run], options.workers, advance)
-        write_site(folder, ran, read_origin(), options.live)
+        write_site(folder, ran, read_origin(), live)
     except (ReleaseError, SiteError) as error:
         print(error, file=sys.stderr)
         return FAULT
@@ -195,6 +198,9 @@ def run_site(options: argparse.Namespace) -> int:
                 f"The page for {lesson.name} shows no outputs. To add outputs, install "
                 f"{', '.join(packages)} and run the command again."
             )
+    if live:
+        for name, content in live.files.items():
+            print(f"wrote {folder / LIVE_FOLDER / name} ({len(content) / 1e6:.1f} MB)")
     print(f"wrote {folder / 'index.html'}")
     return SUCCESS
 

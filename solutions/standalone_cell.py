@@ -1,10 +1,7 @@
 # @title Run this cell first. It contains the tools and the data of the course { display-mode: "form" }
 # You need not read it. It unpacks `utils` into a temporary folder and computes the lesson's scan.
-import atexit, base64, contextlib, hashlib, io, lzma, shutil, sys, tarfile, tempfile
+import atexit, base64, hashlib, io, lzma, shutil, sys, tarfile, tempfile
 from pathlib import Path
-
-with contextlib.suppress(ImportError):  # the last line reports missing packages
-    import matplotlib, numpy, scipy, shapely  # a kernel in a browser loads these packages
 
 packed = "PACKED"
 data = base64.b85decode(packed)

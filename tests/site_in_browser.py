@@ -222,7 +222,7 @@ def main(site, axe, pictures):
     names = sorted(
         path.relative_to(site).as_posix()
         for path in site.rglob("*.html")
-        if "_static" not in path.parts and "live" not in path.relative_to(site).parts
+        if "_static" not in path.parts
     )
     found = []
     driver = browser()

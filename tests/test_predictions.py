@@ -99,6 +99,10 @@ def test_sliders_are_static_and_no_guess_is_requested_without_widgets(no_widgets
     assert "Which? (a, b)" in output and "Answer: b" in output
 
 
+def test_the_replacement_of_widgets_has_no_file_for_tracebacks_to_read(no_widgets):
+    assert not hasattr(sys.modules["ipywidgets"], "__file__")
+
+
 def test_installed_widgets_are_not_replaced():
     static_widgets.install_stand_in()
     assert sys.modules["ipywidgets"] is ipywidgets

@@ -23,6 +23,7 @@ NEEDED_BY = {
     "grader/classroom/cluster.py": "requirements-cluster.txt",
     "grader/classroom/worker_plugin.py": "requirements-cluster.txt",
     "grader/site/": "requirements-site.txt",
+    "grader/site/live/": "requirements-live.txt",
     "tests/": "requirements-dev.txt",
 }
 FILES = (

@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
+from shapely import MultiPoint
 
-from utils.boxes import Box
+from utils.boxes import Box, distances_between, footprints
 from utils.scenes import lesson_street
 from utils.scoring import (
     Score,
@@ -94,6 +95,38 @@ def test_overlap_is_accurate_despite_shared_edges_corners_and_rounding(shift, si
     local_one, local_other = one - (far, far, 0), other - (far, far, 0)
     expected = clipped_iou(local_one[0], local_other[0], False)
     assert_allclose(plane_iou(one, other)[0, 0], expected, atol=1e-6 if far < 10 else 1e-4)
+
+
+def boxes_on(floors):
+    """Return boxes (N, 8, 3) with the given floors (N, 4, 2)."""
+    return np.stack(
+        [np.pad(floors, ((0, 0), (0, 0), (0, 1)), constant_values=z) for z in (0, 1)], 1
+    )
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_geometry_of_floors_agrees_with_shapely(seed):
+    """Four random points can also have a triangle as their hull."""
+    rng = np.random.default_rng(seed)
+    floors = rng.normal(0, 2, (80, 4, 2))
+    boxes = np.vstack([boxes_on(floors).reshape(-1, 8, 3), random_boxes(rng, 40)])
+    hulls = [MultiPoint(box[:4, :2]).convex_hull for box in boxes]
+    areas = [[one.intersection(other).area for other in hulls] for one in hulls]
+    unions = [[one.union(other).area for other in hulls] for one in hulls]
+    assert_allclose(plane_iou(boxes, boxes), np.divide(areas, unions), atol=1e-9)
+    gaps = [[one.distance(other) for other in hulls] for one in hulls]
+    assert np.count_nonzero(gaps) > 1000 and np.count_nonzero(np.equal(gaps, 0)) > 1000
+    assert_allclose(distances_between(boxes, boxes), gaps, atol=1e-9)
+    for footprint, hull in zip(footprints(boxes), hulls, strict=True):
+        assert_allclose(MultiPoint(footprint).convex_hull.area, hull.area)
+
+
+def test_boxes_with_a_corner_that_is_not_finite_have_no_overlap():
+    some = random_boxes(np.random.default_rng(2), 3)
+    for value in (np.nan, np.inf):
+        lost = some.copy()
+        lost[1, 2, 0] = value
+        assert_allclose(np.diag(plane_iou(lost, some)), [1, 0, 1])
 
 
 def test_overlaps_agree_with_results_computed_by_hand():

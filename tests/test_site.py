@@ -16,7 +16,6 @@ from nbformat.v4 import new_code_cell, new_output
 from PIL import Image
 
 from grader import cli
-from grader.course import standalone
 from grader.course.build import Origin, read_origin
 from grader.course.lessons import all_lessons, every_lesson, find_lesson, optional_lessons
 from grader.course.paths import PROJECT
@@ -26,7 +25,6 @@ from grader.site import (
     front_page,
     glossary,
     guides,
-    live,
     runs,
     sections,
     site_checks,
@@ -260,8 +258,8 @@ def test_a_cell_without_a_counterpart_stops_the_build():
 
 
 def test_a_page_links_to_colab_if_the_repository_is_public():
-    assert links_of(LESSON, Origin("", "main"), False).count("<a ") == 1
-    there = links_of(LESSON, PUBLIC, False)
+    assert links_of(LESSON, Origin("", "main")).count("<a ") == 1
+    there = links_of(LESSON, PUBLIC)
     assert f"/github/anna/lidar/blob/v1/notebooks/{LESSON.stage}/{LESSON.name}.ipynb" in there
     assert "https://code.example.org/anna/lidar/issues/new" in there
 
@@ -469,30 +467,6 @@ def test_every_file_that_a_page_loads_is_in_the_site(site):
     for lesson in every_lesson():
         notebook = json.loads((site / "notebooks" / f"{lesson.name}.ipynb").read_text("utf-8"))
         assert notebook["metadata"]["lidar_obstacle_lab"]["standalone"]
-
-
-def test_a_notebook_for_the_browser_gets_its_sliders_first():
-    content = json.loads(live.notebook_of(LESSON))
-    nbformat.validate(content)
-    texts = ["".join(cell["source"]) for cell in content["cells"]]
-    (place,) = (number for number, text in enumerate(texts) if "%pip install" in text)
-    assert texts[place + 1].startswith(standalone.TITLE)
-    assert content["metadata"]["kernelspec"]["name"] == "python", (
-        "the name of the kernel in the browser"
-    )
-
-
-@pytest.mark.slow
-def test_every_lesson_has_a_page_on_which_it_runs(tmp_path):
-    live.write_live(tmp_path / "pages", tmp_path / "work")
-    pages = tmp_path / "pages" / "live"
-    for lesson in every_lesson():
-        page, _, query = live.address_of(lesson).partition("?path=")
-        assert (tmp_path / "pages" / page).is_file()
-        assert (pages / "files" / query).read_bytes() == live.notebook_of(lesson)
-    settings = json.loads((pages / "jupyter-lite.json").read_text("utf-8"))
-    extensions = settings["jupyter-config-data"]["federated_extensions"]
-    assert sorted(extension["name"] for extension in extensions) == sorted(live.EXTENSIONS)
 
 
 @pytest.mark.proof

@@ -22,7 +22,6 @@ from grader.intake.preflight import prepare
 from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import judge_files
 from grader.lms.autograded_copy import build_copy, graded_cells
-from tests.test_requirements import imports
 
 pytestmark = pytest.mark.slow
 
@@ -114,11 +113,6 @@ def test_the_setup_cell_needs_no_other_file_and_makes_the_same_cloud(tmp_path):
     assert place.startswith(folder)
     assert digest == hashlib.sha256((PROJECT / "data" / "cloud.txt").read_bytes()).hexdigest()
     assert list(tmp_path.iterdir()) == []
-
-
-def test_the_setup_cell_names_the_packages_that_a_browser_has_to_load():
-    named = set(imports(standalone.setup_cell(LESSON.name)))
-    assert {"numpy", "scipy", "matplotlib", "shapely", "lzma", "utils"} <= named
 
 
 def test_the_setup_cell_repairs_a_missing_or_foreign_package(tmp_path):

@@ -99,14 +99,12 @@ def health() -> str:
     from importlib import metadata, util
     from pathlib import Path
 
-    # In a browser, packages can only be installed from within a notebook.
-    install = "%pip install" if sys.platform == "emscripten" else "pip install"
-    needed = ("numpy", "scipy", "matplotlib", "shapely")
+    needed = ("numpy", "scipy", "matplotlib")
     if missing := [name for name in needed if not util.find_spec(name)]:
-        return f"Not ready. Install the missing packages: {install} {' '.join(missing)}"
+        return f"Not ready. Install the missing packages: pip install {' '.join(missing)}"
     if not (Path(__file__).parent.parent / "data" / "cloud.txt").exists():
         return "Not ready. The file data/cloud.txt is missing. Unzip the whole course folder."
     ready = f"Ready: Python {platform.python_version()}, NumPy {metadata.version('numpy')}."
-    if not ("ipywidgets" in sys.modules or util.find_spec("ipywidgets")):
-        ready += f" To make sliders move, run: {install} ipywidgets"
+    if sys.platform != "wasi" and not ("ipywidgets" in sys.modules or util.find_spec("ipywidgets")):
+        ready += " To make sliders move, run: pip install ipywidgets"
     return ready

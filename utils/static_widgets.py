@@ -26,11 +26,18 @@ def interact(**sliders: StaticWidget) -> Callable[[Callable], Callable]:
     return run
 
 
+def _widget_named(name: str) -> type[StaticWidget]:
+    """Return the class of any widget; `__file__` and other names of Python are absent."""
+    if name.startswith("__"):
+        raise AttributeError(name)
+    return StaticWidget
+
+
 def install_stand_in() -> None:
     """Let ``import ipywidgets`` find a replacement if ipywidgets is not installed."""
     if "ipywidgets" in sys.modules or util.find_spec("ipywidgets"):
         return
     module = ModuleType("ipywidgets", __doc__)
     module.interact, module.is_still = interact, True
-    module.__getattr__ = lambda name: StaticWidget
+    module.__getattr__ = _widget_named
     sys.modules["ipywidgets"] = module

@@ -18,7 +18,8 @@ from grader.course.standalone import check_no_leaks, make_standalone
 from grader.site import front_page, glossary, guides, mathjax, sections, site_checks
 from grader.site.errors import SiteError
 from grader.site.lesson import links_of, page_of
-from grader.site.live import write_live
+from grader.site.live.files import FOLDER as LIVE_FOLDER
+from grader.site.live.files import Live
 from grader.site.pictures import Pictures
 from grader.site.settings import conf_source
 
@@ -37,10 +38,7 @@ REPLACEMENTS = {
     re.compile(r'(<div id="pst-primary-sidebar")'): r'\1 role="region" aria-label="Course"',
 }
 """Patterns in the finished pages, and their replacements."""
-REQUIRED_PACKAGES = (
-    *("sphinx", "myst_nb", "sphinx_book_theme", "sphinx-mathjax-offline"),
-    *("jupyterlite_core", "jupyterlite_pyodide_kernel"),
-)
+REQUIRED_PACKAGES = ("sphinx", "myst_nb", "sphinx_book_theme", "sphinx-mathjax-offline")
 DELETED_PATTERNS = (
     "*.map",
     "*webpack-macros.html",
@@ -53,7 +51,7 @@ DELETED_PATTERNS = (
 
 
 def write_site(
-    folder: Path, solved_runs: Mapping[Lesson, bytes], origin: Origin, live: bool = False
+    folder: Path, solved_runs: Mapping[Lesson, bytes], origin: Origin, live: Live | None = None
 ) -> None:
     """Write the site. The same outputs always give the same bytes.
 
@@ -65,8 +63,8 @@ def write_site(
         Executed notebooks, from `grader.site.runs.solved_runs`. The page of a missing lesson has
         no outputs.
     origin : grader.course.build.Origin
-    live : bool
-        Whether to add pages on which the lessons run in the browser.
+    live : grader.site.live.files.Live, optional
+        Files with which the lessons run in the browser.
 
     Raises
     ------
@@ -84,8 +82,6 @@ def write_site(
             path.write_bytes(content)
         _run_sphinx(source, pages)
         _clean_up_pages(pages)
-        if live:
-            write_live(pages, Path(source_folder) / "live")
         if faults := site_checks.find_faults(pages):
             raise SiteError("\n".join(faults))
         if folder.exists():
@@ -111,16 +107,19 @@ def check_ready(folder: Path) -> None:
 
 
 def source_files(
-    solved_runs: Mapping[Lesson, bytes], origin: Origin, live: bool
+    solved_runs: Mapping[Lesson, bytes], origin: Origin, live: Live | None
 ) -> dict[str, bytes]:
     """Return all files that Sphinx reads, by path; see `write_site` for the parameters."""
     pictures = Pictures()
-    files = {"conf.py": conf_source(), "index.md": front_page.page(origin, pictures)}
+    files = {
+        "conf.py": conf_source(live.settings() if live else None),
+        "index.md": front_page.page(origin, pictures),
+    }
     files |= {f"{name}.md": guides.page(name, origin, pictures) for name in guides.PAGES}
     files["words.md"] = glossary.page()
     sources = {name: text.encode() for name, text in files.items()}
     for lesson in every_lesson():
-        links, name = links_of(lesson, origin, live), f"{lesson.stage}/{lesson.name}.ipynb"
+        links, name = links_of(lesson, origin), f"{lesson.stage}/{lesson.name}.ipynb"
         solved = solved_runs.get(lesson) or lesson.solved.read_bytes()
         sources[name] = page_of(lesson, solved, links, pictures)
         notebook = make_standalone(lesson.released.read_bytes())
@@ -128,6 +127,8 @@ def source_files(
         sources[f"extra/notebooks/{lesson.name}.ipynb"] = notebook
     sources |= {f"_static/{path.name}": path.read_bytes() for path in sorted(STATIC.iterdir())}
     sources |= {f"_templates/{path.name}": path.read_bytes() for path in sorted(THEME.iterdir())}
+    if live:
+        sources |= {f"extra/{LIVE_FOLDER}/{name}": file for name, file in live.files.items()}
     # Without this file, GitHub Pages does not serve files whose names begin with `_`.
     sources["extra/.nojekyll"] = b""
     return sources | pictures.files | mathjax.mathjax_files()

@@ -14,7 +14,6 @@ from grader.course.lessons import Lesson
 from grader.site import glossary
 from grader.site.errors import SiteError
 from grader.site.html_outputs import page_outputs
-from grader.site.live import address_of
 from grader.site.pictures import Pictures
 from grader.site.widget_states import QUESTION_TYPE
 
@@ -58,6 +57,8 @@ def page_of(lesson: Lesson, solved_run: bytes, links: str, pictures: Pictures) -
             cell.outputs = (
                 [] if "setup" in tags else page_outputs(solved[cell.id].outputs, pictures)
             )
+            if is_exercise(cell):
+                cell.metadata["tags"] = sorted({*tags, f"exercise-{cell.id}"})
             if FOLDED_TAGS & tags:
                 _fold(cell, _title(cell))
             elif _has_only_questions(solved[cell.id]):
@@ -71,6 +72,11 @@ def page_of(lesson: Lesson, solved_run: bytes, links: str, pictures: Pictures) -
     notebook.cells = cells
     notebook.metadata.pop("kernelspec", None)
     return nbformat.writes(notebook).encode()
+
+
+def is_exercise(cell: NotebookNode) -> bool:
+    """Return whether students write code in this cell."""
+    return cell.cell_type == "code" and cell.metadata.get("nbgrader", {}).get("solution", False)
 
 
 def _title(cell: NotebookNode) -> str:
@@ -98,19 +104,9 @@ def _extract_pictures(cell: NotebookNode, pictures: Pictures) -> None:
         cell.source = cell.source.replace(f"(attachment:{name})", f"(/{place})")
 
 
-def links_of(lesson: Lesson, origin: Origin, live: bool) -> str:
-    """Return links to download or run the lesson and to report a mistake, as HTML.
-
-    Parameters
-    ----------
-    lesson : Lesson
-    origin : grader.course.build.Origin
-    live : bool
-        Whether the lesson also runs on a page of the site.
-    """
+def links_of(lesson: Lesson, origin: Origin) -> str:
+    """Return links to download or run the lesson and to report a mistake, as HTML."""
     links = [f'<a href="../notebooks/{lesson.name}.ipynb" download>Download the notebook</a>']
-    if live:
-        links.insert(0, f'<a href="../{address_of(lesson)}">Run it in the browser</a>')
     if origin.repository:
         notebook = f"notebooks/{lesson.stage}/{lesson.name}.ipynb"
         colab = "https://colab.research.google.com/github"

@@ -4,13 +4,19 @@ from grader.course.lessons import every_lesson
 from grader.course.settings import course_title, version
 
 
-def conf_source() -> str:
-    """Return the source of Sphinx's ``conf.py``."""
-    return "".join(f"{name} = {value!r}\n" for name, value in settings().items())
+def conf_source(live: dict[str, object] | None = None) -> str:
+    """Return the source of Sphinx's ``conf.py``; see `settings` for the parameter."""
+    return "".join(f"{name} = {value!r}\n" for name, value in settings(live).items())
 
 
-def settings() -> dict[str, object]:
-    """Return Sphinx's settings by name."""
+def settings(live: dict[str, object] | None = None) -> dict[str, object]:
+    """Return Sphinx's settings by name.
+
+    Parameters
+    ----------
+    live : dict, optional
+        From `grader.site.live.files.Live.settings`, if lessons run in the browser.
+    """
     theme = {
         "use_download_button": False,  # the button would need the sources in the site
         "use_fullscreen_button": False,
@@ -40,7 +46,7 @@ def settings() -> dict[str, object]:
         "templates_path": ["_templates"],
         # Sphinx's summaries need a server, so search.js shows summaries instead.
         "html_show_search_summary": False,
-        "html_context": {"descriptions": descriptions()},
+        "html_context": {"descriptions": descriptions(), "live": live, "lessons": lesson_pages()},
         "html_favicon": "_static/icon.svg",
         "html_theme": "sphinx_book_theme",
         "html_theme_options": theme,
@@ -58,6 +64,11 @@ def settings() -> dict[str, object]:
         # With the menu, the Tab key would stop at each formula.
         "mathjax3_config": {"options": {"enableMenu": False}},
     }
+
+
+def lesson_pages() -> dict[str, str]:
+    """Return the name of each lesson by the name of its page."""
+    return {f"{lesson.stage}/{lesson.name}": lesson.name for lesson in every_lesson()}
 
 
 def descriptions() -> dict[str, str]:

@@ -13,10 +13,8 @@ from grader.course.build import lines_of, secret_lines
 from grader.course.lessons import every_lesson
 from grader.course.paths import PROJECT
 from grader.site.guides import PAGES
-from grader.site.live import FOLDER
 
 CHECKED_SUFFIXES = {".html", ".js", ".css", ".json", ".txt", ".ipynb", ".xml"}
-LIVE_SUFFIXES = {".ipynb"}
 FETCHED_ATTRIBUTES = {"src", "srcset", "poster", "data"}
 OTHER_HOST = re.compile(r"\s*(?:[a-z][a-z0-9+.-]*:)?//", re.I)
 STYLE_REFERENCE = re.compile(r"(?:url\(|@import)\s*[\"']?\s*((?:https?:)?//[^\"')\s]*)", re.I)
@@ -24,10 +22,7 @@ STYLE_REFERENCE = re.compile(r"(?:url\(|@import)\s*[\"']?\s*((?:https?:)?//[^\"'
 
 def find_faults(folder: Path) -> list[str]:
     """Return the faults of a site, one sentence each."""
-    # JupyterLite's own pages are not checked.
-    live = folder / FOLDER
-    own_pages = [path for path in sorted(folder.rglob("*.html")) if not path.is_relative_to(live)]
-    pages = {path: ParsedPage.read(path) for path in own_pages}
+    pages = {path: ParsedPage.read(path) for path in sorted(folder.rglob("*.html"))}
     sentences = [*_revealed_lines(folder, pages), *_external_requests(folder, pages)]
     for path, page in pages.items():
         name = path.relative_to(folder)
@@ -90,8 +85,7 @@ def _revealed_lines(folder: Path, pages: dict[Path, ParsedPage]) -> Iterator[str
         if re.sub("[`*]", "", line) not in published
     }
     for path in sorted(folder.rglob("*")):
-        suffixes = LIVE_SUFFIXES if path.is_relative_to(folder / FOLDER) else CHECKED_SUFFIXES
-        if path.suffix not in suffixes or not path.is_file():
+        if path.suffix not in CHECKED_SUFFIXES or not path.is_file():
             continue
         raw = path.read_text("utf-8")
         text = "".join(pages[path].text) if path in pages else raw.replace('\\"', '"')

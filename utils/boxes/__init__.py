@@ -2,6 +2,14 @@
 
 from utils.boxes.box import Box
 from utils.boxes.containment import distance_outside, inside
-from utils.boxes.overlap import plane_iou, space_iou
+from utils.boxes.overlap import distances_between, footprints, plane_iou, space_iou
 
-__all__ = ["Box", "distance_outside", "inside", "plane_iou", "space_iou"]
+__all__ = [
+    "Box",
+    "distance_outside",
+    "distances_between",
+    "footprints",
+    "inside",
+    "plane_iou",
+    "space_iou",
+]

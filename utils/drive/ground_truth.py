@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from functools import lru_cache
 
 import numpy as np
 
-from utils.boxes import Box
+from utils.boxes import Box, distances_between
 from utils.drive.planner import TrackedBox
 from utils.drive.rules import BUMPER, HALF_WIDTH, TAIL
 from utils.simulator.frames import Frame
@@ -16,6 +15,7 @@ from utils.simulator.world import Obstacle, World
 
 FEWEST_RETURNS = 5
 """Smallest number of returns with which an object counts as visible."""
+EGO_CAR = Box(((TAIL + BUMPER) / 2, 0.0, 0.0), (BUMPER - TAIL, 2 * HALF_WIDTH, 1.0), 0.0, "car", 0)
 
 
 def true_boxes(frame: Frame) -> np.ndarray:
@@ -38,20 +38,11 @@ def distances_to_objects(world: World) -> dict[int, float]:
 
     The keys are the identities of the objects.
     """
-    import shapely
-
     near = [
         pair
         for pair in true_tracked_boxes(world)
         if np.hypot(*pair[1].corners[:4, :2].T).min() < 15
     ]
-    footprints = shapely.convex_hull(shapely.multipoints([box.corners[:4, :2] for _, box in near]))
-    apart = shapely.distance(_ego_footprint(), footprints).tolist() if near else []
+    corners = np.reshape([box.corners for _, box in near], (-1, 8, 3))
+    apart = distances_between(EGO_CAR.corners[None], corners)[0].tolist()
     return {obstacle.identity: gap for (obstacle, _), gap in zip(near, apart, strict=True)}
-
-
-@lru_cache(maxsize=1)
-def _ego_footprint() -> object:
-    import shapely
-
-    return shapely.box(TAIL, -HALF_WIDTH, BUMPER, HALF_WIDTH)

@@ -127,12 +127,12 @@ def _keep_large_clusters(labels: np.ndarray) -> np.ndarray:
 
 def _fit_upright_boxes(points: np.ndarray, labels: np.ndarray) -> np.ndarray:
     """Return axis-aligned boxes around the clusters, computed by a library."""
-    import shapely
+    from scipy.spatial import cKDTree
 
     found = []
     for label in np.unique(labels[labels > 0]):
-        own = points[labels == label]
-        west, south, east, north = shapely.bounds(shapely.multipoints(own[:, :2]))
+        tree = cKDTree(points[labels == label])
+        (west, south, low), (east, north, high) = tree.mins, tree.maxes
         floor = ((west, south), (east, south), (east, north), (west, north))
-        found.append([(*corner, z) for z in (own[:, 2].min(), own[:, 2].max()) for corner in floor])
+        found.append([(*corner, z) for z in (low, high) for corner in floor])
     return np.reshape(found, (-1, 8, 3)).astype(float)

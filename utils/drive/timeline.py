@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from utils.boxes import footprints
 from utils.drive.explanations import Braking
 from utils.drive.film import latest_boxes, summary
 from utils.drive.loop import Drive
@@ -143,6 +144,13 @@ def _draw_speed(drive: Drive, report: Report) -> str:
     )
 
 
+def _widen(rectangle: np.ndarray, margin: float) -> np.ndarray:
+    """Return the corners (4, 2) of an anticlockwise rectangle with its sides moved outwards."""
+    along = np.roll(rectangle, -1, axis=0) - rectangle
+    along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
+    return rectangle + margin * (np.roll(along, 1, axis=0) - along)
+
+
 def _scan_picture(drive: Drive, number: int, braking: Braking | None) -> str:
     """Draw a scan and return it as an HTML image; see `draw_scan`."""
     import matplotlib.pyplot as plt
@@ -171,7 +179,6 @@ def draw_scan(drive: Drive, number: int, braking: Braking | None = None) -> obje
         Braking event whose box is outlined and labelled.
     """
     import matplotlib.pyplot as plt
-    import shapely
 
     from utils import plots
 
@@ -195,8 +202,7 @@ def draw_scan(drive: Drive, number: int, braking: Braking | None = None) -> obje
     if braking is not None:
         start = drive.moments[braking.first]
         cause = start.decision.cause.corners + (start.position - moment.position, 0.0, 0.0)
-        floor = shapely.convex_hull(shapely.multipoints(cause[:, :2]))
-        around = np.array(floor.buffer(0.15, join_style="mitre").exterior.coords)
+        around = _widen(footprints(cause[None])[0], 0.15)
         axes.add_patch(plt.Polygon(around, fill=False, color=VERMILION, linewidth=3))
         high = around.max(axis=0)
         at = (min(high[0], VIEW[0][1] - 12), min(high[1] + 0.4, VIEW[1][1] - 1.5))

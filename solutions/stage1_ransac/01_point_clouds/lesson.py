@@ -586,7 +586,7 @@ figure, pair = plt.subplots(2, 1, figsize=(8.5, 6.0), sharex=True, sharey=True, 
 bars = {}
 for (name, clean), axes in zip({"before": False, "after": True}.items(), pair):
     rows, bars[name], nearest = profile(wet, clean)
-    plots.histogram(np.repeat(np.arange(20) + 0.5, bars[name]), bins=np.arange(21), axes=axes,
+    plots.histogram(np.repeat(np.arange(20) + 0.5, bars[name].astype(int)), bins=np.arange(21), axes=axes,
                     label="horizontal distance (m), one bar per metre",
                     title=f"{name}: {rows:,} rows, the nearest at {nearest:.2f} m")
 axes.set_xticks(range(0, 21, 2))
