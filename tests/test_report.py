@@ -356,19 +356,25 @@ def test_damaged_files_and_timeouts_are_listed(tmp_path):
 
 def test_points_carried_forward_are_not_a_repair(tmp_path):
     """The sentence is about an ordinary mistake, so the file does not need attention."""
-    gain = {"exercise": find_lesson("02_ransac_line").exercises[2], "before": 0.0}
+    exercise = find_lesson("02_ransac_line").exercises[2]
+    both = ("line_through", "point_line_distance")
     sentences = [
-        _describe_gain(**gain, helpers=("line_through",), after=25.0),
-        _describe_gain(**gain, helpers=("line_through", "point_line_distance"), after=12.08),
+        _describe_gain(exercise, helpers, wrong, before=0.0, after=12.08)
+        for helpers, wrong in ((both[:1], both[:1]), (both, both), (both, both[:1]), (both, ()))
     ]
     verdicts = [
         dataclasses.replace(verdict(name, [check(False)], sentence), problems=(sentence,))
-        for name, sentence in zip(("ada", "bo"), sentences, strict=True)
+        for name, sentence in zip(("ada", "bo", "cy", "di"), sentences, strict=True)
     ]
     assert "unreadable files</h2>" not in report(tmp_path, verdicts)
+    form = (
+        "{}, which ransac_line calls, is right, but ransac_line needs its result in another form."
+    )
     assert {message for _, message, _ in common_messages(verdicts)} == {
         "line_through, which ransac_line calls, is wrong.",
         "line_through and point_line_distance, which ransac_line calls, are wrong.",
+        f"line_through, which ransac_line calls, is wrong. {form.format(both[1])}",
+        f"{form.format(both[0])} {form.format(both[1])}",
     }
     forged = dataclasses.replace(verdicts[0], problems=(f"Cell 3 was skipped: {sentences[0]}",))
     assert "unreadable files</h2>" in report(tmp_path, [forged])

@@ -82,7 +82,7 @@ def test_it_takes_two_sittings():
 
 
 def test_path_halving_is_drawn_as_it_happens(python_functions):
-    cell = cell_with("Draws path halving")
+    cell = cell_with("Draw path halving")
     before, after = (ast.literal_eval(found) for found in re.findall(r"(\[0[^]]*\])[,}]", cell))
     parent = np.array(before)
     assert python_functions.root_of(parent, 6) == 0 and parent.tolist() == after
@@ -90,7 +90,7 @@ def test_path_halving_is_drawn_as_it_happens(python_functions):
 
 
 def test_the_counting_sort_is_drawn_as_it_happens(python_functions):
-    cell = cell_with("Draws a counting sort")
+    cell = cell_with("Draw a counting sort")
     numbers = np.array(ast.literal_eval(re.search(r"numbers = np\.array\((.*?)\)", cell)[1]))
     begins = [(np.sort(numbers) == value).argmax() for value in range(4)]
     starts = np.cumsum(np.bincount(numbers)) - np.bincount(numbers)

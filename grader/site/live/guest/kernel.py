@@ -113,7 +113,7 @@ def start() -> Shell:
 
 
 def run(source: str, quietly: bool = False) -> None:
-    """Run a cell; with `quietly`, figures are not drawn, because nobody looks at them."""
+    """Run a cell; with `quietly`, send only text, so that no figure is drawn."""
     shell.display_formatter.active_types = ["text/plain"] if quietly else ALL_TYPES
     send("done", ok=bool(shell.run_cell(source, store_history=True).success))
 
