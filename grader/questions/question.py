@@ -27,7 +27,7 @@ class OutcomeClaim:
         None for the student's own version.
     text : str
     holds : bool
-        False if the outcome must be another one.
+        False if the outcome must be different.
     """
 
     code: str

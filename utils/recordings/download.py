@@ -72,8 +72,9 @@ def _cause_and_advice(error: OSError) -> str:
     reason = getattr(error, "reason", None) or error
     if isinstance(reason, ssl.SSLError):
         return (
-            f"({reason}). The connection works, but this Python trusts no certificates. On macOS, "
-            "run Install Certificates.command in the folder of Python, and run this again."
+            f"({reason}). Python could not establish a secure connection. If it has no "
+            "certificates, as after a new installation on macOS, run Install "
+            "Certificates.command in the folder of Python. Then run this again."
         )
     if getattr(reason, "errno", None) == errno.ENOSPC:
         return f"({reason}). Free some space on the disk and run this again."

@@ -84,22 +84,26 @@ def read_answer(cells: list, exercise: str, given: list, others: list, unchanged
         ``words``: cell, line, kind and text of names and constructs.
     """
     parsed, _ = slicing.parse_notebook(cells)
-    names = [exercise] if any(exercise in one.binds for one in parsed) else given
+    names = [exercise] if any(exercise in statement.binds for statement in parsed) else given
     _cells[:] = cells
     _statements[:] = [
         statement
         for statement in slicing.slice_for(names, parsed)
         if statement.cell not in unchanged and not statement.binds & set(others)
     ]
-    definitions = [one for one in _statements if isinstance(one.node, (*_FUNCTIONS, ast.ClassDef))]
+    kinds = (*_FUNCTIONS, ast.ClassDef)
+    definitions = [statement for statement in _statements if isinstance(statement.node, kinds)]
     return {
-        "places": [[one.cell, _first_line(one.node), one.node.end_lineno] for one in _statements],
-        "statements": [row for one in definitions for row in _simple_statements(one)],
+        "places": [
+            [statement.cell, _first_line(statement.node), statement.node.end_lineno]
+            for statement in _statements
+        ],
+        "statements": [row for definition in definitions for row in _simple_statements(definition)],
         "edits": [
             [edit.cell, edit.first, edit.last, edit.text] for edit in edits_of(cells, definitions)
         ],
-        "deletions": [row for one in definitions for row in _deletions(one)],
-        "words": [row for one in _statements for row in _words(one)],
+        "deletions": [row for definition in definitions for row in _deletions(definition)],
+        "words": [row for statement in _statements for row in _words(statement)],
     }
 
 
@@ -149,13 +153,13 @@ def evaluate(version: list | None, code: str) -> list:
     except Exception:
         return ["invalid"]
     outcomes = [_outcome(code, seed) for seed in _seeds_of(code)]
-    return outcomes[0] if all(_same(one, outcomes[0]) for one in outcomes) else ["varies"]
+    return outcomes[0] if all(_same(outcome, outcomes[0]) for outcome in outcomes) else ["varies"]
 
 
 def trace_case(code: str) -> dict:
     """Return how often each line runs, and the values after it, as seen by Python's own tracing."""
     _define(None, None)
-    tracer = _Tracer({name for one in _statements for name in _all_names(one.node)})
+    tracer = _Tracer({name for statement in _statements for name in _all_names(statement.node)})
     sys.settrace(tracer.enter)
     try:
         outcome = _outcome(code, SEEDS[0])
@@ -169,7 +173,9 @@ def trace_case(code: str) -> dict:
 
 
 def _first_line(node: ast.AST) -> int:
-    return min([node.lineno, *(one.lineno for one in getattr(node, "decorator_list", ()))])
+    return min(
+        [node.lineno, *(decorator.lineno for decorator in getattr(node, "decorator_list", ()))]
+    )
 
 
 def _blocks(tree: ast.AST) -> Iterator[list]:
@@ -226,7 +232,7 @@ def _changed_names(node: ast.AST) -> set:
 
 
 def _all_names(node: ast.AST) -> set:
-    return {one.id for one in ast.walk(node) if isinstance(one, ast.Name)}
+    return {name.id for name in ast.walk(node) if isinstance(name, ast.Name)}
 
 
 def _deletions(statement: slicing.Statement) -> Iterator[list]:
@@ -267,11 +273,11 @@ def _constructs_at(node: ast.AST) -> Iterator[str]:
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.MatMult):
         yield "the operator @"
     if isinstance(node, _FUNCTIONS):
-        inner = [one for one in ast.walk(node) if one is not node]
-        called = {getattr(one.func, "id", "") for one in inner if isinstance(one, ast.Call)}
+        inner = [child for child in ast.walk(node) if child is not node]
+        called = {getattr(call.func, "id", "") for call in inner if isinstance(call, ast.Call)}
         if node.decorator_list:
             yield "a decorator"
-        if any(isinstance(one, _FUNCTIONS) for one in inner):
+        if any(isinstance(child, _FUNCTIONS) for child in inner):
             yield "a function inside a function"
         if node.name in called:
             yield "recursion"
