@@ -20,7 +20,7 @@ from grader.course.lessons import Lesson, find_lesson, lesson_of
 from grader.course.paths import PROJECT
 from grader.course.rules import MISSED_TASK_KEEPS, ONE_SLIP_KEEPS
 from grader.documentation import lesson_title
-from grader.judging.judge import judge
+from grader.judging.judge import STARVED_NOTE, judge
 from grader.sandbox import choose_sandbox
 from tests.slips import MISSING, NAIVE, PARTLY, SMALL, USELESS, Slip
 from tests.test_slips import TABLES, solution_of
@@ -117,6 +117,8 @@ def price_of(case: tuple[str, Slip]) -> Price:
         text = notebook_with(lesson, exercise, slip.applied_to(solution_of(exercise)))
         path.write_text(text, "utf-8")
         verdict = judge(path, SEED, choose_sandbox(), lesson=lesson)
+    if verdict.starved:
+        raise TimeoutError(f"{exercise}, {slip.title}: {STARVED_NOTE}")
     [result] = [each for each in verdict.exercises if each.name == exercise]
     added = result.slip.score if result.slip else 0
     return Price((result.score - added) / result.max_score, result.score / result.max_score)

@@ -654,6 +654,18 @@ def test_a_call_that_the_wall_clock_ends_is_starved(sandbox):
 
 
 @pytest.mark.slow
+def test_calls_that_wait_for_a_processor_may_exceed_the_elapsed_time(sandbox):
+    limits, begin = Limits(wall_seconds=10.0), time.monotonic()
+    with (
+        StudentProxy(Program((COMPUTING_FUNCTION,), ("f",)), sandbox, limits) as student,
+        crowd_processor(student, 7),
+    ):
+        while time.monotonic() - begin < 15:
+            student.f(0.1)  # it lasts 0.8 s
+        assert not student.starved
+
+
+@pytest.mark.slow
 def test_a_sleeping_call_is_stopped_like_a_busy_one_and_not_starved(sandbox):
     program = Program((COMPUTING_FUNCTION,), ("f", "wait"))
     for name in ("f", "wait"):
@@ -714,6 +726,24 @@ def test_a_call_is_charged_only_for_time_in_which_it_does_not_wait(
     worker.worked, worker.delayed = worker.worked + worked, delayed
     meter.measure(answered=True)
     assert meter.seconds == pytest.approx(seconds)
+
+
+@pytest.mark.parametrize("delayed, seconds_left", [(300.0, 597.0), (0.0, 297.0)])
+def test_only_waiting_and_the_judges_time_postpone_the_deadline(delayed, seconds_left, monkeypatch):
+    now, ours, worker = [100.0], [2.0], FakeWorker()
+    monkeypatch.setattr(time_budget.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(time_budget, "own_seconds", lambda: ours[0])
+    budget = time_budget.Budget(Limits(wall_seconds=600.0))
+    time_limit = time_budget.TimeLimit(worker, 10.0, budget.deadline)
+    now[0] += 1.0
+    time_limit()
+    now[0] += 302.0  # the worker works for 2 s, and waits or sleeps
+    worker.worked, worker.delayed[1] = worker.worked + 2.0, worker.delayed[1] + delayed
+    time_limit.used_seconds()
+    budget.postpone_deadline(time_limit.waiting_seconds())
+    now[0] += 50.0
+    ours[0] += 50.0
+    assert budget.seconds_to_deadline() == pytest.approx(seconds_left)
 
 
 def test_time_of_the_judge_is_not_counted_as_sleep(monkeypatch):

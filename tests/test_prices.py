@@ -1,7 +1,10 @@
 """The prices of likely slips agree with `docs/prices.md` and are fair."""
 
+from types import SimpleNamespace
+
 import pytest
 
+from tests import prices
 from tests.prices import PAGE, all_slips, page, price_of, read_page
 from tests.slips import MISSING, NAIVE, SMALL
 
@@ -31,6 +34,12 @@ def test_each_price_on_the_page_suits_the_harm_of_the_slip(case):
         assert price.kept <= 0.5
     elif slip.harm is SMALL:
         assert price.kept >= 0.6
+
+
+def test_a_verdict_on_a_machine_that_is_too_busy_is_not_a_price(monkeypatch):
+    monkeypatch.setattr(prices, "judge", lambda *about, **more: SimpleNamespace(starved=True))
+    with pytest.raises(TimeoutError, match="rows instead of columns: .* machine was busy"):
+        price_of(CASES["horizontal_distance: rows instead of columns"])
 
 
 @pytest.mark.proof

@@ -18,7 +18,7 @@ from grader.judging.error_carried_forward import CarriedForwardResult
 from grader.judging.program_run import JudgingContext, RunResults
 from grader.judging.runner import run_checks
 from grader.judging.verdict import Slip
-from grader.sandbox import Limits
+from grader.sandbox import Limits, time_budget
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.program import Program
 from grader.sandbox.student import TOOK_TOO_LONG
@@ -57,9 +57,9 @@ def repair_calls(monkeypatch):
     """Replace `find_repair` with a function that finds nothing; return a list of its calls."""
     found = []
 
-    def find_repair(setting, program, exercise, failed, likeliest):
+    def find_repair(setting, program, exercise, failed, search_limits):
         assert all(outcome.failure for outcome in failed)
-        assert likeliest in (0, repair.LIKELIEST_EDITS)
+        assert search_limits in (repair.SEARCH_WITHOUT_POINTS, repair.FULL_SEARCH)
         found.append((program, exercise, [outcome.check.name for outcome in failed]))
 
     monkeypatch.setattr(repair, "find_repair", find_repair)
@@ -174,9 +174,13 @@ class EditedStudent:
         Whether the notebook's process stops before it has started.
     slept : float
         Seconds of the notebook's time budget that each edit spends without using a processor.
+    judge_seconds : float, optional
+        Processor seconds of the judge for each edit; by default the same as the student's.
     """
 
-    def __init__(self, fails, seconds=0.0, stops=False, slept=0.0):
+    def __init__(self, fails, seconds=0.0, stops=False, slept=0.0, judge_seconds=None):
+        self.judge_seconds = seconds if judge_seconds is None else judge_seconds
+        self.judged_seconds = 50.0
         self.fails, self.seconds, self.stops = fails, seconds, stops
         self.now, self.tried, self.hidden_made = fails[0], 0, 0
         self.failed_seconds, self.slept, self.given = [], slept, []
@@ -241,17 +245,21 @@ def passing_edits(monkeypatch):
         clock=lambda: 100.0,
         budget=None,
         meanwhile=lambda: None,
-        likeliest=repair.LIKELIEST_EDITS,
+        search_limits=repair.FULL_SEARCH,
     ):
         monkeypatch.setattr(repair, "StudentProxy", student)
         monkeypatch.setattr(repair, "visible_calls", lambda *about: student.calls(visible_checks))
         monkeypatch.setattr(repair, "hidden_calls", student.hidden)
-        # The judge's own process appears to use as much processor time as the student's.
-        monkeypatch.setattr(repair.time, "process_time", lambda: 50.0 + student.cpu_seconds)
+        monkeypatch.setattr(
+            repair.time,
+            "process_time",
+            lambda: student.judged_seconds + student.judge_seconds * student.tried,
+        )
         monkeypatch.setattr(repair.time, "monotonic", clock)
         setting = JudgingContext(LINE, 1, None, limits, budget)
         found = []
-        for edit in repair._passing_edits(setting, SUBMITTED, "line_through", failed, likeliest):
+        edits = repair._passing_edits(setting, SUBMITTED, "line_through", failed, search_limits)
+        for edit in edits:
             found.append(edit)
             meanwhile()
         assert student.closed and all(edit == student.edits[edit[1]] for edit in found)
@@ -296,8 +304,8 @@ def test_an_answer_gets_no_edits_if_its_first_hidden_test_passes_when_repeated(p
 def test_other_edits_get_less_time_for_the_first_check_after_a_hang(passing_edits):
     student = EditedStudent(["abxy", "a", "bx", "A", "b", "A", ""])
     assert passing_edits(student) == [5]
-    long, short = repair.CALL_SECONDS, repair.FIRST_CALL_SECONDS
-    assert short < long / 5
+    long, short = repair.CALL_SECONDS, repair.SHORT_CALL_SECONDS
+    assert repair.SHORTEST_CALL_SECONDS < short < long / 3
     first_times = [seconds for letter, seconds in student.given if letter == "a"]
     # The first limit applied to the answer without an edit.
     assert first_times == [long, long, long, long, short, short, short]
@@ -305,7 +313,9 @@ def test_other_edits_get_less_time_for_the_first_check_after_a_hang(passing_edit
     # If the answer itself hangs, so do most of its edits, so all edits have short limits.
     student = EditedStudent(["Abxy", "A", ""])
     assert passing_edits(student) == [1]
-    assert [seconds for letter, seconds in student.given if letter == "a"] == [long, short, short]
+    shortest = repair.SHORTEST_CALL_SECONDS
+    given = [seconds for letter, seconds in student.given if letter == "a"]
+    assert given == [long, shortest, shortest]
 
 
 def test_cached_results_of_one_edit_are_not_used_for_the_next(passing_edits, monkeypatch):
@@ -386,14 +396,14 @@ def test_edits_are_tried_until_the_time_is_over(passing_edits, seconds, tried):
 
 def test_the_search_is_shorter_if_the_mark_cannot_change(passing_edits, monkeypatch):
     student = EditedStudent(["abxy"] * 401, 0.01)
-    passing_edits(student, likeliest=0)
+    passing_edits(student, search_limits=repair.SEARCH_WITHOUT_POINTS)
     assert student.tried == 112  # 100 edits take 2 s; the time is checked after 12 more
     given = []
     monkeypatch.setattr(repair, "find_repair", lambda *about: given.append(about[-1]))
     for passed in (1, 2):
         outcomes = outcomes_of("line_through", *[None] * passed, FAIL)
         repair.find_slips(SETTING, SUBMITTED, RunResults(outcomes), {})
-    assert given == [repair.LIKELIEST_EDITS, 0]
+    assert given == [repair.FULL_SEARCH, repair.SEARCH_WITHOUT_POINTS]
 
 
 @pytest.mark.parametrize("seconds", ["failed_seconds", "judge_seconds"])
@@ -405,7 +415,48 @@ def test_the_search_is_shorter_if_the_answer_has_used_up_its_time(monkeypatch, s
         context = JudgingContext(LINE, 1, None, None, budget)
         repair.find_slips(context, SUBMITTED, RunResults(FAILED), {})
         getattr(budget, seconds).clear()
-    assert given == [repair.LIKELIEST_EDITS, 0]
+    assert given == [repair.FULL_SEARCH, repair.SEARCH_IN_SLOW_CODE]
+
+
+def test_a_fixed_number_of_edits_of_slow_code_is_tried(passing_edits):
+    """Each edit is interrupted after the shortest time, so a busy machine changes nothing."""
+    slow = repair.SEARCH_IN_SLOW_CODE
+    for seconds in (repair.SHORTEST_CALL_SECONDS, 0.0165):
+        student = EditedStudent(["Abxy", *["A"] * 400], seconds, judge_seconds=0.0)
+        assert passing_edits(student, search_limits=slow) == [] and student.tried == 128
+    student = EditedStudent(["Abxy", *["A"] * 400], 0.2, judge_seconds=0.0)
+    assert passing_edits(student, search_limits=slow) == [] and student.tried == 32
+
+
+def test_judging_an_edit_does_not_shorten_the_search(passing_edits):
+    student = EditedStudent(["abxy", "", *["a"] * 100, ""], judge_seconds=0.0)
+
+    def judge_it():
+        student.judged_seconds += 100.0
+
+    assert passing_edits(student, meanwhile=judge_it) == [0, 101]
+
+
+def test_the_judges_time_does_not_decide_about_further_edits(passing_edits):
+    student = EditedStudent(["abxy"] * 401, 0.002, judge_seconds=0.02)
+    assert passing_edits(student) == [] and student.tried == 400
+
+
+def test_waiting_for_a_processor_does_not_end_the_search(passing_edits, monkeypatch):
+    """Each edit waits for a minute, so all edits together exceed the limits on elapsed time."""
+    monkeypatch.setattr(time_budget, "own_seconds", lambda: 0.0)
+    now, budget = [100.0], Budget(Limits())
+    student = EditedStudent(["abxy", *["a"] * 300, ""])
+    try_edit = student.edit
+
+    def wait(number):
+        now[0] += 60.0
+        budget.postpone_deadline(60.0)
+        try_edit(number)
+
+    student.edit = wait
+    assert passing_edits(student, clock=lambda: now[0], budget=budget) == [300]
+    assert not budget.starved
 
 
 def test_the_time_is_checked_after_each_slow_edit(passing_edits):

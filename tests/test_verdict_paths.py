@@ -193,12 +193,14 @@ STEPS = ("run 1", "run 2", "carry_forward", "find_slips")
 @pytest.mark.parametrize("starved_in", [[], *([step] for step in STEPS), STEPS])
 def test_a_verdict_is_starved_if_any_step_was(judge_with, starved_in):
     verdict, _ = judge_with(run_results((ODD, FAILURE)), run_results(), starved_in=starved_in)
-    assert verdict.starved == bool(starved_in)
+    assert verdict.starved == (judging.STARVED_NOTE in verdict.problems) == bool(starved_in)
+    # Judging the notebook again alone may give no better result, which students must know, too.
+    assert verdict.without_starved().problems == verdict.problems
 
 
 def test_a_starved_run_without_losses_is_final(judge_with):
     verdict, _ = judge_with(run_results((ODD, None)), run_results(), starved_in=STEPS)
-    assert (verdict.score, verdict.starved) == (30, False)
+    assert (verdict.score, verdict.starved, verdict.problems) == (30, False, ())
 
 
 def test_a_second_definition_is_reported_if_points_are_lost(judge_with):

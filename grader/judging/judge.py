@@ -33,6 +33,11 @@ JUDGE_FAILED_NOTE = (
     "The judge failed on this notebook. This is not the student's fault. No points were "
     "given or taken away. The verdict file says why the judge failed."
 )
+STARVED_NOTE = (
+    "The judge stopped before it had finished, probably because the machine was busy or had too "
+    "little memory, so the score may be too low. Grade this notebook again when the machine is "
+    "less busy."
+)
 
 
 class UnknownLesson(Exception):
@@ -205,14 +210,16 @@ def _decide(context: JudgingContext, judge_input: JudgeInput) -> _Decision:
         for exercise in lesson.machine_graded
     )
     incomplete = [result.name for result in exercises if result.score < result.max_score]
+    # A notebook with full marks cannot gain from another try, so it does not count as starved.
+    starved = bool(incomplete) and budget.starved
     problems = (
+        *[STARVED_NOTE] * starved,
         *judge_input.notes,
         *results.problems,
         *(better.sentence for better in carried.values()),
         *(judge_input.versions[name] for name in incomplete if name in judge_input.versions),
     )
-    # A notebook with full marks cannot gain from another try, so it does not count as starved.
-    return _Decision(exercises, problems, (), bool(incomplete) and budget.starved)
+    return _Decision(exercises, problems, (), starved)
 
 
 def _unjudged_decision(lesson: Lesson, *sentences: str) -> _Decision:

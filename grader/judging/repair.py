@@ -35,18 +35,17 @@ from utils.checks.diagnosis import Mistake
 from utils.checks.outcomes import Outcome
 from utils.checks.run_cache import cached_run
 
-# If a mark depends on the search, this many edits are always tried, so that the mark does not
-# depend on the speed of the machine. Only the upper time limits can end the search earlier.
-LIKELIEST_EDITS = 320
-# Limits on the processor seconds for the edits of one exercise, in the judge and the sandbox
-# together. The lower limit is for edits beyond the likeliest ones, the upper limit for all edits.
-MIN_CPU_SECONDS, MAX_CPU_SECONDS = 2.0, 16.0
-# Limit on elapsed seconds, because code that sleeps in each call uses little processor time. It is
-# far above the other limits, because the search may have to wait for a processor.
+# Processor seconds of the student's code after which only the likeliest edits are tried.
+FURTHER_EDITS_SECONDS = 1.0
+# Limit on elapsed seconds, because code that sleeps in each call uses little processor time. The
+# time for which code waits for a processor does not count; see `Budget.postpone_deadline`.
 MAX_SECONDS = 300.0
 # Limit per call, because an edit may create an endless loop. A right answer needs less time.
 CALL_SECONDS = 0.25
-FIRST_CALL_SECONDS = CALL_SECONDS / 16  # after the first edit that did not finish
+# Limits for the first check after an edit that did not finish there: if the answer itself finishes,
+# and if it does not, so that most edits do not finish either. In lesson 12, a right answer needs
+# half of the first limit.
+SHORT_CALL_SECONDS, SHORTEST_CALL_SECONDS = CALL_SECONDS / 4, CALL_SECONDS / 16
 # Maximum number of worker processes that edits may end. The time limit is usually reached first.
 MAX_RESTARTS = 100
 # The search stops after it has found this many edits that pass the failed checks.
@@ -57,6 +56,33 @@ UNREPAIRABLE_ERRORS = ("NotImplementedError", "ImportError")
 # than most edits, and after this many seconds, because an edit with an endless loop takes long.
 EDITS_PER_POLL = 16
 POLLING_INTERVAL = 0.1
+
+
+@dataclass(frozen=True)
+class SearchLimits:
+    """Limits on the search for one exercise.
+
+    The search tries a fixed number of edits, so that marks do not depend on the speed and the load
+    of the machine. The limit on processor time protects the judge against expensive edits.
+
+    Attributes
+    ----------
+    likeliest_edits : int
+        Number of edits that are tried even after `FURTHER_EDITS_SECONDS`.
+    cpu_seconds : float
+        Processor seconds for all edits, in the judge and the sandbox together.
+    """
+
+    likeliest_edits: int
+    cpu_seconds: float
+
+
+FULL_SEARCH = SearchLimits(320, 16.0)
+# If the failed calls, or comparing their answers, have used up the time of one call, calls with
+# edits are slow too. Most of them are interrupted after `SHORTEST_CALL_SECONDS`.
+SEARCH_IN_SLOW_CODE = SearchLimits(128, 4.0)
+# The checks already earn more than a slip keeps, so an edit only explains the mistake.
+SEARCH_WITHOUT_POINTS = SearchLimits(0, 2.0)
 
 
 @dataclass(frozen=True)
@@ -102,14 +128,12 @@ def find_slips(
         if failed and not any(map(_is_unrepairable, failed)):
             judged_program = improved.program if improved else program
             failed_checks = frozenset(outcome.check for outcome in failed)
-            # The minimum number of edits is 0 if the checks already earn more than a slip keeps,
-            # because an edit then only explains the mistake. It is also 0 if the failed calls, or
-            # comparing their answers, have used up the time of one call, because calls with edits
-            # would be slow too.
-            earns_less = _earned_share(outcomes) < ONE_SLIP_KEEPS
-            has_time = not _has_used_its_time(context, exercise.name)
-            edit_limit = LIKELIEST_EDITS if earns_less and has_time else 0
-            if repair := find_repair(context, judged_program, exercise.name, failed, edit_limit):
+            limits = FULL_SEARCH
+            if _earned_share(outcomes) >= ONE_SLIP_KEEPS:
+                limits = SEARCH_WITHOUT_POINTS
+            elif _has_used_its_time(context, exercise.name):
+                limits = SEARCH_IN_SLOW_CODE
+            if repair := find_repair(context, judged_program, exercise.name, failed, limits):
                 slips[exercise.name] = repair
             elif (
                 mistake
@@ -158,7 +182,7 @@ def find_repair(
     program: Program,
     exercise: str,
     failed: tuple[Outcome, ...],
-    edit_limit: int = LIKELIEST_EDITS,
+    search_limits: SearchLimits = FULL_SEARCH,
 ) -> Repair | None:
     """Return an edit that gives an exercise full marks, or None if none was found.
 
@@ -170,10 +194,10 @@ def find_repair(
     exercise : str
     failed : tuple of utils.checks.outcomes.Outcome
         Outcomes of the checks that the exercise failed.
-    edit_limit : int
-        Number of edits that are tried even after `MIN_CPU_SECONDS`.
+    search_limits : SearchLimits
     """
-    for cell, first, last, text in _passing_edits(context, program, exercise, failed, edit_limit):
+    edits = _passing_edits(context, program, exercise, failed, search_limits)
+    for cell, first, last, text in edits:
         program_with_edit = program.edited(cell, first, last, text)
         results = run_program(
             context, program_with_edit, lambda check: check.exercise == exercise, keep_going=False
@@ -237,6 +261,7 @@ class _FailedChecks:
         checks = [outcome.check for outcome in failed]
         self._student, self._budget = student, budget
         self._first_seconds = CALL_SECONDS
+        self._seconds_after_hang = SHORTEST_CALL_SECONDS
         self._visible = visible_calls(student, checks)
         self._hidden = functools.cache(
             lambda: hidden_calls(context.lesson, student, context.seed, checks)
@@ -245,6 +270,13 @@ class _FailedChecks:
     def __iter__(self) -> Iterator[Callable[[], object]]:
         yield from self._visible
         yield from self._hidden()
+
+    def fail_without_edit(self) -> bool:
+        """Return whether the answer without an edit fails the first check."""
+        fails = self.first_fails()
+        if self._first_seconds == CALL_SECONDS:  # the answer finished
+            self._seconds_after_hang = SHORT_CALL_SECONDS
+        return fails
 
     def first_fails(self) -> bool:
         """Return whether the first check fails.
@@ -256,7 +288,7 @@ class _FailedChecks:
         with cached_run():
             failure = _catch_failure(next(iter(self)))
         if _was_stopped(failure):
-            self._first_seconds = FIRST_CALL_SECONDS
+            self._first_seconds = self._seconds_after_hang
         return failure is not None
 
     def pass_with(self, number: int) -> bool:
@@ -303,7 +335,7 @@ def _passing_edits(
     program: Program,
     exercise: str,
     failed: tuple[Outcome, ...],
-    edit_limit: int,
+    search_limits: SearchLimits,
 ) -> Iterator[tuple[int, int, int, str]]:
     """Yield edits that pass the checks that the answer failed, at most `MAX_JUDGED_EDITS`."""
     limits = context.limits or Limits()
@@ -317,11 +349,11 @@ def _passing_edits(
             student.start()
         except StudentStopped:
             return
-        start_seconds = time.process_time() + student.cpu_seconds
+        judge_start, student_start = time.process_time(), student.cpu_seconds
         sleep_seconds, yielded_count, next_poll = 0.0, 0, 0.0
-        deadline = time.monotonic() + MAX_SECONDS
+        last_second = budget.seconds_to_deadline() - MAX_SECONDS
         failed_checks = _FailedChecks(context, student, budget, failed)
-        if not failed_checks.first_fails():  # the answer passed by chance, and gets no second try
+        if not failed_checks.fail_without_edit():  # it passed by chance, and gets no second try
             return
         released_cells = _unchanged_cells(context.lesson, program)
         edits = [
@@ -332,18 +364,23 @@ def _passing_edits(
         for edit_count, (number, edit) in enumerate(edits):
             if edit_count % EDITS_PER_POLL == 0 or time.monotonic() > next_poll:
                 next_poll = time.monotonic() + POLLING_INTERVAL
-                cpu_seconds = time.process_time() + student.cpu_seconds - start_seconds
-                cpu_limit = MIN_CPU_SECONDS if edit_count >= edit_limit else MAX_CPU_SECONDS
-                if max(cpu_seconds, sleep_seconds) > cpu_limit:
+                student_seconds = student.cpu_seconds - student_start
+                cpu_seconds = student_seconds + time.process_time() - judge_start
+                if max(cpu_seconds, sleep_seconds) > search_limits.cpu_seconds:
                     return
-                if time.monotonic() > deadline:
-                    budget.starved = True  # the machine is busy, so the mark is not final
+                is_further = edit_count >= search_limits.likeliest_edits
+                if is_further and max(student_seconds, sleep_seconds) > FURTHER_EDITS_SECONDS:
+                    return
+                if budget.seconds_to_deadline() < last_second:
+                    budget.starved = True  # the mark is not final
                     return
             seconds_left = budget.seconds
             passes = failed_checks.pass_with(number)
             sleep_seconds += seconds_left - budget.seconds
             if passes:
+                before = time.process_time()
                 yield edit
+                judge_start += time.process_time() - before  # judging the edit has its own limits
                 yielded_count += 1
             if yielded_count == MAX_JUDGED_EDITS:
                 return

@@ -53,7 +53,7 @@ class Limits:
     total_seconds : float
         Time for the whole notebook, over all runs.
     wall_seconds : float
-        Elapsed time for the whole notebook, over all runs.
+        Elapsed time for the whole notebook, over all runs; see `Budget.deadline`.
     restarts : int
         How often a new process may replace a process that died or took too long, for each exercise
         and for the notebook's own cells. After that, the judge skips the remaining tests.

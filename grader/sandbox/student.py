@@ -8,6 +8,7 @@ arguments as the function left them.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -437,7 +438,8 @@ class StudentProxy:
             self._try_whole_notebook()
 
     def _check_elapsed_time(self) -> None:
-        if time.monotonic() >= self._budget.deadline:
+        # The first condition is much quicker to test than the second one.
+        if time.monotonic() >= self._budget.deadline and self._budget.seconds_to_deadline() <= 0:
             self._budget.starved = True
             self.close()
             raise StudentStopped(f"Not run: {self._describe_elapsed_limit()}")
@@ -498,6 +500,7 @@ class StudentProxy:
         except wire.WireTimeout:
             self._budget.starved |= time_limit.starved
             if time.monotonic() >= self._budget.deadline:
+                self._budget.deadline = -math.inf  # no more calls, even if the judge was busy
                 self._stop(
                     task, f"The judge stopped the notebook: {self._describe_elapsed_limit()}"
                 )
@@ -523,6 +526,9 @@ class StudentProxy:
         finally:
             self._last_seconds = time_limit.used_seconds()
             self._budget.seconds -= self._last_seconds
+            waiting_seconds = time_limit.waiting_seconds()
+            if waiting_seconds and not time_limit.starved:
+                self._budget.postpone_deadline(waiting_seconds)
 
     def _stop(
         self, task: str, sentence: str | None, reason: str = "", out_of_time: bool = False

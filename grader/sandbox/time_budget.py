@@ -30,7 +30,8 @@ class Budget:
     seconds : float
         Remaining time, as measured by a `Meter`.
     deadline : float
-        Time on the monotonic clock at which the judge gives up on the notebook.
+        Time on the monotonic clock at which the judge gives up on the notebook. The judge's own
+        time, and time for which code waits for a processor, postpone it.
     failed_seconds : dict of str to float
         Seconds used by calls that raised or were stopped, by exercise or other step of a
         `StudentProxy`.
@@ -48,10 +49,30 @@ class Budget:
     def __init__(self, limits: Limits) -> None:
         self.seconds = limits.total_seconds
         self.deadline = time.monotonic() + limits.wall_seconds
+        self._judge_seconds_before = own_seconds()
         self.failed_seconds: dict[str, float] = {}
         self.judge_seconds: Counter[str] = Counter()
         self.timeouts: dict[str, str] = {}
         self.cells_finish, self.starved = True, False
+
+    def postpone_deadline(self, waiting_seconds: float = 0.0) -> None:
+        """Postpone the deadline by the judge's time since the last call, and by some seconds.
+
+        Points would otherwise depend on how busy the machine is.
+
+        Parameters
+        ----------
+        waiting_seconds : float
+            Seconds for which a worker waited for a processor while the judge waited for the worker.
+        """
+        judge_seconds = own_seconds()
+        self.deadline += waiting_seconds + judge_seconds - self._judge_seconds_before
+        self._judge_seconds_before = judge_seconds
+
+    def seconds_to_deadline(self) -> float:
+        """Return the seconds until the deadline, which is negative after it."""
+        self.postpone_deadline()
+        return self.deadline - time.monotonic()
 
     @contextlib.contextmanager
     def charge_if_failed(self, task: str) -> Iterator[None]:
@@ -86,6 +107,9 @@ class Meter:
         Time used until the last measurement.
     elapsed_seconds : float
         Elapsed time until the last measurement.
+    waiting_seconds : float
+        Seconds until the last measurement in which neither the worker nor the judge worked, nor the
+        worker slept; 0 if the kernel does not show this.
     """
 
     def __init__(self, worker: Worker) -> None:
@@ -93,7 +117,7 @@ class Meter:
         self._initial_cpu_seconds, self._initial_judge_seconds = worker.cpu_seconds(), own_seconds()
         self._threads = worker.threads()
         self._sleep_seconds = self._measured_seconds = 0.0
-        self.seconds = self.elapsed_seconds = 0.0
+        self.seconds = self.elapsed_seconds = self.waiting_seconds = 0.0
 
     @property
     def sees_waiting(self) -> bool:
@@ -124,6 +148,7 @@ class Meter:
             self._measured_seconds = elapsed
             upper_bound = elapsed - self._delay_seconds(threads)
             self.seconds = max(cpu_seconds, min(upper_bound, cpu_seconds + self._sleep_seconds))
+            self.waiting_seconds = max(0.0, elapsed - self.seconds)
 
     def _is_asleep(self, threads: dict[int, Thread]) -> bool:
         """Return whether no thread is ready to run, in `threads` and in a second look.
@@ -212,3 +237,7 @@ class TimeLimit:
             return 0.0
         self._meter.measure(answered=True)
         return max(0.0, self._meter.seconds)
+
+    def waiting_seconds(self) -> float:
+        """Return the seconds for which the worker waited, as measured by `used_seconds`."""
+        return self._meter.waiting_seconds if self._meter else 0.0

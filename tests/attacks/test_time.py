@@ -251,12 +251,15 @@ def test_the_threat_model_states_what_an_exercise_may_cost():
         f"after {limits.call_seconds:.0f} seconds, a slow wrong function has only an eighth",
     ):
         assert sentence in threats
-    assert (repair.MIN_CPU_SECONDS, repair.MAX_CPU_SECONDS) == (2, 16)
-    assert f"tries the {repair.LIKELIEST_EDITS} likeliest edits" in threats
-    assert "first two seconds of processor time. The search ends after 16 seconds" in threats
+    full, slow = repair.FULL_SEARCH, repair.SEARCH_IN_SLOW_CODE
+    edits = f"the {full.likeliest_edits} likeliest edits, or {slow.likeliest_edits} if the exercise"
+    assert (full.cpu_seconds, slow.cpu_seconds, repair.FURTHER_EDITS_SECONDS) == (16, 4, 1)
+    assert edits in threats and "used at most one second of processor time" in threats
+    assert "ends after 16 seconds of processor time, or after four if the exercise has" in threats
+    assert repair.SEARCH_WITHOUT_POINTS.cpu_seconds == 2
+    assert "as much as a slip keeps, the search ends after two seconds" in threats
     assert f"together may take {runner.TEST_SECONDS:.0f} seconds" in threats
     assert f"process of `grade` may allocate {pool.MAX_MEMORY // 2**30} GiB" in threats
-    assert "or after two if the exercise has already used up its first 10 seconds" in threats
 
 
 SLEEPY = {
@@ -287,7 +290,7 @@ def test_a_wrong_function_that_is_slow_gets_no_more_time_than_one_that_hangs(
     submit, budgets, monkeypatch
 ):
     """Each call stays within its limit, so the time is cut because of the failed checks."""
-    monkeypatch.setattr(repair, "MIN_CPU_SECONDS", 0.5)
+    monkeypatch.setattr(repair, "SEARCH_IN_SLOW_CODE", repair.SearchLimits(128, 0.5))
     answer = "def line_through(p, q):\n    import time\n    time.sleep(1)\n    return 1.0, 2.0, 3.0"
     verdict = submit({"line_through": answer}, lesson=LINE, **QUARTER)
     assert verdict.score == 0 and not verdict.starved
@@ -339,6 +342,7 @@ def test_an_exercise_costs_the_class_no_more_than_promised(exercise, source, sub
     assert verdict.score == 0 and not verdict.starved
     [budget] = budgets
     # The first run, one short call of each later run, and the search for an edit.
-    assert QUARTER["total_seconds"] - budget.seconds < 2 * LARGEST_COST + repair.MIN_CPU_SECONDS
+    search_seconds = repair.SEARCH_IN_SLOW_CODE.cpu_seconds
+    assert QUARTER["total_seconds"] - budget.seconds < 2 * LARGEST_COST + search_seconds
     assert budget.judge_seconds[exercise] < runner.TEST_SECONDS + 1
-    assert time.process_time() - begin < runner.TEST_SECONDS + repair.MAX_CPU_SECONDS
+    assert time.process_time() - begin < runner.TEST_SECONDS + repair.FULL_SEARCH.cpu_seconds
