@@ -23,12 +23,12 @@ from grader.course.lessons import all_lessons, find_lesson
 from grader.course.paths import Course
 from grader.course.roster import Person
 from grader.intake.submission import SubmittedFiles
-from grader.judging.error_carried_forward import _describe_gain
 from grader.judging.verdict import (
     FAILED,
     JUDGED,
     CheckResult,
     ExerciseResult,
+    Gain,
     MessageKind,
     Slip,
     Verdict,
@@ -356,16 +356,17 @@ def test_damaged_files_and_timeouts_are_listed(tmp_path):
 
 def test_points_carried_forward_are_not_a_repair(tmp_path):
     """The sentence is about an ordinary mistake, so the file does not need attention."""
-    exercise = find_lesson("02_ransac_line").exercises[2]
     both = ("line_through", "point_line_distance")
-    sentences = [
-        _describe_gain(exercise, helpers, wrong, before=0.0, after=12.08)
+    gains = [
+        Gain("ransac_line", 25.0, helpers, wrong, before=0.0, after=12.08)
         for helpers, wrong in ((both[:1], both[:1]), (both, both), (both, both[:1]), (both, ()))
     ]
-    verdicts = [
-        dataclasses.replace(verdict(name, [check(False)], sentence), problems=(sentence,))
-        for name, sentence in zip(("ada", "bo", "cy", "di"), sentences, strict=True)
-    ]
+    verdicts = []
+    for name, gain in zip(("ada", "bo", "cy", "di"), gains, strict=True):
+        [exercise] = verdict(name, [check(False)], gain.sentence).exercises
+        about = {"exercises": (dataclasses.replace(exercise, gain=gain),)}
+        plain = verdict(name, [check(False)])
+        verdicts.append(dataclasses.replace(plain, problems=(gain.sentence,), **about))
     assert "unreadable files</h2>" not in report(tmp_path, verdicts)
     form = (
         "{}, which ransac_line calls, is right, but ransac_line needs its result in another form."
@@ -376,8 +377,10 @@ def test_points_carried_forward_are_not_a_repair(tmp_path):
         f"line_through, which ransac_line calls, is wrong. {form.format(both[1])}",
         f"{form.format(both[0])} {form.format(both[1])}",
     }
-    forged = dataclasses.replace(verdicts[0], problems=(f"Cell 3 was skipped: {sentences[0]}",))
-    assert "unreadable files</h2>" in report(tmp_path, [forged])
+    # A text of the student's that reads like this sentence is still shown.
+    for problem in (f"Cell 3 was skipped: {gains[0].sentence}", gains[1].sentence):
+        forged = dataclasses.replace(verdicts[0], problems=(problem,))
+        assert "unreadable files</h2>" in report(tmp_path, [forged])
 
 
 def test_exercises_that_were_not_started_are_in_the_order_of_the_course():

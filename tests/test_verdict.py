@@ -11,6 +11,7 @@ from grader.judging.verdict import (
     JUDGED,
     CheckResult,
     ExerciseResult,
+    Gain,
     MessageKind,
     Slip,
     Verdict,
@@ -27,7 +28,8 @@ def full_verdict():
         CheckResult("test_b", "Fails", False, 0.0, 8.75, "For “größer”.", *last),
     )
     slip = Slip(3, 14, "    return x", "    return -x", 4.75)
-    about = ("filter_ground", 6.0, 10.0, tests, "It fails.", "test_b", slip)
+    gain = Gain("filter_ground", 10.0, ("first", "second"), ("second",), 1.25, 6.0)
+    about = ("filter_ground", 6.0, 10.0, tests, "It fails.", "test_b", slip, gain)
     exercises = (ExerciseResult(*about),)
     about = {"key": "of rules", "faults": ("no",), "starved": True, "fingerprint": "of a file"}
     return Verdict("06", "ada", JUDGED, 6.0, 10.0, exercises, ("A cell.",), 3.25, **about)

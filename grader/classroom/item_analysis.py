@@ -7,7 +7,6 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from grader.judging.error_carried_forward import reason_of_gain
 from grader.judging.messages import common_text, remove_numbers
 from grader.judging.verdict import ExerciseResult, MessageKind, Verdict
 
@@ -133,8 +132,8 @@ def common_messages(verdicts: Sequence[Verdict], limit: int = 8) -> list[tuple[s
     for verdict in verdicts:
         for exercise in _started_exercises(verdict):
             if exercise.cause:
-                first = exercise.cause.splitlines()[0]
-                first = reason_of_gain(first) or first
+                gain = exercise.gain
+                first = gain.reason if gain else exercise.cause.splitlines()[0]
                 mistake = (exercise.name, remove_numbers(first))
                 students.setdefault(mistake, set()).add(verdict.student)
                 first_lines.setdefault(mistake, []).append(first)

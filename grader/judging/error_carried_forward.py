@@ -16,13 +16,13 @@ from __future__ import annotations
 
 import ast
 import dataclasses
-import re
 from dataclasses import dataclass
 
 from grader.course.lessons import Exercise, Lesson
 from grader.intake.notebook import read_notebook
 from grader.judging.points import points_of
 from grader.judging.program_run import JudgingContext, RunResults, run_program
+from grader.judging.verdict import Gain
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import GivenCode, Program
 from utils.checks.outcomes import Outcome
@@ -45,11 +45,14 @@ class CarriedForwardResult:
         A sentence for the student that explains the new result.
     program : grader.sandbox.program.Program
         The notebook, with correct helpers if they improved the result.
+    gain : grader.judging.verdict.Gain or None
+        The improvement; None if the second run only took points away.
     """
 
     outcomes: tuple[Outcome, ...]
     sentence: str
     program: Program
+    gain: Gain | None = None
 
 
 def carry_forward(
@@ -102,8 +105,10 @@ def carry_forward(
         before, after = (points_of(exercise.points, ended) for ended in (first, outcomes))
         if after > before:
             wrong = tuple(name for name in helpers if name in failing)
-            sentence = _describe_gain(exercise, helpers, wrong, before, after)
-            improved[exercise.name] = CarriedForwardResult(outcomes, sentence, programs[-1])
+            gain = Gain(exercise.name, exercise.points, helpers, wrong, before, after)
+            improved[exercise.name] = CarriedForwardResult(
+                outcomes, gain.sentence, programs[-1], gain
+            )
         elif any(one.failure and not was.failure for was, one in zip(first, outcomes, strict=True)):
             sentence = _INCONSISTENT_RUNS.format(name=exercise.name)
             improved[exercise.name] = CarriedForwardResult(outcomes, sentence, program)
@@ -155,42 +160,4 @@ def _replace_helpers(
         given=GivenCode(
             (*given.names, *helpers), "\n".join([given.source, *correct_helpers]), given.open_names
         ),
-    )
-
-
-_GAIN = re.compile(
-    r"(?P<reasons>(\w+(?: and \w+)*, which \w+ calls, "
-    r"(?:is wrong|are wrong|is right, but \w+ needs its result in another form)\. )+)"
-    r"With the lesson's \w+(?: and \w+)* instead, "
-    r"the checks of \w+ earn \S+ of \S+ points, not \S+\."
-)
-
-
-def reason_of_gain(sentence: str) -> str:
-    """Return the part of a sentence about error carried forward that names the functions.
-
-    Other sentences give an empty string.
-    """
-    match = _GAIN.fullmatch(sentence)
-    return match["reasons"].strip() if match else ""
-
-
-def _describe_gain(
-    exercise: Exercise,
-    helpers: tuple[str, ...],
-    wrong: tuple[str, ...],
-    before: float,
-    after: float,
-) -> str:
-    name = exercise.name
-    verb = "is" if len(wrong) == 1 else "are"
-    reasons = [f"{' and '.join(wrong)}, which {name} calls, {verb} wrong."] if wrong else []
-    reasons += [
-        f"{helper}, which {name} calls, is right, but {name} needs its result in another form."
-        for helper in helpers
-        if helper not in wrong
-    ]
-    return (
-        f"{' '.join(reasons)} With the lesson's {' and '.join(helpers)} instead, the checks of "
-        f"{name} earn {after:g} of {exercise.points:g} points, not {before:g}."
     )

@@ -62,7 +62,8 @@ def result_of(
     slip = _build_slip(proven_slip, exercise.points, score, keeps) if proven_slip else None
     score = sum_points([score, slip.score]) if slip else score
     cause = "\n".join(sentences)
-    return ExerciseResult(exercise.name, score, exercise.points, checks, cause, first, slip)
+    gain = carried.gain if carried else None
+    return ExerciseResult(exercise.name, score, exercise.points, checks, cause, first, slip, gain)
 
 
 def _build_slip(

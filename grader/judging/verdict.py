@@ -97,6 +97,52 @@ class Slip:
 
 
 @dataclass(frozen=True)
+class Gain:
+    """The points that an exercise gains with the lesson's helpers.
+
+    Attributes
+    ----------
+    exercise : str
+    max_score : float
+        Points of the exercise.
+    helpers : tuple of str
+        The functions that were replaced, because they are wrong or got a note.
+    wrong : tuple of str
+        Those of the helpers that are wrong.
+    before, after : float
+        Points of the exercise's checks with the student's helpers, and with the lesson's.
+    """
+
+    exercise: str
+    max_score: float
+    helpers: tuple[str, ...]
+    wrong: tuple[str, ...]
+    before: float
+    after: float
+
+    @property
+    def reason(self) -> str:
+        """The sentences that say what is wrong with the helpers."""
+        name, verb = self.exercise, "is" if len(self.wrong) == 1 else "are"
+        wrong = [f"{' and '.join(self.wrong)}, which {name} calls, {verb} wrong."]
+        others = [
+            f"{helper}, which {name} calls, is right, but {name} needs its result in another form."
+            for helper in self.helpers
+            if helper not in self.wrong
+        ]
+        return " ".join([*(wrong if self.wrong else []), *others])
+
+    @property
+    def sentence(self) -> str:
+        """The reason and the points, for the student."""
+        return (
+            f"{self.reason} With the lesson's {' and '.join(self.helpers)} instead, the checks of "
+            f"{self.exercise} earn {self.after:g} of {self.max_score:g} points, "
+            f"not {self.before:g}."
+        )
+
+
+@dataclass(frozen=True)
 class ExerciseResult:
     """The result of one exercise, with its checks.
 
@@ -111,6 +157,8 @@ class ExerciseResult:
         Name of the check with this problem; empty if no check failed or nothing was written.
     slip : Slip or None
         The proven slip, if there is one.
+    gain : Gain or None
+        The points gained with the lesson's helpers, if there are any.
     """
 
     name: str
@@ -120,6 +168,7 @@ class ExerciseResult:
     cause: str = ""
     first: str = ""
     slip: Slip | None = None
+    gain: Gain | None = None
 
 
 @dataclass(frozen=True)
@@ -167,6 +216,12 @@ class Verdict:
         """Why there is no score; meaningful only if judging failed."""
         return self.problems[0] if self.problems else ""
 
+    @property
+    def findings(self) -> tuple[str, ...]:
+        """The problems without the sentences about helpers, which are ordinary mistakes."""
+        gains = {exercise.gain.sentence for exercise in self.exercises if exercise.gain}
+        return tuple(problem for problem in self.problems if problem not in gains)
+
     def points_without(self, off: Collection[str]) -> tuple[float, float]:
         """Return the score and the maximum score without the exercises that are switched off."""
         counted = [exercise for exercise in self.exercises if exercise.name not in off]
@@ -182,7 +237,7 @@ class Verdict:
             del content[private]
         for exercise in content["exercises"]:
             # Only reports need these fields, which repeat the checks' messages.
-            del exercise["cause"], exercise["first"]
+            del exercise["cause"], exercise["first"], exercise["gain"]
             for test in exercise["tests"]:
                 del test["kind"], test["subject"], test["hint"]
             if exercise["slip"]:  # students have to find the correction themselves
@@ -218,6 +273,11 @@ def write_verdict(verdict: Verdict, path: str | os.PathLike) -> None:
     write_atomically(json.dumps(dataclasses.asdict(verdict), indent=1), Path(path))
 
 
+def _read_gain(content: dict) -> Gain:
+    lists = {name: tuple(content[name]) for name in ("helpers", "wrong")}
+    return Gain(**{**content, **lists})
+
+
 def read_verdict(path: str | os.PathLike) -> Verdict | None:
     """Return the verdict in a file, or None if the file is missing or damaged."""
     try:
@@ -228,6 +288,7 @@ def read_verdict(path: str | os.PathLike) -> Verdict | None:
                     **exercise,
                     "tests": tuple(CheckResult(**test) for test in exercise["tests"]),
                     "slip": exercise["slip"] and Slip(**exercise["slip"]),
+                    "gain": exercise.get("gain") and _read_gain(exercise["gain"]),
                 }
             )
             for exercise in content["exercises"]

@@ -34,7 +34,6 @@ from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
 from grader.course.roster import Person, file_name_part, read_roster
 from grader.intake.submission import SubmittedFiles
-from grader.judging.error_carried_forward import reason_of_gain
 from grader.judging.verdict import JUDGED, Verdict
 from grader.lms.distribution import Distribution, distribution_of
 from grader.lms.marks_table import format_duration, marks_table
@@ -129,11 +128,7 @@ def write_report(
             for student, v in pairs
             if (names := exercises_out_of_time(v))
         ],
-        "repaired": [
-            (student, v.lesson, findings)
-            for student, v in pairs
-            if (findings := [text for text in v.problems if not reason_of_gain(text)])
-        ],
+        "repaired": [(student, v.lesson, v.findings) for student, v in pairs if v.findings],
         "left": unjudged_files,
     }
     page = render(
