@@ -257,6 +257,15 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
         help="number of the lesson that FILE belongs to, if its name and content do not settle it; "
         "may be repeated",
     )
+    collect.add_argument(
+        "--folder-level",
+        type=positive_number,
+        default=0,
+        metavar="N",
+        help="level of the folders that are named after students, in archives of an unknown "
+        "format; 1 is the outermost, and folders named after stages or lessons do not count "
+        "(default: recognised)",
+    )
 
 
 def _parse_answer(text: str) -> tuple[str, str]:

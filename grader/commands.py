@@ -226,6 +226,7 @@ def run_collect(options: argparse.Namespace) -> int:
                 dict(options.who),
                 dict(options.lesson),
                 advance,
+                options.folder_level,
             )
     except (CollectError, RosterError, DeadlinesError) as error:
         print(console.printable_text(error), file=sys.stderr)

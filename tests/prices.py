@@ -44,8 +44,10 @@ the share of the exercise's points that an answer with each slip keeps.
 
 ## By effect
 
-| effect | meaning | slips | least kept | median | most kept |
-|---|---|---:|---:|---:|---:|
+The last three columns show the least, the median and the largest share of the points that is kept.
+
+| effect | slips | least | median | most |
+|---|---:|---:|---:|---:|
 {effects}
 
 ## By exercise
@@ -57,11 +59,11 @@ an exercise's slips, which begins with those that cost most.
 """
 _UNIT = "\N{NO-BREAK SPACE}%"
 _MEANINGS = {
-    USELESS: "A caller cannot use the result.",
-    PARTLY: "The result is right for some common inputs and wrong for others.",
-    SMALL: "The fault is easy to correct, or rarely matters.",
-    MISSING: "The answer does not use the method of the lesson.",
-    NAIVE: "The code ignores its input, or follows an idea that the lesson shows to fail.",
+    USELESS: "a caller cannot use the result",
+    PARTLY: "the result is right for some common inputs and wrong for others",
+    SMALL: "the fault is easy to correct, or rarely matters",
+    MISSING: "the answer does not use the method of the lesson",
+    NAIVE: "the code ignores its input, or follows an idea that the lesson shows to fail",
 }
 _FOOT = """
 ## How this page is made
@@ -177,7 +179,7 @@ def _effect_rows(prices: dict[str, dict[str, Price]]) -> Iterator[str]:
         ]
         numbers = min(percents), statistics.median_low(percents), max(percents)
         columns = " | ".join(f"{number}{_UNIT}" for number in numbers)
-        yield f"| {harm.word} | {meaning} | {len(percents)} | {columns} |"
+        yield f"| **{harm.word}**: {meaning} | {len(percents)} | {columns} |"
 
 
 def _exercise_rows(prices: dict[str, dict[str, Price]]) -> Iterator[str]:

@@ -5,6 +5,7 @@ import errno
 import json
 import os
 import random
+import re
 import struct
 import subprocess
 import sys
@@ -77,9 +78,9 @@ def archive(course, files, name="submissions.zip", **options):
     return path
 
 
-def collect(course, *paths, stages=(STAGE,), times=None, who=None, lessons=None):
+def collect(course, *paths, stages=(STAGE,), times=None, who=None, lessons=None, level=0):
     return module.collect(
-        course, paths, stages, times, who or {}, lessons or {}, lambda done, total, what: None
+        course, paths, stages, times, who or {}, lessons or {}, lambda *progress: None, level
     )
 
 
@@ -638,40 +639,166 @@ def test_keys_that_contradict_each_other_become_a_question(course):
     assert states(outcome) == {} and "may be ada or bjorn" in questions(outcome)["ada"]
 
 
-@pytest.mark.parametrize(
-    "layout", ["{}/{}.ipynb", "a/{}/{}.ipynb", "{}_{}.ipynb", "{1} {0}.ipynb", "{}.zip"]
-)
-def test_files_of_several_students_are_never_proposed_for_one(course, layout):
+@pytest.fixture(params=["roster", "no roster"])
+def course_with_strangers(request, course):
+    """A course in which no name in an archive is on a roster."""
+    if request.param == "no roster":
+        (course.root / "roster.csv").unlink()
+    return course
+
+
+GROUPS = (("A", "x1"), ("A", "x2"), ("B", "x3"))
+
+
+@pytest.mark.parametrize("layout", ["{}_{}.ipynb", "{1} {0}.ipynb", "{}.zip"])
+def test_files_of_several_students_are_never_proposed_for_one(course_with_strangers, layout):
     """The platform is unknown, and its folders are not named after students."""
+    course = course_with_strangers
     files = [
         (f"export/group {group}/" + layout.format(person, SIX), notebook(text=person))
-        for group, person in (("A", "x1"), ("A", "x2"), ("B", "x3"))
+        for group, person in GROUPS
     ]
     outcome = collect(course, archive(course, files))
-    texts = questions(outcome)
-    assert set(texts) == {"group A", "group B"}
-    assert (
-        "--who" not in texts["group A"] and "a folder named after the student" in texts["group A"]
-    )
+    assert "A" not in "".join(states(outcome))
+    text = questions(outcome)["group A"]
+    assert "a folder named after the student" in text
+    assert ("--who" in text) == (outcome.roster is None)
 
 
 @pytest.mark.parametrize(
-    "names",
+    ("layout", "levels"), [("{}/{}.ipynb", (2, 3)), ("a/{}/more/{}.ipynb", (2, 4))]
+)
+def test_two_levels_of_folders_that_may_be_the_students_become_a_question(
+    course_with_strangers, layout, levels
+):
+    course = course_with_strangers
+    path = archive(
+        course,
+        [
+            (f"export/group {group}/" + layout.format(person, SIX), notebook(text=person))
+            for group, person in GROUPS
+        ],
+    )
+    outcome = collect(course, path)
+    assert questions(outcome) == {
+        "submissions.zip": f"Add --folder-level {levels[0]} if the folders group A, group B are "
+        f"named after students, or --folder-level {levels[1]} if the folders x1, x2, x3 inside "
+        "them are"
+    }
+    assert states(outcome) == {}
+    for level, names in zip(levels, ({"group A", "group B"}, {"x1", "x2", "x3"}), strict=True):
+        outcome = collect(course, path, level=level)
+        assert names == (set(questions(outcome)) if outcome.roster else set(states(outcome)))
+
+
+LESSONS = {"6": SIX, "7": SEVEN, "8": EIGHT, "10": "10_process_pointclouds"}
+
+
+def archive_of(course, paths):
+    """Return an archive of notebooks; a path such as ``ada/6`` ends with the lesson's number."""
+    files = []
+    for path in paths:
+        folder, _, number = path.rpartition("/")
+        if number in LESSONS:
+            name = LESSONS[number]
+            files.append((f"{folder}/{name}.ipynb", notebook(name, path)))
+        else:
+            files.append((path, b"x"))
+    return archive(course, files)
+
+
+@pytest.mark.parametrize(
+    "paths",
     [
-        ("a/x1/{6}", "a/x2/{7}", "b/x3/{8}"),
-        ("a/x1/{6}", "a/x2/more/{7}", "b/x3/{8}"),
-        ("a/{6}", "a/{6copy}", "b/x3/{8}"),
+        ("a/x1/6", "a/x2/7", "b/x3/8"),
+        ("a/x1/6", "a/x2/more/7", "b/x3/8"),
+        ("a/x1/6", "a/x2/6", "b/x3/8"),
+        ("hw6/x1/6", "hw6/x2/6", "hw7/x1/7", "hw7/x2/7"),
+        ("A/anna/6", "A/bo/6", "A/cy/6", "B/anna/6"),
     ],
 )
-def test_different_lessons_of_several_students_are_never_proposed_for_one(course, names):
-    lessons = {"{6}": SIX, "{6copy}": f"{SIX} (1)", "{7}": SEVEN, "{8}": EIGHT}
-    files = []
-    for name in names:
-        folder, _, lesson = name.rpartition("/")
-        name = lessons[lesson]
-        files.append((f"{folder}/{name}.ipynb", notebook(name.removesuffix(" (1)"), name)))
+def test_different_lessons_of_several_students_are_never_proposed_for_one(
+    course_with_strangers, paths
+):
+    path = archive_of(course_with_strangers, paths)
+    outcome = collect(course_with_strangers, path)
+    assert states(outcome) == {} and "--folder-level 2 if" in questions(outcome)["submissions.zip"]
+
+
+@pytest.mark.parametrize(
+    "paths",
+    [
+        ("ada/hw6/6", "ada/hw7/7", "bo/hw6/6", "bo/hw7/7"),
+        ("ada/try/6", "ada/new/6", "bo/try/6", "bo/new/6", "cy/try/6"),
+        ("ada/stage3_obstacles/6", "ada/stage4_realtime/10", "bo/stage3_obstacles/7"),
+        ("ada/6", "ada/old/6", "bo/hw/7"),
+        ("lab/ada/notebooks/stage3_obstacles/6", "lab/ada/data/a.txt", "lab/bo/7", "lab/index.csv"),
+        ("ada/6", "bo/photo.png"),
+    ],
+)
+def test_folders_inside_a_students_folder_need_no_question(anonymous_course, paths):
+    """Folders of the course, attempts and lessons, which recur in the folders of other students."""
+    path = archive_of(anonymous_course, paths)
+    outcome = collect(anonymous_course, path, stages=(STAGE, "stage4_realtime"))
+    assert set(states(outcome)) == {"ada", "bo", "cy"} & set("/".join(paths).split("/"))
+    assert not re.search("several|--who|--folder", " ".join(questions(outcome).values()))
+
+
+def test_one_students_folders_without_a_roster_are_confirmed_by_an_option(anonymous_course):
+    path = archive_of(anonymous_course, ("ada/6", "bo/mine/6", "bo/more/7"))
+    outcome = collect(anonymous_course, path)
+    assert states(outcome) == {"ada": {"06": "new"}}
+    assert "If one student submitted all of them, add --who bo=bo" in questions(outcome)["bo"]
+    outcome = collect(anonymous_course, path, who={"bo": "bo"})
+    assert states(outcome)["bo"] == {"06": "new", "07": "new"} and outcome.questions == []
+
+
+@pytest.mark.parametrize(
+    ("ids", "found"),
+    [
+        (("x1", "x2", "x3"), {"x1", "x2", "x3"}),
+        (("x1", "x3"), {"x1", "x3"}),
+        (("x3",), set()),
+        (("b", "x1", "x2", "x3"), {"b"}),
+    ],
+)
+def test_the_roster_decides_which_folders_are_the_students(course, ids, found):
+    """A student may name a folder after another student, so one known name is not enough."""
+    write_roster(course, *(f"{id},,,,," for id in ids))
+    outcome = collect(course, archive_of(course, ("a/x1/6", "a/x2/7", "b/x3/8")))
+    assert set(states(outcome)) == found and bool(outcome.questions) == (len(found) < 3)
+
+
+@pytest.mark.parametrize(
+    "paths",
+    [
+        ("stage3_obstacles/x1/6", "stage3_obstacles/x2/7", "export/marks.csv"),
+        ("stage3_obstacles/x1/6", "stage4_realtime/x1/10", "stage3_obstacles/x2/7"),
+        ("lab/notebooks/stage3_obstacles/x1/6", "lab/stage3_obstacles/x2/7", "lab/marks.csv"),
+    ],
+)
+def test_students_folders_are_found_inside_folders_of_the_course(course_with_strangers, paths):
+    path = archive_of(course_with_strangers, paths)
+    outcome = collect(course_with_strangers, path, stages=(STAGE, "stage4_realtime"))
+    texts = questions(outcome)
+    assert (set(texts) if outcome.roster else set(states(outcome))) == {"x1", "x2"}
+    assert "several students" not in "".join(texts.values())
+
+
+def test_folders_above_the_students_are_not_part_of_file_names(course):
+    """An answer about a file also applies to the next archive, whose folder has another name."""
+    for folder in ("monday", "tuesday"):
+        paths = (f"{folder}/ada/6", f"{folder}/ada/more/essay.pdf", f"{folder}/bjorn/7")
+        assert "ada/more/essay.pdf" in questions(collect(course, archive_of(course, paths)))
+
+
+def test_a_repeated_lesson_in_one_folder_is_not_proposed_for_one_student(course):
+    files = [
+        (f"a/{SIX}.ipynb", notebook()),
+        (f"a/{SIX} (1).ipynb", notebook(text="other")),
+        (f"b/x3/{EIGHT}.ipynb", notebook(EIGHT)),
+    ]
     texts = questions(collect(course, archive(course, files)))
-    assert set(texts) == {"a", "b"}
     assert "--who" not in texts["a"] and "a folder named after the student" in texts["a"]
     assert "--who b=ID" in texts["b"], "one folder may be one student's"
 

@@ -117,6 +117,28 @@ def test_only_the_part_of_a_turned_box_in_the_corridor_counts(y, metres):
     assert gap_to(TrackedBox(corners), 7.0) == pytest.approx(metres)
 
 
+def box_along(axes, points):
+    """Return the upright box along two axes around points seen from above."""
+    seen = points @ axes
+    (a, c), (b, d) = seen.min(axis=0), seen.max(axis=0)
+    floor = np.array([(a, c), (b, c), (b, d), (a, d)]) @ axes.T
+    return TrackedBox(np.array([(*corner, z) for z in (-1.7, 0.0) for corner in floor]))
+
+
+def test_only_a_leaning_box_of_a_parked_car_brakes():
+    """The variance of an L leans (lesson 11); the order and the signs of its axes do not matter."""
+    side = np.c_[np.linspace(6.3, 10.5, 85), np.full(85, -2.1)]
+    rear = np.c_[np.full(37, 6.3), np.linspace(-3.9, -2.1, 37)]
+    points = np.vstack([side, rear])
+    assert plan(7.0, 7.0, [box_along(np.eye(2), points)]).cause is None
+    _, axes = np.linalg.eig(np.cov(points.T))
+    decisions = [
+        plan(7.0, 7.0, [box_along(order, points)]) for order in (axes, axes[:, ::-1], -axes)
+    ]
+    assert all(decision.acceleration < -3.0 for decision in decisions)
+    assert np.ptp([decision.gap for decision in decisions]) < 1e-9
+
+
 def test_obstacles_moving_into_the_corridor_are_counted():
     # At 7 m/s the ego car stops after 1.5 s. The obstacle has to move by 2.2 m, from 4 m to 1.8 m.
     assert gap_to(thing(10.0, 4.0, left=-1.5), 7.0) == pytest.approx(7.4)

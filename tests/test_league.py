@@ -576,6 +576,15 @@ def test_names_in_the_ranking_are_on_one_line(league_files, tmp_path):
     assert re.findall("<title>(.*?)</title>", shown) == ["true true"]
 
 
+def test_each_value_has_a_label_on_a_phone(league_files):
+    """Narrow screens hide the headings and show labels; the first cell is the row's title."""
+    for table in re.findall("<table.*?</table>", league_files[0], re.DOTALL):
+        headings = re.findall('<th(?: class="number")?>(.*?)</th>', table)
+        for row in re.findall("<tr.*?</tr>", table.partition("<tbody>")[2], re.DOTALL):
+            labels = re.findall('<td[^>]* data-head="(.*?)"', row)
+            assert labels in (headings[1:], headings[:1] + headings[2:])
+
+
 def test_shared_places_are_in_the_order_of_pseudonyms(tmp_path, monkeypatch):
     monkeypatch.setattr(page, "_film_best_drive", lambda *about: None)
     students = [f"student{number:02}" for number in range(20)]

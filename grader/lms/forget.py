@@ -152,7 +152,7 @@ def _team_record_traces(course: Course, student: str) -> Iterator[Trace]:
         kept = remove_archives(record, archives)
         if path.parent.parent not in own and kept != record:
             yield Trace(
-                f"the name in the archive of a team: {_relative(course, path)}",
+                f"the name in a team member's record: {_relative(course, path)}",
                 functools.partial(write_record, kept, path.parent),
             )
 

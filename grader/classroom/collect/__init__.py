@@ -19,7 +19,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from grader.classroom.collect.canvas import read_canvas
-from grader.classroom.collect.folder import read_folder
+from grader.classroom.collect.folder import possible_levels, read_folder
 from grader.classroom.collect.github import read_github
 from grader.classroom.collect.gradescope import read_gradescope
 from grader.classroom.collect.models import (
@@ -52,18 +52,24 @@ ARCHIVE_READERS: dict[str, ArchiveReader] = {
     "Canvas": read_canvas,
     "ILIAS": read_ilias,
     "GitHub Classroom": read_github,
-    "a folder for each student": read_folder,
 }
 """Readers by format, preferred in this order if several recognise equally many files.
 
-The last one reads any archive that no other reader recognises.
+`folder` reads any archive that no reader recognises.
 """
 
 
-def open_archives(paths: Iterable[Path]) -> Iterator[SubmittedArchive]:
+def open_archives(paths: Iterable[Path], folder_level: int = 0) -> Iterator[SubmittedArchive]:
     """Open archives, and yield the submitted files of each.
 
     Notebooks whose names do not have the format of the other files are yielded as a second archive.
+
+    Parameters
+    ----------
+    paths : iterable of pathlib.Path
+    folder_level : int, optional
+        Level of the students' folders in archives of an unknown format: 1 for the outermost. By
+        default, it is recognised.
 
     Raises
     ------
@@ -71,31 +77,30 @@ def open_archives(paths: Iterable[Path]) -> Iterator[SubmittedArchive]:
     """
     for path in paths:
         archive = open_archive(path)
-        kind, files = _read(archive)
-        submitted = {file.entry for file in files}
-        others = [entry for entry in archive.entries if entry not in submitted]
+        submitted = _read(archive, folder_level)
+        read = {file.entry for file in submitted.files}
+        others = [entry for entry in archive.entries if entry not in read]
         unneeded = tuple(entry for entry in others if not may_be_notebook(entry))
-        yield SubmittedArchive(path, kind, tuple(files), unneeded)
+        yield dataclasses.replace(submitted, other_entries=unneeded)
         depth = len(shared_folders(archive.entries))
         notebooks = tuple(
             dataclasses.replace(entry, path=entry.path[depth:])
             for entry in filter(may_be_notebook, others)
         )
         if notebooks:
-            files = read_folder(Archive(path, notebooks))
-            yield SubmittedArchive(path, f"not named as in {kind}", tuple(files))
+            kind = f"not named as in {submitted.kind}"
+            yield _read_folders(Archive(path, notebooks), kind, folder_level)
 
 
-def _read(archive: Archive) -> tuple[str, list[SubmittedFile]]:
-    """Return the format of an archive and its submitted files.
+def _read(archive: Archive, folder_level: int) -> SubmittedArchive:
+    """Read an archive by its format.
 
     A student may choose a file name in the format of another platform, which would name another
     student as the owner. The reader that recognises the most files is therefore the right one,
     because the platform wrote the beginning of every name.
     """
-    *platforms, (fallback, read_any) = ARCHIVE_READERS.items()
     readings_by_platform, errors = [], []
-    for platform, read in platforms:
+    for platform, read in ARCHIVE_READERS.items():
         try:
             files = read(archive)
         except CollectError as error:
@@ -104,7 +109,13 @@ def _read(archive: Archive) -> tuple[str, list[SubmittedFile]]:
         if files:
             readings_by_platform.append((platform, files))
     if readings_by_platform:
-        return max(readings_by_platform, key=lambda reading: len(reading[1]))
+        platform, files = max(readings_by_platform, key=lambda reading: len(reading[1]))
+        return SubmittedArchive(archive.path, platform, tuple(files))
     if errors:
         raise errors[0]
-    return fallback, read_any(archive)
+    return _read_folders(archive, "a folder for each student", folder_level)
+
+
+def _read_folders(archive: Archive, kind: str, level: int) -> SubmittedArchive:
+    levels = {} if level else possible_levels(archive)
+    return SubmittedArchive(archive.path, kind, tuple(read_folder(archive, level)), levels=levels)

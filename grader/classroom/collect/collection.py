@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from pathlib import Path
 
 from grader.classroom.collect import open_archives
 from grader.classroom.collect.collection_report import CollectionReport, Question
-from grader.classroom.collect.folder import is_course_folder, student_name_in
+from grader.classroom.collect.folder import folders_of_lessons, named_folders, student_name_in
 from grader.classroom.collect.inspection import OTHER, file_kind
 from grader.classroom.collect.instructor_answers import (
     InstructorAnswers,
@@ -17,7 +17,12 @@ from grader.classroom.collect.instructor_answers import (
     store_ignored,
     store_teams,
 )
-from grader.classroom.collect.models import Owner, SubmittedArchive, SubmittedFile
+from grader.classroom.collect.models import (
+    ArchiveEntry,
+    Owner,
+    SubmittedArchive,
+    SubmittedFile,
+)
 from grader.classroom.collect.name_patterns import may_be_notebook
 from grader.classroom.collect.owners import Owners, UnknownOwner
 from grader.classroom.collect.student import StudentCollector
@@ -34,10 +39,7 @@ from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
 from grader.course.roster import Roster, read_roster
 
-_SORTING_ADVICE = (
-    "Their names show that they may belong to several students. Put each student's files into a "
-    "folder named after the student's id, and collect the folder that contains these folders"
-)
+MAX_SHOWN_NAMES = 3
 ArchivedFile = tuple[Path, SubmittedFile]
 """The archive and a submitted file in it."""
 
@@ -50,6 +52,7 @@ def collect(
     owner_answers: dict[str, str],
     lesson_answers: dict[str, str],
     progress: Callable[[int, int, object], None],
+    folder_level: int = 0,
 ) -> CollectionReport:
     """Collect the submissions of a class.
 
@@ -65,6 +68,9 @@ def collect(
         Answers to questions, as typed.
     progress : callable
         Called with (done, total, None) after each student.
+    folder_level : int, optional
+        Level of the students' folders in archives of an unknown format: 1 for the outermost. By
+        default, it is recognised.
 
     Raises
     ------
@@ -77,15 +83,18 @@ def collect(
     answers = read_answers(course, roster, stages, owner_answers, lesson_answers)
     owners = Owners(roster, worksheet, answers)
     owners.check_answers(owner_answers)
-    archives = [_assign_to_one_student(archive, owners) for archive in open_archives(archive_paths)]
     report = CollectionReport(
         [lesson for lesson in all_lessons() if lesson.stage in stages],
-        [(archive.path, archive.kind, len(archive.files)) for archive in archives],
-        roster,
+        roster=roster,
         students_with_time=[] if timestamps else None,
         excused_students=_excused_students(roster, deadlines, stages),
     )
-    report.ignored.update(entry.path[-1] for archive in archives for entry in archive.other_entries)
+    archives = []
+    for archive in open_archives(archive_paths, folder_level):
+        report.archives.append((archive.path, archive.kind, len(archive.files)))
+        report.ignored.update(entry.path[-1] for entry in archive.other_entries)
+        archive = _assign_to_one_student(archive, owners)
+        archives.append(_decide_level(archive, owners, report))
     archived_files = [(archive.path, file) for archive in archives for file in archive.files]
     store_answers(course, stages, answers)
     students: dict[str, list[ArchivedFile]] = {}
@@ -134,6 +143,38 @@ def _assign_to_one_student(archive: SubmittedArchive, owners: Owners) -> Submitt
     return dataclasses.replace(archive, files=tuple(files))
 
 
+def _decide_level(
+    archive: SubmittedArchive, owners: Owners, report: CollectionReport
+) -> SubmittedArchive:
+    """Decide which level of folders is the students', by the roster or by asking.
+
+    A student could name a folder after another student, so most names at a deeper level must be on
+    the roster.
+    """
+    if not archive.levels or any(owners.is_known(file.owner) for file in archive.files):
+        return archive
+    owners_by_level = {
+        level: [file.owner for file in files if may_be_notebook(file.entry)]
+        for level, files in archive.levels.items()
+    }
+    (outer_level, outer_owners), *inner = owners_by_level.items()
+    for level, inner_owners in inner:
+        known = [owners.is_known(owner) for owner in set(inner_owners)]
+        if 2 * sum(known) > len(known):
+            return dataclasses.replace(archive, files=tuple(archive.levels[level]))
+    for level, inner_owners in inner:
+        outer_names = {owner.label for owner in outer_owners}
+        if len(set(zip(outer_owners, inner_owners, strict=True))) > len(outer_names):
+            report.add_question(
+                archive.path.name,
+                f"Add --folder-level {outer_level} if the folders {_format_names(outer_names)} are "
+                f"named after students, or --folder-level {level} if the folders "
+                f"{_format_names({owner.label for owner in inner_owners})} inside them are",
+            )
+            return dataclasses.replace(archive, files=())
+    return archive
+
+
 def _group_by_owner(
     archived_files: Sequence[ArchivedFile],
     owners: Owners,
@@ -144,22 +185,32 @@ def _group_by_owner(
     groups: dict[tuple[Path, Owner], list[ArchivedFile]] = {}
     for archive, file in archived_files:
         groups.setdefault((archive, file.owner), []).append((archive, file))
+    entries: dict[Path, list[ArchiveEntry]] = {}
+    for archive, file in archived_files:
+        entries.setdefault(archive, []).append(file.entry)
+    lesson_folders = {archive: folders_of_lessons(files) for archive, files in entries.items()}
     ids_by_owner: dict[tuple[Path, Owner], tuple[str, ...]] = {}
     for (archive, owner), files in groups.items():
         is_unnamed = owner.label in (archive.name, archive.stem)  # outside the students' folders
         if is_unnamed and all(_is_irrelevant(file) for _, file in files):
             report.ignored.update(file.path[-1] for _, file in files)
             continue
+        count = _format_file_count(len(files))
+        if (
+            owner.is_folder
+            and not owners.is_known(owner)
+            and _may_belong_to_several(
+                [file.entry.path for _, file in files if may_be_notebook(file.entry)],
+                lesson_folders[archive],
+                has_roster=report.roster is not None,
+            )
+        ):
+            report.add_question(owner.label, f"{count}. {owners.question_about_several(owner)}")
+            continue
         try:
             ids_by_owner[archive, owner] = owners.ids_of(owner)
         except UnknownOwner as question:
-            if owner.is_folder and _may_belong_to_several([file for _, file in files]):
-                report.add_question(
-                    owner.label, f"{_format_file_count(len(files))}. {_SORTING_ADVICE}"
-                )
-            else:
-                text = f"{_format_file_count(len(files))} from this student. {question}"
-                report.add_question(owner.label, text)
+            report.add_question(owner.label, f"{count} from this student. {question}")
     for (archive, owner), ids in ids_by_owner.items():
         if answers.is_earlier(owner.label):
             decision = f"assigned to {', '.join(ids)}" if ids else "ignored"
@@ -202,21 +253,31 @@ def _format_file_count(count: int) -> str:
     return "1 file" if count == 1 else f"{count} files"
 
 
-def _may_belong_to_several(files: Sequence[SubmittedFile]) -> bool:
-    """Return whether the names of files or folders show that several students may own them.
+def _format_names(names: Collection[str]) -> str:
+    shown = sorted(names)[:MAX_SHOWN_NAMES]
+    return ", ".join(shown) + (", …" if len(names) > len(shown) else "")
+
+
+def _may_belong_to_several(
+    paths: Collection[tuple[str, ...]], lesson_folders: Collection[str], has_roster: bool
+) -> bool:
+    """Return whether the paths of notebooks show that several students may own them.
 
     One student's files have different names, and folders inside each other or named after lessons.
+    Without a roster, every folder is unknown, so a second version or a word that a student added
+    to a name is not enough.
     """
-    paths = {file.entry.path for file in files if may_be_notebook(file.entry)}
     names = [lesson_by_name(path[-1]) or path[-1].lower() for path in paths]
     students = {student_name_in(path[-1]) for path in paths} - {""}
-    folders = {tuple(name for name in path[:-1] if not is_course_folder(name)) for path in paths}
+    students_before = {student_name_in(path[-1], only_before=True) for path in paths} - {""}
+    is_repeated = len(set(names)) < len(names)
+    folders = {named_folders(path, lesson_folders) for path in paths}
     innermost = max(folders, key=len, default=())
-    return (
-        len(set(names)) < len(names)
-        or len(students) > 1
-        or any(innermost[: len(folder)] != folder for folder in folders)
-    )
+    if any(innermost[: len(folder)] != folder for folder in folders):
+        return True
+    if has_roster:
+        return is_repeated or len(students) > 1
+    return len(students_before) > 1 or (is_repeated and len(students) > 1)
 
 
 def _is_irrelevant(submitted: SubmittedFile) -> bool:

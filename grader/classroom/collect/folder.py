@@ -1,62 +1,134 @@
 """Read all other archives: ``{student}/…``, ``{student}.zip`` or ``{student}_06_….ipynb``.
 
-If no student is named, all files belong to one student, named after the archive.
+If no student is named, all files belong to one student, named after the archive. Folders that are
+named after parts of the course never name a student.
 """
 
 from __future__ import annotations
 
+import functools
+import os
 import re
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Collection, Sequence
 from pathlib import PurePath
 
 from grader.classroom.collect.models import Archive, ArchiveEntry, Owner, SubmittedFile
-from grader.classroom.collect.name_patterns import may_be_notebook, shared_folders
+from grader.classroom.collect.name_patterns import may_be_notebook
 from grader.classroom.lesson_recognition import lesson_by_name
 from grader.course.lessons import all_lessons, stages
 
 
-def read_folder(archive: Archive) -> list[SubmittedFile]:
-    """Return the files of any archive, with owners named by folders or file names."""
-    depth = _wrapper_depth(archive.entries)
-    return [
-        _submitted_file(archive, entry, entry.path[min(depth, len(entry.path) - 1) :])
-        for entry in archive.entries
-    ]
+def read_folder(archive: Archive, level: int = 0) -> list[SubmittedFile]:
+    """Return the files of any archive, with owners named by folders or file names.
+
+    Parameters
+    ----------
+    archive : Archive
+    level : int, optional
+        Level of the students' folders: 1 for the outermost. By default, it is recognised. Folders
+        that are named after parts of the course do not count.
+    """
+    depth = level - 1 if level else _recognised_depth(archive.entries)
+    paths = [entry.path for entry in _notebooks_in(archive.entries)]
+    positions = {_position(path, depth) for path in paths}
+    if None in positions and not level:
+        positions &= {0}  # some work is outside the folders, so only outer folders are students'
+    above = len(os.path.commonprefix([path[: _position(path, depth) or 0] for path in paths]))
+    name = archive.path.name if archive.path.is_dir() else archive.path.stem
+    files = []
+    for entry in archive.entries:
+        label, inner = name, entry.path
+        position = _position(entry.path, depth)
+        if position is not None and position in positions:
+            label = entry.path[position]
+            inner = entry.path[above:position] + entry.path[position + 1 :]
+        elif len(entry.path) == 1:
+            label = student_name_in(entry.path[0]) or name
+        owner = Owner(label, label, (label,), is_folder=not level)
+        files.append(SubmittedFile(owner, inner, entry, saved=entry.moment))
+    return files
 
 
-def _wrapper_depth(entries: Sequence[ArchiveEntry]) -> int:
-    """Return the number of folders above the students' folders."""
-    depth = len(shared_folders(entries))
-    below_folders = [entry for entry in entries if len(entry.path) > depth + 1]
-    loose = [entry for entry in entries if len(entry.path) == depth + 1]
-    if below_folders and loose and not any(map(may_be_notebook, loose)):
-        return _wrapper_depth(below_folders)  # a readme or a table is next to the folders
-    names = {entry.path[depth] for entry in entries}
-    return 0 if loose or any(map(is_course_folder, names)) else depth
+def possible_levels(archive: Archive) -> dict[int, list[SubmittedFile]]:
+    """Return the files as read for each level of folders that may be the students'.
+
+    The outermost level is first. The result is empty if only one level is possible.
+    """
+    lesson_folders = folders_of_lessons(archive.entries)
+    chains = [named_folders(entry.path) for entry in _notebooks_in(archive.entries)]
+    levels = {
+        depth + 1: read_folder(archive, depth + 1)
+        for depth in range(_recognised_depth(archive.entries), min(map(len, chains)))
+        if not any(chain[depth] in lesson_folders for chain in chains)
+    }
+    return levels if len(levels) > 1 else {}
 
 
-def _submitted_file(archive: Archive, entry: ArchiveEntry, path: tuple[str, ...]) -> SubmittedFile:
-    archive_name = archive.path.name if archive.path.is_dir() else archive.path.stem
-    label, inner = archive_name, path
-    if len(path) > 1 and not is_course_folder(path[0]):
-        label, inner = path[0], path[1:]
-    elif len(path) == 1:
-        label = student_name_in(path[0]) or archive_name
-    owner = Owner(label, label, (label,), is_folder=True)
-    return SubmittedFile(owner, inner, entry, saved=entry.moment)
+def folders_of_lessons(entries: Sequence[ArchiveEntry]) -> frozenset[str]:
+    """Return the names of folders that belong to a lesson or an attempt, and not to a student.
+
+    Such a name occurs within several folders, each time with the same lesson, as in ``ada/hw6/…``
+    and ``bo/hw6/…``. Because namesakes exist, most names at the same level must do so.
+    """
+    places: dict[tuple[int, str], dict[object, set[tuple[str, ...]]]] = {}
+    for entry in _notebooks_in(entries):
+        folders = named_folders(entry.path)
+        lesson = lesson_by_name(entry.path[-1]) or entry.path[-1].lower()
+        for depth, name in enumerate(folders):
+            parents = places.setdefault((depth, name), {}).setdefault(lesson, set())
+            parents.add(folders[:depth])
+    names = Counter(depth for depth, _ in places)
+    repeated = [place for place, parents in places.items() if max(map(len, parents.values())) > 1]
+    counts = Counter(depth for depth, _ in repeated)
+    return frozenset(name for depth, name in repeated if 2 * counts[depth] > names[depth])
 
 
-def student_name_in(name: str) -> str:
-    """Return the student's name in a file name; empty if the file name contains only a lesson."""
+def named_folders(path: Sequence[str], others: Collection[str] = ()) -> tuple[str, ...]:
+    """Return the folders of a path, without folders of the course and without `others`."""
+    return tuple(name for name in path[:-1] if not is_course_folder(name) and name not in others)
+
+
+def student_name_in(name: str, *, only_before: bool = False) -> str:
+    """Return the student's name in a file name; empty if the file name contains only a lesson.
+
+    With `only_before`, the name must be before that of the lesson, where a platform writes it.
+    """
     stem = PurePath(name).stem
     lessons = "|".join(re.escape(lesson.name) for lesson in all_lessons())
     match = re.search(lessons, stem, re.IGNORECASE)
     if match is None:
         return stem if name.lower().endswith(".zip") else ""
-    rest = stem[: match.start()].strip(" _-.") or stem[match.end() :].strip(" _-.")
+    before, after = stem[: match.start()].strip(" _-."), stem[match.end() :].strip(" _-.")
+    rest = before if only_before else before or after
     return "" if re.fullmatch(r"(?:copy of|copy|kopie von|kopie|\W|\d)*", rest.lower()) else rest
 
 
+@functools.lru_cache(10_000)
 def is_course_folder(name: str) -> bool:
     """Return whether a folder is named after a part of the course and not after a student."""
     return name in (*stages(), "notebooks") or lesson_by_name(name) is not None
+
+
+def _notebooks_in(entries: Sequence[ArchiveEntry]) -> Sequence[ArchiveEntry]:
+    """Return the notebooks and zips among some files; all files if there are none."""
+    return list(filter(may_be_notebook, entries)) or entries
+
+
+def _recognised_depth(entries: Sequence[ArchiveEntry]) -> int:
+    """Return the number of folders above the students' folders, without folders of the course.
+
+    Other files, such as a table above the students' folders, do not belong to a student.
+    """
+    chains = [named_folders(entry.path) for entry in _notebooks_in(entries)]
+    common = tuple(os.path.commonprefix(chains))
+    others = [named_folders(entry.path) for entry in entries]
+    others = [chain for chain in others if common[: len(chain)] != chain]
+    depth = len(os.path.commonprefix(chains + others))
+    return depth if all(len(chain) > depth for chain in chains) else 0
+
+
+def _position(path: Sequence[str], depth: int) -> int | None:
+    """Return the place in a path of the folder that is `depth` folders inside the outermost one."""
+    places = [place for place, name in enumerate(path[:-1]) if not is_course_folder(name)]
+    return places[depth] if depth < len(places) else None

@@ -137,12 +137,16 @@ class SubmittedArchive:
     files : tuple of SubmittedFile
     other_entries : tuple of ArchiveEntry
         Files that do not belong to a submission.
+    levels : dict of int to (list of SubmittedFile)
+        For each level of folders that may be the students', the outermost first, the files as read
+        with these folders as owners; empty if only one level is possible.
     """
 
     path: Path
     kind: str
     files: tuple[SubmittedFile, ...]
     other_entries: tuple[ArchiveEntry, ...] = ()
+    levels: dict[int, list[SubmittedFile]] = field(default_factory=dict)
 
 
 ArchiveReader = Callable[[Archive], list[SubmittedFile] | None]

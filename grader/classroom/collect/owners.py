@@ -77,6 +77,10 @@ class Owners:
         """Return whether an answer names the owner."""
         return self._answers.owners_of(owner.label) is not None
 
+    def is_known(self, owner: Owner) -> bool:
+        """Return whether an answer or the roster names the owner."""
+        return self.is_answered(owner) or (self._roster is not None and self._names_students(owner))
+
     def owns_whole_archive(self, owner: Owner, others: Collection[Owner]) -> bool:
         """Return whether the other names in an archive are only folders of this owner.
 
@@ -85,13 +89,25 @@ class Owners:
         """
         if not self._answers.owners_of(owner.label):
             return False
-        return not any(map(self._is_known, others)) if self._roster else len(others) == 1
+        return not any(map(self._names_students, others)) if self._roster else len(others) == 1
 
-    def _is_known(self, owner: Owner) -> bool:
+    def _names_students(self, owner: Owner) -> bool:
         try:
             return bool(self.ids_of(owner))
         except UnknownOwner:
             return False
+
+    def question_about_several(self, owner: Owner) -> str:
+        """Return the question about files that may belong to several students."""
+        question = (
+            "Their names show that they may belong to several students. Put each student's files "
+            "into a folder named after the student's id, and collect the folder that contains "
+            "these folders"
+        )
+        if self._roster is None:
+            option = _owner_option(owner, safe_folder(owner.folder))
+            question += f". If one student submitted all of them, add {option} instead"
+        return question
 
     def question_about(self, owner: Owner, ids: Sequence[str], others: Sequence[Owner]) -> str:
         """Return a question if the identity of an owner is in doubt; otherwise an empty string.

@@ -148,7 +148,7 @@ for notebook, functions in useful.items():
 #
 # <details><summary>Spare parts for functions that are missing or wrong</summary>
 #
-# Each of these parts earns full points.
+# Each of these parts earns full points. However, a box by PCA leans (lesson 11). The box of a parked car may then reach into the lane, and the car in *Let it drive* brakes for it.
 #
 # | instead of | spare part |
 # |---|---|
