@@ -13,8 +13,10 @@ RECORDINGS = "recorded scans: REAL_CLOUDS=FOLDER make test"
 CHROMIUM = "Chromium: sudo apt-get install chromium"
 MATHJAX = "Chromium and MathJax: sudo apt-get install chromium libjs-mathjax"
 PDF_TO_TEXT = "Chromium and pdftotext: sudo apt-get install chromium poppler-utils"
+LIBRARIES = "other libraries that read clouds: .venv/bin/pip install -r requirements-proof.txt"
 NUMBA = "Numba: .venv/bin/pip install -r requirements-compiled.txt"
 FFMPEG = "ffmpeg: .venv/bin/pip install -r requirements-3d.txt"
+RERUN = "Rerun: .venv/bin/pip install -r requirements-viewers.txt"
 ROOT = "root: sudo make test"
 
 # Seconds within which an event must happen, even on a very busy machine.

@@ -11,7 +11,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from utils.clouds import CloudFileError
 from utils.recordings import read_bag
-from utils.recordings.rosbag import decode_message
+from utils.recordings.messages import decode_point_cloud
 
 TIMES = [1_000_000_000, 1_100_000_000, 1_100_000_000, 1_300_000_000]
 
@@ -137,7 +137,7 @@ def test_the_only_file_of_a_folder_is_read_without_correct_metadata(tmp_path, ki
 
 def test_errors_name_the_file_and_the_topic(tmp_path, monkeypatch):
     path = record(tmp_path / "street.bag", "bag")
-    monkeypatch.setattr("utils.recordings.rosbag.KINDS", {})
+    monkeypatch.setattr("utils.recordings.messages.KINDS", {})
     with pytest.raises(CloudFileError, match=r"^street\.bag, topic /velodyne_points, message 1: "):
         read_bag(path)[1]
 
@@ -172,7 +172,7 @@ class TestMessages:
         for name, column in zip("xyzi", self.points.T, strict=True):
             records[name] = column
         fields = layout("z ring x intensity y", (1, 30, 24, 12, 16), (8, 4, 7, 2, 7))
-        result = decode_message(message(records.tobytes(), fields, point_step=32, big=big), "a")
+        result = decode_point_cloud(message(records.tobytes(), fields, point_step=32, big=big), "a")
         assert result.dtype == np.float64
         np.testing.assert_array_equal(result, self.points)
 
@@ -182,25 +182,27 @@ class TestMessages:
         rows[:, :48] = expected.view(np.uint8).reshape(2, 48)
         fields = layout()[:3]
         made = message(rows.tobytes()[:-5], fields, height=2, width=3, row_step=53)
-        np.testing.assert_array_equal(decode_message(made, "a"), expected[..., :3].reshape(6, 3))
+        np.testing.assert_array_equal(
+            decode_point_cloud(made, "a"), expected[..., :3].reshape(6, 3)
+        )
 
     def test_empty_clouds_and_a_missing_row_step_are_read(self):
-        assert decode_message(message(b""), "a").shape == (0, 4)
+        assert decode_point_cloud(message(b""), "a").shape == (0, 4)
         made = message(self.points.astype("<f4").tobytes(), row_step=0)
-        np.testing.assert_array_equal(decode_message(made, "a"), self.points)
+        np.testing.assert_array_equal(decode_point_cloud(made, "a"), self.points)
 
     @pytest.mark.parametrize("row_step", [0, 2, 96])
     @pytest.mark.parametrize(("height", "width"), [(2, 3), (6, 1)])
     def test_a_wrong_row_step_is_ignored_if_the_points_fill_the_data(self, row_step, height, width):
         expected = np.random.default_rng(1).normal(size=(6, 4)).astype("<f4")
         made = message(expected.tobytes(), height=height, width=width, row_step=row_step)
-        np.testing.assert_array_equal(decode_message(made, "a"), expected)
+        np.testing.assert_array_equal(decode_point_cloud(made, "a"), expected)
 
     @pytest.mark.parametrize("size", [{"height": 0, "width": 6}, {"height": 0, "width": 0}])
     def test_points_are_read_even_if_the_message_announces_none(self, size):
         expected = np.random.default_rng(1).normal(size=(6, 4)).astype("<f4")
         np.testing.assert_array_equal(
-            decode_message(message(expected.tobytes(), **size), "a"), expected
+            decode_point_cloud(message(expected.tobytes(), **size), "a"), expected
         )
 
     @pytest.mark.parametrize("kind", ["<f4", ">f4"])
@@ -208,7 +210,7 @@ class TestMessages:
         expected = np.random.default_rng(1).normal(scale=20, size=(50, 4)).astype(kind)
         for big in (False, True):
             made = message(expected.tobytes(), big=big)
-            np.testing.assert_array_equal(decode_message(made, "a"), expected)
+            np.testing.assert_array_equal(decode_point_cloud(made, "a"), expected)
 
     @pytest.mark.parametrize(
         "options",
@@ -225,4 +227,4 @@ class TestMessages:
     )
     def test_impossible_layouts_are_explained(self, options):
         with pytest.raises(CloudFileError, match="street.bag, message 7"):
-            decode_message(message(bytes(48), **options), "street.bag", "message 7")
+            decode_point_cloud(message(bytes(48), **options), "street.bag", "message 7")

@@ -29,12 +29,15 @@ NEEDED_BY = {
 FILES = (
     "requirements.txt",
     "requirements-compiled.txt",
+    "requirements-proof.txt",
+    "requirements-viewers.txt",
     *sorted({*NEEDED_BY.values()} - {"requirements.txt"}),
 )
 INSIDE = {path.stem for path in (PROJECT / "grader" / "sandbox" / "inside").glob("*.py")}
 OWN_PACKAGES = {"extension", "grader", "utils", "tests"} | INSIDE
-# Optional packages that are used if installed: libraries in benchmarks, and lesson 13's numba.
-PEERS = {"dbscan", "open3d", "numba"}
+# Optional packages that are used if installed: libraries in benchmarks and proofs, lesson 13's
+# numba, and the viewer Rerun.
+PEERS = {"dbscan", "mcap", "mcap_ros2", "numba", "open3d", "pypcd4", "rerun"}
 BROWSER = {"selenium"}  # for tests/hub.py, which runs in an environment that .ci/hub creates
 
 

@@ -16,6 +16,7 @@ from utils.simulator import (
     ray_directions,
     scan,
     scanner,
+    vlp16,
 )
 from utils.simulator.ground import Ground
 from utils.simulator.pose import Pose
@@ -394,6 +395,15 @@ def test_the_presets_are_the_published_sensors():
     assert len(city.elevations) == 64 and city.firings == 2000
     assert_allclose(np.degrees([max(city.elevations), min(city.elevations)]), [2.0, -24.8])
     assert city.origin[2] == 1.73 and city.rotation_rate == 10.0
+    small = vlp16()
+    assert_allclose(np.degrees(small.elevations), range(-15, 16, 2))
+    assert small.firings == 1800 and small.maximum_range == 100.0
+
+
+def test_a_level_road_has_no_returns_below_the_lowest_beam():
+    returns = scan(World(Ground()), replace(vlp16(), invalid_returns=0), 1).cloud
+    distances = np.hypot(returns[:, 0], returns[:, 1])
+    assert_allclose(distances.min(), 1.73 / math.tan(math.radians(15)), atol=0.15)
 
 
 @pytest.mark.parametrize(

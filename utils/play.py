@@ -5,6 +5,7 @@
     python -m utils.play highway --detector 12_streaming_obstacles.ipynb --set ground_level=-2.2
     python -m utils.play highway --camera TopDown --show lidar_rays --record highway.gif
     python -m utils.play city --frames 1 --record city.png
+    python -m utils.play city --detector 12_streaming_obstacles.ipynb --record city.mcap
     python -m utils.play my_recording.bag
 
 Without a detector, simulated streams and labelled recordings show their true boxes. If the notebook
@@ -313,7 +314,8 @@ def build_parser() -> argparse.ArgumentParser:
         "--record",
         type=Path,
         metavar="FILE",
-        help="write an .mp4, .gif or .png file instead of opening a window",
+        help="write a film (.mp4 or .gif), a picture (.png), or a file for Rerun (.rrd) or for "
+        "Foxglove and RViz (.mcap) instead of opening a window",
     )
     parser.add_argument(
         "--camera",

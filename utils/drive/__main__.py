@@ -18,7 +18,7 @@ from pathlib import Path
 from utils.drive import STREETS, drive_street
 from utils.drive.standards import DriveResult, drive_result, reference_results
 
-SUFFIXES = (".mp4", ".gif", ".png", ".html")
+SUFFIXES = (".mp4", ".gif", ".png", ".html", ".rrd", ".mcap")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -96,8 +96,8 @@ def build_parser() -> argparse.ArgumentParser:
         "--to",
         type=_file,
         metavar="FILE",
-        help="write a film (.mp4, .gif), its last picture (.png), or a page that shows each "
-        "braking event (.html)",
+        help="write a film (.mp4, .gif), its last picture (.png), a page that shows each braking "
+        "event (.html), or a file for Rerun (.rrd) or for Foxglove and RViz (.mcap)",
     )
     parser.add_argument(
         "--seconds",

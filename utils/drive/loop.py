@@ -14,7 +14,7 @@ import numpy as np
 from utils.drive.clock import Clock, on_time, ticks
 from utils.drive.ground_truth import distances_to_objects, true_boxes
 from utils.drive.motion import make_motion
-from utils.drive.planner import Decision, Planner
+from utils.drive.planner import Decision, Planner, TrackedBox
 from utils.drive.rules import JERK, TICK
 from utils.drive.streets import SCANNER, Street
 from utils.drive.weather import with_dirt, with_rain
@@ -56,6 +56,8 @@ class Moment:
         Start time in seconds of each actor that has begun, by its index in the street.
     gaps : dict of int to float
         Distance in metres to each object near the car, by the object's identity.
+    tracked_boxes : tuple of TrackedBox
+        The boxes on which the decision is based, relative to the car's position in this moment.
     """
 
     number: int
@@ -68,6 +70,7 @@ class Moment:
     is_busy: bool = False
     start_times: dict[int, float] = field(default_factory=dict)
     gaps: dict[int, float] = field(default_factory=dict)
+    tracked_boxes: tuple[TrackedBox, ...] = ()
 
     @property
     def time(self) -> float:
@@ -201,6 +204,7 @@ def drive(
                 is_busy,
                 start_times,
                 gaps,
+                tuple(now),
             )
         )
         if hit_identity is not None:

@@ -96,18 +96,24 @@ def _crop_region_ahead(points: np.ndarray) -> np.ndarray:
 
 
 def _remove_road(points: np.ndarray) -> np.ndarray:
-    """Keep points more than 0.3 m from a plane, which is refitted to the low points near it."""
+    return points[~is_road(points)]
+
+
+def is_road(points: np.ndarray) -> np.ndarray:
+    """Return whether each point (n, 3) is at most 0.3 m from the road.
+
+    The road is a plane, which is refitted to the low points near it. If there are hardly any low
+    points, no point is on the road.
+    """
     near = points[:, 2] < -1.0
     for tolerance in (0.6, 0.3, 0.2):
         if near.sum() < 3:
-            break
+            return np.zeros(len(points), bool)
         flat = np.column_stack([points[:, :2], np.ones(len(points))])
         plane = np.linalg.lstsq(flat[near], points[near, 2], rcond=None)[0]
         off = points[:, 2] - flat @ plane
         near = np.abs(off) < tolerance
-    else:
-        return points[np.abs(off) > 0.3]
-    return points
+    return np.abs(off) <= 0.3
 
 
 def _label_touching_points(points: np.ndarray) -> np.ndarray:

@@ -11,6 +11,7 @@ from pathlib import Path
 from utils.drive.loop import Drive, drive
 from utils.drive.metrics import Report, measure
 from utils.drive.streets import STREETS, Street
+from utils.films.film import STREAMS
 from utils.tracking import Tracker
 
 
@@ -26,23 +27,32 @@ class Trip:
         return measure(self.drive)
 
     def save(self, path: str | os.PathLike) -> str:
-        """Write a film (.mp4, .gif), its last picture (.png) or a page (.html).
+        """Write a film (.mp4, .gif), its last picture (.png), a page (.html) or a stream.
+
+        A stream is a file for Rerun (.rrd) or for Foxglove and RViz (.mcap). It contains each scan
+        with its ground and clusters, the boxes with track IDs and the decisions of the car.
 
         Returns
         -------
         str
-            Description of the film or page in words.
+            Description of the file in words.
 
         Raises
         ------
         ValueError
-            The path has another suffix.
+            The path has another suffix, or the package for Rerun is not installed.
         """
         if Path(path).suffix == ".html":
             from utils.drive.timeline import write_page
 
             write_page(self.drive, self.report, path)
             return "A page with the speed over time and the frame of each braking event."
+        if Path(path).suffix in STREAMS:
+            from utils.drive.stream import frames_of
+            from utils.films.viewers import write_stream
+
+            write_stream(Path(path), frames_of(self.drive))
+            return STREAMS[Path(path).suffix]
         from utils.drive.film import make_film
 
         return make_film(self.drive, self.report, path).recap

@@ -25,6 +25,8 @@ ROAD_USERS = ("car", "truck", "cyclist", "pedestrian")
 """Kinds of objects whose true boxes are shown; houses and trees would hide the rest."""
 SCAN_SECONDS = 0.1
 """Time between two scans if it is unknown; most scanners turn ten times a second."""
+STREAMS = {".rrd": "A stream for Rerun.", ".mcap": "A stream for Foxglove and RViz."}
+"""Files for other viewers by suffix; `utils.films.viewers` writes them."""
 TRAIL = 30
 """Number of places in a trail: three seconds of a scanner that turns ten times a second."""
 
@@ -53,6 +55,8 @@ class DetectedFrame:
     trails : tuple of ndarray, shape (m, 3)
         Latest centres of each tracked object, oldest first, each relative to the scanner at that
         time. While an object has no box, its trail continues with the predicted centres.
+    decision : str
+        Decision of the simulated car in words; empty in streams without one.
     """
 
     number: int
@@ -65,6 +69,7 @@ class DetectedFrame:
     problem: str = ""
     track_ids: tuple[int, ...] | None = None
     trails: tuple[np.ndarray, ...] = ()
+    decision: str = ""
 
     @property
     def caption(self) -> str:
@@ -203,14 +208,15 @@ def record(
     frames_per_second: float = 10.0,
     renderer: str | None = None,
 ) -> Film:
-    """Make a film of a stream and show a progress bar.
+    """Make a film of a stream, or a file for other viewers, and show a progress bar.
 
     Parameters
     ----------
     frames : iterable
         Frames with `cloud` and, if known, `boxes` and `time`; or arrays of points.
     path : str or path
-        Ends in .mp4 or .gif for a film, or in .png for a picture of the first frame.
+        Ends in .mp4 or .gif for a film, or in .png for a picture of the first frame. A .rrd file is
+        for Rerun, and an .mcap file for Foxglove and RViz; the other options do not apply to these.
     detect : callable, optional
         Takes a cloud and returns boxes (N, 8, 3), such as ``detect_obstacles``. It is timed.
     tracker : utils.tracking.Tracker, optional
@@ -238,15 +244,28 @@ def record(
     size = tuple(int(length) // 2 * 2 for length in size)
     detected = []
 
+    def watched() -> Iterator[DetectedFrame]:
+        bar = progress(range(len(frames)), f"Recording {path.name}")
+        for frame, _ in zip(watch(frames, detect, tracker), bar, strict=False):
+            yield frame
+            detected.append(frame)
+        next(bar, None)  # complete the progress bar
+
     def images() -> Iterator[np.ndarray]:
         with open_renderer(size, camera, renderer) as take:
-            bar = progress(range(len(frames)), f"Recording {path.name}")
-            for frame, _ in zip(watch(frames, detect, tracker), bar, strict=False):
+            for frame in watched():
                 yield take(compose(frame))
-                detected.append(frame)
-            next(bar, None)  # complete the progress bar
 
-    write_film(path, images(), frames_per_second)
+    description = STREAMS.get(
+        path.suffix,
+        f"A film of a street seen {camera.seen_from}, drawn from the points of a scanner.",
+    )
+    if path.suffix in STREAMS:
+        from utils.films.viewers import write_stream
+
+        write_stream(path, watched())
+    else:
+        write_film(path, images(), frames_per_second)
     found = [frame for frame in detected if frame.boxes is not None]
     return Film(
         path,
@@ -254,7 +273,7 @@ def record(
         tuple(frame.seconds for frame in found),
         tuple(len(frame.boxes) for frame in found),
         tuple(f"frame {frame.number}, {frame.problem}" for frame in detected if frame.problem),
-        f"A film of a street seen {camera.seen_from}, drawn from the points of a scanner.",
+        description,
     )
 
 

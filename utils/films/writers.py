@@ -20,7 +20,7 @@ MOST_EMBEDDED = 30_000_000  # bytes; a notebook with a larger film opens slowly
 
 @dataclass(frozen=True)
 class Film:
-    """A film on disk that displays itself in a notebook.
+    """A film on disk that displays itself in a notebook, or a file for other viewers.
 
     Attributes
     ----------
@@ -65,8 +65,8 @@ class Film:
 
     def _repr_html_(self) -> str:
         text = html.escape(self.recap)
-        if self.path.stat().st_size > MOST_EMBEDDED:
-            return f"<p>{text} The film is in {html.escape(str(self.path))}.</p>"
+        if self.path.suffix not in WRITERS or self.path.stat().st_size > MOST_EMBEDDED:
+            return f"<p>{text} The file is {html.escape(str(self.path))}.</p>"
         data = base64.b64encode(self.path.read_bytes()).decode()
         if self.path.suffix == ".mp4":
             shown = (

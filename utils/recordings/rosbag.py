@@ -1,33 +1,28 @@
 """Clouds from ROS recordings, without ROS: .bag files, .db3 and .mcap files and their folders.
 
-The `rosbags` library reads the recordings; this module decodes their PointCloud2 messages.
-https://docs.ros.org/en/noetic/api/sensor_msgs/html/msg/PointCloud2.html
+The `rosbags` library reads the recordings, and `utils.recordings.messages` decodes their messages.
 """
 
 from __future__ import annotations
 
 import io
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
 from utils.clouds.errors import CloudFileError, excerpt, file_error, listing, missing_file_error
-from utils.clouds.kitti import has_plausible_sizes
-from utils.clouds.pcd_header import cloud_fields
 from utils.clouds.signatures import refuse_other_content
+from utils.recordings.messages import MESSAGES, decode_message
 
 if TYPE_CHECKING:
     from rosbags.rosbag1 import Reader as Reader1
     from rosbags.rosbag2 import Reader as Reader2
 
-MESSAGE = "sensor_msgs/msg/PointCloud2"
-KINDS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 8: "f8"}
 SUFFIXES = (".bag", ".db3", ".mcap")
 
 
@@ -74,15 +69,14 @@ class Bag(Sequence):
 
     def _read(self, reader: Reader1 | Reader2, index: int) -> np.ndarray:
         time = int(self.timestamps[index])
-        connections = [
-            connection for connection in reader.connections if connection.topic == self.topic
-        ]
+        connections = _connections(reader, self.topic)
         messages = reader.messages(connections, start=time, stop=time + 1)
-        for repeat, (_, _, data) in enumerate(messages):
+        for repeat, (connection, _, data) in enumerate(messages):
             if repeat == self.repeats[index]:
-                message = _unpacker(1 if _is_ros1(self.path) else 2)(data, MESSAGE)
                 place = f"topic {self.topic}, message {index}"
-                return decode_message(message, self.path.name, place)
+                return decode_message(
+                    data, connection.msgtype, _is_ros1(self.path), self.path.name, place
+                )
         raise file_error(
             self.path,
             f"message {index}",
@@ -101,7 +95,8 @@ def read_bag(path: str | os.PathLike, topic: str | None = None) -> Bag:
     path : str or path
         A ROS 1 .bag, a ROS 2 .db3 or .mcap, or the folder of a ROS 2 recording.
     topic : str, optional
-        A PointCloud2 topic; required if the recording has several.
+        A topic with points: PointCloud2, CustomMsg of Livox, or LaserScan. Required if the
+        recording has several topics with the first of these types that it contains.
 
     Returns
     -------
@@ -117,30 +112,8 @@ def read_bag(path: str | os.PathLike, topic: str | None = None) -> Bag:
     if not path.exists():
         raise missing_file_error(path.name, [path.parent], SUFFIXES)
     with _open_reader(path) as reader:
-        topics = sorted(
-            {connection.topic for connection in reader.connections if connection.msgtype == MESSAGE}
-        )
-        if not topics:
-            others = {
-                f"{connection.topic} ({connection.msgtype.rpartition('/')[2]})"
-                for connection in reader.connections
-            }
-            found = listing(sorted(others)) or "nothing"
-            raise file_error(
-                path,
-                "",
-                f"there is no topic of type PointCloud2, only {found}",
-                "Record the points as PointCloud2, the message of most scanners' drivers.",
-            )
-        if topic is None and len(topics) > 1 or topic not in (None, *topics):
-            raise file_error(
-                path,
-                "",
-                f"the topics with clouds are {listing(topics)}",
-                f'Choose one of them, for instance topic="{topics[0]}".',
-            )
-        topic = topic or topics[0]
-        connections = [connection for connection in reader.connections if connection.topic == topic]
+        topic = _chosen_topic(reader, path, topic)
+        connections = _connections(reader, topic)
         seen: dict[int, int] = {}
         timestamps, repeats = [], []
         for _, time, _ in reader.messages(connections):
@@ -150,85 +123,43 @@ def read_bag(path: str | os.PathLike, topic: str | None = None) -> Bag:
         return Bag(path, topic, np.array(timestamps, np.int64), np.array(repeats, np.int64))
 
 
-def decode_message(message: Any, name: str, place: str = "message 0") -> np.ndarray:
-    """Convert a PointCloud2 message to a cloud.
-
-    Parameters
-    ----------
-    message : object
-        An object with the attributes of ``sensor_msgs/PointCloud2``. Fields may be in any order,
-        points and rows may be padded, and either byte order is accepted.
-    name, place : str
-        File and position of the message, shown in errors.
-
-    Returns
-    -------
-    ndarray, shape (n, 3) or (n, 4)
-        float32, or float64 if a field is a double or a long integer.
-
-    Raises
-    ------
-    CloudFileError
-        x, y or z is missing, or the layout does not fit the data.
-    """
-    fields = {entry.name.lower(): entry for entry in reversed(message.fields)}
-    wanted = cloud_fields(fields)
-    if not fields.keys() >= set("xyz") or any(
-        fields[field].datatype not in KINDS for field in wanted
-    ):
+def _chosen_topic(reader: Reader1 | Reader2, path: Path, topic: str | None) -> str:
+    """Return the wanted topic, or the only one with the most useful type of message."""
+    kinds = {
+        connection.topic: MESSAGES.index(connection.msgtype) for connection in _connections(reader)
+    }
+    if not kinds:
+        others = {
+            f"{connection.topic} ({connection.msgtype.rpartition('/')[2]})"
+            for connection in reader.connections
+        }
+        found = listing(sorted(others)) or "nothing"
         raise file_error(
-            name,
-            place,
-            f"the fields are {listing(fields) or 'none'}, expected x, y and z as numbers",
+            path,
+            "",
+            f"there is no topic of type PointCloud2, CustomMsg or LaserScan, only {found}",
+            "Record the points as PointCloud2, the message of most scanners' drivers.",
         )
-    kinds = [np.dtype(KINDS[fields[field].datatype]) for field in wanted]
-    offsets = [fields[field].offset for field in wanted]
-    shape, row_step = _layout(message)
-    end = max(offset + kind.itemsize for offset, kind in zip(offsets, kinds, strict=True))
-    height, width = shape
-    if height * width and (
-        end > message.point_step
-        or message.point_step * width > row_step
-        or row_step * (height - 1) + message.point_step * width > len(message.data)
-    ):
+    best = [name for name, kind in kinds.items() if kind == min(kinds.values())]
+    if topic is None and len(best) == 1:
+        return best[0]
+    if topic not in kinds:
         raise file_error(
-            name,
-            place,
-            f"the message announces {message.height} x {message.width} points of "
-            f"{message.point_step} bytes, but contains {len(message.data)} bytes",
-            "Was the recording cut off?",
+            path,
+            "",
+            f"the topics with clouds are {listing(sorted(kinds))}",
+            f'Choose one of them, for instance topic="{min(best)}".',
         )
-    data = np.ascontiguousarray(message.data)
-
-    def decode(order: str) -> np.ndarray:
-        precision = np.result_type(np.float32, *kinds)
-        cloud = np.empty((height, width, len(wanted)), precision)
-        for index, (offset, kind) in enumerate(zip(offsets, kinds, strict=True)):
-            cloud[:, :, index] = np.ndarray(
-                shape, kind.newbyteorder(order), data, offset, (row_step, message.point_step)
-            )
-        return cloud.reshape(-1, len(wanted))
-
-    if not height * width:
-        return np.empty((0, len(wanted)), np.result_type(np.float32, *kinds))
-    cloud = decode(">" if message.is_bigendian else "<")
-    if not has_plausible_sizes(cloud[:, :3]):  # some drivers set the flag of the other byte order
-        other = decode("<" if message.is_bigendian else ">")
-        cloud = other if has_plausible_sizes(other[:, :3]) else cloud
-    return cloud
+    return topic
 
 
-def _layout(message: Any) -> tuple[tuple[int, int], int]:
-    """Return height and width of a message, and the bytes from one row to the next.
-
-    Many drivers fill in `height`, `width` or `row_step` wrongly. If the data have exactly the size
-    of the points, rows have no padding; if the message announces no points, all data are points.
-    """
-    height, width, step, size = message.height, message.width, message.point_step, len(message.data)
-    if height * width == 0 and size and step and size % step == 0:
-        height, width = 1, size // step
-    unpadded = height == 1 or size == height * width * step
-    return (height, width), step * width if unpadded else message.row_step
+def _connections(reader: Reader1 | Reader2, topic: str | None = None) -> list[Any]:
+    """Return the connections of a topic, or of all topics, that carry points."""
+    return [
+        connection
+        for connection in reader.connections
+        if connection.msgtype in MESSAGES and topic in (None, connection.topic)
+    ]
 
 
 @contextmanager
@@ -309,19 +240,6 @@ def _opened_folder(reader: type, folder: Path) -> Reader2:
         if len(files) != 1:
             raise
         return _opened(reader, files[0])
-
-
-@cache
-def _unpacker(generation: int) -> Callable[[bytes, str], Any]:
-    """Return the function that unpacks messages of ROS 1 or 2.
-
-    PointCloud2 is the same in all releases of one ROS generation.
-    """
-    from rosbags.typesys import Stores, get_typestore
-
-    if generation == 1:
-        return get_typestore(Stores.ROS1_NOETIC).deserialize_ros1
-    return get_typestore(Stores.LATEST).deserialize_cdr
 
 
 class _RecordingPath(type(Path())):

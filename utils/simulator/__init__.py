@@ -6,7 +6,7 @@ bytes.
 """
 
 from utils.simulator.scanner import CLASSES, Scan, scan
-from utils.simulator.sensor import Sensor, hdl64, highway_sensor, layers, ray_directions
+from utils.simulator.sensor import Sensor, hdl64, highway_sensor, layers, ray_directions, vlp16
 from utils.simulator.world import World
 
 __all__ = [
@@ -19,4 +19,5 @@ __all__ = [
     "layers",
     "ray_directions",
     "scan",
+    "vlp16",
 ]

@@ -1,4 +1,4 @@
-"""Rotating multi-beam LiDARs: directions of their rays, their ranges, and two presets."""
+"""Rotating multi-beam LiDARs: directions of their rays, their ranges, and three presets."""
 
 from __future__ import annotations
 
@@ -102,6 +102,24 @@ def hdl64() -> Sensor:
     return Sensor(
         elevations=layers(32, 2.0, -8.33) + layers(32, -8.83, -24.8),
         azimuth_step=math.radians(0.18),
+        dropout=0.01,
+        weakest_signal=0.05,
+        invalid_returns=3,
+    )
+
+
+def vlp16() -> Sensor:
+    """Return a 16-beam, 10 Hz sensor 1.73 m above the road: 28,800 rays.
+
+    The beams are 2 degrees apart, from -15 to +15 degrees, so a level road nearer than 6.5 m has no
+    returns. The model is the Velodyne VLP-16, which many small robots carry (VLP-16 User Manual,
+    63-9243).
+    """
+    return Sensor(
+        elevations=layers(16, -15.0, 15.0),
+        azimuth_step=math.radians(0.2),
+        maximum_range=100.0,
+        range_noise=0.03,
         dropout=0.01,
         weakest_signal=0.05,
         invalid_returns=3,

@@ -529,6 +529,7 @@ drive_with(10) if is_written(filter_clusters) else print(
 # 1. Write `filter_clusters_by_distance(cloud, cluster_labels, points_at_10m)` with the minimum $m(r)$ from above, and add its curves to the figure of ghosts and people. How many distant people come back, and how many ghosts?
 # 2. Filter by extent. Drop clusters that are longer than 8 m or less than 0.3 m high. Which mistakes are left?
 # 3. Add a parameter `max_num_points`. Find a value on `cloud.txt` that removes more walls than cars.
+# 4. Many robots carry a scanner with 16 beams, which gives an object only about a sixth of the points. Run `from utils.simulator import vlp16` and pass `sensor=vlp16()` to `scenes.random_street`. Which minimum keeps most people within 15 m?
 
 # %% [markdown] tags=["footer"]
 # (footer)

@@ -8,6 +8,8 @@ from utils import check, load_cloud
 from utils.checks.core import notes_of, run_check
 from utils.datasets import DATA
 from utils.drive import STREETS, chain, drive_street, on_time
+from utils.scenes import random_street
+from utils.simulator import vlp16
 from utils.simulator.streets import EGO_LANE
 
 NAME = "09_filter_clusters"
@@ -131,6 +133,22 @@ def test_a_failed_check_shows_the_minimum(capsys):
     with pytest.raises(Exception, match="checks failed"):
         check(filter_clusters)
     assert "minimum 3" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_16_beams_give_objects_about_a_sixth_of_the_points_and_keep_people_within_15_m():
+    ratios, people = [], []
+    for seed in (3, 5):
+        many, few = random_street(seed), random_street(seed, sensor=vlp16())
+        returns = {box.identity: box.returns for box in few.boxes}
+        for box in many.boxes:
+            distance = np.hypot(*box.centre[:2])
+            if box.kind in ("car", "pedestrian") and box.returns > 50 and distance < 25:
+                ratios.append(box.returns / returns[box.identity])
+            if box.kind == "pedestrian" and box.returns > 50 and distance < 15:
+                people.append(returns[box.identity])
+    assert 5 < np.median(ratios) < 7
+    assert min(people) > 10 and np.median(people) < 50  # far below the minimum of 100
 
 
 def test_the_cyclist_meets_the_car_at_the_stated_time():

@@ -963,7 +963,13 @@ drive_with() if is_written(detect_obstacles) else print(
 # 3. Draw only tracks that have been seen three times. How do precision and recall change?
 # 4. Time your detector with every 32nd, 16th, … and all returns of a frame, on logarithmic axes. The time of every filter is proportional to $n$, so why is the slope of your curve below 1?
 # 5. Use voxels of half the size and require three times as many points: `voxel_grid(points, 0.1)` and `min_num_points=30`. Why does this help pedestrians more than cars? (Thinning moves the outermost points inwards by up to half a voxel.) Then let the detector drive. The scanner of the drive has only a third of the returns. At which distance does a child have 30 points?
+
+# %% [markdown]
+# ### Other viewers
 #
+# `drive_with().save("drive.mcap")` writes your drive for [Foxglove](https://foxglove.dev) and RViz: scans, ground, clusters, boxes with track IDs, and decisions. For [Rerun](https://rerun.io), run `pip install rerun-sdk` and save `drive.rrd`.
+
+# %% [markdown]
 # ### Which step causes the misses?
 #
 # The cause may be the clusters, the visible part of a car, or the kind of box. To study the boxes alone, take the clusters from the truth. The next cells put three boxes around the same points of each car: along the axes (lesson 08), along the principal axes, and the smallest rectangle (lesson 11).
