@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 ENDLESS, ERROR = "it never ends", "an error: "
 # Errors of undefined names, which say nothing about understanding.
@@ -79,6 +80,11 @@ def _normal(text: str) -> str:
 def is_value(text: str) -> bool:
     """Return whether a text is a value, and not an error or an endless call."""
     return bool(text) and text != ENDLESS and not text.startswith(ERROR)
+
+
+def is_easy(text: str) -> bool:
+    """Return whether an answer needs little arithmetic: its numbers have at most two decimals."""
+    return not re.search(r"\.\d{3}", text)
 
 
 def similarity(text: str, other: str) -> int:
