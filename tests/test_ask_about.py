@@ -193,9 +193,10 @@ def test_cards_are_escaped_and_have_a_text(capsys):
 def test_changes_are_single_lines_that_people_write():
     assert is_readable("    x = a + b", "    x = a - b")
     assert not is_readable("x = a", "x = ~a")
+    assert not is_readable("with np.errstate(all='ignore'):", "with np:")
     assert not is_readable("x = a", "x  =  a")
     assert not is_readable("x = a", "x = a\ny = b")
-    assert is_easy("[0.25, 7]") and not is_easy("[0.333]")
+    assert is_easy("[0.25, 7]") and not is_easy("[0.333]") and not is_easy(f"{[0] * 27}")
     edits = [versions.Change(line, "", str(n), print, ()) for n, line in enumerate((4, 4, 7, 4))]
     lines = [type("Edit", (), {"first": edit.line, "n": edit.after}) for edit in edits]
     assert [edit.n for edit in in_rounds(lines)] == ["0", "2", "1", "3"]

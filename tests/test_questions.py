@@ -97,6 +97,14 @@ def test_equal_answers_in_other_types_are_not_two_choices():
     ]
 
 
+def test_the_reversed_vector_of_a_plane_is_no_wrong_choice():
+    plane = "[0.6, 0, -0.8, 2]"
+    assert distractors(plane, ["[-0.6, 0, 0.8, -2]", "[0.6, 0, 0.8, 2]"]) == ["[0.6, 0, 0.8, 2]"]
+    assert distractors("3", ["-3"]) == ["-3"], "the sign of a number is not free"
+    assert distractors("['1.2.3', 0]", ["[1.2.3.4, 0]"]) == ["[1.2.3.4, 0]"]
+    assert distractors("[True, False]", ["[1, 1]", "[0, 1]"]) == ["[1, 1]", "[0, 1]"]
+
+
 def test_distractors_look_like_the_right_choice():
     candidates = ["an error: TypeError", "None", "[0.5, 1]", "[3, 3]", "[2, 2]", "[2, 2]"]
     assert distractors("[1, 2]", candidates) == ["[2, 2]", "[3, 3]", "None"]

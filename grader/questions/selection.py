@@ -60,7 +60,8 @@ def choose_questions(
 def _rank(question: Question) -> tuple[bool, bool, bool]:
     """Return a sort key: questions about the code, for a value and with easy numbers come first."""
     right = question.right_choice
-    return not question.is_about_code, right.startswith(ERROR), not is_easy(right)
+    is_hard = not (is_easy(right) and is_easy(question.text))
+    return not question.is_about_code, right.startswith(ERROR), is_hard
 
 
 def _kinds_in_turn(kinds: list[str], count: int, random: Random) -> Iterator[str]:

@@ -9,12 +9,12 @@ from collections.abc import Iterable
 from random import Random
 from typing import TypeVar
 
-from utils.questions.texts import same_answer, similarity
+from utils.questions.texts import reversed_vector, same_answer, similarity
 
 MAX_CHOICES, MIN_CHOICES = 4, 3
 MAX_LINE_LENGTH = 110
-# Code that edits insert but few people write: `~` and `- 1 + 1`.
-_UNUSUAL = (re.compile("~"), re.compile(r"[-+] ?1\)? ?[-+] ?1\b"))
+# Code that edits insert but few people write: `~`, `- 1 + 1` and `with np:`.
+_UNUSUAL = (re.compile("~"), re.compile(r"[-+] ?1\)? ?[-+] ?1\b"), re.compile(r"with \w+:"))
 
 
 AnyEdit = TypeVar("AnyEdit")
@@ -22,6 +22,8 @@ AnyEdit = TypeVar("AnyEdit")
 
 def distractors(right: str, candidates: Iterable[str]) -> list[str]:
     """Return up to three wrong choices: those that look most like the right one and occur most.
+
+    A vector with all signs reversed is left out, because a line and a plane have two right vectors.
 
     Parameters
     ----------
@@ -31,7 +33,8 @@ def distractors(right: str, candidates: Iterable[str]) -> list[str]:
     """
     counted: Counter[str] = Counter()
     for candidate in candidates:
-        if candidate and not same_answer(candidate, right):
+        is_right = any(same_answer(candidate, text) for text in (right, reversed_vector(right)))
+        if candidate and not is_right:
             same = next((known for known in counted if same_answer(known, candidate)), candidate)
             counted[same] += 1
     ranked = sorted(counted, key=lambda text: (-similarity(right, text), -counted[text]))
