@@ -580,17 +580,18 @@ def run_viva(options: argparse.Namespace) -> int:
     from grader.classroom.folders import UnknownStudent, find_student
     from grader.course.lessons import all_lessons
     from grader.course.seed import course_seed
-    from grader.questions.cases import cases_of
     from grader.questions.pages import write_pages
     from grader.questions.quizzes import write_quizzes
     from grader.questions.viva import make_sheets
+    from utils.questions.cases import cases_of
 
     if not stages_exist([options.stage]):
         return USAGE_ERROR
-    if not any(cases_of(lesson) for lesson in all_lessons() if lesson.stage == options.stage):
+    lessons = [lesson for lesson in all_lessons() if lesson.stage == options.stage]
+    if not any(cases_of(exercise.name) for lesson in lessons for exercise in lesson.exercises):
         print(
-            f"No lesson in {options.stage} has small cases to ask about. Write a questions.py in "
-            "the folder of a lesson; see docs/authors.md.",
+            f"No lesson in {options.stage} has small cases to ask about. Write them in "
+            "utils/questions/; see docs/authors.md.",
             file=sys.stderr,
         )
         return USAGE_ERROR

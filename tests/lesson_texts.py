@@ -10,6 +10,7 @@ import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 
+from grader.course.build import COMMON_CELLS
 from grader.course.kept_answers import answers_to
 from grader.course.lessons import find_lesson
 from utils.notebooks import slicing
@@ -88,7 +89,7 @@ def run_lesson(name):
             grading = cell.metadata.get("nbgrader", {})
             if cell.cell_type != "code" or grading.get("grade"):
                 continue
-            if {"setup", "badge", "footer"} & set(cell.metadata.get("tags", ())):
+            if COMMON_CELLS.keys() & set(cell.metadata.get("tags", ())):
                 continue
             source = source_of(grading["grade_id"]) if grading.get("solution") else cell.source
             exec(compile(source, name, "exec"), names)

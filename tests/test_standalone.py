@@ -73,10 +73,14 @@ def test_each_notebook_has_the_checks_and_rules_of_its_lesson(written_folder):
         own = {one.relative_to(PROJECT).as_posix() for one in own}
         assert mine and mine == {name for name in own if f"/lesson_{path.name[:2]}" in name}
         assert "utils/checks/forbidden.json" in names
+        cases = {name for name in names if name.startswith("utils/questions/lesson_")}
+        assert cases == {f"utils/questions/lesson_{path.name[:2]}.py"}
 
 
 def test_a_notebook_contains_no_solution_and_no_part_of_the_grader(written_folder):
     found = unpacked_files((written_folder / "06_filter_ground.ipynb").read_bytes())
+    keys = json.loads((PROJECT / "utils/lent/cells.json").read_text())
+    assert json.loads(found.pop("utils/lent/cells.json")) == {"06": keys["06"]}
     assert found["utils/__init__.py"] == (PROJECT / "utils" / "__init__.py").read_bytes()
     for name, content in found.items():
         assert name.startswith("utils/") and "test" not in name.split("/")[-1]

@@ -9,6 +9,7 @@ from importlib.machinery import ModuleSpec
 from types import FunctionType, ModuleType
 
 _MODULE_OF = {
+    "ask_about": "utils.questions.ask",
     "check": "utils.checks",
     "load_cloud": "utils.datasets",
     "load_sequence": "utils.datasets",

@@ -28,7 +28,12 @@ if TYPE_CHECKING:
 
 # Files of the cells that every lesson contains, by the tag that marks their place. A file may have
 # two versions, separated by a line `---`. The first is for a course with a public address.
-COMMON_CELLS = {"setup": "setup_cell.py", "badge": "badge_cell.md", "footer": "footer_cell.md"}
+COMMON_CELLS = {
+    "setup": "setup_cell.py",
+    "badge": "badge_cell.md",
+    "questions": "questions_cell.md",
+    "footer": "footer_cell.md",
+}
 KERNEL = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
 FORBIDDEN_FILE = PROJECT / "utils" / "checks" / "forbidden.json"
 CELL_KEYS_FILE = PROJECT / "utils" / "lent" / "cells.json"

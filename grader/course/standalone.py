@@ -14,7 +14,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from grader.course.atomic_files import write_atomically
-from grader.course.build import COMMON_CELLS, HIDDEN_METADATA, find_leaks
+from grader.course.build import CELL_KEYS_FILE, COMMON_CELLS, HIDDEN_METADATA, find_leaks
 from grader.course.extension import course_constant
 from grader.course.lessons import Lesson, all_lessons, every_lesson
 from grader.course.paths import PROJECT
@@ -140,6 +140,9 @@ def packed_tools(lesson: str) -> bytes:
                 continue
             entry = tarfile.TarInfo(name.as_posix())
             content = path.read_bytes()
+            if path == CELL_KEYS_FILE:
+                keys = json.loads(content)
+                content = json.dumps({own_lesson.number: keys.get(own_lesson.number, [])}).encode()
             entry.size, entry.mode = len(content), 0o644
             archive.addfile(entry, io.BytesIO(content))
     return lzma.compress(buffer.getvalue(), preset=9 | lzma.PRESET_EXTREME)

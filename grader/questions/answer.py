@@ -7,7 +7,6 @@ plain data, is left out. Nothing here decides a mark.
 from __future__ import annotations
 
 import functools
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,26 +14,24 @@ from pathlib import Path
 from grader.course.lessons import Lesson
 from grader.intake.preflight import cells_as_released
 from grader.judging.judge import program_for
-from grader.questions.cases import Case, cases_of
-from grader.questions.texts import outcome_text, same_answer, value_text
 from grader.sandbox import Limits, Sandbox
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import Program
 from grader.sandbox.student import StudentProxy
+from utils.questions.cases import Case, cases_of
+from utils.questions.choices import is_readable
+from utils.questions.texts import outcome_text, same_answer, value_text
 
 OBSERVER = Path(__file__).parent / "inside" / "answer_observer.py"
 TASKS = ("read_answer", "run_cases", "evaluate", "trace_case")
 MAX_EDITS = 150
 MAX_LISTING = 150  # lines of an answer that fit on two pages
 MAX_WATCHED = 6  # variables of a case whose values are compared with those of changed versions
-MAX_LINE_LENGTH = 110
 # Versions that are run with one request. If a request takes too long, its versions are left out.
 VERSIONS_PER_REQUEST = 10
 LIMITS = Limits(call_seconds=3.0)
 # No further versions are run after these processor seconds.
 MAX_CPU_SECONDS = 2.0
-# Code that edits insert but few people write: `~` and `- 1 + 1`.
-_UNUSUAL = (re.compile("~"), re.compile(r"[-+] ?1\)? ?[-+] ?1\b"))
 
 
 @dataclass(frozen=True)
@@ -133,16 +130,7 @@ class Edit:
     @property
     def can_be_shown(self) -> bool:
         """Whether the edit replaces one line with one other line that a person might write."""
-        return (
-            self.first == self.last
-            and "\n" not in self.after
-            and self.after.split() != self.before.split()
-            and len(self.after.strip()) <= MAX_LINE_LENGTH
-            and not any(
-                len(unusual.findall(self.after)) > len(unusual.findall(self.before))
-                for unusual in _UNUSUAL
-            )
-        )
+        return self.first == self.last and is_readable(self.before, self.after)
 
 
 @dataclass(frozen=True)
@@ -230,7 +218,7 @@ def observe(answer: Answer, sandbox: Sandbox, peers: tuple[tuple[str, ...], ...]
         If the notebook does not answer.
     grader.sandbox.SandboxUnavailable
     """
-    cases = cases_of(answer.lesson).get(answer.exercise, ())
+    cases = cases_of(answer.exercise)
     codes = codes_of(cases)
     with StudentProxy(answer.program, sandbox, LIMITS) as student:
         description = _as_dict(student.read_answer(*answer.request))
@@ -276,7 +264,7 @@ def codes_of(cases: Sequence[Case]) -> list[str]:
 
 def outcomes_of(answer: Answer, sandbox: Sandbox) -> tuple[str, ...]:
     """Return the outcome of each case of an answer, without any changes."""
-    codes = codes_of(cases_of(answer.lesson).get(answer.exercise, ()))
+    codes = codes_of(cases_of(answer.exercise))
     with StudentProxy(answer.program, sandbox) as student:
         student.read_answer(*answer.request)
         return tuple(outcome_text(student.evaluate(None, code)) for code in codes)

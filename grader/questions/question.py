@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterable
 from dataclasses import dataclass
-from random import Random
 
 from grader.questions.answer import Edit
-from grader.questions.texts import same_answer, similarity
 
-MAX_CHOICES, MIN_CHOICES = 4, 3
 DEPTHS = {"predict": 1, "trace": 2, "cost": 3, "which line": 4, "what if": 5, "necessary": 6}
 """Kinds of questions, from the easiest to the hardest."""
 
@@ -97,30 +92,3 @@ class Question:
     def right_letter(self) -> str:
         """The letter of the right choice."""
         return "ABCD"[self.key]
-
-
-def distractors(right: str, candidates: Iterable[str]) -> list[str]:
-    """Return up to three wrong choices: those that look most like the right one and occur most.
-
-    Parameters
-    ----------
-    right : str
-    candidates : iterable of str
-        Answers of neighbours, the likeliest first; empty texts are ignored.
-    """
-    counted: Counter[str] = Counter()
-    for candidate in candidates:
-        if candidate and not same_answer(candidate, right):
-            same = next((known for known in counted if same_answer(known, candidate)), candidate)
-            counted[same] += 1
-    ranked = sorted(counted, key=lambda text: (-similarity(right, text), -counted[text]))
-    return ranked[: MAX_CHOICES - 1]
-
-
-def arrange(right: str, wrong: Iterable[str], random: Random) -> tuple[tuple[str, ...], int] | None:
-    """Return the choices in random order and the index of the right one; None if there are few."""
-    choices = [right, *wrong][:MAX_CHOICES]
-    if len(choices) < MIN_CHOICES:
-        return None
-    random.shuffle(choices)
-    return tuple(choices), choices.index(right)

@@ -12,11 +12,11 @@ from grader.course.lessons import Lesson
 from grader.questions.answer import Answer, Behaviour, outcomes_of
 from grader.questions.kinds import KINDS
 from grader.questions.question import DEPTHS, Question
-from grader.questions.texts import ERROR
 from grader.questions.verification import Verifier
 from grader.sandbox import Sandbox
 from grader.sandbox.failures import StudentError, StudentStopped
 from utils.notebooks.reading import decode_notebook
+from utils.questions.texts import ERROR, is_easy
 
 # Other right answers that are asked the same question.
 MAX_PEERS = 4
@@ -57,9 +57,11 @@ def choose_questions(
     return sorted(chosen, key=lambda question: DEPTHS[question.kind])
 
 
-def _rank(question: Question) -> tuple[bool, bool]:
-    """Return a sort key: questions about the code and questions for a value come first."""
-    return not question.is_about_code, question.right_choice.startswith(ERROR)
+def _rank(question: Question) -> tuple[bool, bool, bool]:
+    """Return a sort key: questions about the code, for a value and with easy numbers come first."""
+    right = question.right_choice
+    is_hard = not (is_easy(right) and is_easy(question.text))
+    return not question.is_about_code, right.startswith(ERROR), is_hard
 
 
 def _kinds_in_turn(kinds: list[str], count: int, random: Random) -> Iterator[str]:

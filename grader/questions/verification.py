@@ -10,10 +10,10 @@ from collections.abc import Iterable
 
 from grader.questions.answer import Answer, Behaviour
 from grader.questions.question import CountClaim, OutcomeClaim, Question, ValueClaim
-from grader.questions.texts import outcome_text, same_answer, value_text
 from grader.sandbox import Limits, Sandbox
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.student import StudentProxy
+from utils.questions.texts import outcome_text, same_answer, value_text
 
 CALL_SECONDS = 0.5  # for one case; a right answer needs some milliseconds
 

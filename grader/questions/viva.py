@@ -16,13 +16,13 @@ from grader.intake.preflight import prepare_to_judge
 from grader.intake.reader_process import ReadingFailed
 from grader.judging.verdict import JUDGED, read_verdict
 from grader.questions.answer import Answer, ListedLine, observe
-from grader.questions.cases import cases_of
 from grader.questions.question import Question
 from grader.questions.selection import choose_questions, peers_of
 from grader.questions.taught import Remark, remarks_on
 from grader.sandbox import Sandbox
 from grader.sandbox.failures import StudentError, StudentStopped
 from utils.notebooks.reading import UnreadableNotebook
+from utils.questions.cases import cases_of
 
 # A longer answer fills more than one page, so a shorter one is preferred.
 MAX_LINES = 60
@@ -172,7 +172,7 @@ def _accepted_exercises(
             continue
         full = {result.name for result in verdict.exercises if result.score == result.max_score}
         for exercise in submission.lesson.machine_graded:
-            if exercise.name in full and cases_of(submission.lesson).get(exercise.name):
+            if exercise.name in full and cases_of(exercise.name):
                 yield submission, exercise
 
 

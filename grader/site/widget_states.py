@@ -7,6 +7,7 @@ converts the data to HTML.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
@@ -32,7 +33,10 @@ def record() -> None:
     from IPython import get_ipython
 
     from utils import predictions
+    from utils.questions import ask
 
+    # A question about a change would show a line of the course's answer.
+    ask.ask_about = functools.partial(ask.ask_about, kinds=(ask.predict, ask.predict))
     ipywidgets.interact = interact
     predictions.predict = predict
     predictions.Prediction.compare = compare

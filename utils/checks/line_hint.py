@@ -7,26 +7,21 @@ changes with which every visible check passes.
 
 from __future__ import annotations
 
-import ast
 import contextlib
-import inspect
 import os
 import select
 import signal
 import sys
-import textwrap
 import time
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from types import FunctionType
 
 from utils.checks.limits import limit_memory
 from utils.checks.outcomes import Check
 from utils.checks.run_cache import cached_run
 from utils.display import shell
-from utils.notebooks import slicing
-from utils.notebooks.edits import Edit, edits_of
+from utils.notebooks.edited_functions import Definition, edited_functions, read_definition
 
 # Seconds for finding the first line, and for each further line. They are processor time, so that a
 # busy machine finds the same lines; elapsed time may be PATIENCE times as long.
@@ -89,23 +84,19 @@ def find_line_hint(
         system cannot fork a process.
     """
     exercise = checks[0].exercise
-    part = _function_with_code(exercise, function)
     with contextlib.suppress(OSError, TypeError, SyntaxError, ValueError):
-        source, first = inspect.getsourcelines(part)
-        text = textwrap.dedent("".join(source))
-        statements = slicing.parse_notebook([text])[0]
-        if len(statements) == 1 and isinstance(statements[0].node, ast.FunctionDef):
-            edits = edits_of([text], statements)
-            order = [*failed, *(check for check in checks if check not in failed)]
-            numbers = sorted(_find_passing_lines(function, statements[0], edits, order))
-            rows = text.split("\n")
-            lines = tuple(Line(first + at - 1, rows[at - 1].strip()) for at in numbers)
-            return LineHint(lines) if 0 < len(lines) <= MOST_LINES else None
+        definition = read_definition(exercise, function)
+        order = [*failed, *(check for check in checks if check not in failed)]
+        numbers = sorted(_find_passing_lines(function, definition, order))
+        lines = tuple(
+            Line(definition.first + at - 1, definition.lines[at - 1].strip()) for at in numbers
+        )
+        return LineHint(lines) if 0 < len(lines) <= MOST_LINES else None
     return None
 
 
 def _find_passing_lines(
-    function: Callable, statement: slicing.Statement, edits: list[Edit], checks: list[Check]
+    function: Callable, definition: Definition, checks: list[Check]
 ) -> set[int]:
     """Find the numbers of the lines where an edit makes all checks pass, in a forked copy."""
     if not hasattr(os, "fork"):
@@ -118,7 +109,7 @@ def _find_passing_lines(
         try:
             _isolate()
             signal.setitimer(signal.ITIMER_PROF, SECONDS)
-            for line in _search_passing_lines(function, statement, edits, checks):
+            for line in _search_passing_lines(function, definition, checks):
                 os.write(write_end, b"%d " % line)
                 signal.setitimer(signal.ITIMER_PROF, SECONDS_FOR_OTHERS)
         finally:
@@ -139,7 +130,7 @@ def _find_passing_lines(
 
 
 def _search_passing_lines(
-    function: Callable, statement: slicing.Statement, edits: list[Edit], checks: list[Check]
+    function: Callable, definition: Definition, checks: list[Check]
 ) -> Iterator[int]:
     """Yield the first line of each edit that makes all checks pass, each line once.
 
@@ -147,8 +138,8 @@ def _search_passing_lines(
     cancels. An edit of the `def` line says nothing about the body of the function.
     """
     found, best = set(), None
-    for number, changed in _edited_functions(function, statement, edits):
-        line, rank = edits[number].first, edits[number].rank
+    for edit, changed in edited_functions(function, definition.statement, definition.edits):
+        line, rank = edit.first, edit.rank
         if best is not None and rank > best:
             return
         if line > 1 and line not in found and all(_passes(check, changed) for check in checks):
@@ -184,49 +175,6 @@ def _isolate() -> None:
 
 def _raise_timeout(*_: object) -> None:
     raise TimeoutError
-
-
-def _edited_functions(
-    function: Callable, statement: slicing.Statement, edits: list[Edit]
-) -> Iterator[tuple[int, Callable]]:
-    """Yield the index of each edit, and the function after that edit."""
-    name = statement.node.name
-    part = _function_with_code(name, function)
-    for number, edit in enumerate(edits):
-        namespace = dict(part.__globals__)
-        with contextlib.suppress(Exception):
-            exec(compile(edit.statement, "<changed>", "exec", flags=statement.future), namespace)
-            changed = namespace[name]
-            yield number, _class_with(function, name, changed) if part is not function else changed
-
-
-def _function_with_code(exercise: str, function: Callable) -> Callable:
-    """Return the function with the code of an exercise.
-
-    If a class contains the exercise, this is a method, or a function of the notebook with the same
-    name that the method calls.
-    """
-    if not isinstance(function, type):
-        return function
-    method = vars(function).get(exercise)
-    if not isinstance(method, FunctionType) or exercise not in method.__code__.co_names:
-        return method
-    called = method.__globals__.get(exercise)
-    return called if isinstance(called, FunctionType) else method
-
-
-def _class_with(kind: type, name: str, changed: FunctionType) -> type:
-    """Return a subclass in which `changed` replaces a method, or the function that it calls."""
-    if _function_with_code(name, kind) is vars(kind).get(name):
-        return type(kind.__name__, (kind,), {name: changed})
-    methods = {
-        own: FunctionType(
-            method.__code__, changed.__globals__, own, method.__defaults__, method.__closure__
-        )
-        for own, method in vars(kind).items()
-        if isinstance(method, FunctionType)
-    }
-    return type(kind.__name__, (kind,), methods)
 
 
 def _passes(check: Check, function: Callable) -> bool:

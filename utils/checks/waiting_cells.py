@@ -26,11 +26,19 @@ def ready(*functions: Callable) -> bool:
     compiled code cannot be stopped.
     """
     waiting = [
-        function
-        for function in map(own, functions)
-        if _PASSED.get(function.__name__) is not function
+        function for function in map(own, functions) if not has_passed(function.__name__, function)
     ]
     for function in waiting:
-        goal = "passes its checks without a note" if is_written(function) else "is written"
-        print(f"This cell waits until {function.__name__} {goal}.")
+        print_waiting(function.__name__, function)
     return not waiting
+
+
+def has_passed(exercise: str, function: Callable) -> bool:
+    """Return whether a function, or a class that contains the exercise, has passed its checks."""
+    return _PASSED.get(exercise) is own(function)
+
+
+def print_waiting(exercise: str, function: Callable) -> None:
+    """Print the sentence of a cell that waits for a function."""
+    goal = "passes its checks without a note" if is_written(function) else "is written"
+    print(f"This cell waits until {exercise} {goal}.")

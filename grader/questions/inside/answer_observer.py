@@ -20,16 +20,13 @@ import numpy as np
 
 from utils.notebooks import slicing
 from utils.notebooks.edits import edits_of
+from utils.notebooks.small_cases import SEEDS, plain_value
 
 MAX_STEPS = 10_000
 """Statements after which a small case counts as endless."""
 MAX_SECONDS = 0.3
 """Processor seconds after which a small case counts as endless, even if it runs few statements."""
 MAX_NOTES = 400
-MAX_LEAVES = 64
-"""Numbers in the largest value that is reported. Larger values take too long on paper."""
-SEEDS = (11, 12, 13)
-"""Values of the name `rng` in a case; the outcome has to be the same for all of them."""
 _SIMPLE = (ast.Assign, ast.AugAssign, ast.AnnAssign, ast.Expr, ast.Return, ast.Continue, ast.Break)
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 _ENDS = (ast.Return, ast.Continue, ast.Break, ast.Raise)
@@ -380,7 +377,7 @@ class _Recorder:
         for name in names:
             is_watched = self.watches_all or (cell, line, name) in self.watched
             if is_watched and name in values and len(self.notes) < MAX_NOTES:
-                self.notes.append([cell, line, name, _plain(values[name])])
+                self.notes.append([cell, line, name, plain_value(values[name])])
 
 
 class _Tracer:
@@ -403,7 +400,7 @@ class _Tracer:
             cell, line = self.previous.pop(frame)
             for name, value in frame.f_locals.items():
                 if name in self.names and len(self.notes) < MAX_NOTES:
-                    self.notes.append([cell, line, name, _plain(value)])
+                    self.notes.append([cell, line, name, plain_value(value)])
         if event == "line":
             place = int(frame.f_code.co_filename.removeprefix("code cell ")), frame.f_lineno
             self.counts[place] += 1
@@ -439,7 +436,7 @@ def _outcome(code: str, seed: int) -> list:
         with _time_limit():
             exec(compile(ast.Module(statements, []), "<case>", "exec"), namespace)
             value = eval(compile(ast.Expression(last.value), "<case>", "eval"), namespace)
-        return ["value", _plain(value)]
+        return ["value", plain_value(value)]
     except BaseException as error:
         name = type(error).__name__
         if isinstance(error, _TooManySteps) or name in ("TookTooLong", "RecursionError"):
@@ -462,34 +459,3 @@ def _time_limit() -> Iterator[None]:
 
 def _same(first: object, second: object) -> bool:
     return repr(first) == repr(second)
-
-
-def _plain(value: object) -> object:
-    """Return a small value as plain data, and a dict that stands for any other value."""
-    try:
-        return _plain_part(value, [MAX_LEAVES])
-    except Exception:
-        return {"other": None}
-
-
-def _plain_part(value: object, budget: list) -> object:
-    if isinstance(value, (np.ndarray, np.generic)):
-        if value.size > budget[0]:
-            raise ValueError
-        value = value.tolist()
-    if isinstance(value, (set, frozenset)):
-        return {"set": _plain_part(sorted(value), budget)}
-    if isinstance(value, (list, tuple, collections.deque)):
-        if not value:
-            budget[0] -= 1
-        return [_plain_part(part, budget) for part in value]
-    if isinstance(value, dict):
-        return {
-            "dict": [
-                [_plain_part(key, budget), _plain_part(part, budget)] for key, part in value.items()
-            ]
-        }
-    budget[0] -= 1
-    if budget[0] < 0 or not isinstance(value, (bool, int, float, str, type(None))):
-        raise ValueError
-    return value[:60] if isinstance(value, str) else value

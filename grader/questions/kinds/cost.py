@@ -6,10 +6,11 @@ from collections.abc import Iterator
 from random import Random
 
 from grader.questions.answer import Behaviour
-from grader.questions.cases import shown_code
 from grader.questions.kinds.trace import _keeps_lines
 from grader.questions.kinds.wording import times
-from grader.questions.question import CountClaim, Question, arrange, distractors
+from grader.questions.question import CountClaim, Question
+from utils.questions.cases import shown_code
+from utils.questions.choices import arrange, distractors
 
 MAX_COUNT = 40
 MAX_RATIO = 4  # a wrong count that is larger can be excluded without reading the code

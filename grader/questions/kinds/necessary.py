@@ -6,10 +6,11 @@ from collections.abc import Iterator
 from random import Random
 
 from grader.questions.answer import Behaviour
-from grader.questions.cases import shown_code
-from grader.questions.kinds.wording import lines_are, value_of
-from grader.questions.question import OutcomeClaim, Question, arrange, distractors
-from grader.questions.texts import TRIVIAL_ERRORS, is_value, same_answer
+from grader.questions.kinds.wording import lines_are
+from grader.questions.question import OutcomeClaim, Question
+from utils.questions.cases import shown_code, value_of
+from utils.questions.choices import arrange, distractors, with_first
+from utils.questions.texts import TRIVIAL_ERRORS, is_value, same_answer
 
 # Outcomes that do not depend on the rest of the code: the last `return` or a name is missing.
 TRIVIAL = ("None", *TRIVIAL_ERRORS)
@@ -30,9 +31,8 @@ def necessary(behaviour: Behaviour, random: Random) -> Iterator[Question]:
             if not right or same_answer(right, own) or right in TRIVIAL:
                 continue
             others = [text for text in outcomes.values() if text not in TRIVIAL]
-            wrong = [own, *distractors(right, [*others, *behaviour.neighbours(number)])]
-            wrong = [wrong[0], *(text for text in wrong[1:] if not same_answer(text, own))]
-            arranged = arrange(right, wrong, random)
+            nearby = distractors(right, [*others, *behaviour.neighbours(number)])
+            arranged = arrange(right, with_first(own, nearby), random)
             if arranged:
                 yield Question(
                     "necessary",

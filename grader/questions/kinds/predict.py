@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from random import Random
 
 from grader.questions.answer import Behaviour
-from grader.questions.cases import shown_code
-from grader.questions.kinds.wording import value_of
-from grader.questions.question import OutcomeClaim, Question, arrange, distractors
-from grader.questions.texts import is_value
+from grader.questions.question import OutcomeClaim, Question
+from utils.questions.cases import shown_code, value_of
+from utils.questions.choices import arrange, distractors
+from utils.questions.texts import is_value
 
 
 def predict(behaviour: Behaviour, random: Random) -> Iterator[Question]:

@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from random import Random
 
 from grader.questions.answer import Behaviour, Edit
-from grader.questions.cases import shown_code
 from grader.questions.kinds.wording import times
-from grader.questions.question import Question, ValueClaim, arrange, distractors
+from grader.questions.question import Question, ValueClaim
+from utils.questions.cases import shown_code
+from utils.questions.choices import arrange, distractors
 
 MAX_TURNS = 6  # a value after more runs takes too long on paper
 ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth")

@@ -7,10 +7,11 @@ from collections.abc import Iterator, Sequence
 from random import Random
 
 from grader.questions.answer import Behaviour, Edit, Run
-from grader.questions.cases import shown_code
-from grader.questions.kinds.wording import code, value_of
-from grader.questions.question import OutcomeClaim, Question, arrange, distractors
-from grader.questions.texts import is_value, same_answer
+from grader.questions.kinds.wording import code
+from grader.questions.question import OutcomeClaim, Question
+from utils.questions.cases import shown_code, value_of
+from utils.questions.choices import arrange, distractors, in_rounds, with_first
+from utils.questions.texts import is_value, same_answer
 
 MAX_EDITS = 6  # changes that are asked about in each of the two ways
 LETTERS = "ABC"
@@ -24,7 +25,7 @@ def what_if(behaviour: Behaviour, random: Random) -> Iterator[Question]:
 
 
 def _values(behaviour: Behaviour, edits: list[Edit], random: Random) -> Iterator[Question]:
-    for number, edit in itertools.product(range(len(behaviour.cases)), _one_per_line(edits)):
+    for number, edit in itertools.product(range(len(behaviour.cases)), in_rounds(edits)):
         case, own = behaviour.cases[number], behaviour.own[number].outcome
         runs = behaviour.edited[edit]
         if case.run or number >= len(runs) or not is_value(own):
@@ -32,8 +33,8 @@ def _values(behaviour: Behaviour, edits: list[Edit], random: Random) -> Iterator
         right = runs[number].outcome
         if not is_value(right) or same_answer(right, own):
             continue
-        wrong = [own, *distractors(right, filter(is_value, behaviour.neighbours(number)))]
-        arranged = arrange(right, _without_repeats(wrong), random)
+        nearby = filter(is_value, behaviour.neighbours(number))
+        arranged = arrange(right, with_first(own, distractors(right, nearby)), random)
         if arranged:
             yield Question(
                 "what if",
@@ -49,21 +50,6 @@ def _values(behaviour: Behaviour, edits: list[Edit], random: Random) -> Iterator
             )
 
 
-def _without_repeats(texts: list[str]) -> list[str]:
-    first = texts[0]
-    return [first, *(text for text in texts[1:] if not same_answer(text, first))]
-
-
-def _one_per_line(edits: list[Edit]) -> list[Edit]:
-    """Return the edits in rounds: the likeliest of each line, then the second of each line."""
-    rounds: dict[int, list[Edit]] = {}
-    for edit in edits:
-        rounds.setdefault(edit.first, []).append(edit)
-    return [
-        edit for row in itertools.zip_longest(*rounds.values()) for edit in row if edit is not None
-    ]
-
-
 def _affected_calls(behaviour: Behaviour, edits: list[Edit], random: Random) -> Iterator[Question]:
     numbers = [
         number
@@ -72,7 +58,7 @@ def _affected_calls(behaviour: Behaviour, edits: list[Edit], random: Random) -> 
     ]
     if len(numbers) < len(LETTERS):
         return
-    for edit in _one_per_line(edits):
+    for edit in in_rounds(edits):
         asked = sorted(random.sample(numbers, len(LETTERS)))
         right = _affected(behaviour.own, behaviour.edited[edit], asked)
         others = (_affected(behaviour.own, runs, asked) for runs in behaviour.edited.values())

@@ -6,17 +6,11 @@ from collections.abc import Iterator
 from random import Random
 
 from grader.questions.answer import Behaviour, Edit
-from grader.questions.cases import shown_code
-from grader.questions.kinds.wording import code, value_of
-from grader.questions.question import (
-    MAX_CHOICES,
-    MIN_CHOICES,
-    CountClaim,
-    OutcomeClaim,
-    Question,
-    arrange,
-)
-from grader.questions.texts import TRIVIAL_ERRORS, is_value, same_answer, similarity
+from grader.questions.kinds.wording import code
+from grader.questions.question import CountClaim, OutcomeClaim, Question
+from utils.questions.cases import shown_code, value_of
+from utils.questions.choices import MAX_CHOICES, MIN_CHOICES, arrange
+from utils.questions.texts import TRIVIAL_ERRORS, is_value, same_answer, similarity
 
 MAX_SYMPTOMS = 4  # results of a case that are asked about
 

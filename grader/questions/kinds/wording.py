@@ -5,12 +5,6 @@ from __future__ import annotations
 from grader.questions.answer import Edit
 
 
-def value_of(code: str) -> str:
-    """Return what a question about a case's value asks for."""
-    is_long = "\n" in code.strip()
-    return "the value of the last line below" if is_long else "the value of this expression"
-
-
 def lines_are(edit: Edit) -> str:
     """Return the subject and verb for the lines of an edit, such as "Lines 4 and 5 are"."""
     if edit.first == edit.last:

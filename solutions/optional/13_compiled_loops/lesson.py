@@ -801,5 +801,13 @@ if ready(count_near, root_of, unite, any_close, snuggest_turn):
 #
 # **Sources.** [Numba: a LLVM-based Python JIT compiler](https://doi.org/10.1145/2833157.2833162) (Lam, Pitrou and Seibert 2015). Union-find with path halving: [Tarjan and van Leeuwen 1984](https://doi.org/10.1145/62.2160).
 
+# %% [markdown] tags=["questions"]
+# (questions)
+
+# %%
+from utils import ask_about
+
+ask_about(unite)
+
 # %% [markdown] tags=["footer"]
 # (footer)

@@ -617,6 +617,14 @@ for (name, values), axes in zip(wrong.items(), pair):
     axes.add_patch(plt.Circle((0, 0), 10, fill=False, linestyle="--"))
 print(f"points of this scan with x = 0 that are not lost returns: {((xs == 0) & (ys != 0)).sum()}")
 
+# %% [markdown] tags=["questions"]
+# (questions)
+
+# %%
+from utils import ask_about
+
+ask_about(drop_invalid)
+
 # %% [markdown]
 # ## In practice
 #

@@ -691,6 +691,14 @@ for (name, (line, mask)), axes in zip(shown.items(), grid.flat):
     small(plots.line_model(points, line, mask, 1.0, limits=window, axes=axes,
                            title=f"{name}: {mask.sum()} inliers"))
 
+# %% [markdown] tags=["questions"]
+# (questions)
+
+# %%
+from utils import ask_about
+
+ask_about(ransac_line)
+
 # %% [markdown]
 # ## In practice
 #

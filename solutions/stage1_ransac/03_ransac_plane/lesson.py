@@ -796,6 +796,14 @@ for (name, (plane, mask)), axes in zip(wrong.items(), panels):
     plots.plane_model(street, plane, mask, 0.2, limits=((-10, 30), (-2.6, 2.4)),
                       title=name, axes=axes)
 
+# %% [markdown] tags=["questions"]
+# (questions)
+
+# %%
+from utils import ask_about
+
+ask_about(ransac_plane)
+
 # %% [markdown]
 # ## In practice
 #

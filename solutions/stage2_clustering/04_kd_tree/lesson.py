@@ -740,6 +740,14 @@ for (title, points, one, centre, metres, finds, visited), axes in zip(cases, pan
     looks = f"; looks at {len(visited)} of {len(points)} nodes" if visited else ""
     print(f"{title:>15}: finds {finds}, should find {right_ones}{looks}")
 
+# %% [markdown] tags=["questions"]
+# (questions)
+
+# %%
+from utils import ask_about
+
+ask_about(KdTree, exercise="search")
+
 # %% [markdown]
 # ## In practice
 #

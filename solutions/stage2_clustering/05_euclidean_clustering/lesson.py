@@ -558,6 +558,14 @@ drive_with(0.5) if is_written(euclidean_clustering) else print(
 # At 0.4 m, the two people are often in pieces of fewer than ten points, which are dropped. Their box appears late, and the car hits one of them at 24 km/h. From 0.45 to 0.85 m, it stops as it does at 0.5 m, because one box around both people is good enough if the box is steady. At 0.9 m, the box jumps. At first, when the people are far away, it surrounds only one of them, and later both. The speed of a jumping box is unclear, so the driver brakes 0.2 s later and hits a person.
 # </details>
 
+# %% [markdown] tags=["questions"]
+# (questions)
+
+# %%
+from utils import ask_about
+
+ask_about(euclidean_clustering)
+
 # %% [markdown]
 # ## In practice
 #

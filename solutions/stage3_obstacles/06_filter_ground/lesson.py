@@ -514,6 +514,14 @@ drive_with(-0.6) if is_written(filter_ground) else print(
 # No. Downhill, the car hits the pedestrian at 30 km/h with a level of -0.6 m, and at 4 km/h with -1.2 m. With -1.7 m, it brakes in time. A level is right for one slope only, but the plane of lesson 03 follows the road.
 # </details>
 
+# %% [markdown] tags=["questions"]
+# (questions)
+
+# %%
+from utils import ask_about
+
+ask_about(voxel_grid)
+
 # %% [markdown]
 # ## In practice
 #

@@ -607,6 +607,14 @@ drive_with(6) if is_written(crop_region) else print(
 # With 1.6 m, the car sees the child only when the child is almost in the lane. With 2.5 m, the car brakes after 7.1 s with 8 m to go, which is early enough. With 2.2 m, it brakes 0.3 s later with 5 m to go, which is too late.
 # </details>
 
+# %% [markdown] tags=["questions"]
+# (questions)
+
+# %%
+from utils import ask_about
+
+ask_about(filter_by_distance)
+
 # %% [markdown]
 # ## In practice
 #

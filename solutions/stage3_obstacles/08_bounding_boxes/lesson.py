@@ -453,6 +453,14 @@ drive_with(0) if is_written(get_bounding_boxes) else print(
 # It is 4°. At 5° and above, the long box of a lorry blocks the lane. At 8° and above, so does the box of a parked car. At 9° and above, our car stops in front of a parked car after at most 13 m.
 # </details>
 
+# %% [markdown] tags=["questions"]
+# (questions)
+
+# %%
+from utils import ask_about
+
+ask_about(get_bounding_boxes)
+
 # %% [markdown]
 # ## In practice
 #

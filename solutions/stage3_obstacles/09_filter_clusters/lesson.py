@@ -493,6 +493,14 @@ drive_with(10) if is_written(filter_clusters) else print(
 # With 100, the cyclist never has a box, and the car hits the cyclist at 30 km/h. The largest minimum is 40. With 50, the cyclist rarely has a box, and the car brakes with 3 m to go. In the rain, with a minimum of 1, the car brakes for a drop at once and drives only 8 m. With 10, it drives 82 m without braking. Ten drops form a cluster almost only above the bonnet of the ego car, and there the driver ignores a box until it has stayed in place for a second.
 # </details>
 
+# %% [markdown] tags=["questions"]
+# (questions)
+
+# %%
+from utils import ask_about
+
+ask_about(filter_clusters)
+
 # %% [markdown]
 # ## In practice
 #

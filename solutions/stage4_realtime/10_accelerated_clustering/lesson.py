@@ -835,6 +835,14 @@ for (title, found), axes in zip(wrong.items(), grid.flat):
     ring_parts(axes, xyz[seen], right[seen], found[seen])  # torn
     ring_parts(axes, xyz[seen], found[seen], right[seen])  # merged
 
+# %% [markdown] tags=["questions"]
+# (questions)
+
+# %%
+from utils import ask_about
+
+ask_about(euclidean_clustering_accelerated)
+
 # %% [markdown]
 # ## In practice
 #

@@ -889,6 +889,14 @@ drive_with(0) if is_written(get_oriented_boxes) else print(
 # In street 1, with the scanner turned by 12° and closest rectangles, it drives 82 m and never brakes. With smallest rectangles, it brakes once, for the box of a lorry. With first axes, it stops after 11 m.
 # </details>
 
+# %% [markdown] tags=["questions"]
+# (questions)
+
+# %%
+from utils import ask_about
+
+ask_about(get_oriented_boxes)
+
 # %% [markdown]
 # ## In practice
 #

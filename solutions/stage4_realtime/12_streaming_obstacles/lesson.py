@@ -938,6 +938,14 @@ drive_with() if is_written(detect_obstacles) else print(
 #
 # **The results to beat:** with the occupied squares, the car drives 279 m in all twenty streets together. With the course's detector, it drives 2,914 m without a collision, and brakes once for nothing.
 
+# %% [markdown] tags=["questions"]
+# (questions)
+
+# %%
+from utils import ask_about
+
+ask_about(match_boxes)
+
 # %% [markdown]
 # ## In practice
 #

@@ -1,6 +1,6 @@
-"""Small cases for questions about students' own code; see `grader.questions.cases`."""
+"""Small cases for questions about students' own code."""
 
-from grader.questions.cases import Case
+from utils.questions.cases import Case
 
 CUBE = """cube = np.array([[i & 1, i >> 1 & 1, i >> 2] for i in range(8)]) - 0.5
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import re
 
 ENDLESS, ERROR = "it never ends", "an error: "
 # Errors of undefined names, which say nothing about understanding.
 TRIVIAL_ERRORS = (f"{ERROR}NameError", f"{ERROR}UnboundLocalError")
 MAX_VALUE_LENGTH = 150
+MAX_EASY_NUMBERS = 16
 
 
 def outcome_text(outcome: object) -> str:
@@ -79,6 +81,22 @@ def _normal(text: str) -> str:
 def is_value(text: str) -> bool:
     """Return whether a text is a value, and not an error or an endless call."""
     return bool(text) and text != ENDLESS and not text.startswith(ERROR)
+
+
+def reversed_vector(text: str) -> str:
+    """Return an answer in brackets with all signs reversed; any other answer as it is."""
+    if not text.startswith("["):
+        return text
+    return re.sub(
+        r"(-?)\b(\d+(?:\.\d+)?)",
+        lambda number: number[2] if number[1] or not float(number[2]) else f"-{number[2]}",
+        text,
+    )
+
+
+def is_easy(text: str) -> bool:
+    """Return whether a text has only short numbers, with at most two decimals, and few of them."""
+    return not re.search(r"\.\d{3}", text) and text.count(",") < MAX_EASY_NUMBERS
 
 
 def similarity(text: str, other: str) -> int:

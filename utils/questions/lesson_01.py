@@ -1,6 +1,6 @@
-"""Small cases for questions about students' own code; see `grader.questions.cases`."""
+"""Small cases for questions about students' own code."""
 
-from grader.questions.cases import Case
+from utils.questions.cases import Case
 
 
 def _drop(*rows: str) -> Case:

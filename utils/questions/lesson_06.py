@@ -1,6 +1,6 @@
-"""Small cases for questions about students' own code; see `grader.questions.cases`."""
+"""Small cases for questions about students' own code."""
 
-from grader.questions.cases import Case
+from utils.questions.cases import Case
 
 
 def _cloud(*rows: str) -> str:
@@ -19,10 +19,10 @@ CASES = {
         Case(_cloud("1.0, 1.0, -3.0, 8.0", "2.0, 2.0, 0.0, -9.0") + "filter_ground(cloud)"),
     ),
     "voxel_grid": (
-        Case(_cloud("0.2, 0.0, 0.0", "0.6, 0.0, 0.0", "1.5, 0.0, 0.0") + "voxel_grid(cloud, 1.0)"),
-        Case(_cloud("-0.5, 0.0, 0.0", "0.5, 0.0, 0.0") + "voxel_grid(cloud, 1.0)"),
+        Case(_cloud("0.2, 0.0, 0.0", "0.6, 0.0, 0.0", "1.7, 0.0, 0.0") + "voxel_grid(cloud, 1.0)"),
+        Case(_cloud("-0.25, 0.0, 0.0", "0.25, 0.0, 0.0") + "voxel_grid(cloud, 1.0)"),
         Case(_cloud("1.0, 1.0, 0.0", "3.0, 1.0, 0.0", "1.0, 1.0, 2.0") + "voxel_grid(cloud, 4.0)"),
         Case(_cloud("5.0, 0.0, 0.0", "1.0, 0.0, 0.0", "5.5, 0.0, 0.0") + "voxel_grid(cloud, 2.0)"),
-        Case(_cloud("0.5, 0.5, 0.5, 2.0", "0.5, 0.5, 0.9, 4.0") + "voxel_grid(cloud, 1.0)"),
+        Case(_cloud("0.25, 0.25, 0.25, 2.0", "0.25, 0.25, 0.75, 4.0") + "voxel_grid(cloud, 1.0)"),
     ),
 }

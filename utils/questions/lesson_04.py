@@ -1,6 +1,6 @@
-"""Small cases for questions about students' own code; see `grader.questions.cases`."""
+"""Small cases for questions about students' own code."""
 
-from grader.questions.cases import Case
+from utils.questions.cases import Case
 
 # Nodes that report when their point is read.
 WATCH = """visited = []
@@ -16,13 +16,18 @@ class WatchedNode(Node):
 """
 
 
-def _grown(points: str, asked: str) -> str:
+def _grown(points: str, asked: str = "shape(tree.root)") -> str:
     return (
-        f"points = {points}\ntree = KdTree()\nfor index, point in enumerate(points):\n"
-        f"    tree.insert(point, index)\n{asked}"
+        f"{SHAPE if 'shape' in asked else ''}points = {points}\ntree = KdTree()\n"
+        f"for index, point in enumerate(points):\n    tree.insert(point, index)\n{asked}"
     )
 
 
+SHAPE = """def shape(node):  # the index, the left branch and the right branch
+    return node and [node.index, shape(node.left), shape(node.right)]
+
+
+"""
 SMALL = """tree = KdTree()
 tree.root = Node(
     [4.0, 2.0], 0,
@@ -55,19 +60,16 @@ def _visits(tree: str, search: str) -> Case:
 CASES = {
     "insert": (
         Case(
-            _grown(
-                "[[4.0, 2.0], [2.0, 3.0], [6.0, 1.0]]",
-                "tree.root.left.index, tree.root.right.index",
-            ),
+            _grown("[[4.0, 2.0], [2.0, 3.0], [6.0, 1.0]]"),
             larger=_grown(
                 "[[4.0, 2.0], [2.0, 3.0], [6.0, 1.0], [1.0, 5.0], [0.0, 1.0], [8.0, 0.0]]",
                 "tree.root.index",
             ),
         ),
-        Case(_grown("[[4.0, 2.0], [2.0, 3.0], [3.0, 1.0]]", "tree.root.left.left.index")),
-        Case(_grown("[[4.0, 2.0], [4.0, 1.0], [4.0, 3.0]]", "tree.root.right.right.index")),
-        Case(_grown("[[5.0, 5.0], [2.0, 6.0], [1.0, 7.0]]", "tree.root.left.right.index")),
-        Case(_grown("[[3.0, 1.0], [1.0, 2.0], [2.0, 2.0]]", "tree.root.left.right.index")),
+        Case(_grown("[[4.0, 2.0], [2.0, 3.0], [3.0, 1.0]]")),
+        Case(_grown("[[4.0, 2.0], [4.0, 1.0], [4.0, 3.0]]")),
+        Case(_grown("[[5.0, 5.0], [2.0, 6.0], [1.0, 7.0]]")),
+        Case(_grown("[[3.0, 1.0], [1.0, 2.0], [2.0, 2.0]]")),
     ),
     "search": (
         Case(

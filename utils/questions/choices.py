@@ -1,0 +1,80 @@
+"""Find wrong choices that look right, and changes of a line that a person might write."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections import Counter
+from collections.abc import Iterable
+from random import Random
+from typing import TypeVar
+
+from utils.questions.texts import reversed_vector, same_answer, similarity
+
+MAX_CHOICES, MIN_CHOICES = 4, 3
+MAX_LINE_LENGTH = 110
+# Code that edits insert but few people write: `~`, `- 1 + 1` and `with np:`.
+_UNUSUAL = (re.compile("~"), re.compile(r"[-+] ?1\)? ?[-+] ?1\b"), re.compile(r"with \w+:"))
+
+
+AnyEdit = TypeVar("AnyEdit")
+
+
+def distractors(right: str, candidates: Iterable[str]) -> list[str]:
+    """Return up to three wrong choices: those that look most like the right one and occur most.
+
+    A vector with all signs reversed is left out, because a line and a plane have two right vectors.
+
+    Parameters
+    ----------
+    right : str
+    candidates : iterable of str
+        Answers of neighbours, the likeliest first; empty texts are ignored.
+    """
+    counted: Counter[str] = Counter()
+    for candidate in candidates:
+        is_right = any(same_answer(candidate, text) for text in (right, reversed_vector(right)))
+        if candidate and not is_right:
+            same = next((known for known in counted if same_answer(known, candidate)), candidate)
+            counted[same] += 1
+    ranked = sorted(counted, key=lambda text: (-similarity(right, text), -counted[text]))
+    return ranked[: MAX_CHOICES - 1]
+
+
+def with_first(first: str, texts: Iterable[str]) -> list[str]:
+    """Return texts with `first` in front, which is not repeated."""
+    return [first, *(text for text in texts if not same_answer(text, first))]
+
+
+def arrange(right: str, wrong: Iterable[str], random: Random) -> tuple[tuple[str, ...], int] | None:
+    """Return the choices in random order and the index of the right one; None if there are few."""
+    choices = [right, *wrong][:MAX_CHOICES]
+    if len(choices) < MIN_CHOICES:
+        return None
+    random.shuffle(choices)
+    return tuple(choices), choices.index(right)
+
+
+def is_readable(before: str, after: str) -> bool:
+    """Return whether an edit replaces one line with one other line that a person might write."""
+    return (
+        "\n" not in before + after
+        and after.split() != before.split()
+        and len(after.strip()) <= MAX_LINE_LENGTH
+        and not any(
+            len(unusual.findall(after)) > len(unusual.findall(before)) for unusual in _UNUSUAL
+        )
+    )
+
+
+def in_rounds(edits: Iterable[AnyEdit]) -> list[AnyEdit]:
+    """Return edits in rounds: the likeliest of each line, then the second of each line.
+
+    The attribute `first` of an edit is the number of its first line.
+    """
+    rounds: dict[int, list[AnyEdit]] = {}
+    for edit in edits:
+        rounds.setdefault(edit.first, []).append(edit)
+    return [
+        edit for row in itertools.zip_longest(*rounds.values()) for edit in row if edit is not None
+    ]
