@@ -82,7 +82,7 @@ alpha, beta, gamma = np.linalg.lstsq(table, street[:, 2], rcond=None)[0]
 naive = np.array([alpha, beta, -1.0, gamma])  # the same as alpha x + beta y - z + gamma = 0
 above = (table @ [alpha, beta, gamma] - street[:, 2])[is_ground]
 print(f"The plane runs {np.median(above):.2f} m above the ground.")
-print(f"{(np.abs(above) < 0.2).sum()} of {is_ground.sum():,} ground points are within 0.2 m of it.")
+print(f"Ground points within 0.2 m of it: {(np.abs(above) < 0.2).sum()} of {is_ground.sum():,}")
 plots.plane_model(street, naive, limits=side,
                   title="Least squares with all points gives a plane in mid-air");
 
@@ -308,7 +308,7 @@ all_three.compare(100 * is_ground[picks].all(axis=1).mean(),
                   "fifty rounds it happens several times.")
 
 # %% [markdown]
-# A plane through a car usually cuts through the street at an odd angle and has few inliers. If all three points are on the ground and far apart, the count jumps. So RANSAC runs many rounds and keeps the plane with the most inliers. It assumes only that the ground is the largest plane.
+# A plane through a car usually cuts through the street at an odd angle and has few inliers. If all three points are on the ground and far apart, the count jumps. So RANSAC runs many rounds and keeps the plane with the most inliers, which we call the *largest* plane. It assumes only that this plane is the ground.
 #
 # ## Exercise 3 · `ransac_plane` (points)
 #
@@ -483,7 +483,7 @@ plots.plane_model(beside, won, near, 0.2, view="above", limits=((-2, 14), (-9, -
 # %%
 calmer = predict("After the fit to all inliers, how do the thirty slopes scatter?",
                  choices=["less, and around the true slope",
-                          "less, but on one side of it",
+                          "less, but on one side of the true slope",
                           "as much as before"])
 
 # %% [markdown]
@@ -636,7 +636,7 @@ panels[1].get_legend().remove()
 fitted, before = slopes["all inliers"], slopes["three points"]
 off = abs(np.mean(fitted) - BUILT) > 3 * np.std(fitted) / len(fitted) ** 0.5
 answer = ("as much as before" if np.std(fitted) > 0.5 * np.std(before)
-          else "less, but on one side of it" if off
+          else "less, but on one side of the true slope" if off
           else "less, and around the true slope")
 calmer.compare(answer,
                "Averaging reduces errors that differ from run to run, but not errors that are the "
@@ -652,7 +652,7 @@ check(fit_plane)
 # - **Points that do not belong there.** The threshold also lets in wheels and bumpers. "Inliers on the ground" leaves them out with the help of the truth, and most of the error is gone. On a real road, we do not know the truth. But the plane is now good enough for a smaller threshold, and "again, within 0.1 m" does just as well.
 # - **A surface that is not a plane.** A small error remains because of the crown and the kerbs.
 #
-# The slope of a plane through three points is off by about 0.3 %, which makes 9 cm at a distance of 30 m. The bias of the first fit makes 2 cm there, and the bias of the second makes 5 mm.
+# The slope of a plane through three points is off by about 0.3 %. At a distance of 30 m, this is an error of 9 cm in height. The bias of the first fit causes 2 cm there, and the bias of the second only 5 mm.
 #
 # ## How many rounds?
 #
@@ -767,7 +767,7 @@ axes.set_xticks(numbers, numbers);
 # - **The model.** Real ground is not one plane, because it has a crown, kerbs and pavements. If one of the three points is on a pavement, their plane may fit nothing.
 # - **Noise.** If three points are close together or nearly on one line, a little noise tilts their plane so much that it misses the distant ground.
 #
-# Between the house fronts, two good samples in three fail. *If you want more* shows that the model causes most of these failures. More rounds help. In practice, engineers run two or three times as many rounds as the formula says. For a million points, they need no more.
+# Between the house fronts, two good samples in three fail. *If you want more* shows that the model causes most of these failures. More rounds help. In practice, engineers run two or three times as many rounds as the formula says. A million points do not need more rounds than a thousand.
 
 # %% [markdown]
 # ## Common mistakes
