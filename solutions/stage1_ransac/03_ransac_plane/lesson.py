@@ -808,7 +808,6 @@ for (name, (plane, mask)), axes in zip(wrong.items(), panels):
 # ```
 #
 # - Real systems first try the ground plane of the previous frame.
-# - Libraries compute `iterations_needed` inside the loop, from the best inlier ratio so far, and stop when more rounds are pointless.
 # - You can make good samples more likely. The lower beams hit the ground more often, and points far apart give a better plane.
 #
 # ## Summary
@@ -818,18 +817,17 @@ for (name, (plane, mask)), axes in zip(wrong.items(), panels):
 # - Look at the normal, because the largest plane may be a wall.
 # - Refit the plane to all inliers. This removes scatter, but not all of the bias.
 #
-# **Sources.** RANSAC: [Fischler and Bolles 1981](https://doi.org/10.1145/358669.358692). MSAC: [Torr and Zisserman 2000](https://doi.org/10.1006/cviu.1999.0832). Least-squares planes by SVD: [Shakarji 1998](https://doi.org/10.6028/jres.103.043). The loop in a library: [PCL, planar segmentation](https://pcl.readthedocs.io/projects/tutorials/en/latest/planar_segmentation.html), [Open3D, plane segmentation](https://www.open3d.org/docs/release/tutorial/geometry/pointcloud.html#Plane-segmentation).
+# **Sources.** RANSAC: [Fischler and Bolles 1981](https://doi.org/10.1145/358669.358692). Least-squares planes by SVD: [Shakarji 1998](https://doi.org/10.6028/jres.103.043). The loop in a library: [PCL, planar segmentation](https://pcl.readthedocs.io/projects/tutorials/en/latest/planar_segmentation.html), [Open3D, plane segmentation](https://www.open3d.org/docs/release/tutorial/geometry/pointcloud.html#Plane-segmentation).
 #
 # **Next:** 04 · The kd-tree
 
 # %% [markdown]
 # ## If you want more
 #
-# Here are three programming tasks, which take about half an hour each:
+# Here are two programming tasks, which take about half an hour each:
 #
-# 1. Stop early. Call `iterations_needed` in `ransac_plane`. How many rounds does the street need on average?
+# 1. Stop early, as libraries do. In `ransac_plane`, call `iterations_needed` with the best inlier ratio so far. How many rounds does the street need on average?
 # 2. Skip planes that are not nearly level before you count their inliers. How much time does this save? Does the lorry in the drive below still win?
-# 3. MSAC does not count inliers. It adds up the squared distances, each cut off at the square of the threshold. Before the refit, is its plane better than yours?
 #
 # Below are two finished experiments and a proof. They take about 20 minutes in all.
 
