@@ -929,8 +929,8 @@ common_checks.promise_untouched(
     weight=6,
     title="Returns the mask that belongs to the line, for any threshold",
     why="The map may use the inliers and the steering the line, so both must show the same wall.",
-    hint="Replace line and mask together, and compare the distances in metres with "
-    "distance_tolerance.",
+    hint="Replace line and mask together. Compare distances in metres with distance_tolerance, and "
+    "do not square them.",
 )
 def mask_belongs_to_line(ransac_line: Callable) -> None:
     require_line_among_outliers(ransac_line)

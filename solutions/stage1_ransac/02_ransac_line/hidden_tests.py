@@ -308,8 +308,8 @@ def test_finds_fresh_lines(student, seed):
     "ransac_line",
     weight=10,
     title="Returns the mask that belongs to the line, even for a rough wall",
-    hint="Replace line and mask together. Compare the distances in metres with "
-    "distance_tolerance: do not square them, and use a unit normal.",
+    hint="Replace line and mask together. Compare distances in metres with distance_tolerance, and "
+    "do not square them.",
 )
 def test_mask_belongs_to_line(student, seed):
     require_line_among_outliers(student.ransac_line)
