@@ -4,6 +4,7 @@ import copy
 import importlib
 import importlib.util
 import math
+import textwrap
 from types import SimpleNamespace
 
 import matplotlib.pyplot as plt
@@ -19,7 +20,7 @@ from grader.judging.runner import run_checks
 from grader.sandbox import Limits
 from grader.sandbox.inside import wire_format
 from grader.sandbox.inside.wire_format import OpaqueValue
-from utils.checks import CheckFailed, check, checks_of, core
+from utils.checks import CheckFailed, check, checks_of, core, lesson_02
 from utils.checks.assertions import (
     as_array,
     as_labels,
@@ -31,12 +32,14 @@ from utils.checks.assertions import (
     assert_rows,
     assert_same_set_of_rows,
     assert_untouched,
+    brief_text,
     distinct_texts,
     metres_text,
     points_text,
 )
 from utils.checks.core import ChecksFailed, run_check
 from utils.checks.display import Table, as_html
+from utils.checks.lesson_03 import iterations_needed
 from utils.checks.outcomes import Outcome
 from utils.checks.summary import failure_texts, summarise
 from utils.checks.tips import locate, tip_for
@@ -363,12 +366,63 @@ def deep(number):
     return deep(number + 1)
 
 
+@pytest.mark.parametrize(
+    "slip, word",
+    [
+        (("<= distance_tolerance", "> distance_tolerance"), "Compare with <="),
+        (("best_mask, best_line = mask, line", "best_line = line"), "replace the best mask"),
+        (
+            ("    return best_line, best_mask", "        return best_line, best_mask"),
+            "after the loop",
+        ),
+    ],
+)
+def test_a_hint_about_a_missed_line_fits_its_reason(slip, word):
+    right = textwrap.dedent(
+        """
+        def ransac_line(points, max_iterations, distance_tolerance, rng):
+            rng = np.random.default_rng(rng)
+            best_line, best_mask = None, np.zeros(len(points), dtype=bool)
+            for _ in range(max_iterations):
+                p, q = points[rng.choice(len(points), size=2, replace=False)]
+                a, b = np.array([p[1] - q[1], q[0] - p[0]]) / np.hypot(*(q - p))
+                line = (a, b, -(a * p[0] + b * p[1]))
+                mask = np.abs(points @ line[:2] + line[2]) <= distance_tolerance
+                if mask.sum() > best_mask.sum():
+                    best_mask, best_line = mask, line
+            return best_line, best_mask
+        """
+    )
+    space = {"np": np}
+    assert right.count(slip[0]) == 1
+    exec(right.replace(*slip), space)
+    with pytest.raises(CheckFailed) as caught:
+        lesson_02.finds_the_line(space["ransac_line"])
+    assert word in caught.value.hint
+
+
+def test_a_hint_fits_the_wrong_answer():
+    with pytest.raises(CheckFailed) as caught:
+        lesson_02.assert_no_line(lambda p, q: (None, None, None), (1.0, 2.0))
+    assert "a single None" in caught.value.hint
+    for answer, word in ((20, "do not add 1"), (18, "")):
+        with pytest.raises(CheckFailed) as caught:
+            iterations_needed.assert_iterations(answer, 19, 0.6, 3, 0.99)
+        assert caught.value.hint.endswith(word + "." if word else "")
+
+
+def test_numbers_in_a_tuple_are_shown_as_plain_numbers():
+    assert brief_text((np.float64(1.7), np.int64(2), None)) == "(1.7, 2, None)"
+    assert brief_text([np.float64("nan"), (np.True_,)]) == "[nan, (True,)]"
+
+
 def test_a_tip_may_depend_on_the_line():
     words = "only length-1 arrays can be converted to Python scalars"
     assert "np.sqrt" in tip_for("TypeError", words, "`return math.sqrt(x)`")
     call = "line_through() missing 1 required positional argument: 'q'"
     assert "first line" in tip_for("TypeError", call)
     assert "one argument" in tip_for("TypeError", call, "`line = line_through(points[chosen])`")
+    assert "as many rows" in tip_for("TypeError", call, "`line = line_through(*points[chosen])`")
     with pytest.raises(IndexError) as caught:
         np.ones((8, 4))[np.ones((8, 3), dtype=bool)]
     for line, word in (

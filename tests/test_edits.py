@@ -228,6 +228,11 @@ SLIPS = {
         "y = []\nif x:\n    f(x)\nif z:\n    f(z)\nreturn y",
         "y = []\nif x:\n    y += f(x)\nif z:\n    y += f(z)\nreturn y",
     ),
+    "^ for each power": ("return (x ^ 2 + y ^ 2) ** n", "return (x ** 2 + y ** 2) ** n"),
+    "a double for each square": (
+        "return f((x - n) * 2 + y * 2)",
+        "return f((x - n) ** 2 + y ** 2)",
+    ),
     "one too few in each copy": ("return f(x[n - 1], y[n - 1])", "return f(x[n], y[n])"),
     "a mean that is not added again": (
         "q = x - y\nz = q @ n\nreturn z",

@@ -197,7 +197,7 @@ def as_array(
     """
     if answer is None:
         raise WrongForm(
-            "The function returned None. Does every path through it end with `return`?",
+            "The function returned None. End every path through it with `return` and the result.",
             yours="None",
             expected=description,
         )

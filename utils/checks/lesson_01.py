@@ -187,6 +187,11 @@ def _lengths(vectors: np.ndarray) -> np.ndarray:
     return np.array([math.hypot(*vector) for vector in vectors.tolist()])
 
 
+def _square_roots(values: np.ndarray) -> np.ndarray:
+    """Return square roots; NaN, without a warning, for negative values."""
+    return np.where(values < 0, np.nan, np.sqrt(np.abs(values)))
+
+
 declare_mistakes(
     "horizontal_distance",
     Mistake(
@@ -204,6 +209,11 @@ declare_mistakes(
     Mistake(
         "The function returns squared distances: the square root is missing.",
         lambda right, cloud: right**2,
+    ),
+    Mistake(
+        "The function doubles x and y instead of squaring them.",
+        lambda right, cloud: _square_roots(2 * cloud[:, :2].sum(axis=1)),
+        "x*2 is twice x. Write x**2 for the square of x.",
     ),
     Mistake(
         "The function returns |x| + |y|, the distance along two sides of the triangle.",

@@ -128,11 +128,13 @@ def assert_no_line(line_through: Callable, point: ArrayLike) -> None:
     """Assert that the answer for two equal points is None."""
     answer = line_through(np.array(point, dtype=float), np.array(point, dtype=float))
     if answer is not None:
+        is_repeated = isinstance(answer, tuple) and all(part is None for part in answer)
         raise CheckFailed(
             "Infinitely many lines pass through two equal points, so the answer must be None.",
             input_text=f"the point {point_text(point)} twice",
             yours=brief_text(answer),
             expected="None",
+            hint="Write `return None`, with a single None." if is_repeated else "",
         )
 
 
@@ -475,7 +477,7 @@ _PLAIN_CASE = Case(
 common_checks.promise_few_points(
     _PLAIN_CASE,
     "works_on_few_points",
-    title="Works on a single point and on no points",
+    title="Works on a single point and on an empty array",
     why="A slice of the street may be empty, and that must not crash the program.",
 )
 
@@ -791,12 +793,14 @@ def assert_finds_line(
             break
     if found < needed:
         n_without_line = sum(line is None for _, line, _ in missed)
+        observation, hint = _explain_runs(answers, ransac_line, runs, max_iterations, tolerance)
         raise CheckFailed(
             f"The line was found in {found} of {len(runs)} runs."
             + (f" In {n_without_line} of these runs the answer was None." if n_without_line else "")
-            + _hint_from_runs(answers, ransac_line, runs, max_iterations, tolerance),
+            + observation,
             yours=f"found in {found} of {len(runs)} runs",
             expected=f"nearly all runs, with {max_iterations} rounds",
+            hint=hint,
             draw=lambda: utils.plots.line_model(
                 *missed[0], tolerance, title="a run that missed the line"
             ),
@@ -823,23 +827,32 @@ def answers_of_short_runs(
     return [as_line_and_mask(answer, len(points)) for answer in call_each(ransac_line, calls)]
 
 
-def _hint_from_runs(
+def _explain_runs(
     answers: Sequence[tuple],
     ransac_line: Callable,
     runs: Sequence[tuple],
     max_iterations: int,
     tolerance: float,
-) -> str:
-    """Return a sentence about a likely reason why runs missed the line; "" if there is none."""
+) -> tuple[str, str]:
+    """Return a sentence about a likely reason why runs missed the line, and a hint.
+
+    Both are empty if no reason is known.
+    """
     if any(line is None for line, _ in answers):
-        return ""
+        return "", ""
     if not any(mask.any() for _, mask in answers):
-        return " Each run returned a line but not a single inlier."
+        return (
+            " Each run returned a line but not a single inlier.",
+            "When you replace the best line, also replace the best mask.",
+        )
     if all(
         np.array_equal(mask, distances_from(line, points) > tolerance)
         for (line, mask), (points, _) in zip(answers, runs, strict=False)
     ):
-        return " Each mask marks the points that are farther from the line than the threshold."
+        return (
+            " Each mask marks the points that are farther from the line than the threshold.",
+            "Compare with <=: inliers have a distance of at most distance_tolerance.",
+        )
 
     def run_all(rounds: int) -> list[tuple]:
         return [
@@ -852,7 +865,10 @@ def _hint_from_runs(
     if all(_lines_equal(first[0], last[0]) for first, last in both):
         masks_equal = all(np.array_equal(first[1], last[1]) for first, last in both)
         same = "the answers are the same" if masks_equal else "only the masks differ, not the lines"
-        return f" With {fixed('1 round')} instead of {max_iterations}, {same}."
+        return (
+            f" With {fixed('1 round')} instead of {max_iterations}, {same}.",
+            "Create rng before the loop, draw a sample in each round, and return after the loop.",
+        )
     after_half = run_all(max_iterations // 2)
     fewer = sum(
         last.sum() < first.sum() for (_, first), (_, last) in zip(after_half, answers, strict=True)
@@ -861,9 +877,10 @@ def _hint_from_runs(
         return (
             f" In {fewer} of the {len(runs)} runs, the mask has fewer inliers after "
             f"{max_iterations} rounds than after {max_iterations // 2} rounds with the same "
-            "seed."
+            "seed.",
+            "Replace the best line and mask only if the new mask has more inliers.",
         )
-    return ""
+    return "", ""
 
 
 @once_per_run
@@ -880,8 +897,7 @@ def require_line_among_outliers(ransac_line: Callable) -> None:
     why="Most of a scan is not the wall: RANSAC must find the wall behind a crowd and, in lesson "
     "03, the road.",
     hint="After each round, compare the number of inliers with the number in the best mask so "
-    "far. If it is larger, replace both line and mask. Create rng before the loop. Return after "
-    "the loop.",
+    "far. If it is larger, replace both line and mask.",
 )
 def finds_the_line(ransac_line: Callable) -> None:
     assert_finds_line(ransac_line, _CLOUDS, 8, 60, 0.4)
@@ -913,8 +929,8 @@ common_checks.promise_untouched(
     weight=6,
     title="Returns the mask that belongs to the line, for any threshold",
     why="The map may use the inliers and the steering the line, so both must show the same wall.",
-    hint="Replace line and mask together. Compare the distances in metres with "
-    "distance_tolerance: do not square them, and use a unit normal.",
+    hint="Replace line and mask together. Compare distances in metres with distance_tolerance, and "
+    "do not square them.",
 )
 def mask_belongs_to_line(ransac_line: Callable) -> None:
     require_line_among_outliers(ransac_line)
@@ -1107,8 +1123,7 @@ def draws_from_all_points(ransac_line: Callable) -> None:
             input_text="four points and max_iterations=2",
             yours=f"no line through rows 0 and 2 or through rows 1 and 3 in {len(lines)} runs",
             expected="one of these lines in about a third of the runs",
-            hint="Draw two different rows, independently of each other: "
-            "rng.choice(len(points), size=2, replace=False).",
+            hint="Draw both rows at random: rng.choice(len(points), size=2, replace=False).",
         )
     row = int(np.flatnonzero(~drawn)[0])
     raise CheckFailed(

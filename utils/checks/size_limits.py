@@ -76,6 +76,10 @@ def short_text(value: object) -> str:
 class _ShortRepr(reprlib.Repr):
     """A `reprlib.Repr` that also shortens arrays, sets, dictionaries and huge numbers in a list."""
 
+    def repr1(self, value: object, level: int) -> str:
+        plain = value.item() if isinstance(value, np.generic) else value  # 2, not np.int64(2)
+        return super().repr1(plain, level)
+
     def repr_int(self, value: int, level: int) -> str:
         return super().repr_int(value, level) if abs(value) <= LARGEST_INTEGER else "..."
 

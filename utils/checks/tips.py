@@ -40,6 +40,12 @@ _TIPS = (
     (
         "TypeError",
         r"missing \d+ required positional|takes (from )?\d+ .*positional",
+        r"\(\*",
+        "The star passes one argument for each row. Pass as many rows as the function takes.",
+    ),
+    (
+        "TypeError",
+        r"missing \d+ required positional|takes (from )?\d+ .*positional",
         r"\(",
         "This line passes more or fewer arguments than the function takes. An array of two points "
         "is one argument. Write f(points[i], points[j]), or f(*pair) to pass its rows separately.",

@@ -17,7 +17,8 @@ def edits_of_several_nodes(
     Such slips are a notebook variable or a number used instead of a parameter, two parameters that
     are exchanged in a statement or throughout, several calls that lack the same axis, row numbers
     that are returned instead of a mask, a counter that grows in none of several calls, calls
-    whose results are lost, and a superfluous operand in each copy of an expression.
+    whose results are lost, a superfluous operand in each copy of an expression, and another
+    operator in place of each power.
 
     Parameters
     ----------
@@ -54,6 +55,7 @@ def edits_of_several_nodes(
     yield from _edits_of_returned_rows(source, nodes, names)
     yield from _edits_of_several_calls(source, nodes)
     yield from _edits_of_copied_expressions(source, nodes)
+    yield from _edits_of_several_powers(source, nodes)
     differences = [node for node in nodes if isinstance(getattr(node, "op", None), ast.Sub)]
     operands = [node.right if isinstance(node, ast.BinOp) else node.value for node in differences]
     subtracted = {operand.id: 1 for operand in operands if isinstance(operand, ast.Name)}
@@ -110,6 +112,24 @@ def _edits_of_copied_expressions(
         first = several[0]
         for operand in (first.left, first.right) if len(several) > 1 else ():
             yield 1, [(*source.span(node), f"({source.text_of(operand)})") for node in several]
+
+
+def _edits_of_several_powers(
+    source: SourceText, nodes: list[ast.AST]
+) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
+    """Turn each `x ^ 2`, or each `x * 2`, into a power."""
+    places: dict[str, list[tuple[int, int, str]]] = {}
+    for node in nodes:
+        operator = type(node.op) if isinstance(node, ast.BinOp) else None
+        is_doubled = operator is ast.Mult and getattr(node.right, "value", None) == 2
+        if is_doubled or operator is ast.BitXor:
+            sign = "*" if is_doubled else "^"
+            begin, end = source.span(node.left)[1], source.span(node.right)[0]
+            at = begin + source.text(begin, end).find(sign)
+            places.setdefault(sign, []).append((at, at + 1, "**"))
+    for several in places.values():
+        if len(several) > 1:
+            yield 0, several
 
 
 def _edits_of_returned_rows(

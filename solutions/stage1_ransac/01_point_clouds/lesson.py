@@ -13,7 +13,7 @@
 #
 # ![The same laser scan drawn twice, coloured by distance. The upper picture shows the view ahead as rows of dots, with labels at a cyclist, a turning car, a pedestrian and a parked car. The lower picture shows the scan from above, as rings around the sensor.](01_preview.png)
 #
-# Both pictures show the same laser scan. The upper one is the scanner's own view of the street ahead, with one row of dots per laser beam. The lower one is a map of the result: a list of points, called a *point cloud*.
+# Both pictures show the same laser scan. The upper one is the scanner's own view of the street ahead, with one row of dots per laser beam. The lower one shows the scan from above. A scan is a list of points, called a *point cloud*.
 #
 # **After this lesson you can**
 # - explain how a laser scanner measures a point, and what each of its parameters changes,
@@ -31,7 +31,7 @@
 # %% [markdown]
 # ## Your first line of code
 #
-# A scanner on the roof of a car has made one full turn on a straight road with three box-shaped cars. Each row of its cloud is a [return](#Words-of-the-course), a place from which laser light came back. The columns are x, y, z and intensity. The sensor is at the origin. The x axis points forward, y to the left and z up, always in metres.
+# A scanner on the roof of a car has made one full turn. Around it are a straight road and three box-shaped cars. Each row of its cloud is a [return](#Words-of-the-course), a place from which laser light came back. The columns are x, y, z and intensity. The sensor is at the origin. The x axis points forward, y to the left and z up, always in metres.
 
 # %%
 import matplotlib.pyplot as plt
@@ -100,7 +100,7 @@ echo = predict("A car is 30 m ahead. How long after the pulse does its echo arri
 SPEED_OF_LIGHT = 299_792_458  # metres per second
 echo.compare(f"{2 * 30 / SPEED_OF_LIGHT * 1e6:.1f} microseconds",
              "The round trip is 60 m, and light travels 300 m in a microsecond. "
-             "So the scanner can send its next pulse about a microsecond later.")
+             "Even an echo from 120 m arrives within a microsecond.")
 later = 2 * 0.02 / SPEED_OF_LIGHT
 print(f"if the car were 2 cm farther away, the echo would arrive {later * 1e12:.0f} picoseconds later")
 
@@ -127,7 +127,7 @@ for azimuth, where in ((0, "ahead"), (90, "to the left"), (-90, "to the right"))
 #
 # *A turning beam draws a ring on the road, and an obstacle leaves a gap in the ring.*
 #
-# A scanner turns a stack of lasers that point at different elevations, and fires all of them at every step. Each laser is a [beam](#Words-of-the-course), each single shot is a *ray*, and all the returns from one turn form a *scan*. The cloud above comes from a small scanner with 8 beams and 128 steps. Like everything in this course, it is simulated, so we know the truth.
+# A scanner turns a stack of lasers that point at different elevations, and fires all of them at every step. Each laser is a [beam](#Words-of-the-course), each single shot is a *ray*, and all the returns from one turn form a *scan*. The cloud above comes from a small scanner with 8 beams and 128 steps. Like nearly all data in this course, it is simulated, so we know the truth.
 #
 # In the first picture, the car ahead casts a *shadow*, so the outermost ring has a gap behind it. A scanner sees only the side of a car that faces the scanner. The next picture shows the rays straight ahead, from the side.
 
@@ -141,11 +141,11 @@ for x, _, z, _ in ahead:  # one row at a time; _ is a number that we do not need
 print("the rays end at x =", ahead[:, 0].round(1), "m")
 
 # %% [markdown]
-# The steep rays hit the road, each a little farther out. The two flattest rays hit the car, 13 m ahead. A ray above the car would hit nothing and leave no row in the cloud. A point cloud therefore tells you nothing about free space.
+# The steep rays hit the road, each a little farther out. The two flattest rays hit the car, 13 m ahead. A ray above the car would hit nothing and leave no row in the cloud. So a place without points may be free, or it may be hidden behind an obstacle.
 #
 # ## Play: build your own scanner
 #
-# Now you choose the number of beams, the azimuth step between two shots, and the [noise](#Words-of-the-course) in the range. The street stays the same. With 32 beams, each of the four cars and three pedestrians within 12 m has at least eight returns.
+# Now you choose the number of beams, the azimuth step between two shots, and the [noise](#Words-of-the-course) in the range. The scanner is now in a street, which stays the same. With 32 beams, each of the four cars and three pedestrians within 12 m has at least eight returns.
 
 # %%
 left_over = predict("With only 4 beams, how many of these seven still have at least five returns?",
@@ -505,7 +505,7 @@ print("no 0 in the row:   ", ~(table == 0).any(axis=1))
 # %% [markdown]
 # ## Exercise 2 · `drop_invalid` (points)
 #
-# Keep the rows that are points. A row is *not* a point if any of its coordinates is not finite, or if all three are exactly 0. A point exactly to the left of the sensor has x = 0 and is valid. A point whose intensity is NaN is also valid.
+# Keep the rows that are points. Drop a row if any of its coordinates is NaN or infinite, or if all three are exactly 0. A point exactly to the left of the sensor has x = 0 and is valid. A point whose intensity is NaN is also valid.
 
 # %% nbgrader={"grade": false, "grade_id": "drop_invalid", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def drop_invalid(cloud):

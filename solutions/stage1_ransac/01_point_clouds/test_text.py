@@ -47,6 +47,11 @@ def test_two_flattest_rays_meet_the_car_ahead(lesson_run):
     assert np.allclose(ends[ends[:, 2] > -2.5, 0], 13.0, atol=0.2)
 
 
+def test_an_echo_from_120_metres_arrives_within_a_microsecond(lesson_run):
+    assert "Even an echo from 120 m arrives within a microsecond." in lesson_run.text
+    assert 2 * 120 / lesson_run.names["SPEED_OF_LIGHT"] < 1e-6
+
+
 def test_four_beams_see_the_cars_and_no_pedestrian(lesson_run):
     assert len(lesson_run.names["cars"]) == 4
     assert len(lesson_run.names["pedestrians"]) == 3

@@ -25,6 +25,7 @@ from utils.checks.lesson_02 import (
     assert_two_points_are_enough,
     assert_unit_normal,
     distances_from,
+    follows_wall,
     lines_from_two_rounds,
     require_line_among_outliers,
     require_slanted_lines,
@@ -302,14 +303,22 @@ def assert_mostly_found(student, clouds, max_iterations, tolerance, needed):
 def test_finds_fresh_lines(student, seed):
     clouds = [wall_and_clutter((seed, run), 25, 25)[0] for run in range(12)]
     assert_mostly_found(student, clouds, 120, 0.4, 8)  # P(miss) = 1e-8
+    # The outliers come first, in case an answer draws only from the first rows.
+    points, on_line = wall_and_clutter((seed, 12), 120, 120)
+    points = points[np.argsort(on_line)]
+    for run in range(3):
+        answer = student.ransac_line(points.copy(), 120, 0.4, np.random.default_rng(run))
+        if follows_wall(as_line_and_mask(answer, len(points))[0], points[120:], 0.4):
+            return
+    raise CheckFailed("The line is found too rarely.")
 
 
 @hidden(
     "ransac_line",
     weight=10,
     title="Returns the mask that belongs to the line, even for a rough wall",
-    hint="Replace line and mask together. Compare the distances in metres with "
-    "distance_tolerance: do not square them, and use a unit normal.",
+    hint="Replace line and mask together. Compare distances in metres with distance_tolerance, and "
+    "do not square them.",
 )
 def test_mask_belongs_to_line(student, seed):
     require_line_among_outliers(student.ransac_line)

@@ -13,7 +13,7 @@
 #
 # ![The same twenty points drawn twice. On the left, the least-squares line through all of them is nearly flat. On the right, the RANSAC line follows a diagonal row of points. A band around the line contains its inliers, and crosses mark the outliers.](02_preview.png)
 #
-# Half of these points are along a line, and you can see it at a glance. The usual way to fit a line, on the left, misses it. RANSAC, on the right, finds it by trying lines at random.
+# Half of these points are near a line, as you can see at a glance. The usual way to fit a line, on the left, misses it. RANSAC, on the right, finds it by trying lines at random.
 #
 # **After this lesson you can**
 # - find a line even if half of the points are wrong, with an algorithm of a dozen lines,
@@ -213,7 +213,7 @@ check(line_through)
 #
 # *With a unit normal, the equation of the line measures distances.*
 #
-# Put the coordinates of a point into $a\,x + b\,y + c$. On the line, the result is 0. If you move 1 m along the normal, from $(x, y)$ to $(x + a,\ y + b)$, it grows by $a \cdot a + b \cdot b = 1$. So it counts metres, positive on one side of the line and negative on the other. The distance is its absolute value:
+# Put the coordinates of a point into $a\,x + b\,y + c$. On the line, the result is 0. If you move 1 m along the normal, from $(x, y)$ to $(x + a,\ y + b)$, it grows by $a \cdot a + b \cdot b = 1$. So the result is a number of metres, positive on one side of the line and negative on the other. The distance is its absolute value:
 #
 # $$\text{distance} = |a\,x + b\,y + c|.$$
 #
@@ -285,7 +285,7 @@ for point, distance in zip(some, point_line_distance(some, line)):
 check(point_line_distance)
 
 # %% [markdown]
-# ## The idea: two points make a line, all points vote
+# ## The idea: two points make a line, and all points vote
 #
 # *The right line has many points near it, and a wrong line has only a few.*
 #
@@ -344,11 +344,11 @@ for number in range(1, 11):
           f"the best so far has {max(counts):2d}")
 
 # %% [markdown]
-# Round 4 found the wall. Rounds 2, 7 and 9 also drew two points of the wall, but these are close together. The wall is rough, so the line through them has the wrong direction. Later you will measure how much this matters.
+# Round 4 found the wall. Rounds 2, 7 and 9 also drew two points of the wall, but these are less than half as far apart. The wall is rough, so the line through them has the wrong direction. Later you will measure how much this matters.
 #
 # ## Bad samples
 #
-# Some samples do not determine a line. The same point may be drawn twice. `rng.choice(n, size=2, replace=False)` prevents this by drawing two *different* indices, like two cards from a pack. But two rows may also have equal coordinates, because scanners round, and some report a strong echo twice. How often does each happen? We round the coordinates to whole metres and draw 5,000 samples:
+# Some samples do not determine a line. The same point may be drawn twice. `rng.choice(n, size=2, replace=False)` prevents this by drawing two *different* indices, like two cards from a pack. But two rows may also have equal coordinates, because scanners round their measurements, and some report a strong echo twice. How often does each happen? We round the coordinates to whole metres and draw 5,000 samples:
 
 # %%
 rng = np.random.default_rng(0)
@@ -544,7 +544,7 @@ every_second = predict("With 10 rounds, at what inlier ratio do half of all runs
 # %%
 every_second.compare(100 * np.sqrt(1 - 0.5 ** (1 / 10)),
                      "At this ratio, only one sample in 15 is good, so ten rounds draw a good one in only "
-                     "half of all runs. RANSAC can find a line that holds only a quarter of all points.")
+                     "half of all runs. RANSAC can find a line even if only a quarter of all points belong to it.")
 
 # %% [markdown]
 # Now test your own function on two hundred scenes with a known inlier ratio. A run succeeds if it finds at least 80 % of the points on the line.
@@ -585,20 +585,20 @@ show_table(["w = 0.3", "theory", "measured"],
              f"{measured[f'{rounds} rounds'][1][1]:.0%}") for rounds in (2, 10, 40)])
 
 # %% [markdown]
-# Your measurements follow the curves, but two hundred runs are only a sample, so they are off by a few per cent. The formula itself is slightly too high, because RANSAC does not put the first point back before it draws the second. If 12 of 60 points are inliers, ten rounds succeed in 32 % of all runs instead of 34 %.
+# Your measurements follow the curves, but two hundred runs are only a sample, so they are off by a few percentage points. The formula itself promises slightly too much, because RANSAC does not put the first point back before it draws the second. If 12 of 60 points are inliers, ten rounds succeed in 32 % of all runs instead of 34 %.
 #
 # Follow the ten-round curve from left to right. If a fifth of the points are inliers, most runs fail. With two thirds or more, nearly all runs succeed. The table for w = 0.3 shows that more rounds make up for fewer inliers.
 #
-# These walls were smooth to within half a centimetre. With half of the points on such a wall, the formula promises that eight rounds find it in 90 % of all runs. What about a rough wall?
+# The points of these walls deviate from a line by only half a centimetre (standard deviation). With half of the points on such a wall, the formula promises that eight rounds find it in 90 % of all runs. What about a rough wall?
 
 # %%
-rough_wall = predict("If the wall is rough to 0.25 m, what share of the runs finds it with 8 rounds?",
+rough_wall = predict("If the points deviate by 0.25 m, what share of the runs finds the wall with 8 rounds?",
                      between=(0, 100), unit="%")
 
 # %%
 rounds = np.array([1, 2, 4, 8, 16, 32])
 many = np.linspace(1, 32, 200)
-measured = {f"wall rough to {roughness} m": (
+measured = {f"deviation {roughness} m": (
     rounds, [success_rate(count, 0.5, roughness, 0.6) for count in rounds.tolist()])
     for roughness in (0.005, 0.1, 0.25)}
 plots.curves({"theory for w = 0.5": (many, 1 - (1 - 0.5**2) ** many)}, measured, across="rounds",
@@ -738,7 +738,7 @@ ask_about(ransac_line)
 # %% [markdown]
 # ### Breaking it on purpose
 #
-# *A good tester looks for the smallest input on which a wrong function gives itself away.*
+# *A good tester looks for the smallest input on which a wrong function shows its mistake.*
 #
 # This takes about 20 minutes. Three colleagues have each sent you a `ransac_line`, but not its code. The figure shows what their functions and yours find in fifteen points, with a threshold of 0.5 m. What is wrong with A, B and C?
 

@@ -133,7 +133,7 @@ def test_success_follows_the_formula(lesson_run):
     rate = lesson_run.names["success_rate"]
     assert rate(10, 0.2) < 0.5 and rate(10, 2 / 3) > 0.95
     for rounds in (2, 10, 40):
-        # The text says that measurements are off by "a few per cent".
+        # The text says that measurements are off by "a few percentage points".
         assert rate(rounds, 0.3) == pytest.approx(1 - (1 - 0.3**2) ** rounds, abs=0.06)
     assert rate(10, 0.26) == pytest.approx(0.5, abs=0.12)
 

@@ -82,7 +82,7 @@ alpha, beta, gamma = np.linalg.lstsq(table, street[:, 2], rcond=None)[0]
 naive = np.array([alpha, beta, -1.0, gamma])  # the same as alpha x + beta y - z + gamma = 0
 above = (table @ [alpha, beta, gamma] - street[:, 2])[is_ground]
 print(f"The plane runs {np.median(above):.2f} m above the ground.")
-print(f"{(np.abs(above) < 0.2).sum()} of {is_ground.sum():,} ground points are within 0.2 m of it.")
+print(f"Ground points within 0.2 m of it: {(np.abs(above) < 0.2).sum()} of {is_ground.sum():,}")
 plots.plane_model(street, naive, limits=side,
                   title="Least squares with all points gives a plane in mid-air");
 
@@ -308,7 +308,7 @@ all_three.compare(100 * is_ground[picks].all(axis=1).mean(),
                   "fifty rounds it happens several times.")
 
 # %% [markdown]
-# A plane through a car usually cuts through the street at an odd angle and has few inliers. If all three points are on the ground and far apart, the count jumps. So RANSAC runs many rounds and keeps the plane with the most inliers. It assumes only that the ground is the largest plane.
+# A plane through a car usually cuts through the street at an odd angle and has few inliers. If all three points are on the ground and far apart, the count jumps. So RANSAC runs many rounds and keeps the plane with the most inliers, which we call the *largest* plane. It assumes only that this plane is the ground.
 #
 # ## Exercise 3 · `ransac_plane` (points)
 #
@@ -483,7 +483,7 @@ plots.plane_model(beside, won, near, 0.2, view="above", limits=((-2, 14), (-9, -
 # %%
 calmer = predict("After the fit to all inliers, how do the thirty slopes scatter?",
                  choices=["less, and around the true slope",
-                          "less, but on one side of it",
+                          "less, but on one side of the true slope",
                           "as much as before"])
 
 # %% [markdown]
@@ -636,7 +636,7 @@ panels[1].get_legend().remove()
 fitted, before = slopes["all inliers"], slopes["three points"]
 off = abs(np.mean(fitted) - BUILT) > 3 * np.std(fitted) / len(fitted) ** 0.5
 answer = ("as much as before" if np.std(fitted) > 0.5 * np.std(before)
-          else "less, but on one side of it" if off
+          else "less, but on one side of the true slope" if off
           else "less, and around the true slope")
 calmer.compare(answer,
                "Averaging reduces errors that differ from run to run, but not errors that are the "
@@ -652,7 +652,7 @@ check(fit_plane)
 # - **Points that do not belong there.** The threshold also lets in wheels and bumpers. "Inliers on the ground" leaves them out with the help of the truth, and most of the error is gone. On a real road, we do not know the truth. But the plane is now good enough for a smaller threshold, and "again, within 0.1 m" does just as well.
 # - **A surface that is not a plane.** A small error remains because of the crown and the kerbs.
 #
-# The slope of a plane through three points is off by about 0.3 %, which makes 9 cm at a distance of 30 m. The bias of the first fit makes 2 cm there, and the bias of the second makes 5 mm.
+# The slope of a plane through three points is off by about 0.3 %. At a distance of 30 m, this is an error of 9 cm in height. The bias of the first fit causes 2 cm there, and the bias of the second only 5 mm.
 #
 # ## How many rounds?
 #
@@ -767,7 +767,7 @@ axes.set_xticks(numbers, numbers);
 # - **The model.** Real ground is not one plane, because it has a crown, kerbs and pavements. If one of the three points is on a pavement, their plane may fit nothing.
 # - **Noise.** If three points are close together or nearly on one line, a little noise tilts their plane so much that it misses the distant ground.
 #
-# Between the house fronts, two good samples in three fail. *If you want more* shows that the model causes most of these failures. More rounds help. In practice, engineers run two or three times as many rounds as the formula says. For a million points, they need no more.
+# Between the house fronts, two good samples in three fail. *If you want more* shows that the model causes most of these failures. More rounds help. In practice, engineers run two or three times as many rounds as the formula says. A million points do not need more rounds than a thousand.
 
 # %% [markdown]
 # ## Common mistakes
@@ -816,7 +816,6 @@ ask_about(ransac_plane)
 # ```
 #
 # - Real systems first try the ground plane of the previous frame.
-# - Libraries compute `iterations_needed` inside the loop, from the best inlier ratio so far, and stop when more rounds are pointless.
 # - You can make good samples more likely. The lower beams hit the ground more often, and points far apart give a better plane.
 #
 # ## Summary
@@ -826,18 +825,17 @@ ask_about(ransac_plane)
 # - Look at the normal, because the largest plane may be a wall.
 # - Refit the plane to all inliers. This removes scatter, but not all of the bias.
 #
-# **Sources.** RANSAC: [Fischler and Bolles 1981](https://doi.org/10.1145/358669.358692). MSAC: [Torr and Zisserman 2000](https://doi.org/10.1006/cviu.1999.0832). Least-squares planes by SVD: [Shakarji 1998](https://doi.org/10.6028/jres.103.043). The loop in a library: [PCL, planar segmentation](https://pcl.readthedocs.io/projects/tutorials/en/latest/planar_segmentation.html), [Open3D, plane segmentation](https://www.open3d.org/docs/release/tutorial/geometry/pointcloud.html#Plane-segmentation).
+# **Sources.** RANSAC: [Fischler and Bolles 1981](https://doi.org/10.1145/358669.358692). Least-squares planes by SVD: [Shakarji 1998](https://doi.org/10.6028/jres.103.043). The loop in a library: [PCL, planar segmentation](https://pcl.readthedocs.io/projects/tutorials/en/latest/planar_segmentation.html), [Open3D, plane segmentation](https://www.open3d.org/docs/release/tutorial/geometry/pointcloud.html#Plane-segmentation).
 #
 # **Next:** 04 · The kd-tree
 
 # %% [markdown]
 # ## If you want more
 #
-# Here are three programming tasks, which take about half an hour each:
+# Here are two programming tasks, which take about half an hour each:
 #
-# 1. Stop early. Call `iterations_needed` in `ransac_plane`. How many rounds does the street need on average?
+# 1. Stop early, as libraries do. In `ransac_plane`, call `iterations_needed` with the best inlier ratio so far. How many rounds does the street need on average?
 # 2. Skip planes that are not nearly level before you count their inliers. How much time does this save? Does the lorry in the drive below still win?
-# 3. MSAC does not count inliers. It adds up the squared distances, each cut off at the square of the threshold. Before the refit, is its plane better than yours?
 #
 # Below are two finished experiments and a proof. They take about 20 minutes in all.
 

@@ -300,7 +300,7 @@ declare_mistakes(
         "The directions are sorted from largest to least spread: take the last row.",
     ),
     Mistake(
-        "The normal is the direction of second largest spread; it must be the direction of "
+        "The normal is the direction of second-largest spread; it must be the direction of "
         "least spread.",
         lambda right, points: _through_the_mean(points, principal_components(points)[2][:, 1]),
         "The directions are sorted from largest to least spread: take the last row.",

@@ -72,7 +72,8 @@ def assert_iterations(answer: object, expected: int, *case: object) -> None:
         message = messages.get(
             float(number) - expected, "This is not the smallest number of samples that is enough."
         )
-        raise CheckFailed(message, **sides)
+        hint = "Round up with math.ceil, and do not add 1." if number == expected + 1 else ""
+        raise CheckFailed(message, **sides, hint=hint)
 
 
 def assert_infinite(answer: object) -> None:

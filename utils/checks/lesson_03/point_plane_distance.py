@@ -230,7 +230,7 @@ def accepts_a_tuple(point_plane_distance: Callable) -> None:
 @visible_check(
     "point_plane_distance",
     weight=1,
-    title="Works on a single point and on no points",
+    title="Works on a single point and on an empty array",
     why="Earlier filters may leave one point or none, and that must not crash the program.",
     hint="points[:, :3] @ normal gives one number per row, however many rows there are.",
 )

@@ -136,7 +136,8 @@ def finds_the_plane(ransac_plane: Callable) -> None:
     title="Returns a model and the mask that belongs to it",
     why="If the plane comes from one sample and the inliers from another, later cells remove the "
     "wrong points.",
-    hint="If a sample is better than the best so far, keep both its plane and its mask.",
+    hint="If a sample is better than the best so far, keep both its plane and its mask. If you "
+    "refit the plane, compute its mask again.",
 )
 def mask_belongs_to_model(ransac_plane: Callable) -> None:
     require_plane_among_outliers(ransac_plane)

@@ -13,7 +13,7 @@ def as_pair(answer: object) -> Sequence:
     """Return an answer as a pair, without checking its two values."""
     if answer is None:
         raise WrongForm(
-            "The function returned None. Does every path through it end with `return`?",
+            "The function returned None. End every path through it with `return` and the result.",
             yours="None",
             expected="(model, inliers)",
         )
