@@ -341,6 +341,13 @@ def test_points_are_replaced_by_row_numbers_early():
     assert edit.rank == 1
 
 
+def test_a_divisor_becomes_a_column_early():
+    found = edits_in(function("return x / n + y"))
+    ranks = {edit.text.strip(): edit.rank for edit in found if "[:, None]" in edit.text}
+    assert ranks["return x / n[:, None] + y"] == 1
+    assert ranks["return x[:, None] / n + y"] == 3
+
+
 def test_a_test_of_a_queue_becomes_a_loop_early():
     found = edits_in(function("if x:\n    y += x.pop()\nif y > z:\n    y = z\nreturn y"))
     ranks = {edit.text.strip(): edit.rank for edit in found if "while" in edit.text}

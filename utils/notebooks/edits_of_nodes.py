@@ -617,8 +617,11 @@ def _wrapping_edits(
             yield 2, begin, end, inner + part
         for part in _RARE_SLICES if atom and placed else ():
             yield 3, begin, end, inner + part
-        for part in (*_COLUMNS, *_INDICES, "[:, None]") if operand and name else ():
-            yield 3, begin, end, inner + part
+        if operand and name:
+            for part in (*_COLUMNS, *_INDICES):
+                yield 3, begin, end, inner + part
+            divides = isinstance(getattr(parent, "op", None), ast.Div) and field == "right"
+            yield 1 if divides else 3, begin, end, inner + "[:, None]"
         for part in _ROW_TESTS if placed and not _is_arithmetic(node) else ():
             yield 2, begin, end, inner + part
         if atom and isinstance(getattr(parent, "op", None), ast.MatMult):
