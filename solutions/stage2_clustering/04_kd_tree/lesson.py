@@ -466,7 +466,7 @@ for metres, axes in zip((2.0, 8.0), panels):
 #
 # *If you have just opened the notebook, run all the cells above. `insert` grows a tree, and `search` prunes the branches that the box does not reach.*
 #
-# A thousand points need at least ten levels, because nine full levels hold only $2^9 - 1 = 511$ points. The actual number depends on the order in which the points arrive. We try random points, a wall whose points arrive one after the other along a [beam](#Words-of-the-course), so that x and y rise, and the same wall shuffled.
+# A thousand points need at least ten levels, because nine full levels hold only $2^9 - 1 = 511$ points. The actual number depends on the order in which the points arrive. We try random points, and a wall whose points arrive one after the other along a [beam](#Words-of-the-course), so that x and y rise. Then we shuffle the points of the wall.
 
 # %%
 def levels(points, order=None):
