@@ -63,6 +63,7 @@ def notebook_output(lesson: object, exercise: str, notebook: str) -> str:
     """Return the text that `check` prints about an exercise."""
     from tests.students import answers_in
     from utils.checks import check, core
+    from utils.checks.diagnosis import object_to_diagnose
 
     core.SECONDS = SECONDS
     cells = json.loads(notebook)["cells"]
@@ -70,9 +71,8 @@ def notebook_output(lesson: object, exercise: str, notebook: str) -> str:
     output = io.StringIO()
     with contextlib.redirect_stdout(output), contextlib.redirect_stderr(io.StringIO()):
         try:
-            functions = answers_in(lesson, code)
-            through = exercise if exercise in functions else "KdTree"
-            check(functions.get(exercise, functions.get(through)), exercise)
+            owner = object_to_diagnose(exercise)  # the exercise, or its class
+            check(answers_in(lesson, code, owner)[owner], exercise)
         except BaseException as error:
             print(f"{type(error).__name__}: {error}")
     return output.getvalue()

@@ -28,10 +28,10 @@ def student_with(lesson, answers):
     return SimpleNamespace(**names, exercise="", close=lambda: None)
 
 
-def answers_in(lesson, cells):
-    """Return the functions of a lesson that a notebook defines, by name."""
+def answers_in(lesson, cells, *classes):
+    """Return the functions of a lesson, and some classes, that a notebook defines, by name."""
     statements, _ = slicing.parse_notebook(cells)
     space = {"__name__": "__main__", "display": lambda *values: None}
-    for statement in slicing.slice_for(lesson.names, statements):
+    for statement in slicing.slice_for([*lesson.names, *classes], statements):
         exec(slicing.compile_statement(statement, f"code cell {statement.cell}"), space)
-    return {name: space[name] for name in lesson.names}
+    return {name: space[name] for name in [*lesson.names, *classes]}

@@ -37,6 +37,7 @@ from utils.checks.assertions import (
     metres_text,
     points_text,
 )
+from utils.checks.clusters import assert_clusters
 from utils.checks.core import ChecksFailed, run_check
 from utils.checks.display import Table, as_html
 from utils.checks.lesson_03 import iterations_needed
@@ -275,6 +276,14 @@ def test_partitions_are_compared():
     assert "every point" in caught.value.hint
     with pytest.raises(CheckFailed, match="Points of different"):
         assert_partition([1, 1, 0, 0], expected - 1, cloud)
+
+
+def test_points_without_a_label_are_not_a_cluster():
+    cloud = np.outer([0.0, 0.1, 5.0, 5.3], [0.6, 0.0, 0.8])
+    with pytest.raises(CheckFailed) as caught:
+        assert_clusters([1, 1, 0, 0], np.array([1, 1, 2, 3]), cloud, 0.2)
+    assert caught.value.yours == "1 cluster, labels [1, 1, 0, 0]"
+    assert "They have the label 0" in caught.value.input_text
 
 
 def test_failures_can_be_drawn():

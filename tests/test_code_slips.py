@@ -20,6 +20,15 @@ def near(cloud):
         found.append(row)
         return found
 """
+AFTER_CONTINUE = """
+def near(cloud):
+    found = []
+    for row in cloud:
+        if row[0] > 3:
+            continue
+        found.append(row)
+        return found
+"""
 KEEPS_VALUES = """
 def near(cloud, found=[]):
     found.append(cloud[0])
@@ -60,6 +69,7 @@ def define(source, name="near", **names):
     [
         (PRINTS, "prints its result and returns nothing"),
         (IN_A_LOOP, "`return` is inside a loop"),
+        (AFTER_CONTINUE, "`return` is inside a loop"),
         (KEEPS_VALUES, "The default value of `found` is created only once"),
         (
             READS_ANOTHER,
@@ -93,6 +103,40 @@ def test_the_check_shows_the_slip_with_the_first_failure(capsys):
     shown = capsys.readouterr().out
     assert "What your code does: The function prints its result and returns nothing." in shown
     assert shown.count("returns nothing") == 1
+
+
+SEARCH_PRINTS = """
+class KdTree:
+    root = None
+
+    def plant(self, points, left, right, indices=None):
+        pass
+
+    def insert(self, point, index):
+        insert(self, point, index)
+
+    def search(self, target, tolerance):
+        return search(self, target, tolerance)
+
+
+def insert(tree, point, index):
+    pass
+
+
+def search(tree, target, tolerance):
+    print([3])
+"""
+
+
+def test_a_slip_is_found_in_a_function_that_a_method_calls(capsys):
+    with pytest.raises(ChecksFailed):
+        check(define(SEARCH_PRINTS, "KdTree"), "search")
+    assert "The function prints its result and returns nothing." in capsys.readouterr().out
+
+
+def test_a_method_is_checked_through_its_class():
+    with pytest.raises(TypeError, match=r'check\(KdTree, exercise="search"\)'):
+        check(define(SEARCH_PRINTS, "search"))
 
 
 def test_an_exception_is_explained_by_the_slip(capsys):

@@ -233,6 +233,18 @@ SLIPS = {
         "return f((x - n) * 2 + y * 2)",
         "return f((x - n) ** 2 + y ** 2)",
     ),
+    "the result of one call that is lost": (
+        "y = []\nif x:\n    f(x)\nif z:\n    y += f(z)\nreturn y",
+        "y = []\nif x:\n    y += f(x)\nif z:\n    y += f(z)\nreturn y",
+    ),
+    "the ends of an interval": (
+        "if x[n] + y < z:\n    f(x)\nif x[n] - y > z:\n    f(z)",
+        "if x[n] - y < z:\n    f(x)\nif x[n] + y > z:\n    f(z)",
+    ),
+    "a variable for its attribute": (
+        "if node.left is None:\n    node = x",
+        "if node.left is None:\n    node.left = x",
+    ),
     "one too few in each copy": ("return f(x[n - 1], y[n - 1])", "return f(x[n], y[n])"),
     "a mean that is not added again": (
         "q = x - y\nz = q @ n\nreturn z",
@@ -326,6 +338,25 @@ def line_through(p, q):
 """
     texts = [edit.text.strip() for edit in edits_in(code)]
     assert "return a, b, -(a * px + b * py)" in texts[:200]
+
+
+def test_points_are_replaced_by_row_numbers_early():
+    found = edits_in(function("y = []\nfor k in f(z):\n    y.append(x[z[k]])\nreturn y"))
+    [edit] = [edit for edit in found if "y.append(z[k])" in edit.text]
+    assert edit.rank == 1
+
+
+def test_a_divisor_becomes_a_column_early():
+    found = edits_in(function("return x / n + y"))
+    ranks = {edit.text.strip(): edit.rank for edit in found if "[:, None]" in edit.text}
+    assert ranks["return x / n[:, None] + y"] == 1
+    assert ranks["return x[:, None] / n + y"] == 3
+
+
+def test_a_test_of_a_queue_becomes_a_loop_early():
+    found = edits_in(function("if x:\n    y += x.pop()\nif y > z:\n    y = z\nreturn y"))
+    ranks = {edit.text.strip(): edit.rank for edit in found if "while" in edit.text}
+    assert ranks == {"while x:": 1, "while y > z:": 2}
 
 
 def growing_counters(*lines):

@@ -115,11 +115,8 @@ def keeps_clusters_whole(answer: object, expected: np.ndarray) -> bool:
 
 
 def _labels_text(labels: np.ndarray) -> str:
-    return (
-        f"{cluster_count_text(labels)}, labels {brief_text(labels)}"
-        if len(labels) <= 12
-        else cluster_count_text(labels)
-    )
+    count = cluster_count_text(labels[labels != 0])
+    return f"{count}, labels {brief_text(labels)}" if len(labels) <= 12 else count
 
 
 def cluster_count_text(labels: np.ndarray) -> str:
@@ -135,7 +132,9 @@ def _nearest_wrong_pair(
     wrong = (yours[:, None] == yours) != (expected[:, None] == expected)
     gaps = np.linalg.norm(cloud[:, None, :3] - cloud[None, :, :3], axis=2)
     i, j = np.unravel_index(np.argmin(np.where(wrong, gaps, np.inf)), gaps.shape)
-    labels = "the same label" if yours[i] == yours[j] else "different labels"
+    labels = "the same label" if yours[i] else "the label 0"
+    if yours[i] != yours[j]:
+        labels = "different labels"
     return (
         f"points {i} and {j}, at {point_text(cloud[i])} and {point_text(cloud[j])}, "
         f"{gaps[i, j]:.2f} m apart; threshold {threshold:g} m. They have {labels}"

@@ -86,10 +86,17 @@ def _find_return_in_loop(node: ast.FunctionDef) -> CodeSlip | None:
         if not isinstance(loop, _LOOPS) or not isinstance(loop.body[-1], ast.Return):
             continue
         is_endless = isinstance(loop, ast.While) and isinstance(loop.test, ast.Constant)
-        jumps = any(isinstance(part, (ast.Continue, ast.Break)) for part in _walk_body(loop))
-        if not (is_endless or jumps):
+        parts = list(_walk_body(loop))
+        jumps = any(isinstance(part, (ast.Continue, ast.Break)) for part in parts)
+        # After `continue`, a loop may return the first row that it finds, but a list of results
+        # that was made before the loop would be incomplete.
+        value = loop.body[-1].value
+        names = [part for part in parts if isinstance(part, ast.Name)]
+        set_inside = {name.id for name in names if not _is_read(name)}
+        is_incomplete = isinstance(value, ast.Name) and value.id not in set_inside
+        if not is_endless and (is_incomplete or not jumps):
             return CodeSlip(
-                "`return` is inside a loop, so the loop ends after its first round.",
+                "`return` is inside a loop, so the loop ends the first time it gets there.",
                 "Indent `return` one level less, so that it comes after the loop.",
             )
     return None

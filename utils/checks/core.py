@@ -8,11 +8,12 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from types import FunctionType
 from typing import TYPE_CHECKING
 
 from utils.checks.code_slips import find_code_slip
 from utils.checks.compiled import as_python
-from utils.checks.diagnosis import Mistake, diagnose
+from utils.checks.diagnosis import Mistake, diagnose, object_to_diagnose
 from utils.checks.failures import CheckFailed, NotStarted, Raised, Stopped, UnusableModule
 from utils.checks.import_guard import BlockedModules
 from utils.checks.limits import TimeUp, limit_resources
@@ -209,6 +210,9 @@ def check(function: Callable, exercise: str | None = None) -> None:
     written = own(function)
     function = as_python(written)
     exercise = exercise or getattr(function, "__name__", str(function))
+    owner = object_to_diagnose(exercise)
+    if owner != exercise and isinstance(function, FunctionType):
+        raise TypeError(f'Pass the class: check({owner}, exercise="{exercise}")')
     checks = checks_of(exercise)
     table, begin = Table(checks), time.process_time()
     if refused := refused_modules(_method_or_function(function, exercise), checks[0].lesson):
@@ -231,7 +235,7 @@ def check(function: Callable, exercise: str | None = None) -> None:
         )
         if not (mistake or wrong_helper):
             returned_none = any(outcome.failure.yours == "None" for outcome in failed)
-            slip = find_code_slip(_method_or_function(function, exercise), returned_none)
+            slip = find_code_slip(_written_function(function, exercise), returned_none)
         if not wrong_helper and threading.current_thread() is threading.main_thread():
             lost = [outcome.check for outcome in failed]
             hint = find_line_hint(function, checks, lost)
@@ -268,6 +272,13 @@ def _make_slowness_note(exercise: str, seconds: float) -> Outcome:
 def _method_or_function(function: Callable, exercise: str) -> Callable:
     """Return the method that solves an exercise if the function is a class, else the function."""
     return vars(function).get(exercise, function) if isinstance(function, type) else function
+
+
+def _written_function(function: Callable, exercise: str) -> Callable:
+    """Return the function that solves an exercise, even if a method of the class only calls it."""
+    method = _method_or_function(function, exercise)
+    names = getattr(getattr(method, "__code__", None), "co_names", ())
+    return method.__globals__.get(exercise, method) if names == (exercise,) else method
 
 
 def _run_all(checks: tuple[Check, ...], function: Callable, table: Table) -> list[Outcome]:

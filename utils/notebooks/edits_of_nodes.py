@@ -228,7 +228,7 @@ def edits_of_node(
     elif isinstance(node, ast.Attribute):
         yield from _attribute_edits(source, node)
     elif isinstance(node, ast.Subscript):
-        yield from _subscript_edits(source, node)
+        yield from _subscript_edits(source, node, names)
     elif isinstance(node, ast.Slice):
         yield from _slice_edits(source, node)
     elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load):
@@ -470,7 +470,7 @@ def _attribute_edits(
 
 
 def _subscript_edits(
-    source: SourceText, node: ast.Subscript
+    source: SourceText, node: ast.Subscript, names: Names
 ) -> Iterator[tuple[int, int, int, str]]:
     begin, end = source.span(node)
     value_end = source.span(node.value)[1]
@@ -482,7 +482,8 @@ def _subscript_edits(
     if not isinstance(inside, ast.Tuple):
         yield 1, *source.span(inside), f":, {source.text_of(inside)}"
     if not isinstance(inside, (ast.Slice, ast.Tuple, ast.Constant)):
-        yield 3, begin, end, source.text_of(inside)
+        is_argument = getattr(node.value, "id", "") in names.arguments  # points for row numbers
+        yield 1 if is_argument else 3, begin, end, source.text_of(inside)
 
 
 def _slice_edits(source: SourceText, node: ast.Slice) -> Iterator[tuple[int, int, int, str]]:
@@ -573,7 +574,8 @@ def _if_edits(source: SourceText, node: ast.If) -> Iterator[tuple[int, int, int,
         yield 2, begin, begin + 4, "if"
     else:
         yield 2, begin, begin + 2, "elif"
-        yield 2, begin, begin + 2, "while"
+        # `if queue:` is likelier to be meant as a loop than a comparison is.
+        yield 1 if isinstance(node.test, ast.Name) else 2, begin, begin + 2, "while"
 
 
 def _wrapping_edits(
@@ -615,8 +617,11 @@ def _wrapping_edits(
             yield 2, begin, end, inner + part
         for part in _RARE_SLICES if atom and placed else ():
             yield 3, begin, end, inner + part
-        for part in (*_COLUMNS, *_INDICES, "[:, None]") if operand and name else ():
-            yield 3, begin, end, inner + part
+        if operand and name:
+            for part in (*_COLUMNS, *_INDICES):
+                yield 3, begin, end, inner + part
+            divides = isinstance(getattr(parent, "op", None), ast.Div) and field == "right"
+            yield 1 if divides else 3, begin, end, inner + "[:, None]"
         for part in _ROW_TESTS if placed and not _is_arithmetic(node) else ():
             yield 2, begin, end, inner + part
         if atom and isinstance(getattr(parent, "op", None), ast.MatMult):

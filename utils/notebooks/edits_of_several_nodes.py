@@ -17,8 +17,9 @@ def edits_of_several_nodes(
     Such slips are a notebook variable or a number used instead of a parameter, two parameters that
     are exchanged in a statement or throughout, several calls that lack the same axis, row numbers
     that are returned instead of a mask, a counter that grows in none of several calls, calls
-    whose results are lost, a superfluous operand in each copy of an expression, and another
-    operator in place of each power.
+    whose results are lost, a superfluous operand in each copy of an expression, another operator in
+    place of each power, + and - that are exchanged, and a variable that is assigned instead of its
+    attribute.
 
     Parameters
     ----------
@@ -56,6 +57,8 @@ def edits_of_several_nodes(
     yield from _edits_of_several_calls(source, nodes)
     yield from _edits_of_copied_expressions(source, nodes)
     yield from _edits_of_several_powers(source, nodes)
+    yield from _exchanged_signs(source, nodes)
+    yield from _attribute_assignments(source, nodes, attributes)
     differences = [node for node in nodes if isinstance(getattr(node, "op", None), ast.Sub)]
     operands = [node.right if isinstance(node, ast.BinOp) else node.value for node in differences]
     subtracted = {operand.id: 1 for operand in operands if isinstance(operand, ast.Name)}
@@ -67,7 +70,7 @@ def edits_of_several_nodes(
 def _edits_of_several_calls(
     source: SourceText, nodes: list[ast.AST]
 ) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
-    """Add 1 to an argument of all calls of one function, or add the lost results of all calls.
+    """Add 1 to an argument of all calls of one function, or add lost results of one or all calls.
 
     The argument may be a part of a tuple, as in `queue.append((child, depth))`.
     """
@@ -91,9 +94,11 @@ def _edits_of_several_calls(
                 yield 1, [(*span, f"{name} + 1") for span in spans]
     returned = {node.value.id: 1 for node in nodes if _is_return_of_a_name(node)}
     for several in lost.values():
-        for name in returned if len(several) > 1 else ():
+        for name in returned:
             begins = [source.span(call)[0] for call in several]
-            yield 0, [(begin, begin, f"{name} += ") for begin in begins]
+            edits = [(begin, begin, f"{name} += ") for begin in begins]
+            yield 0, edits
+            yield from ((0, [edit]) for edit in edits if len(edits) > 1)
 
 
 def _is_return_of_a_name(node: ast.AST) -> bool:
@@ -130,6 +135,42 @@ def _edits_of_several_powers(
     for several in places.values():
         if len(several) > 1:
             yield 0, several
+
+
+def _exchanged_signs(
+    source: SourceText, nodes: list[ast.AST]
+) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
+    """Exchange + and - between expressions with equal operands, such as `x - r` and `x + r`."""
+    same_operands: dict[tuple[str, str], list[ast.BinOp]] = {}
+    for node in nodes:
+        if isinstance(node, ast.BinOp) and isinstance(node.op, (ast.Add, ast.Sub)):
+            operands = source.text_of(node.left), source.text_of(node.right)
+            same_operands.setdefault(operands, []).append(node)
+    for (left, right), several in same_operands.items():
+        if len({type(node.op) for node in several}) > 1:
+            signs = ["-" if isinstance(node.op, ast.Add) else "+" for node in several]
+            yield (
+                1,
+                [
+                    (*source.span(node), f"({left}) {sign} ({right})")
+                    for node, sign in zip(several, signs, strict=True)
+                ],
+            )
+
+
+def _attribute_assignments(
+    source: SourceText, nodes: list[ast.AST], attributes: list[ast.Attribute]
+) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
+    """Assign to an attribute of a variable, such as `node.left`, instead of to the variable."""
+    known: dict[str, dict[str, int]] = {}
+    for node in attributes:
+        if isinstance(node.value, ast.Name):
+            known.setdefault(node.value.id, {})[node.attr] = 1
+    for node in nodes:
+        for target in node.targets if isinstance(node, ast.Assign) else ():
+            if isinstance(target, ast.Name):
+                for name in known.get(target.id, ()):
+                    yield 1, [(*source.span(target), f"{target.id}.{name}")]
 
 
 def _edits_of_returned_rows(

@@ -64,7 +64,7 @@ print(f"The same question for every point needs {len(obstacles) ** 2:,} distance
       f"or about {seconds * len(obstacles) / 60:.1f} minutes.")
 
 # %% [markdown]
-# Every search has to look at the points that are near. How many others will your tree look at? The end of the lesson has the answer.
+# Every search has to look at the points that are near. How many points will your tree look at in all? The end of the lesson has the answer.
 
 # %%
 few = predict(f"Your finished tree holds all {len(obstacles):,} points. How many of them will it "
@@ -95,10 +95,10 @@ for axis, name in enumerate("xyz"):
 #
 # ## The idea: x and y take turns
 #
-# A **kd-tree** is a tree of points with $k$ dimensions. Each point becomes a *node*, which cuts (or *splits*) its region in two:
+# A **kd-tree** is a tree of points with $k$ dimensions. Each point becomes a *node*, which cuts (or *splits*) a region in two:
 #
-# - The first node, the *root*, cuts by x. Points with a smaller x go to the left, and all others go to the right.
-# - Its children cut by y. Again, smaller goes left, and everything else goes right.
+# - The first node, the *root*, cuts the whole space by x. Points with a smaller x go to the left, and all others go to the right.
+# - Its children cut these two sides by y. Again, smaller goes left, and everything else goes right.
 # - The third level cuts by x again, and so on. In three dimensions, the axes are x, y, z, x, y, z, ...
 #
 # The root has depth 0, and its children have depth 1. At depth $d$, the axis is $d \bmod k$, which is `depth % len(point)` in Python. A node without children is a *leaf*.
@@ -196,7 +196,7 @@ plots.kd_tree(first_of(8).root, title="The same tree as a diagram, with row 7 at
 # %% [markdown]
 # ## Exercise 1 · `insert` (points)
 #
-# `tree.insert(point, index)` calls your function with the tree as its first argument. Use a loop. A function that calls itself once per level would stop with a `RecursionError` in a tree of a thousand levels, and a later cell grows such a tree.
+# `tree.insert(point, index)` calls your function with the tree as its first argument. Use a loop. A later cell grows a tree of a thousand levels, in which a function that calls itself once per level usually stops with a `RecursionError`.
 #
 # In this lesson, you must not use `scipy.spatial` or scikit-learn, because they contain finished kd-trees. The end of the notebook lists all the packages that you may use.
 
@@ -250,7 +250,7 @@ def insert(tree, point, index):
 # </details>
 
 # %% [markdown]
-# **A tiny tree first.** On paper, (5, 5) is the root, (2, 8) goes left because its x is smaller, and (7, 3) goes right. `grow` makes a tree with your function. If a cell never finishes, stop it with ■. Your loop then has no way out.
+# **A tiny tree first.** On paper, (5, 5) is the root, (2, 8) goes left because its x is smaller, and (7, 3) goes right. `grow` makes a tree with your function. If a cell never finishes, your loop has no way out. Stop the cell with ■.
 
 # %%
 def grow(points, order=None):
@@ -339,7 +339,7 @@ plots.kd_tree(better.root, visited=looked_at, found=near_ones, axes=diagram,
 #
 # ## Exercise 2 · `search` (points)
 #
-# Return the indices of all points within `tolerance`, in any order. Sometimes both branches must be searched, so keep a list of places that you still have to visit, each with its depth. `math.dist(p, q)`, imported above as `dist`, is the distance between two points. A `search` that calls itself is also right, but it may later stop with a `RecursionError`.
+# Return the indices of all points within `tolerance`, in any order. Sometimes both branches must be searched, so keep a list of places that you still have to visit, each with its depth. `math.dist(p, q)`, imported above as `dist`, is the distance between two points. A `search` that calls itself is also right, but in the tree of a thousand levels it usually stops with a `RecursionError`.
 
 # %% nbgrader={"grade": false, "grade_id": "search", "locked": false, "schema_version": 3, "solution": true, "task": false}
 def search(tree, target, tolerance):
@@ -466,7 +466,7 @@ for metres, axes in zip((2.0, 8.0), panels):
 #
 # *If you have just opened the notebook, run all the cells above. `insert` grows a tree, and `search` prunes the branches that the box does not reach.*
 #
-# A thousand points need at least ten levels, because nine full levels hold only $2^9 - 1 = 511$ points. The actual number depends on the order in which the points arrive. We try a random order, a wall whose points arrive along a [beam](#Words-of-the-course), sorted by x and y, and the same wall shuffled.
+# A thousand points need at least ten levels, because nine full levels hold only $2^9 - 1 = 511$ points. The actual number depends on the order in which the points arrive. We try random points, and a wall whose points arrive one after the other along a [beam](#Words-of-the-course), so that x and y rise. Then we shuffle the points of the wall.
 
 # %%
 def levels(points, order=None):
@@ -484,7 +484,7 @@ for name, rows in {"random order": thousand, "along a wall, end to end": wall,
 # %% [markdown]
 # The sorted wall turns the tree into a list, because every point goes to the right of the one before. Searching this list is hardly better than comparing all points. Shuffling helps. But how do we get the best tree every time?
 #
-# A tree has the fewest levels if every node has as many nodes to its left as to its right. So the root must be the **median** along x, because half of the other points are smaller than it. In each half, the median along y comes next. This continues in every part, along the axis of its level.
+# A tree has the fewest levels if every node has as many nodes to its left as to its right. So the root must be the **median** along x, because half of the other points have a smaller x. In each half, the median along y comes next. This continues in every part, along the axis of its level.
 
 # %%
 root_row = predict("The better tree has row 3 as its root, which is the median along x. Which row "
@@ -505,7 +505,7 @@ for title, order, axes in (("medians first", [3, 0, 2, 1, 4, 6, 5], panels[0]),
     plots.kd_tree(one.root, title=f"{title}: {depth_of(one.root)} levels", axes=axes)
 
 # %% [markdown]
-# If you take the last sorted point instead of the middle one, the right side of the root stays empty, and the tree has one more level.
+# If the root is the point with the greatest x, its right side stays empty, and the tree has one more level.
 #
 # If the number of points is even, two of them are in the middle, and we take the *lower* one. Among $m$ sorted points, this is the one at place $\lfloor (m - 1) / 2 \rfloor$, counted from 0. The tree then has $\lfloor \log_2 n \rfloor + 1$ levels, as long as no coordinate occurs twice.
 #
@@ -587,7 +587,7 @@ check(median_order)
 # %% [markdown]
 # ## Theory against practice: count the visits
 #
-# The time of a search depends on the machine, but the number of nodes that it looks at does not. We draw 125 to 8,000 points of the scan and search around about fifty of them, each time for the five nearest. We do this three times for each of four orders of arrival. The last order is an artificial wall along which x, y and z all rise.
+# The time of a search depends on the machine, but the number of nodes that it looks at does not. We draw 125 to 8,000 points of the scan, and take at least fifty of them as targets. For each target, we search for the five nearest points. We do this three times for each of four orders of arrival. The last order is an artificial wall along which x, y and z all rise.
 
 # %% tags=["folded"]
 # @title Count the nodes of a search for five neighbours (you need not read this)
@@ -640,7 +640,7 @@ show_table(["order", "nodes looked at", "slope", "added by each doubling"],
              f"{np.diff(cost).mean():.1f}") for name, cost in costs.items()])
 
 # %% [markdown]
-# In the sorted wall, a search looks at half of all nodes, and the slope is 1, as if there were no tree. With medians first, each doubling adds only a few nodes. With a random order, a search looks at a fifth more nodes on average, so in practice people often just shuffle the points. Sorting by x wastes the cuts by x, but not the cuts by y and z.
+# A slope of $k$ means that the number of nodes grows like $n^k$. In the sorted wall, a search looks at half of all nodes, and the slope is 1, as if there were no tree. With medians first, each doubling adds only a few nodes. Averaged over the seven sizes, a random order costs a fifth more nodes, so in practice people often just shuffle the points. Sorting by x wastes the cuts by x, but not the cuts by y and z.
 #
 # ### And on the clock?
 #
@@ -708,7 +708,7 @@ few.compare(visits,
             "way down and points in regions that the box reaches. It never touches the rest.")
 
 # %% [markdown]
-# The formula $\lfloor \log_2 n \rfloor + 1$ promises 16 levels. The tree has more, because many coordinates are equal, and an equal point always goes right. For example, all 1,653 points of the horizontal beam have z = 0. If you moved every point by a random fraction of a millimetre, the tree would have 16 levels.
+# The formula $\lfloor \log_2 n \rfloor + 1$ promises 16 levels. The printed number is higher, because many coordinates are equal, and an equal point always goes right. For example, all 1,653 points of the horizontal beam have z = 0. If you moved every point by a random fraction of a millimetre, the tree would have 16 levels.
 #
 # ## Common mistakes
 #
@@ -752,7 +752,7 @@ ask_about(KdTree, exercise="search")
 # ## In practice
 #
 # - Real trees keep 10 to 40 points in each leaf and compare the target with all of them. They also cut the longest side of a region instead of taking turns.
-# - With more dimensions, the box touches more regions. With about ten dimensions or more, a search visits nearly every node.
+# - With more dimensions, the box touches more regions. With fifteen dimensions, a search for five neighbours among 8,000 points visits nearly every node.
 # - A map that grows while the car drives needs a tree that allows insertion *and* stays balanced. Incremental trees rebuild unbalanced branches in the background.
 #
 # This is the same search in three libraries:

@@ -178,6 +178,19 @@ def test_search_costs_grow_as_stated():
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("dimensions", "least", "most"), [(3, 0, 0.05), (15, 0.9, 1)])
+def test_in_many_dimensions_a_search_visits_nearly_every_node(dimensions, least, most):
+    space = lesson_names()
+    points = np.random.default_rng(3).uniform(size=(8000, dimensions))
+    tree = space["grow"](points, space["median_order"](points))
+    for target in points[:5]:
+        radius = np.sort(np.linalg.norm(points - target, axis=1))[4] + 1e-9
+        visited, found = space["trace"](tree, target.tolist(), radius)
+        assert len(found) == 5
+        assert least <= len(visited) / len(points) <= most
+
+
+@pytest.mark.slow
 def test_the_search_around_the_lamp_post_visits_few_nodes():
     space = lesson_names()
     levels, visits, found = space["search_the_scan"](space["post"], space["half_a_metre"])

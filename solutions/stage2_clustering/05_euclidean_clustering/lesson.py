@@ -160,7 +160,7 @@ plots.growth(car, [states[step - 1] for step in shown], columns=2,
 #
 # Then point 1 starts cluster 2, and so on. The final labels are `[1, 2, 1, 2, 1, 1, 3]`.
 #
-# Point 5 is a neighbour of points 2 *and* 4, but it enters the queue only once, because a point gets its label **when it enters the queue, not when it leaves**. If you label points when they leave, the queue gets seven entries instead of four: 0, 2, 4, 4, 5, 5, 5. On a real car, a point has about twenty neighbours, so the queue would grow practically without end.
+# Point 5 is a neighbour of points 2 *and* 4, but it enters the queue only once, because a point gets its label **when it enters the queue, not when it leaves**. If you label points when they leave, the queue gets seven entries instead of four: 0, 2, 4, 4, 5, 5, 5. On the car above, a point has about twenty neighbours, so the queue would grow practically without end.
 #
 # Python's queue is called `deque`, and NumPy finds the new neighbours:
 
@@ -180,7 +180,7 @@ print("close and without a label:", np.flatnonzero((gaps < 0.5) & (taken == 0)))
 #
 # - **Two points are neighbours if their distance in x, y and z is less than `threshold`.** Intensity is not a coordinate.
 # - **Compare a point with all points at once**, in one line of NumPy. A neighbour search, such as your kd-tree or `scipy.spatial`, is allowed but not needed.
-# - **Use a queue, not recursion.** A wall has thousands of points, but Python raises a `RecursionError` after about a thousand nested calls.
+# - **Use a queue, not recursion.** A wall has thousands of points, but Python usually raises a `RecursionError` after about a thousand nested calls.
 # - **Do not use libraries that do the clustering for you**, such as `sklearn.cluster`, `scipy.cluster` and the `connected_components` of `scipy.sparse.csgraph`.
 
 # %% nbgrader={"grade": false, "grade_id": "euclidean_clustering", "locked": false, "schema_version": 3, "solution": true, "task": false}
@@ -325,10 +325,10 @@ wall = np.where(labels == longest, np.searchsorted(in_it, objects) + 1, 0)  # 1,
 axes = plots.clusters(obstacles, wall, limits=((-8, 22), (-10, 9)),
                       title=f"{len(in_it)} walls form the longest cluster (other points are pale)")
 axes.get_legend().remove()
-plots.ring(axes, -2.0, -8.2, radius=1.5, text="touches both");
+plots.ring(axes, -2.0, -8.2, radius=1.5, text="touches two walls");
 
 # %% [markdown]
-# A single stray point in a gap is a bridge, and two people who walk side by side are less than half a metre apart.
+# A single stray point in a gap is a bridge. Two people who walk side by side are also one cluster, because they are less than half a metre apart.
 #
 # ## Play: how close is close?
 #
@@ -395,7 +395,7 @@ parted.compare("no" if len(both) == 0 else "yes, a small one" if both.min() < 0.
                "for both.")
 
 # %% [markdown]
-# A *dendrogram* shows all thresholds in one picture. At the bottom are the larger pieces that exist at a threshold of 0.22 m, with the names of their true objects. Two branches meet at the threshold that joins them. Each branch that the line at 0.5 m crosses is one cluster. The line is too high for the two people (15 and 16), and too low for the car (10).
+# A *dendrogram* shows all thresholds in one picture. At the bottom are all pieces of at least six points at a threshold of 0.22 m, with the names of their true objects. Two branches meet at the threshold that joins them. Each branch that the line at 0.5 m crosses is one cluster. The line is too high for the two people (15 and 16), and too low for the car (10).
 
 # %%
 def pieces_at(thresholds):
@@ -460,7 +460,7 @@ for threshold in (0.5, 0.7):
 # %% [markdown]
 # The two errors are never both zero, but they are not equally bad. A car counts as torn even if it has lost only one stray point, and lesson 09 removes such crumbs as [noise](#Words-of-the-course). Joined objects stay joined.
 #
-# At 0.7 m, no road user is torn. Why do we not use 0.7 m? Because a parked car and a car that drives past it at 8 m/s become one cluster at 0.65 m. A single box around both hides the moving car.
+# At 0.7 m, no road user is torn. Why do we not use 0.7 m? Because a parked car and a car that drives past it at 8 m/s become one cluster at 0.64 m. A single box around both hides the moving car.
 #
 # ## Theory against practice: what does it cost?
 #
@@ -533,7 +533,7 @@ for (title, numbers), axes in zip(wrong.items(), grid.flat):
 # %% [markdown]
 # ## Let it drive
 #
-# This drive is optional. A car drives for ten seconds at 30 km/h with your `euclidean_clustering`. The other steps thin the points with a grid of 0.4 m, drop clusters of fewer than ten points, and put boxes around the rest. The driver brakes for every box in the lane that is closer than the stopping distance. The speed of your code does not matter. After nine seconds, two people cross the street side by side. The cell takes 15 to 60 seconds.
+# This drive is optional. A car drives for ten seconds at 30 km/h with your `euclidean_clustering`. The other steps thin the points with a grid of 0.4 m, drop clusters of fewer than ten points, and put boxes around the rest. The driver brakes for every box in the lane that is closer than the stopping distance. The speed of your code does not matter. Near the end, two people cross the street side by side. The cell takes 15 to 60 seconds.
 
 # %%
 from utils.drive import chain, drive_street, on_time
@@ -555,7 +555,7 @@ drive_with(0.5) if is_written(euclidean_clustering) else print(
 #
 # <details><summary>An answer</summary>
 #
-# At 0.4 m, the two people are often in pieces of fewer than ten points, which are dropped. Their box appears late, and the car hits one of them at 24 km/h. From 0.45 to 0.85 m, it stops as it does at 0.5 m, because one box around both people is good enough if the box is steady. At 0.9 m, the box jumps. At first, when the people are far away, it surrounds only one of them, and later both. The speed of a jumping box is unclear, so the driver brakes 0.2 s later and hits a person.
+# At 0.4 m, the two people are often in pieces of fewer than ten points, which are dropped. Their box appears late, and the car hits one of them at 24 km/h. From 0.45 to 0.85 m, it stops as it does at 0.5 m, because one box around both people is good enough if the box is steady. At 0.9 m, the box jumps. At first, when the people are far away, it surrounds only one of them, and later both. The driver cannot tell the speed of a jumping box, brakes 0.2 s later and hits a person.
 # </details>
 
 # %% [markdown] tags=["questions"]

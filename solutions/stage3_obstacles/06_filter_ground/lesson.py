@@ -52,8 +52,8 @@ plots.from_above(cloud, limits=street, title="The street from above, coloured by
 # Make two guesses first.
 
 # %%
-peak = predict("At which height z are the most returns?", between=(-3, 3), step=0.1,
-               unit="m", digits=1)
+peak = predict("At which height z are the most returns?", between=(-3, 3), step=0.05,
+               unit="m", digits=2)
 share = predict("What share of all returns comes from the ground (road and pavement)?",
                 between=(0, 100), unit="%")
 
@@ -94,7 +94,7 @@ plots.from_side(near, level=0.0, limits=((-15, 40), (-3, 3)),
 #
 # $$\{\, p : z_p \ge g \,\}.$$
 #
-# The road is at about $-1.7$ m, so $g = -1.2$ m leaves half a metre for kerbs, bumps, slopes and noise. Cars lose their wheels, but they hardly fall apart. With the clustering of lesson 05, seven of the ten cars within 25 m are still one cluster, and the other three lose at most 4 % of their points.
+# The road is at about $-1.7$ m, so $g = -1.2$ m leaves half a metre for kerbs, bumps, slopes and noise. Cars lose their wheels, but they hardly fall apart. With the clustering of lesson 05, seven of the ten cars within 25 m are still one cluster. In each of the other three, at least 96 % of the remaining points are in one cluster.
 #
 # ## Exercise 1 · `filter_ground` (points)
 #
@@ -420,7 +420,7 @@ print(f"In total: {by_skipping(everything):,} by skipping, {by_voxels(everything
 show_what_is_left({"every fifth": by_skipping, "voxels of 0.2 m": by_voxels})
 
 # %% [markdown]
-# The near objects keep fewer points than with skipping, but still plenty. The two distant cars keep more than twice as many. A centroid represents one piece of a surface, and a distant surface has as many pieces as a near one.
+# The near objects keep fewer points than with skipping, but still plenty. The two distant cars (8 and 72) keep more than twice as many. A centroid represents one piece of a surface, and a distant surface has as many pieces as a near one.
 #
 # ## Play: detail against cost
 #
@@ -471,7 +471,7 @@ fewer.compare(left[2] / left[3], "A LiDAR sees surfaces, not volumes. With cells
 # |---|---|
 # | compares with `<` instead of `>=` | the road without the cars |
 # | uses the wrong column, `cloud[:, 1]` | half a street, because everything on the right is gone |
-# | compares `abs(z)` with the level | everything, because no absolute value is below -1.2 |
+# | compares `abs(z)` with the level | the whole cloud, because no absolute value is below -1.2 |
 # | uses `.astype(int)` without `np.floor` | cells around the sensor are twice as wide |
 # | adds with `sums[which] += cloud` | centroids are too close to the sensor |
 # | uses the number 0.2 and not the parameter | the slider does nothing |
@@ -505,7 +505,7 @@ drive_with(-0.6) if is_written(filter_ground) else print(
     "filter_ground is not written, or has not passed its check.")
 
 # %% [markdown]
-# With -0.6 m, the car drives 82 m without braking. Now try the default, `drive_with(-1.2)`. The car brakes for bare asphalt, and gets less than half as far. The level is 0.53 m above the road under the car, and a road that climbs by 6 % reaches this level 9 m ahead of the sensor. Open a braking event below the strip to see its frame. (The strip measures from the bumper, 2.6 m ahead of the sensor, at the moment when the answer arrives.)
+# With -0.6 m, the car drives 82 m without braking. Now try the default, `drive_with(-1.2)`. The car brakes for bare asphalt, and gets less than half as far. The level is 0.53 m above the road under the car, and a road that climbs by 6 % reaches this level 9 m ahead of the sensor. Open a braking event below the strip to see its frame. (The strip shows shorter distances, because it measures them from the bumper, 2.6 m ahead of the sensor.)
 #
 # Is -0.6 m the better level? Try it downhill, where a pedestrian crosses after ten seconds, with `drive_with(-0.6, street=16, seconds=13)`. Is there a level with which the car drives 82 m uphill and stops in time downhill?
 #
@@ -534,7 +534,7 @@ ask_about(voxel_grid)
 #   ```
 #
 #   The Point Cloud Library has [`PassThrough`](https://pcl.readthedocs.io/projects/tutorials/en/latest/passthrough.html) and [`VoxelGrid`](https://pcl.readthedocs.io/projects/tutorials/en/latest/voxel_grid.html).
-# - Real cars fit a plane to each piece of the road. Other programs go outwards in one direction (azimuth), from [beam](#Words-of-the-course) to beam, and look for the first jump in height.
+# - Real cars fit a plane to each piece of the road. Other programs choose a direction (its angle is called *azimuth*), go outwards from [beam](#Words-of-the-course) to beam, and look for the first jump in height.
 # - Nearly every pipeline begins with a voxel grid. In a city, the cells are usually 0.1 to 0.3 m wide.
 #
 # ## Summary

@@ -90,7 +90,8 @@ def first_is_root(KdTree: Callable) -> None:
     weight=2,
     title="Sends a smaller x left and a greater x right at the root",
     why="A search relies on this order when it skips half of the street.",
-    hint="The root has depth 0, so compare point[0] with tree.root.point[0]: coordinate 0 is x.",
+    hint="Compare point[0] with tree.root.point[0], because coordinate 0 is x. A smaller x belongs "
+    "in tree.root.left, and any other x in tree.root.right.",
     slow="does the loop end once the point is attached to the tree? `return` or `break` ends a "
     "`while True:` loop.",
 )
@@ -115,7 +116,8 @@ def axes_alternate(KdTree: Callable) -> None:
     "insert",
     weight=6,
     title="Puts each of ten points in its place, down to the eighth level",
-    why="A search looks for each point in a single place, so every node must be there.",
+    why="A search looks for each point in one place only. A point in any other place is never "
+    "found.",
     hint="Follow the point that the message names down the tree on paper: compare one coordinate "
     "at each node until you reach a free place.",
 )

@@ -342,7 +342,10 @@ def _describe_missing_node(path: str, expected: dict, yours: dict) -> tuple[str,
         f"{_node_name(expected[path])} is not in the tree; it belongs {_place_text(path, expected)}"
     )
     if path not in yours:
-        return f"{text}, but there is no node.", ""
+        return f"{text}, but there is no node.", (
+            "Every path through insert must attach the new node to tree.root, node.left or "
+            "node.right. Assigning it to a local variable does not attach it."
+        )
     found = next(
         (other for other in expected if _same_point(yours[path][0], expected[other])), None
     )
