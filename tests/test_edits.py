@@ -233,6 +233,21 @@ SLIPS = {
         "q = x - y\nz = q @ n\nreturn z",
         "q = x - y\nz = (q @ n) + y\nreturn z",
     ),
+    "a minus for a mask": ("return x[-y]", "return x[~(y)]"),
+    "~ outside the brackets": ("return ~x[y]", "return x[~(y)]"),
+    "a chain for masks": ("return x[y <= x <= z]", "return x[(y <= x) & (x <= z)]"),
+    "a comparison outside the brackets": ("return x[y] <= n", "return x[y <= n]"),
+    "no axis of rows to delete": ("return np.delete(x, y)", "return np.delete(x, y, axis=0)"),
+    "^ for each power": ("return np.sqrt(x^2 + y^2)", "return np.sqrt(x**2 + y**2)"),
+    "math for arrays": (
+        "y = math.sin(n)\nreturn math.sqrt(y)",
+        "y = np.sin(n)\nreturn np.sqrt(y)",
+    ),
+    "rows for two columns": ("return np.hypot(x[0], x[1])", "return np.hypot(x[:, 0], x[:, 1])"),
+    "all columns for three": (
+        "return x[(x >= y) & (x <= z)]",
+        "return x[(x[:, :3] >= y) & (x[:, :3] <= z)]",
+    ),
     "the ends of a range": ("return x < y <= z", "return z < y <= x"),
     "the last column for the third": ("return x[:, -1] > z", "return x[:, 2] > z"),
     "a statement after two calls": (
@@ -280,6 +295,16 @@ def test_applying_an_edit_changes_only_its_lines(slip):
         assert 4 <= edit.first <= edit.last <= 4 + wrong.count("\n")
         assert edit.statement in changed
         assert changed.startswith("é = '²'") and changed.endswith("print(é)")
+
+
+@pytest.mark.parametrize("position", [0, 1])
+def test_an_edit_that_deletes_a_line_begins_with_this_line(position):
+    lines = ["z = f(x)", "return z"]
+    lines.insert(position, "x = 10.0")
+    wanted = function("z = f(x)\nreturn z").strip()
+    cell = function("\n".join(lines))
+    [deletion] = [edit for edit in edits_in(cell) if edit.statement.strip() == wanted]
+    assert cell.split("\n")[deletion.first - 1].strip() == "x = 10.0"
 
 
 def test_docstrings_and_signatures_are_not_edited():

@@ -17,7 +17,8 @@ def edits_of_several_nodes(
     Such slips are a notebook variable or a number used instead of a parameter, two parameters that
     are exchanged in a statement or throughout, several calls that lack the same axis, row numbers
     that are returned instead of a mask, a counter that grows in none of several calls, calls
-    whose results are lost, and a superfluous operand in each copy of an expression.
+    whose results are lost, a superfluous operand in each copy of an expression, `^` for each power,
+    `math` for arrays, and rows or all columns of a table where some columns are needed.
 
     Parameters
     ----------
@@ -54,6 +55,8 @@ def edits_of_several_nodes(
     yield from _edits_of_returned_rows(source, nodes, names)
     yield from _edits_of_several_calls(source, nodes)
     yield from _edits_of_copied_expressions(source, nodes)
+    yield from _edits_of_misread_notation(source, nodes)
+    yield from _edits_of_columns(source, nodes, names)
     differences = [node for node in nodes if isinstance(getattr(node, "op", None), ast.Sub)]
     operands = [node.right if isinstance(node, ast.BinOp) else node.value for node in differences]
     subtracted = {operand.id: 1 for operand in operands if isinstance(operand, ast.Name)}
@@ -110,6 +113,43 @@ def _edits_of_copied_expressions(
         first = several[0]
         for operand in (first.left, first.right) if len(several) > 1 else ():
             yield 1, [(*source.span(node), f"({source.text_of(operand)})") for node in several]
+
+
+def _edits_of_misread_notation(
+    source: SourceText, nodes: list[ast.AST]
+) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
+    """Replace each `^` with `**`, and each `math.` with `np.`."""
+    powers = []
+    for node in nodes:
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.BitXor):
+            begin, end = source.span(node.left)[1], source.span(node.right)[0]
+            at = begin + source.text(begin, end).find("^")
+            powers.append((at, at + 1, "**"))
+    modules = [node for node in nodes if isinstance(node, ast.Name) and node.id == "math"]
+    for places in (powers, [(*source.span(node), "np") for node in modules]):
+        if places:
+            yield 0, places
+
+
+def _edits_of_columns(
+    source: SourceText, nodes: list[ast.AST], names: Names
+) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
+    """Turn all rows of a parameter into columns, or use its first columns in all operations."""
+    rows: dict[str, list[int]] = {}
+    operands: dict[str, list[int]] = {}
+    for node in nodes:
+        if isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Constant):
+            if isinstance(node.value, ast.Name):
+                rows.setdefault(node.value.id, []).append(source.span(node.slice)[0])
+        elif isinstance(node, (ast.BinOp, ast.Compare)):
+            sides = node.comparators if isinstance(node, ast.Compare) else [node.right]
+            for side in (node.left, *sides):
+                if isinstance(side, ast.Name):
+                    operands.setdefault(side.id, []).append(source.span(side)[1])
+    for places, texts in ((rows, (":, ",)), (operands, ("[:, :3]", "[:, :2]"))):
+        for name, several in places.items():
+            for text in texts if name in names.arguments and len(several) > 1 else ():
+                yield 1, [(place, place, text) for place in several]
 
 
 def _edits_of_returned_rows(
