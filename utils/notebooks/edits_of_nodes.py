@@ -66,6 +66,7 @@ _REPLACEMENTS = {
 TWINS = (
     ("left", "right"),
     ("min", "max"),
+    ("low", "high"),
     ("argmin", "argmax"),
     ("minimum", "maximum"),
     ("any", "all"),
