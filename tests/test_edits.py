@@ -250,6 +250,20 @@ SLIPS = {
         "q = x - y\nz = q @ n\nreturn z",
         "q = x - y\nz = (q @ n) + y\nreturn z",
     ),
+    "a minus for a mask": ("return x[-y]", "return x[~(y)]"),
+    "~ outside the brackets": ("return ~x[y]", "return x[~(y)]"),
+    "a chain for masks": ("return x[y <= x <= z]", "return x[(y <= x) & (x <= z)]"),
+    "a comparison outside the brackets": ("return x[y] <= n", "return x[y <= n]"),
+    "no axis of rows to delete": ("return np.delete(x, y)", "return np.delete(x, y, axis=0)"),
+    "math for arrays": (
+        "y = math.sin(n)\nreturn math.sqrt(y)",
+        "y = np.sin(n)\nreturn np.sqrt(y)",
+    ),
+    "rows for two columns": ("return np.hypot(x[0], x[1])", "return np.hypot(x[:, 0], x[:, 1])"),
+    "all columns for three": (
+        "return x[(x >= y) & (x <= z)]",
+        "return x[(x[:, :3] >= y) & (x[:, :3] <= z)]",
+    ),
     "the ends of a range": ("return x < y <= z", "return z < y <= x"),
     "the last column for the third": ("return x[:, -1] > z", "return x[:, 2] > z"),
     "a statement after two calls": (
@@ -297,6 +311,16 @@ def test_applying_an_edit_changes_only_its_lines(slip):
         assert 4 <= edit.first <= edit.last <= 4 + wrong.count("\n")
         assert edit.statement in changed
         assert changed.startswith("é = '²'") and changed.endswith("print(é)")
+
+
+@pytest.mark.parametrize("position", [0, 1])
+def test_an_edit_that_deletes_a_line_begins_with_this_line(position):
+    lines = ["z = f(x)", "return z"]
+    lines.insert(position, "x = 10.0")
+    wanted = function("z = f(x)\nreturn z").strip()
+    cell = function("\n".join(lines))
+    [deletion] = [edit for edit in edits_in(cell) if edit.statement.strip() == wanted]
+    assert cell.split("\n")[deletion.first - 1].strip() == "x = 10.0"
 
 
 def test_docstrings_and_signatures_are_not_edited():
@@ -357,6 +381,24 @@ def test_a_test_of_a_queue_becomes_a_loop_early():
     found = edits_in(function("if x:\n    y += x.pop()\nif y > z:\n    y = z\nreturn y"))
     ranks = {edit.text.strip(): edit.rank for edit in found if "while" in edit.text}
     assert ranks == {"while x:": 1, "while y > z:": 2}
+
+
+def test_low_and_high_are_exchanged_early():
+    code = """
+def get_bounding_boxes(cloud, cluster_labels):
+    found = [label for label in np.unique(cluster_labels) if label > 0]
+    boxes = np.zeros((len(found), 8, 3))
+    for row, label in enumerate(found):
+        points = cloud[cluster_labels == label, :3]
+        low, high = points.min(axis=0), points.max(axis=0)
+        for k in range(8):
+            boxes[row, k, 0] = low[0] if k & 1 else low[0]
+            boxes[row, k, 1] = high[1] if k & 2 else low[1]
+            boxes[row, k, 2] = high[2] if k & 4 else low[2]
+    return boxes
+"""
+    texts = [edit.text.strip() for edit in edits_in(code)]
+    assert "boxes[row, k, 0] = high[0] if k & 1 else low[0]" in texts[:200]
 
 
 def growing_counters(*lines):

@@ -368,7 +368,8 @@ def keeps_points_inside(crop_region: Callable) -> None:
     title="Removes points that are outside in x only or in y only",
     why="If the function tests only one side, all houses on the other side of the street stay in "
     "the cloud.",
-    hint="Use .all(axis=1): a row is inside only if all three of its coordinates are inside.",
+    hint="A row is inside only if x, y and z are all inside. Compare each with its own number in "
+    "minimum and maximum, and combine the results with & or .all(axis=1).",
 )
 def removes_points_outside_in_x_or_y(crop_region: Callable) -> None:
     require_crop(crop_region)
@@ -606,7 +607,7 @@ declare_mistakes(
         lambda right, cloud, distance: _rows_at_most(
             cloud, -_horizontal_distances(cloud), -distance
         ),
-        'Near points are "at most distance" away, so keep the points with <=.',
+        "Near points are at most `distance` away, so keep the points with <=.",
     ),
     Mistake(
         "The height is included, so your code computes the distance in space, not along the road.",
@@ -930,11 +931,11 @@ declare_mistakes(
         is_cheap=True,
     ),
     Mistake(
-        "Everything is removed: every point counts as inside.",
+        "Everything is removed: no point counts as outside.",
         lambda right, cloud, low, high: cloud[:0],
         "Inside means >= minimum and <= maximum, combined with &. Outside means < minimum or > "
-        "maximum, combined with |. With & and | swapped, the condition is always true or never "
-        "true.",
+        "maximum, combined with |. If & and |, or the corners, are swapped, the condition is "
+        "always true or never true.",
         is_cheap=True,
     ),
     Mistake(

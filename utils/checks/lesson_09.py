@@ -82,6 +82,7 @@ def _assert_different_labels(yours: np.ndarray, labels: np.ndarray, minimum: int
             if len(labels) <= 20 or minimum is not None
             else None,
             yours=brief_text(yours),
+            hint="Each remaining point keeps its old label.",
         )
 
 
@@ -331,7 +332,7 @@ def keeps_large_clusters(filter_clusters: Callable) -> None:
     weight=3,
     title="Keeps label 0, however many points have it",
     why="Earlier steps also use label 0 for noise, and noise must not become one huge obstacle.",
-    hint="Skip label 0 when you look for clusters, or leave it unchanged.",
+    hint="Label 0 is not a cluster: leave its points unchanged, whatever their number.",
 )
 def keeps_label_zero(filter_clusters: Callable) -> None:
     require_most_clusters_right(filter_clusters)
@@ -523,6 +524,12 @@ declare_mistakes(
         "n.",
     ),
     Mistake(
+        "The first label is skipped, so its cluster stays, however small it is.",
+        lambda right, labels, minimum: np.where(labels == labels.min(), labels, right),
+        "Label 0 may be absent, so np.unique(cluster_labels)[1:] may skip a cluster. Leave out 0 "
+        "by its value, not by its position.",
+    ),
+    Mistake(
         "Your code uses the position in the array of counts as the label, so each cluster is "
         "judged by the size of the next one.",
         _next_cluster_sizes,
@@ -534,7 +541,7 @@ declare_mistakes(
     cases=(
         (_LABELS, 3),
         (np.array([5, 2, 1, 4, 2, 6, 4, 3, 5, 4, 1, 2, 5, 4, 3]), 3),
-        (np.repeat([1, 2, 3, 4, 5], [7, 3, 130, 6, 2]), 7),
+        (np.repeat([1, 2, 3, 4, 5], [6, 3, 130, 7, 2]), 7),
     ),
     right=_right_labels,
 )

@@ -112,8 +112,11 @@ def _make_edit(cell: int, first: int, lines: list[str], changed: str, rank: int)
     end = 0
     while end < min(len(lines), len(new)) - begin and lines[-1 - end] == new[-1 - end]:
         end += 1
-    # An edit that only deletes or only inserts lines also includes the unchanged line before them.
-    if begin in (len(lines) - end, len(new) - end):
+    # An edit that only deletes lines also includes the line after them, so that it begins with a
+    # deleted line. An edit that only inserts lines also includes the line before them.
+    if begin == len(new) - end and end:
+        end -= 1
+    elif begin in (len(lines) - end, len(new) - end):
         begin -= 1
     text = "\n".join(new[begin : len(new) - end])
     return Edit(cell, first + begin, first + len(lines) - end - 1, text, changed, rank)

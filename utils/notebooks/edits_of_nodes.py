@@ -66,6 +66,7 @@ _REPLACEMENTS = {
 TWINS = (
     ("left", "right"),
     ("min", "max"),
+    ("low", "high"),
     ("argmin", "argmax"),
     ("minimum", "maximum"),
     ("any", "all"),
@@ -97,7 +98,7 @@ for _left, _right in TWINS:
 _COMMUTE = (ast.Add, ast.Mult, ast.BitAnd, ast.BitOr, ast.BitXor)
 AXIS_FUNCTIONS = frozenset(
     ["sum", "mean", "min", "max", "any", "all", "argmin", "argmax", "median", "prod"]
-    + ["std", "var", "norm", "sort", "argsort", "cumsum"]
+    + ["std", "var", "norm", "sort", "argsort", "cumsum", "delete"]
 )
 _WRAPS = ("abs({})", "{} ** 0.5", "{} ** 2")
 _COLUMNS = ("[:, 0]", "[:, 1]", "[:, 2]")
@@ -209,8 +210,11 @@ def edits_of_node(
         yield from _binary_operation_edits(source, node)
     elif isinstance(node, ast.UnaryOp):
         yield 0, *source.span(node), f"({source.text_of(node.operand)})"
-        if isinstance(node.op, ast.Not):
+        if isinstance(node.op, ast.Not) or (isinstance(node.op, ast.USub) and field == "slice"):
             yield 0, *source.span(node), f"~({source.text_of(node.operand)})"
+        elif isinstance(node.op, ast.Invert) and isinstance(node.operand, ast.Subscript):
+            table, mask = map(source.text_of, (node.operand.value, node.operand.slice))
+            yield 0, *source.span(node), f"{table}[~({mask})]"
         elif isinstance(parent, ast.Tuple) and isinstance(node.operand, ast.Constant):
             for column in "012":  # the last column of a cloud may be the intensity
                 yield 1, *source.span(node), column
@@ -300,7 +304,10 @@ def _operator_edits(
 def _comparison_edits(
     source: SourceText, node: ast.Compare, names: Names
 ) -> Iterator[tuple[int, int, int, str]]:
-    """Change the operator, drop the comparison, or replace a side with a copy of the other."""
+    """Change the operator, drop the comparison, or replace a side with a copy of the other.
+
+    A chain becomes two masks, and the comparison of an element becomes an index.
+    """
     yield from _operator_edits(source, [node.left, *node.comparators], node.ops, _COMPARISONS)
     for sign in ("&", "|"):  # x == 0 & y == 0 becomes (x == 0) & (y == 0)
         sides = source.text_of(node).split(sign)
@@ -308,8 +315,17 @@ def _comparison_edits(
             yield -1, *source.span(node), f" {sign} ".join(f"({side.strip()})" for side in sides)
     if len(node.ops) > 1:
         if len(node.ops) == 2:  # high <= x <= low
-            yield 1, *_swap(source, node.left, node.comparators[1])
+            middle, last = node.comparators
+            yield 1, *_swap(source, node.left, last)
+            (begin, first), (_, end) = source.span(middle), source.span(last)
+            start = source.span(node)[0]
+            one, other = source.text(start, first), source.text(begin, end)
+            yield 0, start, end, f"({one}) & ({other})"  # Python's chain fails for arrays
         return
+    if isinstance(node.left, ast.Subscript):  # x[d] <= r becomes x[d <= r]
+        inside, (_, bracket) = source.span(node.left.slice)[1], source.span(node.left)
+        end = source.span(node)[1]
+        yield 1, inside, end, source.text(bracket, end) + source.text(inside, bracket)
     yield 2, *source.span(node), f"({source.text_of(node.left)})"
     for one, other in ((node.left, node.comparators[0]), (node.comparators[0], node.left)):
         inner = [part for part in ast.walk(one) if isinstance(part, ast.Name)]

@@ -18,8 +18,8 @@ def edits_of_several_nodes(
     are exchanged in a statement or throughout, several calls that lack the same axis, row numbers
     that are returned instead of a mask, a counter that grows in none of several calls, calls
     whose results are lost, a superfluous operand in each copy of an expression, another operator in
-    place of each power, + and - that are exchanged, and a variable that is assigned instead of its
-    attribute.
+    place of each power, `math` for arrays, rows or all columns of a table where some columns are
+    needed, + and - that are exchanged, and a variable that is assigned instead of its attribute.
 
     Parameters
     ----------
@@ -59,6 +59,8 @@ def edits_of_several_nodes(
     yield from _edits_of_several_powers(source, nodes)
     yield from _exchanged_signs(source, nodes)
     yield from _attribute_assignments(source, nodes, attributes)
+    yield from _edits_of_modules(source, nodes)
+    yield from _edits_of_columns(source, nodes, names)
     differences = [node for node in nodes if isinstance(getattr(node, "op", None), ast.Sub)]
     operands = [node.right if isinstance(node, ast.BinOp) else node.value for node in differences]
     subtracted = {operand.id: 1 for operand in operands if isinstance(operand, ast.Name)}
@@ -171,6 +173,36 @@ def _attribute_assignments(
             if isinstance(target, ast.Name):
                 for name in known.get(target.id, ()):
                     yield 1, [(*source.span(target), f"{target.id}.{name}")]
+
+
+def _edits_of_modules(
+    source: SourceText, nodes: list[ast.AST]
+) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
+    """Replace each `math.` with `np.`."""
+    modules = [node for node in nodes if isinstance(node, ast.Name) and node.id == "math"]
+    if modules:
+        yield 0, [(*source.span(node), "np") for node in modules]
+
+
+def _edits_of_columns(
+    source: SourceText, nodes: list[ast.AST], names: Names
+) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
+    """Turn all rows of a parameter into columns, or use its first columns in all operations."""
+    rows: dict[str, list[int]] = {}
+    operands: dict[str, list[int]] = {}
+    for node in nodes:
+        if isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Constant):
+            if isinstance(node.value, ast.Name):
+                rows.setdefault(node.value.id, []).append(source.span(node.slice)[0])
+        elif isinstance(node, (ast.BinOp, ast.Compare)):
+            sides = node.comparators if isinstance(node, ast.Compare) else [node.right]
+            for side in (node.left, *sides):
+                if isinstance(side, ast.Name):
+                    operands.setdefault(side.id, []).append(source.span(side)[1])
+    for places, texts in ((rows, (":, ",)), (operands, ("[:, :3]", "[:, :2]"))):
+        for name, several in places.items():
+            for text in texts if name in names.arguments and len(several) > 1 else ():
+                yield 1, [(place, place, text) for place in several]
 
 
 def _edits_of_returned_rows(

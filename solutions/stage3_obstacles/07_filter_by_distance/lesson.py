@@ -88,7 +88,7 @@ draw_yard(seen, slanted <= 6, "3-D distance up to 6 m: the child is not seen")
 print(f"{(slanted[is_child] <= 6).sum()} of the {is_child.sum()} returns from the child are kept")
 
 # %% [markdown]
-# The straight line starts 3.4 m above the ground. Even to the top of the child's head, it is longer than 6 m, although only 5.7 m are left to drive. A ball is the wrong shape, because it gets narrower towards the ground, where people stand.
+# The straight line starts 3.4 m above the ground. Even to the top of the child's head, it is longer than 6 m, although the child is only 5.7 m ahead. A ball is the wrong shape, because it gets narrower towards the ground, where people stand.
 #
 # ## Exercise 1 · `filter_by_distance` (points)
 #
@@ -139,7 +139,7 @@ def filter_by_distance(cloud, distance=10.0):
 # Write `d = np.hypot(...)` with the first two columns, and `return cloud[d ...]` with the comparison in place of the dots. Compare with the parameter `distance`, not with the number 10.
 # </details>
 #
-# **Four points first.** The first and the last point are more than 10 m away. The second is in a tree and the third is under a bridge, but along the road they are only 6.3 m and 5 m away. These two rows should be left.
+# **Four points first.** The first and the last point are more than 10 m away. The second is in a tree and the third is under a bridge, but along the road they are only 6.3 m and 5 m away. Only these two rows should be left.
 
 # %%
 four = np.array([[11.0, 1.0, 0.0, 0.1],
@@ -207,7 +207,7 @@ for radius, share in zip(radii[:-1], shares):
     axes.text(0.82 * radius, -0.57 * radius, f"{radius} m: {share:.0%}", ha="center", va="center",
               bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1})
 plots.ring(axes, 20.6, 0, radius=2, text="ahead of us")
-print(f"the car ahead of us appears at {first_radius(11)} m")
+print(f"the car ahead of us appears at {first_radius(11)} m, with 20 returns")
 print("share of the obstacles' returns:",
       ", ".join(f"{share:.0%} within {radius} m" for radius, share in zip(radii, shares)))
 
@@ -425,7 +425,7 @@ for metres, first in sorted((cloud[rows, 0].min(), rows[0]) for rows in hits):
 # %% [markdown]
 # <details><summary>An answer</summary>
 #
-# Write `middle = curvature * cloud[:, 0]**2 / 2`. The pedestrian is no longer in the lane. Instead, an oncoming car is in the lane, 6 m ahead, with a parked lorry behind it.
+# Write `middle = curvature * cloud[:, 0]**2 / 2`. The pedestrian is no longer in the lane. Instead, a car that turns towards us is in the lane, 6 m ahead, with a parked lorry behind it.
 # </details>
 #
 # ## Returns that do not come from obstacles
@@ -453,7 +453,7 @@ nearest.compare(distances[0],
 # %% [markdown]
 # These returns are of two kinds:
 #
-# - **Returns from the [ego car](#Words-of-the-course)**: The lowest [beams](#Words-of-the-course) hit its mirrors, tailgate and aerial. These returns form a cluster that is always 1.3 m away, so the car would never drive off.
+# - **Returns from the [ego car](#Words-of-the-course)**: The lowest [beams](#Words-of-the-course) hit its mirrors, tailgate and aerial. These returns look like an obstacle that is always 1.3 m away, so the car would never drive off.
 # - **Invalid returns**: A ray without an echo is sometimes stored as (0, 0, 0). This point is above the ground level and within every radius, so it survives both filters.
 #
 # The naive solution is a minimum distance. We drop everything within 3 m.
@@ -563,7 +563,7 @@ show_table(["", "returns", "invalid", "nearest"],
 #
 # | what the code contains | what you see |
 # |---|---|
-# | `np.linalg.norm(cloud, axis=1)` | bright points vanish, or all points |
+# | `np.linalg.norm(cloud, axis=1)` | a few bright points near the circle vanish; if intensities reach 255, nearly all points vanish |
 # | `np.linalg.norm(cloud[:, :3], axis=1)` | near points far below the sensor vanish, such as the child in front of the lorry |
 # | `(np.abs(x) <= r) & (np.abs(y) <= r)` | a square, whose corners are 41 % too far away |
 # | `x**2 + y**2 <= r` | hardly anything, because the radius is 3.2 m instead of 10 m, and most returns that near come from the ego car |

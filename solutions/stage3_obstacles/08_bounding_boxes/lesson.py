@@ -70,7 +70,7 @@ area = predict("How many square metres will the box around car 10 cover?",
 #
 # *Three numbers make a circle, but few obstacles are round.*
 #
-# Put a circle around each cluster, from the mean of its points to the farthest point. Everything inside the circle counts as blocked.
+# Put a circle around each cluster. Its centre is the mean of the points, and it reaches to the farthest point. Everything inside the circle counts as blocked.
 
 # %% tags=["folded"]
 # @title One circle for each obstacle (you need not read this)
@@ -93,7 +93,7 @@ print(f"The grey strip is our lane. {len(circles_in_lane)} circles reach into it
       f"but only {len(obstacles_in_lane)} obstacles do.")
 
 # %% [markdown]
-# The circles fit people and poles. But the circle of a car reaches into the next lane, and the circle of a house front is as wide as the house is long. Obstacles are long in one direction and short in another, so each direction needs its own numbers.
+# The circles fit people and poles. But the circle of a car reaches into the next lane, and the circle of a house front is as wide as the house is long. Many obstacles are long in one direction and short in another, so each direction needs its own numbers.
 #
 # ## The idea: a box is six numbers
 #
@@ -373,7 +373,7 @@ for name in (10, 4, 13):
     print(f"{kinds[name]} {name}: {outside.mean():.0%} of its footprint is outside its box")
 
 # %% [markdown]
-# On a straight street, nearly every vehicle is parallel to us, and axis-aligned boxes contain little air. At a junction, many vehicles would be at an angle to us. Lesson 11 turns the box with the car.
+# On a straight street, nearly every vehicle is parallel to us, and axis-aligned boxes contain little air. What sticks out is the larger error here: the scanner sees only the back or one side of many vehicles, so their boxes are too short or too narrow. At a junction, many vehicles would be at an angle to us. Lesson 11 turns the box with the car.
 
 # %% [markdown]
 # ## Common mistakes
@@ -446,7 +446,7 @@ drive_with(0) if is_written(get_bounding_boxes) else print(
     "get_bounding_boxes is not written, or has not passed its check.")
 
 # %% [markdown]
-# All goes well. Now imagine that a mechanic mounts the scanner at an angle of 12°, and try `drive_with(12)`. The boxes are now at an angle to the street, and their corners reach into our lane. **A challenge:** find the largest angle, in whole degrees, at which the car still drives 82 m without braking.
+# The car never brakes. Now imagine that a mechanic mounts the scanner at an angle of 12°, and try `drive_with(12)`. The boxes are now at an angle to the street, and their corners reach into our lane. **A challenge:** find the largest angle, in whole degrees, at which the car still drives 82 m without braking.
 #
 # <details><summary>An answer</summary>
 #

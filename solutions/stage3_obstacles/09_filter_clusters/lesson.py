@@ -30,7 +30,7 @@
 # %% [markdown]
 # ## A wet street, in clusters
 #
-# We take the part of the course's scan that is within 30 m and above the road. We pretend that it has rained, and add spray from the wheels.
+# We take the part of the course's scan that is within 30 m and above the road. We pretend that it has rained, and add 60 puffs of spray from the wheels.
 
 # %%
 import matplotlib.pyplot as plt
@@ -44,6 +44,8 @@ names = truth["class_names"].tolist()
 useless = np.isin(truth["classes"], [names.index("invalid"), names.index("ego")])
 wanted = (scan[:, 2] >= -1.2) & (np.hypot(scan[:, 0], scan[:, 1]) < 30) & ~useless
 
+# %% tags=["folded"]
+# @title Add the spray (you need not read this)
 rng = np.random.default_rng(9)
 size_of_puff = rng.geometric(0.1, 60).astype(np.intp)  # most puffs of spray are tiny, a few are not
 middle = rng.uniform([-15, -3, -0.9], [25, 3, 0.2], (60, 3)).repeat(size_of_puff, axis=0)
@@ -128,12 +130,12 @@ for number in range(1, 5):
 # %%
 shoes = np.array([41, 38, 44, 41, 41, 38, 39, 44])
 kinds, which, how_many = np.unique(shoes, return_inverse=True, return_counts=True)
-print("np.unique    sizes", kinds, " pairs of each", how_many)
-print("             for each person, the row of the table:", which)
+print("np.unique    sizes", kinds, " people with each size", how_many)
+print("             for each person, the index of the size:", which)
 print("np.bincount  of size 41:", np.bincount(shoes)[41], " of size 40:", np.bincount(shoes)[40])
 
 # %% [markdown]
-# If you index the table of counts with one row number per person, you get one count per person. So `how_many[which]` says for each person how many people wear the same size.
+# So `kinds[which]` is the array of shoes again, and `how_many[which]` says for each person how many people wear the same size.
 #
 # ## Exercise · `filter_clusters` (points)
 #
@@ -197,7 +199,7 @@ axes = plots.clusters(np.column_stack([np.arange(10), np.zeros(10)]),
 axes.set_yticks([]); axes.set_ylabel(""); axes.set_xlabel("row"); axes.set_xticks(range(10));
 
 # %% [markdown]
-# **Look before you check.** Cars, people, trees and house fronts should be left, in their old colours. On the road, there should be only grey crosses.
+# **Look before you check.** Most cars, people, trees and house fronts should be left, in their old colours. The spray and the pieces of road should be grey crosses.
 
 # %%
 filtered = filter_clusters(cluster_labels)  # the default minimum is 100
@@ -320,7 +322,8 @@ def clusters_of(frame):
     first = np.unique(labels, return_index=True)[1]  # any point of a cluster will do
     return labels, np.array(names)[classes[use][first]], np.hypot(*points[use][first, :2].T)
 
-# %%
+# %% tags=["folded"]
+# @title Count the points on people in ten streets (you need not read this)
 frames = [scenes.random_street(seed, difficulty=0.9) for seed in range(10)]
 streets = [clusters_of(frame) for frame in frames]
 kind = np.concatenate([kinds for _, kinds, _ in streets])
@@ -351,13 +354,13 @@ over = size / theory(distance)  # measured points as a multiple of the theory
 for what, group in (("in plain view", middling & in_view), ("partly hidden", middling & ~in_view)):
     low, mid, high = np.quantile(over[group], [0.1, 0.5, 0.9])
     print(f"{group.sum():3} people 5 to 25 m away, {what}: {mid:.2f} times as many points as in "
-          f"theory (median; most people have {low:.2f} to {high:.2f} times as many)")
+          f"theory (median; 8 of 10 people have {low:.2f} to {high:.2f} times as many)")
 reach_of_100.compare(np.sqrt(theory(1.0) / 100), "There, the line crosses the dotted line. In "
                      f"theory, a person has {theory(1.0):,.0f} points at 1 m, and a hundredth of "
                      "that at 10 m.")
 
 # %% [markdown]
-# Up to 25 m, people in plain view are close to the line. But most people are partly hidden by something closer, and often have less than half as many points. So the line shows how many points a person has *at best*. On logarithmic axes, $1/r^2$ is a straight line with slope $-2$.
+# Up to 25 m, people in plain view are close to the line. But most people are partly hidden by something closer, and often have less than half as many points. So the line shows about how many points a person has *at best*. On logarithmic axes, $1/r^2$ is a straight line with slope $-2$.
 #
 # A person beyond the crossing of the two lines has fewer than 100 points, even in plain view. A minimum size is therefore also a *maximum distance*. How far must a car see? As in lesson 07, a car drives on for half a second while it thinks, and then brakes at 7 m/s². We measure from the scanner, and the bumper is 2.6 m ahead of it.
 
@@ -388,7 +391,8 @@ def gone_at(minimum):
     return np.concatenate([~np.isin(np.unique(labels), filter_clusters(labels, minimum))
                            for labels, _, _ in streets])
 
-# %%
+# %% tags=["folded"]
+# @title Draw what each minimum removes (you need not read this)
 gone = np.array([gone_at(minimum) for minimum in minima.tolist()])
 person, ghost, near = kind == "pedestrian", kind == "ground", distance < 15
 shown = {"the ghosts": ghost, "the people within 15 m": person & near,
@@ -490,7 +494,7 @@ drive_with(10) if is_written(filter_clusters) else print(
 #
 # <details><summary>An answer</summary>
 #
-# With 100, the cyclist never has a box, and the car hits the cyclist at 30 km/h. The largest minimum is 40. With 50, the cyclist rarely has a box, and the car brakes with 3 m to go. In the rain, with a minimum of 1, the car brakes for a drop at once and drives only 8 m. With 10, it drives 82 m without braking. Ten drops form a cluster almost only above the bonnet of the ego car, and there the driver ignores a box until it has stayed in place for a second.
+# With 100, the cyclist never has a box, and the car hits the cyclist at 30 km/h. The largest minimum is 40. With 50, the cyclist rarely has a box, and the car brakes with 3 m to go. In the rain, with a minimum of 1, the car brakes for a drop at once and drives only 8 m. With 10, it drives 82 m without braking. A cluster of ten drops is nearly always above the bonnet of the ego car. There, the driver ignores a box until it has stayed in place for a second.
 # </details>
 
 # %% [markdown] tags=["questions"]
@@ -536,7 +540,7 @@ ask_about(filter_clusters)
 #
 # 1. Write `filter_clusters_by_distance(cloud, cluster_labels, points_at_10m)` with the minimum $m(r)$ from above, and add its curves to the figure of ghosts and people. How many distant people come back, and how many ghosts?
 # 2. Filter by extent. Drop clusters that are longer than 8 m or less than 0.3 m high. Which mistakes are left?
-# 3. Add a parameter `max_num_points`. Find a value on `cloud.txt` that removes more walls than cars.
+# 3. Add a parameter `max_num_points`. Find a value that removes more walls than cars in this scan.
 # 4. Many robots carry a scanner with 16 beams, which gives an object only about a sixth of the points. Run `from utils.simulator import vlp16` and pass `sensor=vlp16()` to `scenes.random_street`. Which minimum keeps most people within 15 m?
 
 # %% [markdown] tags=["footer"]
