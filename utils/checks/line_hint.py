@@ -1,8 +1,8 @@
 """Find the lines of a function in which one small change makes every visible check pass.
 
 The changed functions run in a forked copy of this process, which ends afterwards. The copy writes
-no files, opens no connections and draws nothing. It reports only line numbers, and only for
-changes with which every visible check passes.
+no files, opens no connections and draws nothing. It reports only the numbers of changes with which
+every visible check passes.
 """
 
 from __future__ import annotations
@@ -46,13 +46,14 @@ _OUTSIDE_EVENTS = (
 
 @dataclass(frozen=True)
 class Line:
-    """A line of a cell: its number and its text."""
+    """A line of a cell: its number, its text, and whether another line should follow it."""
 
     number: int
     text: str
+    is_incomplete: bool = False
 
     def __str__(self) -> str:
-        return f"line {self.number}, `{self.text}`"
+        return f"{'after' if self.is_incomplete else 'in'} line {self.number}, `{self.text}`"
 
 
 @dataclass(frozen=True)
@@ -64,8 +65,8 @@ class LineHint:
     @property
     def sentence(self) -> str:
         """The hint for the student, as one sentence."""
-        lines = ", or in ".join(map(str, self.lines))
-        return f"A single change in {lines}, makes all checks here pass."
+        lines = ", or ".join(map(str, self.lines))
+        return f"A single change {lines}, makes all checks here pass."
 
 
 def find_line_hint(
@@ -97,19 +98,25 @@ def find_line_hint(
         if len(statements) == 1 and isinstance(statements[0].node, ast.FunctionDef):
             edits = edits_of([text], statements)
             order = [*failed, *(check for check in checks if check not in failed)]
-            numbers = sorted(_find_passing_lines(function, statements[0], edits, order))
-            rows = text.split("\n")
-            lines = tuple(Line(first + at - 1, rows[at - 1].strip()) for at in numbers)
+            passing = _find_passing_edits(function, statements[0], edits, order)
+            lines = tuple(_line_of(edit, text.split("\n"), first) for edit in passing)
             return LineHint(lines) if 0 < len(lines) <= MOST_LINES else None
     return None
 
 
-def _find_passing_lines(
+def _line_of(edit: Edit, rows: list[str], first: int) -> Line:
+    """Return the line that an edit changes; `first` is the number of the first row in its cell."""
+    row = rows[edit.first - 1]
+    # An edit that only inserts lines begins with the unchanged line before them.
+    return Line(first + edit.first - 1, row.strip(), edit.text.startswith(f"{row}\n"))
+
+
+def _find_passing_edits(
     function: Callable, statement: slicing.Statement, edits: list[Edit], checks: list[Check]
-) -> set[int]:
-    """Find the numbers of the lines where an edit makes all checks pass, in a forked copy."""
+) -> list[Edit]:
+    """Find edits that make all checks pass, by line and at most one in each, in a forked copy."""
     if not hasattr(os, "fork"):
-        return set()
+        return []
     read_end, write_end = os.pipe()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # fork does not copy other threads
@@ -118,8 +125,8 @@ def _find_passing_lines(
         try:
             _isolate()
             signal.setitimer(signal.ITIMER_PROF, SECONDS)
-            for line in _search_passing_lines(function, statement, edits, checks):
-                os.write(write_end, b"%d " % line)
+            for number in _search_passing_edits(function, statement, edits, checks):
+                os.write(write_end, b"%d " % number)
                 signal.setitimer(signal.ITIMER_PROF, SECONDS_FOR_OTHERS)
         finally:
             os._exit(0)  # skips exit handlers and buffers, which belong to the notebook
@@ -135,13 +142,13 @@ def _find_passing_lines(
         os.close(read_end)
         os.kill(child, signal.SIGKILL)
         os.waitpid(child, 0)
-    return {int(line) for line in received.split()}
+    return sorted((edits[int(number)] for number in received.split()), key=lambda edit: edit.first)
 
 
-def _search_passing_lines(
+def _search_passing_edits(
     function: Callable, statement: slicing.Statement, edits: list[Edit], checks: list[Check]
 ) -> Iterator[int]:
-    """Yield the first line of each edit that makes all checks pass, each line once.
+    """Yield the index of each edit that makes all checks pass, at most one for each line.
 
     Only the likeliest edits count, because an unlikely edit may be far from the mistake that it
     cancels. An edit of the `def` line says nothing about the body of the function.
@@ -154,7 +161,7 @@ def _search_passing_lines(
         if line > 1 and line not in found and all(_passes(check, changed) for check in checks):
             best = rank
             found.add(line)
-            yield line
+            yield number
 
 
 def _isolate() -> None:
