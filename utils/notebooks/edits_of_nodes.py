@@ -65,6 +65,7 @@ _REPLACEMENTS = {
 }
 TWINS = (
     ("left", "right"),
+    ("low", "high"),
     ("min", "max"),
     ("argmin", "argmax"),
     ("minimum", "maximum"),
