@@ -1,6 +1,7 @@
 """The generated parts of the documentation, and the version number in several files."""
 
 import argparse
+import itertools
 import json
 import re
 
@@ -32,6 +33,18 @@ def test_every_command_and_option_is_in_the_reference():
     for name, command in commands.items():
         options = {text for action in command._actions for text in action.option_strings}
         assert all(f"`{option}" in parts[name] for option in options - {"-h", "--help"}), name
+
+
+@pytest.mark.parametrize(
+    "path",
+    sorted([*PROJECT.glob("solutions/*/*/lesson.py"), *PROJECT.glob("docs/*.md")]),
+    ids=lambda path: f"{path.parent.name}/{path.name}",
+)
+def test_every_table_begins_with_a_row_of_titles(path):
+    """Without this row, a page shows bars and hyphens instead of the table."""
+    for above, row in itertools.pairwise(path.read_text("utf-8").splitlines()):
+        if re.fullmatch(r"(# )?\|[-:| ]+\|", row):
+            assert re.match(r"(# )?\|", above), above
 
 
 def test_no_sentence_of_the_reference_becomes_a_list():

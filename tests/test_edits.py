@@ -348,6 +348,18 @@ def test_an_edit_creates_a_new_list_instead_of_a_shared_default():
     assert right.strip() in {edit.statement for edit in edits_in(wrong)}
 
 
+def test_an_unused_parameter_replaces_another_early():
+    wrong = function("a = f(x, axis=1)\nb = f(x, axis=1)\nreturn a - b + z * n[node]")
+    right = wrong.replace("b = f(x", "b = f(y").strip()
+    assert min(edit.rank for edit in edits_in(wrong) if edit.statement == right) <= 0
+
+
+def test_low_and_high_are_exchanged_early():
+    wrong = function("low, high = x, y\nreturn [(low[0], z), (low[0], n), (low[0], node)]")
+    right = wrong.replace("(low[0], n)", "(high[0], n)").strip()
+    assert min(edit.rank for edit in edits_in(wrong) if edit.statement == right) <= 1
+
+
 def test_similar_names_are_exchanged_early():
     """In a function with many names, other edits would otherwise use up the limit."""
     code = """
@@ -383,8 +395,6 @@ def test_a_test_of_a_queue_becomes_a_loop_early():
     assert ranks == {"while x:": 1, "while y > z:": 2}
 
 
-def test_low_and_high_are_exchanged_early():
-    code = """
 def get_bounding_boxes(cloud, cluster_labels):
     found = [label for label in np.unique(cluster_labels) if label > 0]
     boxes = np.zeros((len(found), 8, 3))

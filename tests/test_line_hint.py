@@ -45,6 +45,11 @@ def wrong_twice(p, q):
     return a, b, a * p[0] + b * p[1]
 
 
+def without_return(boxes, velocities, seconds):
+    moved = np.array(boxes, dtype=float)
+    moved += velocities[:, None] * seconds
+
+
 class Node:
     def __init__(self, point, index):
         self.point, self.index, self.left, self.right = point, index, None, None
@@ -148,7 +153,18 @@ def test_the_line_to_change_is_named():
     (line,) = place.lines
     assert line.text == "return a, b, a * p[0] + b * p[1]"
     assert text_of(line) == line.text
-    assert place.sentence == f"A single change in {line}, makes all checks here pass."
+    assert place.sentence == (
+        f"A single change in line {line.number}, `{line.text}`, makes all checks here pass."
+    )
+
+
+def test_the_line_before_a_missing_line_is_not_blamed():
+    checks = checks_of("predict_boxes")
+    lost = [each for each in checks if run_check(each, without_return).failure]
+    place = find_line_hint(without_return, checks, lost)
+    (line,) = place.lines
+    assert line.text == "moved += velocities[:, None] * seconds"
+    assert place.sentence.startswith(f"A single change after line {line.number}, `{line.text}`,")
 
 
 def test_all_lines_that_can_be_changed_are_named():

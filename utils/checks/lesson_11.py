@@ -513,7 +513,7 @@ declare_mistakes(
         "The code reorders the rows of the matrix. Each axis is a column, so it should reorder "
         "the columns.",
         lambda right, points: right[::-1, ::-1],
-        "axes[:, order] reorders the columns, axes[order] the rows.",
+        "axes[:, order] reorders the columns, and axes[order] reorders the rows.",
     ),
     Mistake(
         "The points are not centred, so the first axis points from the sensor to the cluster.",
@@ -522,7 +522,7 @@ declare_mistakes(
     ),
     Mistake(
         "Each coordinate is divided by its spread. The spreads of x and y are then equal, and the "
-        "first axis of any turned block is at 45°.",
+        "first axis of any turned block is at 45° or −45°.",
         lambda right, points: np.sqrt([[0.5, 0, 0.5], [0.5, 0, 0.5], [0, 1, 0]]),
         "Only subtract the mean; do not divide by the standard deviation.",
     ),

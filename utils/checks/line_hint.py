@@ -1,8 +1,8 @@
 """Find the lines of a function in which one small change makes every visible check pass.
 
 The changed functions run in a forked copy of this process, which ends afterwards. The copy writes
-no files, opens no connections and draws nothing. It reports only line numbers, and only for
-changes with which every visible check passes.
+no files, opens no connections and draws nothing. It reports only the numbers of changes with which
+every visible check passes.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from utils.checks.outcomes import Check
 from utils.checks.run_cache import cached_run
 from utils.display import shell
 from utils.notebooks.edited_functions import Definition, edited_functions, read_definition
+from utils.notebooks.edits import Edit
 
 # Seconds for finding the first line, and for each further line. They are processor time, so that a
 # busy machine finds the same lines; elapsed time may be PATIENCE times as long.
@@ -41,13 +42,14 @@ _OUTSIDE_EVENTS = (
 
 @dataclass(frozen=True)
 class Line:
-    """A line of a cell: its number and its text."""
+    """A line of a cell: its number, its text, and whether another line should follow it."""
 
     number: int
     text: str
+    is_incomplete: bool = False
 
     def __str__(self) -> str:
-        return f"line {self.number}, `{self.text}`"
+        return f"{'after' if self.is_incomplete else 'in'} line {self.number}, `{self.text}`"
 
 
 @dataclass(frozen=True)
@@ -59,8 +61,8 @@ class LineHint:
     @property
     def sentence(self) -> str:
         """The hint for the student, as one sentence."""
-        lines = ", or in ".join(map(str, self.lines))
-        return f"A single change in {lines}, makes all checks here pass."
+        lines = ", or ".join(map(str, self.lines))
+        return f"A single change {lines}, makes all checks here pass."
 
 
 def find_line_hint(
@@ -87,20 +89,25 @@ def find_line_hint(
     with contextlib.suppress(OSError, TypeError, SyntaxError, ValueError):
         definition = read_definition(exercise, function)
         order = [*failed, *(check for check in checks if check not in failed)]
-        numbers = sorted(_find_passing_lines(function, definition, order))
-        lines = tuple(
-            Line(definition.first + at - 1, definition.lines[at - 1].strip()) for at in numbers
-        )
+        passing = _find_passing_edits(function, definition, order)
+        lines = tuple(_line_of(edit, definition) for edit in passing)
         return LineHint(lines) if 0 < len(lines) <= MOST_LINES else None
     return None
 
 
-def _find_passing_lines(
+def _line_of(edit: Edit, definition: Definition) -> Line:
+    row = definition.lines[edit.first - 1]
+    # An edit that only inserts lines begins with the unchanged line before them.
+    is_incomplete = edit.text.startswith(f"{row}\n")
+    return Line(definition.first + edit.first - 1, row.strip(), is_incomplete)
+
+
+def _find_passing_edits(
     function: Callable, definition: Definition, checks: list[Check]
-) -> set[int]:
-    """Find the numbers of the lines where an edit makes all checks pass, in a forked copy."""
+) -> list[Edit]:
+    """Find edits that make all checks pass, by line and at most one in each, in a forked copy."""
     if not hasattr(os, "fork"):
-        return set()
+        return []
     read_end, write_end = os.pipe()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # fork does not copy other threads
@@ -109,8 +116,8 @@ def _find_passing_lines(
         try:
             _isolate()
             signal.setitimer(signal.ITIMER_PROF, SECONDS)
-            for line in _search_passing_lines(function, definition, checks):
-                os.write(write_end, b"%d " % line)
+            for number in _search_passing_edits(function, definition, checks):
+                os.write(write_end, b"%d " % number)
                 signal.setitimer(signal.ITIMER_PROF, SECONDS_FOR_OTHERS)
         finally:
             os._exit(0)  # skips exit handlers and buffers, which belong to the notebook
@@ -126,13 +133,14 @@ def _find_passing_lines(
         os.close(read_end)
         os.kill(child, signal.SIGKILL)
         os.waitpid(child, 0)
-    return {int(line) for line in received.split()}
+    edits = [definition.edits[int(number)] for number in received.split()]
+    return sorted(edits, key=lambda edit: edit.first)
 
 
-def _search_passing_lines(
+def _search_passing_edits(
     function: Callable, definition: Definition, checks: list[Check]
 ) -> Iterator[int]:
-    """Yield the first line of each edit that makes all checks pass, each line once.
+    """Yield the index of each edit that makes all checks pass, at most one for each line.
 
     Only the likeliest edits count, because an unlikely edit may be far from the mistake that it
     cancels. An edit of the `def` line says nothing about the body of the function.
@@ -145,7 +153,7 @@ def _search_passing_lines(
         if line > 1 and line not in found and all(_passes(check, changed) for check in checks):
             best = rank
             found.add(line)
-            yield line
+            yield definition.edits.index(edit)
 
 
 def _isolate() -> None:

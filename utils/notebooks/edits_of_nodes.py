@@ -65,8 +65,8 @@ _REPLACEMENTS = {
 }
 TWINS = (
     ("left", "right"),
-    ("min", "max"),
     ("low", "high"),
+    ("min", "max"),
     ("argmin", "argmax"),
     ("minimum", "maximum"),
     ("any", "all"),

@@ -34,6 +34,9 @@ def edits_of_several_nodes(
         for foreign in names.unbound:
             places = [source.span(node) for node in read if node.id == foreign]
             yield -1, [(*place, parameter) for place in places]
+        for node in read:
+            if node.id in names.arguments:
+                yield 0, [(*source.span(node), parameter)]
         for node in nodes:
             if isinstance(node, ast.Constant) and type(node.value) in (int, float):
                 yield 0, [(*source.span(node), parameter)]

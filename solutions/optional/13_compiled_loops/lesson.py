@@ -270,7 +270,7 @@ if ready(root_of, unite):
 # %% [markdown]
 # ## Stop at the first close pair
 #
-# *The quickest comparison is the one that you do not make.*
+# *The loop ends as soon as the answer is known.*
 #
 # If the points are sorted by cell, the points of the first cell are in the rows from `a` up to, but not including, `a_end`. Is any of them closer than the threshold to a point of the second cell? `limit` is the square of the threshold, which saves square roots.
 
@@ -322,9 +322,9 @@ if ready(any_close):
 # %% [markdown]
 # ## The grid, sorted
 #
-# **The second sitting begins here.** Remember that `unite` joins two cells, `root_of` returns the root of a piece, and `any_close` compares the points of two cells. If you have closed the notebook, first run all cells above this one.
-#
 # *You can sort numbers without comparing any two of them.*
+#
+# If you have closed the notebook, first run all cells above this one. Remember that `unite` joins two cells, `root_of` returns the root of a piece, and `any_close` compares the points of two cells.
 #
 # The cells are numbered as in lesson 10, and a *counting sort* sorts these numbers. It counts how often each number occurs. From the counts, it knows where each number begins in the sorted array:
 

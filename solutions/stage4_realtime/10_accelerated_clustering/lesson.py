@@ -61,9 +61,9 @@ plots.from_above(obstacles, limits=street, title=f"{len(obstacles):,} points to 
 # Clustering begins with a search for neighbours: points that are closer to each other than the threshold, here half a metre. In lesson 05, you compared each point with all others.
 
 # %%
-waiting = predict("How long does it take to compare each of these points with all others?",
-                  choices=["a second or two", "a minute or two", "an hour or two"])
-company = predict("How many neighbours within half a metre does a point have, on average?")
+seconds_guess = predict("How long does it take to compare each of these points with all others?",
+                        choices=["a second or two", "a minute or two", "an hour or two"])
+neighbours_guess = predict("How many neighbours within half a metre does a point have, on average?")
 
 # %% [markdown]
 # ## The naive idea: one search for every point
@@ -102,7 +102,7 @@ for find, share in ((neighbours_by_tree, 5), (neighbours_by_comparing, 300)):
     seconds = finding[find] = share * seconds_of(find, xyz, xyz[::share])
     print(f"{find.__name__:>23}: about {seconds:6.1f} s, {seconds / 0.1:5.0f} turns of the scanner")
 
-waiting.compare(
+seconds_guess.compare(
     "a second or two" if seconds < 8 else "a minute or two" if seconds < 900 else "an hour or two",
     f"{len(xyz):,} points times {len(xyz):,} points give {len(xyz) ** 2 / 1e9:.1f} billion "
     f"distances. NumPy needs about {1e9 * seconds / len(xyz) ** 2:.0f} nanoseconds for each.")
@@ -151,9 +151,9 @@ for threshold in (0.25, 0.5, 1.0, 2.0):
     table.append((f"{threshold} m", f"{neighbours.mean():,.0f}", f"{pairs / 1e6:.1f} million",
                   f"{16 * pairs / 1e6:,.0f} MB"))
     if threshold == 0.5:
-        company.compare(neighbours.mean(), "Points are dense near the scanner. The side of a "
-                        "parked car has thousands of returns, and each of them is a neighbour of "
-                        "all others within half a metre.")
+        neighbours_guess.compare(
+            neighbours.mean(), "Points are dense near the scanner. The side of a parked car has "
+            "thousands of returns, so each of them has hundreds of neighbours.")
 show_table(["threshold", "neighbours per point", "pairs", "memory"], table)
 
 # %% [markdown]
@@ -181,14 +181,14 @@ side = 0.5 / np.sqrt(2)
 first_in_cell = {}
 for row, cell in enumerate(map(tuple, np.floor(car / side))):
     first_in_cell.setdefault(cell, row)  # the first point represents its cell
-stand_in = np.array(list(first_in_cell.values()))
+representatives = np.array(list(first_in_cell.values()))
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(8.5, 5.2), layout="compressed")
 window = ((5, 9.6), (-4.2, 0.3))
 plots.graph(car, web, limits=window, axes=left, title=f"{len(car)} points")
-plots.graph(car, limits=window, axes=right, title=f"{len(stand_in)} cells")
+plots.graph(car, limits=window, axes=right, title=f"{len(representatives)} cells")
 right.get_legend().remove()
-right.plot(*car[stand_in].T, "s", markersize=9, markerfacecolor="none", color="black")
+right.plot(*car[representatives].T, "s", markersize=9, markerfacecolor="none", color="black")
 right.set_xticks(np.arange(np.ceil(5 / side), 9.6 / side) * side, minor=True)
 right.set_yticks(np.arange(np.ceil(-4.2 / side), 0.3 / side) * side, minor=True)
 right.grid(False)
@@ -420,8 +420,8 @@ check(join_cheaply)
 # %%
 def after_two_steps(points, threshold=0.5):
     """Return labels after steps 1 and 2, and the numbers of cells, pairs and open pairs."""
-    grid, stand_ins, where = points_in_cells(points, threshold)
-    near, piece = join_cheaply(points, grid, stand_ins, threshold)
+    grid, first, where = points_in_cells(points, threshold)
+    near, piece = join_cheaply(points, grid, first, threshold)
     differs = piece[near[:, 0]] != piece[near[:, 1]]
     return piece[where] + 1, len(grid), len(near), int(differs.sum())
 
@@ -560,7 +560,7 @@ check(join_exactly)
 #
 # *Find exactly the same clusters as in lesson 05.*
 #
-# Put the three steps together. A scan of 50,000 points must take well under ten seconds, and heaps of tens of thousands of points must neither fill the memory nor take minutes. The three steps meet these demands, but you may use any other method that does. The clouds contain no NaN rows.
+# Put the three steps together. A scan of 50,000 points must take well under ten seconds. A dense heap of tens of thousands of points, such as a wall right in front of the sensor, must neither fill the memory nor take minutes. The three steps meet these demands, but you may use any other method that does. The clouds contain no NaN rows.
 #
 # - **Allowed:** NumPy, `scipy.spatial`, `scipy.sparse` with `connected_components`, the other packages named at the end of this notebook, and helper functions of your own.
 # - **Not allowed:** libraries that do the clustering: `sklearn.cluster`, `scipy.cluster`, `hdbscan`, `dbscan`, `open3d`, `pcl`.
@@ -656,7 +656,7 @@ print("without the exact step:",
 # %% [markdown]
 # ## Theory against practice: four ways on one chart
 #
-# *The exponent depends on the algorithm and on the data. Everything else only moves the line up or down.*
+# *The slope of a line is the exponent of n. A faster computer only moves the line down.*
 #
 # The next cells thin the scan to different sizes and cluster it in four ways. This takes about ten seconds. More points in the same street make the cloud denser, so the number of pairs grows as n².
 
@@ -703,7 +703,7 @@ measure_ways()
 print(f"compared {len(agree)} times: {'always' if all(agree) else 'NOT always'} the same clusters")
 axes = plots.timing(series, title=f"{len(ways)} ways to the same clusters")
 axes.axhline(0.1, color="black", linestyle=":")
-axes.text(0.99, 0.09, "one turn of the scanner", ha="right", va="top",
+axes.text(0.99, 0.11, "one turn of the scanner", ha="right", va="bottom",
           transform=axes.get_yaxis_transform());
 
 # %% tags=["folded"]
@@ -962,8 +962,8 @@ axes.set_title("Two storeys: only points 3 and 4 are close", loc="left", fontwei
 # %%
 def time_steps(points, threshold=0.5):
     """Print how long each step takes, and how long step 3 takes with one tree."""
-    (grid, stand_ins, where), one = timed(points_in_cells, points, threshold)
-    (near, piece), two = timed(join_cheaply, points, grid, stand_ins, threshold)
+    (grid, first, where), one = timed(points_in_cells, points, threshold)
+    (near, piece), two = timed(join_cheaply, points, grid, first, threshold)
     _, three = timed(join_exactly, points, where, near, piece, threshold)
     _, tree = timed(join_on_floors, points, where, near, piece, threshold)
     for step, seconds in zip(("1 cells", "2 cheap", "3 exact"), (one, two, three)):

@@ -391,7 +391,7 @@ axes.axvline(1.8 / 4.2, color="black", linestyle=":", label=f"a car: {lean_of_l(
 axes.legend();
 
 # %% [markdown]
-# More points do not reduce this error. Real cars lean more than this L, because most points are at their near end.
+# More points do not reduce this error. If the scanner sees two sides of a car, its first axis leans even more, because the points are not spread evenly.
 #
 # ## The smallest rectangle
 #
@@ -798,9 +798,9 @@ flips.compare("all three" if min(jumps.values()) > 0 else "both of them, but not
               "rectangle looks the same after a quarter turn.")
 
 # %% [markdown]
-# The true yaw jumps by 360°, the first axis by 180°, and the smallest rectangle by 90°.
+# The true yaw jumps by 360°, and the smallest rectangle by 90°. The first axis jumps by 180° or, like the true yaw, by 360°.
 #
-# These jumps do not change the corners of the box, but a tracker needs a steady heading. Of all headings that differ by quarter turns, it takes the one nearest to the previous heading. `np.unwrap` does this if you give it the period. Which of the four sides is the front? On the road, the direction of motion tells you. Here we take the true heading of the first frame.
+# These jumps do not change the corners of the box, but a tracker needs a steady heading. With `np.unwrap` and a period of a quarter turn, each heading becomes the one nearest to the previous heading. Which of the four sides is the front? On the road, the direction of motion tells you. Here we take the true heading of the first frame.
 
 # %%
 def steady(values, start):
@@ -826,13 +826,13 @@ for name, values in followed.items():
 # %% [markdown]
 # ## Common mistakes
 #
-# # | mistake | what you see |
+# | mistake | what you see |
 # |---|---|
 # | turned by −yaw both times | the box has the right size, but it is turned clockwise around the sensor by twice the yaw |
 # | turned by +yaw both times | the box is turned anticlockwise around the sensor by twice the yaw, and it is too large |
 # | degrees mixed with radians, or the index of the smallest area used as its angle | the boxes contain their points, but at a wrong angle |
 # | largest area instead of smallest | the box is at 45° to its car and, for a full outline, more than twice as large |
-# | divided by the standard deviation (z-score) | the first axis is at 45° or −45° for every cluster; if z was set to 0 before, NumPy reports an error because of 0 / 0 |
+# | divided by the standard deviation (z-score) | computed from x and y alone, the first axis is at 45° or −45° for every cluster; if z was set to 0 before, NumPy reports an error because of 0 / 0 |
 # | not centred | the first axis points from the sensor to the car |
 # | columns left in ascending order | the "first" axis has the smallest variance; if z was set to 0 before, it is vertical, and the yaw is arbitrary |
 # | determinant −1 | the box is right, but SciPy refuses to convert the axes into a quaternion or Euler angles |
@@ -880,7 +880,7 @@ drive_with(0) if is_written(get_oriented_boxes) else print(
     "get_oriented_boxes is not written, or has not passed its check.")
 
 # %% [markdown]
-# The goal is 59 m without braking needlessly. Then let your function find the yaw in another way, and drive again. We see the front and one side of the lorry, which form a right-angled triangle. The rectangle along the longest side of such a triangle has the same area as the rectangle along the other two sides. Finally, turn the scanner as in lesson 08, with `drive_with(12, street=1)`.
+# The goal is 59 m without braking needlessly. Then let your function find the yaw in another way, and drive again. The points of the oncoming lorry form a thin L, as those of lorry 7 did. Finally, turn the scanner as in lesson 08, with `drive_with(12, street=1)`.
 #
 # <details><summary>An answer</summary>
 #

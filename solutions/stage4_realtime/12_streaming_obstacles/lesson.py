@@ -104,7 +104,7 @@ plots.ring(axes, 29, 1.2, radius=2.1, text="bare road");
 # |---|---|---|---|
 # | drop [invalid returns](#Words-of-the-course) | 01 | NaN and (0, 0, 0) | errors, or a cluster inside the sensor |
 # | keep the region of interest | 07 | objects that the car cannot hit | boxes around house fronts |
-# | remove the [ego car](#Words-of-the-course) | 07 | returns from its mirrors, aerial, bonnet and roof | full braking forever, as soon as the scanner sees enough of the ego car |
+# | remove the [ego car](#Words-of-the-course) | 07 | returns from its mirrors, aerial, bonnet and roof | the car brakes and never drives again, as soon as the scanner sees enough of the ego car |
 # | remove the road | 03 | half of the remaining points | rings of road that connect cars and pavements |
 # | thin with a [voxel](#Words-of-the-course) grid | 06 | nine out of ten remaining points | more than ten times as many points to cluster |
 # | cluster | 10 or 05 | nothing | points that do not belong to any object |
@@ -335,9 +335,8 @@ if is_written(detect_obstacles):
                   label="time (ms)", title="Time in each step of your detector")
     longest = next(iter(steps))
     slowest.compare(longest if longest in LIKELY else "another",
-                    "Clustering gets only a few thousand points, and your function is fast. The "
-                    "voxel grid sorts tens of thousands of points, RANSAC computes as many "
-                    "distances in each round, and each box is tried at 90 angles.")
+                    "RANSAC computes the distances of tens of thousands of points in each round. "
+                    "Clustering comes after thinning, so it gets only a few thousand points.")
 else:
     print("detect_obstacles is not written yet, so there is nothing to measure.")
 
@@ -511,7 +510,7 @@ def match_boxes(previous, current, max_distance):
 # </details>
 # <details><summary>Hint 3</summary>
 #
-# In `while table.size and table.min() <= max_distance:`, find the row and the column, store the column at position `row` of the result, and set `table[row, :]` and `table[:, column]` to `np.inf`. Alternatively, `scipy.optimize.linear_sum_assignment` finds the smallest sum. Before you call it, write a huge number wherever the distance is too large. Otherwise, a forbidden pair may replace an allowed one. Afterwards, leave out the pairs with this number.
+# In `while table.size and table.min() <= max_distance:`, find the row and the column, store the column at position `row` of the result, and set `table[row, :]` and `table[:, column]` to `np.inf`. Alternatively, `scipy.optimize.linear_sum_assignment` finds the smallest sum. Before you call it, write a huge number wherever the distance is too large. Otherwise, a forbidden pair may replace an allowed one. Afterwards, leave out the pairs whose distance is this huge number.
 # </details>
 
 # %% [markdown]
@@ -801,7 +800,7 @@ for track_id in track_ids[-1][within(detected[-1], carriageway)].tolist():
 plots.ring(axes, -2.8, 4.1, radius=1.3, text="what is this box?");
 
 # %% [markdown]
-# Parked cars came half a metre nearer in each frame. Objects that drive in our direction leave short trails, and oncoming objects leave long trails. If a trail bends or jumps, its box grew, shrank or merged with another box. The box in the ring contains two objects: a lorry that is passing us, and a parked car that is closer to it than the threshold. A moment ago, each had its own box and ID.
+# Parked cars came half a metre nearer in each frame. Objects that drive in the same direction as the ego car leave short trails, and oncoming objects leave long trails. If a trail bends or jumps, its box grew, shrank or merged with another box. The box in the ring contains two objects: a lorry that is passing us, and a parked car that is closer to it than the threshold. A moment ago, each had its own box and ID.
 #
 # `python -m utils.play city --detector 12_streaming_obstacles.ipynb` plays the stream in a window, with your boxes, IDs and trails. Add `--record city.gif` to make a film.
 #
@@ -1162,7 +1161,7 @@ for axes, title, settings in (
 #
 # **Sources.** Overlap, precision and recall for street scenes: [Geiger et al. 2012](https://doi.org/10.1109/CVPR.2012.6248074). Tracking mistakes: [Bernardin and Stiefelhagen 2008](https://doi.org/10.1155/2008/246309). A tracker in few lines: [Bewley et al. 2016](https://doi.org/10.1109/ICIP.2016.7533003). The gain at which a filter settles: [Kalata 1984](https://doi.org/10.1109/TAES.1984.310438). Optimal assignment: [Kuhn 1955](https://doi.org/10.1002/nav.3800020109). The pipeline with its three scenes: [Udacity, Sensor Fusion](https://github.com/udacity/SFND_Lidar_Obstacle_Detection). A simple tracker for a learned detector: [Weng et al. 2020](https://doi.org/10.1109/IROS45743.2020.9341164).
 #
-# **That was the last lesson.** Congratulations! You wrote a LiDAR pipeline, from the first mask to the last track.
+# **That was the last graded lesson.** Congratulations! You wrote a LiDAR pipeline, from the first mask to the last track.
 
 # %% [markdown] tags=["footer"]
 # (footer)

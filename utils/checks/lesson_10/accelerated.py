@@ -59,7 +59,8 @@ _CELL_SIDE = 1 / np.sqrt(3)
     weight=3,
     title="Puts groups that are far apart into separate clusters",
     why="Each cluster becomes one obstacle. Two cars must not merge, and one car must not split.",
-    hint="Write label_of_cell[cell_of_point] to get from labels of cells to labels of points.",
+    hint="Use the coordinates cloud[:, :3], and give each point the label of its cell, "
+    "label[cell_of_point].",
 )
 def separates_groups(euclidean_clustering_accelerated: Callable) -> None:
     assert_clusters(euclidean_clustering_accelerated(GROUPS.copy(), 1.0), LABELS, GROUPS, 1.0)
@@ -300,7 +301,7 @@ common_cluster_checks.promise_few_points(
 common_cluster_checks.promise_equal_points(
     _CASE,
     "joins_equal_points",
-    hint="Give all points of a cell the same label: equal points share a cell.",
+    hint="Give all points of a cell the same label, because equal points share a cell.",
 )
 common_cluster_checks.promise_untouched(_CASE, "leaves_its_input")
 
@@ -333,8 +334,8 @@ def is_quick(euclidean_clustering_accelerated: Callable) -> None:
     why="A wet wall just in front of the sensor, or two merged scans, can put thousands of points "
     "close together. The number of close pairs then grows with the square of the number of "
     "points, and a list of them fills the memory.",
-    hint="Do not list or measure pairs of points in one cell: points that share a cell of side "
-    "threshold / np.sqrt(3) share a cluster.",
+    hint="Do not list or measure pairs of points in one cell, because points that share a cell "
+    "of side threshold / np.sqrt(3) share a cluster.",
 )
 def is_quick_on_a_heap(euclidean_clustering_accelerated: Callable) -> None:
     cloud, labels = _two_heaps(2500, 5.0)

@@ -258,16 +258,17 @@ def _exact_arguments(label: np.ndarray) -> tuple:
 @visible_check(
     "join_exactly",
     title="Joins all cells of both pieces that points 3 and 4 connect",
-    why="If only one cell of a piece gets the new label, the rest of the car keeps the old one.",
-    hint="If a distance is below the threshold, give all cells of both pieces the same label: "
-    "compute the components of the pieces, then index the components with [label]. In a loop over "
-    "pairs of cells, write label[label == label[b]] = label[a].",
+    why="If a close pair is missed, or only one cell of a piece gets the new label, one car "
+    "remains two clusters.",
+    hint="Go through the pairs whose two labels differ. If smallest_distance is below the "
+    "threshold, give all cells of both pieces the same label: label[label == label[b]] = label[a].",
 )
 def joins_exactly(join_exactly: Callable) -> None:
     # Pieces may be numbered in any order, so either of the two pieces may have the larger number.
-    for label in (_PIECES, 2 - _PIECES):
+    # If the pair of points 3 and 4 is the last, no later pair can relabel a forgotten cell.
+    for label, order in ((_PIECES, [0, 1, 2, 3, 4, 5, 6]), (2 - _PIECES, [0, 1, 2, 3, 4, 6, 5])):
         answer = join_exactly(
-            *(np.copy(argument) for argument in _exact_arguments(label)[:-1]), WIDE_THRESHOLD
+            SEVEN_POINTS.copy(), _CELL_OF_POINT.copy(), _PAIRS[order], label.copy(), WIDE_THRESHOLD
         )
         _assert_same_pieces(
             answer, _JOINED, f"{_GIVEN}; pieces {_pieces_text(_PIECES)} after step 2"

@@ -564,10 +564,10 @@ def works_on_empty_frames(coast: Callable) -> None:
 @visible_check(
     "coast",
     title="Does not change the counts",
-    why="If the function changed its input, running the cell above twice would count the frame "
+    why="If the function changes the counts, a second call for the same frame counts this frame "
     "twice.",
-    hint="Write np.where(..., 0, missed + 1), which creates new counts. missed[...] = 0 changes "
-    "the input.",
+    hint="Begin with missed = missed + 1, which creates new counts. missed += 1 changes the "
+    "input, and so does missed[...] = 0 before you have new counts.",
 )
 def keeps_the_counts_unchanged(coast: Callable) -> None:
     assert_arguments_unchanged(observe(coast, _MISSED, _PARTNERS, 3), _MISSED, _PARTNERS, 3)

@@ -60,6 +60,11 @@ def _as_bool(answer: object) -> bool:
     return bool(yours)
 
 
+def _rows_text(points: np.ndarray, first: int, end: int) -> str:
+    rows = f"row {first}" if end - first == 1 else f"rows {first} to {end - 1}"
+    return f"{rows}: {points_text(points[first:end])}"
+
+
 def _assert_answer(any_close: Callable, points: np.ndarray, cells: tuple, distance: float) -> None:
     yours = _as_bool(any_close(points.copy(), *cells, distance**2))
     a, a_end, b, b_end = cells
@@ -69,8 +74,8 @@ def _assert_answer(any_close: Callable, points: np.ndarray, cells: tuple, distan
             "Two of these points are closer than the limit."
             if right
             else "No two of these points are closer than the limit.",
-            input_text=f"rows {a} to {a_end - 1}: {points_text(points[a:a_end])}; rows {b} to "
-            f"{b_end - 1}: {points_text(points[b:b_end])}; limit {distance:g}² = {distance**2:.3g}",
+            input_text=f"{_rows_text(points, a, a_end)}; {_rows_text(points, b, b_end)}; "
+            f"limit {distance:g}² = {distance**2:.3g}",
             yours=str(yours),
             expected=str(bool(right)),
         )
@@ -247,7 +252,7 @@ declare_mistakes(
         _prediction_from_squares(lambda squares, limit: (squares < limit).all()),
     ),
     Mistake(
-        "The answers are swapped: True if no two points are close.",
+        "The function returns True if no two points are close, and False otherwise.",
         lambda right, *case: not right,
     ),
     Mistake(

@@ -196,7 +196,7 @@ declare_mistakes(
         "Start at 0, because no point has been counted before the loop.",
     ),
     Mistake(
-        "Every point is counted. Only points within the tolerance should be.",
+        "The function counts every point, not only the points within the tolerance.",
         lambda right, points, plane, tolerance: len(points),
         is_cheap=True,
     ),

@@ -81,7 +81,7 @@ def finds_the_angle(snuggest_turn: Callable) -> None:
 
 @visible_check(
     "snuggest_turn",
-    title="Finds the same angle away from the sensor",
+    title="Finds the angle of a rectangle that is far from the sensor",
     why="The sensor is never inside another car, so a box that includes the sensor is too large.",
     hint="Start with np.inf for the smallest and -np.inf for the largest. If you start with 0, "
     "the sensor counts as a point.",
