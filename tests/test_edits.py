@@ -395,22 +395,6 @@ def test_a_test_of_a_queue_becomes_a_loop_early():
     assert ranks == {"while x:": 1, "while y > z:": 2}
 
 
-def get_bounding_boxes(cloud, cluster_labels):
-    found = [label for label in np.unique(cluster_labels) if label > 0]
-    boxes = np.zeros((len(found), 8, 3))
-    for row, label in enumerate(found):
-        points = cloud[cluster_labels == label, :3]
-        low, high = points.min(axis=0), points.max(axis=0)
-        for k in range(8):
-            boxes[row, k, 0] = low[0] if k & 1 else low[0]
-            boxes[row, k, 1] = high[1] if k & 2 else low[1]
-            boxes[row, k, 2] = high[2] if k & 4 else low[2]
-    return boxes
-"""
-    texts = [edit.text.strip() for edit in edits_in(code)]
-    assert "boxes[row, k, 0] = high[0] if k & 1 else low[0]" in texts[:200]
-
-
 def growing_counters(*lines):
     wrong = function("\n".join(lines))
     return [edit for edit in edits_in(wrong) if " += 1" in edit.statement]
