@@ -111,7 +111,7 @@ plots.ring(axes, 29, 1.2, radius=2.1, text="bare road");
 # | remove small clusters | 09 | raindrops, specks and single leaves | twice as many boxes |
 # | fit boxes | 11 | all points, and leaves only boxes | no shape that a car can avoid |
 #
-# **How do you remove the road?** This street climbs by 2.2 %, so about 24 m ahead, the road itself reaches −1.2 m, the ground level of lesson 06. A fitted plane climbs with the road. `ransac_plane` from lesson 03 finds this plane, and `fit_plane` makes it exact. Keep the points that are more than 0.3 m from the plane. Give RANSAC only the points below the ground level, because next to a lorry, the largest plane is the side of the lorry. If you prefer `filter_ground`, end the region of interest at x = 15 m, where the road is still below the ground level.
+# **How do you remove the road?** This street climbs by 2.2 %, so about 24 m ahead, the road itself reaches −1.2 m, the ground level of lesson 06. A fitted plane climbs with the road. `ransac_plane` from lesson 03 finds this plane, and `fit_plane` makes it exact. Keep the points that are more than 0.3 m from the plane. Give RANSAC only the points below the ground level. About 85 % of these points are on the road, but only half of all points in the region of interest. RANSAC then needs 8 rounds instead of about 60 to find the road in 999 of 1,000 runs. If you prefer `filter_ground`, end the region of interest at x = 15 m, where the road is still below the ground level.
 #
 # ## Bring your own functions
 #

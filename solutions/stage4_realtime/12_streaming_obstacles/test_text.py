@@ -24,6 +24,7 @@ from utils.drive.standards import DRIVERS, reference_results
 from utils.notebooks import slicing
 from utils.scoring import counted, holders, name_mistakes
 from utils.scoring.card import hidden_shares
+from utils.simulator.scanner import CLASSES
 
 pytestmark = pytest.mark.slow  # simulating three seconds of a city is slow
 
@@ -344,6 +345,24 @@ def test_statements_about_people_in_full_view_are_true():
     assert np.median(ten_metres) == pytest.approx(35, abs=1)
     assert np.mean(np.array(ten_metres) < 40) > 0.6  # "removes most pedestrians 10 m away"
     assert max(ten_metres) < 80  # the best minimum of the sweep would remove them all
+
+
+def test_ransac_needs_fewer_rounds_below_the_ground_level():
+    """The rounds follow from the share of points on the road, as in lesson 02."""
+    frame = scenes.city_block(frames=1)[0]
+    points, classes = frame.cloud[:, :3], frame.scan.classes
+    road = points[(classes == CLASSES.index("ground")) & (abs(points[:, 1]) < 3)]
+    coefficients = np.linalg.lstsq(np.insert(road[:, :2], 2, 1, axis=1), road[:, 2])[0]
+    is_near = abs(np.insert(points[:, :2], 2, 1, axis=1) @ coefficients - points[:, 2]) <= 0.2
+    lowest, highest = (-15, -7, -3), (35, 9, 1)
+    in_region = ((points >= lowest) & (points <= highest)).all(axis=1)
+    rounds = []
+    for kept in (in_region & (points[:, 2] < -1.2), in_region):
+        share = is_near[kept].mean()
+        rounds.append(np.log(0.001) / np.log(1 - share**3))
+    assert round(100 * is_near[in_region & (points[:, 2] < -1.2)].mean()) == 85
+    assert abs(is_near[in_region].mean() - 0.5) < 0.02
+    assert np.ceil(rounds[0]) == 8 and abs(rounds[1] - 60) < 3
 
 
 def test_the_road_reaches_the_ground_level_24_m_ahead():
