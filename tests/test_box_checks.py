@@ -117,3 +117,17 @@ def test_the_circled_corner_is_not_one_of_the_answers_in_the_picture(axis, end, 
     gaps = np.abs(wrong[:, columns] - circled[columns]).max(axis=1)
     assert gaps.min() > 0.2
     assert (right == circled).all(axis=1).any()
+
+
+def test_a_repeated_corner_is_not_explained_by_a_wrong_turn():
+    cloud = np.random.default_rng(0).uniform(-1, 1, (50, 3)) * [4, 2, 1]
+    labels = np.ones(50, dtype=int)
+    box = corners_between([-4, -2, -1], [4, 2, 1])
+    repeated, leaning = box.copy(), box.copy()
+    first, second, *_ = floor = np.flatnonzero(box[:, 2] == -1)
+    repeated[second] = box[first]
+    leaning[floor, 0] += 0.5
+    for wrong, hint in ((repeated, "one corner occurs twice"), (leaning, "about z only")):
+        with pytest.raises(CheckFailed) as failure:
+            boxes.assert_upright(wrong[None], cloud, labels)
+        assert hint in failure.value.hint

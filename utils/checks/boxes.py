@@ -404,12 +404,17 @@ def _boxes_with_points(
 def _require_footprint(box: np.ndarray, points: np.ndarray, name: str) -> np.ndarray:
     rectangle = footprint(box)
     if rectangle is None:
+        hint = (
+            "Turn the box about z only. Then each corner of the roof has the same x and y as the "
+            "one below it."
+        )
+        if np.ptp(box[:, 2]) > _SLACK and len(np.unique(box, axis=0)) < len(box):
+            hint = "Write eight different corners. In your box, one corner occurs twice."
         raise CheckFailed(
             f"{name} does not have a rectangular floor.",
             yours=brief_text(box[:, :2]),
             expected="four corners with right angles and another corner above each",
-            hint="Turn the box about z only. Then each corner of the roof has the same x and y "
-            "as the one below it.",
+            hint=hint,
             draw=lambda: _draw_box(points, box),
         )
     return rectangle
