@@ -10,7 +10,8 @@ from tests.prerequisites import FFMPEG
 from utils import progress as bar
 from utils import scenes
 from utils.clouds import CloudFileError, read_sequence, write_cloud
-from utils.films.film import DetectedFrame, record, scene_of, watch
+from utils.films.film import record, scene_of, watch
+from utils.films.frames import DetectedFrame
 from utils.films.writers import write_film
 from utils.recordings import Recording
 from utils.scene3d import Scene, opengl

@@ -390,6 +390,7 @@ WRONG_SEARCHES = {
     "the first axis is y": (6, "the left branch of node 3"),
     "returns every visited node": (1, "Node 0 is 8.1 m away"),
     "returns each index twice": (2, "2 times"),
+    "loses the results from the left": (8, "Node 4 is 3.6 m away"),
     "forgets to return": (2, "does not contain it"),
     "skips everything below a distant node": (1, "the right branch of node 0"),
     "finds nothing": (0, "never visits any node"),

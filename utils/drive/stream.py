@@ -5,7 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from utils.drive.loop import Drive, Moment
-from utils.films.film import ROAD_USERS, DetectedFrame
+from utils.films.film import ROAD_USERS
+from utils.films.frames import DetectedFrame
 from utils.progress import progress
 
 

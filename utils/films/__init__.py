@@ -5,7 +5,8 @@
 >>> film                    # a notebook shows the film and describes it in words
 """
 
-from utils.films.film import SIZE, DetectedFrame, record, scene_of, watch
+from utils.films.film import SIZE, record, scene_of, watch
+from utils.films.frames import DetectedFrame
 from utils.films.writers import WRITERS, Film
 
 __all__ = ["SIZE", "WRITERS", "Film", "DetectedFrame", "record", "scene_of", "watch"]

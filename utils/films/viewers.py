@@ -17,7 +17,7 @@ from utils.boxes import distance_outside
 from utils.drive.steps import is_road
 
 if TYPE_CHECKING:
-    from utils.films.film import DetectedFrame
+    from utils.films.frames import DetectedFrame
 
 OUTLINE = [0, 1, 2, 3, 0, 4, 5, 6, 7, 4, 5, 1, 2, 6, 7, 3]
 """A path through the corners of a box along all of its edges."""
