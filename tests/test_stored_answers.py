@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
+import utils
 from grader.course.recorded_answers import changed_answers
 from utils import lent
 from utils.lent import encoding
@@ -223,6 +224,19 @@ def test_calls_of_a_check_are_not_recorded():
         namespace["check"](namespace["keep_twice"])
     assert json.loads(recorder.text())["exercises"]["keep"] == {}
     namespace["keep_twice"](CLOUD, 3.0)
+    assert len(json.loads(recorder.text())["exercises"]["keep"]) == 1
+
+
+def test_calls_are_not_recorded_in_the_cell_that_imports_the_caller(monkeypatch):
+    monkeypatch.setattr("utils.lent.recorder.CALLERS", ("ask_about",))
+    monkeypatch.setattr(utils, "ask_about", lambda function: function(CLOUD, 3.0))
+    namespace = {"keep": written}
+    recorder = lent.Recorder(["keep"], [], namespace)
+    recorder.wrap_callers()
+    recorder.wrap_stubs()
+    exec("from utils import ask_about\nask_about(keep)", namespace)
+    assert json.loads(recorder.text())["exercises"]["keep"] == {}
+    exec("keep(CLOUD, 3.0)", {**namespace, "CLOUD": CLOUD})
     assert len(json.loads(recorder.text())["exercises"]["keep"]) == 1
 
 

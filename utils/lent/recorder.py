@@ -8,6 +8,7 @@ import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import utils
 from utils.display import shell
 from utils.lent.encoding import encode, key_of, rng_states
 from utils.lent.stand_ins import Lender
@@ -48,6 +49,11 @@ class Recorder(Lender):
             caller = self._namespace.get(name)
             if callable(caller) and not hasattr(caller, "is_unheard"):
                 self._namespace[name] = self._without_recording(caller)
+
+    def wrap_callers(self) -> None:
+        """Wrap the callers in `utils`, because a later cell may import one and call it at once."""
+        for name in set(CALLERS) & set(dir(utils)):
+            setattr(utils, name, self._without_recording(getattr(utils, name)))
 
     def _without_recording(self, caller: Callable) -> Callable:
         @functools.wraps(caller)
@@ -102,6 +108,7 @@ def record_answers(exercises: list[str], experiments: list[str], path: str) -> N
         The file to write.
     """
     recorder = Recorder(exercises, experiments, shell().user_ns)
+    recorder.wrap_callers()
 
     def after_cell(*_: object) -> None:
         recorder.wrap_stubs()
