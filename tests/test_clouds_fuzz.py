@@ -219,6 +219,7 @@ WORDS = [*"013\n ,;#", "-1", "nan", "inf", "1e9", "abc", "x y z", "DATA ascii\n"
 @settings(max_examples=300, deadline=None)
 @given(st.lists(st.sampled_from(WORDS), max_size=30))
 @example(["\x0b,"])  # numpy.loadtxt treated this as an empty file and warned
+@example(["1", "\n", "\n", "0", "0", "0"])  # an empty line follows the number of points
 def test_texts_of_likely_words_are_read_or_refused(words):
     data = " ".join(words).encode()
     check_bytes("text", data)

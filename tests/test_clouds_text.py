@@ -97,6 +97,7 @@ def test_an_empty_cloud_needs_a_header(text, shape):
         ("1.O 2 3\n", ["line 1", "'1.O'"]),
         ("1_0 2 3\n", ["line 1", "'1_0'"]),
         ("0,1.5,2,3\n1,4,5,6\n2,7,8,9\n", ["line 1", "numbers the lines", "index column"]),
+        ("3\n\n0 1.5 2 3\n1 4 5 6\n2 7 8 9\n", ["numbers the lines", "index column"]),
         ("x y z\n0 1.5 2 3\n1 4 5 6\n2 7 8 9\n", ["line 2", "numbers the lines"]),
         ("z y x\n1 2 3 4\n", ["line 1", "3 columns 'z y x'", "4 numbers"]),
         ("1 2 3 4 5 6\n", ["line 1", "6 columns", "header line"]),

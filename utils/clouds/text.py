@@ -75,7 +75,7 @@ def decode_text(data: bytes, name: str = "cloud.txt") -> np.ndarray:
             f"the line announces {announced} points, but {len(rows)} follow",
             "Was the file copied completely?",
         )
-    if columns is None and _counts_lines(rows, lines[start]):
+    if columns is None and _counts_lines(rows, lines[start:]):
         raise file_error(
             name,
             f"line {start + 1}",
@@ -206,9 +206,9 @@ def _no_points_error(lines: list[str], name: str) -> CloudFileError:
     )
 
 
-def _counts_lines(rows: np.ndarray, first_line: str) -> bool:
+def _counts_lines(rows: np.ndarray, lines: list[str]) -> bool:
     """Return whether the first of four columns is 0, 1, 2 … or 1, 2, 3 … in whole numbers."""
-    first_field = split_fields(first_line)[0]
+    first_field = next(filter(None, map(split_fields, lines)))[0]
     return (
         len(rows) >= 3
         and rows.shape[1] == 4
