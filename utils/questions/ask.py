@@ -181,7 +181,9 @@ def make_cards(function: Callable, exercise: str, kinds: Sequence[Callable]) -> 
 
 
 def _as_html(number: int, card: Card) -> str:
-    change = f"<pre>- {escape(card.before)}\n+ {escape(card.after)}</pre>" if card.after else ""
+    # JupyterLab removes the margins of <pre>, so that the change and the call would look like one.
+    pre = "<pre style='margin:0.6em 0'>"
+    change = f"{pre}- {escape(card.before)}\n+ {escape(card.after)}</pre>" if card.after else ""
     choices = "".join(
         f"<details><summary>{letter}. <code>{escape(choice)}</code></summary>"
         f"<div style='margin:0 0 0.5em 1.2em'>{_with_code(explanation)}</div></details>"
@@ -190,7 +192,7 @@ def _as_html(number: int, card: Card) -> str:
     return (
         "<div style='border-left:4px solid #0072B2;padding:0.3em 0.8em;margin:0.6em 0;"
         f"line-height:1.5'><div><b>Question {number}.</b> {_with_code(card.text)}</div>{change}"
-        f"<pre>{escape(card.code)}</pre>{choices}</div>"
+        f"{pre}{escape(card.code)}</pre>{choices}</div>"
     )
 
 
