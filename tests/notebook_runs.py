@@ -5,6 +5,8 @@ from pathlib import Path
 
 import nbclient
 
+from grader.course.notebook_runs import execute
+
 LONGEST_CELL = 120  # seconds; a whole notebook usually takes about 30
 
 
@@ -31,7 +33,7 @@ def run(notebook, folder, **settings):
     # (github.com/jupyter/nbclient/issues/312). Without handlers, widget output stays in its cell.
     client.comm_open_handlers.clear()
     with contextlib.suppress(nbclient.exceptions.CellExecutionError):
-        client.execute()
+        execute(client)
     return notebook
 
 

@@ -1,7 +1,10 @@
 """Running the course's notebooks, and naming the cell that stops one."""
 
+import socket
+
 import nbformat
 import pytest
+from jupyter_client.provisioning.local_provisioner import LocalPortCache
 
 from grader.course.notebook_runs import NotebookStopped, run_notebook
 
@@ -22,6 +25,22 @@ def test_a_notebook_runs_in_its_folder_and_gets_outputs(tmp_path):
     notebook = notebook_of("print(open('here.txt').read())")
     run_notebook(notebook, tmp_path)
     assert notebook.cells[0].outputs[0].text == "found\n"
+
+
+def test_the_kernel_starts_again_if_another_program_took_its_port(tmp_path, monkeypatch):
+    choose_port = LocalPortCache.find_available_port
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        listener.listen()
+        taken = [listener.getsockname()[1]]
+        monkeypatch.setattr(
+            LocalPortCache,
+            "find_available_port",
+            lambda cache, ip: taken.pop() if taken else choose_port(cache, ip),
+        )
+        notebook = notebook_of("print(6 * 7)")
+        run_notebook(notebook, tmp_path)
+    assert not taken and notebook.cells[0].outputs[0].text == "42\n"
 
 
 def test_the_cell_that_stops_a_notebook_is_named(tmp_path):

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from nbclient import NotebookClient
     from nbformat import NotebookNode
 
 MAX_CELL_SECONDS = 300  # seconds; enough even on a busy machine
@@ -44,7 +45,7 @@ def run_notebook(notebook: NotebookNode, folder: Path, *, checks_may_fail: bool 
     )
     client.comm_open_handlers.clear()  # so that a widget's output stays in its cell
     try:
-        client.execute()
+        execute(client)
     except nbclient.exceptions.CellExecutionError:
         pass  # `_first_error` finds the error in the outputs of the cell
     except nbclient.exceptions.CellTimeoutError:
@@ -58,6 +59,21 @@ def run_notebook(notebook: NotebookNode, folder: Path, *, checks_may_fail: bool 
         ) from None
     if error := _first_error(notebook.cells, checks_may_fail):
         raise NotebookStopped(error)
+
+
+def execute(client: NotebookClient) -> None:
+    """Run all cells of a client's notebook; try once more if the kernel does not start.
+
+    Jupyter chooses the ports before the kernel opens them, so another program may take one.
+    """
+    from nbclient.exceptions import DeadKernelError
+
+    try:
+        client.execute()
+    except DeadKernelError:  # it died later, while it ran a cell
+        raise
+    except RuntimeError:
+        client.execute()
 
 
 def _first_error(cells: Sequence[NotebookNode], checks_may_fail: bool) -> str:
