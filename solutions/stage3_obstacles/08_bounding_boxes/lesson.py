@@ -373,7 +373,7 @@ for name in (10, 4, 13):
     print(f"{kinds[name]} {name}: {outside.mean():.0%} of its footprint is outside its box")
 
 # %% [markdown]
-# On a straight street, nearly every vehicle is parallel to us, and axis-aligned boxes contain little air. What sticks out is the larger error here: the scanner sees only the back or one side of many vehicles, so their boxes are too short or too narrow. At a junction, many vehicles would be at an angle to us. Lesson 11 turns the box with the car.
+# On a straight street, nearly every vehicle is parallel to us, and axis-aligned boxes contain little air. The larger error is the part of a vehicle that is outside its box. The scanner sees only the back or one side of many vehicles, so their boxes are too short or too narrow. At a junction, many vehicles would be at an angle to us. Lesson 11 turns the box with the car.
 
 # %% [markdown]
 # ## Common mistakes
