@@ -49,7 +49,7 @@ INSTALL := pip install --quiet --disable-pip-version-check
 	@touch $@
 
 # Other libraries that the proof compares with the course. They take 1.8 GB.
-.venv/ready-proof: .venv/ready-proof requirements-proof.txt requirements-viewers.txt
+.venv/ready-proof: .venv/ready-dev requirements-proof.txt requirements-viewers.txt
 	@echo "Installing the packages for the proof into .venv."
 	@$(BIN)/$(INSTALL) -r requirements-proof.txt
 	@touch $@
