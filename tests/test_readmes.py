@@ -132,6 +132,15 @@ def test_every_make_target_exists(readme):
         assert rest.split()[0] in targets, rest
 
 
+def test_no_make_target_needs_itself():
+    targets = re.findall(r"^([.\w/-]+):(?!=)", (PROJECT / "Makefile").read_text("utf-8"), re.M)
+    targets.remove(".PHONY")
+    assert ".venv/ready-proof" in targets
+    command = ["make", "--dry-run", "--always-make", *targets]
+    made = subprocess.run(command, cwd=PROJECT, capture_output=True, text=True, check=True)
+    assert "Circular" not in made.stdout + made.stderr
+
+
 @pytest.mark.parametrize("page", [*READMES, *LESSONS, *PROGRAMS])
 def test_every_module_to_run_exists_and_takes_its_arguments(page):
     for call in commands(page, r"python3? -m"):
