@@ -84,7 +84,7 @@ def build_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog=PROGRAM,
         description="Build the course, release it to students and grade a class.",
-        epilog=f"a term in five commands:\n{_format_calls(TERM_EXAMPLES)}",
+        epilog=f"grade a stage in five commands:\n{_format_calls(TERM_EXAMPLES)}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"{course_title()} {version()}")
@@ -332,7 +332,7 @@ def _add_report(subparsers: argparse._SubParsersAction) -> None:
         "",
         "--section A",
     )
-    _add_section_option(report, "write report/section_NAME.html about the students of one section")
+    _add_section_option(report, "write report/section_NAME.html about the students in one section")
 
 
 def _add_feedback(subparsers: argparse._SubParsersAction) -> None:
@@ -354,7 +354,7 @@ def _add_feedback(subparsers: argparse._SubParsersAction) -> None:
         help="write pages only for this student; X is an id, name, e-mail address or login; may be "
         "repeated (default: whole class)",
     )
-    _add_section_option(students, "write pages only for the students of one section")
+    _add_section_option(students, "write pages only for the students in one section")
     feedback.add_argument(
         "--for",
         dest="platform",
@@ -410,7 +410,7 @@ def _add_export(subparsers: argparse._SubParsersAction) -> None:
         action="store_true",
         help="also export work that is waiting for a grader, with its points so far",
     )
-    _add_section_option(export, "export only the students of one section")
+    _add_section_option(export, "export only the students in one section")
     export.add_argument(
         "--to",
         type=Path,
@@ -645,13 +645,13 @@ def _add_folder_option(command: argparse.ArgumentParser, name: str) -> None:
     )
 
 
-def add_judging_options(command: argparse.ArgumentParser) -> None:
-    """Add the options of every command that runs student code."""
+def add_judging_options(command: argparse.ArgumentParser, generated: str = "hidden tests") -> None:
+    """Add the options of every command that runs student code on input from the secret seed."""
     command.add_argument(
         "--seed",
         type=int,
         metavar="N",
-        help="seed of the hidden tests (default: the course's secret seed, in .course_seed)",
+        help=f"seed of the {generated} (default: the course's secret seed, in .course_seed)",
     )
     add_sandbox_option(command)
 
@@ -687,11 +687,13 @@ def add_workers_option(
     )
 
 
-def add_executor_options(command: argparse.ArgumentParser) -> None:
-    """Add the options that select where to judge: on this machine or on a cluster."""
-    add_workers_option(command)
+def add_executor_options(
+    command: argparse.ArgumentParser, description: str = "notebooks judged"
+) -> None:
+    """Add the options that select where to run code: on this machine or on a cluster."""
+    add_workers_option(command, description)
     command.add_argument(
         "--scheduler",
         metavar="ADDRESS",
-        help="address of a Dask cluster that judges, such as tcp://10.0.0.1:8786",
+        help="Dask scheduler of the cluster to use, such as tcp://10.0.0.1:8786",
     )

@@ -64,7 +64,7 @@ def course(tmp_path, monkeypatch):
         (PROJECT / "notebooks", "is a folder. Name one notebook,"),
         (PROJECT / "nothing.ipynb", "nothing.ipynb does not exist."),
         (PROJECT / "README.md", "README.md is not a notebook"),
-        (optional_lessons()[0].released, "is an optional lesson. It has no points"),
+        (optional_lessons()[0].released, "is an optional lesson. It is not graded"),
     ],
 )
 def test_judge_checks_the_file_before_it_requests_a_sandbox(file, message, course, capsys):

@@ -308,8 +308,8 @@ def test_a_time_without_a_zone_is_named_if_its_zone_matters(course, time, zone, 
     submit_at(course, "bob", "2026-04-01 12:00:00")
     assert ("ada" in grade_with(course, dates)) == ("late" in phrases[0])
     (sentence,) = note_texts(course)
-    assert f"was read as UTC: {phrases[0]}. In the time zone of the course" in sentence
-    assert f"the work would be {phrases[1]}. Add the zone" in sentence
+    assert f"The work counts as {phrases[0]}. In the time zone of the course" in sentence
+    assert f"it would be {phrases[1]}. Add the zone" in sentence
     for suffix in lines:
         line = f"2026-05-01 {time}:00{' ' * (suffix == 'UTC')}{suffix}"
         assert line in sentence

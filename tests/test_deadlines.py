@@ -184,9 +184,9 @@ def test_students_may_have_their_own_dates_without_a_roster(course):
             "[stage1_ransac.students], Anna: no student on the roster has this id. Write anna.",
         ),
         ('[stage1_ransac.students]\nzoe = "excused"', "Correct it, or add a line to roster.csv."),
-        ('timezone = "Europe/Berlyn"', "the timezone 'Europe/Berlyn' is unknown"),
+        ('timezone = "Europe/Berlyn"', "the time zone 'Europe/Berlyn' is unknown"),
         ('timezone = "../../etc/passwd"', "is unknown on this machine"),
-        ("timezone = 2", "the timezone 2 is unknown"),
+        ("timezone = 2", "the time zone 2 is unknown"),
     ],
 )
 def test_errors_name_the_entry_and_suggest_a_fix(course, text, message):

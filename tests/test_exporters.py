@@ -113,14 +113,14 @@ def test_the_table_contains_names_scores_times_penalties_statuses_and_totals():
     ]
     assert (exported.mark_count, exported.failures) == (3, ())
     by_hand = "Provisional, because some work still has to be graded by hand"
-    assert exported.notes == (f"{by_hand}: {TWELVE} of ada.",)
+    assert exported.notes == (f"{by_hand}: {TWELVE} for ada.",)
 
 
 @pytest.mark.parametrize("format", ["csv", "exercises"])
 def test_tables_name_work_that_is_not_in_the_gradebook(tmp_path, format):
     results = class_of(results_of(ADA, {SIX: (WAITING, None), SEVEN: 20.0}), people=(ADA,))
     exported = EXPORTERS[format].write(ExportOptions(Course(tmp_path), results))
-    assert exported.notes == (f"Submitted, but not in the gradebook yet: {SIX} of ada.",)
+    assert exported.notes == (f"Submitted, but not in the gradebook yet: {SIX} for ada.",)
 
 
 def test_the_table_of_a_lesson_contains_only_that_lesson():
@@ -204,7 +204,7 @@ def test_marks_of_a_stage_are_sums_minus_penalties():
     assert points == {"ada": pytest.approx(42.345678), "bo": 0.0, "dee": 8.0}
     assert found.max_points == 50.0
     assert "No mark, because nothing was submitted: cy." in found.notes
-    zeros = f"Counted as 0, because nothing was submitted: {SIX} of dee; {SEVEN} of bo."
+    zeros = f"Counted as 0, because nothing was submitted: {SIX} for dee; {SEVEN} for bo."
     assert zeros in found.notes
 
 
@@ -216,12 +216,12 @@ def test_marks_of_a_lesson_are_points_minus_penalties():
 
 
 def test_waiting_marks_are_refused_unless_provisional():
-    with pytest.raises(ExportError, match=f"^Not fully graded: {TWELVE} of ada. .*--provisional"):
+    with pytest.raises(ExportError, match=f"^Not fully graded: {TWELVE} for ada. .*--provisional"):
         exported_marks(FOUR)
     found, points = exported_marks(FOUR, provisional=True)
     assert points == {"ada": 25.0}
     assert (
-        f"Provisional, because some work still has to be graded by hand: {TWELVE} of ada."
+        f"Provisional, because some work still has to be graded by hand: {TWELVE} for ada."
         in found.notes
     )
     assert "No mark for excused students: dee (Dee)." in found.notes

@@ -292,7 +292,7 @@ def test_the_doctor_reports_missing_files(course, monkeypatch):
         "there is no deadlines.toml, so the dates in the gradebook"
     )
     assert texts["sandbox process"].startswith("protects less than bubblewrap; used only")
-    assert texts["gradebook"] == f"{course.root / 'gradebook.db'}, with marks of 0 students"
+    assert texts["gradebook"] == f"{course.root / 'gradebook.db'}, with marks for 0 students"
 
 
 @pytest.mark.parametrize("file", ["roster.csv", "deadlines.toml"])

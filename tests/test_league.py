@@ -191,7 +191,7 @@ def test_a_few_failed_scans_are_reported_but_do_not_stop_a_drive(sandbox):
     assert not driven.stopped and driven.failed == 4
     (sentence,) = problem_sentences(driven)
     assert sentence == (
-        "It returned no boxes for 4 of the scans. detect_obstacles raised ZeroDivisionError."
+        "It returned no boxes for 4 scans. detect_obstacles raised ZeroDivisionError."
     )
 
 

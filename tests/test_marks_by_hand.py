@@ -100,8 +100,8 @@ def test_marks_and_comments_of_a_lost_gradebook_are_named_and_restored(course):
     assert enter_class(course) == [] and wrong_findings(course) == []
     lose_gradebook(course)
     message = (
-        f"{course.root / 'gradebook.db'} lacks 3 marks by hand and 2 comments from marks.jsonl: "
-        f"write_up in {LESSON} of ada, bob; {MACHINE.name} in {LESSON} of bob. "
+        f"{course.root / 'gradebook.db'} lacks 3 marks given by hand and 2 comments from "
+        f"marks.jsonl: write_up in {LESSON} for ada, bob; {MACHINE.name} in {LESSON} for bob. "
     )
     (finding,) = wrong_findings(course)  # also before the next run of `grade`
     assert finding.startswith(message) and "--restore-marks" in finding
@@ -242,7 +242,7 @@ def test_a_teams_written_answer_is_graded_once(course):
     declare_team(course, "ada", "bob", "dee")
     enter_manual_mark(course, "ada", "write_up", 7.5, "Which 3 cars?", extra=0.5)
     (told,) = enter_class(course)
-    assert told == f"Entered a team's mark for its other members: write_up in {LESSON} of bob."
+    assert told == f"Entered a team's mark for its other members: write_up in {LESSON} for bob."
     assert manual_mark(course, "bob") == (7.5, False, "Which 3 cars?")
     assert manual_mark(course, "cy")[:2] == (None, True), "not a member"
     assert manual_mark(course, "dee")[:2] == (None, True), "a member with another answer"
@@ -303,7 +303,7 @@ def test_an_exercise_that_is_no_longer_in_the_release_is_removed(course):
         book.db.commit()
     (told,) = enter_class(course)
     assert "essay is no longer in the release" in told
-    assert "Only marks.jsonl still contains its 2 marks by hand" in told
+    assert "Only marks.jsonl still contains its 2 marks given by hand" in told
     assert manual_mark(course, "ada") == (7.5, False, "Good.")
     assert [one.after for one in read_changes(course) if one.exercise == "essay"] == [
         *(3.5, 3.5, None, None),
@@ -317,7 +317,7 @@ def test_a_changed_maximum_of_an_exercise_with_marks_by_hand_is_reported(course)
         book.find_grade_cell("write_up", LESSON, STAGE).max_score = 20.0
         book.db.commit()
     (told,) = enter_class(course)
-    assert "write_up is now worth 10 points instead of 20, but 1 mark by hand did not" in told
+    assert "write_up is now worth 10 points instead of 20, but 1 mark given by hand did not" in told
     assert enter_class(course) == []
 
 

@@ -440,7 +440,7 @@ def test_a_class_is_compared_with_an_earlier_course(course, folder, tmp_path, mo
     assert f"{one} and course-2025/anna" in output and f"{one} and course-2025/bea" in output
     assert "anna and" not in output and "identical" not in output
     page = (course.report / f"similarity_{LESSON.stage}.html").read_text("utf-8")
-    assert "students and 2 of earlier courses" in page
+    assert "students and 2 from earlier courses" in page
     assert {path.name for path in course.submitted.iterdir()}.isdisjoint({"anna", "bea"})
     assert cli.main([*options, "--earlier", str(tmp_path / "empty")]) == 2
     assert "Correct --earlier." in capsys.readouterr().err

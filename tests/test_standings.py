@@ -236,7 +236,7 @@ def test_lessons_that_may_not_be_assigned_are_named(course):
     assert advice(course) == []
     assign(course, '["07"]')
     (sentence,) = advice(course)
-    assert sentence.startswith(f"{GROUND.name} of ada does not count")
+    assert sentence.startswith(f"{GROUND.name} does not count for ada")
     assert list(counted_lessons(class_results(course)).values()) == [
         f"Lessons that count in {STAGE}: 07, with 30 points in total."
     ]

@@ -1,4 +1,4 @@
-"""Track boxes from frame to frame with the functions of lesson 12.
+"""Track boxes from frame to frame with the functions from lesson 12.
 
 A `Tracker` stores the tracks, and calls the student's functions to predict where a box should be
 (`predict_boxes`), match boxes (`match_boxes`), correct the prediction (`correct_boxes`) and keep

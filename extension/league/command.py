@@ -41,8 +41,8 @@ def add_league(subparsers: argparse._SubParsersAction) -> None:
         metavar="N",
         help="drive only through the first N streets (default: all)",
     )
-    cli.add_judging_options(league)
-    cli.add_executor_options(league)
+    cli.add_judging_options(league, "streets")
+    cli.add_executor_options(league, "drives run")
     league.set_defaults(workers=None)
 
 

@@ -146,7 +146,8 @@ def problem_sentences(result: DriveResult) -> Iterator[str]:
     if result.near_misses:
         yield f"Near misses: {result.near_misses}."
     if result.failed and not result.stopped:
-        yield f"It returned no boxes for {result.failed} of the scans. {result.failure}"
+        plural = "s" * (result.failed != 1)
+        yield f"It returned no boxes for {result.failed} scan{plural}. {result.failure}"
 
 
 def _film_best_drive(
@@ -176,8 +177,7 @@ def _film_best_drive(
         (drive for drive in best.drives if drive[2]), key=lambda drive: count_failures(drive[0])
     )
     comparison = (
-        f"{count_failures(street)} of the other {len(other_students)} students scored no metres "
-        "there."
+        f"{count_failures(street)} of the other {len(other_students)} students scored 0 m there."
         if other_students
         else ""
     )

@@ -60,7 +60,7 @@ def try_lesson(lesson: Lesson, sandbox: Sandbox) -> Iterator[Finding]:
         if lesson.machine_graded:
             yield from _judge_answers(lesson, sandbox)
         else:
-            yield Finding(True, "The lesson has no points, so there is nothing to judge.")
+            yield Finding(True, "The lesson has no graded exercises, so there is nothing to judge.")
     except (_LessonUnusable, MalformedAnswers) as error:
         yield Finding(False, str(error))
 

@@ -163,8 +163,8 @@ def _parse_zone(file: str, name: object) -> tzinfo | None:
         return zoneinfo.ZoneInfo(name)
     except (zoneinfo.ZoneInfoNotFoundError, ValueError, TypeError, OSError) as error:
         raise DeadlinesError(
-            f"{file}: the timezone {name!r} is unknown on this machine. Write one such as "
-            f'"Europe/Berlin" or "UTC". Without this line, the timezone of this machine is used.'
+            f"{file}: the time zone {name!r} is unknown on this machine. Write one such as "
+            f'"Europe/Berlin" or "UTC". Without this line, this machine\'s time zone is used.'
         ) from error
 
 

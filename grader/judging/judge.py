@@ -142,7 +142,7 @@ def _identify_lesson(submitted_files: SubmittedFiles) -> Lesson:
         file_name = one_line(submitted_files.name)
         if any(optional.name in texts for optional in optional_lessons()):
             raise UnknownLesson(
-                f"{file_name} is an optional lesson. It has no points, so there is "
+                f"{file_name} is an optional lesson. It is not graded, so there is "
                 "nothing to judge."
             )
         raise UnknownLesson(

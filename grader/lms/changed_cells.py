@@ -123,7 +123,8 @@ def _announce_changed_exercises(
             .filter(Grade.cell_id == cell.id, Grade.manual_score.is_not(None))
             .count()
         )
-        exercise, marks = exercise_of(name), f"{by_hand} mark{'s' * (by_hand != 1)} by hand"
+        exercise = exercise_of(name)
+        marks = f"{by_hand} mark{'s' * (by_hand != 1)} given by hand"
         if name not in new_points:
             kept = f" Only marks.jsonl still contains its {marks}." if by_hand else ""
             notify(

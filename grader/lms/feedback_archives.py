@@ -234,7 +234,7 @@ def _waiting_lessons(all_feedback: Sequence[Feedback]) -> Iterator[str]:
             if lesson.result.status == WAITING:
                 students_by_lesson.setdefault(lesson.lesson.name, []).append(feedback.person.id)
     for lesson, ids in students_by_lesson.items():
-        yield f"{lesson} of {', '.join(ids)}"
+        yield f"{lesson} for {', '.join(ids)}"
 
 
 def _team_owners(sources: dict[str, dict[str, CollectedFile]]) -> set[str]:

@@ -78,7 +78,7 @@ def remaining_lines(course: Course, student: str) -> Iterator[str]:
     """Yield a sentence about each file of the instructor that still names the student."""
     roster = read_roster(course)
     if roster and roster.owner_of(student):
-        yield f"Delete the line of {student} in {roster_path(course).name}."
+        yield f"Delete {student}'s line in {roster_path(course).name}."
     with contextlib.suppress(OSError, ValueError):
         stages = tomllib.loads(deadlines_path(course).read_text("utf-8")).values()
         tables = [stage.get("students", {}) for stage in stages if isinstance(stage, dict)]
@@ -87,7 +87,7 @@ def remaining_lines(course: Course, student: str) -> Iterator[str]:
             for table in tables
             for name in table
         ):
-            yield f"Delete each line of {student} in {deadlines_path(course).name}."
+            yield f"Delete each line about {student} in {deadlines_path(course).name}."
 
 
 def _own_traces(course: Course, student: str) -> Iterator[Trace]:

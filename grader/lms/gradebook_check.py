@@ -30,7 +30,7 @@ def check_gradebook(course: Course) -> Iterator[Finding]:
         return  # other examinations of `doctor` report these problems
     marked = {result.student for result in results.notebooks if result.score is not None}
     yield Finding(
-        "gradebook", True, f"{gradebook_location(course)}, with marks of {len(marked)} students"
+        "gradebook", True, f"{gradebook_location(course)}, with marks for {len(marked)} students"
     )
     if lost:
         yield Finding("gradebook", False, lost_sentence(course, lost))

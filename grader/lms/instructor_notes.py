@@ -41,7 +41,7 @@ def assignment_notes(results: ClassResults, deadlines: Deadlines | None) -> Iter
         students.setdefault(lesson, []).append(student)
     for lesson, names in students.items():
         yield (
-            f"{lesson} of {', '.join(names)} does not count, because {DEADLINES_FILE} does not "
+            f"{lesson} does not count for {', '.join(names)}, because {DEADLINES_FILE} does not "
             "list it below the stage."
         )
     for stage in dict.fromkeys(result.stage for result in results.notebooks):
@@ -159,9 +159,9 @@ def _zone_notes(
     if late == stage.late:
         return
     yield (
-        f"{stage.student}, {stage.stage}: the time in timestamp.txt has no time zone and was read "
-        f"as UTC: {_format_lateness(stage.late)}. In the time zone of the course, the work would "
-        f"be {_format_lateness(late)}. Add the zone to that time, as in "
+        f"{stage.student}, {stage.stage}: the time in timestamp.txt has no time zone, so it was "
+        f"read as UTC. The work counts as {_format_lateness(stage.late)}. In the time zone of the "
+        f"course, it would be {_format_lateness(late)}. Add the zone to that time, as in "
         f"{stage.submitted_at:%Y-%m-%d %H:%M:%S} UTC or {local:%Y-%m-%d %H:%M:%S%z}, and run grade "
         "again."
     )

@@ -148,7 +148,7 @@ def lost_sentence(course: Course, lost: Collection[MarkChange]) -> str:
     """Describe the lost marks, and how to restore them."""
     marks = sum(change.by_hand is not None for change in lost)
     comments = sum(bool(change.comment) for change in lost)
-    counts = [f"{marks} mark{'s' * (marks != 1)} by hand"] * bool(marks)
+    counts = [f"{marks} mark{'s' * (marks != 1)} given by hand"] * bool(marks)
     counts += [f"{comments} comment{'s' * (comments != 1)}"] * bool(comments)
     return (
         f"{gradebook_location(course)} lacks {' and '.join(counts)} from marks.jsonl: "
@@ -172,7 +172,7 @@ def _list_exercises(changes: Collection[MarkChange]) -> str:
     for change in changes:
         students.setdefault((change.lesson, change.exercise), []).append(change.student)
     return "; ".join(
-        f"{exercise} in {lesson} of {', '.join(names[:MAX_NAMES])}"
+        f"{exercise} in {lesson} for {', '.join(names[:MAX_NAMES])}"
         + (f" and {len(names) - MAX_NAMES} more" if len(names) > MAX_NAMES else "")
         for (lesson, exercise), names in students.items()
     )

@@ -1,4 +1,4 @@
-"""Common checks for the clustering functions of lessons 05 and 10; see `common_checks`."""
+"""Common checks for the clustering functions from lessons 05 and 10; see `common_checks`."""
 
 from collections.abc import Callable
 

@@ -319,7 +319,7 @@ def assert_no_box_left(answer: object, car: Box, frame: Frame) -> None:
     ]
     if left:
         raise CheckFailed(
-            "A box is around an empty place. A car was there in another scan, but not in this one.",
+            "A box surrounds an empty place. A car was there in another scan, but not in this one.",
             yours=f"a box at {point_text(car.centre[:2])}",
             expected="boxes only around objects in this scan",
             draw=lambda: _draw_boxes(frame, boxes, boxes[left], "nothing in it"),
@@ -348,7 +348,7 @@ def assert_upright(answer: object) -> None:
         heights = np.sort(box[:, 2])
         if max(np.ptp(heights[:4]), np.ptp(heights[4:])) > 2e-3 or footprint(box) is None:
             raise CheckFailed(
-                "Not all boxes are upright with a rectangular floor.",
+                "A box is not upright, or its floor is not a rectangle.",
                 yours=brief_text(box),
                 expected="four corners at one height with right angles, and four above them",
             )

@@ -1,4 +1,4 @@
-"""The naive detector of lesson 12: every square metre with returns above ground is an obstacle."""
+"""The naive detector from lesson 12: a square metre with returns above ground is an obstacle."""
 
 from __future__ import annotations
 

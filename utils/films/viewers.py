@@ -33,7 +33,7 @@ def write_stream(path: Path, frames: Iterable[DetectedFrame]) -> None:
     Parameters
     ----------
     path : Path
-        Ends in .rrd (Rerun) or .mcap (Foxglove and RViz, as messages of ROS 2).
+        Ends in .rrd (Rerun) or .mcap (Foxglove and RViz, as ROS 2 messages).
     frames : iterable of utils.films.DetectedFrame
 
     Raises
@@ -126,7 +126,7 @@ def _write_mcap(path: Path, frames: Iterable[DetectedFrame]) -> None:
 
 
 def _messages(frame: DetectedFrame, types: dict[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Yield the topics and messages of ROS 2 for a frame."""
+    """Yield the topics and ROS 2 messages for a frame."""
     seconds, nanoseconds = divmod(round(1e9 * frame.time), 10**9)
     stamp = types["builtin_interfaces/msg/Time"](seconds, nanoseconds)
     header = types["std_msgs/msg/Header"](stamp, "lidar")

@@ -1,4 +1,4 @@
-"""Decode the messages of ROS that contain points: PointCloud2, Livox's CustomMsg and LaserScan.
+"""Decode the ROS messages that contain points: PointCloud2, Livox's CustomMsg and LaserScan.
 
 https://docs.ros.org/en/noetic/api/sensor_msgs/html/msg/PointCloud2.html
 https://docs.ros.org/en/noetic/api/sensor_msgs/html/msg/LaserScan.html
@@ -184,7 +184,7 @@ def _decode_livox(data: bytes, is_ros1: bool) -> np.ndarray:
 
 @cache
 def _unpacker(is_ros1: bool) -> Callable[[bytes, str], Any]:
-    """Return the function that unpacks messages of ROS 1 or 2.
+    """Return the function that unpacks ROS 1 or ROS 2 messages.
 
     The messages with points are the same in all releases of one ROS generation.
     """

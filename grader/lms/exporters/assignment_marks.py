@@ -198,6 +198,6 @@ def _list_by_lesson(notebooks: Iterable[NotebookResult], everyone: int = 0) -> l
     for result in sorted(notebooks, key=lambda result: result.lesson):
         students.setdefault(result.lesson, []).append(result.student)
     return [
-        f"{lesson} of {'all' if len(names) == everyone > 1 else ', '.join(names)}"
+        f"{lesson} for {'all students' if len(names) == everyone > 1 else ', '.join(names)}"
         for lesson, names in students.items()
     ]

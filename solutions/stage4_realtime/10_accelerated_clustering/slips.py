@@ -55,7 +55,7 @@ SLIPS = {
             PARTLY,
         ),
         Slip("labels from 0", _RANKS, "np.argsort(np.argsort(start))[which]", SMALL),
-        Slip("labels of cells for labels of points", _RANKS, "label + 1", USELESS),
+        Slip("labels of cells instead of points", _RANKS, "label + 1", USELESS),
         Slip("intensity is a coordinate", "np.asarray(cloud)[:, :3]", "np.asarray(cloud)", SMALL),
         Slip(
             "a fixed threshold for the cells",
