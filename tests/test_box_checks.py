@@ -93,7 +93,7 @@ def test_the_picture_shows_the_axis_in_the_message():
     points = np.array([[-2.0, -1.5, -1.2], [3.0, 2.5, 0.8]])
     right = corners_between(*points)
     wrong = corners_between(points[0], np.full(3, 3.0))
-    with pytest.raises(CheckFailed, match="along y") as caught:
+    with pytest.raises(CheckFailed, match="largest y") as caught:
         assert_box_corners(wrong[None], right[None], points, np.ones(2, dtype=int))
     caught.value.draw()
     assert "y" in plt.gca().get_ylabel()

@@ -235,7 +235,7 @@ def test_excluding_a_point_on_the_limit_gets_only_a_note(capsys):
     def filter_by_distance(cloud, distance=10.0):
         return cloud[np.hypot(cloud[:, 0], cloud[:, 1]) < distance]
 
-    for function, words in ((filter_ground, "at or above"), (filter_by_distance, "at most")):
+    for function, words in ((filter_ground, "at or above"), (filter_by_distance, "<= distance")):
         check(function)
         shown = capsys.readouterr().out
         assert shown.count("[note]") == 1 and words in shown

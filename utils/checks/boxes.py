@@ -161,7 +161,7 @@ def _describe_difference(
         if len(points) <= 20:
             input_text = f"{letter} of its points: {brief_text(points[:, axis])}"
         return CheckFailed(
-            f"{name} does not end where its points end along {letter}.",
+            f"The smallest or the largest {letter} of {_lower_first(name)} is wrong.",
             input_text=input_text,
             yours="from {:.2f} to {:.2f}".format(*ends[0][:, axis]),
             expected="from {:.2f} to {:.2f}".format(*ends[1][:, axis]),
@@ -294,7 +294,7 @@ def assert_headings(
         off = abs((yours - heading + 45) % 90 - 45)
         if np.linalg.norm(along) <= TOLERANCE or off > _HEADING_TOLERANCE:
             raise CheckFailed(
-                f"{name} is not aligned with its cluster: their sides are not parallel.",
+                f"{name} is not aligned with its cluster: it has the wrong heading.",
                 input_text=input_text,
                 yours=f"a side at {yours % 90:.0f}° to the x axis",
                 expected=f"a side at {heading % 90:.0f}°",

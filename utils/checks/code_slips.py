@@ -96,7 +96,7 @@ def _find_return_in_loop(node: ast.FunctionDef) -> CodeSlip | None:
         is_incomplete = isinstance(value, ast.Name) and value.id not in set_inside
         if not is_endless and (is_incomplete or not jumps):
             return CodeSlip(
-                "`return` is inside a loop, so the loop ends the first time it gets there.",
+                "`return` is inside a loop, so the loop ends when it first reaches `return`.",
                 "Indent `return` one level less, so that it comes after the loop.",
             )
     return None
@@ -114,8 +114,8 @@ def _find_mutable_default(node: ast.FunctionDef) -> CodeSlip | None:
             target = part.target
         if isinstance(target, ast.Name) and target.id in kept:
             return CodeSlip(
-                f"The default value of `{target.id}` is created only once, so it keeps what "
-                "earlier calls put into it.",
+                f"The default value of `{target.id}` is created only once, so it keeps the "
+                "changes of earlier calls.",
                 "Create the value inside the function, so that each call starts with a new one.",
             )
     return None

@@ -29,8 +29,8 @@ def promise_label_gaps(
         case,
         name,
         title="Works when labels have gaps",
-        why="A filter that removes a cluster leaves a gap in the labels, and the boxes of the "
-        "other clusters must not shift.",
+        why="A filter that removes a cluster leaves a gap in the labels, and the other clusters "
+        "still need their boxes.",
         hint=hint,
         weight=weight,
     )
@@ -101,7 +101,8 @@ def promise_empty_result(case: Case, name: str, *, hint: str, weight: float = 1)
         case,
         name,
         title="Returns an array of shape (0, 8, 3) when there are no clusters",
-        why="On an empty road there are no boxes, but the planner still evaluates boxes[:, 0].",
+        why="On an empty road, the next step may call boxes.min(axis=1), which fails for the "
+        "shape (0,).",
         hint=hint,
         weight=weight,
     )
@@ -118,8 +119,8 @@ def promise_intensity_ignored(case: Case, name: str, *, weight: float = 1) -> No
         case,
         name,
         np.linspace(9, -9, len(case.first)),
-        title="Ignores a fourth column, the intensity",
-        why="A corner is a point in space, so brightness must not be one of its coordinates.",
+        title="Ignores intensity in a fourth column",
+        why="A corner is a point in space, so intensity must not be one of its coordinates.",
         hint="Take the coordinates with cloud[mask, :3].",
         weight=weight,
     )

@@ -219,7 +219,8 @@ def keeps_near_points(filter_by_distance: Callable) -> None:
     weight=3,
     title="Works in all directions: ahead, behind, left and right",
     why="A car may overtake from behind, and a pedestrian may step out on either side.",
-    hint="x is negative behind the car and y is negative on its right. Squaring removes the sign.",
+    hint="Square x and y, because squaring removes the sign. x is negative behind the car, and y "
+    "on its right.",
 )
 def works_in_all_directions(filter_by_distance: Callable) -> None:
     require_near_points_kept(filter_by_distance)
@@ -233,9 +234,9 @@ def works_in_all_directions(filter_by_distance: Callable) -> None:
     "filter_by_distance",
     weight=3,
     title="Keeps the points inside a circle",
-    why="The corners of a square are 41 % farther away than its sides, so a square keeps points "
-    "that are too far away.",
-    hint="Use Pythagoras: neither the larger of |x| and |y| nor their sum is the distance.",
+    why="If you compare x and y separately, the border is a square, and its corners are 41 % too "
+    "far away.",
+    hint="Use np.hypot(x, y). Neither the larger of |x| and |y| nor their sum is the distance.",
 )
 def keeps_a_circle(filter_by_distance: Callable) -> None:
     require_near_points_kept(filter_by_distance)
@@ -247,8 +248,8 @@ def keeps_a_circle(filter_by_distance: Callable) -> None:
     "filter_by_distance",
     weight=4,
     title="Ignores the height",
-    why="A child in front of a lorry is far below the sensor on the roof, so the straight line to "
-    "the child is longer than the distance along the road.",
+    why="From the roof of a lorry, the straight line to a child is longer than the distance along "
+    "the road, so the filter would remove the child.",
     hint="Use columns 0 and 1 only. Column 2 is the height.",
 )
 def ignores_height(filter_by_distance: Callable) -> None:
@@ -263,7 +264,7 @@ def ignores_height(filter_by_distance: Callable) -> None:
     title="Ignores the intensity",
     why="Some sensors report intensities up to 255. If the distance included intensity, every "
     "bright car would vanish.",
-    hint="Compute the distance from columns 0 and 1 only.",
+    hint="Use columns 0 and 1 only. Column 3 is the intensity.",
 )
 def ignores_intensity(filter_by_distance: Callable) -> None:
     require_near_points_kept(filter_by_distance)
@@ -338,8 +339,8 @@ common_row_checks.promise_untouched(_NEAR_CASE, "leaves_its_input", weight=2)
 @note_check(
     "filter_by_distance",
     title="Keeps points exactly at the distance",
-    why='The docstring says "at most", which is <=. Hardly any point of a scan is exactly at the '
-    "distance, but a point of a hand-made example may be.",
+    why="The docstring says <= distance. Measured points are hardly ever exactly at the distance, "
+    "so this does not affect your score.",
 )
 def keeps_points_at_the_distance(filter_by_distance: Callable) -> None:
     cloud, near = parse_marked_points("3 4 -0.5 0.1 +; 6 1 -0.5 0.1 -; 1 2 -0.5 0.1 +")
@@ -353,7 +354,7 @@ common_row_checks.note_array(_NEAR_CASE, "returns_an_array")
     "crop_region",
     weight=4,
     title="Keeps points inside the box and removes points outside",
-    why="Otherwise the region of interest would reach to the horizon.",
+    why="Points on house fronts cost computing time, and the car does not drive there.",
     hint="Compare cloud[:, :3] with minimum and with maximum, combine the two tables with &, "
     "then call .all(axis=1).",
 )
@@ -366,10 +367,10 @@ def keeps_points_inside(crop_region: Callable) -> None:
     "crop_region",
     weight=9,
     title="Removes points that are outside in x only or in y only",
-    why="If the function tests only one side, all houses on the other side of the street stay in "
+    why="If the function tests only one side of the street, all houses on the other side stay in "
     "the cloud.",
-    hint="A row is inside only if x, y and z are all inside. Compare each with its own number in "
-    "minimum and maximum, and combine the results with & or .all(axis=1).",
+    hint="Compare x, y and z each with its own number in minimum and maximum, and combine the "
+    "results with & or .all(axis=1).",
 )
 def removes_points_outside_in_x_or_y(crop_region: Callable) -> None:
     require_crop(crop_region)
@@ -411,8 +412,8 @@ def keeps_points_on_faces(crop_region: Callable) -> None:
     "crop_region",
     weight=3,
     title="Uses minimum and maximum as the corners of the box",
-    why="A car looks farther ahead on a motorway than in a car park, so callers pass different "
-    "corners.",
+    why="A car looks farther ahead on a motorway than in a car park, so the corners of the box "
+    "differ.",
     hint="Compare with minimum and maximum, not with fixed numbers.",
 )
 def uses_the_corners(crop_region: Callable) -> None:
@@ -429,8 +430,8 @@ def uses_the_corners(crop_region: Callable) -> None:
     weight=1,
     title="Accepts corners as tuples, lists or arrays",
     why="A box may come from a configuration file, a map or another array.",
-    hint="Compare the corners directly: NumPy compares a table with three numbers column by "
-    "column, even if these numbers are in a tuple or a list.",
+    hint="Write cloud[:, :3] >= minimum. NumPy compares column by column, even if minimum is a "
+    "tuple or a list.",
 )
 def accepts_any_corner_type(crop_region: Callable) -> None:
     require_crop(crop_region)
@@ -487,8 +488,8 @@ def removes_points_inside(remove_ego_returns: Callable) -> None:
     title="Keeps points that are outside in x only or in y only",
     why="A function that ignores x also removes the car ahead, which has the same y and z as the "
     "ego car.",
-    hint="Keep a row if at least one of its coordinates is outside: not (a and b and c) equals "
-    "(not a) or (not b) or (not c).",
+    hint="Invert the mask at the very end: cloud[~inside]. A row stays if at least one of its "
+    "coordinates is outside.",
 )
 def keeps_points_outside_in_x_or_y(remove_ego_returns: Callable) -> None:
     require_ego_removed(remove_ego_returns)
@@ -516,9 +517,9 @@ def keeps_points_above_or_below(remove_ego_returns: Callable) -> None:
 @note_check(
     "remove_ego_returns",
     title="Removes points on the faces of the box",
-    why="remove_ego_returns should remove exactly what crop_region keeps, so outside means < "
-    "minimum or > maximum. Measured points are hardly ever exactly on a face, so this does not "
-    "affect your score.",
+    why="remove_ego_returns should remove exactly the rows that crop_region keeps, so outside "
+    "means < minimum or > maximum. Measured points are hardly ever exactly on a face, so this "
+    "does not affect your score.",
 )
 def removes_points_on_faces(remove_ego_returns: Callable) -> None:
     require_ego_removed(remove_ego_returns)
@@ -554,8 +555,8 @@ def uses_the_ego_box(remove_ego_returns: Callable) -> None:
     weight=1,
     title="Accepts corners as tuples, lists or arrays",
     why="A box may come from a configuration file, a drawing or another array.",
-    hint="Compare the corners directly: NumPy compares a table with three numbers column by "
-    "column, even if these numbers are in a tuple or a list.",
+    hint="Write cloud[:, :3] >= minimum. NumPy compares column by column, even if minimum is a "
+    "tuple or a list.",
 )
 def accepts_any_ego_box_type(remove_ego_returns: Callable) -> None:
     require_ego_removed(remove_ego_returns)
@@ -617,7 +618,7 @@ declare_mistakes(
         "Use columns 0 and 1 only. Column 2 is the height.",
     ),
     Mistake(
-        "Height and intensity are included, so your code computes the length of the whole row.",
+        "Height and intensity are included, so the distance combines all columns.",
         lambda right, cloud, distance: _rows_at_most(right, (right**2).sum(axis=1), distance**2),
         "Use columns 0 and 1 only.",
     ),
@@ -627,7 +628,7 @@ declare_mistakes(
         lambda right, cloud, distance: _rows_at_most(
             right, _horizontal_distances(right) ** 2, distance
         ),
-        "np.sqrt(x**2 + y**2) or np.hypot(x, y) is the distance.",
+        "Compute the distance with np.sqrt(x**2 + y**2) or np.hypot(x, y).",
     ),
     Mistake(
         "The distance is compared with the square of `distance`.",
@@ -708,7 +709,7 @@ declare_mistakes(
     Mistake(
         "Your code computes one distance for the whole cloud: axis=1 is missing.",
         lambda right, cloud, distance: cloud[None][: int(np.linalg.norm(cloud[:, :2]) < distance)],
-        "np.linalg.norm(..., axis=1) gives one number for each row.",
+        "Write np.linalg.norm(..., axis=1), which gives one number for each row.",
     ),
     Mistake(
         "Your code returns the distances of the near points. It should return whole rows.",
@@ -721,8 +722,8 @@ declare_mistakes(
         "Index with the mask: cloud[mask] contains only the rows where the mask is True.",
     ),
     Mistake(
-        "Nothing is removed: the function returns the whole cloud. It should return only some of "
-        "the rows.",
+        "Nothing is removed: the function returns the whole cloud. It should return only the rows "
+        "within `distance`.",
         lambda right, cloud, distance: cloud,
         is_cheap=True,
     ),
@@ -862,21 +863,20 @@ declare_mistakes(
     Mistake(
         "Your code computes one True or False for the whole cloud: axis=1 is missing.",
         lambda right, *case: case[0][None][: int(len(right) == len(case[0]))],
-        ".all(axis=1) gives one True or False for each row.",
+        "Write .all(axis=1), which gives one True or False for each row.",
     ),
     Mistake(
         "Everything is removed: no point counts as inside.",
         lambda right, cloud, low, high: cloud[:0],
-        "Write >= minimum and <= maximum: the corners or the comparisons may be swapped.",
+        "Write >= minimum and <= maximum. Your code may swap the corners or the comparisons.",
         is_cheap=True,
     ),
     Mistake(
-        "Nothing is removed: the function returns the whole cloud. It should return only some of "
-        "the rows.",
+        "Nothing is removed: the function returns the whole cloud. It should return only the rows "
+        "inside the box.",
         lambda right, cloud, low, high: cloud,
-        "A point is inside if both comparisons are true, so combine them with &. With |, one true "
-        "comparison is enough, and one of them is always true. Then index with the mask: "
-        "cloud[inside].",
+        "Combine both comparisons with &, then index with the mask: cloud[inside]. With |, one "
+        "true comparison is enough, and one of them is always true.",
         is_cheap=True,
     ),
     cases=_BOXES,
@@ -916,7 +916,7 @@ declare_mistakes(
     Mistake(
         "Your code computes one True or False for the whole cloud: axis=1 is missing.",
         lambda right, *case: case[0][None][: int(len(right) > 0)],
-        ".all(axis=1) gives one True or False for each row.",
+        "Write .all(axis=1), which gives one True or False for each row.",
     ),
     Mistake(
         "Only minimum is compared, so points beyond maximum are removed as well.",
@@ -933,17 +933,16 @@ declare_mistakes(
     Mistake(
         "Everything is removed: no point counts as outside.",
         lambda right, cloud, low, high: cloud[:0],
-        "Inside means >= minimum and <= maximum, combined with &. Outside means < minimum or > "
-        "maximum, combined with |. If & and |, or the corners, are swapped, the condition is "
-        "always true or never true.",
+        "For inside, combine >= minimum and <= maximum with &. For outside, combine < minimum and "
+        "> maximum with |. If & and | are swapped, the condition is always true or never true.",
         is_cheap=True,
     ),
     Mistake(
-        "Nothing is removed: the function returns the whole cloud. It should return only some of "
-        "the rows.",
+        "Nothing is removed: the function returns the whole cloud. It should return only the rows "
+        "outside the box.",
         lambda right, cloud, low, high: cloud,
-        "Write >= minimum and <= maximum, because the corners may be swapped. Then index with "
-        "~inside.",
+        "Write >= minimum and <= maximum, then index with ~inside. Your code may swap the corners "
+        "or the comparisons.",
         is_cheap=True,
     ),
     cases=_BOXES,

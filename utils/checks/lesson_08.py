@@ -58,8 +58,8 @@ def require_three_boxes(get_bounding_boxes: Callable) -> None:
     "get_bounding_boxes",
     weight=4,
     title="Returns boxes that extend from the smallest to the largest x, y and z of their points",
-    why="The planner sees only boxes. The car may hit anything that sticks out of a box, and it "
-    "cannot use free space inside one. An obstacle without a box is invisible.",
+    why="The car avoids only the boxes. It may hit anything that sticks out of a box, and it "
+    "cannot use free space inside one.",
     hint="Take points.min(axis=0) and points.max(axis=0) of the rows with one label. Each "
     "coordinate of a corner is one of the two values.",
 )
@@ -72,7 +72,7 @@ def extends_from_min_to_max(get_bounding_boxes: Callable) -> None:
 @visible_check(
     "get_bounding_boxes",
     weight=3,
-    title="Returns one box for each label",
+    title="Returns one box for each label above 0",
     why="One box around two cars also blocks the gap between them, and a car without a box is "
     "invisible.",
     hint="For each label, start again with only the rows of that label: cloud[cluster_labels == "
@@ -102,9 +102,9 @@ def does_not_round(get_bounding_boxes: Callable) -> None:
     "get_bounding_boxes",
     weight=3,
     title="Works on clusters in all directions, for example behind the car on the right",
-    why="Behind the car on the right, x and y are negative, so even their largest values are "
-    "below 0.",
-    hint="Start the minimum and maximum from the first point or from infinity, not from 0.",
+    why="Behind the car on the right, x and y are negative. If their maximum starts at 0, the box "
+    "reaches to the sensor.",
+    hint="Start the minimum at np.inf and the maximum at -np.inf, or both at the first point.",
 )
 def works_in_all_directions(get_bounding_boxes: Callable) -> None:
     require_three_boxes(get_bounding_boxes)
@@ -120,9 +120,8 @@ def works_in_all_directions(get_bounding_boxes: Callable) -> None:
     weight=3,
     title="Returns the same boxes for points in any order",
     why="A scan lists its rows from the top beam down, so the first point of a cluster is often "
-    "its highest.",
-    hint="Compare every point with both values: use if twice, not if and elif. The first point is "
-    "both the smallest and the largest so far.",
+    "its highest. Without that point, the box is too low.",
+    hint="Compare every point with both the minimum and the maximum: use `if` twice, not `elif`.",
 )
 def works_for_points_in_any_order(get_bounding_boxes: Callable) -> None:
     require_three_boxes(get_bounding_boxes)
@@ -204,7 +203,7 @@ def numbers_the_corners(get_bounding_boxes: Callable) -> None:
         place = np.where(larger, _HIGH, _LOW)
         if np.abs(box[corner] - place).max() > 1e-3:
             raise CheckFailed(
-                f"Corner {corner} is not where the lesson's pictures expect it.",
+                f"Corner {corner} is in another place than in the lesson.",
                 yours=brief_text(box[corner]),
                 expected=brief_text(place),
             )
@@ -213,7 +212,7 @@ def numbers_the_corners(get_bounding_boxes: Callable) -> None:
 @note_check(
     "get_bounding_boxes",
     title="Returns the boxes as an array",
-    why="The next cells call boxes.min(axis=1), which a list does not have.",
+    why="The next cells call boxes.min(axis=1), which fails for a list. End with np.array(...).",
 )
 def returns_an_array(get_bounding_boxes: Callable) -> None:
     answer = get_bounding_boxes(_CLOUD.copy(), _LABELS.copy())
@@ -343,16 +342,16 @@ def _same_boxes(answer: object, predicted: np.ndarray) -> bool:
 declare_mistakes(
     "get_bounding_boxes",
     Mistake(
-        "Because of `elif`, a point is compared with the maximum only if it is not a new "
-        "minimum. The first point of a cluster is therefore never its maximum.",
+        "The first point of a cluster is never compared with the maximum, perhaps because of "
+        "`elif`.",
         lambda right, cloud, labels: _change_corners(
             right, lambda low, high: (low, _without_first(low, high, cloud).max(axis=0))
         ),
         "Compare every point with both values: use `if` twice.",
     ),
     Mistake(
-        "Because of `elif`, a point is compared with the minimum only if it is not a new "
-        "maximum. The first point of a cluster is therefore never its minimum.",
+        "The first point of a cluster is never compared with the minimum, perhaps because of "
+        "`elif`.",
         lambda right, cloud, labels: _change_corners(
             right, lambda low, high: (_without_first(low, high, cloud).min(axis=0), high)
         ),
@@ -363,14 +362,14 @@ declare_mistakes(
         lambda right, cloud, labels: _change_corners(
             right, lambda low, high: (np.minimum(low, 0), np.maximum(high, 0))
         ),
-        "Start from the first point of the cluster, or from infinity.",
+        "Start from the first point of the cluster, or from np.inf and -np.inf.",
     ),
     Mistake(
-        "The maximum starts at 0, so no box ends below 0.",
+        "The maximum starts at 0, so it is never below 0.",
         lambda right, cloud, labels: _change_corners(
             right, lambda low, high: (low, np.maximum(high, 0))
         ),
-        "Start from the first point of the cluster, or from minus infinity.",
+        "Start from the first point of the cluster, or from -np.inf.",
     ),
     Mistake(
         "Label 0 also gets a box, but it is not an obstacle.",
@@ -380,10 +379,9 @@ declare_mistakes(
         "Keep only labels > 0.",
     ),
     Mistake(
-        "The last label gets no box, because range stops before its end.",
+        "The last label gets no box.",
         lambda right, cloud, labels: right[:-1],
-        "Loop over the labels above 0 in np.unique(cluster_labels) instead. This also handles "
-        "gaps.",
+        "Loop over the labels above 0 in np.unique(cluster_labels). range(1, n) ends before n.",
     ),
     Mistake(
         "Only the first label gets a box.",
@@ -394,7 +392,7 @@ declare_mistakes(
         "Your code always skips the smallest label. If no point has label 0, the smallest label "
         "is an obstacle.",
         lambda right, cloud, labels: right[int(0 not in labels) :],
-        "Keep labels > 0 instead of dropping the first label: there may be no noise.",
+        "Keep labels > 0 instead of dropping the first label: label 0 may be absent.",
     ),
     Mistake(
         "The function sorts the labels but not the points, so points get the labels of other "
@@ -415,21 +413,21 @@ declare_mistakes(
         lambda right, cloud, labels: _change_corners(
             right, lambda low, high: (low, np.full(3, high.max()))
         ),
-        "points.max(axis=0) gives three numbers, one for each column.",
+        "Write points.max(axis=0), which gives one number for each column.",
     ),
     Mistake(
         "One minimum is used for x, y and z: axis=0 is missing.",
         lambda right, cloud, labels: _change_corners(
             right, lambda low, high: (np.full(3, low.min()), high)
         ),
-        "points.min(axis=0) gives three numbers, one for each column.",
+        "Write points.min(axis=0), which gives one number for each column.",
     ),
     Mistake(
         "One minimum and one maximum are used for x, y and z: axis=0 is missing.",
         lambda right, cloud, labels: _change_corners(
             right, lambda low, high: (np.full(3, low.min()), np.full(3, high.max()))
         ),
-        "points.min(axis=0) gives three numbers, one for each column.",
+        "Write points.min(axis=0) and points.max(axis=0), which give one number for each column.",
     ),
     Mistake(
         "Minimum and maximum are not reset for each label, so each box also contains the boxes "

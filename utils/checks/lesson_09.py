@@ -82,7 +82,7 @@ def _assert_different_labels(yours: np.ndarray, labels: np.ndarray, minimum: int
             if len(labels) <= 20 or minimum is not None
             else None,
             yours=brief_text(yours),
-            hint="Each remaining point keeps its old label.",
+            hint="Keep the old label of each remaining point.",
         )
 
 
@@ -181,8 +181,8 @@ def _summary_text(labels: np.ndarray) -> str:
     title="Removes clusters with too few points and keeps the others",
     why="Later steps draw a box around every cluster with a label above 0, so the car would brake "
     "for every puff of spray that you keep.",
-    hint="First count how often each label occurs. Then keep or remove each point according to "
-    "the count of its label.",
+    hint="Count the points of each label with np.unique(cluster_labels, return_counts=True). Set "
+    "labels with fewer than min_num_points points to 0.",
 )
 def removes_small_clusters(filter_clusters: Callable) -> None:
     assert_right_clusters_left(filter_clusters(_LABELS.copy(), 3), _LABELS, _KEPT, 3)
@@ -193,7 +193,7 @@ def removes_small_clusters(filter_clusters: Callable) -> None:
     weight=3,
     title="Keeps the labels of the remaining clusters",
     why="The label identifies an obstacle: the next steps use it to find its points and its box.",
-    hint="Start from a copy of the labels, and change labels only to 0.",
+    hint="Start from cluster_labels.copy(), and change labels only to 0.",
 )
 def keeps_the_labels(filter_clusters: Callable) -> None:
     require_most_clusters_right(filter_clusters)
@@ -221,11 +221,10 @@ def writes_zeros(filter_clusters: Callable) -> None:
 @visible_check(
     "filter_clusters",
     weight=3,
-    title="Removes every small cluster, even several in a row",
-    why="Clutter often forms many small clusters. A loop that renumbers the labels skips the "
-    "cluster after each removed cluster.",
-    hint="Change labels only to 0. If you loop, read from the original labels and write into a "
-    "copy.",
+    title="Removes all small clusters, even if their labels are consecutive",
+    why="Spray forms many small clusters. A loop that renumbers the labels skips the cluster "
+    "after each removed cluster.",
+    hint="Change labels only to 0. If you loop, read from cluster_labels and write into a copy.",
 )
 def removes_consecutive_clusters(filter_clusters: Callable) -> None:
     labels = np.repeat([1, 2, 3, 4, 5, 6, 7], [1, 2, 1, 6, 2, 1, 5])
@@ -241,8 +240,8 @@ def removes_consecutive_clusters(filter_clusters: Callable) -> None:
     "filter_clusters",
     weight=3,
     title="Keeps clusters of exactly min_num_points points",
-    why="The minimum is the smallest number of points that counts as an obstacle.",
-    hint='Write < min_num_points, not <=, because the docstring says "fewer than".',
+    why="A cluster of exactly the minimum size counts as an obstacle, and the car must see it.",
+    hint='Write < min_num_points, not <=, because the exercise says "fewer than".',
 )
 def keeps_clusters_of_the_minimum_size(filter_clusters: Callable) -> None:
     for sizes, kept in (([4, 5, 9], [0, 2, 3]), ([9, 4, 5], [1, 0, 3])):
@@ -283,7 +282,7 @@ _FILTERED_CASE = Case(
     _FILTERED_CASE,
     "min_num_points=100",
     title="Uses a minimum of 100 by default",
-    why="Later lessons call filter_clusters(labels) and rely on this default.",
+    why="The lesson calls filter_clusters(cluster_labels) and relies on this default.",
 )
 def keeps_the_default(filter_clusters: Callable) -> None:
     sizes = [60, 99, 100, 101]
@@ -306,7 +305,7 @@ def keeps_the_default(filter_clusters: Callable) -> None:
 common_checks.promise_names(
     _FILTERED_CASE,
     "keeps_the_names",
-    why="Later lessons call filter_clusters(labels, min_num_points=10).",
+    why="Other code may call filter_clusters(labels, min_num_points=10).",
 )
 
 
@@ -332,7 +331,7 @@ def keeps_large_clusters(filter_clusters: Callable) -> None:
     weight=3,
     title="Keeps label 0, however many points have it",
     why="Earlier steps also use label 0 for noise, and noise must not become one huge obstacle.",
-    hint="Label 0 is not a cluster: leave its points unchanged, whatever their number.",
+    hint="Leave label 0 unchanged, however often it occurs: it is not a cluster.",
 )
 def keeps_label_zero(filter_clusters: Callable) -> None:
     require_most_clusters_right(filter_clusters)
@@ -352,8 +351,8 @@ def keeps_label_zero(filter_clusters: Callable) -> None:
     weight=2,
     title="Works when labels have gaps",
     why="If you filter labels twice, the first call leaves gaps for the second.",
-    hint="Loop over the labels that occur, from np.unique, not over range(1, N): label 7 may "
-    "occur without label 6.",
+    hint="Loop over np.unique(cluster_labels), not over range(1, N): label 7 may occur without "
+    "label 6.",
 )
 def allows_gaps(filter_clusters: Callable) -> None:
     labels = np.array([7, 40, 7, 7, 40, 3, 7])
@@ -421,7 +420,7 @@ def returns_an_array(filter_clusters: Callable) -> None:
 @note_check(
     "filter_clusters",
     title="Returns whole numbers",
-    why="The next cells pass the labels to np.bincount and use them as indices, which fails for "
+    why="The docstring says ndarray of int. Neither np.bincount nor an index accepts "
     "floating-point numbers.",
 )
 def returns_whole_numbers(filter_clusters: Callable) -> None:
@@ -466,19 +465,19 @@ def _next_cluster_sizes(right: np.ndarray, labels: np.ndarray, minimum: int) -> 
 declare_mistakes(
     "filter_clusters",
     Mistake(
-        "`<=` is used instead of `<`, so clusters of exactly min_num_points points are removed.",
+        "Clusters of exactly min_num_points points are removed. They should be kept.",
         lambda right, labels, minimum: np.where(_cluster_sizes(labels) > minimum, labels, 0),
-        'Remove only clusters with fewer points: "fewer than" means <.',
+        'Remove clusters with <, or keep clusters with >=, because "fewer than" means <.',
     ),
     Mistake(
         "The labels themselves are compared with min_num_points. The number of points with each "
         "label should be compared.",
         lambda right, labels, minimum: np.where(labels < minimum, 0, labels),
-        "np.unique(cluster_labels, return_counts=True) counts the points of each label.",
+        "Count the points of each label with np.unique(cluster_labels, return_counts=True).",
         is_cheap=True,
     ),
     Mistake(
-        "The large clusters are removed and the small ones stay.",
+        "The large clusters are removed and the small ones stay. It should be the other way round.",
         lambda right, labels, minimum: np.where(_cluster_sizes(labels) < minimum, labels, 0),
     ),
     Mistake(
@@ -493,14 +492,14 @@ declare_mistakes(
         "Return one label for each point: np.where(too_small, 0, cluster_labels).",
     ),
     Mistake(
-        "The remaining clusters are renumbered from 1.",
+        "The remaining clusters are renumbered from 1. They should keep their labels.",
         _renumbered,
         "Change labels only to 0.",
     ),
     Mistake(
         "Your code returns each remaining label once. It should return one label for each point.",
         lambda right, labels, minimum: np.unique(right[right > 0]),
-        "Return one label for each point, in the order of the points.",
+        "Return one label for each point: np.where(too_small, 0, cluster_labels).",
     ),
     Mistake(
         "Points of small clusters get the label -1. They should get 0.",
@@ -526,15 +525,15 @@ declare_mistakes(
     Mistake(
         "The first label is skipped, so its cluster stays, however small it is.",
         lambda right, labels, minimum: np.where(labels == labels.min(), labels, right),
-        "Label 0 may be absent, so np.unique(cluster_labels)[1:] may skip a cluster. Leave out 0 "
-        "by its value, not by its position.",
+        "Loop over np.unique(cluster_labels[cluster_labels > 0]). np.unique(cluster_labels)[1:] "
+        "skips a cluster if label 0 is absent.",
     ),
     Mistake(
-        "Your code uses the position in the array of counts as the label, so each cluster is "
-        "judged by the size of the next one.",
+        "Your code uses the position in the array of counts as the label, so the size of the next "
+        "cluster decides whether a cluster stays.",
         _next_cluster_sizes,
-        "np.unique returns labels and counts. Loop over both: for label, count in zip(names, "
-        "how_many).",
+        "Write labels, counts = np.unique(cluster_labels, return_counts=True), then loop over "
+        "zip(labels, counts).",
     ),
     # The labels have no gaps, so that a loop over range() is right. The first case is the call that
     # a failed check shows.

@@ -66,8 +66,7 @@ def flatten(cloud):
     "filter_by_distance",
     weight=4,
     title="Keeps the near points of the course's scan",
-    hint="Compare with the picture in the notebook: the result must be a disc from which no "
-    "points are missing.",
+    hint="Draw your result as in the notebook: it must be a disc with a radius of 10 m.",
 )
 def test_filters_the_course_scan(student):
     assert_distance_filtered(student, samples.course_cloud()[::5])
@@ -124,7 +123,7 @@ def test_ignores_intensities(student, seed):
     "filter_by_distance",
     weight=2,
     title="Keeps the same points when the cloud is turned about the sensor",
-    hint="Use a distance that is the same in every direction, so that the border is a circle.",
+    hint="Compute the distance with np.hypot(x, y), which is the same in every direction.",
 )
 def test_keeps_the_same_points_when_turned(student, seed):
     cloud = flatten(samples.patch_of_course_cloud(seed, 500))
@@ -292,7 +291,7 @@ def course_cloud_around_the_car():
     "crop_region",
     weight=6,
     title="Crops the course's scan and a street you have not seen",
-    hint="Compare with the picture in the notebook: no point may be outside the rectangle.",
+    hint="Draw your result as in the notebook: no point may be outside the dashed box.",
 )
 def test_crops_streets(student, seed):
     for cloud in (
@@ -394,7 +393,8 @@ def test_crop_leaves_its_input_unchanged(student, seed):
     "remove_ego_returns",
     weight=3,
     title="Removes the ego car from {}",
-    hint="In the picture the box must be empty, and everything around it must still be there.",
+    hint="Draw your result as in the notebook: the box must be empty, and nothing else may be "
+    "missing.",
 )
 @pytest.mark.parametrize(
     "street", ["course", "fresh"], ids=["the course's scan", "a street you have not seen"]

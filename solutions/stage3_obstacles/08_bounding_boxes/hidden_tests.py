@@ -153,7 +153,7 @@ def test_orders_boxes_by_label(student, seed):
 @hidden(
     "get_bounding_boxes",
     weight=2,
-    title="Ignores noise, whatever its amount and its values",
+    title="Ignores points with label 0, whatever their number and their values",
     hint="Use only rows with a label above 0, whatever the other rows contain.",
 )
 def test_ignores_noise(student, seed):
@@ -169,8 +169,7 @@ def test_ignores_noise(student, seed):
     "get_bounding_boxes",
     weight=2,
     title="Works for points in {} order",
-    hint="Compare every point with both the smallest and the largest value so far: the first "
-    "point is both.",
+    hint="Compare every point with both the minimum and the maximum: use `if` twice, not `elif`.",
 )
 @pytest.mark.parametrize("step", [1, -1], ids=["rising", "falling"])
 def test_works_for_any_order_of_points(student, seed, step):
@@ -183,8 +182,7 @@ def test_works_for_any_order_of_points(student, seed, step):
     "get_bounding_boxes",
     weight=2,
     title="Works when all coordinates are {}",
-    hint="Start minimum and maximum from a point or from infinity, not from 0: all coordinates of "
-    "a cluster may be below 0.",
+    hint="Start the minimum at np.inf and the maximum at -np.inf, or both at the first point.",
 )
 @pytest.mark.parametrize("corner", [-1, 1], ids=["below zero", "above zero"])
 def test_works_in_all_directions(student, seed, corner):

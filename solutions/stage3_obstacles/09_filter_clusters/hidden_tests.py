@@ -68,8 +68,8 @@ def test_filters_the_course_scan(student, seed):
     "filter_clusters",
     weight=7,
     title="Removes small clusters from clouds you have not seen",
-    hint="Judge each cluster only by its number of points, even if many small clusters follow "
-    "each other.",
+    hint="Compare only the number of points of each cluster with min_num_points, even if small "
+    "clusters have consecutive labels.",
 )
 def test_filters_swarms(student, seed):
     rng = np.random.default_rng(seed)
@@ -95,7 +95,7 @@ def test_keeps_large_clusters(student, seed):
     "filter_clusters",
     weight=3,
     title="Keeps clusters of exactly the minimum size in clouds you have not seen",
-    hint="Keep a cluster that has exactly as many points as the minimum.",
+    hint='Write < min_num_points, not <=, because the exercise says "fewer than".',
 )
 def test_keeps_clusters_of_the_minimum_size(student, seed):
     require_most_clusters_right(student.filter_clusters)
