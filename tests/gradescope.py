@@ -131,7 +131,7 @@ def enter_container(kind, layers, script):
 
 # ---- Submissions ---------------------------------------------------------------------------
 
-# Answers correctly only if an attack succeeds, so the score shows whether one did.
+# Code that answers correctly only if an attack succeeds, so the score shows whether one did.
 HOSTILE = """
 import ctypes, glob, os, socket, subprocess, sys, time
 
@@ -250,7 +250,7 @@ def submissions():
     }
 
 
-# Counts the processes that remain after the autograder has ended.
+# A script that counts the processes that remain after the autograder has ended.
 RUN = """
 cd /autograder
 SECRET_OF_GRADESCOPE=1 ./run_autograder

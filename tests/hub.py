@@ -33,7 +33,7 @@ EXERCISES = ("filter_by_distance", "crop_region", "remove_ego_returns")
 POINTS = 30  # maximum for the lesson
 STUDENTS = ("ada", "ben")
 PATIENCE = 240  # seconds to wait for each element or state
-# Makes JupyterLab draw all cells, not only those on the screen, and ask no questions.
+# With these settings, JupyterLab draws all cells, even outside the screen, and asks no questions.
 SETTINGS = {
     "@jupyterlab/notebook-extension:tracker": {"windowingMode": "none"},
     "@jupyterlab/apputils-extension:notification": {"fetchNews": "false"},

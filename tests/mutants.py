@@ -86,8 +86,8 @@ TESTS = {
     "grader/classroom/grade.py": ("test_faults.py", "test_rules.py", "test_grading_by_roster.py"),
 }
 
-# Reads a module from standard input and prints each changed version as a line of JSON. A binary
-# operator is replaced with three of the eleven others, drawn at random.
+# Code that reads a module from standard input and prints each changed version as a line of JSON.
+# A binary operator is replaced with three of the eleven others, drawn at random.
 CHANGES = """
 import collections, json, random, sys
 from cosmic_ray.ast import ast_nodes, get_ast

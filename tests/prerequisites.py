@@ -6,7 +6,7 @@ from typing import NoReturn
 
 import pytest
 
-from grader.sandbox import Sandbox, SandboxUnavailable, bwrap, choose_sandbox
+from grader.sandbox import Sandbox, SandboxUnavailable, bubblewrap_program, choose_sandbox
 
 # Reasons to skip a test: what is missing, and how to get it. `make test` prints them at the end.
 RECORDINGS = "recorded scans: REAL_CLOUDS=FOLDER make test"
@@ -41,7 +41,7 @@ def require_sandbox(name: str = "bubblewrap") -> Sandbox:
 
 def without_bubblewrap(folder: Path) -> dict[str, str]:
     """Return environment variables that hide bubblewrap, both the program and the wheel."""
-    wheel = folder / f"{bwrap.WHEEL.replace('-', '_')}-0.dist-info"
+    wheel = folder / f"{bubblewrap_program.WHEEL.replace('-', '_')}-0.dist-info"
     wheel.mkdir()
-    (wheel / "METADATA").write_text(f"Name: {bwrap.WHEEL}\nVersion: 0\n")
+    (wheel / "METADATA").write_text(f"Name: {bubblewrap_program.WHEEL}\nVersion: 0\n")
     return {"PATH": str(folder), "PYTHONPATH": str(folder)}

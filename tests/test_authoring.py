@@ -13,6 +13,7 @@ from grader import cli
 from grader.authoring import skeleton
 from grader.authoring.trial import wrong_notes
 from grader.course.kept_answers import KeptAnswer
+from grader.course.lessons import every_lesson
 from grader.course.paths import PROJECT
 from grader.judging.verdict import JUDGED, CheckResult, ExerciseResult, Verdict
 
@@ -80,17 +81,20 @@ def test_a_wrong_note_is_reported_in_a_sentence(answer, verdict, message):
 
 # ---- the skeleton --------------------------------------------------------------------------------
 
+FREE_NUMBER = 1 + max(int(lesson.number) for lesson in every_lesson())
+
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (["other"], "'other' is not a valid lesson name."),
-        (["14_Free"], "'14_Free' is not a valid lesson name."),
-        (["06_other"], "06_filter_ground already has the number 06. 14 is free."),
-        (["14_voxel_grid"], "06_filter_ground already has an exercise voxel_grid."),
-        (["14_root_of"], "13_compiled_loops already has an exercise root_of."),
+        (["94_Free"], "'94_Free' is not a valid lesson name."),
+        (["94_lambda"], "lambda is a keyword of Python"),
+        (["06_other"], f"06_filter_ground already has the number 06. {FREE_NUMBER} is free."),
+        (["94_voxel_grid"], "06_filter_ground already has an exercise voxel_grid."),
+        (["94_root_of"], "13_compiled_loops already has an exercise root_of."),
         (
-            ["14_other", "--stage", "mine"],
+            ["94_other", "--stage", "mine"],
             "'mine' is not a valid stage name.",
         ),
     ],
@@ -102,10 +106,10 @@ def test_an_invalid_new_lesson_gets_a_message(arguments, message, capsys):
 
 def test_a_new_lesson_does_not_overwrite_files(tmp_path, monkeypatch):
     monkeypatch.setattr(skeleton, "PROJECT", tmp_path)
-    assert len(skeleton.write_skeleton("14_mine")) == 4
+    assert len(skeleton.write_skeleton("94_mine")) == 4
     shutil.rmtree(tmp_path / "solutions")
-    with pytest.raises(skeleton.UnusableName, match="lesson_14.py already exists"):
-        skeleton.write_skeleton("14_mine")
+    with pytest.raises(skeleton.UnusableName, match="lesson_94.py already exists"):
+        skeleton.write_skeleton("94_mine")
     assert not (tmp_path / "solutions").exists()
 
 
@@ -138,46 +142,46 @@ def run(root, *arguments):
 
 @pytest.mark.slow
 def test_the_skeleton_of_a_new_lesson_is_complete(project_copy, sandbox):
-    written = run(project_copy, "new", "14_free_distance")
-    assert written.returncode == 0 and "python -m grader try 14" in written.stdout
-    tried = run(project_copy, "try", "14", "--sandbox", sandbox.name)
+    written = run(project_copy, "new", "94_free_distance")
+    assert written.returncode == 0 and "python -m grader try 94" in written.stdout
+    tried = run(project_copy, "try", "94", "--sandbox", sandbox.name)
     assert tried.returncode == 0, tried.stdout + tried.stderr
-    assert "14_free_distance is complete." in tried.stdout and "!!" not in tried.stdout
+    assert "94_free_distance is complete." in tried.stdout and "!!" not in tried.stdout
     assert run(project_copy, "build", "--check").returncode == 0
 
 
 @pytest.mark.proof
 def test_missing_parts_of_a_new_lesson_are_reported(project_copy, sandbox):
-    run(project_copy, "new", "16_far_distance")
-    folder = project_copy / "solutions" / "stage5_own" / "16_far_distance"
+    run(project_copy, "new", "96_far_distance")
+    folder = project_copy / "solutions" / "stage5_own" / "96_far_distance"
     with replace_temporarily(folder / "hidden_tests.py", "", ""):
-        tried = run(project_copy, "try", "16", "--sandbox", sandbox.name)
+        tried = run(project_copy, "try", "96", "--sandbox", sandbox.name)
     assert tried.returncode == 1
-    assert "far_distance has no hidden test. Write one in 16_far_distance/hidden" in tried.stdout
+    assert "far_distance has no hidden test. Write one in 96_far_distance/hidden" in tried.stdout
     assert "The lesson cannot be judged: " in tried.stdout and "2 left to fix." in tried.stdout
 
     changed = ("# %% right: a loop", "# %% wrong: it"), ("np.linalg", "npp.linalg")
     answers, hidden = folder / "answers" / "far_distance.txt", folder / "hidden_tests.py"
     with replace_temporarily(answers, *changed[0]), replace_temporarily(hidden, *changed[1]):
-        tried = run(project_copy, "try", "16", "--sandbox", sandbox.name)
+        tried = run(project_copy, "try", "96", "--sandbox", sandbox.name)
     assert tried.returncode == 1
     assert "far_distance has no right answer. Write one in" in tried.stdout
-    assert "16_far_distance/hidden_tests.py, line 21: NameError: name 'npp'" in tried.stdout
+    assert "96_far_distance/hidden_tests.py, line 21: NameError: name 'npp'" in tried.stdout
 
     hidden.rename(folder / "away")
-    tried = run(project_copy, "try", "16", "--sandbox", sandbox.name)
+    tried = run(project_copy, "try", "96", "--sandbox", sandbox.name)
     (folder / "away").rename(hidden)
-    assert "16_far_distance/hidden_tests.py does not exist" in tried.stdout
+    assert "96_far_distance/hidden_tests.py does not exist" in tried.stdout
 
 
 @pytest.mark.slow
 def test_faults_of_the_checks_are_reported_once(project_copy, sandbox):
-    run(project_copy, "new", "15_mean_square")
-    checks = project_copy / "utils" / "checks" / "lesson_15.py"
+    run(project_copy, "new", "95_mean_square")
+    checks = project_copy / "utils" / "checks" / "lesson_95.py"
     with replace_temporarily(checks, "7.505553499465135", "7.6"):
-        tried = run(project_copy, "try", "15", "--sandbox", sandbox.name)
+        tried = run(project_copy, "try", "95", "--sandbox", sandbox.name)
     assert (
-        "The solution earns " in tried.stdout and "15_mean_square: 1 left to fix." in tried.stdout
+        "The solution earns " in tried.stdout and "95_mean_square: 1 left to fix." in tried.stdout
     )
     assert (
         "mean_square, “Computes the root mean square of three numbers”: The number is wrong."
@@ -190,25 +194,25 @@ def test_faults_of_the_checks_are_reported_once(project_copy, sandbox):
         ("weight=4,", "weight=4", 10, "SyntaxError: "),
     ):
         with replace_temporarily(checks, old, new):
-            tried = run(project_copy, "try", "15", "--sandbox", sandbox.name)
-        assert f"utils/checks/lesson_15.py, line {line}: " in tried.stdout
-        assert reason in tried.stdout and "15_mean_square: 1 left to fix." in tried.stdout
+            tried = run(project_copy, "try", "95", "--sandbox", sandbox.name)
+        assert f"utils/checks/lesson_95.py, line {line}: " in tried.stdout
+        assert reason in tried.stdout and "95_mean_square: 1 left to fix." in tried.stdout
 
 
 @pytest.mark.proof
 def test_a_failing_cell_of_the_notebook_is_reported(project_copy, sandbox):
-    run(project_copy, "new", "17_root_square")
-    source = project_copy / "solutions" / "stage5_own" / "17_root_square" / "lesson.py"
+    run(project_copy, "new", "97_root_square")
+    source = project_copy / "solutions" / "stage5_own" / "97_root_square" / "lesson.py"
     cell = "# Look.\n\n# %%\nprint(1 + root_square([3, 4]))\n\n# %% [markdown]\n# ## Summary"
     with replace_temporarily(source, "# ## Summary", cell.replace("print(1", "draw(1")):
-        tried = run(project_copy, "try", "17", "--sandbox", sandbox.name)
+        tried = run(project_copy, "try", "97", "--sandbox", sandbox.name)
     assert "cell that begins with `draw(1 + root_square([3, 4]))` raises NameE" in tried.stdout
 
     # `try` stores the solution's answers, so that the untouched notebook can continue.
     with replace_temporarily(source, "# ## Summary", cell):
-        tried = run(project_copy, "try", "17", "--sandbox", sandbox.name)
+        tried = run(project_copy, "try", "97", "--sandbox", sandbox.name)
     assert tried.returncode == 0, tried.stdout
-    assert "were stored in utils/lent/lesson_17.json." in tried.stdout
+    assert "were stored in utils/lent/lesson_97.json." in tried.stdout
 
 
 @contextlib.contextmanager

@@ -877,7 +877,7 @@ def test_a_coroutine_gets_a_message_that_suggests_a_fix():
     coroutine.close()
 
 
-def test_a_masked_array_without_masked_values_is_an_array():
+def test_a_masked_array_without_masked_values_is_accepted():
     assert np.array_equal(as_array(np.ma.masked_array(CLOUD), columns=4), CLOUD)
 
 

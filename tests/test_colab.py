@@ -237,7 +237,7 @@ def test_a_solved_notebook_of_each_stage_fetches_the_course(stage, course, colab
     assert "Ready:" in printed_text(notebook, "stdout")
 
 
-# Blocks name look-ups and new connections, but lets Jupyter reach its kernel on this machine.
+# Code that blocks name look-ups and new connections, but not Jupyter's kernel on this machine.
 NO_NETWORK = """
 import socket
 def unreachable(*anything, **more): raise OSError("no network")

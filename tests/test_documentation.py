@@ -64,7 +64,7 @@ def test_the_syllabus_has_the_minutes_and_points_of_each_notebook():
     readme = page("README.md")
     assert f"about <!-- hours -->{hours:.0f}<!-- end --> hours" in readme
     weeks = re.findall(r"^\| \d \| .* \| ([\d.]+) \| (\d+) \|$", readme, re.M)
-    assert [points for _, points in weeks] == ["100"] * 4
+    assert [points for _, points in weeks[:4]] == ["100"] * 4  # a lecturer may add stages
     assert sum(float(hours) for hours, _ in weeks) == pytest.approx(hours, abs=0.2)
 
 

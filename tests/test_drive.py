@@ -452,7 +452,7 @@ def test_an_actor_waits_for_its_start_and_follows_its_speeds():
     assert actor.at(30.0, 7.0).pose.y == pytest.approx(-3.0)
 
 
-def test_a_car_ahead_drives_before_its_start():
+def test_a_car_ahead_drives_before_its_changes_of_speed_begin():
     actor = car_ahead(20.0, 5.0, 30.0, (0, 5.0), (1, 0.0))
     assert actor.at(4.0, None).pose.x == pytest.approx(40.0)
     assert actor.at(6.0, 4.0).pose.x == pytest.approx(42.5)

@@ -514,7 +514,7 @@ def test_every_kind_of_code_has_edits():
     }
     assert not missing
     parts = [EVERY_KIND_OF_CODE]
-    # One statement at a time as well, because the number of edits of one function is limited.
+    # A function has a limited number of edits, so each statement is also tested on its own.
     head = EVERY_KIND_OF_CODE.partition("\n")[0]
     for statement in tree.body[0].body:
         if not isinstance(statement, ast.FunctionDef):

@@ -17,8 +17,8 @@ from grader.sandbox.student import StudentProxy
 from utils.checks.import_guard import BlockedModules
 from utils.notebooks.forbidden import StandIn, StandInModule
 
-# Imports all public modules of some packages. For each failed import, it records the exception and
-# the missing module.
+# Code that imports all public modules of some packages. For each failed import, it records the
+# exception and the missing module.
 SWEEP = '''
 import contextlib, importlib, importlib.util, io, pkgutil, sys, warnings
 
@@ -49,7 +49,7 @@ def public_modules(tops):
             if not any(part[0] == "_" or part == "tests" for part in found.name.split(".")):
                 yield found.name
 '''
-# Runs SWEEP like a notebook, in which some modules may already have been imported.
+# Code that runs SWEEP like a notebook, in which some modules may already have been imported.
 NOTEBOOK_SWEEP = (
     SWEEP
     + """

@@ -42,7 +42,7 @@ c.Judge.sandbox = {sandbox!r}
 """
 
 
-# Replaces the file of a submission after the file has been judged.
+# Code that replaces the file of a submission after the file has been judged.
 JUDGE_AND_REPLACE = """
 from grader.lms import nbgrader_plugin
 right = nbgrader_plugin.current_verdict

@@ -15,7 +15,8 @@ from tests.notebook_runs import errors_of, outputs_of, run
 from tests.prerequisites import CHROMIUM
 from utils.notebook_setup import STYLE
 
-# Measures the height of each code cell, and how far its text extends beyond the right edge.
+# A script that measures the height of each code cell, and how far its text extends beyond the
+# right edge.
 MEASURE = """<script>addEventListener("load", () => {
   document.body.dataset.measured = JSON.stringify(
     [...document.querySelectorAll(".cm-editor")].map(

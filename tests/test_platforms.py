@@ -284,7 +284,7 @@ def test_a_namesake_with_another_number_gets_no_mark(fill_file):
     assert "In the file but not on the roster: Schmidt, Anna." in exported.notes
 
 
-def test_numbers_of_another_kind_are_ignored(fill_file):
+def test_an_lms_id_from_another_platform_is_ignored(fill_file):
     people = [
         dataclasses.replace(person, id=f"x{n}", email="", lms_id=f"M{n}")
         for n, person in enumerate(PEOPLE)

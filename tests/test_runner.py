@@ -81,7 +81,7 @@ def visible_check(name, exercise, run):
     return Check(name, exercise, "a title", "a hint", run=run)
 
 
-def failures(outcomes):
+def failure_types(outcomes):
     return {outcome.check.name: type(outcome.failure) for outcome in outcomes if outcome.failure}
 
 
@@ -112,7 +112,7 @@ def test_visible_checks_run_first_and_each_on_its_own_exercise(make_lesson):
     ]
     assert [one.check.is_shown for one in outcomes] == [True, True, False, False]
     assert [one.check.weight for one in outcomes] == [1.0, 1.0, 1.0, 2.5]
-    assert failures(outcomes) == {"fails": ZeroDivisionError, "test_first": CheckFailed}
+    assert failure_types(outcomes) == {"fails": ZeroDivisionError, "test_first": CheckFailed}
     assert student.calls == [("g", "g", "shown"), ("g", "g", "second"), ("f", "f", "first")]
     assert student.closed == 0
 
@@ -153,7 +153,10 @@ def test_the_remaining_checks_are_skipped_if_one_failure_decides(make_lesson):
     )
     checks = [visible_check("passes", "g", lambda function: function("shown"))]
     outcomes = run_checks(make_lesson(hidden, checks), student, SEED, keep_going=False)
-    assert failures(outcomes) == {"test_second": ZeroDivisionError, "test_first": StudentStopped}
+    assert failure_types(outcomes) == {
+        "test_second": ZeroDivisionError,
+        "test_first": StudentStopped,
+    }
     assert student.calls == [("g", "g", "shown"), ("g", "g", "second")]
     checks[:0] = [visible_check("fails", "f", lambda function: 1 / 0)]
     student.calls.clear()
@@ -235,7 +238,7 @@ def test_other(student):
 
 @pytest.mark.parametrize("where", ["shown", "hidden"])
 def test_a_lost_sandbox_is_reported(make_lesson, where):
-    class Lost(RecordingStudent):
+    class LostStudent(RecordingStudent):
         def __getattr__(self, name):
             def ask(*arguments):
                 raise SandboxUnavailable("it is gone")
@@ -248,7 +251,7 @@ def test_a_lost_sandbox_is_reported(make_lesson, where):
         checks = [visible_check("one", "f", lambda function: function())]
         lesson = make_lesson('@hidden("g", **about)\ndef test_nothing(student): pass', checks)
     with pytest.raises(SandboxUnavailable, match="it is gone"):
-        run_checks(lesson, Lost(), SEED)
+        run_checks(lesson, LostStudent(), SEED)
 
 
 def test_an_interrupt_in_a_hidden_test_ends_the_run(make_lesson):
@@ -267,7 +270,7 @@ def test_a_slow_comparison_is_interrupted_and_the_timer_restored(make_lesson, mo
     )  # would take seconds
     student, before = RecordingStudent(), signal.getsignal(signal.SIGPROF)
     outcomes = run_checks(make_lesson(hidden), student, SEED)
-    assert failures(outcomes) == {"test_second": JudgeTimeout, "test_first": CheckFailed}
+    assert failure_types(outcomes) == {"test_second": JudgeTimeout, "test_first": CheckFailed}
     assert student.closed == 1  # closed, because its process may have been sending a reply
     assert signal.getitimer(signal.ITIMER_PROF) == (0.0, 0.0)
     assert signal.getsignal(signal.SIGPROF) is before
@@ -276,7 +279,9 @@ def test_a_slow_comparison_is_interrupted_and_the_timer_restored(make_lesson, mo
 def test_waiting_for_student_code_does_not_count_as_work_of_the_judge(make_lesson, monkeypatch):
     monkeypatch.setattr(runner, "TEST_SECONDS", 0.2)
     hidden = TWO_TESTS.replace('student.g("second")', "time.sleep(0.4)")
-    assert "test_second" not in failures(run_checks(make_lesson(hidden), RecordingStudent(), SEED))
+    assert "test_second" not in failure_types(
+        run_checks(make_lesson(hidden), RecordingStudent(), SEED)
+    )
 
 
 def test_a_test_may_compute_for_seconds():
@@ -291,7 +296,7 @@ def test_there_is_no_time_limit_in_another_thread(make_lesson):
     )
     thread.start()
     thread.join()
-    assert failures(found) == {"test_first": CheckFailed}
+    assert failure_types(found) == {"test_first": CheckFailed}
 
 
 def test_an_exercise_is_given_up_after_five_huge_answers(make_lesson):
@@ -308,7 +313,7 @@ def test_an_exercise_is_given_up_after_five_huge_answers(make_lesson):
         *(visible_check(f"g{number}", "g", much) for number in range(4)),
     ]
     student = RecordingStudent()
-    found = failures(run_checks(make_lesson(TWO_TESTS, checks), student, SEED))
+    found = failure_types(run_checks(make_lesson(TWO_TESTS, checks), student, SEED))
     tried = [name for name, failure in found.items() if failure is FarTooMuch]
     assert tried == ["f0", "f1", "f2", "f3", "f4", "g0", "g1", "g2", "g3"]
     assert [name for name, failure in found.items() if failure is StudentStopped] == [
@@ -369,7 +374,7 @@ def test_slow_comparisons_of_wrong_answers_have_one_limit(make_lesson, monkeypat
         make_lesson(TWO_TESTS, [*right, *wrong]), student, SEED, lambda check: check.is_shown
     )
     # The third comparison is interrupted when the limit for all of them is reached.
-    assert [*failures(outcomes).values()] == [
+    assert [*failure_types(outcomes).values()] == [
         *2 * [CheckFailed],
         JudgeTimeout,
         *3 * [StudentStopped],
@@ -399,8 +404,8 @@ def test_all_runs_with_one_budget_share_the_limit_on_failed_comparisons(make_les
     lesson, budget, begin = make_lesson(TWO_TESTS, checks), Budget(Limits()), time.process_time()
     budget.judge_seconds["f"] = runner.TEST_SECONDS - 0.05
     run = (lesson, RecordingStudent(), SEED, lambda check: check.is_shown, True, budget)
-    assert failures(run_checks(*run)) == {"f0": JudgeTimeout, "f1": StudentStopped}
-    assert failures(run_checks(*run)) == {"f0": StudentStopped, "f1": StudentStopped}
+    assert failure_types(run_checks(*run)) == {"f0": JudgeTimeout, "f1": StudentStopped}
+    assert failure_types(run_checks(*run)) == {"f0": StudentStopped, "f1": StudentStopped}
     assert time.process_time() - begin < 5
     assert budget.judge_seconds["g"] == 0
 
@@ -409,7 +414,7 @@ def test_only_failed_checks_use_up_the_time_for_failed_calls(make_lesson):
     """A right function keeps its full time limit, even if it is slow."""
     budget = Budget(Limits())
 
-    class Slow(RecordingStudent):
+    class SlowStudent(RecordingStudent):
         def __getattr__(self, name):
             def spend():
                 budget.seconds -= 3
@@ -427,7 +432,11 @@ def test_only_failed_checks_use_up_the_time_for_failed_calls(make_lesson):
         for name, run in (("g", lambda function: function()), ("f", fail))
     ]
     run_checks(
-        make_lesson(TWO_TESTS, checks), Slow(), SEED, lambda check: check.is_shown, budget=budget
+        make_lesson(TWO_TESTS, checks),
+        SlowStudent(),
+        SEED,
+        lambda check: check.is_shown,
+        budget=budget,
     )
     assert budget.failed_seconds == {"f": 12}
     assert budget.judge_seconds["f"] > 0 == budget.judge_seconds["g"]
@@ -477,15 +486,15 @@ def test_second(student):
     raise {how}
 """
 
-    class Answering(RecordingStudent):
+    class AnsweringStudent(RecordingStudent):
         def __getattr__(self, name):
             return lambda *_: answer()
 
-    student = Answering()
+    student = AnsweringStudent()
     with cached_run():
         outcomes = run_checks(make_lesson(hidden, checks), student, SEED)
         gc.collect()
-        assert len(failures(outcomes)) == 4 and len(answers) == 0
+        assert len(failure_types(outcomes)) == 4 and len(answers) == 0
 
 
 def test_the_traceback_of_a_fault_is_kept_as_text(make_lesson):

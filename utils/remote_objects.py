@@ -28,7 +28,7 @@ class RemoteError(Exception):
 
 
 class RemoteStopped(Exception):
-    """The process that ran a function hung or died, and has ended."""
+    """The process that ran a function died, or was ended because it hung."""
 
 
 @dataclass(frozen=True)

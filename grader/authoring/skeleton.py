@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import keyword
 import re
 from pathlib import Path
 
@@ -48,6 +49,11 @@ def write_skeleton(name: str, stage: str = DEFAULT_STAGE) -> list[Path]:
             f"--stage {DEFAULT_STAGE}."
         )
     number, exercise = match.groups()
+    if keyword.iskeyword(exercise):
+        raise UnusableName(
+            f"{exercise} is a keyword of Python, so no function can have this name. Choose another "
+            "name."
+        )
     _check_not_taken(number, exercise)
     folder = PROJECT / "solutions" / stage / name
     files = {

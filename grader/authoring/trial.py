@@ -88,7 +88,7 @@ def _judge_solution(lesson: Lesson, sandbox: Sandbox) -> Finding:
         if verdict.score < verdict.max_score:
             raise _LessonUnusable(
                 f"The solution earns {verdict.score:g} of {verdict.max_score:g} points with seed "
-                f"{seed}.{_quote_failures(verdict)}"
+                f"{seed}. Correct the solution or the check.{_quote_failures(verdict)}"
             )
     points = f"{verdict.max_score:g} points"
     return Finding(True, f"The solution earns all {points} with {len(SEEDS)} seeds.")

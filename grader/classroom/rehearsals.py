@@ -1,4 +1,4 @@
-"""Before a class is judged, check that each lesson's solution earns all points with the seed.
+"""Before a class is judged, check that each solution earns all points with the class's seed.
 
 If a solution does not, the tests are at fault and would deduct points for right answers.
 """

@@ -110,9 +110,9 @@ def stored_bytes(lesson: Lesson, path: Path) -> bytes:
         }
         raise UnstorableAnswers(
             f"{lesson.name}: the answers take up {len(text):,} bytes, but at most "
-            f"{MAX_FILE_BYTES:,} "
-            "may be stored. Under `lent:` in the header, list a function of the notebook that "
-            f"summarises them. Bytes per function: {sizes}"
+            f"{MAX_FILE_BYTES:,} may be stored. In a cell of its own, write a function that makes "
+            "the calls with large answers and returns a small result. Call it in a later cell, and "
+            f"list it under `lent:` in the header. Bytes per function: {sizes}"
         )
     return text.encode()
 

@@ -31,7 +31,7 @@ _SIGNATURES = (
     (re.compile(rb"RIFF....WEBP", re.DOTALL), "webp"),
 )
 _MARKDOWN_SYNTAX = re.compile(r"[][\\\n]")
-_PLAIN_NAME = re.compile(r"[\w.+\-]{1,100}", re.ASCII)  # nbconvert encodes other letters
+_PLAIN_NAME = re.compile(r"[\w.+\-]{1,100}", re.ASCII)  # nbconvert encodes other characters
 
 # Each repetition has a limit or ends before the next match could begin, so the time is linear.
 _TEXT = r"(?:[^\[\]]|\[[^\[\]]{0,300}+\]){0,300}"

@@ -274,7 +274,7 @@ class _FailedChecks:
     def fail_without_edit(self) -> bool:
         """Return whether the answer without an edit fails the first check."""
         fails = self.first_fails()
-        if self._first_seconds == CALL_SECONDS:  # the answer finished
+        if self._first_seconds == CALL_SECONDS:  # unchanged, so the check was not stopped
             self._seconds_after_hang = SHORT_CALL_SECONDS
         return fails
 

@@ -65,7 +65,7 @@ def lesson_times(submissions: Iterable[Submission], deadlines: Deadlines) -> dic
 
 
 def lacks_zone(folders: Iterable[Path]) -> bool:
-    """Return whether a time has no time zone, so that it is read as UTC."""
+    """Return whether a time has no time zone and is therefore read as UTC."""
     for folder in folders:
         with contextlib.suppress(UnclearTime):
             timestamp = read_timestamp(folder)

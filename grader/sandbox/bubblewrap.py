@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grader.course.paths import PROJECT
-from grader.sandbox import bwrap, users
+from grader.sandbox import bubblewrap_program, users
 from grader.sandbox.boundary import (
     BASE_PREFIX,
     PREFIX,
@@ -94,12 +94,12 @@ class Bubblewrap:
 
 
 @functools.cache
-def _find_program() -> tuple[bwrap.Executable | None, str]:
+def _find_program() -> tuple[bubblewrap_program.Executable | None, str]:
     """Return a bubblewrap program that works here, or the reason why there is none."""
-    return bwrap.find_program(_isolation_options(Limits()))
+    return bubblewrap_program.find_program(_isolation_options(Limits()))
 
 
-def _require_program() -> bwrap.Executable:
+def _require_program() -> bubblewrap_program.Executable:
     program, complaint = _find_program()
     if not program:
         raise SandboxUnavailable(

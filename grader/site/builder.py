@@ -26,9 +26,8 @@ from grader.site.settings import conf_source
 STATIC = Path(__file__).parent / "static"
 THEME = Path(__file__).parent / "templates" / "theme"
 SITE_MARKER = "searchindex.js"  # an existing folder with this file is a site
-SOURCE_DATE = (
-    "315532800"  # 1 January 1980 in seconds, so that the site does not depend on the clock
-)
+# 1 January 1980, in seconds since 1970. With a fixed date, the site does not depend on the clock.
+SOURCE_DATE = "315532800"
 REPLACEMENTS = {
     # The icons come from a font, so this 1.5 MB script is not needed.
     re.compile(r' *<script [^>]*src="[^"]*fontawesome\.js[^"]*"></script>\n'): "",

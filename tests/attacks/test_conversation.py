@@ -132,7 +132,7 @@ def test_an_invalid_reply_stops_the_student(body, sentence):
     assert time.monotonic() - begin < PATIENCE
 
 
-# Sends every reply after the first in pieces.
+# Code that sends every reply after the first in pieces.
 PIECES = """
 import os, time
 write = os.write

@@ -60,7 +60,7 @@ def test_a_detector_finds_no_street_seed_or_other_submission(tmp_path):
     assert min(answers_of(SANDBOXES["process"], source)) > 103.0
 
 
-# Replaces each answer by a list of empty lists, without the time that creating them takes.
+# Code that replaces each answer with a list of empty lists, without taking time to create them.
 EMPTY_LISTS = """
 import os, struct
 LISTS = b'{"list":[' + b",".join([b'{"list":[]}'] * 250_000) + b"]}"
@@ -88,7 +88,7 @@ def test_answers_that_take_long_to_read_end_the_drive(monkeypatch):
     assert driven.stopped.startswith("Its answers were so large")
 
 
-class Decoded:
+class DecodedDetector:
     """A detector in this process, whose answers are encoded as between processes."""
 
     exercise, starved = "", False
@@ -134,7 +134,7 @@ def test_strange_boxes_do_not_make_the_grader_fail(boxes, tmp_path):
     """A failure of the grader would stop the league for the whole class, in each of its runs."""
     street = draw_streets(SEED)[0]
     driven = drive_in_sandbox(
-        street, Decoded(lambda cloud: boxes()), seconds=0.9, sensor=NARROW_SENSOR
+        street, DecodedDetector(lambda cloud: boxes()), seconds=0.9, sensor=NARROW_SENSOR
     )
     assert not driven.fault and not driven.stopped
     assert all(sentence.isprintable() for sentence in problem_sentences(driven))
@@ -154,6 +154,6 @@ def test_results_contain_only_numbers_and_fixed_sentences():
     }
     street = draw_streets(SEED)[0]
     for answer in answers.values():
-        detector = Decoded(lambda cloud, answer=answer: answer())
+        detector = DecodedDetector(lambda cloud, answer=answer: answer())
         driven = drive_in_sandbox(street, detector, seconds=0.3, sensor=NARROW_SENSOR)
         assert driven.failed and "script" not in driven.as_json()

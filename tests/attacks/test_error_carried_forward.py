@@ -14,7 +14,8 @@ pytestmark = pytest.mark.slow
 LINE = find_lesson("02_ransac_line")
 SIGNATURE = "def ransac_line(points, max_iterations=100, distance_tolerance=0.1, rng=None):\n"
 WRONG_LINE = "def line_through(first, second):\n    return 1.0, 0.0, 0.0\n"
-# Fails exactly one check. Two equal points do not define a line, so it should return None.
+# A function that fails exactly one check. Two equal points do not define a line, so it should
+# return None.
 ONE_WRONG = (
     "def line_through(first, second):\n"
     "    (x, y), (u, v) = first[:2], second[:2]\n"

@@ -275,13 +275,13 @@ def budgets(monkeypatch):
     """Return a list to which every new `Budget` is added."""
     created = []
 
-    class Recorded(Budget):
+    class RecordedBudget(Budget):
         def __init__(self, limits):
             super().__init__(limits)
             created.append(self)
 
     for module in (judge, program_run, repair, students):
-        monkeypatch.setattr(module, "Budget", Recorded)
+        monkeypatch.setattr(module, "Budget", RecordedBudget)
     return created
 
 

@@ -92,7 +92,7 @@ def test_secret_files_cannot_be_opened(path):
         assert not student.f(str(PROJECT / path))
 
 
-# Lists everything that can be imported inside the sandbox, and where it comes from.
+# Code that lists everything that can be imported inside the sandbox, and where it comes from.
 LIST_IMPORTS = """
 import importlib, importlib.util, os, pkgutil, sys
 def f():

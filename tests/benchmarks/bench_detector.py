@@ -24,7 +24,7 @@ import numpy as np
 
 from grader.course.lessons import load_reference
 from tests.benchmarks.implementations import detect_by_pcl
-from tests.benchmarks.racing import ROUNDS, Missing, save_results
+from tests.benchmarks.racing import ROUNDS, MissingProgram, save_results
 from utils import load_cloud, scenes
 from utils.boxes import Box, plane_iou
 from utils.scoring.card import OVERLAPS, score_card, within
@@ -94,7 +94,7 @@ def step_times(cloud: np.ndarray) -> dict[str, list[float]]:
     try:
         pcl = detect_by_pcl(np.ascontiguousarray(cloud[:, :3], dtype=float))
         pcl()
-    except Missing as reason:
+    except MissingProgram as reason:
         print(f"  PCL is skipped: {reason}")
         pcl = None
     found: dict[str, list[float]] = {}

@@ -72,7 +72,7 @@ def measure(name, course, verdicts, students, step):
 
 
 def main():
-    """Measure with both databases and print the times."""
+    """Measure the times of both databases, and print them."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--students", type=int, default=120, help="final number of students")
     parser.add_argument(

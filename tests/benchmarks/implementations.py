@@ -24,7 +24,7 @@ from pathlib import Path
 import numpy as np
 
 from grader.course.lessons import load_reference
-from tests.benchmarks.racing import Implementation, Missing
+from tests.benchmarks.racing import Implementation, MissingProgram
 
 RADIUS = 0.5
 PCL_SOURCE = Path(__file__).with_name("pcl_peer.cpp")
@@ -157,7 +157,7 @@ class PclPeer:
 
     Raises
     ------
-    tests.benchmarks.racing.Missing
+    tests.benchmarks.racing.MissingProgram
         If the program does not exist and cannot be built.
     """
 
@@ -180,9 +180,9 @@ class PclPeer:
             self._program.stdin.write("\n")
             self._program.stdin.flush()
         except BrokenPipeError:
-            raise Missing("pcl_peer does not run; it says why above") from None
+            raise MissingProgram("pcl_peer does not run; it says why above") from None
         if not self._program.stdout.readline():
-            raise Missing("pcl_peer does not run; it says why above")
+            raise MissingProgram("pcl_peer does not run; it says why above")
         if self._work == "detect":
             return np.zeros(int(self._answer.read_text()))
         return np.fromfile(self._answer, "<i4")
@@ -199,13 +199,13 @@ def pcl_program() -> str:
     if os.environ.get("PCL_PEER"):
         return os.environ["PCL_PEER"]
     if not shutil.which("pkg-config") or not shutil.which("g++"):
-        raise Missing("no g++ and pkg-config")
+        raise MissingProgram("no g++ and pkg-config")
     libraries = [f"pcl_{name}" for name in PCL_LIBRARIES]
     flags = subprocess.run(
         ["pkg-config", "--cflags", "--libs", *libraries], capture_output=True, text=True
     )
     if flags.returncode:
-        raise Missing("no libpcl-dev")
+        raise MissingProgram("no libpcl-dev")
     program = Path(tempfile.gettempdir(), f"pcl_peer-{os.getuid()}")
     if not program.exists() or program.stat().st_mtime < PCL_SOURCE.stat().st_mtime:
         command = ["g++", "-std=c++17", "-O3", "-DNDEBUG", PCL_SOURCE, "-o", program]

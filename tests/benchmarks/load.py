@@ -78,7 +78,7 @@ def judge_under_load(load, course, sandbox):
 
 
 def main(count=NOTEBOOKS):
-    """Measure in a temporary course and return the exit status."""
+    """Measure the load of judging in a temporary course, and return the exit status."""
     with tempfile.TemporaryDirectory() as folder:
         return measure_loads(Course(Path(folder).resolve()), count)
 

@@ -19,11 +19,11 @@ ROUNDS = int(os.environ.get("ROUNDS", 9))
 # Seconds after which a slow implementation skips its remaining rounds.
 PATIENCE = float(os.environ.get("PATIENCE", 20))
 
-# Takes a cloud and returns a callable that does the work once and returns the answer.
+# A function that takes a cloud and returns a function that does the work and returns the answer.
 Implementation = Callable[[np.ndarray], Callable[[], np.ndarray]]
 
 
-class Missing(Exception):
+class MissingProgram(Exception):
     """An implementation cannot run here; `str()` says what is not installed."""
 
 
@@ -84,7 +84,7 @@ def race(
             work = implementation(cloud)
             answers[name] = work()  # imports, compiles and warms up
             ready[name] = work
-        except (ImportError, Missing) as reason:
+        except (ImportError, MissingProgram) as reason:
             print(f"  {name} is skipped: {reason}")
     seconds = {name: np.full(ROUNDS, np.nan) for name in ready}
     for number in range(ROUNDS if ready else 0):

@@ -79,7 +79,7 @@ class Moment:
 
     @property
     def is_braking(self) -> bool:
-        """Whether the planner brakes, rather than merely waiting or following."""
+        """Whether the planner brakes; False if the car only waits or follows."""
         return self.decision.cause is not None and self.decision.acceleration < -1.0
 
 

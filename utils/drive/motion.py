@@ -195,7 +195,7 @@ def _velocity(places: tuple[Place, ...]) -> tuple[float, float]:
 
 
 def _side_speeds(places: tuple[Place, ...]) -> tuple[float, float]:
-    """Return the sideways speeds of both sides, right and left, from first to last place."""
+    """Return the mean sideways speeds of the right and left sides over all places."""
     if len(places) < 2:
         return 0.0, 0.0
     (began, *_, right, left), (now, *_, right_now, left_now) = places[0], places[-1]

@@ -55,7 +55,7 @@ class Convex:
     offsets : ndarray, shape (p,)
         Signed distance of each face from the origin, in metres.
     corners : ndarray, shape (k, 3)
-        Vertices in metres, used to select the rays that may hit.
+        Vertices in metres, used to select the rays that may hit the shape.
     material : Material
     """
 
@@ -96,11 +96,11 @@ class Convex:
         return enter, leave, cosine
 
     def azimuths(self) -> tuple[float, float]:
-        """Return the first and last azimuth, in radians, of the rays that may hit."""
+        """Return the first and last azimuth, in radians, of rays that may hit the shape."""
         return polygon_azimuths(self.corners[:, :2].tolist())
 
     def elevations(self) -> tuple[float, float]:
-        """Return the lowest and highest elevation, in radians, of the rays that may hit."""
+        """Return the lowest and highest elevation, in radians, of rays that may hit the shape."""
         corners = self.corners.tolist()
         nearest = polygon_distance([(x, y) for x, y, _ in corners])
         farthest = max(math.hypot(x, y) for x, y, _ in corners)
@@ -145,11 +145,11 @@ class Cylinder:
         return np.maximum(side_in, cap_in), np.minimum(side_out, cap_out), cosine
 
     def azimuths(self) -> tuple[float, float]:
-        """Return the first and last azimuth, in radians, of the rays that may hit."""
+        """Return the first and last azimuth, in radians, of rays that may hit the shape."""
         return disc_azimuths(self.base, self.radius)
 
     def elevations(self) -> tuple[float, float]:
-        """Return the lowest and highest elevation, in radians, of the rays that may hit."""
+        """Return the lowest and highest elevation, in radians, of rays that may hit the shape."""
         x, y, z = self.base.tolist()
         reach = math.hypot(x, y)
         return elevation_limits(
@@ -179,11 +179,11 @@ class Sphere:
         return along - root, leave, root / self.radius
 
     def azimuths(self) -> tuple[float, float]:
-        """Return the first and last azimuth, in radians, of the rays that may hit."""
+        """Return the first and last azimuth, in radians, of rays that may hit the shape."""
         return disc_azimuths(self.centre, self.radius)
 
     def elevations(self) -> tuple[float, float]:
-        """Return the lowest and highest elevation, in radians, of the rays that may hit."""
+        """Return the lowest and highest elevation, in radians, of rays that may hit the shape."""
         x, y, z = self.centre.tolist()
         reach = math.hypot(x, y)
         return elevation_limits(

@@ -27,7 +27,7 @@ from utils.notebooks.reading import UnreadableNotebook
 
 
 @dataclass(frozen=True)
-class SameFile:
+class SameNotebook:
     """Students who submitted the same notebook.
 
     Attributes
@@ -78,7 +78,7 @@ class StageComparison:
         One comparison for each exercise with at least one answer.
     answers : dict of (str, str) to ComparedAnswer
         Answers by exercise and student.
-    same_files : tuple of SameFile
+    same_notebooks : tuple of SameNotebook
     problems : tuple of (str, str, str)
         Student, lesson, and the reason why something was not compared.
     """
@@ -90,7 +90,7 @@ class StageComparison:
     notebook_count: int
     comparisons: tuple[Comparison, ...]
     answers: Mapping[tuple[str, str], ComparedAnswer] = field(repr=False, hash=False)
-    same_files: tuple[SameFile, ...]
+    same_notebooks: tuple[SameNotebook, ...]
     problems: tuple[tuple[str, str, str], ...]
 
     @property
@@ -204,7 +204,7 @@ def compare_stage(
         len(read_notebooks),
         tuple(_comparisons(stage, answers, exempt)),
         answers,
-        tuple(_same_files(read_notebooks, exempt)),
+        tuple(_same_notebooks(read_notebooks, exempt)),
         tuple(problems),
     )
 
@@ -238,9 +238,9 @@ def _comparisons(
                 yield dataclasses.replace(compared, pairs=tuple(pairs))
 
 
-def _same_files(
+def _same_notebooks(
     read_notebooks: Iterable[_ReadNotebook], exempt: _ExemptStudents
-) -> Iterator[SameFile]:
+) -> Iterator[SameNotebook]:
     files: dict[tuple[str, str], list[str]] = {}
     sizes = {}
     for notebook in read_notebooks:
@@ -262,4 +262,4 @@ def _same_files(
         if len(students) > 1 and group not in reported and not exempt.belong_together(students):
             reported.add(group)
             own_cells, all_cells, same_bytes = sizes[key]
-            yield SameFile(key[0], tuple(students), same_bytes, own_cells, all_cells)
+            yield SameNotebook(key[0], tuple(students), same_bytes, own_cells, all_cells)

@@ -23,9 +23,8 @@ from grader.sandbox import Sandbox
 from grader.untrusted_text import one_line
 from utils.notebooks.reading import UnreadableNotebook
 
-PLACEHOLDER_STUDENT = (
-    "submission"  # placeholder for the student's ID, which the judge does not need
-)
+# Used instead of the student's ID, which the judge does not need.
+PLACEHOLDER_STUDENT = "submission"
 
 
 class JudgeFailed(Exception):

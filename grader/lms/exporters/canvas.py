@@ -24,9 +24,8 @@ from grader.lms.exporters.row_matching import PersonRow
 
 NAMES = (("Student",), ("LastName", "FirstName"))
 LAST_PEOPLE_COLUMN = "Section"  # the last column that identifies a student
-COMPUTED_COLUMN = re.compile(
-    "(Current|Final) (Score|Points|Grade)|Override (Score|Grade|Status)"  # never imported
-)
+# Canvas computes these columns and never imports them.
+COMPUTED_COLUMN = re.compile("(Current|Final) (Score|Points|Grade)|Override (Score|Grade|Status)")
 POINTS_POSSIBLE = "Points Possible"
 EXCUSED, NOT_ASSIGNED = "EX", "N/A"
 TEST_STUDENT = "Student, Test"

@@ -54,7 +54,7 @@ _statements: list[slicing.Statement] = []
 
 
 class _TooManySteps(BaseException):
-    """A case runs too many statements; few answers catch a `BaseException`."""
+    """A case runs too many statements. Few answers catch a `BaseException`, so it is one."""
 
 
 def read_answer(cells: list, exercise: str, given: list, others: list, unchanged: list) -> dict:

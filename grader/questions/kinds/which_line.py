@@ -72,7 +72,7 @@ def _with_symptom(behaviour: Behaviour, number: int, random: Random) -> Iterator
 
 
 def _spread(right: Edit, others: list[Edit], outcomes: dict[Edit, str], own: str) -> list[Edit]:
-    """Return wrong changes: in other lines and with other effects as far as possible."""
+    """Return wrong choices that differ in line and effect from all others, if there are enough."""
     wrong, lines, effects = [], {right.first}, {outcomes[right]}
     ranked = sorted(
         others, key=lambda edit: (same_answer(outcomes[edit], own), not is_value(outcomes[edit]))

@@ -53,7 +53,7 @@ def distinct_points(rng: np.random.Generator, n: int, k: int) -> np.ndarray:
 
 
 def diagonal_points(values: ArrayLike, k: int = 2) -> np.ndarray:
-    """Return points on the diagonal, so that the tree does not depend on the order of the axes.
+    """Return points on the diagonal, whose tree is the same for any order of the axes.
 
     Parameters
     ----------

