@@ -358,7 +358,7 @@ def test_messages_name_the_expected_labels_and_arrays():
         (lambda: CLOUD[:, :3] @ np.ones(4), "the same number of values"),
         (lambda: np.dot(CLOUD[:, :3], np.ones(4)), "the same number of values"),
         (lambda: len(filter_ground.__doc__), "return"),
-        (lambda: undefined_name, "spelt"),  # noqa: F821
+        (lambda: undefined_name, "run the cell"),  # noqa: F821
         (lambda: (CLOUD, CLOUD) < 0.5, "Unpack the pair"),
         (lambda: coo_array(([True], ([3], [0])), shape=(3, 3)), "count - 1"),
         (lambda: filter_ground(points=CLOUD), "another name"),

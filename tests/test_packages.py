@@ -157,7 +157,7 @@ def test_the_judge_names_the_missing_module_as_the_cause(source, tmp_path, sandb
     result = results["filter_ground"]
     assert result.score in (0, 6), "a call that can be deleted is one slip"
     assert "ModuleNotFoundError" in result.cause and ABSENT in result.cause
-    assert "Is it spelt" not in result.cause
+    assert "Check the spelling" not in result.cause
     assert any("no module named 'foreign_bars'" in problem for problem in verdict.problems)
 
 

@@ -199,7 +199,7 @@ def test_a_library_that_does_the_clustering_is_refused_in_lesson_05(way, sandbox
     assert "not allowed in this lesson" in output and "[passed]" not in output
     score, reasons = score_of(*LESSON_05, source, sandbox, tmp_path)
     assert score == 0 and "not allowed in this lesson" in reasons
-    assert "spelt" not in reasons, "a refused name is not a typing mistake"
+    assert "Check the spelling" not in reasons, "a refused name is not a typing mistake"
 
 
 @pytest.mark.slow

@@ -158,7 +158,7 @@ def test_a_named_mistake_that_explains_every_answer_is_one_slip(sandbox):
     lesson = find_lesson("01_point_clouds")
     _, exercises = judge_with(sandbox, lesson, drop_invalid=KEEPS_LOST)
     drop = exercises["drop_invalid"]
-    assert drop.cause.startswith("Returns at (0, 0, 0) are kept.")
+    assert drop.cause.startswith("The function keeps returns at (0, 0, 0).")
     assert drop.slip.cell == 0 and drop.score >= 3.0
     assert drop.slip.sentence.startswith("The mistake named above explains every wrong answer.")
     assert drop.slip.sentence in score_output(drop)["data"]["text/html"]

@@ -98,7 +98,7 @@ def promise_untouched(
     weight: float = 1,
 ) -> None:
     """Check that the function does not change the cloud."""
-    hint = "Return cloud[mask], which is already a new array. Do not assign into cloud."
+    hint = "Return cloud[mask], which is already a new array. Do not write into cloud."
     common_checks.promise_untouched(case, name, why=why, hint=hint, weight=weight)
 
 

@@ -81,7 +81,7 @@ def require_distances_at_all_heights(horizontal_distance: Callable) -> None:
     "horizontal_distance",
     weight=1,
     title="Measures the distance of points at the height of the sensor",
-    why="The car brakes for near points, so later lessons rely on these distances.",
+    why="A wrong distance makes the car brake too early or too late.",
     hint="Compute the square root of x² + y² for whole columns: x = cloud[:, 0], y = cloud[:, 1].",
 )
 def measures_distance(horizontal_distance: Callable) -> None:
@@ -106,7 +106,7 @@ def ignores_height(horizontal_distance: Callable) -> None:
     weight=1,
     title="Ignores the intensity of a point",
     why="A bright number plate is no farther away than the dark tyre below it.",
-    hint="Use only columns 0 and 1: the last column is not a length.",
+    hint="Use only columns 0 and 1, because the last column is not a length.",
 )
 def ignores_intensity(horizontal_distance: Callable) -> None:
     require_distances_at_sensor_height(horizontal_distance)
@@ -119,7 +119,7 @@ def ignores_intensity(horizontal_distance: Callable) -> None:
     "horizontal_distance",
     weight=1,
     title="Does not round the distances",
-    why="Rounding errors add up over the steps of a pipeline.",
+    why="Rounding errors add up when later steps use these distances.",
     hint="Return the distances unrounded. Round numbers only when you print them.",
 )
 def is_exact(horizontal_distance: Callable) -> None:
@@ -146,12 +146,12 @@ common_checks.promise_few_points(
     _STREET_CASE,
     "works_on_few_points",
     title="Works on a single point and on an empty cloud",
-    why="A filter may leave no points, and the program must not crash then.",
+    why="A filter may leave no points, and that must not crash the program.",
 )
 common_checks.promise_untouched(
     _STREET_CASE,
     "leaves_its_input",
-    why="The next step of the pipeline still needs the original cloud.",
+    why="The next step still needs the original cloud.",
     hint="Write x**2, which makes a new array. x **= 2 and x *= x change the cloud.",
 )
 
@@ -216,7 +216,7 @@ declare_mistakes(
         "x*2 is twice x. Write x**2 for the square of x.",
     ),
     Mistake(
-        "The function returns |x| + |y|, the distance along two sides of the triangle.",
+        "The function returns |x| + |y|, which is too large unless x or y is 0.",
         lambda right, cloud: np.sqrt(right**2 + 2 * np.abs(cloud[:, 0] * cloud[:, 1])),
         "Square x and y, add the squares and take the square root of the sum.",
         is_cheap=True,
@@ -241,22 +241,23 @@ declare_mistakes(
     Mistake(
         "The distances of points behind the sensor are negative.",
         lambda right, cloud: np.where(cloud[:, 0] < 0, -right, right),
-        "A distance is never negative.",
+        "Do not change the sign of the square root: a distance is never negative.",
     ),
     Mistake(
-        "cloud[0] and cloud[1] are the first two rows: two points, not the columns x and y.",
+        "cloud[0] and cloud[1] are the first two points, not the columns x and y.",
         lambda right, cloud: _lengths(cloud[:2].T),
-        "Write cloud[:, 0] for a column: all rows, column 0.",
+        "Write cloud[:, 0] for the x of every point: all rows, column 0.",
     ),
     Mistake(
-        "The function returns the lengths of the columns x and y, each computed over all points.",
+        "The function returns the lengths of the columns x and y. It should return one distance "
+        "per point.",
         lambda right, cloud: _lengths(cloud.T[:2]),
-        "axis=1 works along each row and gives one number per point.",
+        "Use axis=1, which works along each row and gives one number per point.",
     ),
     Mistake(
-        "The function returns the lengths of all columns, each computed over all points.",
+        "The function returns the lengths of all columns. It should return one distance per point.",
         lambda right, cloud: _lengths(cloud.T),
-        "axis=1 works along each row and gives one number per point. Use only the columns x and y.",
+        "Use axis=1, which works along each row. Use only the columns x and y.",
     ),
     Mistake(
         "The function sorts the distances. They must be in the order of the points.",
@@ -332,9 +333,8 @@ def require_lost_returns_dropped(drop_invalid: Callable) -> None:
     "drop_invalid",
     weight=4,
     title="Drops returns at (0, 0, 0)",
-    why="Lost returns look like an obstacle inside the sensor, so the car would never stop "
-    "braking.",
-    hint="Compare the coordinates with 0. A row is lost when all three are 0.",
+    why="Lost returns look like an obstacle at the sensor, so the car would never stop braking.",
+    hint="Compare cloud[:, :3] with 0. A return is lost if all three coordinates are 0.",
 )
 def drops_the_origin(drop_invalid: Callable) -> None:
     assert_drops_lost_rows(drop_invalid, _ORIGIN)
@@ -357,7 +357,7 @@ def drops_bright_returns(drop_invalid: Callable) -> None:
     "drop_invalid",
     weight=4,
     title="Drops rows in which any coordinate is NaN",
-    why="One NaN turns a mean, a box or a whole map into NaN.",
+    why="One NaN turns the mean of the whole cloud into NaN.",
     hint="Use np.isfinite, which is True for all three coordinates of a good row. NaN is not "
     "equal to anything, so a comparison with NaN does not find it.",
 )
@@ -369,7 +369,7 @@ def drops_nan(drop_invalid: Callable) -> None:
     "drop_invalid",
     weight=2,
     title="Drops rows in which any coordinate is infinite",
-    why="Some scanners report an infinite range if no echo came back, and one such row makes a "
+    why="Some scanners report an infinite range if no echo comes back, and one such row makes the "
     "mean infinite.",
     hint="Use np.isfinite, which is False for NaN and for both infinities. np.isnan finds only "
     "NaN.",
@@ -418,7 +418,8 @@ def keeps_points_with_a_zero(drop_invalid: Callable) -> None:
     weight=1,
     title="Keeps points that are very close to the sensor",
     why="The nearest real point is the one that the car must brake for.",
-    hint="Compare with 0, not with a small number: only exactly (0, 0, 0) is a lost return.",
+    hint="Compare with 0, not with a small number: only a row at exactly (0, 0, 0) is a lost "
+    "return.",
 )
 def keeps_near_points(drop_invalid: Callable) -> None:
     require_lost_returns_dropped(drop_invalid)
@@ -448,7 +449,8 @@ def allows_missing_intensity(drop_invalid: Callable) -> None:
     "drop_invalid",
     weight=5,
     title="Keeps the intensity of each point",
-    why="Intensity distinguishes a number plate from a bush, and later steps cannot restore it.",
+    why="The intensity distinguishes a number plate from a bush, and later steps cannot restore "
+    "it.",
     hint="Make the masks from cloud[:, :3] and index the whole cloud with them: cloud[mask].",
 )
 def keeps_the_intensity(drop_invalid: Callable) -> None:
@@ -459,9 +461,8 @@ def keeps_the_intensity(drop_invalid: Callable) -> None:
 @visible_check(
     "drop_invalid",
     weight=1,
-    title="Keeps the order of the good rows, including duplicates",
-    why="The true labels are in a separate array, in the order of the rows. If rows move, points "
-    "get the wrong labels.",
+    title="Keeps duplicates and the order of the good rows",
+    why="Other arrays, such as the true object of each return, are in the same order as the rows.",
     hint="Index with a mask, cloud[mask], which keeps the order and the duplicates. Do not sort "
     "the rows.",
 )
@@ -474,7 +475,7 @@ def keeps_the_order(drop_invalid: Callable) -> None:
 @visible_check(
     "drop_invalid",
     weight=1,
-    title="Works on three columns as well as on four",
+    title="Accepts three columns as well as four",
     why="Some recordings contain no intensity, and their lost returns must disappear too.",
     hint="Select the coordinates with cloud[:, :3], which works with and without an intensity. "
     "cloud[:, :-1] works only with one.",
@@ -518,7 +519,7 @@ common_row_checks.promise_untouched(
         require_lost_returns_dropped,
     ),
     "leaves_the_scan",
-    why="A broken beam shows only in its lost returns, so the original scan must stay complete.",
+    why="Lost returns can reveal a broken beam, so the original scan must keep them.",
 )
 
 
@@ -597,44 +598,45 @@ declare_mistakes(
         is_cheap=True,
     ),
     Mistake(
-        "Returns at (0, 0, 0) are kept.",
+        "The function keeps returns at (0, 0, 0).",
         lambda right, cloud: _rows_where(cloud, lambda xyz, _: all(map(_is_finite, xyz))),
-        "In a lost row, all three coordinates are 0. Find these rows with (... == 0).all(axis=1).",
+        "Drop the rows in which all three coordinates are 0. Find them with (... == "
+        "0).all(axis=1).",
     ),
     Mistake(
-        "Rows with non-finite coordinates are kept; only rows at (0, 0, 0) are dropped.",
+        "The function keeps rows with NaN or infinity and drops only rows at (0, 0, 0).",
         lambda right, cloud: _rows_where(cloud, lambda xyz, _: any(xyz)),
         "In a good row, all three coordinates are finite. Find these rows with "
         "np.isfinite(...).all(axis=1).",
     ),
     Mistake(
-        "Rows with an infinite coordinate are kept; rows with NaN are dropped.",
+        "The function drops rows with NaN but keeps rows with an infinite coordinate.",
         lambda right, cloud: _rows_where(
             cloud, lambda xyz, _: any(xyz) and not any(map(math.isnan, xyz))
         ),
         "Use np.isfinite, which is False for NaN and for both infinities.",
     ),
     Mistake(
-        "Rows with NaN are dropped, but rows with an infinite coordinate and rows at (0, 0, 0) "
-        "are kept.",
+        "The function drops rows with NaN but keeps rows with an infinite coordinate and rows at "
+        "(0, 0, 0).",
         lambda right, cloud: _rows_where(cloud, lambda xyz, _: not any(map(math.isnan, xyz))),
         "Use np.isfinite, which is False for NaN and for both infinities. Also drop the rows in "
         "which all three coordinates are 0.",
     ),
     Mistake(
-        "A row is dropped as soon as one of its coordinates is 0.",
+        "The function drops a row if any of its coordinates is 0.",
         lambda right, cloud: _rows_where(right, lambda xyz, _: all(xyz)),
         "Drop a row only if all three coordinates are 0.",
     ),
     Mistake(
-        "A row at (0, 0, 0) is dropped only if its intensity is also 0.",
+        "The function drops a row at (0, 0, 0) only if its intensity is also 0.",
         lambda right, cloud: _rows_where(
             cloud, lambda xyz, intensity: all(map(_is_finite, xyz)) and (any(xyz) or intensity != 0)
         ),
         "Compare cloud[:, :3] with 0, not the whole row.",
     ),
     Mistake(
-        "Good points are dropped because their intensity is not finite.",
+        "The function drops good points whose intensity is NaN or infinite.",
         lambda right, cloud: _rows_where(right, lambda xyz, intensity: _is_finite(intensity)),
         "Test only cloud[:, :3].",
     ),
@@ -649,12 +651,12 @@ declare_mistakes(
         "Test only cloud[:, :3].",
     ),
     Mistake(
-        "Good points are dropped because their coordinates add up to 0.",
+        "The function drops good points whose coordinates add up to 0.",
         lambda right, cloud: _rows_where(right, lambda xyz, _: sum(xyz) != 0),
         "Compare each of the three coordinates with 0.",
     ),
     Mistake(
-        "A row is dropped only if none of its three coordinates is finite.",
+        "The function drops a row with NaN or infinity only if none of its coordinates is finite.",
         lambda right, cloud: _rows_where(
             cloud, lambda xyz, _: any(map(_is_finite, xyz)) and any(xyz)
         ),
@@ -668,13 +670,12 @@ declare_mistakes(
         "~ inverts a mask: add the missing ~, or delete the extra one.",
     ),
     Mistake(
-        "A row with NaN is dropped only if all three coordinates are NaN; rows at (0, 0, 0) are "
-        "dropped correctly.",
+        "The function drops a row with NaN only if all three coordinates are NaN.",
         lambda right, cloud: _rows_where(
             cloud, lambda xyz, _: any(xyz) and not all(map(math.isnan, xyz))
         ),
-        "~ inverts everything after it, including `.all(axis=1)`. np.isfinite(xyz).all(axis=1) "
-        "works without ~.",
+        "~ inverts everything after it, including `.all(axis=1)`. Write "
+        "np.isfinite(xyz).all(axis=1) without ~.",
     ),
     Mistake(
         "The function keeps the returns at (0, 0, 0) and drops the points.",
@@ -690,7 +691,7 @@ declare_mistakes(
         "`cloud != nan` is True for every number, even for NaN. Indexing with a mask of the "
         "cloud's shape returns all numbers in one long row.",
         lambda right, cloud: cloud.reshape(-1),
-        "np.isfinite and .all(axis=1) make a mask with one entry per row.",
+        "Use np.isfinite and .all(axis=1), which make a mask with one entry per row.",
         is_cheap=True,
     ),
     *(
@@ -711,13 +712,13 @@ declare_mistakes(
     Mistake(
         "The mask is a single True or False for the whole cloud, because axis=1 is missing.",
         lambda right, cloud: cloud[None][: int(np.isfinite(cloud[:, :3]).all())],
-        ".all(axis=1) works along each row and gives one entry per row.",
+        "Write .all(axis=1), which works along each row and gives one entry per row.",
     ),
     Mistake(
-        "One non-finite row makes the function drop all rows: the mask of finite rows is a "
-        "single True or False for the whole cloud.",
+        "The function drops all rows if one of them has NaN or infinity: its mask of finite rows "
+        "is a single True or False.",
         lambda right, cloud: right[: len(right) * int(np.isfinite(cloud[:, :3]).all())],
-        ".all(axis=1) works along each row and gives one entry per row.",
+        "Write .all(axis=1), which works along each row and gives one entry per row.",
     ),
     cases=[(cloud,) for cloud in _SCANS.values()],
     right=lambda cloud: cloud[list(_GOOD_ROWS[len(cloud)])],

@@ -155,9 +155,8 @@ def passes_through_both(line_through: Callable) -> None:
     "line_through",
     weight=3,
     title="Returns a normal of length 1",
-    why="Only with a normal of length 1 is a x + b y + c a distance in metres.",
-    hint="Divide by np.hypot(dx, dy), the length of both the direction and the normal, before you "
-    "compute c.",
+    why="If the normal had length 5, all distances from the line would be five times too large.",
+    hint="Divide the normal by its length, np.hypot(dx, dy), before you compute c.",
 )
 def has_a_unit_normal(line_through: Callable) -> None:
     require_slanted_lines(line_through)
@@ -171,8 +170,8 @@ def has_a_unit_normal(line_through: Callable) -> None:
     title="Works for lines parallel to an axis",
     why="All points of a wall straight ahead have the same x, and the car is about to hit that "
     "wall.",
-    hint="Do not use the slope dy / dx, which is undefined if dx is 0. Do not return None only "
-    "because x or y is equal.",
+    hint="Do not use the slope dy / dx, which is undefined if dx is 0. Return None only if both x "
+    "and y are equal.",
 )
 def finds_axis_parallel_lines(line_through: Callable) -> None:
     require_slanted_lines(line_through)
@@ -230,7 +229,7 @@ _P, _Q = frozen((np.array(_PAIRS[0][0]), np.array(_PAIRS[0][1])))
 common_checks.promise_untouched(
     Case(__name__, "line_through", {"p": _P, "q": _Q}, None, as_line, require_slanted_lines),
     "leaves_the_points",
-    why="p and q are rows of the points, which the next round still needs.",
+    why="p and q may be rows of the scan, so changing them would move points of the wall.",
     hint="Write dx = q[0] - p[0], which changes nothing. q -= p changes q.",
 )
 
@@ -263,18 +262,18 @@ declare_mistakes(
     Mistake(
         "(a, b) is parallel to the line. It must be perpendicular to the line.",
         lambda right, p, q: np.array([right[1], -right[0], right[0] * p[1] - right[1] * p[0]]),
-        "The direction (dx, dy) has the normal (-dy, dx).",
+        "Use (-dy, dx), which is perpendicular to the direction (dx, dy).",
     ),
     Mistake(
         "(a, b) is (dy, dx): dx and dy are swapped, but no sign is changed. This mirrors the "
         "direction instead of turning it.",
         lambda right, p, q: np.array([-right[0], right[1], right[0] * p[0] - right[1] * p[1]]),
-        "If dx and dy both point from p to q, the normal is (-dy, dx).",
+        "Use (-dy, dx), and compute both dx and dy from p to q.",
     ),
     Mistake(
         "a and b are right, but c has the wrong sign.",
         lambda right, p, q: right * [1, 1, -1],
-        "p lies on the line, so a x + b y + c must be 0 for the x and y of p.",
+        "Choose c so that a x + b y + c is 0 at p.",
     ),
     Mistake(
         "a and b are divided by the length, but c is not.",
@@ -289,13 +288,13 @@ declare_mistakes(
     Mistake(
         "c is always 0, so the line passes through (0, 0) instead of the points.",
         lambda right, p, q: right * [1, 1, 0],
-        "Choose c so that p satisfies a x + b y + c = 0.",
+        "Choose c so that a x + b y + c is 0 at p.",
     ),
     Mistake(
         "The function returns the slope and the intercept of y = m x + q. It should return a, b "
         "and c.",
         lambda right, p, q: np.array([-right[0], -right[2]]) / right[1],
-        "The line is a x + b y + c = 0: return (a, b, c).",
+        "Return (a, b, c) of the line a x + b y + c = 0.",
     ),
     cases=[(np.array(p), np.array(q)) for p, q in _SECOND_POINTS.items()],
     right=lambda p, q: _LINES[tuple(p.tolist())],
@@ -420,8 +419,9 @@ def adds_c(point_line_distance: Callable) -> None:
     "point_line_distance",
     weight=7,
     title="Works on both sides of lines that do not pass through (0, 0)",
-    why="Nearly every wall misses the scanner and has noisy points on both sides.",
-    hint="Compute the whole sum including c, then take its absolute value.",
+    why="A wall hardly ever passes through the scanner, and its points are on both sides of the "
+    "line.",
+    hint="Compute the whole sum including c, then take np.abs of it.",
 )
 def measures_on_both_sides_of_any_line(point_line_distance: Callable) -> None:
     with precondition("c is added and no distance is negative"):
@@ -478,7 +478,7 @@ common_checks.promise_few_points(
     _PLAIN_CASE,
     "works_on_few_points",
     title="Works on a single point and on an empty array",
-    why="A slice of the street may be empty, and that must not crash the program.",
+    why="An empty street gives no points, and that must not crash the program.",
 )
 
 
@@ -540,7 +540,7 @@ declare_mistakes(
         lambda right, points, line: np.abs(_signed_distances(points) - line[2]),
     ),
     Mistake(
-        "c has the wrong sign: the line is a x + b y + c = 0.",
+        "c has the wrong sign: it must be added to a x + b y.",
         lambda right, points, line: np.abs(_signed_distances(points) - 2 * line[2]),
     ),
     Mistake(
@@ -557,7 +557,7 @@ declare_mistakes(
     Mistake(
         "The function returns squared distances.",
         lambda right, points, line: right**2,
-        "Use np.abs instead of the square: the result stays in metres.",
+        "Use np.abs instead of the square, so that the result stays in metres.",
     ),
     Mistake(
         "The function measures the distances along y, not perpendicular to the line.",
@@ -796,10 +796,14 @@ def assert_finds_line(
         observation, hint = _explain_runs(answers, ransac_line, runs, max_iterations, tolerance)
         raise CheckFailed(
             f"The line was found in {found} of {len(runs)} runs."
-            + (f" In {n_without_line} of these runs the answer was None." if n_without_line else "")
+            + (
+                f" In {n_without_line} of the {len(runs)} runs, the answer was None."
+                if n_without_line
+                else ""
+            )
             + observation,
             yours=f"found in {found} of {len(runs)} runs",
-            expected=f"nearly all runs, with {max_iterations} rounds",
+            expected=f"found in nearly all runs, with {max_iterations} rounds",
             hint=hint,
             draw=lambda: utils.plots.line_model(
                 *missed[0], tolerance, title="a run that missed the line"
@@ -894,8 +898,7 @@ def require_line_among_outliers(ransac_line: Callable) -> None:
     "ransac_line",
     weight=5,
     title="Finds the line among outliers",
-    why="Most of a scan is not the wall: RANSAC must find the wall behind a crowd and, in lesson "
-    "03, the road.",
+    why="Even if people stand in front of a wall, the car must know where the wall is.",
     hint="After each round, compare the number of inliers with the number in the best mask so "
     "far. If it is larger, replace both line and mask.",
 )
@@ -920,7 +923,7 @@ common_checks.promise_untouched(
     _RANSAC_CASE,
     "leaves_its_input",
     why="The next search needs the original points.",
-    hint="Draw row numbers instead of shuffling the points.",
+    hint="Draw row numbers with rng.choice instead of shuffling the points.",
 )
 
 
@@ -928,7 +931,8 @@ common_checks.promise_untouched(
     "ransac_line",
     weight=6,
     title="Returns the mask that belongs to the line, for any threshold",
-    why="The map may use the inliers and the steering the line, so both must show the same wall.",
+    why="If the line and the mask come from different samples, later cells remove the wrong "
+    "points.",
     hint="Replace line and mask together. Compare distances in metres with distance_tolerance, and "
     "do not square them.",
 )
@@ -944,8 +948,8 @@ def mask_belongs_to_line(ransac_line: Callable) -> None:
 @note_check(
     "ransac_line",
     title="Counts a point at exactly distance_tolerance as an inlier",
-    why="In the docstring, distance_tolerance is the largest distance of an inlier: write <=. "
-    "Measured points are hardly ever at exactly that distance, so this costs no points.",
+    why="In the docstring, distance_tolerance is the largest distance of an inlier, so write <=. "
+    "Measured points are hardly ever at exactly that distance, so this does not affect your score.",
 )
 def includes_the_threshold(ransac_line: Callable) -> None:
     require_line_among_outliers(ransac_line)
@@ -1014,10 +1018,7 @@ def assert_no_round_is_missing(ransac_line: Callable) -> None:
         return
     second_round_note = fixed(" With max_iterations=2 a line is found, so one round is missing.")
     raise CheckFailed(
-        fixed(
-            "All ten points lie on one line, but with max_iterations=1 no line is found with "
-            "any seed."
-        )
+        fixed("All ten points lie on one line, but a run with max_iterations=1 never finds a line.")
         + (second_round_note if runs_with_line(2) else ""),
         yours="no line in 12 of 12 runs",
         expected="a line in every run",
@@ -1030,8 +1031,7 @@ def assert_no_round_is_missing(ransac_line: Callable) -> None:
     "ransac_line",
     weight=1,
     title="Draws no more samples than max_iterations allows",
-    why="The caller limits the time of the search with max_iterations, because the next scan "
-    "follows in a tenth of a second.",
+    why="Each round takes time, and the next scan arrives in a tenth of a second.",
     hint="Loop over range(max_iterations) and draw one sample of two points in each round.",
 )
 def draws_no_more_samples(ransac_line: Callable) -> None:
@@ -1047,7 +1047,7 @@ def draws_no_more_samples(ransac_line: Callable) -> None:
                 "hardly ever finds it. The function draws more samples than max_iterations allows."
             ),
             yours=f"found in {found} of 48 runs",
-            expected="in about 2 of 48 runs",
+            expected="found in about 2 of 48 runs",
         )
 
 
@@ -1154,8 +1154,7 @@ def finds_axis_parallel_lines_among_outliers(ransac_line: Callable) -> None:
     weight=2,
     title="Returns the same answer for the same seed",
     why="To debug a run that went wrong, you must be able to repeat it.",
-    hint="Draw with the rng from the first line of the function, not with np.random or the "
-    "module random.",
+    hint="Draw with rng.choice, never with np.random.choice or the module random.",
 )
 def repeats_with_the_same_seed(ransac_line: Callable) -> None:
     require_line_among_outliers(ransac_line)
@@ -1200,7 +1199,7 @@ def _line_text(line: np.ndarray | None) -> str:
     weight=2,
     title="Draws different samples for different seeds",
     why="If a run misses the wall, a run with another seed may find it.",
-    hint="Draw all samples with rng = np.random.default_rng(rng), never with a fixed seed.",
+    hint="Begin with rng = np.random.default_rng(rng), and never use a fixed seed.",
 )
 def differs_with_other_seeds(ransac_line: Callable) -> None:
     require_line_among_outliers(ransac_line)
@@ -1225,8 +1224,8 @@ def differs_with_other_seeds(ransac_line: Callable) -> None:
     "ransac_line",
     weight=2,
     title="Continues after a sample of equal points",
-    why="Recordings contain some points twice, or a thousand times if a beam is blocked, and the "
-    "search must go on after such a sample.",
+    why="Equal points are common in recordings, and a sample of two of them must not end the "
+    "search.",
     hint="If line_through returns None, write `continue`, which goes on with the next round. "
     "`break` ends the search.",
 )
@@ -1274,8 +1273,8 @@ def returns_for_equal_points(ransac_line: Callable) -> None:
     "ransac_line",
     weight=1,
     title="Works on two points and returns (None, all False) for fewer",
-    why="A slice of the street may be empty, and that must not crash the program.",
-    hint="Test len(points) < 2 before the loop.",
+    why="An empty street gives no points, and that must not crash the program.",
+    hint="If len(points) < 2, return None and np.zeros(len(points), dtype=bool) before the loop.",
 )
 def returns_for_too_few_points(ransac_line: Callable) -> None:
     require_line_among_outliers(ransac_line)
@@ -1319,8 +1318,8 @@ def assert_nothing_found(answer: object, n: int) -> None:
     weight=2,
     title="Accepts an integer seed as rng",
     why="A seed can be written to a log file; a generator cannot.",
-    hint="Begin with rng = np.random.default_rng(rng): it makes a generator from a whole number "
-    "and returns a generator unchanged.",
+    hint="Begin with rng = np.random.default_rng(rng), which accepts a whole number or a "
+    "generator.",
 )
 def takes_a_seed(ransac_line: Callable) -> None:
     require_line_among_outliers(ransac_line)
@@ -1353,8 +1352,8 @@ common_checks.promise_names(
 @note_check(
     "ransac_line",
     title="Returns a mask of True and False",
-    why="The last cells use points[mask] and invert the mask with ~. With the numbers 0 and 1, "
-    "both select the wrong points.",
+    why="Later cells use points[mask] and points[~mask]. With the numbers 0 and 1, both select the "
+    "wrong points.",
 )
 def has_a_mask_of_booleans(ransac_line: Callable) -> None:
     points, _ = _CLOUDS[0]

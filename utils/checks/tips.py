@@ -27,21 +27,22 @@ _TIPS = (
         "NameError",
         r"name '(\w+)' is not defined",
         "",
-        "Python does not know this name. Is it spelt as it was when you defined it, and did you "
-        "run that cell? Inside a function, use its parameters.",
+        "Python does not know this name. Check the spelling, and run the cell that defines it. "
+        "Inside a function, use its parameters.",
     ),
     (
         "TypeError",
         r"unexpected keyword argument",
         "",
-        "The call uses another name for a parameter than the function does. Check the spelling, "
-        "and keep the first line of each exercise as it was given.",
+        "The function has another name for a parameter of this call. Check the spelling, and keep "
+        "the first line of each exercise as it was given.",
     ),
     (
         "TypeError",
         r"missing \d+ required positional|takes (from )?\d+ .*positional",
         r"\(\*",
-        "The star passes one argument for each row. Pass as many rows as the function takes.",
+        "The star passes one argument for each row. Pass as many rows as the function has "
+        "parameters.",
     ),
     (
         "TypeError",
@@ -62,14 +63,14 @@ _TIPS = (
         r"cannot unpack non-iterable NoneType",
         "",
         "The right-hand side is None, which cannot be unpacked. A function returns None if it ends "
-        "without `return`. Some return None on purpose, so check for None first.",
+        "without `return`. Some functions return None on purpose, so check for None first.",
     ),
     (
         "AttributeError|TypeError",
         r"'?NoneType'?",
         "",
-        "Something in this line is None: the result of a function without `return`, or a missing "
-        "node, such as the child of a leaf. Check for None before you use it.",
+        "Something in this line is None: the result of a function without `return`, or a line, "
+        "plane or node that does not exist. Check for None before you use it.",
     ),
     (
         "TypeError",
@@ -115,9 +116,9 @@ _TIPS = (
         "ValueError",
         r"truth value of an array",
         "",
-        "Python's if, while, and, or, not need a single True or False, but this array has one for "
-        "each element. Combine masks with & and |, each side in parentheses, and invert a mask "
-        "with ~. To get a single True or False, use .any() or .all().",
+        "Python's `if`, `while`, `and`, `or` and `not` need a single True or False, but this array "
+        "has one for each element. Combine masks with & and |, each side in parentheses, and "
+        "invert a mask with ~. To get a single True or False, use .any() or .all().",
     ),
     (
         "TypeError",
@@ -268,8 +269,8 @@ _TIPS = (
         r"\(size (3 is different from 4|4 is different from 3)\)|"
         r"not aligned: (3 \(dim \d\) != 4|4 \(dim \d\) != 3)",
         "",
-        "A product needs the same number of values on both sides: cloud[:, :3] or point[:3], and "
-        "the first three numbers of a plane.",
+        "A product needs the same number of values on both sides. Use cloud[:, :3] or point[:3] "
+        "with the first three numbers of a plane.",
     ),
     (
         "ValueError",
@@ -292,7 +293,7 @@ _TIPS = (
         r"empty iterable",
         "",
         "This line takes the minimum or maximum of an empty array, or stacks an empty list. A "
-        "cloud can be empty, and a label that does not occur has no rows.",
+        "cloud or a group of points can be empty, so handle that case first.",
     ),
     (
         "ValueError",
@@ -367,7 +368,7 @@ _TIPS = (
         "TypeError",
         r"'[<>]=?' not supported between instances of .*'tuple'",
         "",
-        "A function that returns two values returns a pair. Unpack the pair with one, other = "
+        "A function that returns two values returns a pair. Unpack the pair with first, second = "
         "f(...), or take only the first value with f(...)[0].",
     ),
     (

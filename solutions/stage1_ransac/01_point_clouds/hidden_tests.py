@@ -54,8 +54,7 @@ def test_measures_a_fresh_street(student, seed):
     "horizontal_distance",
     weight=2,
     title="Returns the same distances if the street is rotated, mirrored or lifted",
-    hint="Use only the squares of x and y, which do not depend on the direction, the signs or the "
-    "height.",
+    hint="Use only x² + y², which stays the same if the street is rotated, mirrored or lifted.",
 )
 def test_distances_do_not_depend_on_direction_or_height(student, seed):
     rng = np.random.default_rng(seed)
@@ -72,7 +71,7 @@ def test_distances_do_not_depend_on_direction_or_height(student, seed):
 @hidden(
     "horizontal_distance",
     weight=1,
-    title="Works on clouds of three columns and of few points",
+    title="Works on three columns and on few points",
     hint="Compute with whole columns, such as cloud[:, 0], for any number of points.",
 )
 def test_measures_three_columns_and_few_points(student, seed):
@@ -138,8 +137,7 @@ def insert_lost_returns(cloud, seed, share=0.2):
     "drop_invalid",
     weight=3,
     title="Cleans the course's scan, with and without lost returns",
-    hint="Break the scan as the notebook does: drop_invalid must make the tall bar at 0 m "
-    "disappear.",
+    hint="Damage the scan as the notebook does: drop_invalid must remove the bar at 0 m.",
 )
 def test_cleans_the_course_cloud(student, seed):
     require_lost_returns_dropped(student.drop_invalid)
@@ -151,7 +149,7 @@ def test_cleans_the_course_cloud(student, seed):
 @hidden(
     "drop_invalid",
     weight=2,
-    title="Cleans a street you have not seen",
+    title="Cleans the scan of a street you have not seen",
     hint="Keep the rows in which all three coordinates are finite and at least one is not 0.",
 )
 def test_cleans_a_fresh_street(student, seed):
@@ -163,7 +161,7 @@ def test_cleans_a_fresh_street(student, seed):
 @hidden(
     "drop_invalid",
     weight=3,
-    title="Drops returns at (0, 0, 0) that have an intensity",
+    title="Drops returns at (0, 0, 0) whose intensity is above 0",
     hint="Compare the three coordinates with 0, not the whole row.",
 )
 def test_drops_bright_returns(student, seed):
@@ -234,8 +232,8 @@ def test_cleans_three_columns(student, seed):
 @hidden(
     "drop_invalid",
     weight=2,
-    title="Keeps whole rows in their order, also in single precision",
-    hint="Keep all columns and the order of the rows.",
+    title="Keeps whole rows and their order, even in single precision",
+    hint="Index the whole cloud with the mask, cloud[mask], which keeps all columns and the order.",
 )
 def test_keeps_order_and_columns(student, seed):
     cloud = insert_lost_returns(samples.patch_of_course_cloud(seed, 300), seed)

@@ -297,8 +297,8 @@ def assert_mostly_found(student, clouds, max_iterations, tolerance, needed):
 @hidden(
     "ransac_line",
     weight=5,
-    title="Finds lines that you have not seen, with half of the points on them",
-    hint="Keep the line that has the most inliers in all rounds.",
+    title="Finds a line among as many outliers as inliers",
+    hint="Keep the line with the most inliers of all rounds.",
 )
 def test_finds_fresh_lines(student, seed):
     clouds = [wall_and_clutter((seed, run), 25, 25)[0] for run in range(12)]
@@ -340,7 +340,7 @@ def test_mask_belongs_to_line(student, seed):
 @hidden(
     "ransac_line",
     weight=3,
-    title="Finds a line among three times as many outliers",
+    title="Finds a line among three times as many outliers as inliers",
     hint="Loop with `for _ in range(max_iterations)`, and draw a new sample in each round.",
 )
 def test_finds_lines_among_many_outliers(student, seed):
@@ -417,7 +417,7 @@ def test_draws_two_of_three_points(student, seed):
 @hidden(
     "ransac_line",
     weight=1,
-    title="Draws exactly one sample in each iteration",
+    title="Draws exactly max_iterations samples",
     hint="Draw one sample in each round of `for _ in range(max_iterations)`.",
 )
 def test_one_iteration_is_one_sample(student, seed):

@@ -128,7 +128,7 @@ def goes_through_the_mean(fit_plane: Callable) -> None:
     "fit_plane",
     weight=1,
     title="Returns a normal of length 1",
-    why="Only with a normal of length 1 are distances from the plane in metres.",
+    why="If the normal had length 5, all distances from the plane would be five times too large.",
     hint="Return a row of the SVD's third result, which already has length 1. Divide any other "
     "normal and its d by the length.",
 )
@@ -142,7 +142,7 @@ def fit_has_a_unit_normal(fit_plane: Callable) -> None:
     "fit_plane",
     weight=4,
     title="Fits a wall as well as a road",
-    why="z = a x + b y + c cannot describe a wall, but you will also fit planes to walls.",
+    why="A wall is also a plane, but z = α x + β y + γ cannot describe it.",
     hint="Do not solve for z. The SVD treats all three directions alike.",
 )
 def fits_a_wall(fit_plane: Callable) -> None:
@@ -200,9 +200,9 @@ def fits_three_points(fit_plane: Callable) -> None:
 @visible_check(
     "fit_plane",
     weight=2,
-    title="Works on thousands of points without a table of all their pairs",
-    why="A road has thousands of points. A table of all their pairs takes a second, and the table "
-    "of a whole scan does not fit into memory.",
+    title="Works on thousands of points without an n × n matrix",
+    why="A road has thousands of points, and for 50,000 points, an n × n matrix needs 20 "
+    "gigabytes.",
     hint="Use np.linalg.svd(..., full_matrices=False). Without it, the first result has a row "
     "and a column for each point.",
 )
@@ -267,7 +267,7 @@ common_checks.promise_names(
     ),
     "keeps_points",
     title="Keeps the name of its parameter, points",
-    why="Other code may call fit_plane(points=...), as the docstring suggests.",
+    why="Other code may pass the argument by name, as in fit_plane(points=...).",
 )
 
 
@@ -311,11 +311,12 @@ declare_mistakes(
         "Take the last row, [-1], not the last column, [:, -1].",
     ),
     Mistake(
-        "The sign of d is wrong: a x + b y + c z + d must be 0 at the mean.",
+        "a, b and c are right, but d has the wrong sign.",
         lambda right, points: right * [1, 1, 1, -1],
+        "Compute d = -(normal @ centre), where centre is the mean of the points.",
     ),
     Mistake(
-        "d is 0, so the plane passes through the sensor instead of the points.",
+        "d is always 0, so the plane passes through the sensor instead of the points.",
         lambda right, points: right * [1, 1, 1, 0],
         "Compute d = -(normal @ centre), where centre is the mean of the points.",
     ),

@@ -115,8 +115,7 @@ def require_decreasing_numbers(iterations_needed: Callable) -> None:
     weight=3,
     title="Finds the number of samples for a plane, to within one",
     why="With too few rounds, RANSAC misses the road; with too many, its result comes too late.",
-    hint="Solve 1 - (1 - w^s)^N >= confidence for N: the solution is a quotient of two calls of "
-    "math.log.",
+    hint="Divide math.log(1 - confidence) by math.log(1 - inlier_ratio ** sample_size).",
 )
 def computes_the_number(iterations_needed: Callable) -> None:
     for ratio, expected in ((0.6, 19), (0.3, 169), (0.2, 574), (0.7, 11), (0.01, 4605168)):
@@ -129,7 +128,7 @@ def computes_the_number(iterations_needed: Callable) -> None:
     weight=2,
     title="Returns the smallest whole number that reaches the confidence",
     why="With one sample too few, RANSAC succeeds less often than the confidence promises.",
-    hint="math.ceil rounds up to a whole number.",
+    hint="Use math.ceil, which rounds up to a whole number.",
 )
 def rounds_up(iterations_needed: Callable) -> None:
     require_plain_cases(iterations_needed)
@@ -143,7 +142,7 @@ def rounds_up(iterations_needed: Callable) -> None:
     title="Works for any sample_size",
     why="A sample for a line has two points and a sample for a plane three, so a plane needs more "
     "samples.",
-    hint="Write w ** sample_size, because s is sample_size.",
+    hint="Write inlier_ratio ** sample_size.",
 )
 def uses_the_sample_size(iterations_needed: Callable) -> None:
     require_plain_cases(iterations_needed)
@@ -191,7 +190,8 @@ def returns_one_without_outliers(iterations_needed: Callable) -> None:
     "iterations_needed",
     weight=2,
     title="Returns infinity if there are no inliers",
-    why="Without inliers no search can succeed, but an answer of 0 would mean that none is needed.",
+    why="Without inliers no search can succeed, but an answer of 0 would mean that no round is "
+    "needed.",
     hint="Return math.inf if inlier_ratio is 0, because the formula would divide by log(1) = 0.",
 )
 def returns_infinity_without_inliers(iterations_needed: Callable) -> None:
@@ -215,7 +215,8 @@ common_checks.promise_names(
         precondition=require_plain_cases,
     ),
     "keeps_the_names_of_the_parameters",
-    why="Other code may call iterations_needed(inlier_ratio=..., ...), as the docstring suggests.",
+    why="Other code may call iterations_needed(inlier_ratio=0.6, sample_size=3, confidence=0.99), "
+    "because the names explain the numbers.",
 )
 
 
@@ -245,7 +246,7 @@ declare_mistakes(
     Mistake(
         "The function rounds the number down, so it is too small to reach the confidence.",
         lambda right, *case: right - 1,
-        "math.ceil rounds up; int(...) and // round down.",
+        "Use math.ceil, which rounds up. int(...) and // round down.",
     ),
     Mistake(
         "The exponent is missing: w is the chance that one point is good, and w^s is the chance "
@@ -256,18 +257,18 @@ declare_mistakes(
         "w is multiplied by s instead of raised to the power s: w^s is the chance that all s "
         "points are good.",
         lambda right, ratio, size, confidence: iterations_by_counting(ratio * size, 1, confidence),
-        "Write w ** sample_size with two asterisks. w * sample_size may be above 1, which is "
-        "not a probability.",
+        "Write inlier_ratio ** sample_size with two asterisks. inlier_ratio * sample_size may be "
+        "above 1, which is not a probability.",
     ),
     Mistake(
         "The exponent is always 3. It should be sample_size.",
         lambda right, ratio, size, confidence: iterations_by_counting(ratio, 3, confidence),
-        "Write w ** sample_size.",
+        "Write inlier_ratio ** sample_size.",
     ),
     Mistake(
         "The exponent is always 2. It should be sample_size.",
         lambda right, ratio, size, confidence: iterations_by_counting(ratio, 2, confidence),
-        "Write w ** sample_size.",
+        "Write inlier_ratio ** sample_size.",
     ),
     Mistake(
         "Inliers and outliers are swapped: use w instead of 1 - w.",

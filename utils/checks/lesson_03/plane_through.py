@@ -178,8 +178,7 @@ def contains_its_points(plane_through: Callable) -> None:
     "plane_through",
     weight=5,
     title="Returns a normal of length 1",
-    why="Only with a normal of length 1 is a x + b y + c z + d a distance in metres, so that 0.2 "
-    "means 20 cm.",
+    why="If the normal had length 5, all distances from the plane would be five times too large.",
     hint="Divide the cross product by its length, np.linalg.norm(...), then compute d.",
 )
 def has_a_unit_normal(plane_through: Callable) -> None:
@@ -192,9 +191,8 @@ def has_a_unit_normal(plane_through: Callable) -> None:
     "plane_through",
     weight=4,
     title="Returns None for points on one line",
-    why="Three points on one line do not define a plane, and 0 / 0 would make all distances NaN. "
-    "With ten scans a second, even rare cases occur.",
-    hint="When the cross product has length 0, return None before dividing by it.",
+    why="Points on one line do not define a plane, and 0 / 0 would make all distances NaN.",
+    hint="If the cross product has length 0, return None before you divide by this length.",
 )
 def returns_none_for_a_line(plane_through: Callable) -> None:
     require_planes(plane_through)
@@ -225,7 +223,8 @@ def allows_for_rounding_errors(plane_through: Callable) -> None:
     "plane_through",
     weight=2,
     title="Finds the plane of a small triangle",
-    why="Neighbouring returns are centimetres apart: their cross product is short but not 0.",
+    why="Neighbouring returns are only centimetres apart, so their cross product is short but not "
+    "0.",
     hint="Return None only if the length is practically 0, for example below 1e-9.",
 )
 def finds_small_triangles(plane_through: Callable) -> None:
@@ -254,15 +253,14 @@ _SLOPE_CASE = Case(
 common_checks.promise_untouched(
     _SLOPE_CASE,
     "leaves_its_points",
-    title="Leaves its points untouched",
-    why="The three points belong to the cloud: if you move one, it is wrong in all later rounds.",
+    why="p, q and r may be rows of the scan, so changing them would move points of the road.",
     hint="Store q - p and r - p in new variables; q -= p would move q.",
 )
 common_checks.promise_names(
     _SLOPE_CASE,
     "keeps_p_q_r",
     title="Keeps the names of its parameters: p, q and r",
-    why="Other code may call plane_through(p=..., q=..., r=...), as the docstring suggests.",
+    why="Other code may pass arguments by name, as in plane_through(p=..., q=..., r=...).",
 )
 
 
@@ -275,9 +273,9 @@ def _cross_length(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> float:
 declare_mistakes(
     "plane_through",
     Mistake(
-        "The sign of d is wrong: a x + b y + c z + d must be 0 at the points, so d is minus a x "
-        "+ b y + c z at p.",
+        "a, b and c are right, but d has the wrong sign.",
         lambda right, *points: right * [1, 1, 1, -1],
+        "Choose d so that a x + b y + c z + d is 0 at p.",
     ),
     Mistake(
         "d is computed before the normal is divided by its length, so the four numbers do not "
@@ -291,19 +289,19 @@ declare_mistakes(
         "Divide it by its length, np.linalg.norm(...), then compute d.",
     ),
     Mistake(
-        "The cross product is computed from the points p and q themselves, so it belongs to the "
-        "plane through p, q and the sensor.",
+        "The cross product is computed from the points p and q themselves. It must be computed "
+        "from two sides of the triangle.",
         lambda right, p, q, r: best_plane(np.array([0 * p, p, q]))[0],
-        "Use the sides of the triangle, q - p and r - p. They lie in the plane; p and q do not.",
+        "Compute np.cross(q - p, r - p).",
     ),
     *(
         Mistake(
-            f"The cross product is computed from the points {names} themselves, not from sides.",
+            f"The cross product is computed from the points {names} themselves. It must be "
+            "computed from two sides of the triangle.",
             lambda right, *points, pair=pair: plane_through_point(
                 points[0], best_plane(np.array([0 * points[0], *(points[k] for k in pair)]))[0][:3]
             ),
-            "Use the sides of the triangle, q - p and r - p. They lie in the plane; the points as "
-            "vectors do not.",
+            "Compute np.cross(q - p, r - p).",
         )
         for names, pair in (("q and r", (1, 2)), ("p and r", (0, 2)))
     ),
@@ -312,7 +310,7 @@ declare_mistakes(
         lambda right, p, q, r: plane_through_point(
             p, best_plane(np.array([0 * p, q - p, r]))[0][:3]
         ),
-        "Both sides start at p: q - p and r - p.",
+        "Subtract p from both: q - p and r - p.",
     ),
     Mistake(
         "d is always 0, so the plane passes through the sensor instead of the points.",

@@ -142,8 +142,8 @@ def _assert_plain(point_plane_distance: Callable) -> None:
     "point_plane_distance",
     weight=4,
     title="Measures distances from planes through the sensor",
-    why="If the distances are wrong by a factor of 4, a threshold of 20 cm acts like one of 5 "
-    "cm or 80 cm.",
+    why="RANSAC compares these distances with its threshold, so a wrong distance adds a point to "
+    "the road or removes it.",
     hint="Compute a x + b y + c z for every point: multiply x by a, y by b and z by c.",
 )
 def measures_distances(point_plane_distance: Callable) -> None:
@@ -186,8 +186,8 @@ def returns_no_negative_distances(point_plane_distance: Callable) -> None:
 @visible_check(
     "point_plane_distance",
     weight=18,
-    title="Takes the absolute value of the whole sum, including d",
-    why="The road is below the sensor, so a x + b y + c z and d have opposite signs there.",
+    title="Works on both sides of planes that do not pass through the sensor",
+    why="A road never passes through the sensor, and its points are on both sides of the plane.",
     hint="Compute the whole sum including d, then take np.abs of it.",
 )
 def takes_abs_last(point_plane_distance: Callable) -> None:
@@ -219,7 +219,7 @@ def ignores_intensity(point_plane_distance: Callable) -> None:
     weight=2,
     title="Accepts the plane as a tuple",
     why="Your plane_through may return a tuple, and ransac_plane passes it on.",
-    hint="You cannot calculate with a whole tuple: unpack its numbers, or use np.asarray(plane).",
+    hint="Unpack it with a, b, c, d = plane, or convert it with np.asarray(plane).",
 )
 def accepts_a_tuple(point_plane_distance: Callable) -> None:
     require_plain_distances(point_plane_distance)
@@ -231,8 +231,9 @@ def accepts_a_tuple(point_plane_distance: Callable) -> None:
     "point_plane_distance",
     weight=1,
     title="Works on a single point and on an empty array",
-    why="Earlier filters may leave one point or none, and that must not crash the program.",
-    hint="points[:, :3] @ normal gives one number per row, however many rows there are.",
+    why="A filter may leave one point or none, and that must not crash the program.",
+    hint="Compute points[:, :3] @ normal, which gives one number per row, however many rows there "
+    "are.",
 )
 def works_on_few_points(point_plane_distance: Callable) -> None:
     require_plain_distances(point_plane_distance)
@@ -244,7 +245,7 @@ def works_on_few_points(point_plane_distance: Callable) -> None:
 @visible_check(
     "point_plane_distance",
     weight=1,
-    title="Leaves points and plane untouched",
+    title="Leaves its input untouched",
     why="The next round of RANSAC needs the original points.",
     hint="Build a new array with points[:, :3] @ normal; points *= normal would change the points.",
 )
@@ -264,8 +265,7 @@ common_checks.promise_names(
     ),
     "keeps_points_and_plane",
     title="Keeps the names of its parameters: points and plane",
-    why="Other code may call point_plane_distance(points=..., plane=...), as the docstring "
-    "suggests.",
+    why="Other code may pass arguments by name, as in point_plane_distance(points=..., plane=...).",
 )
 
 
@@ -289,18 +289,18 @@ def _absolute_terms(points: np.ndarray, plane: ArrayLike) -> np.ndarray:
 declare_mistakes(
     "point_plane_distance",
     Mistake(
-        "The absolute value is missing: distances behind the plane are negative.",
+        "Distances on one side of the plane are negative: the absolute value is missing.",
         lambda right, points, plane: _signed_distances(points, plane),
         "Take np.abs of the whole sum.",
     ),
     Mistake(
-        "d is missing: the function measures the distances from the parallel plane through the "
-        "sensor.",
+        "The function measures the distances from the parallel plane through the sensor: d is "
+        "missing.",
         lambda right, points, plane: exact_distances(points, [*plane[:3], 0]),
         "Add d, the last number of the plane, to a x + b y + c z.",
     ),
     Mistake(
-        "d is subtracted; it must be added.",
+        "d has the wrong sign: it must be added to a x + b y + c z.",
         lambda right, points, plane: exact_distances(points, [*plane[:3], -plane[3]]),
     ),
     Mistake(
@@ -324,9 +324,9 @@ declare_mistakes(
         "Compute the whole sum including d, then take np.abs of it.",
     ),
     Mistake(
-        "These are the squares of the distances.",
+        "The function returns squared distances.",
         lambda right, points, plane: right**2,
-        "Do not square the sum: the normal already has length 1.",
+        "Use np.abs instead of the square, so that the result stays in metres.",
     ),
     Mistake(
         "The sum is divided by the length of all four numbers of the plane, but d does not "

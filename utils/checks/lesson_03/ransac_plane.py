@@ -108,7 +108,7 @@ def _half_equal_points(seed: int) -> tuple[np.ndarray, np.ndarray]:
     "ransac_plane",
     weight=5,
     title="Finds the plane among outliers",
-    why="The largest plane of a street is usually the road. Points off the road may be obstacles.",
+    why="Points off the road may be obstacles, so the car must know where the road is.",
     hint="Draw three rows, compute their plane and count the points near it. Keep the plane "
     "with the highest count, and return it after the last round, not inside the loop.",
 )
@@ -133,9 +133,9 @@ def finds_the_plane(ransac_plane: Callable) -> None:
 @visible_check(
     "ransac_plane",
     weight=14,
-    title="Returns a model and the mask that belongs to it",
-    why="If the plane comes from one sample and the inliers from another, later cells remove the "
-    "wrong points.",
+    title="Returns the mask that belongs to the model",
+    why="If the plane and the mask come from different samples, later cells remove the wrong "
+    "points.",
     hint="If a sample is better than the best so far, keep both its plane and its mask. If you "
     "refit the plane, compute its mask again.",
 )
@@ -148,8 +148,8 @@ def mask_belongs_to_model(ransac_plane: Callable) -> None:
     "ransac_plane",
     weight=4,
     title="Marks the points within distance_tolerance as inliers",
-    why="The pavement is ten centimetres above the road. The threshold decides whether it is an "
-    "inlier.",
+    why="The pavement is ten centimetres above the road. The threshold decides whether its points "
+    "are inliers.",
     hint="Compare the distances with distance_tolerance, not with a fixed number.",
 )
 def uses_the_tolerance(ransac_plane: Callable) -> None:
@@ -166,8 +166,8 @@ def uses_the_tolerance(ransac_plane: Callable) -> None:
     "ransac_plane",
     weight=1,
     title="Returns a model whose normal has length 1",
-    why="The next cells measure heights above the road with these four numbers, in metres.",
-    hint="plane_through already divides by the length: return its four numbers unchanged.",
+    why="If the normal had length 5, all distances from the plane would be five times too large.",
+    hint="Return the four numbers of plane_through unchanged. Their normal already has length 1.",
 )
 def model_has_a_unit_normal(ransac_plane: Callable) -> None:
     require_plane_among_outliers(ransac_plane)
@@ -211,8 +211,8 @@ def assert_no_round_is_missing(ransac_plane: Callable) -> None:
     second_round_note = fixed(" With max_iterations=2 a plane is found, so one round is missing.")
     raise CheckFailed(
         fixed(
-            "All twenty points lie on one plane, but with max_iterations=1 no plane is found "
-            "with any seed."
+            "All twenty points lie on one plane, but a run with max_iterations=1 never finds a "
+            "plane."
         )
         + (second_round_note if runs_with_plane(2) else ""),
         yours="None in 12 of 12 runs",
@@ -226,7 +226,7 @@ def assert_no_round_is_missing(ransac_plane: Callable) -> None:
     "ransac_plane",
     weight=1,
     title="Draws no more samples than max_iterations allows",
-    why="Each round takes time, and the next frame arrives in a tenth of a second.",
+    why="Each round takes time, and the next scan arrives in a tenth of a second.",
     hint="Loop with `for _ in range(max_iterations)` and draw one sample in each round.",
 )
 def draws_no_more_samples(ransac_plane: Callable) -> None:
@@ -241,9 +241,8 @@ def draws_no_more_samples(ransac_plane: Callable) -> None:
     if found > 18:  # one or two are expected
         raise CheckFailed(
             fixed(
-                "With max_iterations=1 this plane is found again and again, but a single sample "
-                "hardly ever finds it. The function draws more samples than max_iterations "
-                "allows."
+                "With max_iterations=1, this plane is found again and again, but a single sample "
+                "hardly ever finds it. The function draws more samples than max_iterations allows."
             ),
             yours=f"found in {found} of 48 runs",
             expected="found in about 2 of 48 runs",
@@ -254,8 +253,8 @@ def draws_no_more_samples(ransac_plane: Callable) -> None:
     "ransac_plane",
     weight=3,
     title="Continues after samples that do not define a plane",
-    why="Duplicate points and points on one line are common, and such a sample must not end the "
-    "search.",
+    why="Equal points and points on one line are common in recordings, and a sample of them must "
+    "not end the search.",
     hint="If plane_through returns None, continue with the next sample. Count that round as well, "
     "or the loop may never end.",
 )
@@ -278,8 +277,8 @@ def continues_after_degenerate_samples(ransac_plane: Callable) -> None:
     "ransac_plane",
     weight=2,
     title="Works on three points and returns (None, all False) for fewer",
-    why="Earlier filters may leave few points, and that must not crash the program.",
-    hint="Test len(points) < 3 first, and return None and np.zeros(n, dtype=bool).",
+    why="A filter may leave few points, and that must not crash the program.",
+    hint="If len(points) < 3, return None and np.zeros(len(points), dtype=bool) before the loop.",
 )
 def returns_for_too_few_points(ransac_plane: Callable) -> None:
     require_plane_without_outliers(ransac_plane)
@@ -414,8 +413,8 @@ def draws_from_all_rows(ransac_plane: Callable) -> None:
 @note_check(
     "ransac_plane",
     title="Counts a point at exactly distance_tolerance as an inlier",
-    why="In the docstring, distance_tolerance is the largest distance of an inlier: write <=. "
-    "Measured points are hardly ever at exactly that distance, so this costs no points.",
+    why="In the docstring, distance_tolerance is the largest distance of an inlier, so write <=. "
+    "Measured points are hardly ever at exactly that distance, so this does not affect your score.",
 )
 def includes_the_threshold(ransac_plane: Callable) -> None:
     require_plane_among_outliers(ransac_plane)
@@ -459,7 +458,7 @@ def assert_threshold_is_inclusive(ransac_plane: Callable, points: np.ndarray) ->
     "ransac_plane",
     weight=3,
     title="Ignores the fourth column",
-    why="The intensity is not a coordinate, so a bright point must not leave the road.",
+    why="Bright paint lies flat on the road, so its intensity must not turn it into an obstacle.",
     hint="Use points[:, :3] for the sample and for the distances.",
 )
 def ignores_intensity(ransac_plane: Callable) -> None:
@@ -473,7 +472,7 @@ def ignores_intensity(ransac_plane: Callable) -> None:
     "ransac_plane",
     weight=2,
     title="Finds a wall as well as a road",
-    why="The largest plane may be a wall. A caller who wants only roads checks the normal later.",
+    why="The largest plane may be a wall. A program that needs the road tests the normal later.",
     hint="Do not test for roads in the loop: only the number of inliers decides.",
 )
 def finds_a_wall(ransac_plane: Callable) -> None:
@@ -559,8 +558,8 @@ def _planes_equal(first: np.ndarray | None, second: np.ndarray | None) -> bool:
     weight=3,
     title="Accepts an integer seed as rng",
     why="A seed can be written to a log file; a generator cannot.",
-    hint="Begin with rng = np.random.default_rng(rng): it makes a generator from a whole number "
-    "and returns a generator unchanged.",
+    hint="Begin with rng = np.random.default_rng(rng), which accepts a whole number or a "
+    "generator.",
 )
 def takes_a_seed(ransac_plane: Callable) -> None:
     require_plane_among_outliers(ransac_plane)
@@ -600,8 +599,8 @@ common_checks.promise_names(
         precondition=require_plane_among_outliers,
     ),
     "keeps_the_names_of_ransac",
-    why="Later cells may call ransac_plane(street, max_iterations=50, distance_tolerance=0.2, "
-    "rng=1).",
+    why="Other code may call ransac_plane(points, max_iterations=50, distance_tolerance=0.2, "
+    "rng=1), because the names explain the numbers.",
 )
 
 
