@@ -125,7 +125,7 @@ def distance_mistakes() -> tuple[Mistake, ...]:
         Mistake(
             "The function always uses a threshold of 0.5 and ignores the parameter threshold.",
             prediction_with_measure(lambda steps, limit: lengths(steps[:, :3]) / 0.5),
-            "Compare with the parameter threshold.",
+            "Use the parameter threshold instead of the number 0.5.",
         ),
         Mistake(
             "The function uses intensity as a fourth coordinate.",

@@ -188,7 +188,8 @@ def measures_all_directions_alike(euclidean_clustering: Callable) -> None:
                 for is_close in (True, False)
             ]
             raise CheckFailed(
-                f"Points {gap:.2f} m apart are close along {parts[0]} but not along {parts[1]}.",
+                f"Points {gap:.2f} m apart share a label along {parts[0]} but not along "
+                f"{parts[1]}.",
                 input_text=f"pairs of points, {gap:.2f} m apart, in different directions; "
                 "threshold 1 m",
             )
@@ -211,7 +212,7 @@ common_cluster_checks.promise_few_points(
     _CASE,
     "takes_the_smallest",
     why="A filter sometimes removes every point, and the program must not crash then.",
-    hint="Return an array of length 0: a loop over the points of an empty cloud does nothing.",
+    hint="Start with labels = np.zeros(len(cloud), dtype=int), which is empty for an empty cloud.",
     weight=2,
 )
 common_cluster_checks.promise_equal_points(
@@ -225,9 +226,9 @@ common_cluster_checks.promise_untouched(_CASE, "leaves_its_input")
 @visible_check(
     "euclidean_clustering",
     weight=3,
-    title="Labels a wall that is longer than Python's recursion limit",
-    why="A function that calls itself for each neighbour reaches the recursion limit at the first "
-    "wall of a full scan.",
+    title="Labels a wall of more than a thousand points",
+    why="A function that calls itself for each neighbour reaches Python's recursion limit at the "
+    "first wall of a full scan.",
     hint="Put points into a queue, and work in a loop until the queue is empty.",
 )
 def labels_a_long_wall(euclidean_clustering: Callable) -> None:
@@ -292,7 +293,7 @@ def numbers_by_appearance(euclidean_clustering: Callable) -> None:
 
 @note_check(
     "euclidean_clustering",
-    title="Keeps two points at exactly the threshold separate",
+    title="Keeps two points separate if they are exactly the threshold apart",
     why='The docstring says "closer than", which means <. The difference hardly ever matters for '
     "measured points, but it does for a regular grid.",
 )

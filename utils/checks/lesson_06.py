@@ -135,7 +135,7 @@ def keeps_the_default(filter_ground: Callable) -> None:
 common_checks.promise_names(
     _GROUND_CASE,
     "keeps_the_names",
-    why="Later lessons call filter_ground(cloud, ground_level=-1.5).",
+    why="Other code may call filter_ground(cloud, ground_level=-1.5).",
 )
 common_row_checks.promise_all_columns(_GROUND_CASE, "keeps_the_columns", weight=2)
 common_row_checks.promise_order(_GROUND_CASE, "keeps_the_order", weight=2)
@@ -180,11 +180,11 @@ declare_mistakes(
         "Turn the comparison round: z must be at or above ground_level.",
     ),
     Mistake(
-        "Your code compares column 0, which is x. The heights are in column 2.",
+        "Your code compares column 0, which is x. It should compare column 2, which is z.",
         lambda right, cloud, level: _rows_above(cloud, cloud[:, 0], level),
     ),
     Mistake(
-        "Your code compares column 1, which is y. The heights are in column 2.",
+        "Your code compares column 1, which is y. It should compare column 2, which is z.",
         lambda right, cloud, level: _rows_above(cloud, cloud[:, 1], level),
     ),
     Mistake(
@@ -203,17 +203,17 @@ declare_mistakes(
     Mistake(
         "Your code compares the last column, which is the intensity in a cloud with four columns.",
         lambda right, cloud, level: _rows_above(cloud, cloud[:, -1], level),
-        "The heights are in column 2, however many columns follow.",
+        "Compare column 2, the heights, however many columns follow.",
     ),
     Mistake(
         "The level is fixed at -1.2; ground_level is ignored.",
         lambda right, cloud, level: _rows_above(cloud, cloud[:, 2], -1.2),
-        "Compare with ground_level.",
+        "Compare the heights with ground_level.",
     ),
     Mistake(
         "The level is fixed at 0, the height of the sensor; ground_level is ignored.",
         lambda right, cloud, level: _rows_above(cloud, cloud[:, 2], 0.0),
-        "Compare with ground_level.",
+        "Compare the heights with ground_level.",
     ),
     Mistake(
         "Your code returns only the heights of the remaining points. It should return whole rows.",
@@ -350,8 +350,8 @@ def _row_count_text(number: int) -> str:
     title="Returns one point per occupied cell",
     why="This is the purpose of a voxel grid: the number of points no longer depends on how "
     "dense the scan is.",
-    hint="np.floor(xyz / voxel_size) gives three whole numbers per point. "
-    "np.unique(as_numbers(...)) finds the different cells, and so does np.unique with axis=0.",
+    hint="Compute np.floor(xyz / voxel_size), three whole numbers per point. Then find the "
+    "different cells with np.unique(as_numbers(...)) or np.unique(..., axis=0).",
 )
 def returns_one_point_per_cell(voxel_grid: Callable) -> None:
     assert_row_per_cell(voxel_grid(_CELLS.copy(), 0.2), _CELLS, len(_CENTROIDS), 0.2)
@@ -362,8 +362,8 @@ def returns_one_point_per_cell(voxel_grid: Callable) -> None:
     weight=34,
     title="Returns the mean of the points in each cell",
     why="The mean of many noisy returns is usually closer to the surface than a single return.",
-    hint="Add up the rows of each cell, and divide each sum by the number of its points: "
-    "counts[:, None] is a column of these numbers.",
+    hint="Add up the rows of each cell, and divide the sums by counts[:, None], a column with the "
+    "number of points in each cell.",
 )
 def averages_each_cell(voxel_grid: Callable) -> None:
     require_row_per_cell(voxel_grid)
@@ -544,7 +544,7 @@ _GRID_CASE = Case(
     _GRID_CASE,
     "voxel_size=0.2",
     title="Uses cells of 0.2 m by default",
-    why="Later lessons call voxel_grid(points) and rely on this default.",
+    why="Other code may call voxel_grid(points) and rely on this default.",
 )
 def uses_the_default_size(voxel_grid: Callable) -> None:
     cloud = np.full((100, 4), 0.05)
@@ -561,7 +561,7 @@ def uses_the_default_size(voxel_grid: Callable) -> None:
 
 
 common_checks.promise_names(
-    _GRID_CASE, "keeps_the_names", why="Later lessons call voxel_grid(points, voxel_size=0.1)."
+    _GRID_CASE, "keeps_the_names", why="Other code may call voxel_grid(points, voxel_size=0.1)."
 )
 common_checks.promise_three_columns(
     _GRID_CASE,
@@ -692,8 +692,8 @@ declare_mistakes(
         lambda right, cloud, size: _merge_cells(
             cloud, size, merge=lambda rows, axis: rows[-1] / len(rows)
         ),
-        "sums[which] += rows changes each entry only once, even if `which` contains its index "
-        "several times. np.add.at(sums, which, rows) adds every row.",
+        "Use np.add.at(sums, which, rows): it adds every row, but sums[which] += rows keeps only "
+        "the last row of each cell.",
     ),
     Mistake(
         "The sums are whole numbers, so every addition cuts off the decimals.",

@@ -103,8 +103,8 @@ def test_space(student, seed):
 @hidden(
     "insert",
     weight=7,
-    title="Works on equal coordinates and repeated points",
-    hint="An equal coordinate is not smaller, so the point goes right, at every depth.",
+    title="Works on repeated points and on points with equal coordinates",
+    hint="Send a point with an equal coordinate to the right, at every depth.",
 )
 def test_equal_coordinates(student, seed):
     rng = np.random.default_rng(seed)
@@ -130,7 +130,7 @@ def test_notations(student, seed):
 @hidden(
     "insert",
     weight=8,
-    title="Stores any index with its point",
+    title="Stores the index of each point, whatever the index is",
     hint="Pass index to Node unchanged.",
 )
 def test_indices(student, seed):
@@ -248,8 +248,7 @@ def street_scenes(seed):
     "search",
     weight=3,
     title="Works on unbalanced trees with equal coordinates and equal points",
-    hint="Search the right side for points with an equal coordinate, in an unbalanced tree as in "
-    "a balanced one.",
+    hint="Search the right side for points with an equal coordinate, in every tree.",
 )
 def test_search_unbalanced(student, seed):
     rng = np.random.default_rng(seed)
@@ -263,8 +262,8 @@ def test_search_unbalanced(student, seed):
     "search",
     weight=3,
     title="Leaves out points in the corners of the box, in {}",
-    hint="Return a point if its distance is at most the tolerance, whether or not it is in the "
-    "box.",
+    hint="Return a point only if its distance is at most the tolerance. Being in the box is not "
+    "enough.",
 )
 @pytest.mark.parametrize("k", [2, 3], ids=["the plane", "space"])
 def test_search_circle(student, seed, k):
@@ -432,7 +431,7 @@ FULL = (3, 7, 15, 31, 127)
 @hidden(
     "median_order",
     weight=3,
-    title="Gives the fewest possible levels for points in {}",
+    title="Returns an order that makes a tree with the fewest levels, in {}",
     hint="Use the next axis for both halves of a part, the left one and the right one.",
 )
 @pytest.mark.parametrize("k", [2, 3], ids=["the plane", "space"])
@@ -502,7 +501,7 @@ def test_medians_of_street(student, seed):
 @hidden(
     "median_order",
     weight=2,
-    title="Works in single precision, with another memory order and far from the origin",
+    title="Works on float32 arrays and far from the origin",
     hint="Return row numbers of the given array, not of a copy that you have sorted or split.",
 )
 def test_median_extremes(student, seed):

@@ -102,7 +102,7 @@ def test_deep_chain(student, seed):
 @hidden(
     "euclidean_clustering",
     weight=2,
-    title="Finds the same clusters in any order of the points",
+    title="Finds the same clusters, whatever the order of the points",
     hint="Give close points the same label, whichever of them comes first.",
 )
 def test_order(student, seed):
@@ -143,8 +143,8 @@ def test_intensity(student, seed):
 @hidden(
     "euclidean_clustering",
     weight=1,
-    title="Works in single precision and with another memory order",
-    hint="Do not rely on the type or the memory order of the array.",
+    title="Works on float32 arrays and on arrays stored column by column",
+    hint="Do not rely on the type of the array or on how it is stored.",
 )
 def test_kinds_of_arrays(student, seed):
     cloud, labels = random_walks(seed)

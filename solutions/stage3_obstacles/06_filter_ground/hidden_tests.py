@@ -195,7 +195,7 @@ def assert_row_count(student, cloud, size):
 @hidden(
     "voxel_grid",
     weight=11,
-    title="Thins a quarter of the course's scan",
+    title="Thins out one quadrant of the course's scan",
     hint="Return one row per occupied cell: the mean of its points.",
 )
 def test_thins_the_course_scan(student, seed):
@@ -206,7 +206,7 @@ def test_thins_the_course_scan(student, seed):
 @hidden(
     "voxel_grid",
     weight=11,
-    title="Thins a quarter of a street you have not seen",
+    title="Thins out one quadrant of a street you have not seen",
     hint="On every street, return one row per occupied cell: the mean of its points.",
 )
 def test_thins_a_new_street(student, seed):

@@ -103,7 +103,7 @@ def compares_x_first(KdTree: Callable) -> None:
     "insert",
     weight=10,
     title="Compares y one level below the root",
-    why="Cuts along x alone give strips, and each strip crosses the whole street.",
+    why="Cuts by x alone give strips, and each strip crosses the whole street.",
     hint="At each node, compare one coordinate only: point[depth % len(point)]. The depth is 0 at "
     "the root and grows by 1 with each step down.",
 )
@@ -132,8 +132,8 @@ def places_ten_points(KdTree: Callable) -> None:
     "insert",
     weight=5,
     title="Sends a point with an equal coordinate to the right",
-    why="Walls and kerbs have many points with the same coordinate, and search relies on finding "
-    "all of them on the right.",
+    why="Walls and kerbs have many points with the same coordinate. search expects them on the "
+    "right, and may miss a point on the left.",
     hint="Go left only if the coordinate is strictly smaller (<). Otherwise go right.",
 )
 def equal_goes_right(KdTree: Callable) -> None:
@@ -145,8 +145,8 @@ def equal_goes_right(KdTree: Callable) -> None:
     "insert",
     weight=4,
     title="Works on points with three coordinates: compares x, y, z and then x again",
-    why="The points of a scan have three coordinates. A tree without z mixes a bridge with the "
-    "road below it.",
+    why="The points of a scan have three coordinates. Without cuts by z, a search on a bridge "
+    "also looks at the road below it.",
     hint="Use len(point) for the number of coordinates instead of the number 2.",
 )
 def handles_three_coordinates(KdTree: Callable) -> None:

@@ -58,7 +58,7 @@ def as_order(answer: object, n: int) -> np.ndarray:
         raise CheckFailed(
             fixed("Each row number from 0 to n - 1 must occur exactly once; ") + f"{text}.",
             yours=brief_text(order),
-            expected=f"each of 0 to {n - 1}" if n > 1 else "[0]" if n else "[]",
+            expected=f"each number from 0 to {n - 1}" if n > 1 else "[0]" if n else "[]",
             hint=_SHORT_HINT if is_short else "",
         )
     return order
@@ -210,7 +210,7 @@ def _assert_halves(median_order: Callable) -> None:
     title="Returns every row number exactly once",
     why="If a row is missing, no search will ever find its point.",
     hint="Write rows[np.argsort(...)], because np.argsort of a part gives positions within that "
-    "part. Append the median to the order, and put it into neither of the two halves.",
+    "part. Append the median to the order, and leave it out of both halves.",
 )
 def returns_every_row(median_order: Callable) -> None:
     for points in (ELEVEN_POINTS[:5], _SEVEN_POINTS):
@@ -221,8 +221,8 @@ def returns_every_row(median_order: Callable) -> None:
     "median_order",
     weight=3,
     title="Starts with the median along x",
-    why="Only the median leaves the same number of points on both sides, which keeps the tree "
-    "flat.",
+    why="Only the median leaves the same number of points on both sides, so the tree has the "
+    "fewest levels.",
     hint="Sort the rows by x. The middle one of m rows is at position (m - 1) // 2.",
 )
 def starts_with_the_median(median_order: Callable) -> None:
@@ -294,8 +294,7 @@ def takes_the_lower_median(median_order: Callable) -> None:
     "median_order",
     weight=2,
     title="Works on points with three coordinates: takes x, y, z and then x again",
-    why="The points of a scan have three coordinates. A tree without z mixes a bridge with the "
-    "road below it.",
+    why="insert compares x, y and z in turn. A median along the wrong axis does not halve a part.",
     hint="Use points.shape[1] for the number of coordinates instead of the number 2.",
 )
 def handles_three_coordinates(median_order: Callable) -> None:
@@ -307,7 +306,7 @@ def handles_three_coordinates(median_order: Callable) -> None:
 @visible_check(
     "median_order",
     weight=3,
-    title="Gives a tree with the fewest possible levels",
+    title="Returns an order that makes a tree with the fewest levels",
     why="Every insertion and every search walks down the levels. A tree of 100,000 points can have "
     "17 levels, or 100,000.",
     hint="Print levels(points, median_order(points)) for 3, 7 and 15 points. The results "
@@ -338,8 +337,8 @@ def takes_the_smallest(median_order: Callable) -> None:
     weight=1,
     title="Works on points with equal coordinates",
     why="A recording may contain the same point twice, and the points of a wall share coordinates.",
-    hint="Split the sorted rows by position, into those before and those after the median, instead "
-    "of comparing coordinates.",
+    hint="Split the sorted rows into rows[:m] and rows[m + 1:], where m is the place of the "
+    "median. Do not compare coordinates.",
 )
 def handles_equal_points(median_order: Callable) -> None:
     _assert_halves(median_order)
@@ -387,8 +386,8 @@ declare_mistakes(
     Mistake(
         "The upper of two middle points comes first; it should be the lower one.",
         _prediction_from_rule(place=lambda m: m // 2),
-        "The lower one is at position (number of rows - 1) // 2 when the rows are sorted from the "
-        "smallest to the largest.",
+        "Sort the rows from the smallest to the largest, and take position "
+        "(number of rows - 1) // 2.",
     ),
     Mistake(
         "Every part is sorted by x; the axis should change from level to level.",

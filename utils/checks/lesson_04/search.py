@@ -37,18 +37,18 @@ _SCATTERED_POINTS = frozen(4 * distinct_points(np.random.default_rng(46), 11, 2)
 
 @once_per_run
 def _assert_at_target(KdTree: Callable) -> None:
-    with precondition("the point at the target is found"):
+    with precondition("a point close to the target is found"):
         finds_the_target(KdTree)
 
 
 @visible_check(
     "search",
     weight=3,
-    title="Finds the point at the target, wherever it is in the tree",
-    why="Clustering searches around every point, 100,000 times per scan. A neighbour that is not "
-    "found may split an obstacle.",
-    hint="At each node, do two things: compare the distance of its point with the tolerance, and "
-    "decide for each side whether to search there.",
+    title="Finds a point close to the target, wherever it is in the tree",
+    why="Clustering searches around every point, 100,000 times per scan. A missed neighbour may "
+    "split an obstacle in two.",
+    hint="At each node, compare dist(node.point, target) with tolerance, and decide for each side "
+    "whether to search it.",
 )
 def finds_the_target(KdTree: Callable) -> None:
     root = grow_tree(_SCATTERED_POINTS)
@@ -100,7 +100,7 @@ def measures_a_circle(KdTree: Callable) -> None:
     weight=6,
     title="Uses the tolerance as the radius, whether small or large",
     why="If the squared distance is compared with 0.5, points up to 0.71 m away are found.",
-    hint="Take the square root of the sum of squares, or use math.dist.",
+    hint="Take the square root of the sum of squares, or use dist(node.point, target).",
 )
 def follows_the_tolerance(KdTree: Callable) -> None:
     _assert_at_target(KdTree)
@@ -114,7 +114,7 @@ def follows_the_tolerance(KdTree: Callable) -> None:
 
 @note_check(
     "search",
-    title="Finds a point at exactly the tolerance",
+    title="Finds a point whose distance equals the tolerance",
     why="A distance equal to the tolerance is still within it, so write <=. Measured points are "
     "hardly ever at exactly this distance, so your score does not depend on it.",
 )
@@ -158,8 +158,8 @@ def reaches_the_split(KdTree: Callable) -> None:
     "search",
     weight=6,
     title="Works on points with three coordinates",
-    why="The points of a scan have three coordinates, so the axes are x, y, z, x, y, z, ... from "
-    "level to level.",
+    why="The points of a scan have three coordinates. A search that compares x at a cut by z "
+    "misses neighbours.",
     hint="Compare along axis depth % len(target), as in insert.",
 )
 def searches_space(KdTree: Callable) -> None:
@@ -233,7 +233,7 @@ def _indices_text(indices: list[int]) -> str:
     weight=1,
     title="Accepts targets and points that are lists, tuples or arrays",
     why="Later cells insert points as lists, because search is faster with Python's own numbers.",
-    hint="math.dist(p, q) works for all of them; p - q needs an array: np.asarray(p) - q.",
+    hint="Use dist(p, q), which works for all of them. p - q needs an array: np.asarray(p) - q.",
 )
 def accepts_any_sequence(KdTree: Callable) -> None:
     root = grow_tree(
@@ -413,7 +413,7 @@ declare_mistakes(
     Mistake(
         "The search ends at the first missing child, before it has visited the remaining nodes.",
         _predict_stop_at_first_gap,
-        "`break` and `return` end the whole search; `continue` takes the next node.",
+        "Use `continue` to go on with the next node: `break` and `return` end the whole search.",
     ),
     Mistake(
         "The right side is searched only if the left side is searched too.",
@@ -430,14 +430,14 @@ declare_mistakes(
         "Give both `if`s the same indentation, so that the second is not inside the first.",
     ),
     Mistake(
-        "The depth does not grow on the way to a left child, so the child splits along the same "
-        "axis as its parent.",
+        "The depth does not grow on the way to a left child, so the search compares the same axis "
+        "at the child as at its parent.",
         _prediction_from_rule(_reaches_side, depth_of=lambda path: path.count("r")),
         "Give both children depth + 1.",
     ),
     Mistake(
-        "The depth does not grow on the way to a right child, so the child splits along the same "
-        "axis as its parent.",
+        "The depth does not grow on the way to a right child, so the search compares the same axis "
+        "at the child as at its parent.",
         _prediction_from_rule(_reaches_side, depth_of=lambda path: path.count("l")),
         "Give both children depth + 1.",
     ),
@@ -457,8 +457,8 @@ declare_mistakes(
         "Smaller coordinates are on the left, so search there if the box begins below the split.",
     ),
     Mistake(
-        "The function uses `>` instead of `>=`: if the box ends exactly at the split, it skips the "
-        "right side.",
+        "The function uses `>` instead of `>=`, so it skips the right side if the box ends exactly "
+        "at the split.",
         _prediction_from_rule(
             lambda node: _reaches_side(node) and (node.is_left or node.high > node.split)
         ),
@@ -479,16 +479,16 @@ declare_mistakes(
         "every node.",
     ),
     Mistake(
-        "The tolerance is left out on the left: the left side is searched only if the target "
-        "itself is on it.",
+        "The tolerance is left out on the left: the left side is searched only if it contains the "
+        "target.",
         _prediction_from_rule(
             lambda node: _reaches_side(node) and (not node.is_left or node.target < node.split)
         ),
         "Compare target[axis] - tolerance with the split.",
     ),
     Mistake(
-        "The tolerance is left out on the right: the right side is searched only if the target "
-        "itself is on it.",
+        "The tolerance is left out on the right: the right side is searched only if it contains "
+        "the target.",
         _prediction_from_rule(
             lambda node: _reaches_side(node) and (node.is_left or node.target >= node.split)
         ),
@@ -511,31 +511,31 @@ declare_mistakes(
     Mistake(
         "The function finds all points in the box, even those in its corners outside the circle.",
         _prediction_from_distance(lambda step, tolerance, depth: step.max() <= tolerance),
-        "Compare the distance, math.dist(node.point, target), with the tolerance.",
+        "Compare the distance, dist(node.point, target), with the tolerance.",
     ),
     Mistake(
-        "The height is left out: the function measures the distance as seen from above.",
+        "The height is left out: the function measures distances only along x and y.",
         _prediction_from_distance(
             lambda step, tolerance, depth: np.linalg.norm(step[:2]) <= tolerance
         ),
-        "Use all coordinates: math.dist(node.point, target).",
+        "Use all coordinates: dist(node.point, target).",
     ),
     Mistake(
-        "The squared distance is compared with the tolerance, instead of the distance itself.",
+        "The squared distance is compared with the tolerance, so 0.5 acts like 0.71.",
         _prediction_from_distance(lambda step, tolerance, depth: step @ step <= tolerance),
-        "Take the square root of the sum of squares, or use math.dist.",
+        "Take the square root of the sum of squares, or use dist(node.point, target).",
     ),
     Mistake(
         "A single coordinate, along the axis of the split, decides whether a point is near.",
         _prediction_from_distance(
             lambda step, tolerance, depth: step[depth % len(step)] <= tolerance
         ),
-        "Compare the distance, math.dist(node.point, target), with the tolerance.",
+        "Compare the distance, dist(node.point, target), with the tolerance.",
     ),
     Mistake(
         "The search returns every node that it visits, whatever its distance.",
         _prediction_from_distance(lambda step, tolerance, depth: True),
-        "Compare the distance, math.dist(node.point, target), with the tolerance.",
+        "Compare the distance, dist(node.point, target), with the tolerance.",
     ),
     cases=(
         (_grid_points(13, 2), np.zeros(2), 2.0),

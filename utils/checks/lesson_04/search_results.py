@@ -158,8 +158,7 @@ def assert_pruned(
     if decoy not in answer:
         raise CheckFailed(
             "search skipped a node that is on the target's own side of every split.",
-            hint="Let only the splits decide which nodes to visit, and only the distance which "
-            "points to return.",
+            hint="Use only the splits to choose nodes, and only the distance to choose points.",
         )
 
 

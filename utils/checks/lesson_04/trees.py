@@ -330,7 +330,7 @@ def _describe_misplaced_node(
     parent, axis = expected[path[:depth]], depth % len(node.point)
     smaller = "is smaller than" if path[depth] == "l" else "is not smaller than"
     return (
-        f"{_node_name(node)} went {SIDES[actual[depth]]} at {_node_name(parent)} but should go "
+        f"{_node_name(node)} goes {SIDES[actual[depth]]} at {_node_name(parent)} but should go "
         f"{SIDES[path[depth]]}: at depth {depth}, {'xyz'[axis]} is compared, and "
         f"{node.point[axis]:g} {smaller} {parent.point[axis]:g}."
     ), ""
@@ -342,9 +342,9 @@ def _describe_missing_node(path: str, expected: dict, yours: dict) -> tuple[str,
         f"{_node_name(expected[path])} is not in the tree; it belongs {_place_text(path, expected)}"
     )
     if path not in yours:
-        return f"{text}, but there is no node.", (
+        return f"{text}, but no node is there.", (
             "Every path through insert must attach the new node to tree.root, node.left or "
-            "node.right. Assigning it to a local variable does not attach it."
+            "node.right. Storing it in a local or global variable does not attach it."
         )
     found = next(
         (other for other in expected if _same_point(yours[path][0], expected[other])), None
@@ -383,7 +383,7 @@ def _describe_extra_node(expected: dict, yours: dict) -> tuple[str, str]:
         return "", ""
     for path, node in expected.items():
         if _same_point(yours[extra][0], node):
-            message = f"{_node_name(node)} is {_place_text(path, expected)} and a second time "
+            message = f"{_node_name(node)} is in the tree twice: {_place_text(path, expected)} and "
             return f"{message}{_place_text(extra, expected)}.", (
                 "Use `return` to end the walk as soon as the point is attached to the tree."
                 if path
