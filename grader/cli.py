@@ -212,8 +212,8 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
         "Put the submissions of a class into submitted/. Accept downloads from Canvas, Moodle, "
         "Blackboard, Brightspace, Gradescope, ILIAS, PrairieLearn, Sakai and GitHub Classroom, "
         "folders and single files. If it is unclear which student or lesson a file belongs to, "
-        "list options that settle this, and exit with status 1. To continue, run the command again "
-        "with one of these options.",
+        "list options that settle the question, and exit with status 1. To continue, run the "
+        "command again with one of these options.",
         "submissions.zip --stage stage3_obstacles",
         "submissions.zip --stage stage3_obstacles --who 'mueller_4711=bjorn'",
     )
@@ -263,8 +263,8 @@ def _add_collect(subparsers: argparse._SubParsersAction) -> None:
         default=0,
         metavar="N",
         help="level of the folders that are named after students, in archives of an unknown "
-        "format; 1 is the outermost, and folders named after stages or lessons do not count "
-        "(default: recognised)",
+        "format; 1 is the outermost level, and folders named after stages or lessons do not count "
+        "(default: detected automatically)",
     )
 
 
@@ -370,7 +370,7 @@ def _add_export(subparsers: argparse._SubParsersAction) -> None:
         "export",
         commands.run_export,
         "Write the marks to a table or to a file for a learning platform. Late penalties are "
-        "already subtracted, except in the table of exercises. Students without a mark are listed, "
+        "already subtracted, except in the exercises table. Students without a mark are listed, "
         "but not exported.",
         "",
         "--format exercises",
@@ -385,7 +385,7 @@ def _add_export(subparsers: argparse._SubParsersAction) -> None:
     export.add_argument(
         "--assignment",
         metavar="NAME",
-        help="stage or lesson whose marks to export (default for csv and exercises: all; required "
+        help="stage or lesson to export marks for (default for csv and exercises: all; required "
         "for other formats)",
     )
     export.add_argument(
@@ -534,7 +534,7 @@ def _add_site(subparsers: argparse._SubParsersAction) -> None:
     site.add_argument(
         "--live",
         action="store_true",
-        help="add Run and Check under each exercise, with Python in the browser; needs npm",
+        help="add Run and Check buttons under each exercise, with Python in the browser; needs npm",
     )
     add_workers_option(site, "lessons executed")
 
@@ -547,8 +547,8 @@ def _add_new(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "new",
         commands.run_new,
-        "Write the skeleton of a new lesson. The four files contain a small, complete exercise for "
-        "you to change.",
+        "Write the skeleton of a new lesson: four files with a small, complete exercise for you to "
+        "change.",
         "14_free_distance",
     )
     new.add_argument(

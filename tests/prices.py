@@ -33,18 +33,19 @@ _TOP = """\
 # Cost of likely slips
 
 A slip is one small change to the lesson's own solution. This page lists {slips} likely slips, and
-the share of the exercise's points that an answer with each slip keeps.
+shows what share of the exercise's points an answer with each slip keeps.
 {at_least} of these answers ({share} %) keep at least {one_slip} of the points.
 
 - If the judge proves that an answer has a single slip, the answer keeps at least {one_slip}, or at
   least {missed_task} if the slip misses the point of the exercise. See
   [grading a class](grading.md#what-happens-to-a-submission).
-- If no single edit corrects an answer, or the change leaves out the method of the lesson, the
-  answer keeps only what its checks earn.
+- If no single edit corrects an answer, or the change leaves out the lesson's method, the answer
+  keeps only the points for the checks that it passes.
 
 ## By effect
 
-The last three columns show the least, the median and the largest share of the points that is kept.
+The last three columns show the smallest, the median and the largest share of the points that an
+answer keeps.
 
 | effect | slips | least | median | most |
 |---|---:|---:|---:|---:|
@@ -52,8 +53,8 @@ The last three columns show the least, the median and the largest share of the p
 
 ## By exercise
 
-The table counts the slips by the share of the points that they keep. Each link leads to the list of
-an exercise's slips, which begins with those that cost most.
+The table counts slips by the share of the points that an answer keeps. Each link leads to the list
+of an exercise's slips, with the slips that cost the most points first.
 
 {exercises}
 """
@@ -62,14 +63,14 @@ _MEANINGS = {
     USELESS: "a caller cannot use the result",
     PARTLY: "the result is right for some common inputs and wrong for others",
     SMALL: "the fault is easy to correct, or rarely matters",
-    MISSING: "the answer does not use the method of the lesson",
-    NAIVE: "the code ignores its input, or follows an idea that the lesson shows to fail",
+    MISSING: "the answer does not use the lesson's method",
+    NAIVE: "the code ignores its input, or follows an idea that fails in the lesson",
 }
 _FOOT = """
 ## How this page is made
 
 `python -m tests.prices` puts each slip into the solution and judges the notebook with seed 1, which
-takes about ten minutes on two cores. *By the checks* is the share that the answer would keep
+takes about ten minutes on two cores. *By the checks* is the share that an answer would keep
 without the rule about slips.
 """
 

@@ -106,9 +106,9 @@ def _figures(cloud: np.ndarray):
     quartiles = " / ".join(f"{value:.0f}" for value in neighbours(cloud))
     yield "neighbours within 0.5 m (quartiles)", quartiles
     quartiles = " / ".join(f"{value:.0f}" for value in neighbours(cloud[cloud[:, 2] > -1.2]))
-    yield "the same above z = -1.2 m", quartiles
+    yield "neighbours within 0.5 m, only points above z = -1.2 m (quartiles)", quartiles
     quartiles = " / ".join(f"{value:.2f}" for value in np.percentile(cloud[:, 3], (5, 50, 95)))
-    yield "intensity (5, 50, 95 %)", quartiles
+    yield "intensity (5th, 50th and 95th percentiles)", quartiles
     box = np.all((cloud[:, :3] > (-1.5, -1.7, -1)) & (cloud[:, :3] < (2.6, 1.7, -0.4)), axis=1)
     yield "returns from the ego car", str(np.count_nonzero(box))
     yield "returns at exactly (0, 0, 0)", str(np.count_nonzero((cloud[:, :3] == 0).all(axis=1)))

@@ -11,7 +11,7 @@ SLIPS = {
     "horizontal_distance": [
         Slip("no square root", _ROOT, "x**2 + y**2", USELESS),
         Slip("height included", _ROOT, "np.linalg.norm(cloud[:, :3], axis=1)", USELESS),
-        Slip("length of the whole row", _ROOT, "np.linalg.norm(cloud, axis=1)", USELESS),
+        Slip("norm of the whole row", _ROOT, "np.linalg.norm(cloud, axis=1)", USELESS),
         Slip("z instead of y", "cloud[:, 1]", "cloud[:, 2]", USELESS),
         Slip(
             "y and z instead of x and y",
@@ -23,7 +23,7 @@ SLIPS = {
         Slip("squares subtracted", "x**2 + y**2", "x**2 - y**2", USELESS),
         Slip("square root of each term", _ROOT, "np.sqrt(x**2) + np.sqrt(y**2)", USELESS),
         Slip("square root of the squared sum", _ROOT, "np.sqrt((x + y) ** 2)", USELESS),
-        Slip("no return", f"return {_ROOT}", f"distance = {_ROOT}", USELESS),
+        Slip("no return statement", f"return {_ROOT}", f"distance = {_ROOT}", USELESS),
         Slip("needs four columns", "cloud[:, 0], cloud[:, 1]", "cloud.T[[0, 1, 3]][:2]", SMALL),
         Slip(
             "** 1 / 2 without parentheses",
@@ -41,7 +41,7 @@ SLIPS = {
             USELESS,
         ),
         Slip(
-            "returns the first value of a loop",
+            "returns only the first distance",
             "x, y = cloud[:, 0], cloud[:, 1]\n    return np.sqrt(x**2 + y**2)",
             "for x, y in cloud[:, :2]:\n        return np.sqrt(x**2 + y**2)",
             USELESS,
@@ -58,7 +58,7 @@ SLIPS = {
             "print(np.sqrt(x**2 + y**2))",
             USELESS,
         ),
-        Slip("no axis", "np.sqrt(x**2 + y**2)", "np.linalg.norm(cloud[:, :2])", USELESS),
+        Slip("no axis argument", "np.sqrt(x**2 + y**2)", "np.linalg.norm(cloud[:, :2])", USELESS),
         Slip(
             "wrong axis",
             "np.sqrt(x**2 + y**2)",
@@ -68,10 +68,10 @@ SLIPS = {
     ],
     "drop_invalid": [
         Slip("| instead of &", "is_somewhere & ~", "is_somewhere | ~", USELESS),
-        Slip("no ~", "& ~is_origin", "& is_origin", USELESS),
+        Slip("~ missing", "& ~is_origin", "& is_origin", USELESS),
         Slip("inverted mask", f"cloud[{_MASK}]", f"cloud[~({_MASK})]", USELESS),
         Slip("drops only (0, 0, 0)", _MASK, "~is_origin", PARTLY),
-        Slip("drops only rows that are not finite", _MASK, "is_somewhere", PARTLY),
+        Slip("drops only non-finite rows", _MASK, "is_somewhere", PARTLY),
         Slip("drops NaN but not infinity", "np.isfinite(xyz)", "(~np.isnan(xyz))", SMALL),
         Slip(
             "drops NaN only if all coordinates are NaN",
@@ -79,14 +79,16 @@ SLIPS = {
             "~np.isnan(xyz).all(axis=1)",
             PARTLY,
         ),
-        Slip("drops rows with any coordinate of 0", _ORIGIN, "(xyz == 0).any(axis=1)", PARTLY),
+        Slip(
+            "drops rows with any coordinate equal to 0", _ORIGIN, "(xyz == 0).any(axis=1)", PARTLY
+        ),
         Slip(
             "keeps rows with any finite coordinate", _FINITE, "np.isfinite(xyz).any(axis=1)", PARTLY
         ),
         Slip("tests all four columns", "cloud[:, :3]", "cloud", PARTLY),
         Slip("drops rows whose sum is 0", _ORIGIN, "xyz.sum(axis=1) == 0", SMALL),
         Slip("loses the intensity", f"cloud[{_MASK}]", f"xyz[{_MASK}]", PARTLY),
-        Slip("no axis", _FINITE, "np.isfinite(xyz).all()", PARTLY),
+        Slip("no axis argument", _FINITE, "np.isfinite(xyz).all()", PARTLY),
         Slip("returns the mask", f"cloud[{_MASK}]", _MASK, USELESS),
         Slip("drops points close to the sensor", "xyz == 0", "np.abs(xyz) < 0.3", SMALL),
         Slip(

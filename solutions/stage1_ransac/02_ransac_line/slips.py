@@ -10,9 +10,9 @@ _KEEP = "best_line, best_inliers = line, inliers"
 SLIPS = {
     "line_through": [
         Slip(
-            "c with the wrong sign", "b, -(a * p[0] + b * p[1])", "b, a * p[0] + b * p[1]", USELESS
+            "c has the wrong sign", "b, -(a * p[0] + b * p[1])", "b, a * p[0] + b * p[1]", USELESS
         ),
-        Slip("swapped without changing a sign", "a, b = -dy /", "a, b = dy /", USELESS),
+        Slip("swaps dx and dy without changing a sign", "a, b = -dy /", "a, b = dy /", USELESS),
         Slip(
             "direction instead of normal",
             "-dy / length, dx / length",
@@ -20,26 +20,26 @@ SLIPS = {
             USELESS,
         ),
         Slip("not divided by the length", "-dy / length, dx / length", "-dy, dx", PARTLY),
-        Slip("b missing in c", "(a * p[0] + b * p[1])", "(a * p[0])", USELESS),
-        Slip("c from the x of p twice", "b * p[1])", "b * p[0])", USELESS),
+        Slip("b missing from c", "(a * p[0] + b * p[1])", "(a * p[0])", USELESS),
+        Slip("c uses the x of p twice", "b * p[1])", "b * p[0])", USELESS),
         Slip(
             "wrong sign in one term of c", "-(a * p[0] + b * p[1])", "-a * p[0] + b * p[1]", USELESS
         ),
-        Slip("dy from q to p", "q[1] - p[1]", "p[1] - q[1]", USELESS),
+        Slip("dy measured from q to p", "q[1] - p[1]", "p[1] - q[1]", USELESS),
         Slip("never returns None", "if not length > 0", "if length < 0", PARTLY),
-        Slip("None for close points", "not length > 0", "length < 0.5", SMALL),
-        Slip("None if dx is 0", "not length > 0", "dx == 0", PARTLY),
+        Slip("returns None for close points", "not length > 0", "length < 0.5", SMALL),
+        Slip("returns None if dx is 0", "not length > 0", "dx == 0", PARTLY),
         Slip("divided by the squared length", "np.hypot(dx, dy)", "dx**2 + dy**2", PARTLY),
         Slip("a and b swapped", "return a, b, -(a", "return b, a, -(a", USELESS),
-        Slip("no return", "return a, b, -(a", "line = a, b, -(a", USELESS),
-        Slip("None if dx or dy is 0", "not length > 0", "dx == 0 or dy == 0", PARTLY),
+        Slip("no return statement", "return a, b, -(a", "line = a, b, -(a", USELESS),
+        Slip("returns None if dx or dy is 0", "not length > 0", "dx == 0 or dy == 0", PARTLY),
     ],
     "point_line_distance": [
         Slip("no absolute value", f"np.abs({_VALUE})", _VALUE, USELESS),
         Slip("c missing", " + c)", ")", USELESS),
         Slip("c subtracted", " + c)", " - c)", USELESS),
         Slip("c outside the parentheses", "points[:, 1] + c)", "points[:, 1]) + c", USELESS),
-        Slip("squared", f"np.abs({_VALUE})", f"({_VALUE}) ** 2", USELESS),
+        Slip("squared distances", f"np.abs({_VALUE})", f"({_VALUE}) ** 2", USELESS),
         Slip(
             "rows instead of columns",
             f"np.abs({_VALUE})",
@@ -52,7 +52,7 @@ SLIPS = {
             "points[:, 1] + b * points[:, 0]",
             USELESS,
         ),
-        Slip("wrong sign of b", "+ b *", "- b *", USELESS),
+        Slip("b has the wrong sign", "+ b *", "- b *", USELESS),
         Slip("only the largest distance", f"np.abs({_VALUE})", f"np.abs({_VALUE}).max()", USELESS),
         Slip(
             "divided by the length of (a, b, c)",
@@ -70,7 +70,7 @@ SLIPS = {
             USELESS,
         ),
         Slip(
-            "no return",
+            "no return statement",
             "return np.abs(a * points[:, 0] + b * points[:, 1] + c)",
             "distance = np.abs(a * points[:, 0] + b * points[:, 1] + c)",
             USELESS,
@@ -110,15 +110,20 @@ SLIPS = {
         Slip("break instead of continue", "continue", "break", SMALL),
         Slip("does not test for None", "line is None", "False", SMALL),
         Slip("one round missing", "range(max_iterations)", "range(1, max_iterations)", SMALL),
-        Slip("always fifty rounds", "range(max_iterations)", "range(50)", SMALL),
+        Slip("always runs fifty rounds", "range(max_iterations)", "range(50)", SMALL),
         Slip("fixed seed", "default_rng(rng)  #", "default_rng(0)  #", SMALL),
-        Slip("makes no generator from a seed", "rng = np.random.default_rng(rng)  #", "#", SMALL),
+        Slip(
+            "does not create a generator from a seed",
+            "rng = np.random.default_rng(rng)  #",
+            "#",
+            SMALL,
+        ),
         Slip("does not test for too few points", "len(points) < 2", "False", SMALL),
-        Slip("rejects two points", "len(points) < 2", "len(points) <= 2", SMALL),
+        Slip("rejects a cloud of two points", "len(points) < 2", "len(points) <= 2", SMALL),
         Slip("squared tolerance", "<= distance_tolerance", "<= distance_tolerance**2", PARTLY),
         Slip("fixed tolerance", "<= distance_tolerance", "<= 0.5", PARTLY),
         Slip(
-            "mask before line",
+            "returns the mask before the line",
             "\n    return best_line, best_inliers",
             "\n    return best_inliers, best_line",
             USELESS,

@@ -10,9 +10,9 @@ _SVD = "points[:, :3] - centre, full_matrices=False"
 
 SLIPS = {
     "plane_through": [
-        Slip("wrong sign of d", "-normal @ p", "normal @ p", USELESS),
-        Slip("d always 0", "(*normal, -normal @ p)", "(*normal, 0.0)", USELESS),
-        Slip("only three numbers", "(*normal, -normal @ p)", "tuple(normal)", USELESS),
+        Slip("d has the wrong sign", "-normal @ p", "normal @ p", USELESS),
+        Slip("d is always 0", "(*normal, -normal @ p)", "(*normal, 0.0)", USELESS),
+        Slip("returns only three numbers", "(*normal, -normal @ p)", "tuple(normal)", USELESS),
         Slip("not divided by the length", "normal = normal / length", "", PARTLY),
         Slip(
             "d not divided by the length",
@@ -22,19 +22,22 @@ SLIPS = {
         ),
         Slip("points instead of sides", "q - p, r - p", "p, q", USELESS),
         Slip("p not subtracted from r", "r - p)", "r)", USELESS),
-        Slip("one side twice", "r - p)", "q - p)", USELESS),
+        Slip("one side used twice", "r - p)", "q - p)", USELESS),
         Slip("never returns None", "length < 1e-9", "False", PARTLY),
         Slip("compares with exactly 0", "length < 1e-9", "length == 0", SMALL),
-        Slip("None for small triangles", "length < 1e-9", "length < 0.1", SMALL),
+        Slip("returns None for small triangles", "length < 1e-9", "length < 0.1", SMALL),
         Slip(
-            "product instead of cross product",
+            "element-wise product instead of cross product",
             "np.cross(q - p, r - p)",
             "(q - p) * (r - p)",
             USELESS,
         ),
         Slip("returns a pair", "(*normal, -normal @ p)", "normal, -normal @ p", USELESS),
         Slip(
-            "no return", "return (*normal, -normal @ p)", "plane = (*normal, -normal @ p)", USELESS
+            "no return statement",
+            "return (*normal, -normal @ p)",
+            "plane = (*normal, -normal @ p)",
+            USELESS,
         ),
         Slip(
             "dot product instead of cross product",
@@ -48,7 +51,7 @@ SLIPS = {
         Slip("d missing", " + offset)", ")", USELESS),
         Slip("d subtracted", "+ offset)", "- offset)", USELESS),
         Slip("d outside the parentheses", "normal + offset)", "normal) + offset", USELESS),
-        Slip("squared", f"np.abs({_DISTANCE})", f"({_DISTANCE}) ** 2", USELESS),
+        Slip("squared distances", f"np.abs({_DISTANCE})", f"({_DISTANCE}) ** 2", USELESS),
         Slip(
             "multiplies all four columns",
             f"np.abs({_DISTANCE})",
@@ -76,7 +79,7 @@ SLIPS = {
             USELESS,
         ),
         Slip(
-            "distances along z",
+            "measures distances along z",
             "np.abs(points[:, :3] @ normal + offset)",
             "np.abs(points[:, :3] @ normal + offset) / abs(normal[2])",
             USELESS,
@@ -88,7 +91,7 @@ SLIPS = {
             USELESS,
         ),
         Slip(
-            "no return",
+            "no return statement",
             "return np.abs(points[:, :3] @ normal + offset)",
             "distance = np.abs(points[:, :3] @ normal + offset)",
             USELESS,
@@ -130,15 +133,17 @@ SLIPS = {
         Slip("break instead of continue", "continue", "break", SMALL),
         Slip("does not test for None", "candidate is None", "False", SMALL),
         Slip("one round missing", "range(max_iterations)", "range(1, max_iterations)", SMALL),
-        Slip("always fifty rounds", "range(max_iterations)", "range(50)", SMALL),
+        Slip("always runs fifty rounds", "range(max_iterations)", "range(50)", SMALL),
         Slip("fixed seed", "= np.random.default_rng(rng)", "= np.random.default_rng(0)", SMALL),
-        Slip("makes no generator from a seed", "rng = np.random.default_rng(rng)", "", SMALL),
+        Slip(
+            "does not create a generator from a seed", "rng = np.random.default_rng(rng)", "", SMALL
+        ),
         Slip("does not test for too few points", "len(points) < 3", "False", SMALL),
-        Slip("rejects three points", "len(points) < 3", "len(points) <= 3", SMALL),
+        Slip("rejects a cloud of three points", "len(points) < 3", "len(points) <= 3", SMALL),
         Slip("four columns in the sample", "points[sample, :3]", "points[sample]", PARTLY),
         Slip("fixed tolerance", "<= distance_tolerance", "<= 0.3", PARTLY),
         Slip(
-            "mask before model",
+            "returns the mask before the model",
             "\n    return model, inliers",
             "\n    return inliers, model",
             USELESS,
@@ -191,8 +196,8 @@ SLIPS = {
         Slip("direction of largest spread", "by_spread[2]", "by_spread[0]", USELESS),
         Slip("direction of second largest spread", "by_spread[2]", "by_spread[1]", USELESS),
         Slip("column instead of row", "by_spread[2]", "by_spread[:, 2]", USELESS),
-        Slip("wrong sign of d", "-least @ centre", "least @ centre", USELESS),
-        Slip("d always 0", "-least @ centre", "0.0", USELESS),
+        Slip("d has the wrong sign", "-least @ centre", "least @ centre", USELESS),
+        Slip("d is always 0", "-least @ centre", "0.0", USELESS),
         Slip(
             "uses all four columns",
             "centre = points[:, :3].mean(axis=0)\n    by_spread = np.linalg.svd(points[:, :3] -",
@@ -202,9 +207,12 @@ SLIPS = {
         Slip("mean of each row", "mean(axis=0)", "mean(axis=1)[:3]", USELESS),
         Slip("one mean for all columns", "mean(axis=0)", "mean() * np.ones(3)", USELESS),
         Slip(
-            "first result of the SVD", "full_matrices=False)[2]", "full_matrices=False)[0]", USELESS
+            "uses the first result of the SVD",
+            "full_matrices=False)[2]",
+            "full_matrices=False)[0]",
+            USELESS,
         ),
-        Slip("full matrices", ", full_matrices=False", "", SMALL),
+        Slip("computes full matrices", ", full_matrices=False", "", SMALL),
         Slip(
             "plane through the first three points",
             "    centre = points[:, :3].mean(axis=0)\n"
@@ -228,7 +236,7 @@ SLIPS = {
             "    return a / length, b / length, -1 / length, c / length",
             PARTLY,
         ),
-        Slip("no return", "return (*least", "plane = (*least", USELESS),
+        Slip("no return statement", "return (*least", "plane = (*least", USELESS),
         Slip(
             "median instead of mean",
             "points[:, :3].mean(axis=0)",
@@ -239,14 +247,14 @@ SLIPS = {
     "iterations_needed": [
         Slip("rounded down", "math.ceil", "math.floor", SMALL),
         Slip("not rounded", "math.ceil", "float", SMALL),
-        Slip("no exponent", "inlier_ratio**sample_size", "inlier_ratio", USELESS),
+        Slip("exponent missing", "inlier_ratio**sample_size", "inlier_ratio", USELESS),
         Slip(
             "product instead of power",
             "inlier_ratio**sample_size",
             "inlier_ratio * sample_size",
             USELESS,
         ),
-        Slip("always three points", "inlier_ratio**sample_size", "inlier_ratio**3", PARTLY),
+        Slip("always samples three points", "inlier_ratio**sample_size", "inlier_ratio**3", PARTLY),
         Slip(
             "logarithm of confidence", "math.log(1 - confidence)", "math.log(confidence)", USELESS
         ),
@@ -264,14 +272,14 @@ SLIPS = {
             SMALL,
         ),
         Slip("no special case for 1", "    if good_sample >= 1:\n        return 1\n", "", SMALL),
-        Slip("0 without inliers", "return math.inf", "return 0", SMALL),
+        Slip("returns 0 if there are no inliers", "return math.inf", "return 0", SMALL),
         Slip(
             "outliers instead of inliers",
             "inlier_ratio**sample_size",
             "(1 - inlier_ratio) ** sample_size",
             USELESS,
         ),
-        Slip("one too many", "math.ceil(", "1 + math.ceil(", SMALL),
+        Slip("one round too many", "math.ceil(", "1 + math.ceil(", SMALL),
         Slip(
             "wrong sign in the logarithm",
             "math.log1p(-good_sample)",

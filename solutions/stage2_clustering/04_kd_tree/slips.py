@@ -13,7 +13,7 @@ _MIDDLE = "(len(rows) - 1) // 2"
 
 SLIPS = {
     "insert": [
-        Slip("equal goes left", "point[axis] < parent", "point[axis] <= parent", PARTLY),
+        Slip("equal coordinates go left", "point[axis] < parent", "point[axis] <= parent", PARTLY),
         Slip("the sides are swapped", "point[axis] < parent", "point[axis] > parent", USELESS),
         Slip("the depth does not grow", "child, depth + 1", "child, depth", USELESS),
         Slip("the root has depth 1", "tree.root, 0", "tree.root, 1", USELESS),
@@ -94,7 +94,7 @@ SLIPS = {
             USELESS,
         ),
         Slip(
-            "one if inside the other",
+            "one if nested in the other",
             f"        if {_RIGHT}:\n            waiting.append((node.right, depth + 1))",
             f"            if {_RIGHT}:\n                waiting.append((node.right, depth + 1))",
             USELESS,
@@ -106,7 +106,7 @@ SLIPS = {
             "found.append(node.point)",
             USELESS,
         ),
-        Slip("no test for None", "node is None", "False", USELESS),
+        Slip("does not test for None", "node is None", "False", USELESS),
         Slip("return inside the loop", "    return found", "        return found", USELESS),
         Slip(
             "the height is left out",
@@ -125,7 +125,7 @@ SLIPS = {
         Slip("returns a generator", "return found", "return (index for index in found)", USELESS),
     ],
     "median_order": [
-        Slip("the upper median", _MIDDLE, "len(rows) // 2", SMALL),
+        Slip("uses the upper median", _MIDDLE, "len(rows) // 2", SMALL),
         Slip(
             "starts with y", "(np.arange(len(points)), 0)", "(np.arange(len(points)), 1)", USELESS
         ),
@@ -139,7 +139,7 @@ SLIPS = {
             'rows = np.argsort(along, kind="stable")',
             USELESS,
         ),
-        Slip("not sorted", 'rows = rows[np.argsort(along, kind="stable")]', "", USELESS),
+        Slip("does not sort", 'rows = rows[np.argsort(along, kind="stable")]', "", USELESS),
         Slip(
             "the median is repeated",
             "rows[middle + 1:]",
@@ -160,12 +160,12 @@ SLIPS = {
             SMALL,
         ),
         Slip("points instead of row numbers", "int(rows[middle])", "points[rows[middle]]", USELESS),
-        Slip("no test for an empty part", "len(rows) == 0", "False", USELESS),
+        Slip("does not test for an empty part", "len(rows) == 0", "False", USELESS),
         Slip("break instead of continue", "continue", "break", USELESS),
         Slip("return inside the loop", "    return order", "        return order", USELESS),
         Slip("missing parentheses", "(len(rows) - 1) // 2", "len(rows) - 1 // 2", USELESS),
         Slip(
-            "no right half",
+            "omits the right half",
             "(rows[:middle], depth + 1), (rows[middle + 1:], depth + 1)",
             "(rows[:middle], depth + 1)",
             USELESS,

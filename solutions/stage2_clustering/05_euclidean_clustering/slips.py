@@ -8,14 +8,14 @@ SLIPS = {
     "euclidean_clustering": [
         Slip("no point joins the queue", "            waiting.extend(newcomers)\n", "", USELESS),
         Slip("the queue starts empty", "deque([start])", "deque()", USELESS),
-        Slip("one length for all points", ", axis=1)", ")", USELESS),
+        Slip("one distance for the whole cloud", ", axis=1)", ")", USELESS),
         Slip("returns after one cluster", "    return labels", "        return labels", USELESS),
         Slip("squares the threshold", "distance < threshold", "distance < threshold ** 2", PARTLY),
         Slip("no square root", _NEAR, f"{_NEAR} ** 2", PARTLY),
         Slip("a fixed threshold", "distance < threshold", "distance < 0.5", PARTLY),
         Slip("uses intensity as a coordinate", "cloud[:, :3]", "cloud", PARTLY),
         Slip("ignores the height", "cloud[:, :3]", "cloud[:, :2]", PARTLY),
-        Slip("labels from 0", "return labels", "return labels - 1", SMALL),
+        Slip("labels start at 0", "return labels", "return labels - 1", SMALL),
         Slip(
             "increases the counter at every point",
             "        if labels[start] > 0:\n            continue\n        cluster += 1\n",
@@ -32,7 +32,7 @@ SLIPS = {
         Slip("break instead of continue", "continue", "break", USELESS),
         Slip("if instead of while", "while waiting", "if waiting", USELESS),
         Slip(
-            "the lesson's balls",
+            "uses the balls from the lesson",
             BODY,
             "    return balls(cloud, threshold)",
             NAIVE,

@@ -8,7 +8,7 @@ SLIPS = {
     "filter_ground": [
         Slip("the comparison is reversed", "2] >=", "2] <", USELESS),
         Slip("the sign of the level is flipped", "2] >= ", "2] >= -", USELESS),
-        Slip("absolute heights", "cloud[:, 2]", "np.abs(cloud[:, 2])", USELESS),
+        Slip("absolute values of the heights", "cloud[:, 2]", "np.abs(cloud[:, 2])", USELESS),
         Slip("y instead of z", "[:, 2]", "[:, 1]", USELESS),
         Slip("the last column instead of z", "[:, 2]", "[:, -1]", USELESS),
         Slip("a row instead of a column", "[:, 2]", "[2]", USELESS),
@@ -28,7 +28,12 @@ SLIPS = {
             "return np.where(stands_above)",
             USELESS,
         ),
-        Slip("no return", "return cloud[stands_above]", "cloud = cloud[stands_above]", USELESS),
+        Slip(
+            "no return statement",
+            "return cloud[stands_above]",
+            "cloud = cloud[stands_above]",
+            USELESS,
+        ),
     ],
     "voxel_grid": [
         Slip(
@@ -38,7 +43,7 @@ SLIPS = {
             USELESS,
         ),
         Slip("returns the sums", "return sums / count[:, None]", "return sums", USELESS),
-        Slip("divides by the counts as a row", "count[:, None]", "count", USELESS),
+        Slip("does not turn the counts into a column", "count[:, None]", "count", USELESS),
         Slip(
             "np.unique without as_numbers",
             "np.unique(as_numbers(cell_of_point),",
@@ -50,7 +55,7 @@ SLIPS = {
         Slip("integer sums", "cloud.shape[1]))", "cloud.shape[1]), dtype=int)", USELESS),
         Slip("a fixed size of 0.2", "[:, :3] / voxel_size", "[:, :3] / 0.2", PARTLY),
         Slip(
-            "uses the intensity for the cell",
+            "includes the intensity in the cell index",
             "cloud[:, :3] / voxel_size",
             "cloud / voxel_size",
             SMALL,
@@ -62,7 +67,7 @@ SLIPS = {
             PARTLY,
         ),
         Slip("rounds towards zero", _CELL, "np.trunc(cloud[:, :3] / voxel_size)", SMALL),
-        Slip("rounds to the nearest", "np.floor(cloud", "np.round(cloud", SMALL),
+        Slip("rounds to the nearest integer", "np.floor(cloud", "np.round(cloud", SMALL),
         Slip(
             "starts cells at the lowest corner",
             "np.floor(cloud[:, :3] /",
@@ -88,7 +93,7 @@ SLIPS = {
             PARTLY,
         ),
         Slip(
-            "sums of indices instead of cells",
+            "groups by the sum of the cell indices",
             "as_numbers(cell_of_point)",
             "cell_of_point.sum(axis=1)",
             PARTLY,

@@ -15,7 +15,7 @@
 #
 # **After this lesson you can**
 # - keep the points near the car, use the right kind of distance, and say what a larger radius costs,
-# - cut a region of interest out of a street, straight or bent,
+# - cut a straight or bent region of interest out of a street,
 # - find and remove [returns](#Words-of-the-course) that do not come from obstacles.
 #
 # **You write** `filter_by_distance` (points), `crop_region` (points) and `remove_ego_returns` (points). **You need** boolean masks (lesson 01 or 06). All packages listed at the end are allowed. **Time:** about 45 minutes.

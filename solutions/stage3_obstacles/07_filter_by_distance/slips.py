@@ -8,7 +8,7 @@ SLIPS = {
     "filter_by_distance": [
         Slip("the comparison is reversed", "<= distance]", "> distance]", USELESS),
         Slip("z instead of y", "cloud[:, 1]", "cloud[:, 2]", USELESS),
-        Slip("only x", "np.hypot(cloud[:, 0], cloud[:, 1])", "cloud[:, 0]", USELESS),
+        Slip("uses only x", "np.hypot(cloud[:, 0], cloud[:, 1])", "cloud[:, 0]", USELESS),
         Slip(
             "adds x and y",
             "np.hypot(cloud[:, 0], cloud[:, 1])",
@@ -22,7 +22,7 @@ SLIPS = {
             USELESS,
         ),
         Slip(
-            "one length for the whole cloud",
+            "one distance for the whole cloud",
             "np.hypot(cloud[:, 0], cloud[:, 1])",
             "np.linalg.norm(cloud[:, :2])",
             USELESS,
@@ -34,13 +34,13 @@ SLIPS = {
             USELESS,
         ),
         Slip(
-            "the length of the whole row",
+            "the norm of the whole row",
             "np.hypot(cloud[:, 0], cloud[:, 1])",
             "np.linalg.norm(cloud, axis=1)",
             PARTLY,
         ),
         Slip(
-            "the distance in space",
+            "the 3-D distance",
             "np.hypot(cloud[:, 0], cloud[:, 1])",
             "np.linalg.norm(cloud[:, :3], axis=1)",
             PARTLY,
@@ -77,7 +77,7 @@ SLIPS = {
             "along_the_road <= distance",
             USELESS,
         ),
-        Slip("no return", "return cloud[along", "cloud = cloud[along", USELESS),
+        Slip("no return statement", "return cloud[along", "cloud = cloud[along", USELESS),
     ],
     "crop_region": [
         Slip("any instead of all", ".all(axis=1)", ".any(axis=1)", USELESS),
@@ -101,8 +101,8 @@ SLIPS = {
         ),
         Slip("drops the intensity", "cloud[inside]", "xyz[inside]", SMALL),
         Slip("returns the mask", "return cloud[inside]", "return inside", USELESS),
-        Slip("no return", "return cloud[inside]", "cloud = cloud[inside]", USELESS),
-        Slip("minimum[0] for all axes", "xyz >= minimum", "xyz >= minimum[0]", USELESS),
+        Slip("no return statement", "return cloud[inside]", "cloud = cloud[inside]", USELESS),
+        Slip("uses minimum[0] for all axes", "xyz >= minimum", "xyz >= minimum[0]", USELESS),
         Slip("compares only x", ".all(axis=1)", "[:, 0]", PARTLY),
         Slip(
             "always uses the lesson's region",
@@ -119,7 +119,7 @@ SLIPS = {
         Slip("ignores minimum", "(xyz >= minimum) & (xyz <= maximum)", "(xyz <= maximum)", PARTLY),
         Slip("ignores maximum", "(xyz >= minimum) & (xyz <= maximum)", "(xyz >= minimum)", PARTLY),
         Slip(
-            "requires outside on all axes",
+            "keeps only points outside on every axis",
             _BOX,
             "~((xyz < minimum) | (xyz > maximum)).all(axis=1)",
             USELESS,
@@ -132,7 +132,7 @@ SLIPS = {
         ),
         Slip("drops the intensity", "cloud[~is_ours]", "xyz[~is_ours]", SMALL),
         Slip("returns the mask", "return cloud[~is_ours]", "return ~is_ours", USELESS),
-        Slip("no return", "return cloud[~is_ours]", "cloud = cloud[~is_ours]", USELESS),
+        Slip("no return statement", "return cloud[~is_ours]", "cloud = cloud[~is_ours]", USELESS),
         Slip("`not` instead of `~`", "cloud[~is_ours]", "cloud[not is_ours]", USELESS),
         Slip(
             "swaps the corners",
@@ -140,7 +140,7 @@ SLIPS = {
             "(xyz >= maximum) & (xyz <= minimum)",
             USELESS,
         ),
-        Slip("the last three columns", "cloud[:, :3]", "cloud[:, -3:]", USELESS),
+        Slip("uses the last three columns", "cloud[:, :3]", "cloud[:, -3:]", USELESS),
         Slip("compares only x", ".all(axis=1)", "[:, 0]", USELESS),
         Slip(
             "always uses the lesson's box",

@@ -28,7 +28,9 @@ SLIPS = {
         Slip(
             "skips the first label", _ROUND, "for label in np.unique(cluster_labels)[1:]:", PARTLY
         ),
-        Slip("boxes the noise", _ROUND, "for label in np.unique(cluster_labels):", PARTLY),
+        Slip(
+            "puts a box around the noise", _ROUND, "for label in np.unique(cluster_labels):", PARTLY
+        ),
         Slip(
             "orders boxes by first occurrence",
             _ROUND,
@@ -47,8 +49,8 @@ SLIPS = {
             "np.max(points[1:], axis=0, initial=-np.inf)",
             PARTLY,
         ),
-        Slip("intensity in the corners", "label), :3]", "label)]", PARTLY),
-        Slip("wrong shape without clusters", ".reshape(-1, 8, 3)", "", SMALL),
+        Slip("includes the intensity in the corners", "label), :3]", "label)]", PARTLY),
+        Slip("wrong shape if there are no clusters", ".reshape(-1, 8, 3)", "", SMALL),
         Slip(
             "one minimum and one maximum for x, y and z",
             "points.max(axis=0), points.min(axis=0)",
@@ -62,6 +64,6 @@ SLIPS = {
             USELESS,
         ),
         Slip("rounds to centimetres", ".reshape(-1, 8, 3)", ".reshape(-1, 8, 3).round(2)", SMALL),
-        Slip("no return", "return np.array", "boxes = np.array", USELESS),
+        Slip("no return statement", "return np.array", "boxes = np.array", USELESS),
     ],
 }

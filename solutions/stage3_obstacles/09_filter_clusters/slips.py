@@ -69,7 +69,7 @@ labels = cluster_labels.copy()
             PARTLY,
         ),
         Slip("`size` instead of `size[row]`", "size[row]", "size", USELESS),
-        Slip("no return", "return np.where", "labels = np.where", USELESS),
+        Slip("no return statement", "return np.where", "labels = np.where", USELESS),
         Slip(
             "return inside the loop",
             "    _, row, size = np.unique(cluster_labels, return_inverse=True, "

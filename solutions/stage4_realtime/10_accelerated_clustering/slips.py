@@ -10,13 +10,13 @@ _RANKS = "np.argsort(np.argsort(start))[which] + 1"
 SLIPS = {
     "euclidean_clustering_accelerated": [
         Slip(
-            "side of a cell = threshold",
+            "cell side equal to the threshold",
             _SIDE,
             _SIDE.replace("(points, threshold)", "(points, threshold * np.sqrt(3))"),
             PARTLY,
         ),
         Slip(
-            "rounded towards 0",
+            "rounds towards zero",
             _SIDE,
             "cells, first, cell_of_point = np.unique((points / (threshold / np.sqrt(3)))"
             ".astype(int), axis=0, return_index=True, return_inverse=True)\n"
@@ -24,26 +24,26 @@ SLIPS = {
             PARTLY,
         ),
         Slip(
-            "rows of cells taken for rows of points",
+            "mistakes rows of cells for rows of points",
             _CHEAP,
             "join_cheaply(points, cells, np.arange(len(points)), threshold)",
             USELESS,
         ),
         Slip(
-            "cells compared instead of points",
+            "compares cells instead of points",
             _CHEAP,
             "join_cheaply(cells, cells, np.arange(len(cells)), threshold)",
             SMALL,
         ),
         Slip(
-            "only the next cells searched",
+            "searches only adjacent cells",
             _CHEAP,
             f'{_CHEAP}\n    pairs = cKDTree(cells).query_pairs(1, p=np.inf, output_type="ndarray")',
             PARTLY,
         ),
-        Slip("no exact step", _EXACT, "", USELESS),
+        Slip("exact step missing", _EXACT, "", USELESS),
         Slip(
-            "result of the exact step ignored",
+            "ignores the result of the exact step",
             "    label = join_exactly(points",
             "    join_exactly(points",
             USELESS,
@@ -54,9 +54,11 @@ SLIPS = {
             "pairs, label, 0.5)\n    _,",
             PARTLY,
         ),
-        Slip("labels from 0", _RANKS, "np.argsort(np.argsort(start))[which]", SMALL),
+        Slip("labels start at 0", _RANKS, "np.argsort(np.argsort(start))[which]", SMALL),
         Slip("labels of cells instead of points", _RANKS, "label + 1", USELESS),
-        Slip("intensity is a coordinate", "np.asarray(cloud)[:, :3]", "np.asarray(cloud)", SMALL),
+        Slip(
+            "uses intensity as a coordinate", "np.asarray(cloud)[:, :3]", "np.asarray(cloud)", SMALL
+        ),
         Slip(
             "a fixed threshold for the cells",
             _SIDE,
@@ -70,11 +72,11 @@ SLIPS = {
             SMALL,
         ),
         Slip(
-            "one label for each cell",
+            "returns one label per cell",
             "label[cell_of_point], return_index",
             "label, return_index",
             USELESS,
         ),
-        Slip("no return", "return np.argsort", "labels = np.argsort", USELESS),
+        Slip("no return statement", "return np.argsort", "labels = np.argsort", USELESS),
     ],
 }

@@ -14,19 +14,17 @@ _EGO = "    points = remove_ego_returns(points, (-1.5, -1.7, -1.0), (2.6, 1.7, -
 
 SLIPS = {
     "detect_obstacles": [
-        Slip("the road stays in", _PLANE, "", USELESS),
-        Slip("only the road stays in", "low[near])) > 0.3", "low[near])) < 0.3", USELESS),
+        Slip("keeps the road", _PLANE, "", USELESS),
+        Slip("keeps only the road", "low[near])) > 0.3", "low[near])) < 0.3", USELESS),
+        Slip("fits the plane to all returns", "ransac_plane(low,", "ransac_plane(points,", USELESS),
+        Slip("keeps the ego car", _EGO, "", PARTLY),
         Slip(
-            "the plane fitted to all returns", "ransac_plane(low,", "ransac_plane(points,", USELESS
-        ),
-        Slip("the ego car stays in", _EGO, "", PARTLY),
-        Slip(
-            "result of filter_clusters ignored",
+            "ignores the result of filter_clusters",
             "labels = filter_clusters(labels",
             "filter_clusters(labels",
             PARTLY,
         ),
-        Slip("a minimum of 100", "(labels, min_num_points)", "(labels, 100)", PARTLY),
+        Slip("a minimum of 100 points", "(labels, min_num_points)", "(labels, 100)", PARTLY),
         Slip(
             "a threshold of two metres",
             "accelerated(points, threshold)",
@@ -35,7 +33,7 @@ SLIPS = {
         ),
         Slip("a region that ends at 8 m", "maximum)\n", "(8.0, 9.0, 1.0))\n", SMALL),
         Slip(
-            "boxes along the axes",
+            "axis-aligned boxes",
             "return get_oriented_boxes(points, labels)",
             """\
 boxes = []
@@ -47,16 +45,20 @@ boxes = []
     return np.array(boxes).reshape(-1, 8, 3)""",
             PARTLY,
         ),
-        Slip("works only with intensity", "cloud[:, :3]", "cloud[:, [0, 1, 2, 3]]", SMALL),
-        Slip("everything within four metres removed", "(2.6, 1.7, -0.4)", "(4.0, 4.0, 4.0)", SMALL),
         Slip(
-            "a region as narrow as a lane",
+            "works only on clouds with intensities", "cloud[:, :3]", "cloud[:, [0, 1, 2, 3]]", SMALL
+        ),
+        Slip(
+            "removes too large a box for the ego car", "(2.6, 1.7, -0.4)", "(4.0, 4.0, 4.0)", SMALL
+        ),
+        Slip(
+            "a region only 7 m wide",
             "minimum, maximum)\n",
             "(-15.0, -3.5, -3.0), (35.0, 3.5, 1.0))\n",
             SMALL,
         ),
         Slip(
-            "large clusters removed",
+            "removes large clusters",
             "labels = filter_clusters(labels, min_num_points)",
             "labels = filter_clusters(labels, min_num_points)\n"
             "    labels = np.where(np.bincount(labels)[labels] > 400, 0, labels)",
@@ -69,7 +71,7 @@ boxes = []
             SMALL,
         ),
         Slip(
-            "the high points used for the plane",
+            "fits the plane to the high points",
             "points[points[:, 2] < ground_level]",
             "points[points[:, 2] > ground_level]",
             USELESS,
@@ -77,56 +79,61 @@ boxes = []
     ],
     "match_boxes": [
         Slip(
-            "rows and columns exchanged",
+            "exchanges rows and columns",
             "partners[row] = column",
             "partners[column] = row",
             USELESS,
         ),
         Slip(
-            "matched the other way round",
+            "matches the other way round",
             f"{_CENTRES}, axis=2)\n    partners = np.full(len(current), -1)",
             "previous.mean(axis=1)[:, None] - current.mean(axis=1), axis=2)\n"
             "    partners = np.full(len(previous), -1)",
             USELESS,
         ),
         Slip(
-            "the mean over the wrong axis",
+            "takes the mean over the wrong axis",
             _CENTRES,
             _CENTRES.replace("axis=1", "axis=2"),
             PARTLY,
         ),
-        Slip("first corners compared", _CENTRES, "current[:, 0][:, None] - previous[:, 0]", PARTLY),
-        Slip("the column not crossed out", _STRUCK, "distances[row, :] = np.inf", PARTLY),
-        Slip("the row not crossed out", _STRUCK, "distances[:, column] = np.inf", SMALL),
+        Slip("compares first corners", _CENTRES, "current[:, 0][:, None] - previous[:, 0]", PARTLY),
+        Slip("does not cross out the column", _STRUCK, "distances[row, :] = np.inf", PARTLY),
+        Slip("does not cross out the row", _STRUCK, "distances[:, column] = np.inf", SMALL),
         Slip(
-            "max_distance ignored",
+            "ignores max_distance",
             "distances.min() <= max_distance",
             "distances.min() < np.inf",
             PARTLY,
         ),
         Slip("a fixed maximum distance", "<= max_distance", "<= 1.5", PARTLY),
         Slip(
-            "squared distances compared",
+            "compares squared distances",
             f"np.linalg.norm({_CENTRES}, axis=2)",
             f"(({_CENTRES}) ** 2).sum(axis=2)",
             PARTLY,
         ),
-        Slip("0 for new ones", "np.full(len(current), -1)", "np.zeros(len(current), int)", PARTLY),
+        Slip("0 for new boxes", "np.full(len(current), -1)", "np.zeros(len(current), int)", PARTLY),
         Slip(
-            "an answer as long as previous",
+            "an answer as long as `previous`",
             "np.full(len(current), -1)",
             "np.full(len(previous), -1)",
             PARTLY,
         ),
-        Slip("no special case for no boxes", "distances.size and ", "", SMALL),
+        Slip("does not handle an empty list of boxes", "distances.size and ", "", SMALL),
         Slip("return inside the loop", "    return partners", "        return partners", USELESS),
         Slip(
-            "only x compared",
+            "compares only x",
             "current.mean(axis=1)[:, None] - previous.mean(axis=1)",
             "(current.mean(axis=1)[:, None] - previous.mean(axis=1))[..., :1]",
             PARTLY,
         ),
-        Slip("no distance is close enough", "<= max_distance", ">= max_distance", USELESS),
-        Slip("no return", "return partners", "pairs = partners", USELESS),
+        Slip(
+            "the comparison with max_distance is reversed",
+            "<= max_distance",
+            ">= max_distance",
+            USELESS,
+        ),
+        Slip("no return statement", "return partners", "pairs = partners", USELESS),
     ],
 }
