@@ -39,11 +39,20 @@ def pytest_configure(config):
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-def pytest_collection_finish(session):
-    """Exclude existing objects from garbage collection, which took a tenth of the time."""
-    gc.collect()
-    gc.freeze()
-    gc.set_threshold(20_000)
+@pytest.hookimpl(wrapper=True)
+def pytest_collection(session):
+    """Collect the tests without garbage collection, and exclude the collected objects from it.
+
+    Garbage collection took a third of the collection, and a tenth of the tests' time.
+    """
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.enable()
+        gc.collect()
+        gc.freeze()
+        gc.set_threshold(20_000)
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -609,24 +609,25 @@ def nested_list(depth):
     return value
 
 
+# Functions, because together these answers take 150 MB.
 HUGE_ANSWERS = {
-    "boxes": np.tile(np.mgrid[:2, :2, :2].reshape(3, 8).T.astype(float), (3000, 1, 1)),
-    "dimensions": np.zeros((6,) * 8, dtype=bool),
-    "dimensions, after None": [None, np.zeros((6,) * 8, dtype=bool)],
-    "nesting": nested_list(50),
-    "deeply nested lists in a long list": [nested_list(50)] * 20_000,
-    "a long list": list(range(10**6)),
-    "a longer list": [0.5] * (10**6 + 1),
-    "a long list of lists": [[0.0, 0.0, 0.0]] * 300_000,
-    "a long list of empty lists": [[]] * 900_000,
-    "digits": 10**10_000,
-    "many digits": [10**10_000] * 1000,
-    "a long text": "9" * 10**7,
-    "a long text in a list of short ones": ["9" * 10**7] + ["9"] * 10_000,
-    "a set": set(range(500_000)),
-    "a dictionary": {number: number for number in range(500_000)},
-    "a large array": np.zeros(4 * 10**6),
-    "labels": np.arange(10**6),
+    "boxes": lambda: np.tile(np.mgrid[:2, :2, :2].reshape(3, 8).T.astype(float), (3000, 1, 1)),
+    "dimensions": lambda: np.zeros((6,) * 8, dtype=bool),
+    "dimensions, after None": lambda: [None, np.zeros((6,) * 8, dtype=bool)],
+    "nesting": lambda: nested_list(50),
+    "deeply nested lists in a long list": lambda: [nested_list(50)] * 20_000,
+    "a long list": lambda: list(range(10**6)),
+    "a longer list": lambda: [0.5] * (10**6 + 1),
+    "a long list of lists": lambda: [[0.0, 0.0, 0.0]] * 300_000,
+    "a long list of empty lists": lambda: [[]] * 900_000,
+    "digits": lambda: 10**10_000,
+    "many digits": lambda: [10**10_000] * 1000,
+    "a long text": lambda: "9" * 10**7,
+    "a long text in a list of short ones": lambda: ["9" * 10**7] + ["9"] * 10_000,
+    "a set": lambda: set(range(500_000)),
+    "a dictionary": lambda: {number: number for number in range(500_000)},
+    "a large array": lambda: np.zeros(4 * 10**6),
+    "labels": lambda: np.arange(10**6),
 }
 
 
@@ -635,13 +636,13 @@ HUGE_ANSWERS = {
 def test_a_huge_answer_is_refused_quickly(name):
     from time import process_time
 
-    slow = {}
+    slow, answer = {}, HUGE_ANSWERS[name]()
     for lesson in all_lessons():
         for exercise in lesson.machine_graded:
             for one_check in checks_of(exercise.name):
                 begin = process_time()
                 try:
-                    one_check.run(huge_answers(exercise.name, HUGE_ANSWERS[name]))
+                    one_check.run(huge_answers(exercise.name, answer))
                     caught = None
                 except Exception as error:
                     caught = error
@@ -689,10 +690,10 @@ def huge_answers(exercise, answer):
 
 def test_messages_name_the_size_limits():
     for claim, words in (
-        (HUGE_ANSWERS["dimensions"], "three dimensions"),
+        (HUGE_ANSWERS["dimensions"](), "three dimensions"),
         (nested_list(50), "three dimensions"),
-        (HUGE_ANSWERS["a longer list"], "a million"),
-        (HUGE_ANSWERS["digits"], "nineteen digits"),
+        (HUGE_ANSWERS["a longer list"](), "a million"),
+        (HUGE_ANSWERS["digits"](), "nineteen digits"),
     ):
         with pytest.raises(CheckFailed, match=words):
             as_array(claim)
