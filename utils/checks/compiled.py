@@ -54,7 +54,7 @@ def assert_compiles(python: Callable, call: Callable[[Callable], object]) -> Non
     if compiled is None:
         if "numba" in sys.modules:
             raise CheckFailed(
-                "Numba does not compile this function: write `@njit` above its first line."
+                "Numba does not compile this function. Write `@njit` above its first line."
             )
         return
     expected = call(python)

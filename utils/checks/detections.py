@@ -34,7 +34,7 @@ _MOST_BOXES = 1000  # more are refused: comparing them is slow, and no right ans
 # boxes had less than 1.25 times the area of the cars, and boxes along the axes more than 1.5 times.
 _MAX_AREA_RATIO = 1.33
 _LARGEST_OF_A_PERSON = 3.0  # square metres
-_CARS_FOUND = "in the scan of this check, isolated cars near the sensor have separate boxes"
+_CARS_FOUND = "isolated cars near the sensor have separate boxes in the scan of this check"
 
 
 def detect_once(detect_obstacles: Callable, frame: Frame) -> object:
@@ -73,8 +73,8 @@ def as_boxes(answer: object) -> np.ndarray:
         raise WrongForm(
             "A box has a corner that is not finite.",
             yours=brief_text(boxes[bad]),
-            hint="Remove returns that are not finite before you fit boxes. A cluster of one point "
-            "has no direction and the length 0: do not divide by that length.",
+            hint="Remove returns that are not finite before you fit boxes. Do not divide by the "
+            "length of a cluster, which is 0 for a single point.",
         )
     return boxes.astype(float)
 
@@ -132,7 +132,7 @@ _NAMES = {"pedestrian": "person", "truck": "lorry"}
 
 def assert_contained(answer: object, obstacle: Box, frame: Frame) -> None:
     """Assert that at least one box contains an object; it may contain other things as well."""
-    boxes, name = as_boxes(answer), _NAMES.get(obstacle.kind, obstacle.kind)
+    boxes, name = as_boxes(answer), _object_name(obstacle)
     returns = frame.cloud[frame.scan.objects == obstacle.identity, :3]
     returns = returns[returns[:, 2] > obstacle.centre[2] - obstacle.size[2] / 2 + 0.55]
     if not any(
@@ -170,8 +170,8 @@ def assert_separate_boxes(answer: object, frame: Frame, gap: float) -> None:
                 yours="one box around both",
                 expected="a box for each",
                 draw=lambda box=box: _draw_boxes(frame, boxes, [box], "two cars"),
-                hint="Pass a smaller threshold to the clustering: two objects become one cluster "
-                "if it is larger than the gap between them.",
+                hint="Pass a smaller threshold to the clustering. Two objects become one cluster "
+                "if the threshold is larger than the gap between them.",
             )
 
 
@@ -238,7 +238,7 @@ def assert_few_ghosts(answers: Sequence[object], frames: Sequence[Frame]) -> Non
     inside_box = np.count_nonzero(_is_inside(_sorted_by_x(frame)[0], box, 0.05))
     raise CheckFailed(
         f"{len(ghosts)} of {total} boxes contain more road than obstacle, or nothing at all, for "
-        f"example {point_text(box[:, :2].mean(axis=0))}.",
+        f"example at {point_text(box[:, :2].mean(axis=0))}.",
         yours=f"{inside_box or 'no'} return{'s' if inside_box != 1 else ''} in that box",
         expected="boxes around cars, people, poles and walls",
         draw=lambda: _draw_boxes(
@@ -297,8 +297,8 @@ def assert_raindrops_ignored(answer: object, frame: Frame, drops: np.ndarray) ->
     if wet > len(drops) // 3:
         raise CheckFailed(
             "There are boxes around single returns in the air.",
-            yours=f"boxes around {wet} of {len(drops)} drops of rain",
-            expected="none around clusters of one point",
+            yours=f"boxes around {wet} of {len(drops)} raindrops",
+            expected="no boxes around single returns",
             draw=lambda: _draw_boxes(frame, boxes, small[(away < 0.5).any(axis=1)], "a drop"),
         )
 
@@ -355,11 +355,11 @@ def assert_upright(answer: object) -> None:
 
 
 _SPLIT_HINT = (
-    "Draw the clusters first: an object splits into several clusters if the threshold is smaller "
+    "Draw the clusters first. An object splits into several clusters if the threshold is smaller "
     "than the gaps between its points."
 )
 _MERGED_HINT = (
-    "Draw the clusters first: the road must be gone, and the threshold must be smaller than the "
+    "Draw the clusters first. The road must be gone, and the threshold must be smaller than the "
     "gaps between objects."
 )
 
@@ -383,10 +383,10 @@ def _assert_found(
     raise CheckFailed(
         f"{len(missed)} of {count} isolated {noun} near the sensor "
         f"{'have' if len(missed) > 1 else 'has'} no separate box, for example "
-        f"{point_text(obstacle.centre[:2])}: {how}.",
+        f"the one at {point_text(obstacle.centre[:2])}: {how}.",
         input_text=_visible_part(obstacle, frame),
         yours=f"{len(boxes)} boxes in that scan",
-        expected="for each, a box around most of its returns and little else",
+        expected="one box for each, around most of its returns and little else",
         draw=lambda: _draw_boxes(
             frame,
             boxes,
@@ -405,15 +405,15 @@ def _describe_miss(obstacle: Box, boxes: np.ndarray) -> tuple[str, str]:
     if pieces > _MOST_BOXES_ON_ONE:
         return f"there are {pieces} boxes on it", _SPLIT_HINT
     if not len(over):
-        return "no box is over it", ""  # empty: the check has its own hint
+        return "no box covers it", ""  # empty: the check has its own hint
     longest = max(max(_side_lengths(box)) for box in over)
     if longest > max(obstacle.size[:2]) + 1.0:
         return (
-            f"the box over it is {longest:.1f} m long, the {_object_name(obstacle)} "
-            f"{obstacle.size[0]:.1f} m",
+            f"the box over it is {longest:.1f} m long, but the {_object_name(obstacle)} is only "
+            f"{obstacle.size[0]:.1f} m long",
             _MERGED_HINT,
         )
-    return "no box over it contains most of its returns", _SPLIT_HINT
+    return "no box contains most of its returns", _SPLIT_HINT
 
 
 def _visible_part(obstacle: Box, frame: Frame) -> str:
@@ -426,7 +426,7 @@ def _visible_part(obstacle: Box, frame: Frame) -> str:
 
 
 def _object_name(obstacle: Box) -> str:
-    return {"pedestrian": "person"}.get(obstacle.kind, obstacle.kind)
+    return _NAMES.get(obstacle.kind, obstacle.kind)
 
 
 def _floor_rectangle(box: np.ndarray) -> np.ndarray:

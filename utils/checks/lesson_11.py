@@ -214,8 +214,8 @@ def require_directions(principal_axes: Callable) -> None:
     weight=4,
     title="Returns columns along the length, width and height of a block",
     why="The axes become the sides of the box. If they are wrong, the box is turned the wrong way.",
-    hint="Return the eigenvectors of the covariance matrix of x, y and z, q.T @ q / len(q), one "
-    "in each column. Draw them: they must be parallel to the sides of the block.",
+    hint="Return the eigenvectors of the covariance matrix, one in each column. For centred "
+    "points q, this matrix is q.T @ q / len(q).",
 )
 def finds_the_directions(principal_axes: Callable) -> None:
     assert_directions(
@@ -287,8 +287,8 @@ def orders_by_spread(principal_axes: Callable) -> None:
     "principal_axes",
     weight=10,
     title="Returns right-handed axes for every heading",
-    why="Left-handed axes describe a reflection. If you treat it as a rotation, all angles that "
-    "you read from it are wrong.",
+    why="Left-handed axes describe a reflection. If you treat a reflection as a rotation, you "
+    "compute wrong angles.",
     hint="If np.linalg.det(axes) is negative, flip the sign of one column. Do this last, because "
     "reversing the order of three columns also changes the sign of the determinant.",
 )
@@ -317,7 +317,7 @@ def has_unit_length(principal_axes: Callable) -> None:
 @visible_check(
     "principal_axes",
     weight=7,
-    title="Does not depend on the position of the cluster",
+    title="Returns the same axes wherever the cluster is",
     why="Without centring, the first axis points from the sensor to the car.",
     hint="Subtract points.mean(axis=0), the mean over the rows, from the points.",
 )
@@ -392,9 +392,8 @@ def assert_axes(answer: object, expected: np.ndarray, input_text: str | None = N
     title="Returns the right axes for the vehicles of the lesson's street",
     why="The scanner sees only some sides of a vehicle. This check combines all the properties "
     "that the checks above test separately.",
-    hint="First fix any check above that also fails, because each of them tests a single "
-    "property. Then compare your axes of one vehicle with those of np.linalg.svd, which the "
-    "lesson uses above the exercise.",
+    hint="First make the checks above pass. Then compare your axes of one vehicle with those of "
+    "np.linalg.svd, which the lesson uses above the exercise.",
 )
 def finds_vehicles(principal_axes: Callable) -> None:
     for name, points, axes in _vehicles():
@@ -423,10 +422,10 @@ common_checks.promise_fourth_column(
 @visible_check(
     "principal_axes",
     weight=2,
-    title="Works on two points, one point or none",
-    why="A thin post far away may return a single point, and the pipeline must not stop.",
-    hint="Compute q.T @ q, which is 3 x 3 for any number of points q. np.cov of one point is nan. "
-    "Any right-handed axes are right for a single point, for example np.eye(3).",
+    title="Works on two points, on a single point and on no points",
+    why="A thin post far away may return a single point, and the pipeline must not stop then.",
+    hint="If there are no points, return np.eye(3). Otherwise compute q.T @ q / len(q), which is "
+    "3 x 3 even for a single centred point q.",
 )
 def works_on_few_points(principal_axes: Callable) -> None:
     require_directions(principal_axes)
@@ -443,7 +442,7 @@ common_checks.promise_names(
     _BLOCK_CASE.without_precondition,
     "keeps_the_name",
     title="Keeps the name of its parameter, points",
-    why="Other programs may call principal_axes(points=...), as the docstring allows.",
+    why="Other code may call principal_axes(points=...).",
 )
 common_checks.promise_untouched(
     _BLOCK_CASE.with_first(frozen(_TURNED_BLOCK + [9.0, -4.0, -0.9])),
@@ -456,7 +455,7 @@ common_checks.promise_untouched(
 @note_check(
     "principal_axes",
     title="Returns an array, not a list",
-    why="The next cells take principal_axes(car)[:, 0], which does not work on a list.",
+    why="Later cells use principal_axes(points)[:, 0], which does not work on a list.",
 )
 def returns_an_array(principal_axes: Callable) -> None:
     answer = principal_axes(_grid(*_SIDES[0]))
@@ -501,19 +500,19 @@ declare_mistakes(
     Mistake(
         "The axes are right, but the columns are in order of increasing spread.",
         lambda right, points: right[:, ::-1],
-        "The largest variance comes first: axes[:, ::-1] reverses the columns.",
+        "Reverse the columns with axes[:, ::-1], so that the largest variance comes first.",
     ),
     Mistake(
         "The axes are right, but they are in the rows. Each axis should be a column.",
         lambda right, points: right.T,
-        "np.linalg.svd returns axes in rows, np.linalg.eigh in columns. Transpose the rows with "
-        ".T.",
+        "Transpose the axes of np.linalg.svd with .T, because they are rows. The axes of "
+        "np.linalg.eigh are already columns.",
     ),
     Mistake(
         "The code reorders the rows of the matrix. Each axis is a column, so it should reorder "
         "the columns.",
         lambda right, points: right[::-1, ::-1],
-        "axes[:, order] reorders the columns, and axes[order] reorders the rows.",
+        "Write axes[:, order], which reorders the columns. axes[order] reorders the rows.",
     ),
     Mistake(
         "The points are not centred, so the first axis points from the sensor to the cluster.",
@@ -521,8 +520,8 @@ declare_mistakes(
         "Subtract points.mean(axis=0) before anything else.",
     ),
     Mistake(
-        "Each coordinate is divided by its spread. The spreads of x and y are then equal, and the "
-        "first axis of any turned block is at 45° or −45°.",
+        "The code divides each coordinate by its spread. The spreads of x and y are then equal, "
+        "and the first axis of any turned block is at 45° or −45°.",
         lambda right, points: np.sqrt([[0.5, 0, 0.5], [0.5, 0, 0.5], [0, 1, 0]]),
         "Only subtract the mean; do not divide by the standard deviation.",
     ),
@@ -616,8 +615,8 @@ def contains_all_points(get_oriented_boxes: Callable) -> None:
     why="A box along x and y around a diagonal car blocks twice as much of the street as "
     "necessary.",
     hint="Turn the points by minus yaw and the corners by plus yaw. The yaw, in radians, is the "
-    "angle with the largest closeness_at or the smallest floor_area_at. It can also be "
-    "np.arctan2(y, x) of the first principal axis of the points seen from above.",
+    "angle with the largest closeness_at or the smallest floor_area_at, or np.arctan2(y, x) of "
+    "the first axis seen from above.",
 )
 def turns_with_the_cluster(get_oriented_boxes: Callable) -> None:
     require_straight_boxes(get_oriented_boxes)
@@ -662,10 +661,10 @@ def is_no_larger_than_needed(get_oriented_boxes: Callable) -> None:
     "get_oriented_boxes",
     weight=2,
     title="Returns upright boxes with a level floor and roof",
-    why="A car is on the road. The floor of a leaning box is partly above the road and partly "
-    "below it.",
-    hint="Turn about z only. All four corners of the floor have the same z, and so do those of "
-    "the roof.",
+    why="A car stands on the road, but the floor of a leaning box is partly above the road and "
+    "partly below it.",
+    hint="Turn about z only, so that all four floor corners have the same z, and so do the roof "
+    "corners.",
 )
 def keeps_boxes_upright(get_oriented_boxes: Callable) -> None:
     require_straight_boxes(get_oriented_boxes)
@@ -679,8 +678,8 @@ def keeps_boxes_upright(get_oriented_boxes: Callable) -> None:
     "get_oriented_boxes",
     weight=2,
     title="Puts the floor at the lowest point and the roof at the highest",
-    why="The floor and the roof of a box decide whether the car fits under a branch or over a "
-    "kerb.",
+    why="The floor and the roof of a box show whether the car can drive over a kerb or under a "
+    "branch.",
     hint="Put the floor at the smallest z of the cluster, and the roof at the largest.",
 )
 def reaches_floor_and_roof(get_oriented_boxes: Callable) -> None:
@@ -693,9 +692,8 @@ def reaches_floor_and_roof(get_oriented_boxes: Callable) -> None:
     "get_oriented_boxes",
     weight=8,
     title="Finds the heading of an object that is taller than it is long",
-    why="The longest direction of a pedestrian in space is up, which says nothing about the "
-    "heading seen from above.",
-    hint="Find the yaw from x and y alone, for example with z set to 0 in a copy of the points.",
+    why="A pedestrian is longest along z, and this direction says nothing about the heading.",
+    hint="Compute the yaw from x and y alone, for example with principal_axes(points * [1, 1, 0]).",
 )
 def finds_heading_from_above(get_oriented_boxes: Callable) -> None:
     require_straight_boxes(get_oriented_boxes)
@@ -734,9 +732,9 @@ common_box_checks.promise_no_box_for_noise(_BOXES_CASE, "leaves_noise_alone", we
     "get_oriented_boxes",
     weight=1,
     title="Works on clusters of one point, of equal points and of points on a line",
-    why="A post may return a single point and a thin wall a line, and both are obstacles.",
-    hint="Use the same code for every cluster: the box of a single point consists of that point "
-    "eight times.",
+    why="A post may return a single point, and a thin wall a line of points. Both are obstacles.",
+    hint="Use the same code for every cluster. All eight corners of the box of a single point are "
+    "this point.",
 )
 def works_on_small_clusters(get_oriented_boxes: Callable) -> None:
     require_straight_boxes(get_oriented_boxes)
@@ -757,7 +755,7 @@ common_box_checks.promise_intensity_ignored(_BOXES_CASE, "ignores_intensity_in_b
 common_checks.promise_names(
     _BOXES_CASE.without_precondition,
     "keeps_the_names",
-    why="Other programs may call get_oriented_boxes(cloud=..., cluster_labels=...).",
+    why="Other code may call get_oriented_boxes(cloud=..., cluster_labels=...).",
     weight=0.5,
 )
 common_box_checks.promise_untouched(
@@ -920,27 +918,28 @@ declare_mistakes(
     Mistake(
         "The boxes are not turned: their sides are parallel to x and y.",
         _prediction_with_changed_boxes(_axis_aligned),
-        "Turn the points by minus yaw before you take minimum and maximum.",
+        "Turn the points by minus yaw before you take their minimum and maximum.",
     ),
     Mistake(
-        "Both points and corners are turned by minus yaw. The corners must be turned back by plus "
-        "yaw.",
+        "The code turns both points and corners by minus yaw. It should turn the corners back by "
+        "plus yaw.",
         _prediction_turned_about_sensor(-2),
         "Turn the points by minus yaw and the corners by plus yaw.",
     ),
     Mistake(
-        "Points and corners are both turned by plus yaw.",
+        "The code turns both points and corners by plus yaw. It should turn the points by minus "
+        "yaw.",
         _prediction_with_changed_boxes(_turned_twice),
         "Turn the points by minus yaw and the corners by plus yaw.",
     ),
     Mistake(
-        "The corners are not turned back, so the boxes are around the turned points, not around "
-        "the cluster.",
+        "The code does not turn the corners back, so the boxes are around the turned points, not "
+        "around the cluster.",
         _prediction_turned_about_sensor(-1),
         "After you have built the corners from minimum and maximum, turn them by plus yaw.",
     ),
     Mistake(
-        "The boxes are turned by minus the heading.",
+        "The code turns the boxes by minus the heading. It should turn them by plus the heading.",
         _prediction_with_changed_boxes(_negative_heading),
         "Turn the points by minus yaw first, and the corners by plus yaw afterwards. If you use "
         "np.arctan2, pass y first and then x, from one column of the axes.",
@@ -949,18 +948,19 @@ declare_mistakes(
         "The boxes are the largest rectangles around their points, not the smallest, so they are "
         "off by 45°.",
         _prediction_with_changed_boxes(_turned_by_45),
-        "np.argmin finds the position of the smallest area, np.argmax the position of the largest.",
+        "Use np.argmin, which finds the smallest area. np.argmax finds the largest.",
     ),
     Mistake(
-        "An angle in degrees, or the index of the smallest area, is used as an angle in radians.",
+        "The code uses an angle in degrees, or the index of the smallest area, as an angle in "
+        "radians.",
         _prediction_with_changed_boxes(_degrees_as_radians),
-        "The angle is angles[areas.argmin()], not areas.argmin(). Use np.radians(30) for 30°.",
+        "Write angles[areas.argmin()], not areas.argmin(). For 30°, write np.radians(30).",
     ),
     Mistake(
-        "Each box is centred on the mean of its points. The mean is closer to the side with more "
-        "points.",
+        "The code centres each box on the mean of its points, which is closer to the side with "
+        "more points.",
         _predict_boxes_around_mean,
-        "The centre is half-way between minimum and maximum.",
+        "Put the centre halfway between minimum and maximum.",
     ),
     Mistake(
         "Label 0 also gets a box, but it is not an obstacle.",

@@ -49,8 +49,8 @@ def test_course_cloud(student, seed):
     NAME,
     weight=12,
     title="Finds the exact clusters on new streets",
-    hint="Shuffle every tenth point of cloud.txt, compare your clusters with those of "
-    "join_all_pairs, and look for clusters that are split or merged.",
+    hint="Take every tenth point of cloud.txt in random order, compare your clusters with those "
+    "of join_all_pairs, and look for clusters that are split or merged.",
 )
 def test_fresh_streets(student, seed):
     for street in range(2):
@@ -61,7 +61,7 @@ def test_fresh_streets(student, seed):
     NAME,
     weight=32,
     title="Finds the exact clusters at small and large thresholds",
-    hint="The side of a cell and every comparison of distances must use the parameter threshold.",
+    hint="Use the parameter threshold for the side of a cell and in every comparison of distances.",
 )
 def test_other_thresholds(student, seed):
     cloud = samples.obstacles_of_street(seed, 600)[:, :3]
@@ -75,7 +75,7 @@ def test_other_thresholds(student, seed):
 @hidden(
     NAME,
     weight=6,
-    title="Finds the exact clusters when many points crowd into few cells",
+    title="Finds the exact clusters when many points are in a few cells",
     hint="Join two cells if any point of one is close to any point of the other.",
 )
 def test_crowded_cells(student, seed):
@@ -91,7 +91,8 @@ def test_crowded_cells(student, seed):
 @hidden(
     NAME,
     weight=3,
-    title="Keeps pairs just above the threshold apart, wherever cells begin",
+    title="Does not join two points that are slightly farther apart than the threshold, wherever "
+    "they are",
     hint="Make the side of a cell threshold / np.sqrt(3), so that no two points in it are too far "
     "apart.",
 )
@@ -121,7 +122,7 @@ def test_long_chain(student, seed):
     NAME,
     weight=2,
     title="Does not depend on the order, position or rotation of the cloud",
-    hint="Measure distances between points, not between cells: if the cloud moves by 10 cm, other "
+    hint="Measure distances between points, not between cells. If the cloud moves by 10 cm, other "
     "points share a cell.",
 )
 def test_invariance(student, seed):
@@ -166,7 +167,8 @@ def test_kinds_of_arrays(student, seed):
     NAME,
     weight=1,
     title="Works on clouds that are flat, tiny or in a single cell",
-    hint="Test whether the list of pairs of cells is empty, which it is for such a cloud.",
+    hint="Make sure that your code works if the list of pairs of cells is empty, as for a cloud "
+    "in a single cell.",
 )
 def test_extremes(student, seed):
     require_simplest_clusters(student.euclidean_clustering_accelerated)
@@ -182,7 +184,7 @@ def test_extremes(student, seed):
     NAME,
     weight=2,
     title="Finds hundreds of clusters",
-    hint="Store labels as int: 8-bit integers end at 255.",
+    hint="Store labels as int, because 8-bit integers end at 255.",
 )
 def test_many_clusters(student, seed):
     require_simplest_clusters(student.euclidean_clustering_accelerated)
@@ -241,8 +243,8 @@ def test_whole_scan(student, seed):
     NAME,
     weight=12,
     title="Clusters sixty thousand points on a few walls, quickly and with little memory",
-    hint="Work with cells instead of pairs of points: twice as many points on the same wall make "
-    "four times as many close pairs, but no more cells.",
+    hint="Work with cells instead of pairs of points. Twice as many points on the same wall give "
+    "four times as many close pairs, but the same number of cells.",
 )
 def test_dense_walls(student, seed):
     cloud, labels = _walls(seed)
@@ -265,8 +267,8 @@ def test_heaps(student, seed):
         student,
         cloud.copy(),
         0.5,
-        "Do not compare the points of a heap pair by pair: points that share a small cell belong "
-        "together anyway.",
+        "Do not compare the points of a heap pair by pair, because points that share a cell share "
+        "a cluster.",
     )
     assert_timed_clusters(answer, labels, cloud)
 
@@ -274,9 +276,9 @@ def test_heaps(student, seed):
 @hidden(
     NAME,
     weight=30,
-    title="Decides exactly and with little memory whether one pair of points joins two heaps",
-    hint="Build a kd-tree of one cell and query it with the points of the other: you need only "
-    "the closest pair of two crowded cells.",
+    title="Joins two heaps only if two of their points are close, and needs little memory",
+    hint="Call cKDTree(p).query(q) for the points p and q of two crowded cells. You need only "
+    "their closest pair.",
 )
 def test_touching_heaps(student, seed):
     cloud, labels = _heaps_end_to_end(seed)
@@ -284,7 +286,7 @@ def test_touching_heaps(student, seed):
         student,
         cloud.copy(),
         0.5,
-        "Do not compare two heaps pair by pair: their closest pair of points is enough.",
+        "Do not compare two heaps pair by pair, because their closest pair of points is enough.",
     )
     assert_partition(answer, labels, cloud)
 

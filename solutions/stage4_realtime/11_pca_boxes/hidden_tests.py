@@ -176,7 +176,7 @@ def test_random_rotations(student, seed):
 @hidden(
     "principal_axes",
     weight=7,
-    title="Sorts the axes of rotated blocks by decreasing variance",
+    title="Sorts the axes of rotated blocks from the largest spread to the smallest",
     hint="Return the eigenvector of the largest variance as the first column.",
 )
 def test_order(student, seed):
@@ -190,7 +190,7 @@ def test_order(student, seed):
     "principal_axes",
     weight=10,
     title="Returns right-handed axes for rotated blocks",
-    hint="If the determinant is negative, flip the sign of one column.",
+    hint="If np.linalg.det(axes) is negative, flip the sign of one column.",
 )
 def test_handedness(student, seed):
     require_directions(student.principal_axes)
@@ -202,8 +202,7 @@ def test_handedness(student, seed):
     "principal_axes",
     weight=26,
     title="Returns the right axes for scanned vehicles",
-    hint="Centre the points, return axes along the sides, and put the largest spread first, as in "
-    "the visible checks.",
+    hint="Centre the points, return the eigenvectors as columns, and put the largest spread first.",
 )
 def test_axes_of_scanned_vehicles(student, seed):
     checked = 0
@@ -220,8 +219,8 @@ def test_axes_of_scanned_vehicles(student, seed):
 @hidden(
     "principal_axes",
     weight=7,
-    title="Finds the same axes wherever the cluster is",
-    hint="Subtract points.mean(axis=0), the mean over the rows.",
+    title="Returns the same axes wherever the cluster is",
+    hint="Subtract points.mean(axis=0), the mean over the rows, from the points.",
 )
 def test_position(student, seed):
     rng = np.random.default_rng(seed)
@@ -235,7 +234,7 @@ def test_position(student, seed):
     "principal_axes",
     weight=2,
     title="Does not depend on the order of the points or the size of the cluster",
-    hint="Do not assume a certain length or number of points.",
+    hint="Do not assume a certain order of the points or a certain length of the cluster.",
 )
 def test_order_and_size(student, seed):
     rng = np.random.default_rng(seed)
@@ -251,9 +250,9 @@ def test_order_and_size(student, seed):
 @hidden(
     "principal_axes",
     weight=2,
-    title="Works on few points, on points on a line and on points on a plane",
-    hint="Use the covariance matrix q.T @ q, which is 3 x 3 for any number of points. The results "
-    "of np.cov and of the SVD with full_matrices=False may have another shape or contain nan.",
+    title="Works on a few points, on points on a line and on points on a plane",
+    hint="Compute q.T @ q, which is 3 x 3 for any number of centred points q. The results of "
+    "np.cov and of the SVD with full_matrices=False may have another shape or contain NaN.",
 )
 def test_few_points(student, seed):
     require_directions(student.principal_axes)
@@ -277,8 +276,8 @@ def test_few_points(student, seed):
 @hidden(
     "principal_axes",
     weight=2,
-    title="Ignores the intensity of points",
-    hint="Use only the first three columns, because they are the coordinates.",
+    title="Ignores intensity in a fourth column",
+    hint="Use only the coordinates, the first three columns.",
 )
 def test_points_with_intensity(student, seed):
     rng = np.random.default_rng(seed)
@@ -292,7 +291,7 @@ def test_points_with_intensity(student, seed):
     "principal_axes",
     weight=1,
     title="Works on float32 arrays and on arrays stored column by column",
-    hint="The same code works for every type of number. Do not test for a type.",
+    hint="Do not test for a type, because the same code works for every type of number.",
 )
 def test_array_types_of_points(student, seed):
     points = next(blocks_in_space(np.random.default_rng(seed)))
@@ -309,8 +308,8 @@ def test_array_types_of_points(student, seed):
     "get_oriented_boxes",
     weight=16,
     title="Fits boxes tightly around blocks at any heading",
-    hint="Give `turned` the yaw in radians, with the right sign and of the right axis: otherwise "
-    "a box is too large or leaves points outside.",
+    hint="Call turned(points, -yaw) for the points and turned(corners, yaw) for the corners, with "
+    "the yaw in radians.",
 )
 def test_any_heading(student, seed):
     rng = np.random.default_rng(seed)
@@ -329,9 +328,9 @@ def assert_contained_and_tight(student, cloud, labels, areas):
 @hidden(
     "get_oriented_boxes",
     weight=8,
-    title="Fits boxes tightly around diagonal scanned vehicles",
-    hint="Turn the points by minus yaw, and take the minimum and maximum along each side: the "
-    "points of a real car are not spread evenly around its centre.",
+    title="Fits boxes tightly around scanned vehicles at an angle to the x axis",
+    hint="Turn the points by minus yaw, and take their minimum and maximum. The points of a real "
+    "car are not spread evenly around its centre.",
 )
 def test_scanned_vehicles(student, seed):
     cars = [car[:, :3] for step in range(3) for car in scanned_cars(seed + step)][:6]
@@ -346,7 +345,8 @@ def test_scanned_vehicles(student, seed):
     "get_oriented_boxes",
     weight=8,
     title="Fits boxes tightly around objects that are taller than they are long",
-    hint="Find the heading from x and y alone, because the longest direction in space may be up.",
+    hint="Compute the yaw from x and y alone, because the longest direction in space may be "
+    "vertical.",
 )
 def test_tall_objects(student, seed):
     rng = np.random.default_rng(seed)
@@ -367,9 +367,9 @@ def test_tall_objects(student, seed):
 @hidden(
     "get_oriented_boxes",
     weight=5,
-    title="Contains every point of the clusters on a new street",
-    hint="Put all points of each cluster inside its box, even if a pole or a hedge has no clear "
-    "heading.",
+    title="Returns boxes that contain every point of the clusters on a new street",
+    hint="Take the minimum and maximum of all points of a cluster, even if a pole or a hedge has "
+    "no clear heading.",
 )
 def test_fresh_street(student, seed):
     cloud, labels = street_clusters(seed)
@@ -409,8 +409,8 @@ def test_upright(student, seed):
 @hidden(
     "get_oriented_boxes",
     weight=2,
-    title="Works on round clusters and on few points",
-    hint="Put all points inside the box: for a round cluster, any heading is right.",
+    title="Works on round clusters and on clusters of a few points",
+    hint="Put all points inside the box. For a round cluster, any heading is right.",
 )
 def test_round_and_few(student, seed):
     require_straight_boxes(student.get_oriented_boxes)
@@ -432,9 +432,9 @@ def test_round_and_few(student, seed):
 @hidden(
     "get_oriented_boxes",
     weight=1,
-    title="Works with labels that have large gaps",
-    hint="np.unique(labels[labels > 0]) lists the labels that occur. Return one box for each of "
-    "them, in that order.",
+    title="Works when labels have large gaps",
+    hint="Loop over np.unique(cluster_labels[cluster_labels > 0]), and return one box for each "
+    "label.",
 )
 def test_gaps_in_labels(student, seed):
     require_straight_boxes(student.get_oriented_boxes)
@@ -461,8 +461,8 @@ def test_order_of_labels(student, seed):
 @hidden(
     "get_oriented_boxes",
     weight=7,
-    title="Ignores many noise points, even if they contain nan",
-    hint="Use only rows with a label above 0. The values in all other rows must not matter.",
+    title="Ignores many noise points, even if they contain NaN",
+    hint="Use only rows with a label above 0. All other rows may contain NaN.",
 )
 def test_noise(student, seed):
     require_straight_boxes(student.get_oriented_boxes)
@@ -478,7 +478,7 @@ def test_noise(student, seed):
     "get_oriented_boxes",
     weight=1,
     title="Ignores intensity in a fourth column",
-    hint="Use only the first three columns, because they are the coordinates.",
+    hint="Use only the coordinates, the first three columns.",
 )
 def test_intensity(student, seed):
     require_straight_boxes(student.get_oriented_boxes)
@@ -492,7 +492,7 @@ def test_intensity(student, seed):
     "get_oriented_boxes",
     weight=1,
     title="Works on float32 arrays and on arrays stored column by column",
-    hint="The same code works for every type of number. Do not test for a type.",
+    hint="Do not test for a type, because the same code works for every type of number.",
 )
 def test_array_types(student, seed):
     require_straight_boxes(student.get_oriented_boxes)
@@ -517,7 +517,7 @@ def test_many_clusters(student, seed):
     "get_oriented_boxes",
     weight=2,
     title="Returns an empty array if there are no clusters",
-    hint="Without clusters, return an array of shape (0, 8, 3).",
+    hint="If there are no clusters, return np.empty((0, 8, 3)).",
 )
 def test_no_clusters(student, seed):
     require_straight_boxes(student.get_oriented_boxes)

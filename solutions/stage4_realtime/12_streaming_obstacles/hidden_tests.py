@@ -107,7 +107,7 @@ def answer_for(student, cloud, frame):
     "detect_obstacles",
     weight=5,
     title="Finds the cars on new streets",
-    hint="Try other scenes with their true boxes: scenes.random_street(1), (2) and (3).",
+    hint="Compare your boxes with the true boxes of other scenes, such as scenes.random_street(1).",
 )
 def test_fresh_streets(student, seed):
     require_cars_found_in_frame(student.detect_obstacles, square(seed))
@@ -131,7 +131,7 @@ def test_city(student, seed):
     "detect_obstacles",
     weight=9,
     title="Finds people in new places",
-    hint="Let every step work with 25 points: a nearby person has 25 to 50 after thinning.",
+    hint="Keep clusters of 25 points, because a nearby person has 25 to 50 points after thinning.",
 )
 def test_people(student, seed):
     frame = square_with_people(seed)
@@ -142,8 +142,8 @@ def test_people(student, seed):
     "detect_obstacles",
     weight=3,
     title="Finds obstacles up to 10 m ahead",
-    hint="Let crop_region keep points beyond 10 m ahead: a region that ends earlier may cut "
-    "through a closer car.",
+    hint="Let crop_region keep points up to a little more than 10 m ahead. A smaller region may "
+    "cut a car in two.",
 )
 def test_reach(student, seed):
     require_cars_found_in_frame(student.detect_obstacles, square(seed))
@@ -175,7 +175,7 @@ def test_edge_of_the_road(student, seed):
     "detect_obstacles",
     weight=3,
     title="Finds lorries",
-    hint="Do not remove large clusters: a cluster of a thousand points is a wall or a lorry.",
+    hint="Keep large clusters, because a cluster of many points may be a lorry.",
 )
 def test_lorries(student, seed):
     assert_found_on_climbs(student, seed, "truck")
@@ -184,9 +184,9 @@ def test_lorries(student, seed):
 @hidden(
     "detect_obstacles",
     weight=3,
-    title="Gives cars that are parked close together separate boxes",
-    hint="Give the clustering a smaller threshold: two objects become one cluster if it is larger "
-    "than the gap between them.",
+    title="Puts separate boxes around cars that are parked close together",
+    hint="Pass a smaller threshold to the clustering. Two objects become one cluster if the "
+    "threshold is larger than the gap between them.",
 )
 def test_parked_cars(student, seed):
     with precondition("the detector finds cars at the edge of the road"):
@@ -198,10 +198,10 @@ def test_parked_cars(student, seed):
 @hidden(
     "detect_obstacles",
     weight=4,
-    title="Puts hardly any boxes around road or empty space on new streets and in a new city",
-    hint="Draw the boxes of scenes.random_street(1), and look for boxes with only road or without "
-    "points. In the city the road goes uphill, so a fixed ground level leaves road in the cloud "
-    "20 m ahead.",
+    title="Puts few boxes around the road or empty space on new streets and in a new city",
+    hint="Draw your boxes for scenes.random_street(1), and look for boxes that contain only road "
+    "or nothing. In the city, the road climbs, so a fixed ground level does not remove the road "
+    "beyond 24 m.",
 )
 def test_few_ghosts(student, seed):
     for frames in (fresh_streets(seed), [city_frame(seed)]):
@@ -212,7 +212,8 @@ def test_few_ghosts(student, seed):
     "detect_obstacles",
     weight=12,
     title="Turns the boxes of cars at an angle",
-    hint="Seen from above, the sides of a box should run along the sides of the car.",
+    hint="Fit the boxes with get_oriented_boxes from lesson 11, which turns each box with its "
+    "points.",
 )
 def test_turned_cars(student, seed):
     frame = square(seed)
@@ -246,8 +247,8 @@ def test_lost_returns(student, seed):
 @hidden(
     "detect_obstacles",
     weight=11,
-    title="Ignores raindrops in other streets",
-    hint="Fit boxes to the labels that filter_clusters returns, which leave out clusters of a few "
+    title="Ignores raindrops in new scenes",
+    hint="Fit boxes to the labels that filter_clusters returns. These are 0 for clusters of a few "
     "points.",
 )
 def test_rain(student, seed):
@@ -260,7 +261,7 @@ def test_rain(student, seed):
 @hidden(
     "detect_obstacles",
     weight=2,
-    title="Returns no box where a car was a moment ago",
+    title="Does not return a box where a car was a moment ago",
     hint="Use only the cloud of the current call, and nothing from earlier calls.",
 )
 def test_removed_car(student, seed):
@@ -276,7 +277,7 @@ def test_removed_car(student, seed):
     "detect_obstacles",
     weight=2,
     title="Finds no obstacles on an empty road",
-    hint="Let each step work when nothing is left: no points, no labels, no clusters.",
+    hint="Make each step work even if no points, labels or clusters are left.",
 )
 def test_empty_road(student, seed):
     require_cars_found_in_frame(student.detect_obstacles, square(seed + 4))
@@ -293,7 +294,7 @@ def test_empty_road(student, seed):
     "detect_obstacles",
     weight=1,
     title="Does not depend on the order of the returns",
-    hint="Treat all returns alike: the result must not depend on which comes first.",
+    hint="Treat all returns alike. The result must not depend on which return comes first.",
 )
 def test_order(student, seed):
     frame = square(seed + 5)
@@ -304,9 +305,9 @@ def test_order(student, seed):
 @hidden(
     "detect_obstacles",
     weight=1,
-    title="Works in single precision",
-    hint="Begin with cloud.astype(float) if one of your steps needs 64 bits: scanners store "
-    "32-bit numbers.",
+    title="Works on float32 clouds stored column by column",
+    hint="Begin with cloud.astype(float) if one of your steps needs 64 bits, because scanners "
+    "store 32-bit numbers.",
 )
 def test_single_precision(student, seed):
     frame = square(seed + 6)
@@ -318,7 +319,7 @@ def test_single_precision(student, seed):
     "detect_obstacles",
     weight=1,
     title="Works on scans of a few returns",
-    hint="Test len(points) before each step that needs three points.",
+    hint="Test len(points) before each step that needs at least three points.",
 )
 def test_small_scans(student, seed):
     cloud = square(seed + 4).cloud
@@ -450,8 +451,8 @@ def test_nearer_rival(student, seed):
     "match_boxes",
     weight=2,
     title="Chooses the nearer of two nearby previous boxes",
-    hint="Cross out the row and the column of a pair: a box that has a partner must not get a "
-    "second one.",
+    hint="Set the row and the column of each pair to np.inf, because a box that has a partner "
+    "must not get a second one.",
 )
 def test_second_choice(student, seed):
     require_matching(student.match_boxes)
@@ -466,7 +467,7 @@ def test_second_choice(student, seed):
     "match_boxes",
     weight=6,
     title="Does not depend on the order of a box's corners",
-    hint="Compare the means of all eight corners, boxes.mean(axis=1): a box that turns slightly "
+    hint="Compare the means over all eight corners, boxes.mean(axis=1). A box that turns slightly "
     "may have its corners in another order.",
 )
 def test_order_of_corners(student, seed):
@@ -498,8 +499,8 @@ def test_position_and_rotation(student, seed):
 @hidden(
     "match_boxes",
     weight=1,
-    title="Works in single precision",
-    hint="Use only the distances between centres: rounding must not decide a pair.",
+    title="Works on float32 boxes",
+    hint="Use only the distances between centres, so that rounding does not decide a pair.",
 )
 def test_single_precision_of_boxes(student, seed):
     previous, current, partner = moved_boxes(np.random.default_rng(seed))
@@ -510,7 +511,7 @@ def test_single_precision_of_boxes(student, seed):
 @hidden(
     "match_boxes",
     weight=2,
-    title="Matches more boxes than before, fewer boxes, and a single box",
+    title="Works when a frame has more boxes than before, fewer boxes or a single box",
     hint="Return one entry for each current box, whatever the length of previous.",
 )
 def test_unequal_counts(student, seed):

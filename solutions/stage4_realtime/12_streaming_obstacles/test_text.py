@@ -660,4 +660,4 @@ def test_no_check_waits_for_a_passed_check():
         waiting = [name for name, failure in failed.items() if isinstance(failure, NotYet)]
         assert bool(waiting) == ("finds_cars" in failed) == (seed < 2), failed
         if waiting:
-            assert failed["finds_cars"].hint.startswith("Draw the clusters first:")
+            assert failed["finds_cars"].hint.startswith("Draw the clusters first.")

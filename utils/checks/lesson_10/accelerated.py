@@ -69,11 +69,11 @@ def separates_groups(euclidean_clustering_accelerated: Callable) -> None:
 @visible_check(
     _NAME,
     weight=4,
-    title="Joins six of the lesson's seven points",
-    why="Each of the three steps joins some of these points, so a step that is missing splits a "
-    "cluster.",
-    hint="If you use the three steps, run the cells that try each of them on the seven points, "
-    "and fix the first step whose result differs from the expected one.",
+    title="Puts six of the lesson's seven points into one cluster",
+    why="Each of the three steps joins some of these points, so the cluster splits if a step is "
+    "missing.",
+    hint="If you use the three steps, rerun the notebook cells that try them on the seven points. "
+    "Fix the first step whose result is not the expected one.",
 )
 def joins_six_of_seven_points(euclidean_clustering_accelerated: Callable) -> None:
     labels = np.array([1, 1, 1, 1, 1, 1, 2])
@@ -88,10 +88,10 @@ def joins_six_of_seven_points(euclidean_clustering_accelerated: Callable) -> Non
 @visible_check(
     _NAME,
     weight=8,
-    title="Numbers N clusters from 1 to N",
+    title="Gives N clusters the labels 1 to N",
     why='Later lessons use 0 for "no obstacle" and take the largest label as the number of '
-    "clusters.",
-    hint="Add 1 to the result of components, which numbers the pieces from 0.",
+    "obstacles.",
+    hint="Add 1 to the ranks, or to the result of components. Both start at 0.",
 )
 def counts_from_one(euclidean_clustering_accelerated: Callable) -> None:
     require_simplest_clusters(euclidean_clustering_accelerated)
@@ -117,11 +117,11 @@ def joins_chains(euclidean_clustering_accelerated: Callable) -> None:
 @visible_check(
     _NAME,
     weight=4,
-    title="Joins pairs just below the threshold in every direction, even across cell borders",
+    title="Joins two points that are slightly closer than the threshold, even across cell borders",
     why="A shortcut that looks only at adjacent cells splits objects with few points, such as "
     "poles, signs and distant people.",
-    hint="Search 5 x 5 x 5 cells, corners included: with cells of side threshold / np.sqrt(3), "
-    "close points may be two cells apart along each axis.",
+    hint="Search 5 x 5 x 5 cells, corners included, with query_pairs(2, p=np.inf). Close points "
+    "may be two cells apart along each axis.",
 )
 def joins_across_borders(euclidean_clustering_accelerated: Callable) -> None:
     require_simplest_clusters(euclidean_clustering_accelerated)
@@ -133,11 +133,11 @@ def joins_across_borders(euclidean_clustering_accelerated: Callable) -> None:
 @visible_check(
     _NAME,
     weight=4,
-    title="Keeps pairs just above the threshold apart",
+    title="Does not join two points that are slightly farther apart than the threshold",
     why="Points in neighbouring cells need not be close. A gap of half a metre may separate a "
     "pedestrian from a car.",
     hint="Make the side of a cell threshold / np.sqrt(3), so that no two points in it are too far "
-    "apart, and measure the distance between points in neighbouring cells.",
+    "apart. Measure distances between points in neighbouring cells.",
 )
 def separates_pairs_above_the_threshold(euclidean_clustering_accelerated: Callable) -> None:
     require_simplest_clusters(euclidean_clustering_accelerated)
@@ -149,16 +149,18 @@ def separates_pairs_above_the_threshold(euclidean_clustering_accelerated: Callab
 @visible_check(
     _NAME,
     weight=5,
-    title="Keeps pairs just above the threshold apart when the cloud begins with a heap",
+    title="Does not join points that are too far apart when the cloud begins with a dense heap",
     why="A scan may begin with thousands of returns from one wall. They must not change which of "
     "the other points are joined.",
-    hint="Compute the distance between points[first[i]] and points[first[j]]: i and j are rows of "
-    "cells, and first turns them into rows of points.",
+    hint="Compute the distance between points[first[i]] and points[first[j]]. Here i and j are "
+    "rows of cells, and first turns them into rows of points.",
 )
 def separates_pairs_behind_a_heap(euclidean_clustering_accelerated: Callable) -> None:
     require_simplest_clusters(euclidean_clustering_accelerated)
     pairs = _pairs_of_points(1.01)
-    with precondition("pairs just above the threshold stay apart in a cloud without a heap"):
+    with precondition(
+        "points slightly farther apart than the threshold stay separate in a cloud without a heap"
+    ):
         answer = euclidean_clustering_accelerated(pairs.copy(), 1.0)
         assert_partition(answer, np.arange(len(pairs)), pairs)
     # The heap has more points in a cube of 0.2 m than the cloud has cells.
@@ -172,14 +174,16 @@ def separates_pairs_behind_a_heap(euclidean_clustering_accelerated: Callable) ->
 @visible_check(
     _NAME,
     weight=4,
-    title="Uses cells of the same size around the sensor as elsewhere",
-    why="Coordinates change their sign at the sensor. If cells are larger there, objects near the "
+    title="Uses cells of the same size everywhere, even around the sensor",
+    why="Coordinates change sign at the sensor. If the cells there are larger, objects near the "
     "ego car merge.",
-    hint="Call np.floor before .astype(int), which alone rounds towards 0.",
+    hint="Call np.floor before .astype(int), because .astype(int) alone rounds towards 0.",
 )
 def separates_pairs_around_the_sensor(euclidean_clustering_accelerated: Callable) -> None:
     require_simplest_clusters(euclidean_clustering_accelerated)
-    with precondition("far from the sensor, pairs just above the threshold stay apart"):
+    with precondition(
+        "far from the sensor, points slightly farther apart than the threshold stay separate"
+    ):
         pairs = _pairs_of_points(1.01)
         answer = euclidean_clustering_accelerated(pairs.copy(), 1.0)
         assert_partition(answer, np.arange(len(pairs)), pairs)
@@ -194,10 +198,10 @@ def separates_pairs_around_the_sensor(euclidean_clustering_accelerated: Callable
     weight=6,
     title="Finds the only close pair of points in two crowded cells",
     why="A single pair of close points may connect two parts of a car. If you compare only one "
-    "point of each cell, one obstacle becomes two, depending on the order of the scan.",
-    hint="If the pieces of two neighbouring cells still differ, compare all their points: two "
-    "cells may be close even if their representatives are far apart. If any pair is closer than "
-    "the threshold, give all cells of one piece the label of the other.",
+    "point of each cell, the car may become two obstacles.",
+    hint="If two neighbouring cells are still in different pieces, compare all their points. If "
+    "any two are closer than the threshold, relabel the whole piece: label[label == label[b]] = "
+    "label[a].",
 )
 def finds_the_close_pair(euclidean_clustering_accelerated: Callable) -> None:
     require_simplest_clusters(euclidean_clustering_accelerated)
@@ -224,9 +228,8 @@ def clusters_the_street(euclidean_clustering_accelerated: Callable) -> None:
     _NAME,
     weight=6,
     title="Uses the parameter threshold to decide which points are close",
-    why="The threshold determines which points form one object, and how large a cell is.",
-    hint="Use the parameter threshold for the side of a cell and for every distance, including "
-    "those in the exact step.",
+    why="The threshold decides what counts as one object. With a wrong one, cars merge or split.",
+    hint="Use the parameter threshold for the side of a cell and in every comparison of distances.",
 )
 def uses_the_threshold(euclidean_clustering_accelerated: Callable) -> None:
     # Gaps of 0.1, 1 and 10 m, so that each threshold joins a different number of points.
@@ -242,14 +245,14 @@ def uses_the_threshold(euclidean_clustering_accelerated: Callable) -> None:
     # The exact step must decide about these two points, because they are in neighbouring cells.
     # They are closer than 0.5 m, but not closer than 0.3 m.
     pair = np.array([2.0, 1.0, 1.0]) + np.outer([0.0, 0.4], np.ones(3) / np.sqrt(3))
-    with precondition("points in neighbouring cells stay apart if they are not close"):
+    with precondition("points in neighbouring cells stay separate if they are not close"):
         answer = euclidean_clustering_accelerated(pair / 0.6, 0.5)
         assert_partition(answer, np.array([1, 2]), pair)
     answer = euclidean_clustering_accelerated(pair.copy(), 0.3)
     assert_clusters(answer, np.array([1, 2]), pair, 0.3)
     # Pairs in neighbouring cells that are slightly more than 2 m apart.
     cloud = 2.0 * _pairs_of_points(1.01)[:40]
-    with precondition("pairs just above the threshold stay apart"):
+    with precondition("points slightly farther apart than the threshold stay separate"):
         answer = euclidean_clustering_accelerated(cloud / 2, 1.0)
         assert_partition(answer, np.arange(len(cloud)), cloud)
     answer = euclidean_clustering_accelerated(cloud.copy(), 2.0)
@@ -265,14 +268,14 @@ common_cluster_checks.promise_default(
 common_checks.promise_names(
     _CASE,
     "keeps_the_names",
-    why="Other programs may call euclidean_clustering_accelerated(cloud, threshold=0.3).",
+    why="Other code may call euclidean_clustering_accelerated(cloud, threshold=0.3).",
 )
 
 
 @visible_check(
     _NAME,
     weight=2,
-    title="Measures distances in x, y and z",
+    title="Measures distances along x, y and z",
     why="Without the height, a bridge and the road below it would become one cluster.",
     hint="Use all three coordinates, cloud[:, :3].",
 )
@@ -287,14 +290,14 @@ def measures_in_space(euclidean_clustering_accelerated: Callable) -> None:
 common_cluster_checks.promise_intensity_ignored(
     _CASE,
     "ignores_intensity",
-    why="A bright number plate is no farther away than the dark bumper next to it. Many "
-    "recordings store intensity from 0 to 255.",
+    why="A bright number plate is no farther away than the dark bumper next to it. In many "
+    "recordings, intensity goes from 0 to 255.",
     weight=8,
 )
 common_cluster_checks.promise_few_points(
     _CASE,
     "works_on_smallest_clouds",
-    why="Filters sometimes leave no points, and the program must not crash then.",
+    why="A filter sometimes removes every point, and the program must not crash then.",
     hint="If len(cloud) == 0, return an empty array at once. The list of pairs may also be empty.",
     weight=2,
 )
@@ -312,10 +315,11 @@ common_cluster_checks.promise_untouched(_CASE, "leaves_its_input")
 @visible_check(
     _NAME,
     weight=4,
-    title="Clusters many points on many objects quickly",
-    why="A scanner delivers ten times as many points as this cloud, ten times a second.",
-    hint="Work with cells instead of points. Comparing each point with all others takes n * n "
-    "steps, and there are far fewer cells.",
+    title="Clusters 7,000 points on fourteen walls quickly",
+    why="A scan has about ten times as many points as this cloud, and ten scans arrive every "
+    "second.",
+    hint="Work with cells instead of points, because there are far fewer cells. Comparing each "
+    "point with all others takes n * n steps.",
 )
 def is_quick(euclidean_clustering_accelerated: Callable) -> None:
     # Fourteen walls at least 3 m apart, with points every 0.1 m.
@@ -332,8 +336,7 @@ def is_quick(euclidean_clustering_accelerated: Callable) -> None:
     weight=16,
     title="Clusters a dense heap of points quickly",
     why="A wet wall just in front of the sensor, or two merged scans, can put thousands of points "
-    "close together. The number of close pairs then grows with the square of the number of "
-    "points, and a list of them fills the memory.",
+    "close together. A list of all close pairs then fills the memory.",
     hint="Do not list or measure pairs of points in one cell, because points that share a cell "
     "of side threshold / np.sqrt(3) share a cluster.",
 )
@@ -346,8 +349,8 @@ def is_quick_on_a_heap(euclidean_clustering_accelerated: Callable) -> None:
     _NAME,
     weight=12,
     title="Compares two neighbouring heaps quickly",
-    why="Two cells of thousands of points each form millions of pairs. This problem does not "
-    "occur in an ordinary street, but it does in merged scans.",
+    why="Two cells with thousands of points each form millions of pairs. This happens in merged "
+    "scans, but not in an ordinary street.",
     hint="Call cKDTree(p).query(q), which finds the nearest point of p for each point of q "
     "without a table of all distances.",
 )
@@ -465,7 +468,7 @@ def leaves_no_gaps(euclidean_clustering_accelerated: Callable) -> None:
     _NAME,
     title="Numbers the clusters in the order of their first points",
     why="The docstring asks for this order. It lets you compare the labels with those of lesson "
-    "05 one by one. np.argsort gives an order; np.argsort of that order gives the ranks.",
+    "05 one by one. np.argsort(np.argsort(start)) returns the ranks.",
 )
 def numbers_by_appearance(euclidean_clustering_accelerated: Callable) -> None:
     assert_numbered_by_appearance(euclidean_clustering_accelerated)
@@ -693,55 +696,57 @@ declare_mistakes(
         "The side of a cell is the threshold, so two points in one cell may be 1.7 times the "
         "threshold apart.",
         _prediction_from_cells(1.0, lambda gaps, steps, firsts: (gaps < 1) | (steps == 0)),
-        "The side is threshold / sqrt(3), which makes the diagonal equal to the threshold.",
+        "Make the side threshold / np.sqrt(3), so that the diagonal equals the threshold.",
     ),
     Mistake(
         "The side of a cell is threshold / sqrt(2), which is right only in the plane.",
         _prediction_from_cells(
             1 / np.sqrt(2), lambda gaps, steps, firsts: (gaps < 1) | (steps == 0)
         ),
-        "In space the diagonal is side * sqrt(3), so the side is threshold / sqrt(3).",
+        "Make the side threshold / np.sqrt(3), because the diagonal of a cube is side * "
+        "np.sqrt(3).",
     ),
     Mistake(
-        "Neighbouring cells are joined without measuring, or at too large a distance.",
+        "The code joins neighbouring cells without measuring, or at too large a distance.",
         _prediction_from_cells(_CELL_SIDE, lambda gaps, steps, firsts: steps <= 2),
-        "Neighbouring cells need not be close. Join two cells only if a point of one is closer "
-        "than the threshold to a point of the other.",
+        "Join two cells only if a point of one is closer than the threshold to a point of the "
+        "other.",
     ),
     Mistake(
-        "Only the next cell on each side is searched, but close points may be two cells apart.",
+        "The code searches only the next cell on each side, but close points may be two cells "
+        "apart.",
         _prediction_from_cells(_CELL_SIDE, lambda gaps, steps, firsts: (steps <= 1) & (gaps < 1)),
-        "Search 5 x 5 x 5 cells, corners included: query_pairs(2, p=np.inf).",
+        "Search 5 x 5 x 5 cells, corners included, with query_pairs(2, p=np.inf).",
     ),
     Mistake(
-        "Two cells whose representatives are far apart stay apart, even if other points in them "
-        "are close.",
+        "The code does not join two cells whose representatives are far apart, even if other "
+        "points in them are close.",
         _prediction_from_cells(_CELL_SIDE, lambda gaps, steps, firsts: (steps == 0) | (firsts < 1)),
-        "If the pieces of two neighbouring cells still differ, compare all their points, and join "
+        "If two neighbouring cells are still in different pieces, compare all their points. Join "
         "the pieces if two of these points are close.",
     ),
     Mistake(
-        "Each cell is a cluster, because no cells are joined.",
+        "Each cell is a separate cluster, because the code does not join cells.",
         _prediction_from_cells(_CELL_SIDE, lambda gaps, steps, firsts: steps == 0),
         "Join neighbouring cells that contain close points, and number the pieces.",
     ),
     Mistake(
-        "Coordinates are rounded towards 0, so the cells around the sensor are twice as wide.",
+        "The code rounds coordinates towards 0, so the cells around the sensor are twice as wide.",
         _prediction_from_cells(
             _CELL_SIDE, lambda gaps, steps, firsts: (gaps < 1) | (steps == 0), np.trunc
         ),
-        "np.floor rounds down on both sides of 0; .astype(int) alone does not.",
+        "Call np.floor before .astype(int), because .astype(int) alone rounds towards 0.",
     ),
     *label_mistakes(),
     Mistake(
-        "Rows of cells are mistaken for rows of points, so the measured points do not belong to "
-        "these cells.",
+        "The code mistakes rows of cells for rows of points, so it measures between the wrong "
+        "points.",
         _prediction_from_rows(uses_points=True),
-        "pairs[:, 0] are rows of cells and first[pairs[:, 0]] are rows of points. Measure between "
-        "points[first[pairs[:, 0]]] and points[first[pairs[:, 1]]].",
+        "Measure between points[first[pairs[:, 0]]] and points[first[pairs[:, 1]]]. pairs "
+        "contains rows of cells, and first turns them into rows of points.",
     ),
     Mistake(
-        "The distance between two cells is counted in cells and compared with metres.",
+        "The code counts the distance between two cells in cells, but compares it with metres.",
         _prediction_from_rows(uses_points=False),
         "Measure between representatives, such as points[first[pairs[:, 0]]], and not between "
         "cells, cells[pairs[:, 0]].",

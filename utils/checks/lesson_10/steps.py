@@ -86,7 +86,7 @@ def _assert_cells(answer: object, points: np.ndarray, threshold: float, input_te
         cells, columns=3, description="cells with three numbers each", row_noun="cell"
     ).astype(float)
     right = np.floor(points / (threshold / np.sqrt(3)))
-    cell_rows = as_array(cell_of_point, description="for each point, the row of its cell")
+    cell_rows = as_array(cell_of_point, description="the row of a cell for each point")
     one_per_point = f"one number in cell_of_point for each of the {len(points)} points"
     cell_rows = as_labels(as_shape(cell_rows, (len(points),), one_per_point), len(points))
     n_cells = len(np.unique(right, axis=0))
@@ -106,7 +106,7 @@ def _assert_cells(answer: object, points: np.ndarray, threshold: float, input_te
             yours=f"cell {brief_text(cells[cell_rows[row]])}",
             expected=f"cell {brief_text(right[row])}",
         )
-    rows = as_array(first, description="one row for each cell")
+    rows = as_array(first, description="one row number for each cell")
     if rows.shape != (n_cells,) or not np.isin(rows, np.arange(len(points))).all():
         raise WrongForm(
             "There must be one representative for each cell: the row of one of its points.",
@@ -126,12 +126,12 @@ def _assert_cells(answer: object, points: np.ndarray, threshold: float, input_te
 
 @visible_check(
     "points_in_cells",
-    title="Finds the six cells of the seven points",
+    title="Finds the six cells that contain the seven points",
     why="Points that share a cell are joined without measuring. A wrong cell joins points that "
     "are far apart.",
-    hint="Compute rows = np.floor(points / side), which is right even below zero, with side = "
-    "threshold / np.sqrt(3), here 1 m. np.unique(as_numbers(rows), ...) finds first and "
-    "cell_of_point, and rows[first] are the different cells.",
+    hint="Compute rows = np.floor(points / side) with side = threshold / np.sqrt(3), here 1 m. "
+    "Then call np.unique(as_numbers(rows), ...) for first and cell_of_point. The different cells "
+    "are rows[first].",
 )
 def finds_the_cells(points_in_cells: Callable) -> None:
     _assert_cells(
@@ -142,12 +142,12 @@ def finds_the_cells(points_in_cells: Callable) -> None:
 @visible_check(
     "points_in_cells",
     title="Makes cells that are threshold / √3 wide for any threshold",
-    why="Two points in a larger cell may be too far apart to be neighbours. Smaller cells only "
-    "take longer.",
+    why="Two points in a larger cell may be too far apart to be neighbours. With smaller cells, "
+    "close points may be more than two cells apart.",
     hint="Write side = threshold / np.sqrt(3). The diagonal of a cell then equals the threshold.",
 )
 def scales_with_the_threshold(points_in_cells: Callable) -> None:
-    with precondition("the function finds the six cells of the seven points"):
+    with precondition("the function finds the six cells that contain the seven points"):
         _assert_cells(
             points_in_cells(SEVEN_POINTS.copy(), WIDE_THRESHOLD),
             SEVEN_POINTS,
@@ -164,10 +164,8 @@ def scales_with_the_threshold(points_in_cells: Callable) -> None:
 @visible_check(
     "points_in_cells",
     title="Does not change the points",
-    why="Step 2 uses the same points. If step 1 changes them, step 2 measures wrong distances, "
-    "and a notebook cell that you run twice starts from different points.",
-    hint="Write points / side, which creates a new array. points /= side changes the array that "
-    "the function received.",
+    why="Step 2 uses the same points. If step 1 changes them, step 2 measures wrong distances.",
+    hint="Write points / side, which creates a new array. points /= side changes the input.",
 )
 def keeps_the_points_unchanged(points_in_cells: Callable) -> None:
     assert_arguments_unchanged(observe(points_in_cells, SEVEN_POINTS, 0.5), SEVEN_POINTS, 0.5)
@@ -212,9 +210,9 @@ def finds_the_neighbours(join_cheaply: Callable) -> None:
 
 @visible_check(
     "join_cheaply",
-    title="Joins neighbours whose representatives are close",
+    title="Joins neighbouring cells whose representatives are close",
     why="One distance between representatives can replace thousands of distances between points.",
-    hint="Compute one gap for each pair, the distance between its two representatives: "
+    hint="Compute gap, the distance between the two representatives of each pair, with "
     "np.linalg.norm(..., axis=1). Join the pairs with gap < threshold.",
 )
 def joins_close_representatives(join_cheaply: Callable) -> None:
@@ -257,9 +255,9 @@ def _exact_arguments(label: np.ndarray) -> tuple:
 
 @visible_check(
     "join_exactly",
-    title="Joins all cells of both pieces that points 3 and 4 connect",
-    why="If a close pair is missed, or only one cell of a piece gets the new label, one car "
-    "remains two clusters.",
+    title="Joins all cells of the two pieces that points 3 and 4 connect",
+    why="If a close pair is missed, or only one cell of a piece gets the new label, a car stays "
+    "split into two clusters.",
     hint="Go through the pairs whose two labels differ. If smallest_distance is below the "
     "threshold, give all cells of both pieces the same label: label[label == label[b]] = label[a].",
 )
@@ -283,7 +281,7 @@ def joins_exactly(join_exactly: Callable) -> None:
     hint="Write label = label.copy() before you change any label.",
 )
 def keeps_the_labels_unchanged(join_exactly: Callable) -> None:
-    with precondition("the function joins both pieces that points 3 and 4 connect"):
+    with precondition("the function joins the two pieces that points 3 and 4 connect"):
         joins_exactly(join_exactly)
     assert_arguments_unchanged(
         observe(join_exactly, *_exact_arguments(_PIECES)), *_exact_arguments(_PIECES)
@@ -292,11 +290,11 @@ def keeps_the_labels_unchanged(join_exactly: Callable) -> None:
 
 @visible_check(
     "join_exactly",
-    title="Joins neighbouring pieces in a row, and stops at the first gap",
+    title="Joins a row of close pieces, but not the last piece, which is too far away",
     why="After step 2, a wall may consist of dozens of pieces, each of them close only to the "
     "next.",
-    hint="Join from piece to piece: compare the two labels again in each round, on the copy that "
-    "the loop changes, and relabel the whole piece with label[label == label[b]] = label[a].",
+    hint="In each round, compare the two labels in the copy that the loop changes, and relabel "
+    "the whole piece: label[label == label[b]] = label[a].",
 )
 def joins_a_row_of_pieces(join_exactly: Callable) -> None:
     label = np.array([3, 0, 4, 1, 2])

@@ -56,7 +56,7 @@ SQUARE_SEED, WALK_SEED, CLIMB_SEED = 25, 7, 4
     "detect_obstacles",
     weight=5,
     title="Finds isolated cars near the sensor",
-    why="The detector combines your functions of the previous lessons. If any step loses a parked "
+    why="The detector combines your functions from earlier lessons. If any step loses a parked "
     "car, the ego car may hit it.",
     hint="Print how many returns of the missed car are left after each step, and fix the step "
     "that removes the last of them.",
@@ -77,7 +77,8 @@ def finds_cars(detect_obstacles: Callable) -> None:
     "detect_obstacles",
     weight=9,
     title="Finds isolated people near the sensor",
-    why="People are the smallest road users, and missing them is the worst mistake.",
+    why="People are the smallest road users. If the detector misses a person, the ego car may hit "
+    "them.",
     hint="Count the points of a person that are left before clustering, and keep min_num_points "
     "at or below that number.",
 )
@@ -91,9 +92,9 @@ def finds_people(detect_obstacles: Callable) -> None:
 @visible_check(
     "detect_obstacles",
     weight=3,
-    title="Finds a car across the road, 8 to 10 m ahead",
-    why="At 30 km/h a car needs 9 m to stop. A detector with a shorter range finds obstacles too "
-    "late.",
+    title="Finds a car that crosses the road 8 to 10 m ahead",
+    why="At 30 km/h, a car needs about 9 m to brake to a stop. A detector with a shorter range "
+    "finds obstacles too late.",
     hint="Let crop_region keep points up to a little more than 10 m ahead.",
 )
 def looks_far_enough(detect_obstacles: Callable) -> None:
@@ -105,11 +106,10 @@ def looks_far_enough(detect_obstacles: Callable) -> None:
 @visible_check(
     "detect_obstacles",
     weight=3,
-    title="Puts boxes around obstacles, not around road or empty space",
+    title="Puts boxes around obstacles, not around the road or empty space",
     why="A car that brakes for the road itself is useless.",
-    hint="Draw the boxes without an obstacle from the side. If the road rises above the ground "
-    "level, use ransac_plane, whose plane rises with it. If the boxes contain only a few points, "
-    "remove these with filter_clusters.",
+    hint="Draw the wrong boxes from the side. If they contain road that rises above the ground "
+    "level, use ransac_plane. If they contain only a few points, use filter_clusters.",
 )
 def avoids_ghosts(detect_obstacles: Callable) -> None:
     require_cars_found_in_frame(detect_obstacles, street_further_back())
@@ -132,7 +132,8 @@ def _assert_found_on_the_climb(detect_obstacles: Callable, kind: str) -> None:
     "detect_obstacles",
     weight=3,
     title="Finds a person next to the bumper",
-    why="A person who crosses right in front of a standing car is the nearest obstacle.",
+    why="If the detector misses a person right in front of the ego car, the car may start and hit "
+    "them.",
     hint="Let remove_ego_returns remove the points in the box of the ego car, from (-1.5, -1.7, "
     "-1.0) to (2.6, 1.7, -0.4), and no others.",
 )
@@ -144,7 +145,7 @@ def finds_the_person_at_the_bumper(detect_obstacles: Callable) -> None:
     "detect_obstacles",
     weight=3,
     title="Finds cars at the edge of the road, up to 7 m to the side",
-    why="A parked car may pull out or open a door, so the ego car must see it in time.",
+    why="A parked car may pull out, or its door may open, so the ego car must see it in time.",
     hint="Let crop_region keep points farther to the left and right.",
 )
 def looks_to_the_side(detect_obstacles: Callable) -> None:
@@ -154,9 +155,10 @@ def looks_to_the_side(detect_obstacles: Callable) -> None:
 @visible_check(
     "detect_obstacles",
     weight=3,
-    title="Finds a lorry, although it has many points",
-    why="A lorry is the largest obstacle on the road. Without a box, the ego car drives into it.",
-    hint="Keep large clusters: a cluster of many points is a wall or a lorry.",
+    title="Finds a lorry, even if it has very many points",
+    why="A lorry is the largest obstacle on the road. If it has no box, the ego car drives into "
+    "it.",
+    hint="Keep large clusters, because a cluster of many points may be a lorry.",
 )
 def finds_the_lorry(detect_obstacles: Callable) -> None:
     _assert_found_on_the_climb(detect_obstacles, "truck")
@@ -165,10 +167,10 @@ def finds_the_lorry(detect_obstacles: Callable) -> None:
 @visible_check(
     "detect_obstacles",
     weight=3,
-    title="Gives two cars that are parked close together separate boxes",
+    title="Puts separate boxes around two cars that are parked close together",
     why="A single box hides the gap from which a child may run into the road.",
-    hint="Give the clustering a smaller threshold: two objects become one cluster if it is larger "
-    "than the gap between them.",
+    hint="Pass a smaller threshold to the clustering. Two objects become one cluster if the "
+    "threshold is larger than the gap between them.",
 )
 def keeps_parked_cars_apart(detect_obstacles: Callable) -> None:
     with precondition("the detector finds cars at the edge of the road"):
@@ -183,7 +185,7 @@ def keeps_parked_cars_apart(detect_obstacles: Callable) -> None:
     title="Does not put a box around the ego car",
     why="With an obstacle at 0 m, the car would brake forever.",
     hint="Call remove_ego_returns with the whole box of the ego car, from (-1.5, -1.7, -1.0) to "
-    "(2.6, 1.7, -0.4), before you average or cluster points. In this check the scanner sees the "
+    "(2.6, 1.7, -0.4), before you thin or cluster the points. In this check, the scanner sees the "
     "whole bonnet and roof.",
 )
 def ignores_the_ego_car(detect_obstacles: Callable) -> None:
@@ -199,7 +201,7 @@ def ignores_the_ego_car(detect_obstacles: Callable) -> None:
     title="Turns each box with its car",
     why="A car that pulls out of a parking space is at an angle. A box along the axes would block "
     "the lane next to it.",
-    hint="Fit the boxes with get_oriented_boxes of lesson 11, which turns each box with its "
+    hint="Fit the boxes with get_oriented_boxes from lesson 11, which turns each box with its "
     "points.",
 )
 def turns_boxes(detect_obstacles: Callable) -> None:
@@ -210,10 +212,9 @@ def turns_boxes(detect_obstacles: Callable) -> None:
 @visible_check(
     "detect_obstacles",
     weight=2,
-    title="Returns upright boxes with a level floor, right angles and each roof corner above a "
-    "floor corner",
-    why="The planner uses the height of each corner and the area between the corners.",
-    hint="End with your get_oriented_boxes of lesson 11, which turns boxes about z only.",
+    title="Returns upright boxes with a level, rectangular floor and the roof exactly above it",
+    why="From a leaning box, the planner computes a wrong height and a wrong area.",
+    hint="End with your get_oriented_boxes from lesson 11, which turns boxes about z only.",
 )
 def returns_upright_boxes(detect_obstacles: Callable) -> None:
     require_cars_found_in_frame(detect_obstacles, square(SQUARE_SEED))
@@ -224,8 +225,8 @@ def returns_upright_boxes(detect_obstacles: Callable) -> None:
     "detect_obstacles",
     weight=13,
     title="Ignores single returns in the air, such as raindrops",
-    why="In a shower the car would otherwise brake for every drop.",
-    hint="Fit boxes to the labels that filter_clusters returns, which leave out clusters of a few "
+    why="In rain, the car would otherwise brake for every drop.",
+    hint="Fit boxes to the labels that filter_clusters returns. These are 0 for clusters of a few "
     "points.",
 )
 def ignores_rain(detect_obstacles: Callable) -> None:
@@ -253,9 +254,8 @@ def drops_invalid(detect_obstacles: Callable) -> None:
     "detect_obstacles",
     weight=1,
     title="Works on an empty scan",
-    why="A bad frame must not stop the stream.",
-    hint="After every filter that may remove all points, return np.empty((0, 8, 3)) if no point "
-    "is left.",
+    why="An empty frame must not stop the stream.",
+    hint="Return np.empty((0, 8, 3)) if no points are left after a filter.",
 )
 def works_on_an_empty_scan(detect_obstacles: Callable) -> None:
     require_cars_found_in_frame(detect_obstacles, square(SQUARE_SEED))
@@ -281,7 +281,7 @@ def works_without_intensity(detect_obstacles: Callable) -> None:
     "detect_obstacles",
     weight=1,
     title="Does not change its input",
-    why="The next cells score and draw the same cloud.",
+    why="The next cells score and draw the same cloud, so they need the original points.",
     hint="Select rows with a mask, which creates a new array, and do not write into the input.",
 )
 def keeps_the_cloud_unchanged(detect_obstacles: Callable) -> None:
@@ -295,9 +295,8 @@ def keeps_the_cloud_unchanged(detect_obstacles: Callable) -> None:
 @note_check(
     "detect_obstacles",
     title="Does not mistake a climbing road for an obstacle",
-    why="If a road climbs by 4 %, a fixed ground level leaves points of the road in the cloud "
-    "from 13 m ahead, and the car brakes for them. A plane through the low points (lesson 03) "
-    "climbs with the road.",
+    why="On a road that climbs by 4 %, a fixed ground level does not remove the road beyond 13 m, "
+    "and the car brakes for it. A plane through the low points (lesson 03) climbs with the road.",
 )
 def ignores_a_climbing_road(detect_obstacles: Callable) -> None:
     assert_no_boxes_on_road(
@@ -307,7 +306,7 @@ def ignores_a_climbing_road(detect_obstacles: Callable) -> None:
 
 @note_check(
     "detect_obstacles",
-    title="Returns an array",
+    title="Returns the boxes as an array, not as a list",
     why="The cells below select boxes with a mask, which does not work on a list.",
 )
 def returns_an_array(detect_obstacles: Callable) -> None:
@@ -325,7 +324,7 @@ def returns_an_array(detect_obstacles: Callable) -> None:
 
 @note_check(
     "detect_obstacles",
-    title="Lists the four floor corners first, or the four roof corners",
+    title="Starts each box with the four floor corners or the four roof corners",
     why="The score card uses the first four corners as the ground that a box covers.",
 )
 def lists_the_floor_first(detect_obstacles: Callable) -> None:

@@ -83,7 +83,7 @@ def as_indices(answer: object, previous: np.ndarray, current: np.ndarray) -> np.
         return yours
     message = ""
     if yours.dtype.kind == "b":
-        message = " This is a mask, True or False."
+        message = " Your answer is a mask of True and False."
     elif yours.shape == (len(current), len(previous)):
         message = " This has the shape of a table of all pairs: return the index of one column "
         "for each row."
@@ -134,7 +134,7 @@ def assert_matched(
             f"are {len(previous)} rows."
         )
     else:
-        message = f"Current box {first} was previous box {expected[first]}."
+        message = f"The partner of current box {first} should be previous box {expected[first]}."
     raise CheckFailed(
         message,
         input_text=_centres_text(previous, current, input_text),
@@ -218,7 +218,9 @@ def assert_limit_respected(
             yours=brief_text(yours),
         )
     gap = np.linalg.norm(previous.mean(axis=1) - current[first].mean(axis=0), axis=1).min()
-    text = "it has no partner" if expected[first] < 0 else "that box is its partner"
+    text = (
+        "it should not have a partner" if expected[first] < 0 else "that box should be its partner"
+    )
     raise CheckFailed(
         f"Current box {first} is {gap:.2f} m from the nearest previous box, and max_distance is "
         f"{max_distance:g} m, so {text}.",
@@ -232,7 +234,7 @@ def assert_limit_respected(
 @once_per_run
 def require_matching(match_boxes: Callable) -> None:
     """Assert that boxes are found again after a small move; raise `NotYet` if not."""
-    with precondition("each box is found again after a small move"):
+    with precondition("the function finds each box again after a small move"):
         answer = match_boxes(_BEFORE.copy(), _AFTER.copy(), 1.5)
         assert_matched(answer, _ORDER, _BEFORE, _AFTER)
 
@@ -254,8 +256,8 @@ def _centres_text(previous: np.ndarray, current: np.ndarray, more: str | None = 
     title="Finds each box again after a small move, whatever the order of the boxes",
     why="Clusters are numbered from 1 again in every frame. Only matching shows which box moved "
     "where.",
-    hint="The centre of a box is the mean of its corners. Make a table of all distances between "
-    "current and previous centres; the smallest entry is the first pair.",
+    hint="Make a table of the distances between all current and previous centres, "
+    "boxes.mean(axis=1). The smallest entry is the first pair.",
 )
 def finds_again(match_boxes: Callable) -> None:
     answer = match_boxes(_BEFORE.copy(), _AFTER.copy(), 1.5)
@@ -265,10 +267,10 @@ def finds_again(match_boxes: Callable) -> None:
 @visible_check(
     "match_boxes",
     weight=2,
-    title="Returns -1 for a box without a partner, because it is new",
+    title="Returns -1 for a new box, which has no partner",
     why="When a pedestrian steps out from behind a lorry, the new box must not get the lorry's "
     "track ID.",
-    hint="Start from an array of -1 that is as long as current, and write the partners into it.",
+    hint="Start from np.full(len(current), -1), and write the partners into it.",
 )
 def marks_new_boxes(match_boxes: Callable) -> None:
     require_matching(match_boxes)
@@ -282,7 +284,7 @@ def marks_new_boxes(match_boxes: Callable) -> None:
     weight=6,
     title="Does not pair boxes that are farther apart than max_distance",
     why="If a track ID jumps to a distant object, that object seems to have a high speed.",
-    hint="Compare the distance itself, as np.linalg.norm gives it, with max_distance before you "
+    hint="Compare the distance itself, which np.linalg.norm returns, with max_distance before you "
     "accept a pair.",
 )
 def respects_max_distance(match_boxes: Callable) -> None:
@@ -310,9 +312,9 @@ def respects_max_distance(match_boxes: Callable) -> None:
     "match_boxes",
     weight=10,
     title="Never gives two boxes the same partner",
-    why="The planner takes two cars with the same track ID for one car.",
-    hint="When you have chosen a pair, cross out its row and its column with infinity, because "
-    "neither box is free any more.",
+    why="Two cars with the same track ID look like a single car to the planner.",
+    hint="After each pair, set table[row, :] and table[:, column] to np.inf, because neither box "
+    "is free any more.",
 )
 def is_one_to_one(match_boxes: Callable) -> None:
     require_matching(match_boxes)
@@ -329,8 +331,8 @@ def is_one_to_one(match_boxes: Callable) -> None:
     title="Gives a partner to the nearer of two rival boxes",
     why="If the first box in the list wins, the result depends on the order, and cars swap track "
     "IDs.",
-    hint="Take the closest of all pairs first. If you go through the current boxes in order, the "
-    "first box gets the partner.",
+    hint="Take the closest of all pairs first, with table.argmin(). If you go through the current "
+    "boxes in order, the first box gets the partner.",
 )
 def prefers_the_nearer_rival(match_boxes: Callable) -> None:
     require_matching(match_boxes)
@@ -343,9 +345,10 @@ def prefers_the_nearer_rival(match_boxes: Callable) -> None:
     "match_boxes",
     weight=2,
     title="Pairs a box with the nearer of two previous boxes",
-    why="A car next to a post must keep its track ID and its speed, and not take those of the "
+    why="A car next to a post must keep its own track ID and speed, and must not get those of the "
     "post.",
-    hint="Also cross out the row of a pair: a box that has a partner must not get a second one.",
+    hint="Also set table[row, :] to np.inf, because a box that has a partner must not get a "
+    "second one.",
 )
 def prefers_the_nearer_previous_box(match_boxes: Callable) -> None:
     require_matching(match_boxes)
@@ -375,8 +378,8 @@ def compares_centres(match_boxes: Callable) -> None:
     title="Works when either list is empty",
     why="There are no boxes before the first frame and on an empty road, and the tracker must not "
     "crash then.",
-    hint="If the table of distances is empty, return an array of -1 that is as long as current: "
-    "argmin of an empty table raises an error.",
+    hint="If the table of distances is empty, return np.full(len(current), -1), because argmin of "
+    "an empty table raises an error.",
 )
 def works_without_boxes(match_boxes: Callable) -> None:
     require_matching(match_boxes)
@@ -413,19 +416,19 @@ _MOVED_CASE = Case(
 common_checks.promise_names(
     _MOVED_CASE,
     "keeps_the_names",
-    why="Other programs may call match_boxes(before, after, max_distance=1.5).",
+    why="Other code may call match_boxes(before, after, max_distance=1.5).",
 )
 common_checks.promise_untouched(
     _MOVED_CASE,
     "keeps_the_boxes_unchanged",
     why="The boxes of this frame are the previous boxes of the next frame.",
-    hint="Write infinity into your own table of distances. Do not write into the boxes.",
+    hint="Write np.inf into your own table of distances, and do not write into the boxes.",
 )
 
 
 @note_check(
     "match_boxes",
-    title="Returns whole-number indices",
+    title="Returns whole numbers as indices",
     why="The tracker below looks up track IDs with the indices, and 2.0 is not an index.",
 )
 def returns_whole_indices(match_boxes: Callable) -> None:
@@ -508,13 +511,14 @@ declare_mistakes(
     Mistake(
         "The function matches only the closest pair and ignores all other boxes.",
         _closest_pair_only,
-        "Repeat with while as long as a pair is close enough, and return after the loop.",
+        "Write a `while` loop that runs as long as a pair is close enough, and return after the "
+        "loop.",
     ),
     Mistake(
         "Each current box takes the nearest previous box that is close enough, even if that box "
         "has a nearer partner.",
         _prediction_with_answers(rivals=(1, 1, 2, -1), crowd=(0, 0, 0)),
-        "When you have chosen a pair, cross out its row and its column with infinity.",
+        "After each pair, set table[row, :] and table[:, column] to np.inf.",
     ),
     Mistake(
         "The first current box in the list takes the partner, even if a later box is nearer.",
@@ -522,7 +526,7 @@ declare_mistakes(
         "Take the closest of all pairs first.",
     ),
     Mistake(
-        "max_distance is ignored: boxes are paired as long as both lists have free boxes.",
+        "The function ignores max_distance and pairs boxes as long as both lists have free boxes.",
         _prediction_with_answers(
             rivals=(0, 1, 2, -1),
             far=(2, 0, 1),
@@ -545,12 +549,13 @@ declare_mistakes(
             gap=(1, 1),
             diagonal=(0, 1),
         ),
-        "Compare with max_distance, and cross out the row and the column of each pair.",
+        "Compare the distance with max_distance, and set the row and the column of each pair to "
+        "np.inf.",
         is_cheap=True,
     ),
     Mistake(
-        "Each previous box takes the nearest current box, however far away it is, because "
-        "max_distance is ignored.",
+        "Each previous box takes the nearest current box, however far away it is, because the "
+        "function ignores max_distance.",
         _prediction_with_answers(
             merge=(2,),
             between=(1, 2),
@@ -568,17 +573,18 @@ declare_mistakes(
         "Before linear_sum_assignment, replace each distance that is too large by a huge number.",
     ),
     Mistake(
-        "A box with a partner gets another, farther one later, because its row is not crossed out.",
+        "A box that already has a partner gets a second, farther partner, because its row is not "
+        "crossed out.",
         _prediction_with_answers(merge=(0,), between=(1, 2)),
-        "After each pair, write infinity into table[row, :], not only into the column.",
+        "After each pair, also set table[row, :] to np.inf, not only the column.",
     ),
     Mistake(
-        "The square of the distance is compared with max_distance.",
+        "The function compares the square of the distance with max_distance.",
         _prediction_with_answers(far=(-1, 0, -1), small=(0, 2, 1), near=(-1, -1)),
         "Take the square root, or use np.linalg.norm.",
     ),
     Mistake(
-        "The limit is a fixed distance, whatever max_distance is.",
+        "The function uses a fixed limit, whatever max_distance is.",
         _prediction_with_answers(far=(-1, 0, -1), small=(0, 2, 1), diagonal=(0, 1)),
         "Compare with the parameter max_distance.",
     ),
@@ -589,11 +595,11 @@ declare_mistakes(
         "Return one entry for each current box. The entries are rows of previous.",
     ),
     Mistake(
-        "Box k of one frame is matched with box k of the other.",
+        "The function matches box k of one frame with box k of the other.",
         lambda right, previous, current, max_distance: np.where(
             np.arange(len(current)) < len(previous), np.arange(len(current)), -1
         ),
-        "Boxes may come in any order, so compare their centres.",
+        "Compare the centres of the boxes, because boxes may come in any order.",
         is_cheap=True,
     ),
     Mistake(
@@ -607,15 +613,17 @@ declare_mistakes(
         "Start from np.full(len(current), -1).",
     ),
     Mistake(
-        "The mean is taken over x, y and z of each corner, not over the eight corners of each box.",
+        "The function takes the mean over x, y and z of each corner, not over the eight corners "
+        "of each box.",
         _match_corner_means,
-        "boxes.mean(axis=1) is one centre (x, y, z) for each box; axis=2 would mix x with y.",
+        "Use boxes.mean(axis=1), which returns one centre (x, y, z) for each box. axis=2 mixes x, "
+        "y and z.",
     ),
     Mistake(
         "The function compares corners, not centres. In the next frame, the corners of a box may "
         "be in another order.",
         _prediction_with_answers(far=(-1, -1, -1), near=(-1, -1)),
-        "Compare the centres: the mean of all eight corners.",
+        "Compare the centres, boxes.mean(axis=1).",
     ),
     cases=tuple(_arguments_of(name) for name in _CALLS),
     right=_right_partners,

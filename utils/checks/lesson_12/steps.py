@@ -112,8 +112,8 @@ def _assert_moved(
     "predict_boxes",
     title="Moves each box by its own velocity for a tenth of a second",
     why="The tracker looks for the next box of an object where the object should be by now.",
-    hint="Add velocities[:, None] times seconds to boxes. velocities has the shape (N, 3) and "
-    "boxes the shape (N, 8, 3), so [:, None] moves all corners of a box alike.",
+    hint="Add seconds * velocities[:, None] to boxes, which moves all corners of a box alike. "
+    "velocities has the shape (N, 3), and boxes has the shape (N, 8, 3).",
 )
 def moves_the_boxes(predict_boxes: Callable) -> None:
     _assert_moved(predict_boxes, _PARKED, _PARKED_VELOCITIES, 0.1)
@@ -121,7 +121,7 @@ def moves_the_boxes(predict_boxes: Callable) -> None:
 
 @visible_check(
     "predict_boxes",
-    title="Moves twice as far in twice the time",
+    title="Moves boxes twice as far in twice the time",
     why="Some scanners turn only five times a second, and some frames are lost, so the time "
     "between two frames varies.",
     hint="Multiply the velocities by seconds.",
@@ -145,7 +145,7 @@ def moves_eight_boxes(predict_boxes: Callable) -> None:
 @visible_check(
     "predict_boxes",
     title="Works without boxes",
-    why="An empty road is not an error, so the tracker must go on.",
+    why="On an empty road there are no boxes, and the tracker must not crash then.",
     hint="Work with whole arrays, without a loop and without a special case.",
 )
 def predicts_no_boxes(predict_boxes: Callable) -> None:
@@ -155,7 +155,7 @@ def predicts_no_boxes(predict_boxes: Callable) -> None:
 @visible_check(
     "predict_boxes",
     title="Does not change boxes or velocities",
-    why="A later cell draws the boxes of the previous frame.",
+    why="A later cell predicts from the same boxes and velocities again.",
     hint="Write boxes + ..., which creates new boxes. boxes += ... changes the input.",
 )
 def keeps_boxes_and_velocities(predict_boxes: Callable) -> None:
@@ -167,31 +167,31 @@ def keeps_boxes_and_velocities(predict_boxes: Callable) -> None:
 declare_mistakes(
     "predict_boxes",
     Mistake(
-        "The code adds the whole velocity, as if one second had passed, and ignores seconds.",
+        "The code ignores seconds and adds the whole velocity, as if one second had passed.",
         lambda right, boxes, velocities, seconds: _right_moved_boxes(boxes, velocities, 1.0),
-        "The distance is velocity times time.",
+        "Multiply the velocities by seconds.",
     ),
     Mistake(
         "The boxes always move for a tenth of a second. They should move for `seconds`.",
         lambda right, boxes, velocities, seconds: _right_moved_boxes(boxes, velocities, 0.1),
-        "Multiply by the parameter seconds.",
+        "Multiply the velocities by the parameter seconds.",
     ),
     Mistake(
-        "The boxes move backwards: the distance is subtracted.",
+        "The boxes move backwards, because the code subtracts the distance.",
         lambda right, boxes, velocities, seconds: _right_moved_boxes(boxes, velocities, -seconds),
-        "A velocity points in the direction of motion, so add the distance.",
+        "Add the distance, because a velocity points in the direction of motion.",
     ),
     Mistake(
-        "The velocity is divided by the time.",
+        "The code divides the velocity by the time. It should multiply the velocity by the time.",
         lambda right, boxes, velocities, seconds: _right_moved_boxes(
             boxes, velocities, 1 / seconds
         ),
-        "The distance is velocity times time.",
+        "Multiply the velocities by seconds.",
     ),
     Mistake(
         "Row k of velocities moves corner k of every box instead of box k.",
         lambda right, boxes, velocities, seconds: boxes + seconds * velocities,
-        "velocities[:, None] moves all corners of a box alike.",
+        "Use velocities[:, None], which moves all corners of a box alike.",
     ),
     Mistake(
         "All boxes move by the velocity of the first box.",
@@ -280,8 +280,8 @@ def _assert_placed(correct_boxes: Callable, gain: float, seconds: float) -> None
     "correct_boxes",
     title="Places each box between its expected and its found position",
     why="A detected box wobbles. With a gain below 1, the track wobbles less.",
-    hint="Compute off = found.mean(axis=1) - expected.mean(axis=1), the error of the expectation. "
-    "The new centre is the centre of expected plus gain times off.",
+    hint="Compute off = found.mean(axis=1) - expected.mean(axis=1). The new centre is the centre "
+    "of expected plus gain times off.",
 )
 def places_boxes_between(correct_boxes: Callable) -> None:
     for gain, seconds in ((0.5, 0.1), (0.75, 0.2)):
@@ -316,11 +316,11 @@ def keeps_the_shape(correct_boxes: Callable) -> None:
 
 @visible_check(
     "correct_boxes",
-    title="Corrects the velocity with the second gain",
+    title="Corrects the velocity with its own gain, beta",
     why="Without this correction, a track never learns that a car is coming towards the ego car. "
-    "If the second gain is too large, a wobble looks like speed although nothing moves.",
-    hint="Compute beta = 2 * (1 - np.sqrt(1 - gain)) ** 2. The new velocities are velocities + "
-    "beta * off / seconds.",
+    "If beta is too large, every wobble of a box looks like a velocity.",
+    hint="Compute beta = 2 * (1 - np.sqrt(1 - gain)) ** 2, and return velocities + beta * off / "
+    "seconds as the new velocities.",
 )
 def corrects_the_velocity(correct_boxes: Callable) -> None:
     for gain, seconds in ((0.5, 0.1), (0.75, 0.2)):
@@ -340,10 +340,10 @@ def corrects_the_velocity(correct_boxes: Callable) -> None:
 @visible_check(
     "correct_boxes",
     title="Uses the expected position at gain 0 and the found position at gain 1",
-    why="The two extreme gains show whether the gain is the weight of the found box, as it should "
-    "be.",
-    hint="Return the expected place and the old velocity if the gain is 0, and the found place if "
-    "it is 1.",
+    why="The gain is the weight of the found box. A gain of 0 ignores the found box, and a gain "
+    "of 1 ignores the expected box.",
+    hint="Write found - (1 - gain) * off[:, None]. With a gain of 1, the result is then the found "
+    "box.",
 )
 def uses_extreme_gains(correct_boxes: Callable) -> None:
     for gain in (0.0, 1.0):
@@ -351,7 +351,7 @@ def uses_extreme_gains(correct_boxes: Callable) -> None:
     _, yours = _call_correct_boxes(correct_boxes, 0.0, 0.1)
     if not np.allclose(yours, _VELOCITIES, atol=1e-3):
         raise CheckFailed(
-            fixed("With a gain of 0 a velocity must not change."),
+            fixed("With a gain of 0, a velocity must not change."),
             input_text=_given_text(0, 0.0, 0.1),
             yours=brief_text(yours[0]),
             expected=brief_text(_VELOCITIES[0]),
@@ -391,45 +391,47 @@ def _prediction_from_velocity_rule(
 declare_mistakes(
     "correct_boxes",
     Mistake(
-        "The change of the velocity is not divided by the time: metres are added to metres per "
-        "second.",
+        "The code does not divide the change of the velocity by the time, so it adds metres to "
+        "metres per second.",
         _prediction_from_velocity_rule(
             lambda velocities, offset, gain, beta, seconds: velocities + beta * offset
         ),
         "Return velocities + beta * off / seconds.",
     ),
     Mistake(
-        "The first gain is also used to correct the velocity.",
+        "The code also corrects the velocity with gain. It should use beta.",
         _prediction_from_velocity_rule(
             lambda velocities, offset, gain, beta, seconds: velocities + gain * offset / seconds
         ),
-        "The velocity has a separate gain, beta.",
+        "Compute beta = 2 * (1 - np.sqrt(1 - gain)) ** 2, the gain of the velocity.",
     ),
     Mistake(
-        "The velocity is corrected with expected minus found, which is the wrong way round.",
+        "The code corrects the velocity with expected minus found. It should use found minus "
+        "expected.",
         _prediction_from_velocity_rule(
             lambda velocities, offset, gain, beta, seconds: velocities - beta * offset / seconds
         ),
-        "Use found minus expected: an object that is ahead of its expected place is faster.",
+        "Use found minus expected, because an object that is ahead of its expected place is "
+        "faster than expected.",
     ),
     Mistake(
-        "The old velocity is missing: only the correction is returned.",
+        "The function returns only the correction, without the old velocity.",
         _prediction_from_velocity_rule(
             lambda velocities, offset, gain, beta, seconds: beta * offset / seconds
         ),
         "Add the correction to velocities.",
     ),
     Mistake(
-        "The function returns the velocities unchanged. It should correct them with the second "
-        "gain.",
+        "The function returns the velocities unchanged. It should correct them with beta.",
         _prediction_from_velocity_rule(lambda velocities, offset, gain, beta, seconds: velocities),
         "Return velocities + beta * off / seconds.",
     ),
     Mistake(
-        "The gain is used as the weight of the expectation. It should be the weight of the found "
-        "box.",
+        "The code uses the gain as the weight of the expected box. It should be the weight of the "
+        "found box.",
         _prediction_from_velocity_rule(share=lambda gain: 1 - gain),
-        "With a gain of 1 the result is the found box.",
+        "Write found - (1 - gain) * off[:, None]. With a gain of 1, the result is then the found "
+        "box.",
     ),
     Mistake(
         "The function returns the found boxes unchanged, whatever the gain is.",
@@ -437,13 +439,13 @@ declare_mistakes(
         "Return found - (1 - gain) * off[:, None].",
     ),
     Mistake(
-        "Expected and found boxes are mixed corner by corner. If a box grows or starts with "
+        "The code mixes expected and found boxes corner by corner. If a box grows or starts with "
         "another corner, the result does not have the size and sides of the found box.",
         lambda right, expected, velocities, found, gain, seconds: (
             expected + gain * (found - expected),
             right[1],
         ),
-        "Move the found box as a whole: off[:, None] moves all its corners alike.",
+        "Move the found box as a whole with off[:, None], which moves all its corners alike.",
     ),
     cases=(
         (_EXPECTED, _VELOCITIES, _FOUND, 0.4, 0.1),
@@ -498,8 +500,8 @@ def _call_coast(coast: Callable, *case: object) -> tuple[np.ndarray, np.ndarray]
     why="If a count is never reset, a track is dropped although it has a box in every second "
     "frame.",
     hint=fixed(
-        "Call np.isin(np.arange(len(missed)), partners), which shows which tracks have a box. No "
-        "track has the row -1."
+        "Call np.isin(np.arange(len(missed)), partners), which is True for the tracks that have a "
+        "box."
     ),
 )
 def counts_missed_frames(coast: Callable) -> None:
@@ -518,7 +520,7 @@ def counts_missed_frames(coast: Callable) -> None:
 
 @visible_check(
     "coast",
-    title="Keeps a track while it has missed at most patience frames",
+    title="Keeps a track that has missed at most patience frames in a row",
     why="If a track is dropped too early, its object gets a new track ID. If it is dropped too "
     "late, another object gets its track ID.",
     hint="Compare the new counts with patience: missed <= patience.",
@@ -542,7 +544,7 @@ def drops_tracks_after_patience(coast: Callable) -> None:
 
 @visible_check(
     "coast",
-    title="Works on frames without boxes, and without tracks",
+    title="Works when there are no boxes or no tracks",
     why="In fog a whole frame may be empty, and the tracks must last until the boxes return.",
     hint="Work with whole arrays, without a special case.",
 )
@@ -566,8 +568,8 @@ def works_on_empty_frames(coast: Callable) -> None:
     title="Does not change the counts",
     why="If the function changes the counts, a second call for the same frame counts this frame "
     "twice.",
-    hint="Begin with missed = missed + 1, which creates new counts. missed += 1 changes the "
-    "input, and so does missed[...] = 0 before you have new counts.",
+    hint="Begin with missed = missed + 1, which creates a new array. missed += 1 changes the "
+    "input.",
 )
 def keeps_the_counts_unchanged(coast: Callable) -> None:
     assert_arguments_unchanged(observe(coast, _MISSED, _PARTNERS, 3), _MISSED, _PARTNERS, 3)
@@ -599,45 +601,52 @@ declare_mistakes(
             "last row."
         ),
         _prediction_from_counts(_count_last_track),
-        fixed("Leave out -1 with partners[partners >= 0], or use np.isin(np.arange(n), partners)."),
+        fixed(
+            "Leave out -1 with partners[partners >= 0], or use np.isin(np.arange(len(missed)), "
+            "partners)."
+        ),
     ),
     Mistake(
         "A track is dropped one frame too early: `<` should be `<=`.",
         lambda right, missed, partners, patience: (right[0], right[0] < patience),
-        "A track that has missed exactly patience frames is still kept.",
+        "Write missed <= patience, because a track that has missed exactly patience frames is "
+        "still kept.",
     ),
     Mistake(
         "The function compares the old counts with patience, so a track is kept one frame too "
         "long.",
         lambda right, missed, partners, patience: (right[0], missed <= patience),
-        "Compare the new counts.",
+        "Compare the new counts with patience.",
     ),
     Mistake(
-        "A track with a box keeps its old count and is never reset to 0.",
+        "A track with a box keeps its old count, which should become 0.",
         _prediction_from_counts(
             lambda missed, has_box, partners: np.where(has_box, missed, missed + 1)
         ),
-        "Write np.where(seen, 0, missed + 1).",
+        "Write np.where(seen, 0, missed + 1), where seen is the mask of the tracks that have a "
+        "box.",
     ),
     Mistake(
         "Every count goes up by 1, whether the track has a box or not.",
         _prediction_from_counts(lambda missed, has_box, partners: missed + 1),
-        "Write np.where(seen, 0, missed + 1).",
+        "Write np.where(seen, 0, missed + 1), where seen is the mask of the tracks that have a "
+        "box.",
     ),
     Mistake(
         "The count of a track without a box is always 1, however many frames it has missed.",
         _prediction_from_counts(lambda missed, has_box, partners: np.where(has_box, 0, 1)),
-        "Write np.where(seen, 0, missed + 1).",
+        "Write np.where(seen, 0, missed + 1), where seen is the mask of the tracks that have a "
+        "box.",
     ),
     Mistake(
         "Tracks with a box are treated as if they had none, and the other way round.",
         _prediction_from_counts(lambda missed, has_box, partners: np.where(has_box, missed + 1, 0)),
-        "The entries of partners are the tracks that have a box.",
+        "Reset the tracks in partners, because these are the tracks that have a box.",
     ),
     Mistake(
         "Only tracks with a box in this frame are kept, so no track coasts.",
         lambda right, missed, partners, patience: (right[0], right[0] == 0),
-        "kept is missed <= patience, with the new counts.",
+        "Return missed <= patience as kept, with the new counts.",
     ),
     Mistake(
         "The second result says which tracks are dropped. It should say which tracks are kept.",

@@ -71,9 +71,9 @@ def _assert_answer(any_close: Callable, points: np.ndarray, cells: tuple, distan
     right = np.sqrt(_squared_distances(points, *cells).min()) < distance
     if yours != right:
         raise CheckFailed(
-            "Two of these points are closer than the limit."
+            f"Two of these points are closer than {distance:g} m."
             if right
-            else "No two of these points are closer than the limit.",
+            else f"No two of these points are closer than {distance:g} m.",
             input_text=f"{_rows_text(points, a, a_end)}; {_rows_text(points, b, b_end)}; "
             f"limit {distance:g}² = {distance**2:.3g}",
             yours=str(yours),
@@ -140,7 +140,7 @@ def is_strict(any_close: Callable) -> None:
     points = np.array([[1.0, 2.0, 0.5], [1.0, 2.5, 0.5]])
     if _as_bool(any_close(points, 0, 1, 1, 2, 0.25)):
         raise CheckFailed(
-            "The two points are exactly at the limit, not closer.",
+            "The squared distance of the two points equals the limit, so they are not close.",
             input_text=fixed("two points 0.5 m apart, limit 0.5² = 0.25"),
             yours="True",
             expected="False",
@@ -150,7 +150,8 @@ def is_strict(any_close: Callable) -> None:
 @visible_check(
     "any_close",
     title="Stops at the first close pair",
-    why="Stopping early makes the loop fast: two crowded cells may have a million pairs.",
+    why="Two crowded cells may have a million pairs, and a loop that stops early rarely needs "
+    "them all.",
     hint="Write return True inside both loops. It ends both loops and the function.",
 )
 def stops_at_the_first_close_pair(any_close: Callable) -> None:
@@ -179,7 +180,7 @@ def stops_at_the_first_close_pair(any_close: Callable) -> None:
 @visible_check(
     "any_close",
     title="Does not change the points",
-    why="The same rows are compared again with other cells.",
+    why="Other calls compare the same rows with other cells.",
     hint="Store the differences in new variables.",
 )
 def keeps_the_points_unchanged(any_close: Callable) -> None:
@@ -231,21 +232,21 @@ def _random_case(seed: int) -> tuple:
 declare_mistakes(
     "any_close",
     Mistake(
-        "The distance is compared with the limit, which is already squared, or the limit is "
-        "squared again.",
+        "The code compares the distance with the limit, which is already squared, or it squares "
+        "the limit again.",
         _prediction_from_squares(lambda squares, limit: (np.sqrt(squares) < limit).any()),
         "Write x * x + y * y + z * z < limit, without a square root.",
     ),
     Mistake(
-        "Only the first pair is compared: `return False` is inside the loops.",
+        "The function compares only the first pair, because `return False` is inside both loops.",
         _prediction_from_squares(lambda squares, limit: squares[0, 0] < limit),
         "Indent return False like the outer `for`, after both loops.",
     ),
     Mistake(
-        "Only the first point of the first cell is compared: `return False` is inside the outer "
-        "loop.",
+        "The function compares only the first point of the first cell, because `return False` is "
+        "inside the outer loop.",
         _prediction_from_squares(lambda squares, limit: (squares[0] < limit).any()),
-        "Indent return False like the outer `for`.",
+        "Indent return False like the outer `for`, after both loops.",
     ),
     Mistake(
         "The answer is True only if all pairs are close. One close pair is enough.",
@@ -256,33 +257,33 @@ declare_mistakes(
         lambda right, *case: not right,
     ),
     Mistake(
-        "The row after each cell is also read. The rows a_end and b_end do not belong to the "
-        "cells.",
+        "The code also reads the row after each cell. The rows a_end and b_end do not belong to "
+        "the cells.",
         _prediction_with_shifted_rows(0, 1),
-        "range(a, a_end) already ends before a_end.",
+        "Use range(a, a_end), which already ends before a_end.",
     ),
     Mistake(
-        "The last row of each cell is never read.",
+        "The code never reads the last row of each cell.",
         _prediction_with_shifted_rows(0, -1),
-        "range(a, a_end) already ends before a_end.",
+        "Use range(a, a_end), which already ends before a_end.",
     ),
     Mistake(
-        "The first row of each cell is never read.",
+        "The code never reads the first row of each cell.",
         _prediction_with_shifted_rows(1, 0),
-        "range(a, a_end) begins at a.",
+        "Use range(a, a_end), which begins at a.",
     ),
     Mistake(
-        "The difference in x is left out, so points one behind the other seem close.",
+        "The code leaves out the difference in x, so points one behind the other seem close.",
         _prediction_without_axis(0),
         "Use all three differences.",
     ),
     Mistake(
-        "The difference in y is left out, so points side by side seem close.",
+        "The code leaves out the difference in y, so points side by side seem close.",
         _prediction_without_axis(1),
         "Use all three differences.",
     ),
     Mistake(
-        "z is left out, so the height does not count.",
+        "The code leaves out the difference in z, so points one above the other seem close.",
         _prediction_without_axis(2),
         "Use all three differences.",
     ),

@@ -61,7 +61,7 @@ def counts_both_sides(count_near: Callable) -> None:
 
 @visible_check(
     "count_near",
-    title="Counts points exactly at the tolerance",
+    title="Also counts points exactly at the tolerance",
     why="The loop should give the same number as NumPy and lesson 03.",
     hint='Write `<=` for "at most".',
 )
@@ -131,42 +131,42 @@ def _prediction_from_distance(distance: Callable) -> Callable:
 declare_mistakes(
     "count_near",
     Mistake(
-        "All points below the plane are counted, however far away they are, because the distance "
-        "keeps its sign.",
+        "The function counts all points below the plane, however far away they are, because the "
+        "distance keeps its sign.",
         _prediction_from_distance(lambda points, plane: points @ plane[:3] + plane[3]),
         "Put abs(...) around the whole sum.",
     ),
     Mistake(
-        "d is left out, so the distance is to a plane through the sensor.",
+        "The code leaves out d, so it measures the distance to a plane through the sensor.",
         _prediction_from_distance(lambda points, plane: np.abs(points @ plane[:3])),
         "Also add plane[3], the fourth number of the plane.",
     ),
     Mistake(
-        "d is subtracted, as if the plane were a x + b y + c z = d.",
+        "The code subtracts d, as if the plane were a x + b y + c z = d.",
         _prediction_from_distance(lambda points, plane: np.abs(points @ plane[:3] - plane[3])),
-        "Add plane[3]; do not subtract it.",
+        "Add plane[3] instead of subtracting it.",
     ),
     Mistake(
-        "z is left out, so the height does not count.",
+        "The code leaves out z, so the height does not count.",
         _prediction_from_distance(
             lambda points, plane: np.abs(points[:, :2] @ plane[:2] + plane[3])
         ),
-        "Add three products and d.",
+        "Also add the product for z, plane[2] * points[i, 2].",
     ),
     Mistake(
-        "The absolute value is taken of each term instead of the sum.",
+        "The code takes the absolute value of each term instead of the sum.",
         _prediction_from_distance(
             lambda points, plane: np.abs(points * plane[:3]).sum(axis=1) + abs(plane[3])
         ),
         "Put abs(...) around the whole sum.",
     ),
     Mistake(
-        "The square of the distance is compared with the tolerance.",
+        "The code compares the square of the distance with the tolerance.",
         _prediction_from_distance(lambda points, plane: (points @ plane[:3] + plane[3]) ** 2),
         "Take abs(...), not the square.",
     ),
     Mistake(
-        "Points farther away than the tolerance are counted.",
+        "The function counts the points that are farther away than the tolerance.",
         lambda right, points, plane, tolerance: len(points) - right,
         "Count points whose distance is at most the tolerance.",
     ),
@@ -176,22 +176,22 @@ declare_mistakes(
         "Indent `return` like `for`.",
     ),
     Mistake(
-        "The last point is never read.",
+        "The loop never reads the last point.",
         lambda right, points, plane, tolerance: _count(points[:-1], plane, tolerance),
-        "range(len(points)) already ends before len(points).",
+        "Use range(len(points)), which already ends before len(points).",
     ),
     Mistake(
-        "The first point is never read.",
+        "The loop never reads the first point.",
         lambda right, points, plane, tolerance: _count(points[1:], plane, tolerance),
-        "range(len(points)) begins at 0.",
+        "Use range(len(points)), which begins at 0.",
     ),
     Mistake(
-        "The loop runs over the number of columns instead of the number of rows.",
+        "The loop runs once per column instead of once per row, so it reads only three points.",
         lambda right, points, plane, tolerance: _count(points[:3], plane, tolerance),
-        "Use range(len(points)) or points.shape[0].",
+        "Use range(len(points)) or range(points.shape[0]).",
     ),
     Mistake(
-        "The count begins at 1.",
+        "The count starts at 1.",
         lambda right, points, plane, tolerance: right + 1,
         "Start at 0, because no point has been counted before the loop.",
     ),

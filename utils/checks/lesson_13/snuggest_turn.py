@@ -105,8 +105,8 @@ def _random_points(seed: int) -> np.ndarray:
     "snuggest_turn",
     title="Finds the angle of the smallest area for any points",
     why="The scanner sees two sides and a mirror of a car, which do not form a rectangle.",
-    hint="Compute the area for all 90 turns at once, (front - back) * (left - right): the extent "
-    "along times the extent across.",
+    hint="Compute the area for all 90 turns at once: (largest minus smallest along) times "
+    "(largest minus smallest across).",
 )
 def finds_the_smallest_area(snuggest_turn: Callable) -> None:
     with precondition("the function finds the angle of a rectangle wherever it is"):
@@ -139,7 +139,7 @@ def works_on_one_point(snuggest_turn: Callable) -> None:
 @visible_check(
     "snuggest_turn",
     title="Does not change the points",
-    why="A later cell draws the original points.",
+    why="The next step fits a box around the same points.",
     hint="Write x, y = points[i, 0], points[i, 1], and store results in new variables.",
 )
 def keeps_the_points_unchanged(snuggest_turn: Callable) -> None:
@@ -165,24 +165,24 @@ def _add_sensor(points: np.ndarray) -> np.ndarray:
 declare_mistakes(
     "snuggest_turn",
     Mistake(
-        "The answer is the angle of the largest area.",
+        "The function returns the index of the largest area.",
         lambda right, points: int(_area(points).argmax()),
         "Use argmin(), not argmax().",
     ),
     Mistake(
-        "The answer minimises the sum of the two sides instead of their product.",
+        "The function minimises the sum of the two sides instead of their product.",
         _prediction_from_measure(lambda points: sum(_extents(points))),
         "Find the smallest area, which is the product of the two sides.",
     ),
     Mistake(
         "The function measures only the extent along each direction, not the area.",
         _prediction_from_measure(lambda points: _extents(points)[0]),
-        "Multiply it by the extent across the direction.",
+        "Multiply the extent along each direction by the extent across it.",
     ),
     Mistake(
         "The function measures only the extent across each direction, not the area.",
         _prediction_from_measure(lambda points: _extents(points)[1]),
-        "Multiply it by the extent along the direction.",
+        "Multiply the extent across each direction by the extent along it.",
     ),
     Mistake(
         "The sensor counts as a point, because smallest and largest start at 0.",
@@ -190,9 +190,9 @@ declare_mistakes(
         "Start with np.full(90, np.inf) for the smallest and np.full(90, -np.inf) for the largest.",
     ),
     Mistake(
-        "The points are turned the wrong way, because both sines have the wrong sign.",
+        "The code turns the points the wrong way, because both sines have the wrong sign.",
         _prediction_from_measure(lambda points: _area(points * [1, -1, 1])),
-        "along is x cos + y sin, and across is y cos - x sin.",
+        "Compute along as x cos + y sin, and across as y cos - x sin.",
     ),
     Mistake(
         "The function uses z instead of y.",
@@ -202,7 +202,8 @@ declare_mistakes(
     Mistake(
         "The function returns the smallest area instead of the index of its angle.",
         lambda right, points: float(_area(points).min()),
-        "argmin() returns the index of the smallest area, min() the area itself.",
+        "Use argmin(), which returns the index of the smallest area. min() returns the area "
+        "itself.",
     ),
     Mistake(
         "The function returns the angle in radians. It should return the index of the angle.",
@@ -210,9 +211,9 @@ declare_mistakes(
         "Return the index of the angle, from 0 to 89.",
     ),
     Mistake(
-        "The last point is never read.",
+        "The loop never reads the last point.",
         _prediction_from_measure(lambda points: _area(points[:-1])),
-        "range(len(points)) already ends before len(points).",
+        "Use range(len(points)), which already ends before len(points).",
     ),
     cases=tuple((frozen(_random_points(seed)),) for seed in (4, 13, 19, 28, 43, 46, 51, 57)),
     right=lambda points: int(_area(points).argmin()),

@@ -81,7 +81,7 @@ def finds_the_root(root_of: Callable) -> None:
     "root_of",
     title="Returns the cell itself if it is a root",
     why="At the start every cell is its own root, so this is the answer to the first calls.",
-    hint="Return the cell itself if the loop does not run at all.",
+    hint="Return cell after the loop. For a root, the loop does not run at all.",
     slow=_ENDLESS_HINT,
 )
 def stays_at_a_root(root_of: Callable) -> None:
@@ -89,7 +89,7 @@ def stays_at_a_root(root_of: Callable) -> None:
         yours = assert_number(root_of(_PARENT.copy(), cell))
         if yours != cell:
             raise CheckFailed(
-                f"Cell {cell} is its own parent.",
+                f"Cell {cell} is its own parent, so it is a root.",
                 input_text=_GIVEN,
                 yours=brief_text(yours[()]),
                 expected=str(cell),
@@ -99,7 +99,7 @@ def stays_at_a_root(root_of: Callable) -> None:
 @visible_check(
     "root_of",
     title="Keeps every cell in its piece",
-    why="Looking up a root must not join or split any pieces.",
+    why="If a search for a root moves cells to another piece, cars merge or split.",
     hint="Change only parent[cell], and only to a cell farther up: parent[parent[cell]].",
     slow=_ENDLESS_HINT,
 )
@@ -173,12 +173,12 @@ declare_mistakes(
         "The code goes one step, to the parent: it has `if` instead of `while`, or `return` "
         "inside the loop.",
         _prediction_steps_up(1),
-        "Repeat until parent[cell] == cell.",
+        "Write while parent[cell] != cell, and return after the loop.",
     ),
     Mistake(
         "The code goes two steps, to the grandparent, and no farther.",
         _prediction_steps_up(2),
-        "Repeat until parent[cell] == cell, and return after the loop.",
+        "Write while parent[cell] != cell, and return after the loop.",
     ),
     Mistake(
         "The loop ends one step before the root, because the condition tests the next cell.",
@@ -244,9 +244,9 @@ def joins_the_pieces(unite: Callable) -> None:
 
 @visible_check(
     "unite",
-    title="Changes nothing if both cells are in one piece",
-    why="Most pairs of close cells are already in one piece, which must stay as it is.",
-    hint="Use the same code for both: if both roots are the same, parent[root] = root changes "
+    title="Does not change the pieces if both cells are already in the same piece",
+    why="Most pairs of close cells are already in the same piece, which must stay as it is.",
+    hint="Do not write a special case. If both roots are the same, parent[root] = root changes "
     "nothing.",
     slow=_ENDLESS_HINT,
 )
@@ -258,7 +258,7 @@ def accepts_joined_cells(unite: Callable) -> None:
 @visible_check(
     "unite",
     title="Makes the larger root point at the smaller",
-    why="The smallest cell of a piece is then its root, whatever the order of the pairs.",
+    why="The smallest cell of a piece is then its root, so the order of the pairs does not matter.",
     hint="Write parent[max(a, b)] = min(a, b) for the two roots a and b.",
     slow=_ENDLESS_HINT,
 )
@@ -310,23 +310,23 @@ def _prediction_with_parent(choose: Callable) -> Callable:
 declare_mistakes(
     "unite",
     Mistake(
-        "The two cells are joined instead of their roots, so the cells on the path to a root are "
-        "left behind.",
+        "The code joins the two cells instead of their roots, so the cells on the path to a root "
+        "are left behind.",
         _prediction_with_parent(lambda a, b, root_a, root_b: (max(a, b), min(a, b))),
         "Write a, b = root_of(parent, a), root_of(parent, b) first.",
     ),
     Mistake(
-        "The first cell gets a new parent instead of its root.",
+        "The code changes the parent of the first cell instead of the parent of its root.",
         _prediction_with_parent(lambda a, b, root_a, root_b: (a, root_b)),
         "Also write a = root_of(parent, a).",
     ),
     Mistake(
-        "The second cell gets a new parent instead of its root.",
+        "The code changes the parent of the second cell instead of the parent of its root.",
         _prediction_with_parent(lambda a, b, root_a, root_b: (b, root_a)),
         "Also write b = root_of(parent, b).",
     ),
     Mistake(
-        "Nothing is joined: parent is the same after the call.",
+        "The function does not join anything, because parent is the same after the call.",
         lambda right, parent, a, b: _groups(_roots(parent, "")),
         "Change the array: parent[...] = ...",
         is_cheap=True,
