@@ -86,7 +86,7 @@ def test_a_wrong_note_is_reported_in_a_sentence(answer, verdict, message):
     [
         (["other"], "'other' is not a valid lesson name."),
         (["14_Free"], "'14_Free' is not a valid lesson name."),
-        (["06_other"], "06_filter_ground already has the number 06. 14 is free."),
+        (["06_other"], "06_filter_ground already has the number 06. Use 14, which is free."),
         (["14_voxel_grid"], "06_filter_ground already has an exercise voxel_grid."),
         (["14_root_of"], "13_compiled_loops already has an exercise root_of."),
         (
@@ -154,7 +154,7 @@ def test_missing_parts_of_a_new_lesson_are_reported(project_copy, sandbox):
         tried = run(project_copy, "try", "16", "--sandbox", sandbox.name)
     assert tried.returncode == 1
     assert "far_distance has no hidden test. Write one in 16_far_distance/hidden" in tried.stdout
-    assert "The lesson cannot be judged: " in tried.stdout and "2 left to fix." in tried.stdout
+    assert "The lesson cannot be judged: " in tried.stdout and "2 still to fix." in tried.stdout
 
     changed = ("# %% right: a loop", "# %% wrong: it"), ("np.linalg", "npp.linalg")
     answers, hidden = folder / "answers" / "far_distance.txt", folder / "hidden_tests.py"
@@ -177,7 +177,7 @@ def test_faults_of_the_checks_are_reported_once(project_copy, sandbox):
     with replace_temporarily(checks, "7.505553499465135", "7.6"):
         tried = run(project_copy, "try", "15", "--sandbox", sandbox.name)
     assert (
-        "The solution earns " in tried.stdout and "15_mean_square: 1 left to fix." in tried.stdout
+        "The solution earns " in tried.stdout and "15_mean_square: 1 still to fix." in tried.stdout
     )
     assert (
         "mean_square, “Computes the root mean square of three numbers”: The number is wrong."
@@ -192,7 +192,7 @@ def test_faults_of_the_checks_are_reported_once(project_copy, sandbox):
         with replace_temporarily(checks, old, new):
             tried = run(project_copy, "try", "15", "--sandbox", sandbox.name)
         assert f"utils/checks/lesson_15.py, line {line}: " in tried.stdout
-        assert reason in tried.stdout and "15_mean_square: 1 left to fix." in tried.stdout
+        assert reason in tried.stdout and "15_mean_square: 1 still to fix." in tried.stdout
 
 
 @pytest.mark.proof
