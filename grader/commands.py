@@ -78,7 +78,9 @@ def run_try(options: argparse.Namespace) -> int:
         findings.append(finding)
     unfinished = sum(not finding.is_good for finding in findings)
     print(
-        f"{lesson.name}: {unfinished} left to fix." if unfinished else f"{lesson.name} is complete."
+        f"{lesson.name}: {unfinished} still to fix."
+        if unfinished
+        else f"{lesson.name} is complete."
     )
     return FAULT if unfinished else SUCCESS
 
@@ -326,7 +328,7 @@ def has_one_executor(options: argparse.Namespace) -> bool:
     """Return whether at most one executor is selected; print an error if not."""
     if options.workers and options.scheduler:
         print(
-            "--workers is for this machine, --scheduler is for a cluster. Use only one of them.",
+            "--workers is for this machine, and --scheduler is for a cluster. Use only one.",
             file=sys.stderr,
         )
         return False
@@ -655,7 +657,8 @@ def run_forget(options: argparse.Namespace) -> int:
         print(error, file=sys.stderr)
         return FAULT
     for sentence in remaining:
-        print(console.printable_text(f"{sentence} Otherwise, grade enters the student again."))
+        notice = f"{sentence} Otherwise, the next run of grade adds the student again."
+        print(console.printable_text(notice))
     if traces and not options.delete:
         print("Nothing was deleted. To delete all of this, add --delete.", file=sys.stderr)
         return FAULT
@@ -703,7 +706,7 @@ def run_demo(options: argparse.Namespace) -> int:
     course = make_class(options.students, not sandbox.warning, requested_stages)
     status = grade_course(course, (), 20_170_405, sandbox, options.workers, warning)
     for stage in requested_stages:
-        print(f"Feedback pages of {stage}: {_sample_feedback(course, stage)}")
+        print(f"Feedback pages for {stage}: {_sample_feedback(course, stage)}")
         print(f"Similar answers in {stage}: {_sample_similarity(course, stage)}")
     return status
 

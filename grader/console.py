@@ -339,7 +339,7 @@ def print_notes(sentences: Sequence[str]) -> None:
 def print_exported(exported: ExportResult, path: Path, backup: Path | None, next_step: str) -> None:
     """Print a summary of an exported file: its marks, missing marks, and the next step."""
     students = f"{exported.mark_count} student{'s' * (exported.mark_count != 1)}"
-    lines = [f"{printable_text(path)} contains the marks of {students}."]
+    lines = [f"{printable_text(path)} contains marks for {students}."]
     if backup:
         lines.append(f"The previous file was renamed to {printable_text(backup.name)}.")
     lines += [printable_text(note) for note in exported.notes]
@@ -367,7 +367,7 @@ def print_autograder(
         "Upload the zip under Configure Autograder. Then submit the course's solutions under Test "
         "Autograder.",
         "Students may use the container's version of Python or an older one. On Ubuntu 24.04, "
-        "this is Python 3.12. Code that only a newer Python can read gets no mark.",
+        "this is Python 3.12. Code that needs a newer Python gets no mark.",
         "The zip contains the course's secret seed and hidden tests. Do not give it to students.",
     ]
     if by_hand:
@@ -376,8 +376,8 @@ def print_autograder(
     if uncounted_items:
         lines.append(
             "This autograder also gives points for lessons or exercises that do not count "
-            f"according to deadlines.toml: {', '.join(uncounted_items)}. To leave them out, judge "
-            "here, and run: python -m grader export --format gradescope"
+            f"according to deadlines.toml: {', '.join(uncounted_items)}. To leave them out, grade "
+            "on this machine, and run: python -m grader export --format gradescope"
         )
     Console(highlight=False, soft_wrap=True).print("\n".join(lines), markup=False)
 
@@ -391,7 +391,7 @@ def print_feedback(feedback: Sequence[WrittenFeedback]) -> None:
             text = f"{printable_text(item.pages[0].parent)}: {count}{zipped}"
             Console(highlight=False, soft_wrap=True).print(text, markup=False)
     lists = (
-        ("Not final, because a part still has to be graded by hand:", "waiting"),
+        ("Not final, because some answers still have to be graded by hand:", "waiting"),
         ("Not in the zip. Give these students their pages yourself:", "unreached"),
     )
     for title, name in lists:
@@ -419,7 +419,7 @@ def print_collected(report: CollectionReport) -> None:
     for sentence in _collection_sentences(report):
         console.print(printable_text(sentence), markup=False, soft_wrap=True)
     _print_questions(console, "For your information", report.remarks)
-    _print_questions(console, "Collected, but the owner is in doubt", report.doubts)
+    _print_questions(console, "Collected, but the owner is uncertain", report.doubts)
     _print_questions(console, "Not collected until you decide", report.questions)
     if any("/" in question.name for question in report.questions):
         console.print(
@@ -450,7 +450,7 @@ def _collection_sentences(report: CollectionReport) -> Iterator[str]:
         ("new", "new"),
         ("newer", "newer than the previous version, which is kept in .older/"),
         ("same", "unchanged"),
-        ("kept", "left out, older than the collected version"),
+        ("kept", "left out, because a newer version was already collected"),
     )
     counted = [f"{counts[state]} {text}" for state, text in state_texts if counts[state]]
     yield f"Notebooks: {'; '.join(counted) or 'none'}."
@@ -481,7 +481,7 @@ def _collection_sentences(report: CollectionReport) -> Iterator[str]:
     if report.students_with_time is not None:
         collected = sum(map(bool, report.states.values()))
         yield (
-            "The table has the submission time of "
+            "The table contains submission times for "
             f"{len(report.students_with_time)} of the {collected} students with notebooks."
         )
     students_by_reason: dict[str, list[str]] = {}

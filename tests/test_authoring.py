@@ -90,7 +90,7 @@ FREE_NUMBER = 1 + max(int(lesson.number) for lesson in every_lesson())
         (["other"], "'other' is not a valid lesson name."),
         (["94_Free"], "'94_Free' is not a valid lesson name."),
         (["94_lambda"], "lambda is a keyword of Python"),
-        (["06_other"], f"06_filter_ground already has the number 06. {FREE_NUMBER} is free."),
+        (["06_other"], f"06_filter_ground already has the number 06. Use {FREE_NUMBER}, which is free."),
         (["94_voxel_grid"], "06_filter_ground already has an exercise voxel_grid."),
         (["94_root_of"], "13_compiled_loops already has an exercise root_of."),
         (
@@ -158,7 +158,7 @@ def test_missing_parts_of_a_new_lesson_are_reported(project_copy, sandbox):
         tried = run(project_copy, "try", "96", "--sandbox", sandbox.name)
     assert tried.returncode == 1
     assert "far_distance has no hidden test. Write one in 96_far_distance/hidden" in tried.stdout
-    assert "The lesson cannot be judged: " in tried.stdout and "2 left to fix." in tried.stdout
+    assert "The lesson cannot be judged: " in tried.stdout and "2 still to fix." in tried.stdout
 
     changed = ("# %% right: a loop", "# %% wrong: it"), ("np.linalg", "npp.linalg")
     answers, hidden = folder / "answers" / "far_distance.txt", folder / "hidden_tests.py"
@@ -181,7 +181,7 @@ def test_faults_of_the_checks_are_reported_once(project_copy, sandbox):
     with replace_temporarily(checks, "7.505553499465135", "7.6"):
         tried = run(project_copy, "try", "95", "--sandbox", sandbox.name)
     assert (
-        "The solution earns " in tried.stdout and "95_mean_square: 1 left to fix." in tried.stdout
+        "The solution earns " in tried.stdout and "95_mean_square: 1 still to fix." in tried.stdout
     )
     assert (
         "mean_square, “Computes the root mean square of three numbers”: The number is wrong."
@@ -196,7 +196,7 @@ def test_faults_of_the_checks_are_reported_once(project_copy, sandbox):
         with replace_temporarily(checks, old, new):
             tried = run(project_copy, "try", "95", "--sandbox", sandbox.name)
         assert f"utils/checks/lesson_95.py, line {line}: " in tried.stdout
-        assert reason in tried.stdout and "95_mean_square: 1 left to fix." in tried.stdout
+        assert reason in tried.stdout and "95_mean_square: 1 still to fix." in tried.stdout
 
 
 @pytest.mark.proof

@@ -362,7 +362,7 @@ def test_the_command_writes_a_zip_that_only_its_owner_can_read(
     assert zipfile.is_zipfile(path) and stat.S_IMODE(path.stat().st_mode) == 0o600
     output = capsys.readouterr().out
     assert "Autograder Points: 85" in output and "write_up (10 points)" in output
-    assert "this is Python 3.12. Code that only a newer Python can read gets no mark." in output
+    assert "this is Python 3.12. Code that needs a newer Python gets no mark." in output
 
 
 def test_lessons_and_exercises_in_an_autograder_that_do_not_count_are_named(

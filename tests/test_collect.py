@@ -1588,7 +1588,7 @@ def test_zip_bombs_are_refused_with_a_reason(course, monkeypatch):
     assert "like a zip bomb" in texts[f"ada/{SIX}.ipynb"]
     assert "like a zip bomb" in texts[f"ada/ratio.zip/{SEVEN}.ipynb"]
     assert "contains 5,001 files" in texts["ada/many.zip"]
-    assert "zips, too deep to open" in texts["ada/deep.zip/more.zip/more.zip/more.zip"]
+    assert "nested zips, which are not opened" in texts["ada/deep.zip/more.zip/more.zip/more.zip"]
     assert "cannot be opened as a zip" in texts["ada/broken.zip"]
     assert states(outcome) == {"ada": {}, "bjorn": {"06": "new"}}, "other students are not affected"
 
@@ -1651,7 +1651,7 @@ def test_an_open_question_about_collected_files_is_shown_as_such(course, run_com
     path = archive(course, files)
     assert run_command(path) == 1
     output = capsys.readouterr().out
-    assert "Collected, but the owner is in doubt:" in output and "until you decide" not in output
+    assert "Collected, but the owner is uncertain:" in output and "until you decide" not in output
     assert run_command(path, "--who", "teamrot_4001=ada") == 0
 
 
@@ -1687,7 +1687,7 @@ def test_the_number_of_times_in_the_table_is_reported(course, run_command, capsy
     assert "submission times" not in capsys.readouterr().out
     run_command(path, "--timestamps", table)
     output = " ".join(capsys.readouterr().out.split())
-    assert "The table has the submission time of 1 of the 2 students with notebooks." in output
+    assert "The table contains submission times for 1 of the 2 students with notebooks." in output
 
 
 @pytest.mark.parametrize(

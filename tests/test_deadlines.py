@@ -320,7 +320,7 @@ def test_rules_are_read_and_described(course):
     assert dates.rules.excluded_exercises == {"drop_invalid", "fit_plane"}
     assert (dates.rules.drop_lowest, dates.rules.pass_mark) == (2, 50.5)
     assert list(dates.descriptions()) == [
-        "stage1_ransac due 2026-10-12 12:00 UTC, section B 2026-10-13 12:00 UTC, "
+        "stage1_ransac due 2026-10-12 12:00 UTC, section B due 2026-10-13 12:00 UTC, "
         "1 with an extension, lessons that count: 01 03",
         "01_point_clouds due 2026-10-05 12:00 UTC, 1 with an extension",
         "03_ransac_plane due 2026-10-20 12:00 UTC",
@@ -357,7 +357,10 @@ def test_rules_are_read_and_described(course):
             '[stage1_ransac]\nwithout = ["drop_invalid", "horizontal_distance"]',
             "this switches off all exercises of 01_point_clouds. To leave out the whole lesson",
         ),
-        ("[01_point_clouds]", "[01_point_clouds]: no date. Add a line due = 2026-10-12T23:59:00"),
+        (
+            "[01_point_clouds]",
+            "[01_point_clouds]: there is no date. Add a line due = 2026-10-12T23:59:00",
+        ),
         ("[01_point_clouds]\nlessons = []", "move lessons below the heading of its stage"),
         (
             '[01_point_clouds]\ndue = 2026-10-12T23:59:00\nwithout = ["fit_plane"]',

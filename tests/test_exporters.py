@@ -315,7 +315,7 @@ def test_the_command_fills_in_a_gradebook_and_reports_missing_students(export, t
     assert export(*call) == commands.FAULT
     out, err = capsys.readouterr()
     path = tmp_path / f"scores.{THREE}.canvas.csv"
-    assert f"{path} contains the marks of 1 student." in out and "In Canvas: Grades, Import." in out
+    assert f"{path} contains marks for 1 student." in out and "In Canvas: Grades, Import." in out
     assert (
         "Marks that could not be exported: 2\n"
         "  ada (Ada Lovelace), 42.35 points: the file has no row" in err

@@ -908,7 +908,7 @@ def test_a_folder_with_many_files_is_listed_instead_of_the_files(course):
         (stage / "venv" / "bin" / str(number) / "activate").write_text("")
     (course.submitted / "eve" / LESSON.stage).mkdir(parents=True)
     (course.submitted / "eve" / LESSON.stage / "photo.png").write_text("")
-    reason = "it is not a notebook of the course"
+    reason = "it is not a notebook from this course"
     assert {str(path): reason for path, reason in unaccounted_files(course)} == {
         f"submitted/ada/{LESSON.stage}": f"30 files: {reason}",
         f"submitted/ada/{LESSON.stage}/venv": f"30 files: {reason}",
@@ -985,11 +985,12 @@ def test_the_doctor_compares_the_version_of_an_installed_dask(monkeypatch, with_
     monkeypatch.setattr(doctor.metadata, "version", version)
     wrong = [finding.text for finding in doctor._examine_versions() if not finding.is_good]
     assert len(wrong) == 1 + with_dask
-    assert "rich is 0.1, should be " in wrong[0]
+    assert "rich is 0.1, but should be " in wrong[0]
     assert wrong[0].endswith(". Run: pip install -r requirements.txt")
     if with_dask:
         assert (
-            "dask is 0.2, should be " in wrong[1] and "distributed is 0.2, should be " in wrong[1]
+            "dask is 0.2, but should be " in wrong[1]
+            and "distributed is 0.2, but should be " in wrong[1]
         )
         assert wrong[1].endswith(". Run: pip install -r requirements-cluster.txt")
 

@@ -74,7 +74,7 @@ WRONG = ExerciseResult(
     (
         check("joins"),
         check("parts", MISTAKE),
-        check("keeps", "For the same reason as “It parts”.", kind=MessageKind.SAME_REASON),
+        check("keeps", "Fails for the same reason as “It parts”.", kind=MessageKind.SAME_REASON),
         *(
             check(f"waits {n}", "Later: parts are apart.", kind=MessageKind.WAITING)
             for n in range(12)
@@ -103,7 +103,7 @@ def test_the_first_failure_is_shown_and_the_rest_are_folded():
         "2 more fail in the same way.": 2,
     }
     assert folded.groups[-1].titles == ("Is correct elsewhere (2 times)",)
-    assert folded.description == "1 of 18 checks pass" and folded.is_started
+    assert folded.description == "1 of the 18 checks passed" and folded.is_started
 
 
 def test_every_check_is_counted_once():
@@ -136,8 +136,8 @@ def test_different_messages_are_not_folded_together():
     ("tests", "first", "words", "started"),
     [
         ((), "", "nothing could be checked", True),
-        ((check("a"), check("b")), "", "all 2 checks pass", True),
-        ((check("a", "Begin.", kind=MessageKind.NOT_STARTED),), "", "none of 1 checks pass", False),
+        ((check("a"), check("b")), "", "all 2 checks passed", True),
+        ((check("a", "Begin.", kind=MessageKind.NOT_STARTED),), "", "the only check failed", False),
     ],
 )
 def test_the_number_of_passed_checks_is_stated_in_words(tests, first, words, started):
@@ -181,7 +181,7 @@ def test_lateness_and_penalty_are_stated_in_words(monkeypatch):
     late, penalty = sentences(timedelta(days=2, hours=3, minutes=20), penalty=12.5)
     assert late.startswith("Submitted 2 days and 3 hours late, on 22 November 2026 at ")
     assert "It was due on 20 November 2026 at " in late
-    assert penalty == "12.5 points are subtracted for lateness."
+    assert penalty == "Points subtracted for lateness: 12.5."
     assert sentences(timedelta(seconds=5))[0].startswith("Submitted 1 minute late, ")
     assert sentences(timedelta(hours=1))[0].startswith("Submitted 1 hour late, ")
     assert sentences(submitted_at=None) == sentences(due=None) == []
@@ -370,10 +370,10 @@ def feedback_on(*exercises, score=0.0, problems=()):
 
 def test_feedback_on_an_unstarted_stage_names_the_next_step_once():
     page = page_text(feedback_page(feedback_on((STUB, 0.0), (STUB, 0.0))))
-    assert page.count("started") == 1
+    assert page.count("did not start") == 1
     assert "If you can still submit, replace raise NotImplementedError with your code" in page
     text = feedback_page(feedback_on((STUB, 0.0), problems=("It is cut off.",)))
-    assert "No exercise of this stage was started" not in page_text(text)
+    assert "exercise in this stage" not in page_text(text)
     assert "It is cut off." in text and 'href="#04_kd_tree"' in text and 'id="04_kd_tree"' in text
     assert 'href="#test_insert"' not in text
 
@@ -387,7 +387,8 @@ def test_a_stage_with_an_answer_or_a_manual_mark_counts_as_started(other):
 def test_points_for_a_single_slip_are_explained():
     text = page_text(feedback_page(feedback_on((WRONG, 6.25))))
     kept = (
-        "1 of 18 checks pass. You still get 6.25 of 30 points, because a single slip explains every"
+        "1 of the 18 checks passed. You still get 6.25 of 30 points, because a single slip "
+        "explains every"
     )
     assert kept in text and "(+" not in text
     feedback = feedback_on((WRONG, 6.25))
@@ -395,18 +396,18 @@ def test_points_for_a_single_slip_are_explained():
     by_hand = dataclasses.replace(exercise, mark=CellMark(9.0, True, False))
     lesson = dataclasses.replace(feedback.lessons[0], exercises=(by_hand,))
     page = page_text(feedback_page(dataclasses.replace(feedback, lessons=(lesson,))))
-    assert "You still get" not in page and "A grader set these points." in page
+    assert "You still get" not in page and "A grader entered these points." in page
     off = dataclasses.replace(exercise, counts=False)
     lesson = dataclasses.replace(feedback.lessons[0], exercises=(off,))
     page = page_text(feedback_page(dataclasses.replace(feedback, lessons=(lesson,))))
-    assert "1 of 18 checks pass." in page and "You still get" not in page
+    assert "1 of the 18 checks passed." in page and "You still get" not in page
 
 
 def test_each_score_names_its_function(pages):
     text = page_text(pages["bjorn"])
     assert "euclidean_clustering_accelerated 6.25 of 30" in text
     assert "match_boxes 2.25 of 5" in text
-    assert "A grader set these points. The checks alone give 5 points." in text
+    assert "A grader entered these points. The score from the checks alone is 5." in text
     assert "Björn Müller: 36 of 70 points" in text  # 6.25 + 20 + 2.25 + 7.5
 
 

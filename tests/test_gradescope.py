@@ -109,7 +109,7 @@ def test_a_submission_gets_its_marks(course, run):
     result = run(exported, "anna", "anna@X.edu")
     assert result["score"] == 12.5 and result["visibility"] in VISIBLE
     assert result["output"] == (
-        f"{SIX}: 15 of 30 points\n{SEVEN}: 0 of 20 points\nSubtracted for lateness: 2.5 points"
+        f"{SIX}: 15 of 30 points\n{SEVEN}: 0 of 20 points\nPoints subtracted for lateness: 2.5"
     )
     six, seven = result["tests"]
     assert (six["name"], six["score"], six["max_score"]) == (SIX, 15.0, 30.0)

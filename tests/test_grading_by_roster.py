@@ -191,7 +191,7 @@ def test_unknown_and_ambiguous_students_are_reported(course, capsys):
     assert (
         "'nobody' is not on the roster, and has no folder in submitted/." in capsys.readouterr().err
     )
-    with pytest.raises(UnknownStudent, match="Do you mean bob .Bob Bell.. Use the student's id"):
+    with pytest.raises(UnknownStudent, match="Did you mean bob .Bob Bell.. Use the student's id"):
         find_student(course, "B'ell")
     many = "".join(f"a{number},Anna,No{number},\n" for number in range(4))
     (course.root / "roster.csv").write_text(ROSTER + many)
@@ -276,7 +276,9 @@ def test_the_doctor_shows_due_dates_of_sections(course, monkeypatch):
     dates = course.root / "deadlines.toml"
     dates.write_text(f"{dates.read_text()}\n[{STAGE}.sections]\nB = 2026-03-02T09:30:00\n")
     texts = {subject: text for subject, _, text in findings(course, monkeypatch)}
-    shown = "2026-03-01 12:00 UTC, section B 2026-03-02 09:30 UTC, 1 with an extension, 1 excused"
+    shown = (
+        "2026-03-01 12:00 UTC, section B due 2026-03-02 09:30 UTC, 1 with an extension, 1 excused"
+    )
     assert texts["deadlines"] == f"{STAGE} due {shown}"
 
 

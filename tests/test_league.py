@@ -160,7 +160,7 @@ ODD_ANSWERS = {
 def test_a_detector_without_boxes_is_stopped_with_a_fixed_message(answer, sandbox):
     driven = drive_with(sandbox, detector_returning(answer), seconds=4.0)
     assert driven.failed == MAX_FAILURES and driven.metres == 0
-    assert driven.stopped.startswith(f"It returned no boxes for {MAX_FAILURES} scans. ")
+    assert driven.stopped.startswith(f"The detector returned no boxes for {MAX_FAILURES} scans. ")
     assert driven.failure in driven.stopped
     assert "Secret" not in driven.stopped and "word" not in driven.stopped
 
@@ -191,7 +191,7 @@ def test_a_few_failed_scans_are_reported_but_do_not_stop_a_drive(sandbox):
     assert not driven.stopped and driven.failed == 4
     (sentence,) = problem_sentences(driven)
     assert sentence == (
-        "It returned no boxes for 4 scans. detect_obstacles raised ZeroDivisionError."
+        "The detector returned no boxes for 4 scans. detect_obstacles raised ZeroDivisionError."
     )
 
 
@@ -543,10 +543,10 @@ def test_the_page_has_results_but_no_names(league_files):
         assert name not in text
     for words in (
         "does not affect marks",
-        "It braked for no reason: road mistaken for an obstacle, 9 m ahead, frame 31.",
+        "The car braked needlessly: road mistaken for an obstacle, 9 m ahead, frame 31.",
         "The car hits a person at 20 km/h.",
         "did not answer within 5 seconds",
-        "for a reason other than the detector",
+        "but the detector was not the cause",
         "Near misses: 1.",
         TRUE_BOXES,
         "No sandbox.",

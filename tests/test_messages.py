@@ -276,7 +276,7 @@ def test_a_shared_cause_is_shown_once_and_other_failures_in_full():
             "It is upside down.\nno array\nHint: Turn it round.", hint="Hint: Turn it round."
         ),
         "2": Message("another"),
-        "3": Message("For the same reason as “First”.", MessageKind.SAME_REASON, "First"),
+        "3": Message("Fails for the same reason as “First”.", MessageKind.SAME_REASON, "First"),
         "4": Message("This check waits until First.", MessageKind.WAITING, "First"),
     }
 

@@ -487,7 +487,7 @@ def test_a_module_that_a_cell_writes_can_be_imported(sandbox):
     submission = SubmittedFiles("06_filter_ground.ipynb", json.dumps(notebook).encode())
     verdict = judge_files(submission, 1, sandbox, LESSON)
     assert verdict.score == 30
-    assert verdict.problems[0] == "The judge used helpers.py, which a cell of the notebook writes."
+    assert verdict.problems[0] == "The judge used helpers.py, which a cell in the notebook writes."
 
 
 def test_too_much_code_is_refused_with_a_sentence():
@@ -852,8 +852,8 @@ def test_another_lessons_notebook_is_reported_if_this_lesson_is_missing():
     functions = "def filter_by_distance(c): pass\ndef crop_region(c, a, b): pass"
     submitted = from_cells(code(functions), lesson_name=LESSON.name)
     assert submitted.notes == (
-        "06_filter_ground.ipynb contains filter_by_distance and crop_region of "
-        "07_filter_by_distance, and none of the functions of 06_filter_ground. Submit "
+        "06_filter_ground.ipynb contains filter_by_distance and crop_region from "
+        "07_filter_by_distance, and none of the functions from 06_filter_ground. Submit "
         "06_filter_ground.ipynb.",
     )
     assert from_cells(code(f"{functions}\n{GROUND}")).notes == ()
@@ -897,7 +897,7 @@ def test_only_cells_that_write_a_python_file_create_a_module(command, name):
     written = code(f"{command}\nx = 1"), text("%%writefile no.py\nx = 1")
     made = from_cells(*written, code("import helpers"))
     assert made.modules == ({name: "x = 1"} if name else {})
-    used = f"The judge used {name}.py, which a cell of the notebook writes."
+    used = f"The judge used {name}.py, which a cell in the notebook writes."
     assert made.notes == ((used,) if name else ())
     assert from_cells(*written).notes == (), "no module was used"
 

@@ -789,7 +789,7 @@ def test_a_verdict_reports_a_proven_slip(proven, kept):
     run = RunResults(outcomes_of("line_through", None, None, FAIL, CheckFailed("nor here")))
     result = results.result_of(exercise, run, None, proven)
     assert (result.score, result.slip) == (3.0, kept)
-    same_reason = "For the same reason as “a title”."
+    same_reason = "Fails for the same reason as “a title”."
     assert [test.message for test in result.tests] == ["", "", "no\nHint: a hint", same_reason]
     plain = results.result_of(exercise, run, None)
     assert (plain.score, plain.slip, plain.tests[3].message) == (2.5, None, "nor here")

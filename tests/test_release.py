@@ -120,7 +120,7 @@ def test_student_requirements_cover_all_imports_of_the_notebooks():
 def test_a_notebook_that_reveals_a_solution_is_not_released(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(standalone, "find_leaks", lambda *texts: ["answer = 42"])
     assert cli.main(["release", STAGE, "--to", str(tmp_path)]) == 1
-    assert "reveals a line of the solution, 'answer = 42'" in capsys.readouterr().err
+    assert "reveals a line of the solution: 'answer = 42'" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
 
 

@@ -252,7 +252,7 @@ def test_the_text_about_a_mean_lists_the_included_scores():
     distribution = distribution_of(SIX, results, [])
     assert (distribution.mean, distribution.median, distribution.count) == (15.0, 15.0, 3)
     assert distribution.population == (
-        "of the 3 students with a score, 1 still waiting for a grader; not counted: "
+        "for 3 students with a score, 1 of whom is still waiting for a grader; not counted: "
         "1 not yet entered, 1 missing, 1 excused"
     )
     assert distribution.histogram == (1, 0, 0, 0, 0, 1, 0, 0, 0, 1)

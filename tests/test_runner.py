@@ -353,7 +353,7 @@ def test_giving_up_an_exercise_names_the_number_of_huge_answers(make_lesson):
     *_, last = run_checks(
         make_lesson(TWO_TESTS, checks), RecordingStudent(), SEED, lambda check: check.is_shown
     )
-    assert str(last.failure).startswith("Not run: 5 answers of this exercise were far larger")
+    assert str(last.failure).startswith("Not run: 5 answers to this exercise were far larger")
 
 
 def test_slow_comparisons_of_wrong_answers_have_one_limit(make_lesson, monkeypatch):

@@ -92,7 +92,7 @@ def test_a_notebook_that_gives_a_solution_away_is_not_written(tmp_path, monkeypa
     monkeypatch.setattr(standalone, "find_leaks", lambda *texts: ["answer = 42"])
     call = ["release", "--standalone", LESSON.stage, "--to", str(tmp_path)]
     assert cli.main(call) == 1
-    assert "reveals a line of the solution, 'answer = 42'" in capsys.readouterr().err
+    assert "reveals a line of the solution: 'answer = 42'" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
 
 

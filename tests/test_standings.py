@@ -238,7 +238,7 @@ def test_lessons_that_may_not_be_assigned_are_named(course):
     (sentence,) = advice(course)
     assert sentence.startswith(f"{GROUND.name} does not count for ada")
     assert list(counted_lessons(class_results(course)).values()) == [
-        f"Lessons that count in {STAGE}: 07, with 30 points in total."
+        f"Lessons that count in {STAGE}: 07 (30 points in total)."
     ]
 
 

@@ -110,7 +110,7 @@ def test_excused_lessons_are_neither_dropped_nor_counted():
             notebooks(9.0, None, standing=standing), TermRules(drop_lowest=1, pass_mark=50)
         )
         assert (term.points, term.max_score, term.dropped, term.passed) == (None, 0.0, (), None)
-        assert describe_term(term, PASS) == "Nothing counts."
+        assert describe_term(term, PASS) == "No lesson counts."
 
 
 @pytest.mark.parametrize(
@@ -227,11 +227,11 @@ def test_the_report_shows_totals_and_pass_marks():
     ]
     assert table.rows[0].total.meaning == "without 03"
     head = overview_of(results, Deadlines({}, rules=RULES), table, {})
-    reach = "60 % of the possible points; 1 of 3 students reach it, 1 not decided yet."
+    reach = "60 % of the possible points; reached by 1 of 3 students, not decided yet for 1."
     assert head.passed == reach
     assert head.mean.endswith("for 2 students with a mark.")
     assert (
-        "Lessons that count in stage3_obstacles: 06, without voxel_grid, with 30 points in total."
+        "Lessons that count in stage3_obstacles: 06 (30 points in total, without voxel_grid)."
         in head.counted
     )
     assert head.settings == (

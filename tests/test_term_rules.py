@@ -116,7 +116,7 @@ def test_an_exercise_that_is_switched_off_counts_in_neither_scores_nor_maxima(co
     assert after.stage("ada", STAGE).score == 3.25 + 18.25
     assert result(course, "ada", DISTANCE) == before.notebook("ada", DISTANCE.name)
     assert list(counted_lessons(after).values()) == [
-        f"Lessons that count in {STAGE}: 06, 07, without voxel_grid, with 40 points in total."
+        f"Lessons that count in {STAGE}: 06, 07 (40 points in total, without voxel_grid)."
     ]
     assert distribution_of(GROUND, after, []).max_score == 10
     settings(course, f"[{STAGE}]\n")
@@ -203,9 +203,9 @@ def test_the_report_shows_the_settings_in_its_head(course):
     page = write_report(course, verdicts(course), class_results(course)).read_text("utf-8")
     head = page[: page.index("<table")]
     for phrase in (
-        "06, 07, without voxel_grid, with 40 points in total",
+        "06, 07 (40 points in total, without voxel_grid)",
         "totals leave out each student&#39;s lowest lesson; pass mark 40 %",
-        "<b>Pass mark:</b> 40 % of the possible points; 2 of 3 students reach it.",
+        "<b>Pass mark:</b> 40 % of the possible points; reached by 2 of 3 students.",
         f"{STAGE} due 2026-03-01 12:00",
         "for 2 students with a mark. 1 auditor does not count.",
     ):

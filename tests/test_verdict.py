@@ -106,7 +106,7 @@ def test_the_sentence_about_a_slip_has_its_place_and_its_score(before, score_tex
     slip = Slip(3, 7, before, "keep = z >= level", score)
     where = f"One change in code cell 3, line 7 (`{score_text}`) would correct this exercise."
     assert slip.sentence.startswith(where)
-    assert ("keeps these points" in slip.sentence) == (score > 0)
+    assert ("the exercise keeps" in slip.sentence) == (score > 0)
     assert slip.__dataclass_params__.frozen
 
 

@@ -70,8 +70,8 @@ def load_street() -> tuple[np.ndarray, dict[str, np.ndarray]]:
     cloud, truth = _read_street(DATA)
     if len(cloud) != len(truth["classes"]):
         print(
-            "data/cloud.txt is not the course's scan. This lesson compares the scan with its "
-            "truth, so it uses the course's scan. To read your own file, pass its path to "
+            "data/cloud.txt is not the course's scan. This lesson compares a scan with its true "
+            "labels, so it uses the course's scan. To read your own file, pass its path to "
             "load_cloud."
         )
         from utils.simulator.scenes import write_lesson_cloud

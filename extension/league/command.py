@@ -61,7 +61,7 @@ def run_league(options: argparse.Namespace) -> int:
     course, lesson = Course(), lesson_of_league(options.stage)
     if lesson is None:
         print(
-            f"No exercise in {options.stage} is a detector. Choose a stage with one: "
+            f"No exercise in {options.stage} is a detector. Choose a stage that has one: "
             f"{', '.join(filter(lesson_of_league, stages()))}.",
             file=sys.stderr,
         )
@@ -115,6 +115,7 @@ def league_links(course: Course) -> list[tuple[str, str]]:
     links = []
     for path in sorted(course.report.glob("league_*.csv")):
         stage = path.stem.removeprefix("league_")
-        links.append((f"../league/{quote(stage)}.html", f"league of {stage}, to show to the class"))
-        links.append((quote(path.name), f"real names in the league of {stage}"))
+        page = f"../league/{quote(stage)}.html"
+        links.append((page, f"league for {stage}, to show to the class"))
+        links.append((quote(path.name), f"real names in the league for {stage}"))
     return links

@@ -205,12 +205,15 @@ class _SandboxedDetector:
         self._seconds += time.process_time() - before
         if self._seconds > REPLY_SECONDS:
             raise StudentStopped(
-                f"Its answers were so large that reading them took {REPLY_SECONDS:g} seconds."
+                f"The detector's answers were so large that reading them took {REPLY_SECONDS:g} "
+                "seconds."
             )
         if failure:
             self.failed, self.failure = self.failed + 1, self.failure or failure
         if self.failed >= MAX_FAILURES:
-            raise StudentStopped(f"It returned no boxes for {self.failed} scans. {self.failure}")
+            raise StudentStopped(
+                f"The detector returned no boxes for {self.failed} scans. {self.failure}"
+            )
         self.answers.append(boxes)
         return boxes / 1000
 

@@ -135,19 +135,19 @@ def write_league(course: Course, season: Season, seed: int, warning: str = "") -
 def problem_sentences(result: DriveResult) -> Iterator[str]:
     """Yield a sentence about each problem in a drive, without text that the student chose."""
     if result.fault:
-        yield "The drive failed for a reason other than the detector."
+        yield "The drive failed, but the detector was not the cause."
     if result.stopped:
         yield result.stopped
     if result.collision:
         yield result.collision
     for description, needless in zip(result.brakings, result.needless, strict=True):
         if needless:
-            yield f"It braked for no reason: {description}."
+            yield f"The car braked needlessly: {description}."
     if result.near_misses:
         yield f"Near misses: {result.near_misses}."
     if result.failed and not result.stopped:
         plural = "s" * (result.failed != 1)
-        yield f"It returned no boxes for {result.failed} scan{plural}. {result.failure}"
+        yield (f"The detector returned no boxes for {result.failed} scan{plural}. {result.failure}")
 
 
 def _film_best_drive(
@@ -177,7 +177,7 @@ def _film_best_drive(
         (drive for drive in best.drives if drive[2]), key=lambda drive: count_failures(drive[0])
     )
     comparison = (
-        f"{count_failures(street)} of the other {len(other_students)} students scored 0 m there."
+        f"Other students who scored 0 m there: {count_failures(street)} of {len(other_students)}."
         if other_students
         else ""
     )

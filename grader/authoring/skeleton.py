@@ -85,7 +85,9 @@ def _check_not_taken(number: str, exercise: str) -> None:
     for lesson in every_lesson():
         if lesson.number == number:
             free = 1 + max(int(other.number) for other in every_lesson())
-            raise UnusableName(f"{lesson.name} already has the number {number}. {free} is free.")
+            raise UnusableName(
+                f"{lesson.name} already has the number {number}. Use {free}, which is free."
+            )
         if f'"grade_id": "{exercise}"' in lesson.source.read_text("utf-8"):
             raise UnusableName(
                 f"{lesson.name} already has an exercise {exercise}. Choose another name."

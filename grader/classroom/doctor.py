@@ -88,7 +88,7 @@ def _examine_versions() -> Iterator[Finding]:
         "Python",
         True,
         f"{platform.python_version()} on {platform.platform()}. Students may use Python {newest} "
-        "or older. A notebook that only a newer Python can read gets no mark, and `grade` names it",
+        "or older. A notebook that needs a newer Python gets no mark, and `grade` lists it",
     )
     yield _examine_packages("requirements.txt")
     if _installed_version("distributed"):  # installed only for a cluster
@@ -99,7 +99,7 @@ def _examine_packages(file: str) -> Finding:
     lines = re.findall(r"^\w[^#\n]*==[^#\n]*", (PROJECT / file).read_text("utf-8"), re.M)
     pins = [pin for pin in map(Requirement, lines) if not pin.marker or pin.marker.evaluate()]
     mismatches = [
-        f"{pin.name} is {_installed_version(pin.name) or 'missing'}, "
+        f"{pin.name} is {_installed_version(pin.name) or 'missing'}, but "
         f"should be {str(pin.specifier)[2:]}"
         for pin in pins
         if not _installed_version(pin.name) or _installed_version(pin.name) not in pin.specifier
@@ -109,7 +109,7 @@ def _examine_packages(file: str) -> Finding:
         not mismatches,
         f"{'; '.join(mismatches)}. Run: pip install -r {file}"
         if mismatches
-        else f"the versions of all {len(pins)} match {file}",
+        else f"the versions of all {len(pins)} packages match {file}",
     )
 
 
@@ -179,7 +179,7 @@ def _examine_solutions(
     return Finding(
         "solutions",
         True,
-        f"the solutions of {len(all_lessons())} lessons earn all points with this seed",
+        f"the solutions for all {len(all_lessons())} lessons earn full points with this seed",
     )
 
 
@@ -202,7 +202,8 @@ def _examine_roster(course: Course) -> Iterator[Finding]:
         )
         return
     sections = Counter(person.section for person in class_roster.people if person.section)
-    counts = [f"{len(class_roster.people)} people"]
+    size = len(class_roster.people)
+    counts = [f"{size} {'person' if size == 1 else 'people'}"]
     counts += [f"{count} in section {name}" for name, count in sorted(sections.items())]
     without_number = [person.id for person in class_roster.people if not person.lms_id]
     counts += [f"{len(without_number)} without an lms_id"] if without_number else []

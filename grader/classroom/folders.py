@@ -48,7 +48,7 @@ def find_student(course: Course, text: str) -> str:
     ]
     remedy = "Correct the name"
     if 0 < len(similar) <= MAX_SUGGESTIONS:
-        remedy = f"Do you mean {' or '.join(similar)}? Use the student's id"
+        remedy = f"Did you mean {' or '.join(similar)}? Use the student's id"
     raise UnknownStudent(f"{text!r} {prefix}has no folder in {course.submitted.name}/. {remedy}.")
 
 
@@ -69,7 +69,7 @@ def find_section(course: Course, name: str) -> tuple[Person, ...]:
             + (
                 f"The sections are: {', '.join(sorted(sections))}."
                 if sections
-                else f"Write the sections into a column section of {roster_path(course).name}."
+                else f"Add a column section to {roster_path(course).name}."
             )
         )
     return people

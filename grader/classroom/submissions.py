@@ -68,7 +68,7 @@ class Submission:
             return SubmittedFiles(
                 self.path.name,
                 b"",
-                f"{self.path.name} is a link or in a linked folder. Submit the file itself.",
+                f"{self.path.name} is a link, or is in a linked folder. Submit the file itself.",
             )
         return dataclasses.replace(
             read_submitted_files(self.path), notes=tuple(self._notes(course))
@@ -231,4 +231,4 @@ def _reason_not_judged(course: Course, file: Path) -> str:
     lesson = lesson_by_name(path.name)
     if lesson:
         return f"it is not a notebook; submit {lesson.name}.ipynb as Jupyter saves it"
-    return "" if path.suffix == ".py" else "it is not a notebook of the course"
+    return "" if path.suffix == ".py" else "it is not a notebook from this course"

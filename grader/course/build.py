@@ -100,7 +100,7 @@ def check() -> list[str]:
         if not path.exists() or path.read_bytes() != text
     ]
     faults += [
-        f"{path.relative_to(PROJECT)} belongs to no lesson. Run: python -m grader build"
+        f"{path.relative_to(PROJECT)} does not belong to any lesson. Run: python -m grader build"
         for path in _stray_notebooks()
     ]
     for lesson in every_lesson():

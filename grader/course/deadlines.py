@@ -177,7 +177,7 @@ class Deadlines:
     def _dates_in_words(self, name: str, dates: DueDates) -> Iterator[str]:
         yield f"due {self._time_in_words(dates.due)}" if dates.due else "no date"
         for section, due in dates.sections.items():
-            yield f"section {section} {self._time_in_words(due)}"
+            yield f"section {section} due {self._time_in_words(due)}"
         if extensions := self.extensions(name):
             yield f"{len(extensions)} with an extension"
         if dates.excused:

@@ -210,7 +210,7 @@ def _parse_dates(
     )
     if due_dates.due is None and (lesson or due_dates.sections or due_dates.students):
         some_have = due_dates.sections or due_dates.students
-        reason = "only some students have a date" if some_have else "no date"
+        reason = "only some students have a date" if some_have else "there is no date"
         raise DeadlinesError(
             f"{location}]: {reason}. Add a line due = {_EXAMPLE} below this heading."
         )

@@ -65,8 +65,8 @@ def read_header(source: Path) -> LessonHeader:
     for name, value in settings.items():
         if name not in known_settings or not isinstance(value, list):
             raise ValueError(
-                f"{source.parent.name}/{source.name}: the header contains `{name}: {value}`. The "
-                "settings below lidar_obstacle_lab are lists of names: "
-                f"{', '.join(known_settings)}."
+                f"{source.parent.name}/{source.name}: the header contains `{name}: {value}`, which "
+                "is not valid below lidar_obstacle_lab. Write a list of names for one of these "
+                f"settings: {', '.join(known_settings)}."
             )
     return LessonHeader(**{name: tuple(value) for name, value in settings.items()})

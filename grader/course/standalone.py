@@ -57,8 +57,8 @@ def write_standalone(folder: Path, stages: Iterable[str] = ()) -> list[Path]:
         check_no_leaks(lesson, text)
         if len(text) > MAX_NOTEBOOK_BYTES:
             raise ReleaseError(
-                f"{lesson.name} would have {len(text)} bytes, more than the limit of "
-                f"{MAX_NOTEBOOK_BYTES}. It was not written."
+                f"{lesson.name} was not written, because it would have {len(text)} bytes, more "
+                f"than the limit of {MAX_NOTEBOOK_BYTES}."
             )
         path = folder / f"{lesson.name}.ipynb"
         write_atomically(text, path)
@@ -72,8 +72,8 @@ def check_no_leaks(lesson: Lesson, notebook: bytes) -> None:
     leaked_lines = find_leaks(lesson.solved.read_bytes(), notebook, others)
     if leaked_lines:
         raise ReleaseError(
-            f"{lesson.name} reveals a line of the solution, {leaked_lines[0]!r}. It was not "
-            "written."
+            f"{lesson.name} was not written, because it reveals a line of the solution: "
+            f"{leaked_lines[0]!r}."
         )
 
 

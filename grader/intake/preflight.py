@@ -355,8 +355,8 @@ def _report_other_lesson(draft: _Draft) -> Iterator[str]:
     elif others := _functions_of_another_lesson(draft):
         names, other = others
         yield (
-            f"{draft.submitted_files.name} contains {names} of {other.name}, and none of the "
-            f"functions of {lesson.name}. Submit {lesson.name}.ipynb."
+            f"{draft.submitted_files.name} contains {names} from {other.name}, and none of the "
+            f"functions from {lesson.name}. Submit {lesson.name}.ipynb."
         )
     elif not any(cell.kind == "code" and cell.source.strip() for cell in draft.cells):
         yield (
@@ -399,7 +399,7 @@ def _find_written_modules(draft: _Draft) -> Iterator[str]:
                 elsewhere[file[1]] = number
     draft.modules = {name: "\n".join(bodies) for name, bodies in parts.items()}
     if used := _list_imported_files(draft, draft.modules):
-        yield f"The judge used {used}, which a cell of the notebook writes."
+        yield f"The judge used {used}, which a cell in the notebook writes."
     for name, number in elsewhere.items():
         is_known = name in draft.modules.keys() | submitted.keys()
         if not is_known and _list_imported_files(draft, [name]):

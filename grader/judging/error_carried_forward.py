@@ -29,8 +29,9 @@ from utils.checks.outcomes import Outcome
 from utils.notebooks import slicing
 
 _INCONSISTENT_RUNS = (
-    "{name} was run a second time because of a function that it calls. A check that passed the "
-    "first time but failed the second time earns no points. Does {name} use random numbers?"
+    "The judge ran {name} a second time, because it calls a function that failed a check or got a "
+    "note. A check that passed the first time but failed the second time earns no points. Does "
+    "{name} use random numbers?"
 )
 
 

@@ -84,7 +84,7 @@ def messages_of(summary: Summary) -> dict[Outcome, Message]:
             full_messages[outcome] = dataclasses.replace(message, text=f"{message.text}\n{pointer}")
             break
     title = summary.first.check.title
-    same = Message(f"For the same reason as “{title}”.", MessageKind.SAME_REASON, title)
+    same = Message(f"Fails for the same reason as “{title}”.", MessageKind.SAME_REASON, title)
     return full_messages | dict.fromkeys(summary.same, same)
 
 

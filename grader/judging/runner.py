@@ -115,13 +115,13 @@ class _Runner:
             raise StudentStopped("Not run: another check has failed.")
         if self.too_large[exercise] >= MAX_TOO_LARGE:
             raise StudentStopped(
-                f"Not run: {self.too_large[exercise]} answers of this exercise were far larger "
+                f"Not run: {self.too_large[exercise]} answers to this exercise were far larger "
                 "than any right answer."
             )
         seconds_left = TEST_SECONDS - self.budget.judge_seconds[exercise]
         if seconds_left <= 0:
             raise StudentStopped(
-                "Not run: comparing earlier answers of this exercise took longer than any right "
+                "Not run: comparing earlier answers to this exercise took longer than any right "
                 "answer needs."
             )
         begin, self.proxy.largest_reply = time.process_time(), 0

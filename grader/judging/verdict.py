@@ -83,8 +83,9 @@ class Slip:
     @property
     def sentence(self) -> str:
         """The sentence for the student, which also mentions points kept for a single slip."""
-        kept = " An exercise with a single slip keeps these points." if self.score else ""
-        return f"{self.place}{kept}"
+        points = f"{self.score:g} more point{'s' * (self.score != 1)}"
+        kept = f" Because this is the only mistake, the exercise keeps {points}."
+        return f"{self.place}{kept if self.score else ''}"
 
     @property
     def place(self) -> str:

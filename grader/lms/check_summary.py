@@ -77,9 +77,11 @@ class ExerciseSummary:
         check_count = failed + len(self.passed)
         if not check_count:
             return "nothing could be checked"
+        if check_count == 1:
+            return "the only check failed" if failed else "the only check passed"
         if not failed:
-            return f"all {check_count} checks pass" if check_count > 1 else "the only check passes"
-        return f"{len(self.passed) or 'none'} of {check_count} checks pass"
+            return f"all {check_count} checks passed"
+        return f"{len(self.passed) or 'none'} of the {check_count} checks passed"
 
 
 def summarise_checks(exercise: ExerciseResult) -> ExerciseSummary:

@@ -52,12 +52,14 @@ class Distribution:
     def population(self) -> str:
         """Phrase that describes which students the mean and the median include and exclude."""
         phrase = (
-            f"of the {self.count} students with a score"
+            f"for {self.count} students with a score"
             if self.count > 1
-            else "of the one student with a score"
+            else "for the only student with a score"
         )
         if self.waiting:
-            phrase += f", {self.waiting} still waiting for a grader"
+            some = "who" if self.count == 1 else f"{self.waiting} of whom"
+            verb = "is" if self.waiting == 1 else "are"
+            phrase += f", {some} {verb} still waiting for a grader"
         excluded = {
             "not yet entered": self.not_entered,
             "missing": self.missing,

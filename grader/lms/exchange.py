@@ -41,8 +41,8 @@ class ReleaseFeedbackOfEach(ExchangeReleaseFeedback):
             fault = _fault_of_feedback(Path(name))
             if fault:
                 self.log.warning(
-                    "Not released: the feedback of %s, because %s. Give the student the pages in "
-                    "%s yourself.",
+                    "The feedback for %s was not released, because %s. Give the student the pages "
+                    "in %s yourself.",
                     one_line(Path(name).parent.name),
                     fault,
                     one_line(name),

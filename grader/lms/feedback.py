@@ -127,10 +127,10 @@ class Feedback:
         if self.result.status == EXCUSED:
             return ("You are excused from this stage, so none of these points count.",)
         if self.result.status == AUDITOR:
-            return ("You audit the course, so none of these points count.",)
+            return ("You are auditing the course, so none of these points count.",)
         waiting = self.result.status == WAITING
         untouched = (
-            "No exercise in this stage was started. If you can still submit, replace "
+            "You did not start any exercise in this stage. If you can still submit, replace "
             "`raise NotImplementedError` with your code and submit the notebooks again."
         )
         # If there is a problem with a file, the student's work may be missing from it.
@@ -301,7 +301,7 @@ def lateness_sentences(
     elif result.submitted_at and result.due:
         yield _lateness_sentence(result, zone)
     if result.penalty:
-        yield f"{format_points(result.penalty)} points are subtracted for lateness."
+        yield f"Points subtracted for lateness: {format_points(result.penalty)}."
 
 
 def _lateness_sentence(result: StageResult | NotebookResult, zone: tzinfo | None) -> str:

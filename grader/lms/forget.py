@@ -195,7 +195,8 @@ def _log_traces(course: Course, student: str) -> Iterator[Trace]:
 def _class_page_traces(course: Course) -> Iterator[Trace]:
     for pattern in CLASS_PAGES:
         for path in sorted(course.root.glob(pattern)):
-            yield Trace(f"about the whole class: {_relative(course, path)}", _make_deletion(path))
+            sentence = f"pages or tables about the whole class: {_relative(course, path)}"
+            yield Trace(sentence, _make_deletion(path))
     url = make_url(database_url(course))
     if url.drivername == "sqlite" and url.database:
         database = Path(url.database)

@@ -29,9 +29,8 @@ def check_gradebook(course: Course) -> Iterator[Finding]:
     except (RosterError, DeadlinesError):
         return  # other examinations of `doctor` report these problems
     marked = {result.student for result in results.notebooks if result.score is not None}
-    yield Finding(
-        "gradebook", True, f"{gradebook_location(course)}, with marks for {len(marked)} students"
-    )
+    students = f"{len(marked)} student{'s' * (len(marked) != 1)}"
+    yield Finding("gradebook", True, f"{gradebook_location(course)}, with marks for {students}")
     if lost:
         yield Finding("gradebook", False, lost_sentence(course, lost))
     for sentence in (*excessive_notes(results), *unlisted_notes(results)):

@@ -29,7 +29,7 @@ def counted_lessons(results: ClassResults) -> dict[str, str]:
         without = f", without {', '.join(off)}" if off else ""
         total = format_points(sum(points.values()))
         sentences[stage] = (
-            f"Lessons that count in {stage}: {numbers}{without}, with {total} points in total."
+            f"Lessons that count in {stage}: {numbers} ({total} points in total{without})."
         )
     return sentences
 
@@ -112,7 +112,7 @@ def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) ->
 def excessive_notes(results: ClassResults) -> Iterator[str]:
     """Yield one sentence for each mark by hand that is above the maximum of its exercise."""
     for _, mark in results.excessive:
-        yield f"{mark}. Its maximum was reduced after a person graded it. Grade it again."
+        yield f"{mark}. The maximum was reduced after a person graded this answer. Grade it again."
 
 
 def unlisted_notes(results: ClassResults) -> Iterator[str]:

@@ -271,5 +271,5 @@ def _judged_row(
             points = results.judged_points(verdict)
             cells.append(MarkCell(rounded_points(points), "", points))
     scores = [results.judged_points(one) for one in verdicts.values() if one.status == JUDGED]
-    total = MarkCell(rounded_points(sum(scores)), "by the judge", sum(scores))
+    total = MarkCell(rounded_points(sum(scores)), "points from the judge", sum(scores))
     return StudentRow(Person(id), not results.people, tuple(cells), MarkCell(""), total)

@@ -124,8 +124,9 @@ def _passed(table: MarksTable, results: ClassResults) -> str:
     if not table.has_pass_mark:
         return ""
     counts = Counter(row.passed.text for row in table.rows)
-    parts = [f"{counts['yes']} of {counts['yes'] + counts['no'] + counts['…']} students reach it"]
-    parts += [f"{counts['…']} not decided yet"] * bool(counts["…"])
+    total = counts["yes"] + counts["no"] + counts["…"]
+    parts = [f"reached by {counts['yes']} of {_format_student_count(total)}"]
+    parts += [f"not decided yet for {counts['…']}"] * bool(counts["…"])
     return f"{results.rules.pass_mark:g} % of the possible points; {', '.join(parts)}."
 
 
@@ -143,4 +144,4 @@ def _missing(results: ClassResults) -> str:
 
 
 def _format_student_count(count: int) -> str:
-    return f"{count} student{'s' * (count > 1)}"
+    return f"{count} student{'s' * (count != 1)}"

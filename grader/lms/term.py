@@ -70,7 +70,7 @@ def term_result(notebooks: Sequence[NotebookResult], rules: TermRules) -> TermRe
 def describe_term(term: TermResult, rules: TermRules) -> str:
     """Describe a student's total in a sentence."""
     if not term.max_score:
-        return "Nothing counts."
+        return "No lesson counts."
     if term.points is None:
         phrases = ["no mark yet"]
     else:

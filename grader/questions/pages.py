@@ -54,4 +54,6 @@ def subject_text(question: Question) -> str:
     """Return what an examiner should know about the origin of a question's key."""
     if question.is_about_code:
         return f"{question.kind}; the answer follows from this student's code."
-    return f"{question.kind}; all right answers have this result, so ask how the code gets there."
+    return (
+        f"{question.kind}; every correct solution has this result, so ask how the code gets there."
+    )

@@ -105,7 +105,7 @@ def make_sheets(
         try:
             sheets.append(future.result())
         except BrokenExecutor:
-            sheets.append(Sheet(id, name, problem="The process died. Run the command again."))
+            sheets.append(Sheet(id, name, problem="The process ended. Run the command again."))
         advance(len(sheets), len(by_student), name)
     return sheets
 
@@ -137,7 +137,7 @@ def make_sheet(
             problems.append(str(error).splitlines()[0])
             continue
         except (StudentError, StudentStopped):
-            problems.append(f"The code of {exercise.name} did not answer.")
+            problems.append(f"The code of {exercise.name} raised an error or did not finish.")
             continue
         best = max(best, sheet, key=_quality)
         if _quality(best) == (count, True):
@@ -145,10 +145,11 @@ def make_sheet(
     if len(best.questions) == count:
         return best
     if best.questions:
-        problem = f"Only {len(best.questions)} of {count} questions could be made."
+        found = len(best.questions)
+        problem = f"The grader found only {found} of {count} questions about this code."
     else:
         problem = " ".join(dict.fromkeys(problems)) or (
-            "No exercise of this stage earned full points, so there is no accepted code to ask "
+            "No exercise in this stage earned full points, so there is no correct code to ask "
             "about."
         )
     return Sheet(student, name, best.exercise, best.lines, best.questions, best.remarks, problem)

@@ -268,7 +268,7 @@ class StudentProxy:
             raise StudentError(
                 name,
                 "NameError",
-                "the notebook does not define it; do not rename the functions of the lesson",
+                "the notebook does not define it; do not rename the lesson's functions",
             )
 
     def _reply_to(self, request: dict) -> dict:

@@ -19,7 +19,7 @@ from grader.site.widget_states import QUESTION_TYPE
 
 FOLDED_TAGS = {"folded", "setup"}
 TITLE = re.compile(r"# @title (.*?)(?: \(you need not read this\))?(?: \{.*\})?\n")
-SETUP_TITLE = "Loads the tools of the course"
+SETUP_TITLE = "Loads the course's tools"
 ASKING_TITLE = "Asks for your guess"
 
 

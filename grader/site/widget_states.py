@@ -168,7 +168,7 @@ def _describe_axes(axes: Axes) -> str:
 
 def _describe_legend(legend: Legend) -> str:
     names = [_plain_text(text.get_text()) for text in legend.get_texts()]
-    return f"shown are {', '.join(dict.fromkeys(filter(None, names)))}" if any(names) else ""
+    return f"legend: {', '.join(dict.fromkeys(filter(None, names)))}" if any(names) else ""
 
 
 def _plain_text(words: str) -> str:

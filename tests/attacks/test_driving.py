@@ -85,7 +85,7 @@ def test_answers_that_take_long_to_read_end_the_drive(monkeypatch):
     street = draw_streets(SEED)[0]
     with StudentProxy(Program((EMPTY_LISTS,), (DETECTOR,)), SANDBOX, Limits(**SHORT)) as student:
         driven = drive_in_sandbox(street, student, seconds=0.5, sensor=NARROW_SENSOR)
-    assert driven.stopped.startswith("Its answers were so large")
+    assert driven.stopped.startswith("The detector's answers were so large")
 
 
 class DecodedDetector:

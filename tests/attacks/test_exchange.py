@@ -269,6 +269,6 @@ def test_a_damaged_secret_does_not_stop_the_feedback_of_the_class(content, tmp_p
     assert {page.read_text() for page in pages} == {"feedback for alice", "feedback for zoe[1]"}
     [warning] = [record.getMessage() for record in caplog.records]
     assert (
-        warning.startswith("Not released: the feedback of mallory")
+        warning.startswith("The feedback for mallory was not released")
         and str(secret.parent) in warning
     )

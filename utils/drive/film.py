@@ -74,8 +74,8 @@ def make_film(
 def summary(drive: Drive, report: Report) -> str:
     """Describe the film in words, for readers who cannot see it."""
     words = [
-        f"A drive through street {drive.street.number}, {drive.street.title[0].lower()}"
-        f"{drive.street.title[1:]}, seen from behind and above: {report.metres:.0f} m."
+        f"A drive through street {drive.street.number} ({drive.street.title[0].lower()}"
+        f"{drive.street.title[1:]}), seen from behind and above: {report.metres:.0f} m."
     ]
     words += [f"The car brakes: {braking}." for braking in report.brakings]
     return " ".join([*words, report.collision]).strip()

@@ -15,7 +15,7 @@ from utils.drive.metrics import Report
 
 RESULTS_FILE = Path(__file__).with_name("standards.json")
 
-DRIVERS = ("true boxes", "the course's detector", "the naive one of lesson 12")
+DRIVERS = ("true boxes", "the course's detector", "lesson 12's naive detector")
 
 
 @dataclass(frozen=True)

@@ -138,7 +138,7 @@ def _chosen_topic(reader: Reader1 | Reader2, path: Path, topic: str | None) -> s
             path,
             "",
             f"there is no topic of type PointCloud2, CustomMsg or LaserScan, only {found}",
-            "Record the points as PointCloud2, the message of most scanners' drivers.",
+            "Record the points as PointCloud2, the message type that most drivers publish.",
         )
     best = [name for name, kind in kinds.items() if kind == min(kinds.values())]
     if topic is None and len(best) == 1:

@@ -60,7 +60,7 @@ def lesson_of(
     found = found or next((lesson for lesson in all_lessons() if is_placed(lesson, file)), None)
     if found is None:
         complaint = file.unpacked.complaint
-        reason = complaint or "matches no lesson by its name or content"
+        reason = complaint or "does not match any lesson by name or content"
         raise UnrecognisedLesson(
             f"{reason}. If it belongs to a lesson, add {lesson_option(file, 'NN')}"
         )

@@ -144,7 +144,7 @@ def _unpack_zip(data: bytes, path: tuple[str, ...], depth: int) -> list[Unpacked
             UnpackedFile(
                 path,
                 SUBSTITUTE,
-                complaint=f"is nested in {MAX_ZIP_DEPTH} zips, too deep to open. "
+                complaint=f"is inside more than {MAX_ZIP_DEPTH} nested zips, which are not opened. "
                 + _ASK_FOR_NOTEBOOK,
             )
         ]

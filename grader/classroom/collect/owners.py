@@ -128,9 +128,9 @@ class Owners:
         if others:
             names = ", ".join(other.label for other in others)
             return (
-                f"This name and {names} both seem to belong to {', '.join(ids)}, so neither was "
-                f"collected. If both do, add {_owner_option(owner, ','.join(ids))}, and the same "
-                "option for the other name"
+                f"This name and {names} seem to belong to {' and '.join(ids)}, so the grader did "
+                f"not collect them. If they do, add {_owner_option(owner, ','.join(ids))}, and the "
+                "same option for each other name"
             )
         person = self._roster.person(ids[0]) if self._roster and owner.lms_id else None
         if person is None or not owner.names:
@@ -146,8 +146,8 @@ class Owners:
         if not names or any(name in letters_and_digits(owner.names[0]) for name in names):
             return ""
         return (
-            f"This submission has the number of {person.id}, but another name. If a team submitted "
-            f"it, add {_owner_option(owner, f'{person.id},ID')}. Otherwise, add "
+            f"This submission has the number of {person.id}, but a different name. If a team "
+            f"submitted it, add {_owner_option(owner, f'{person.id},ID')}. Otherwise, add "
             f"{_owner_option(owner, person.id)}"
         )
 
@@ -301,10 +301,10 @@ class Owners:
             )
         if owner.lms_id:
             remedy = (
-                f"write {owner.lms_id} into the student's line of roster.csv, column lms_id, or "
+                f"write {owner.lms_id} into column lms_id of the student's line in roster.csv, or "
             )
         elif owner.logins or owner.guesses:
-            remedy = "enter the login in the github column of the student's line in roster.csv, or "
+            remedy = "write the login into column github of the student's line in roster.csv, or "
         elif owner.participant and not self._worksheet.rows:
             remedy = "add Moodle's worksheet with --timestamps FILE, or "
         return (

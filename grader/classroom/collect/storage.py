@@ -91,7 +91,7 @@ class StageFolder:
         """
         if self._placed.setdefault(name, origin.digest) != origin.digest:
             raise UnclearVersion(
-                f"differs from the {name} next to another notebook of this student. In "
+                f"differs from the {name} next to another of this student's notebooks. In "
                 f"{self._relative_path(self.path)}, create one folder per notebook, and move each "
                 f"notebook into its folder together with its {name}"
             )

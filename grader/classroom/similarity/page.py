@@ -111,14 +111,18 @@ def _sentences(
     equality = _equality_sentence(first_answer, second_answer)
     yield f"{counts[0]} and {counts[1]} are alike. {equality}"
     in_class, kept = pair.other_counts
-    kept_text = f", and in none of {kept} right answers of the course" if kept else ""
+    others = f"{in_class} from students" + (f" and {kept} from the course" if kept else "")
+    verb = "does" if pair.exclusive_steps == 1 else "do"
     exclusive = (
-        f"{pair.exclusive_steps} of these steps occur in none of the {in_class} answers of other "
-        f"students{kept_text}."
+        f"{pair.exclusive_steps} of these steps {verb} not occur in any of the other answers "
+        f"({others})."
         if pair.exclusive_steps
-        else "Each of these steps also occurs in an answer of another student or of the course."
+        else "Each of these steps also occurs in another student's answer or in one of the "
+        "course's answers."
     )
-    with_kept = f", and with an answer of the course {format_percent(pair.nearest_shares[1])}"
+    with_kept = (
+        f", and with one of the course's answers it is {format_percent(pair.nearest_shares[1])}"
+    )
     yield (
         f"{exclusive} The two answers have "
         f"{format_percent(pair.share)} of their unusual code in common. The highest share that "

@@ -98,7 +98,7 @@ def _column(sheet: MarksFile, first: int, assignment: str, requested_title: str 
         if not ignored:
             raise
         raise ExportError(
-            f"{error} Canvas itself never imports {' or '.join(map(repr, ignored))}, because the "
+            f"{error} Canvas never imports {' or '.join(map(repr, ignored))}, because the "
             f"title contains {COMPUTED_COLUMN.search(ignored[0])[0]!r}. Rename the assignment in "
             "Canvas, and export the gradebook again."
         ) from error

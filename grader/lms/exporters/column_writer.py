@@ -89,7 +89,8 @@ def fill_column(
         )
         if reason:
             failures.append(
-                f"{mark.person.display_name}, {format_points(points)} points: {reason}."
+                f"{mark.person.display_name}, {format_points(points)} "
+                f"point{'s' * (points != 1)}: {reason}."
             )
         else:
             row, cell = owned_rows[index].row, format_points(points, column.decimal_mark)

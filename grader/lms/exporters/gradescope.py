@@ -40,7 +40,7 @@ def export_gradescope(options: ExportOptions) -> ExportResult:
     """
     if options.other_people:
         raise ExportError(
-            "Gradescope uses one autograder for all students of an assignment. Leave out --section."
+            "Gradescope uses one autograder for all students in an assignment. Leave out --section."
         )
     marks = collect_marks(options)
     submitted: dict[str, list[Submission]] = {}
@@ -65,7 +65,8 @@ def export_gradescope(options: ExportOptions) -> ExportResult:
             entries[email] = _entry(options, mark, submitted.get(mark.person.id, ()))
         except _MarkNotDelivered as error:
             failures.append(
-                f"{mark.person.display_name}, {format_points(mark.points)} points: {error}"
+                f"{mark.person.display_name}, {format_points(mark.points)} "
+                f"point{'s' * (mark.points != 1)}: {error}"
             )
     files = {
         "setup.sh": SETUP,
@@ -130,7 +131,7 @@ def _summary(results: Sequence[NotebookResult]) -> str:
     ]
     penalty = sum(row.penalty for row in results)
     if penalty:
-        lines.append(f"Subtracted for lateness: {format_points(penalty)} points")
+        lines.append(f"Points subtracted for lateness: {format_points(penalty)}")
     return "\n".join(lines)
 
 

@@ -64,7 +64,7 @@ def _counts(
                 else f"How many times does line {line} run while the code below runs?",
                 calls,
                 *arranged,
-                f"Line {line} was counted while the code ran.",
+                f"The grader ran the code and counted how often line {line} ran.",
                 True,
                 (
                     CountClaim(code, line, right),

@@ -39,7 +39,7 @@ def necessary(behaviour: Behaviour, random: Random) -> Iterator[Question]:
                     f"{lines_are(edit)} deleted. What is {value_of(case.code)} now?",
                     shown_code(case.code),
                     *arranged,
-                    f"Before, the value is `{own}`.",
+                    f"Before the change, the value is `{own}`.",
                     True,
                     (
                         OutcomeClaim(case.executed, edit, right),

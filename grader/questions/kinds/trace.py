@@ -40,7 +40,7 @@ def trace(behaviour: Behaviour, random: Random) -> Iterator[Question]:
                     shown_code(case.code),
                     *arranged,
                     "The other choices are values of this variable at other times, or after one "
-                    "small change of the code.",
+                    "small change to the code.",
                     True,
                     (ValueClaim(case.executed, line, name, turn, right),),
                 )

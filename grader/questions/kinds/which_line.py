@@ -51,7 +51,7 @@ def _with_symptom(behaviour: Behaviour, number: int, random: Random) -> Iterator
             outcomes = {edit: edits[edit] for edit in (right, *wrong)}
             yield Question(
                 "which line",
-                f"The code is changed in one line. Now {value_of(case.code)} is `{symptom}` "
+                f"One line of the code was changed. Now {value_of(case.code)} is `{symptom}` "
                 f"instead of `{own}`. Which change was made?",
                 shown_code(case.code),
                 *arranged,

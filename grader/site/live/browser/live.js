@@ -39,7 +39,7 @@
   const editorScript = once(() => new Promise((resolve, reject) => {
     const script = element("script", { src: new URL("editor.js", folder) });
     script.onload = resolve;
-    script.onerror = () => reject(new Error("The editor does not load."));
+    script.onerror = () => reject(new Error("The editor did not load."));
     document.head.append(script);
   }));
 
@@ -187,7 +187,7 @@
         for (const [index, cell] of above.entries()) {
           tell(`Running the cells above: ${index + 1} of ${above.length}`);
           const ok = await runCell(cell, textOf(cell), null, show);
-          if (!ok && cell.metadata.tags?.includes("setup")) throw new Error("The tools of the course do not load.");
+          if (!ok && cell.metadata.tags?.includes("setup")) throw new Error("The course's tools did not load.");
         }
         tell("Running your code");
         const isNew = ran.get(id) !== textOf(cells[position]);
@@ -229,7 +229,7 @@
         buttons.stop.disabled = !is;
       },
     });
-    if (!worker) tell(`Run and Check first load Python from this website: ${size} once, which your browser keeps.`);
+    if (!worker) tell(`The first time, Run and Check download Python from this website (${size}). Your browser keeps it.`);
     const row = element("div", { class: "buttons" }, buttons.run, ...(hasCheck ? [buttons.check] : []),
       buttons.stop, buttons.reset, buttons.download);
     place.replaceChildren(box, row, state, outputs);
@@ -255,8 +255,8 @@
     const place = element("div", { class: "live", role: "group", "aria-label": `Write ${id}` });
     cell.querySelector(".cell_input").after(place);
     if (location.protocol === "file:") {
-      place.append(element("p", {}, "Your code can run in this page if the page comes from a web server. "
-        + "From a disk, download the notebook."));
+      place.append(element("p", {}, "Your code can run in this page only if the page comes from a web server. "
+        + "If you opened the page from a disk, download the notebook."));
       continue;
     }
     const open = () => openPanel(place, id).catch((error) => { place.append(element("p", { role: "alert" }, error.message)); });

@@ -82,7 +82,7 @@ const start = async ({ python: binary, library }) => {
   });
   wasi.initialize(instance);
   python = instance.exports;
-  if (turn(`import sys; sys.path.append("/packages"); import kernel`)) throw new Error("The kernel does not start.");
+  if (turn(`import sys; sys.path.append("/packages"); import kernel`)) throw new Error("The kernel did not start.");
 };
 
 // Runs code in the interpreter's module __main__, and returns 0 if it raises nothing.
@@ -101,7 +101,7 @@ onmessage = async ({ data }) => {
     } else {
       // A JSON string is also a Python string.
       const cell = `${JSON.stringify(data.source)}, ${data.quietly ? "True" : "False"}`;
-      if (turn(`__import__("kernel").run(${cell})`)) throw new Error("It cannot run this cell.");
+      if (turn(`__import__("kernel").run(${cell})`)) throw new Error("Python cannot run this cell.");
     }
   } catch (error) {
     postMessage({ kind: "failed", text: error.message });
