@@ -113,6 +113,15 @@ def real_clouds():
     return Path(folder)
 
 
+@pytest.fixture
+def reading_without_fork(monkeypatch):
+    """Read submitted files in this process, because a fork of a large test process takes 60 ms.
+
+    `test_reader_process` tests the separate process, and the tests of the commands use it.
+    """
+    monkeypatch.delattr(os, "fork")
+
+
 @pytest.fixture(autouse=True)
 def no_open_figures():
     """Close the figures of earlier tests, because some tests count open figures."""

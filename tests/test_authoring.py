@@ -90,7 +90,10 @@ FREE_NUMBER = 1 + max(int(lesson.number) for lesson in every_lesson())
         (["other"], "'other' is not a valid lesson name."),
         (["94_Free"], "'94_Free' is not a valid lesson name."),
         (["94_lambda"], "lambda is a keyword of Python"),
-        (["06_other"], f"06_filter_ground already has the number 06. Use {FREE_NUMBER}, which is free."),
+        (
+            ["06_other"],
+            f"06_filter_ground already has the number 06. Use {FREE_NUMBER}, which is free.",
+        ),
         (["94_voxel_grid"], "06_filter_ground already has an exercise voxel_grid."),
         (["94_root_of"], "13_compiled_loops already has an exercise root_of."),
         (

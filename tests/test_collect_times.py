@@ -22,6 +22,8 @@ from tests.test_collect import (
     states,
 )
 
+pytestmark = pytest.mark.usefixtures("reading_without_fork")
+
 EARLY, LATE = "2026-10-10 10:00:00 UTC", "2026-10-20 10:00:00 UTC"
 
 

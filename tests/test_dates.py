@@ -29,6 +29,8 @@ from tests.test_gradebook import (
     verdicts,
 )
 
+pytestmark = pytest.mark.usefixtures("reading_without_fork")
+
 ROSTER = "id,section\nada,A\nbob,B\n"
 HEAD = f'timezone = "Europe/Berlin"\n[{STAGE}]\ndue = 2026-03-01T12:00:00\n'
 FULL_MARKS = 30.0  # Ada's points in two lessons; 10 % of them are 3 points

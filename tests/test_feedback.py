@@ -43,6 +43,8 @@ from tests import browser
 from tests.archives import canvas_files, make_zip, moodle_files
 from tests.prerequisites import CHROMIUM
 
+pytestmark = pytest.mark.usefixtures("reading_without_fork")
+
 STAGE = "stage4_realtime"
 TEN, TWELVE = find_lesson("10_accelerated_clustering"), find_lesson("12_streaming_obstacles")
 PEOPLE = (

@@ -36,6 +36,8 @@ from grader.lms.results import MARKED, MISSING, WAITING, GradebookUnavailable
 from grader.lms.results_reader import class_results
 from grader.lms.stage_entries import StageEntry
 
+pytestmark = pytest.mark.usefixtures("reading_without_fork")
+
 GROUND = find_lesson("06_filter_ground")
 DISTANCE = find_lesson("07_filter_by_distance")
 STREAM = find_lesson("12_streaming_obstacles")

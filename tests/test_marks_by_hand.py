@@ -128,7 +128,7 @@ def test_a_restored_mark_of_a_changed_answer_waits_for_a_person(course):
     write_answer(course, "ada", "ada finds 15 of 17 cars.")
     lose_gradebook(course)
     restored, waiting = enter_class(course, restore=True)
-    assert waiting.startswith("Review these marks") and waiting.endswith("of ada.")
+    assert waiting.startswith("Review these marks") and waiting.endswith("for ada.")
     assert (manual_mark(course, "ada"), manual_mark(course, "bob")) == (
         (7.5, True, None),
         (6.5, False, None),

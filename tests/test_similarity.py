@@ -24,6 +24,8 @@ from grader.course.paths import Course
 from grader.intake.submission import SubmittedFiles
 from tests.course_lessons import COURSE
 
+pytestmark = pytest.mark.usefixtures("reading_without_fork")
+
 ALL = tuple(sorted(exercise.name for lesson in COURSE for exercise in lesson.machine_graded))
 
 

@@ -43,6 +43,8 @@ from tests.test_gradebook import (
     verdicts,
 )
 
+pytestmark = pytest.mark.usefixtures("reading_without_fork")
+
 # Ada earns 11.75 and 18.25 points, and Bob 20.75 points in lesson 07.
 ROSTER = "id,section,role,Matriculation\nada,A,,007\nbob,B,,=8\nidle,B,,9\naud,A,auditor,10\n"
 DUE = f"[{STAGE}]\ndue = 2026-03-01T12:00:00\n"

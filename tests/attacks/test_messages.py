@@ -368,7 +368,7 @@ def test_the_threat_model_states_how_much_a_failure_can_leak():
     ends_otherwise = 1 + wrong + 10
     bits = math.ceil(math.log2(raised + ends_otherwise))
     threats = (PROJECT / "docs" / "security.md").read_text("utf-8")
-    assert f"up to {bits} bits about its question" in threats
+    assert f"up to {bits} bits about its input" in threats
     assert f"at most {MAX_LINES} lines" in threats
     assert f"which of {len(KNOWN_EXCEPTIONS)} types" in threats
 
@@ -408,7 +408,7 @@ def test_the_threat_model_states_how_much_checks_and_cells_can_leak():
     of_check, of_cell = (math.ceil(math.log2(n)) for n in (called + is_wrong, raised))
     threats = (PROJECT / "docs" / "security.md").read_text("utf-8")
     assert f"up to {of_check} bits through each visible check" in threats
-    assert f"{of_cell} through each of the first {MAX_FAILED_CELLS} cells" in threats
+    assert f"{of_cell} bits through each of the first {MAX_FAILED_CELLS} cells" in threats
 
 
 INJECTION = (

@@ -254,7 +254,10 @@ def test_the_threat_model_states_what_an_exercise_may_cost():
     full, slow = repair.FULL_SEARCH, repair.SEARCH_IN_SLOW_CODE
     edits = f"the {full.likeliest_edits} likeliest edits, or {slow.likeliest_edits} if the exercise"
     assert (full.cpu_seconds, slow.cpu_seconds, repair.FURTHER_EDITS_SECONDS) == (16, 4, 1)
-    assert edits in threats and "used at most one second of processor time" in threats
+    assert (
+        edits in threats
+        and "until the student's code has used one second of processor time" in threats
+    )
     assert "ends after 16 seconds of processor time, or after four if the exercise has" in threats
     assert repair.SEARCH_WITHOUT_POINTS.cpu_seconds == 2
     assert "as much as a slip keeps, the search ends after two seconds" in threats
