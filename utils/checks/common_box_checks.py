@@ -131,7 +131,7 @@ def promise_untouched(case: Case, name: str, *, hint: str, weight: float = 1) ->
     common_checks.promise_untouched(
         case,
         name,
-        title="Leaves the cloud and the labels untouched",
+        title="Does not change the cloud or the labels",
         why="The next step still needs the original cloud and labels.",
         hint=hint,
         weight=weight,

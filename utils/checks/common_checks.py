@@ -214,7 +214,7 @@ def promise_untouched(
     *,
     why: str,
     hint: str,
-    title: str = "Leaves its input untouched",
+    title: str = "Does not change its input",
     weight: float = 1,
 ) -> None:
     """Check that the function changes neither its arguments nor those of `extend_arguments`."""

@@ -105,7 +105,7 @@ def promise_intensity_ignored(case: Case, name: str, *, why: str, weight: float 
         case,
         name,
         np.tile([7.0, 200.0], len(GROUPS) // 2),
-        title="Ignores intensity",
+        title="Ignores intensity in a fourth column",
         why=why,
         hint="Use only cloud[:, :3], the coordinates. A fourth column contains intensity.",
         weight=weight,
@@ -117,6 +117,6 @@ def promise_untouched(case: Case, name: str) -> None:
     common_checks.promise_untouched(
         case,
         name,
-        why="The next step of the pipeline still needs the original cloud.",
+        why="The next step still needs the original cloud.",
         hint="Store the labels in a new array; do not write into cloud.",
     )

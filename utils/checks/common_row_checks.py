@@ -94,7 +94,7 @@ def promise_untouched(
     case: Case,
     name: str,
     *,
-    why: str = "The next step of the pipeline may need the full cloud again.",
+    why: str = "The next step may need the full cloud again.",
     weight: float = 1,
 ) -> None:
     """Check that the function does not change the cloud."""

@@ -418,7 +418,7 @@ def adds_c(point_line_distance: Callable) -> None:
 @visible_check(
     "point_line_distance",
     weight=7,
-    title="Works on both sides of lines that do not pass through (0, 0)",
+    title="Works for points on both sides of a line that does not pass through (0, 0)",
     why="A wall hardly ever passes through the scanner, and its points are on both sides of the "
     "line.",
     hint="Compute the whole sum including c, then take np.abs of it.",
@@ -1064,8 +1064,7 @@ def draws_different_points(ransac_line: Callable) -> None:
     n_without_line = sum(line is None for line in runs)
     if n_without_line:
         raise CheckFailed(
-            "The three points differ, so any two of them define a line. In some runs no line "
-            "was found.",
+            "Any two of the three points define a line, but in some runs no line was found.",
             input_text="three points and max_iterations=2",
             yours=f"no line in {n_without_line} of {len(runs)} runs",
             expected="a line in every run",

@@ -133,7 +133,7 @@ def counts_from_one(euclidean_clustering: Callable) -> None:
 @visible_check(
     "euclidean_clustering",
     weight=5,
-    title="Uses the threshold parameter to decide which points are close",
+    title="Uses the parameter threshold to decide which points are close",
     why="The threshold decides what counts as one object. At 0.5 m, parked cars stay separate; at "
     "2 m, a cyclist and the car next to them become one cluster.",
     hint="Compare the distance in metres with the parameter threshold: closer points are "
@@ -211,7 +211,7 @@ common_cluster_checks.promise_intensity_ignored(
 common_cluster_checks.promise_few_points(
     _CASE,
     "takes_the_smallest",
-    why="A filter sometimes removes every point, and the program must not crash then.",
+    why="A filter sometimes removes every point, and that must not crash the program.",
     hint="Start with labels = np.zeros(len(cloud), dtype=int), which is empty for an empty cloud.",
     weight=2,
 )

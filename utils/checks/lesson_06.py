@@ -195,7 +195,7 @@ declare_mistakes(
         "ground_level.",
     ),
     Mistake(
-        "The sign of ground_level is flipped: -1.2 acts as 1.2.",
+        "The sign of ground_level is flipped: -1.2 acts like 1.2.",
         lambda right, cloud, level: _rows_above(cloud, cloud[:, 2], -level),
         "Compare with ground_level unchanged. Below the sensor, both ground_level and z are "
         "negative.",
@@ -520,7 +520,7 @@ def starts_cells_at_multiples(voxel_grid: Callable) -> None:
     "voxel_grid",
     weight=9,
     title="Uses voxel_size as the size of the cells",
-    why="Larger cells trade detail for speed, so each pipeline chooses its own size.",
+    why="Larger cells trade detail for speed, so each program chooses its own size.",
     hint="Divide by the parameter: np.floor(xyz / voxel_size).",
 )
 def uses_the_voxel_size(voxel_grid: Callable) -> None:

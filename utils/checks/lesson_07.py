@@ -99,7 +99,7 @@ def _assert_any_corner_type(function: Callable, kind: Callable) -> None:
             input_text=f"six points on a line, and corners {brief_text(kind(_CUBE[0]))} and "
             f"{brief_text(kind(_CUBE[1]))}",
             yours=f"{len(with_kind)} rows",
-            expected=f"{len(with_tuples)} rows, as your function returns with tuples",
+            expected=f"{len(with_tuples)} rows, as with tuples",
         )
 
 
@@ -868,7 +868,7 @@ declare_mistakes(
     Mistake(
         "Everything is removed: no point counts as inside.",
         lambda right, cloud, low, high: cloud[:0],
-        "Write >= minimum and <= maximum. Your code may swap the corners or the comparisons.",
+        "Write >= minimum and <= maximum. Perhaps your code swaps the corners or the comparisons.",
         is_cheap=True,
     ),
     Mistake(
@@ -895,8 +895,8 @@ declare_mistakes(
         "A point stays only if it is outside in x, in y and in z. It should stay if it is outside "
         "in any of them.",
         lambda right, *case: case[0][_depths(*case).max(axis=1) < 0],
-        "Combine the comparisons for outside with .any(axis=1), or invert at the very end: "
-        "~inside.",
+        "If you compare with < minimum and > maximum, call .any(axis=1). Otherwise invert the mask "
+        "at the very end: ~inside.",
     ),
     Mistake(
         "Only x and y are compared, so points above or below the box are removed as well.",
@@ -941,8 +941,8 @@ declare_mistakes(
         "Nothing is removed: the function returns the whole cloud. It should return only the rows "
         "outside the box.",
         lambda right, cloud, low, high: cloud,
-        "Write >= minimum and <= maximum, then index with ~inside. Your code may swap the corners "
-        "or the comparisons.",
+        "Write >= minimum and <= maximum, then index with ~inside. Perhaps your code swaps the "
+        "corners or the comparisons.",
         is_cheap=True,
     ),
     cases=_BOXES,

@@ -88,7 +88,7 @@ def returns_one_box_per_label(get_bounding_boxes: Callable) -> None:
     "get_bounding_boxes",
     weight=2,
     title="Does not round the coordinates",
-    why="Rounding errors add up over the steps of a pipeline.",
+    why="Rounding errors add up when later steps use these coordinates.",
     hint="Return the coordinates unrounded. Round numbers only when you print them.",
 )
 def does_not_round(get_bounding_boxes: Callable) -> None:

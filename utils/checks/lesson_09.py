@@ -193,7 +193,7 @@ def removes_small_clusters(filter_clusters: Callable) -> None:
     weight=3,
     title="Keeps the labels of the remaining clusters",
     why="The label identifies an obstacle: the next steps use it to find its points and its box.",
-    hint="Start from cluster_labels.copy(), and change labels only to 0.",
+    hint="Start from cluster_labels.copy(), and never change a label to anything but 0.",
 )
 def keeps_the_labels(filter_clusters: Callable) -> None:
     require_most_clusters_right(filter_clusters)
@@ -224,7 +224,8 @@ def writes_zeros(filter_clusters: Callable) -> None:
     title="Removes all small clusters, even if their labels are consecutive",
     why="Spray forms many small clusters. A loop that renumbers the labels skips the cluster "
     "after each removed cluster.",
-    hint="Change labels only to 0. If you loop, read from cluster_labels and write into a copy.",
+    hint="Never change a label to anything but 0. If you loop, read from cluster_labels and write "
+    "into a copy.",
 )
 def removes_consecutive_clusters(filter_clusters: Callable) -> None:
     labels = np.repeat([1, 2, 3, 4, 5, 6, 7], [1, 2, 1, 6, 2, 1, 5])
@@ -494,7 +495,7 @@ declare_mistakes(
     Mistake(
         "The remaining clusters are renumbered from 1. They should keep their labels.",
         _renumbered,
-        "Change labels only to 0.",
+        "Never change a label to anything but 0.",
     ),
     Mistake(
         "Your code returns each remaining label once. It should return one label for each point.",
@@ -514,7 +515,7 @@ declare_mistakes(
     Mistake(
         "Your loop renumbers the later labels, so it skips the cluster after each removed cluster.",
         _renumbered_inside_the_loop,
-        "Change labels only to 0. Read from cluster_labels and write into a copy.",
+        "Never change a label to anything but 0. Read from cluster_labels and write into a copy.",
     ),
     Mistake(
         "The last label is skipped, so its cluster stays, however small it is.",

@@ -423,7 +423,7 @@ common_checks.promise_fourth_column(
     "principal_axes",
     weight=2,
     title="Works on two points, on a single point and on no points",
-    why="A thin post far away may return a single point, and the pipeline must not stop then.",
+    why="A thin post far away may return a single point, and that must not crash the program.",
     hint="If there are no points, return np.eye(3). Otherwise compute q.T @ q / len(q), which is "
     "3 x 3 even for a single centred point q.",
 )
@@ -447,7 +447,7 @@ common_checks.promise_names(
 common_checks.promise_untouched(
     _BLOCK_CASE.with_first(frozen(_TURNED_BLOCK + [9.0, -4.0, -0.9])),
     "leaves_its_input",
-    why="The next step of the pipeline uses the same points.",
+    why="The next step uses the same points.",
     hint="Write points - mean, which creates a new array. points -= mean changes the input.",
 )
 

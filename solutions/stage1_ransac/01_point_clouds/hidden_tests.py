@@ -85,7 +85,7 @@ def test_measures_three_columns_and_few_points(student, seed):
 @hidden(
     "horizontal_distance",
     weight=1,
-    title="Works in single precision and with any memory layout",
+    title="Works on float32 arrays and on duplicate rows",
     hint="Compute with whole columns, such as cloud[:, 0], for any number of points.",
 )
 def test_measures_in_single_precision(student, seed):
@@ -232,7 +232,7 @@ def test_cleans_three_columns(student, seed):
 @hidden(
     "drop_invalid",
     weight=2,
-    title="Keeps whole rows and their order, even in single precision",
+    title="Keeps whole rows and their order, even in float32 arrays",
     hint="Index the whole cloud with the mask, cloud[mask], which keeps all columns and the order.",
 )
 def test_keeps_order_and_columns(student, seed):

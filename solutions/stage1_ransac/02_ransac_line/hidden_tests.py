@@ -82,7 +82,7 @@ def test_finds_axis_parallel_lines(student, seed):
 @hidden(
     "line_through",
     weight=1,
-    title="Works in single precision",
+    title="Works on float32 arrays",
     hint="Use np.hypot and plain arithmetic, which work with any floating-point type.",
 )
 def test_finds_lines_in_single_precision(student, seed):
@@ -212,7 +212,7 @@ def test_measures_the_course_cloud(student, seed):
 @hidden(
     "point_line_distance",
     weight=1,
-    title="Works in single precision, on few points and with any memory layout",
+    title="Works on float32 arrays, on few points and on duplicate rows",
     hint="Compute with whole columns, such as points[:, 0], for any number of points.",
 )
 def test_measures_few_points_in_single_precision(student, seed):
@@ -458,7 +458,7 @@ def test_continues_after_equal_points(student, seed):
 @hidden(
     "ransac_line",
     weight=1,
-    title="Works in single precision and with any memory layout",
+    title="Works on float32 arrays",
     hint="Compute with whole columns, such as points[:, 0], for any number of points.",
 )
 def test_works_in_single_precision(student, seed):

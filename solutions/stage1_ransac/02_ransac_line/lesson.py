@@ -676,7 +676,7 @@ for name, axes in zip(("the first wall", "the next wall, in the remaining points
 # | the last line is returned, not the best | each seed gives another line, however many rounds you run |
 # | line and mask are not replaced together | the inliers are not along the line |
 # | the line is y = m x + q | an exception, or a wall straight ahead is not found |
-# | squared distances are compared with the threshold | the band has the wrong width: 0.25 acts as 0.5 |
+# | squared distances are compared with the threshold | the band has the wrong width: 0.25 acts like 0.5 |
 
 # %% tags=["folded"]
 # @title Draw three of these mistakes (you need not read this)

@@ -119,7 +119,7 @@ def test_normal_has_length_1(student, seed):
 @hidden(
     "plane_through",
     weight=1,
-    title="Works for any order of the points and in single precision",
+    title="Works for points in any order and on float32 arrays",
     hint="Treat p, q and r alike: only the sign of the four numbers may depend on their order.",
 )
 def test_order_of_points_does_not_matter(student, seed):
@@ -233,8 +233,8 @@ def test_ignores_intensity(student, seed):
 @hidden(
     "point_plane_distance",
     weight=1,
-    title="Works in single precision, with another memory layout and on one point",
-    hint="Compute points[:, :3] @ normal, which works for any type and memory layout.",
+    title="Works on float32 arrays and on a single point",
+    hint="Compute points[:, :3] @ normal, which works for any type of number.",
 )
 def test_measures_any_array(student, seed):
     require_plain_distances(student.point_plane_distance)
@@ -417,7 +417,7 @@ def test_no_round_is_missing(student, seed):
 @hidden(
     "ransac_plane",
     weight=2,
-    title="Works in single precision, with other memory layouts, on duplicates and on four columns",
+    title="Works on float32 arrays, on duplicate rows, and on three and four columns",
     hint="Use points[:, :3], and keep all rows as they are.",
 )
 def test_finds_planes_in_any_array(student, seed):
@@ -519,7 +519,7 @@ def test_fits_the_course_cloud(student, seed):
 @hidden(
     "fit_plane",
     weight=1,
-    title="Works on three points, in single precision and on duplicates",
+    title="Works on three points, on float32 arrays and on duplicate rows",
     hint="Use the same code for three points: their best plane passes through them.",
 )
 def test_fits_three_points_and_any_array(student, seed):

@@ -719,7 +719,7 @@ few.compare(visits,
 # | `>` instead of `>=` for the right side | a point at exactly the radius is missing, but only in some directions |
 # | `<=` instead of `<` in `insert` | equal points go left, and `search` misses them |
 # | the axis is always 0 | all cuts are parallel, so the regions are strips again |
-# | the squared distance is compared with the radius | 0.5 acts as 0.71, and 3 as 1.73 |
+# | the squared distance is compared with the radius | 0.5 acts like 0.71, and 3 like 1.73 |
 # | no conditions in `search` | the results are right, but nothing is hatched, because the search visits every node |
 # | `insert` calls itself | a `RecursionError` at the sorted wall |
 

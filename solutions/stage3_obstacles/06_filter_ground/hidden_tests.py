@@ -134,7 +134,7 @@ def test_works_on_small_clouds(student, seed):
 @hidden(
     "filter_ground",
     weight=2,
-    title="Never modifies its input",
+    title="Does not change a cloud from the course's scan",
     hint="Index with a mask, which makes a new array and leaves the cloud unchanged.",
 )
 def test_leaves_its_input_unchanged(student, seed):
@@ -309,7 +309,7 @@ def test_thins_all_kinds_of_clouds(student, seed):
 @hidden(
     "voxel_grid",
     weight=2,
-    title="Never modifies its input",
+    title="Does not change a cloud from the course's scan",
     hint="Leave the caller's cloud unchanged: write into a new array.",
 )
 def test_voxel_grid_leaves_its_input_unchanged(student, seed):

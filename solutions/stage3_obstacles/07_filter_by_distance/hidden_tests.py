@@ -193,7 +193,7 @@ def test_works_on_small_clouds(student, seed):
 @hidden(
     "filter_by_distance",
     weight=2,
-    title="Never modifies its input",
+    title="Does not change a cloud from the course's scan",
     hint="Index with a mask, which creates a new array and leaves the cloud unchanged.",
 )
 def test_leaves_its_input_unchanged(student, seed):
@@ -380,7 +380,7 @@ def test_crops_small_clouds(student, seed):
 @hidden(
     "crop_region",
     weight=1,
-    title="Never modifies the cloud or the corners",
+    title="Does not change the cloud or the corners",
     hint="Index with a mask, which creates a new array and leaves the cloud unchanged.",
 )
 def test_crop_leaves_its_input_unchanged(student, seed):
@@ -393,8 +393,8 @@ def test_crop_leaves_its_input_unchanged(student, seed):
     "remove_ego_returns",
     weight=3,
     title="Removes the ego car from {}",
-    hint="Draw your result as in the notebook: the box must be empty, and nothing else may be "
-    "missing.",
+    hint="Draw your result as in the notebook: the box should be empty, and nothing else should "
+    "be missing.",
 )
 @pytest.mark.parametrize(
     "street", ["course", "fresh"], ids=["the course's scan", "a street you have not seen"]
@@ -484,7 +484,7 @@ def test_removes_from_small_clouds(student, seed):
 @hidden(
     "remove_ego_returns",
     weight=1,
-    title="Never modifies the cloud or the corners",
+    title="Does not change the cloud or the corners",
     hint="Index with a mask, which creates a new array and leaves the cloud unchanged.",
 )
 def test_removal_leaves_its_input_unchanged(student, seed):

@@ -168,10 +168,10 @@ def test_ignores_noise(student, seed):
 @hidden(
     "get_bounding_boxes",
     weight=2,
-    title="Works for points in {} order",
+    title="Works for points in {} order of x + y + z",
     hint="Compare every point with both the minimum and the maximum: use `if` twice, not `elif`.",
 )
-@pytest.mark.parametrize("step", [1, -1], ids=["rising", "falling"])
+@pytest.mark.parametrize("step", [1, -1], ids=["ascending", "descending"])
 def test_works_for_any_order_of_points(student, seed, step):
     cloud, labels = drop_noise_and_intensity(*street_clusters(seed))
     order = np.lexsort([step * cloud.sum(axis=1), labels])
@@ -258,7 +258,7 @@ def test_works_without_clusters(student, seed):
 @hidden(
     "get_bounding_boxes",
     weight=1,
-    title="Never modifies the cloud or the labels",
+    title="Does not change the cloud or the labels if some points are noise",
     hint="Write the boxes into a new array, and leave the cloud and the labels unchanged.",
 )
 def test_leaves_its_input_unchanged(student, seed):

@@ -195,7 +195,7 @@ def test_works_with_other_number_types(student, seed):
 @hidden(
     "filter_clusters",
     weight=2,
-    title="Never modifies its input",
+    title="Does not change labels you have not seen",
     hint="Write into a copy: cluster_labels.copy().",
 )
 def test_leaves_its_input_unchanged(student, seed):

@@ -152,9 +152,8 @@ def test_intensity(student, seed):
 @hidden(
     NAME,
     weight=1,
-    title="Works on float32 clouds and on clouds stored column by column",
-    hint="Start from np.asarray(cloud)[:, :3], and do not rely on the type or the memory order of "
-    "the cloud.",
+    title="Works on float32 arrays",
+    hint="Start from cloud[:, :3], and do not rely on the type of the numbers in the array.",
 )
 def test_kinds_of_arrays(student, seed):
     cloud, labels = _boxes_of_points(seed)

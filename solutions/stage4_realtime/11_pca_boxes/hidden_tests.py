@@ -219,7 +219,7 @@ def test_axes_of_scanned_vehicles(student, seed):
 @hidden(
     "principal_axes",
     weight=7,
-    title="Returns the same axes wherever the cluster is",
+    title="Returns the right axes for blocks in places you have not seen",
     hint="Subtract points.mean(axis=0), the mean over the rows, from the points.",
 )
 def test_position(student, seed):
@@ -276,7 +276,7 @@ def test_few_points(student, seed):
 @hidden(
     "principal_axes",
     weight=2,
-    title="Ignores intensity in a fourth column",
+    title="Ignores large and negative intensities",
     hint="Use only the coordinates, the first three columns.",
 )
 def test_points_with_intensity(student, seed):
@@ -290,7 +290,7 @@ def test_points_with_intensity(student, seed):
 @hidden(
     "principal_axes",
     weight=1,
-    title="Works on float32 arrays and on arrays stored column by column",
+    title="Works on float32 arrays",
     hint="Do not test for a type, because the same code works for every type of number.",
 )
 def test_array_types_of_points(student, seed):
@@ -395,7 +395,7 @@ def street_clusters(seed):
 @hidden(
     "get_oriented_boxes",
     weight=2,
-    title="Returns upright boxes from the lowest to the highest point",
+    title="Returns upright boxes that extend from the lowest to the highest point",
     hint="Turn about z only. The floor is at the smallest z and the roof at the largest.",
 )
 def test_upright(student, seed):
@@ -477,7 +477,7 @@ def test_noise(student, seed):
 @hidden(
     "get_oriented_boxes",
     weight=1,
-    title="Ignores intensity in a fourth column",
+    title="Ignores large and negative intensities",
     hint="Use only the coordinates, the first three columns.",
 )
 def test_intensity(student, seed):
@@ -491,7 +491,7 @@ def test_intensity(student, seed):
 @hidden(
     "get_oriented_boxes",
     weight=1,
-    title="Works on float32 arrays and on arrays stored column by column",
+    title="Works on float32 arrays",
     hint="Do not test for a type, because the same code works for every type of number.",
 )
 def test_array_types(student, seed):

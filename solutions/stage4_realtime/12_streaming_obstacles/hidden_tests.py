@@ -305,7 +305,7 @@ def test_order(student, seed):
 @hidden(
     "detect_obstacles",
     weight=1,
-    title="Works on float32 clouds stored column by column",
+    title="Works on float32 arrays",
     hint="Begin with cloud.astype(float) if one of your steps needs 64 bits, because scanners "
     "store 32-bit numbers.",
 )

@@ -170,7 +170,7 @@ def fits_far_away(fit_plane: Callable) -> None:
 @visible_check(
     "fit_plane",
     weight=4,
-    title="Ignores the fourth column, whether it varies much or little",
+    title="Ignores intensity in a fourth column, whether it varies much or little",
     why="The intensity is not a direction in space, so bright points must not tilt the plane.",
     hint="Select points[:, :3] before anything else.",
 )
@@ -245,7 +245,7 @@ def _peak_memory() -> Iterator[Callable[[], int]]:
 @visible_check(
     "fit_plane",
     weight=1,
-    title="Leaves its input untouched",
+    title="Does not change its input",
     why="If the fit moved the cloud, all later distances would be wrong.",
     hint="Write points[:, :3] - centre, which makes a new array. points[:, :3] -= centre moves "
     "the cloud.",

@@ -140,8 +140,7 @@ def rounds_up(iterations_needed: Callable) -> None:
     "iterations_needed",
     weight=2,
     title="Works for any sample_size",
-    why="A sample for a line has two points and a sample for a plane three, so a plane needs more "
-    "samples.",
+    why="A sample has two points for a line but three for a plane, so a plane needs more samples.",
     hint="Write inlier_ratio ** sample_size.",
 )
 def uses_the_sample_size(iterations_needed: Callable) -> None:

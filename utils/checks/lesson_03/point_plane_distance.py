@@ -186,7 +186,7 @@ def returns_no_negative_distances(point_plane_distance: Callable) -> None:
 @visible_check(
     "point_plane_distance",
     weight=18,
-    title="Works on both sides of planes that do not pass through the sensor",
+    title="Works for points on both sides of a plane that does not pass through the sensor",
     why="A road never passes through the sensor, and its points are on both sides of the plane.",
     hint="Compute the whole sum including d, then take np.abs of it.",
 )
@@ -203,7 +203,7 @@ def takes_abs_last(point_plane_distance: Callable) -> None:
 @visible_check(
     "point_plane_distance",
     weight=5,
-    title="Ignores the fourth column",
+    title="Ignores intensity in a fourth column",
     why="A product of shapes (n, 4) and (4,) raises no error, but it multiplies the intensity by "
     "d.",
     hint="Multiply points[:, :3] by the first three numbers of the plane, then add the last one.",
@@ -245,7 +245,7 @@ def works_on_few_points(point_plane_distance: Callable) -> None:
 @visible_check(
     "point_plane_distance",
     weight=1,
-    title="Leaves its input untouched",
+    title="Does not change its input",
     why="The next round of RANSAC needs the original points.",
     hint="Build a new array with points[:, :3] @ normal; points *= normal would change the points.",
 )

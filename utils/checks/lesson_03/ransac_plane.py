@@ -339,7 +339,7 @@ def assert_rows_differ(ransac_plane: Callable, points: np.ndarray) -> None:
     n_without_plane = sum(plane is None for plane in planes)
     if n_without_plane:
         raise CheckFailed(
-            "Any three of these points define a plane. In some runs no plane was found.",
+            "Any three of these points define a plane, but in some runs no plane was found.",
             input_text=f"{len(points)} points and max_iterations=2",
             yours=f"None in {n_without_plane} of {len(planes)} runs",
             expected="a plane in every run",
@@ -457,7 +457,7 @@ def assert_threshold_is_inclusive(ransac_plane: Callable, points: np.ndarray) ->
 @visible_check(
     "ransac_plane",
     weight=3,
-    title="Ignores the fourth column",
+    title="Ignores intensity in a fourth column",
     why="Bright paint lies flat on the road, so its intensity must not turn it into an obstacle.",
     hint="Use points[:, :3] for the sample and for the distances.",
 )
@@ -485,7 +485,7 @@ def finds_a_wall(ransac_plane: Callable) -> None:
 @visible_check(
     "ransac_plane",
     weight=1,
-    title="Leaves its input untouched",
+    title="Does not change its input",
     why="The next search needs the original cloud.",
     hint="Do not write into points[:, :3], which shares its memory with points. Build new arrays "
     "from it.",

@@ -147,7 +147,7 @@ def equal_goes_right(KdTree: Callable) -> None:
     title="Works on points with three coordinates: compares x, y, z and then x again",
     why="The points of a scan have three coordinates. Without cuts by z, a search on a bridge "
     "also looks at the road below it.",
-    hint="Use len(point) for the number of coordinates instead of the number 2.",
+    hint="Use len(point), not 2, as the number of coordinates.",
 )
 def handles_three_coordinates(KdTree: Callable) -> None:
     _assert_axes_alternate(KdTree)

@@ -295,7 +295,7 @@ def takes_the_lower_median(median_order: Callable) -> None:
     weight=2,
     title="Works on points with three coordinates: takes x, y, z and then x again",
     why="insert compares x, y and z in turn. A median along the wrong axis does not halve a part.",
-    hint="Use points.shape[1] for the number of coordinates instead of the number 2.",
+    hint="Use points.shape[1], not 2, as the number of coordinates.",
 )
 def handles_three_coordinates(median_order: Callable) -> None:
     _assert_medians(median_order)
@@ -323,7 +323,7 @@ def gives_minimal_depth(median_order: Callable) -> None:
     "median_order",
     weight=1,
     title="Works on an empty cloud and on a single point",
-    why="A filter sometimes removes every point, and the program must not crash then.",
+    why="A filter sometimes removes every point, and that must not crash the program.",
     hint="Skip a part that has no rows, because it adds nothing to the order.",
 )
 def takes_the_smallest(median_order: Callable) -> None:

@@ -192,7 +192,7 @@ def skips_regions(KdTree: Callable) -> None:
     "search",
     weight=1,
     title="Works on an empty tree and on a tree with a single node",
-    why="A filter sometimes removes every point of a scan, and the search must not crash then.",
+    why="A filter sometimes removes every point, and that must not crash the program.",
     hint="If tree.root is None, return an empty list. If you keep a list of nodes to visit, skip "
     "those that are None.",
 )
@@ -261,8 +261,9 @@ def leaves_the_tree(KdTree: Callable) -> None:
 @note_check(
     "search",
     title="Works on a tree with more than a thousand levels",
-    why="The last part of this lesson searches the tree of a sorted wall. A function that calls "
-    "itself raises a RecursionError on that tree; a loop with a list of nodes to visit does not.",
+    why="Later in this lesson, you search a tree that has one level per point of a sorted wall. A "
+    "function that calls itself raises a RecursionError on that tree; a loop with a list of nodes "
+    "to visit does not.",
 )
 def searches_deep_trees(KdTree: Callable) -> None:
     root = chain_tree(1200)

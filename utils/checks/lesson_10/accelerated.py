@@ -297,7 +297,7 @@ common_cluster_checks.promise_intensity_ignored(
 common_cluster_checks.promise_few_points(
     _CASE,
     "works_on_smallest_clouds",
-    why="A filter sometimes removes every point, and the program must not crash then.",
+    why="A filter sometimes removes every point, and that must not crash the program.",
     hint="If len(cloud) == 0, return an empty array at once. The list of pairs may also be empty.",
     weight=2,
 )

@@ -213,7 +213,7 @@ def turns_boxes(detect_obstacles: Callable) -> None:
     "detect_obstacles",
     weight=2,
     title="Returns upright boxes with a level, rectangular floor and the roof exactly above it",
-    why="From a leaning box, the planner computes a wrong height and a wrong area.",
+    why="The ego car would compute a wrong height and a wrong area from a leaning box.",
     hint="End with your get_oriented_boxes from lesson 11, which turns boxes about z only.",
 )
 def returns_upright_boxes(detect_obstacles: Callable) -> None:

@@ -312,7 +312,7 @@ def respects_max_distance(match_boxes: Callable) -> None:
     "match_boxes",
     weight=10,
     title="Never gives two boxes the same partner",
-    why="Two cars with the same track ID look like a single car to the planner.",
+    why="Two cars with the same track ID look like a single car to the tracker.",
     hint="After each pair, set table[row, :] and table[:, column] to np.inf, because neither box "
     "is free any more.",
 )
@@ -376,8 +376,8 @@ def compares_centres(match_boxes: Callable) -> None:
     "match_boxes",
     weight=3,
     title="Works when either list is empty",
-    why="There are no boxes before the first frame and on an empty road, and the tracker must not "
-    "crash then.",
+    why="There are no boxes before the first frame and on an empty road, and that must not "
+    "crash the tracker.",
     hint="If the table of distances is empty, return np.full(len(current), -1), because argmin of "
     "an empty table raises an error.",
 )
@@ -570,7 +570,8 @@ declare_mistakes(
         "The code first finds the pairs with the smallest total distance and then drops the pairs "
         "that are too far apart. A dropped pair may have replaced a pair that is close enough.",
         _prediction_with_answers(chain=(-1, -1), gap=(-1, -1)),
-        "Before linear_sum_assignment, replace each distance that is too large by a huge number.",
+        "Before you call linear_sum_assignment, replace each distance that is too large with a "
+        "huge number.",
     ),
     Mistake(
         "A box that already has a partner gets a second, farther partner, because its row is not "

@@ -145,7 +145,7 @@ def moves_eight_boxes(predict_boxes: Callable) -> None:
 @visible_check(
     "predict_boxes",
     title="Works without boxes",
-    why="On an empty road there are no boxes, and the tracker must not crash then.",
+    why="On an empty road there are no boxes, and that must not crash the tracker.",
     hint="Work with whole arrays, without a loop and without a special case.",
 )
 def predicts_no_boxes(predict_boxes: Callable) -> None:
