@@ -222,7 +222,6 @@ def test_measures_few_points_in_single_precision(student, seed):
     points = points[distances_by_hand(points, p, q) > 0]
     for few in (
         points.astype(np.float32),
-        np.asfortranarray(points),
         points[::-1],
         points[:1],
         np.repeat(points[:2], 3, axis=0),
@@ -464,7 +463,7 @@ def test_continues_after_equal_points(student, seed):
 def test_works_in_single_precision(student, seed):
     require_line_among_outliers(student.ransac_line)
     points, _ = wall_and_clutter((seed, 5), 25, 10)
-    clouds = [points.astype(np.float32), np.asfortranarray(points), points[::2]]
+    clouds = [points.astype(np.float32), points[::2]]
     assert_mostly_found(student, clouds * 2, 80, 0.4, 3)
 
 

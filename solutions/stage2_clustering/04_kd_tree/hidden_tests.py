@@ -506,7 +506,7 @@ def test_medians_of_street(student, seed):
 )
 def test_median_extremes(student, seed):
     rng = np.random.default_rng(seed)
-    points = np.asfortranarray(distinct_points(rng, 31, 2).astype(np.float32))
+    points = distinct_points(rng, 31, 2).astype(np.float32)
     assert_lower_medians(student.median_order(points.copy()), points)
     points = distinct_points(rng, 15, 2) + 1000
     assert_lower_medians(student.median_order(points.copy()), points)

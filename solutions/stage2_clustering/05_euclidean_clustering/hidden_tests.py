@@ -148,8 +148,8 @@ def test_intensity(student, seed):
 )
 def test_kinds_of_arrays(student, seed):
     cloud, labels = random_walks(seed)
-    for form in (cloud.astype(np.float32), np.asfortranarray(cloud)):
-        assert_partition(student.euclidean_clustering(form, 1.0), labels, cloud)
+    answer = student.euclidean_clustering(cloud.astype(np.float32), 1.0)
+    assert_partition(answer, labels, cloud)
 
 
 @hidden(

@@ -298,7 +298,6 @@ def test_array_types_of_points(student, seed):
     right = axes_by_svd(points)
     require_axes(student, points)
     assert_directions(student.principal_axes(points.astype(np.float32)), right)
-    assert_directions(student.principal_axes(np.asfortranarray(points)), right)
 
 
 # ---- get_oriented_boxes ----
@@ -497,8 +496,9 @@ def test_intensity(student, seed):
 def test_array_types(student, seed):
     require_straight_boxes(student.get_oriented_boxes)
     cloud, labels = straight_blocks(np.random.default_rng(seed))
-    for form in (cloud.astype(np.float32), np.asfortranarray(cloud)):
-        assert_contains_points(student.get_oriented_boxes(form.copy(), labels.copy()), form, labels)
+    cloud = cloud.astype(np.float32)
+    boxes = student.get_oriented_boxes(cloud.copy(), labels.copy())
+    assert_contains_points(boxes, cloud, labels)
 
 
 @hidden(

@@ -311,7 +311,7 @@ def test_order(student, seed):
 )
 def test_single_precision(student, seed):
     frame = square(seed + 6)
-    cloud = np.asfortranarray(frame.cloud.astype(np.float32))
+    cloud = frame.cloud.astype(np.float32)
     assert_cars_found([student.detect_obstacles(cloud)], [frame])
 
 
