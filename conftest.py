@@ -43,7 +43,7 @@ def pytest_configure(config):
 def pytest_collection(session):
     """Collect the tests without garbage collection, and exclude the collected objects from it.
 
-    Garbage collection took a third of the collection, and a tenth of the tests' time.
+    Garbage collection used to take a third of the time for collecting, and a tenth of the tests'.
     """
     gc.disable()
     try:
@@ -137,8 +137,8 @@ def unchanged_recursion_limit():
     sys.setrecursionlimit(before)
 
 
-# Tests with many cases or a long run time, each with beginnings of case IDs. `make test` runs only
-# the cases that begin in this way, and `make proof` runs all. Tests that are not listed always run.
+# Tests with many cases or a long run time, and the beginnings of some case IDs. `make test` runs
+# only the cases with these beginnings, and `make proof` runs all. Other tests always run in full.
 A_FEW_OF_MANY = {
     "test_a_file_name_in_another_platforms_style_changes_neither_owner_nor_format": (
         "Canvas-Sakai",
@@ -151,7 +151,7 @@ A_FEW_OF_MANY = {
     "test_commands_of_nbgrader_give_the_same_scores_without_hidden_tests": (),
     "test_a_course_on_another_subject_is_built_released_judged_and_graded": (),
     "test_workers_started_by_hand_give_the_same_gradebook": (),
-    "test_demo_of_all_stages_has_every_lesson": (),
+    "test_a_demo_of_all_stages_has_every_lesson": (),
     "test_the_car_with_true_boxes_stops_for_a_child_and_drives_on": (),
     "test_nbgrader_can_import_the_roster": (),
     "test_an_answer_with_two_errors_keeps_only_the_points_of_its_checks": (),
@@ -163,13 +163,13 @@ A_FEW_OF_MANY = {
     "test_every_source_of_right_helpers_is_in_the_key": (),
     "test_a_hanging_test_is_named": (),
     "test_no_box_is_on_empty_road": (),
-    "test_faults_of_the_checks_are_reported_once": (),
+    "test_each_fault_of_the_checks_is_reported_once": (),
     "test_a_deleted_gradebook_is_written_again": (),
     "test_workers_end_with_their_parent_process": (),
     "test_exit_codes_are_not_shown": (),
     "test_sharing_the_processor_does_not_cost_time": (),
-    "test_sleep_takes_time_but_waiting_for_a_processor_does_not": (),
-    "test_a_call_that_the_wall_clock_ends_is_starved": (),
+    "test_sleep_counts_towards_the_limit_but_waiting_for_a_processor_does_not": (),
+    "test_a_call_that_the_wall_clock_stops_is_starved": (),
     "test_calls_have_more_time_if_waiting_times_are_unknown": (),
     "test_a_folder_name_that_is_not_text_does_not_stop_grading": (),
     "test_the_working_folder_does_not_change_a_verdict": (),
@@ -179,9 +179,9 @@ A_FEW_OF_MANY = {
     "test_endless_cells_cost_one_time_limit": (),
     "test_many_quick_calls_share_one_budget": (),
     "test_a_wrong_function_that_is_slow_gets_no_more_time_than_one_that_hangs": (),
-    "test_untouched_notebook_earns_nothing": ("01", "04", "12"),
+    "test_an_untouched_notebook_earns_nothing": ("01", "04", "12"),
     "test_the_replay_of_a_wrong_answer_marks_the_wrong_step": ("euclidean_clustering-",),
-    "test_solution_earns_everything_on_four_more_seeds": ("01",),
+    "test_the_solution_earns_everything_with_four_more_seeds": ("01",),
     "test_no_cheap_answer_earns_more_than_a_tenth": ("01",),
     "test_a_partly_right_answer_earns_part_of_the_points": (),
     "test_no_cheap_answer_is_one_edit_from_a_right_one": (),
@@ -239,12 +239,12 @@ A_FEW_OF_MANY = {
     "test_the_caller_of_a_wrong_function_can_also_be_repaired": (),
     "test_a_wrong_loop_stays_wrong_with_right_helpers": (),
     "test_visible_checks_run_before_hidden_tests": ("02", "08", "12"),
-    "test_no_variable_changes_a_verdict": ("PYTEST_ADDOPTS=-k",),
+    "test_no_environment_variable_changes_a_verdict": ("PYTEST_ADDOPTS=-k",),
     "test_connected_components_are_allowed_in_lesson_10": (),
     "test_a_detector_made_of_the_lessons_functions_earns_everything": (),
     "test_messages_of_hidden_tests_contain_no_words_of_the_student": ("01", "08"),
     "test_a_local_cluster_grades_with_processes": (),
-    "test_unsuitable_workers_are_refused_and_named": (),
+    "test_unsuitable_workers_are_refused_and_listed": (),
     "test_an_exercise_that_calls_a_wrong_helper_keeps_its_points": ("line_through-the",),
     "test_types_do_not_reveal_hidden_input": ("08",),
     "test_the_references_process_a_real_frame": (),
@@ -256,7 +256,7 @@ A_FEW_OF_MANY = {
     "test_the_same_command_resumes_a_stopped_or_killed_run": (),
     "test_nothing_is_judged_twice_after_the_loss_of_the_scheduler": (),
     "test_a_course_runs_from_release_to_export": (),
-    "test_demo_grades_its_class": (),
+    "test_the_demo_grades_its_class": (),
     "test_a_full_disk_is_reported_and_loses_nothing": ("3",),
     "test_clouds_of_every_size_are_drawn": ("some not finite",),
     "test_exercises_of_solved_lessons_work": ("01", "06"),
@@ -283,7 +283,7 @@ A_FEW_OF_MANY = {
         "data classes with a count and a cached property-in the cell",
     ),
     "test_a_verdict_adds_up": ("08",),
-    "test_waiting_for_threads_or_children_that_lack_a_processor_is_not_sleep": (),
+    "test_waiting_for_threads_or_children_that_lack_a_processor_does_not_count_as_sleep": (),
     "test_at_least_a_hundred_attacks_exist": (),
     "test_a_call_that_is_too_slow_is_stopped_on_a_busy_machine_and_not_starved": (),
     "test_a_search_for_neighbours_earns_everything_in_lesson_05": ("scikit-learn's tree]", "SciPy"),
@@ -420,7 +420,7 @@ TOGETHER = {
 }
 
 
-# Name of the lesson, by the lesson's name and by the names of its exercises.
+# Maps the name of each lesson, and of each of its exercises, to the name of the lesson.
 LESSONS = {
     key: lesson.name
     for lesson in every_lesson()

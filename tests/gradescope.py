@@ -48,7 +48,7 @@ DEVICES = {
 
 
 @dataclasses.dataclass(frozen=True)
-class Kind:
+class ContainerKind:
     """A kind of container, defined by its permissions.
 
     Attributes
@@ -67,11 +67,11 @@ class Kind:
 
 
 KINDS = {
-    "as Docker's": Kind(),
-    "privileged": Kind(None, False),
-    "that may not change its root": Kind(tuple(set(DOCKER) - {"sys_chroot"})),
-    "that may not change its user": Kind(tuple(set(DOCKER) - {"setuid"})),
-    "of an ordinary user": Kind((), True, 31_415),
+    "as Docker's": ContainerKind(),
+    "privileged": ContainerKind(None, False),
+    "that may not change its root": ContainerKind(tuple(set(DOCKER) - {"sys_chroot"})),
+    "that may not change its user": ContainerKind(tuple(set(DOCKER) - {"setuid"})),
+    "of an ordinary user": ContainerKind((), True, 31_415),
 }
 
 
@@ -376,5 +376,5 @@ def expected(text, place, sandbox):
 if __name__ == "__main__":
     if sys.argv[1].startswith("{"):
         about = json.loads(sys.argv[1])
-        enter_container(Kind(**about["kind"]), about["layers"], about["script"])
+        enter_container(ContainerKind(**about["kind"]), about["layers"], about["script"])
     sys.exit(main(Path(sys.argv[1])))

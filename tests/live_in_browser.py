@@ -25,7 +25,7 @@ from selenium.webdriver.common.by import By
 from tests.site_in_browser import (
     AXE,
     WAIT_UNTIL_SETTLED,
-    _Quiet,
+    _QuietHandler,
     browser,
     on_other_hosts,
     requested_addresses,
@@ -151,7 +151,7 @@ def card_in_notebook(python, name):
     )
     sent = [json.loads(line) for line in done.stdout.splitlines()]
     card = [m["data"] for m in sent if m.get("type") == "text/html"][-1]
-    # The browser cannot run the second process that looks for the line to change.
+    # In the browser, no second process can look for the line to change, so there is no such hint.
     return words_of(re.sub("<details><summary>Where to look.*?</details>", "", card))
 
 
@@ -260,7 +260,7 @@ def faults_of_lesson(driver, root, path):
 def main(site, python, axe, pictures, lessons):
     """Print each fault as soon as it is found, and return all faults."""
     pictures.mkdir(parents=True, exist_ok=True)
-    handler = functools.partial(_Quiet, directory=str(site))
+    handler = functools.partial(_QuietHandler, directory=str(site))
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
     threading.Thread(target=server.serve_forever, daemon=True).start()
     root = f"http://127.0.0.1:{server.server_port}/"
@@ -282,7 +282,7 @@ def main(site, python, axe, pictures, lessons):
                     found.append(f"{lesson}: {fault}")
                     print(found[-1], flush=True)
         addresses = on_other_hosts(requested_addresses(driver)[0])
-        # The page itself tries this address, to prove that it must not.
+        # OTHER_HOST requests this address, to show that the page's policy refuses it.
         found += [f"requests {one}" for one in addresses if one != "https://example.org/"]
     finally:
         driver.quit()

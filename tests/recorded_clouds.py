@@ -1,4 +1,4 @@
-"""A plugin of pytest that keeps every file which the readers of clouds accept during the tests.
+"""A pytest plugin that keeps a copy of every file that the cloud readers accept during the tests.
 
 FOLDER_OF_CLOUDS=folder pytest -p tests.recorded_clouds tests/test_clouds_pcd.py
 """
@@ -19,7 +19,7 @@ from utils.clouds.formats import FORMATS
 FOLDER = Path(os.environ["FOLDER_OF_CLOUDS"])
 
 
-def keeping(decode: Callable, suffix: str) -> Callable:
+def saving(decode: Callable, suffix: str) -> Callable:
     """Return a decoder that also saves the bytes that it can decode."""
 
     @functools.wraps(decode)
@@ -40,10 +40,10 @@ def read_and_keep_bag(path: str | os.PathLike, topic: str | None = None) -> util
     return bag
 
 
-# The tests import these functions later, either by name or through the table of formats. The first
-# suffix of a function comes last, so that a call by name saves the file with it.
+# Replace the readers before the tests import them. If a reader has several suffixes, the module's
+# function is replaced last for the first one, so calls by name save files with that suffix.
 for suffix, form in reversed(list(FORMATS.items())):
-    kept = keeping(form.decode, suffix)
+    kept = saving(form.decode, suffix)
     setattr(sys.modules[form.decode.__module__], kept.__name__, kept)
     FORMATS[suffix] = form._replace(decode=kept)
 utils.recordings.read_bag = read_and_keep_bag

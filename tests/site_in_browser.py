@@ -3,9 +3,9 @@
     python -m tests.site_in_browser SITE AXE.js PICTURES
 
 Every page is opened in four views. No page may load anything from another host, scroll sideways,
-have broken pictures or lines, be too heavy before scrolling, or have faults that axe-core finds.
-Then the script acts as a reader: it searches, enters a guess, moves a slider and chooses the dark
-theme. It does this with and without a server.
+have broken pictures or lines, load too much before scrolling, or have faults that axe-core finds.
+Then the script acts as a reader. It searches, enters a guess, moves a slider and chooses the dark
+theme, with and without a server.
 """
 
 import functools
@@ -68,7 +68,7 @@ return [start, icon.getBoundingClientRect().right];
 SHOW_ALL = "for (const one of document.querySelectorAll('details')) one.open = true"
 
 
-class _Quiet(http.server.SimpleHTTPRequestHandler):
+class _QuietHandler(http.server.SimpleHTTPRequestHandler):
     def log_message(self, *about):
         pass
 
@@ -215,7 +215,7 @@ def faults_of_reading(driver, root):
 def main(site, axe, pictures):
     """Print each fault as soon as it is found, and return all faults."""
     pictures.mkdir(parents=True, exist_ok=True)
-    handler = functools.partial(_Quiet, directory=str(site))
+    handler = functools.partial(_QuietHandler, directory=str(site))
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
     threading.Thread(target=server.serve_forever, daemon=True).start()
     root = f"http://127.0.0.1:{server.server_port}/"

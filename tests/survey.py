@@ -142,7 +142,7 @@ def statements_of(variant):
 def answer_in(lesson, exercise, name, content, own=()):
     """Return the answer in a notebook, including functions of other exercises that it redefines.
 
-    For example, a function for planes may define its own `plane_through` that returns an array.
+    For example, an answer to `ransac_plane` may define its own `plane_through`.
     """
     cells = SubmittedFiles(f"{lesson.name}.ipynb", content).notebook().code
     statements, _ = slicing.parse_notebook(cells)

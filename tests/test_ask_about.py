@@ -64,7 +64,7 @@ def value_of_case(source, code):
 
 @pytest.mark.parametrize("margin", range(8))
 def test_running_the_code_gives_the_right_choices(margin):
-    """Each margin is another function, so other questions are drawn."""
+    """Each margin results in a different function, and therefore in different questions."""
     source = GROUND.replace("ground_level]", f"ground_level + {margin} * 0.0]")
     first, second = cards_about(source)
     assert not first.after and first.choices[first.key] == value_of_case(source, first.code)
@@ -113,7 +113,7 @@ def test_an_unchecked_function_gets_one_sentence_and_no_question(source, sentenc
     assert capsys.readouterr().out.strip() == sentence
 
 
-def test_a_function_that_changed_after_its_check_waits(capsys):
+def test_a_function_that_changed_after_its_check_gets_no_questions_yet(capsys):
     checked(GROUND)
     ask_about(run_cell(GROUND)["filter_ground"])
     assert "waits until" in capsys.readouterr().out
@@ -143,12 +143,12 @@ def test_a_function_without_source_gets_one_sentence(capsys):
     assert "No question" in capsys.readouterr().out
 
 
-def test_an_unknown_function_is_an_error_that_lists_the_known_ones():
+def test_the_error_about_an_unknown_function_lists_the_known_ones():
     with pytest.raises(LookupError, match="only about horizontal_distance, drop_invalid, "):
         ask_about(sorted)
 
 
-def test_output_of_the_function_is_dropped(capsys, recwarn):
+def test_output_of_the_function_is_discarded(capsys, recwarn):
     matplotlib.use("Agg")
     noisy = GROUND.replace(
         "    return",
@@ -162,7 +162,7 @@ def test_output_of_the_function_is_dropped(capsys, recwarn):
     plt.close(mine)
 
 
-def test_a_result_that_depends_on_the_seed_is_not_asked():
+def test_a_result_that_depends_on_the_seed_is_not_asked_about():
     source = (
         "def ransac_line(points, max_iterations, distance_tolerance, rng):\n"
         "    inliers = np.arange(len(points)) < rng % 2\n"
@@ -172,7 +172,7 @@ def test_a_result_that_depends_on_the_seed_is_not_asked():
         assert "line, inliers" in card.code.split("\n")[-1] or "abs" in card.code, card
 
 
-def test_cards_are_escaped_and_have_a_text(capsys):
+def test_cards_are_escaped_and_can_be_printed_as_text(capsys):
     source = GROUND.replace("[:, 2]\n", '[:, 2]  # <b>"height"</b>\n')
     ask_about(checked(source))
     text = capsys.readouterr().out
@@ -190,7 +190,7 @@ def test_cards_are_escaped_and_have_a_text(capsys):
     assert html.count("<details>") == len(edited.choices)
 
 
-def test_changes_are_single_lines_that_people_write():
+def test_changes_and_values_in_questions_are_easy_to_read():
     assert is_readable("    x = a + b", "    x = a - b")
     assert not is_readable("x = a", "x = ~a")
     assert not is_readable("with np.errstate(all='ignore'):", "with np:")
@@ -240,7 +240,7 @@ def function_in(notebook, function, exercise):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("about", COURSE, ids=lambda lesson: lesson.name)
-def test_the_course_answer_gets_two_questions_and_none_on_the_site_shows_it(about):
+def test_the_courses_answer_gets_two_questions_that_do_not_show_it_on_the_site(about):
     function, exercise, _ = asked_in(about)
     answer = function_in(about.solved.read_bytes(), function, exercise)
     cards = ask.make_cards(answer, exercise, (ask.predict, ask.what_if))

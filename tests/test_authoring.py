@@ -178,7 +178,7 @@ def test_missing_parts_of_a_new_lesson_are_reported(project_copy, sandbox):
 
 
 @pytest.mark.slow
-def test_faults_of_the_checks_are_reported_once(project_copy, sandbox):
+def test_each_fault_of_the_checks_is_reported_once(project_copy, sandbox):
     run(project_copy, "new", "95_mean_square")
     checks = project_copy / "utils" / "checks" / "lesson_95.py"
     with replace_temporarily(checks, "7.505553499465135", "7.6"):

@@ -96,7 +96,7 @@ def test_hidden_tests_are_shown_after_the_due_date():
     assert "a >= b" not in json.dumps(tests)
 
 
-def test_a_lesson_that_cannot_be_judged_gives_the_reason_first():
+def test_results_of_a_lesson_that_cannot_be_judged_begin_with_the_reason():
     nothing = (ExerciseResult("filter_ground", 0.0, 20.0, ()),)
     why = "06_filter_ground.ipynb breaks off."
     tests = results_for(JudgedLesson(SIX, verdict(nothing, problems=(why,)), (why,)))["tests"]
@@ -154,7 +154,7 @@ def test_a_notebook_is_found_in_any_folder_of_the_submission(root, judged_calls)
     assert "was recognised as 06_filter_ground.ipynb" in str(found.lessons[0].notes)
 
 
-def test_each_file_that_is_not_judged_is_named(root, judged_calls):
+def test_each_file_that_is_not_judged_is_listed(root, judged_calls):
     folder = root / "submission"
     for name in ("Untitled.ipynb", "07_filter_by_distance.py", "02_ransac_line.ipynb", "notes.txt"):
         (folder / name).write_text("{}")
@@ -320,7 +320,7 @@ def test_the_same_course_gives_the_same_zip(packed_zip):
     assert packed_zip == build_autograder_zip(STAGE, SEED) != build_autograder_zip(STAGE, SEED + 1)
 
 
-def test_the_zip_contains_files_for_judging_but_none_of_the_class(packed_zip):
+def test_the_zip_contains_files_for_judging_but_no_data_about_the_class(packed_zip):
     archive = zipfile.ZipFile(io.BytesIO(packed_zip))
     names = set(archive.namelist())
     assert {
@@ -365,7 +365,7 @@ def test_the_command_writes_a_zip_that_only_its_owner_can_read(
     assert "this is Python 3.12. Code that needs a newer Python gets no mark." in output
 
 
-def test_lessons_and_exercises_in_an_autograder_that_do_not_count_are_named(
+def test_the_command_lists_lessons_and_exercises_that_do_not_count(
     tmp_path, without_rehearsals, monkeypatch, capsys
 ):
     text = '[stage3_obstacles]\nlessons = ["06", "07", "08"]\nwithout = ["voxel_grid"]\n'
@@ -377,7 +377,7 @@ def test_lessons_and_exercises_in_an_autograder_that_do_not_count_are_named(
     assert sentence in capsys.readouterr().out
 
 
-def test_an_unknown_assignment_gets_a_list_of_the_known_ones(capsys, tmp_path):
+def test_the_error_about_an_unknown_assignment_lists_the_known_ones(capsys, tmp_path):
     path = tmp_path / "auto.zip"
     assert cli.main(["autograder", "stage9", "--to", str(path)]) == commands.USAGE_ERROR
     assert "stage3_obstacles" in capsys.readouterr().err and not path.exists()

@@ -28,7 +28,7 @@ def notes_for(exercise, function):
         ("get_oriented_boxes", "11_pca_boxes", "orders_the_corners"),
     ],
 )
-def test_another_order_of_corners_gets_a_note(exercise, name, note):
+def test_corners_in_another_order_get_a_note(exercise, name, note):
     right = getattr(load_reference(name), exercise)
     assert notes_for(exercise, right) == set()
     for order in CORNERS.values():
@@ -102,7 +102,7 @@ def test_the_picture_shows_the_axis_in_the_message():
 
 @pytest.mark.parametrize("axis", range(3))
 @pytest.mark.parametrize("end", range(2))
-def test_the_circled_corner_is_not_one_of_the_answers_in_the_picture(axis, end, monkeypatch):
+def test_the_picture_circles_a_right_corner_that_the_answer_lacks(axis, end, monkeypatch):
     points = np.array([[4.0, 1.0, -1.5], [6.0, 3.0, 0.2], [5.0, 2.0, -0.4]])
     ends = np.array([points.min(axis=0), points.max(axis=0)])
     right = corners_between(*ends)
@@ -119,7 +119,7 @@ def test_the_circled_corner_is_not_one_of_the_answers_in_the_picture(axis, end, 
     assert (right == circled).all(axis=1).any()
 
 
-def test_a_repeated_corner_is_not_explained_by_a_wrong_turn():
+def test_the_hint_distinguishes_a_repeated_corner_from_a_leaning_box():
     cloud = np.random.default_rng(0).uniform(-1, 1, (50, 3)) * [4, 2, 1]
     labels = np.ones(50, dtype=int)
     box = corners_between([-4, -2, -1], [4, 2, 1])

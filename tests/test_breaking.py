@@ -45,15 +45,15 @@ REVEALING_CLOUDS = {
 }
 
 
-def accelerated(cloud, threshold=0.5):
-    """Cluster with SciPy, without the shortcuts of the lesson."""
+def cluster_with_scipy(cloud, threshold=0.5):
+    """Cluster with SciPy, which computes all distances."""
     return connected_components(cdist(cloud, cloud) < threshold)[1] + 1
 
 
 def function_of(exercise, name="the hints followed to the letter"):
     if exercise == "euclidean_clustering_accelerated":
-        accelerated.__name__ = exercise
-        return accelerated
+        cluster_with_scipy.__name__ = exercise
+        return cluster_with_scipy
     space = {"np": np, "deque": deque}
     helpers = ("line_through", "point_line_distance") if exercise == "ransac_line" else ()
     for helper in helpers:

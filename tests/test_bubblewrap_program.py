@@ -14,7 +14,7 @@ OPTIONS = ["--unshare-net"]
 ORDINARY_USER = 31_415
 FILTERED_STATUS = "Seccomp:\t2\nCapEff:\t0000000000000000\n"
 UNRESTRICTED_STATUS = "Seccomp:\t0\nCapEff:\t000001ffffffffff\n"
-STATUS_WITHOUT_RIGHTS = "Seccomp:\t0\nCapEff:\t00000000a80425fb\n"  # of Docker's root
+STATUS_WITHOUT_RIGHTS = "Seccomp:\t0\nCapEff:\t00000000a80425fb\n"  # of root in a container
 
 
 def program(folder, script, name="bwrap"):

@@ -109,7 +109,7 @@ def test_every_picture_is_embedded_and_has_a_description(built_files, lesson):
 
 
 def test_nbgrader_releases_only_notebooks(tmp_path):
-    """Hidden tests, kept answers and sources, which are also in a stage's folder, stay there."""
+    """Hidden tests, kept answers and sources are in the same folder but are not released."""
     stage = "stage2_clustering"
     shutil.copytree(PROJECT / "solutions" / stage, tmp_path / "solutions" / stage)
     (tmp_path / "solutions" / stage / "04_kd_tree" / "notes.txt").write_text("mine", "utf-8")
@@ -200,7 +200,7 @@ def test_students_do_not_get_functions_of_earlier_lessons(built_files):
 
 
 @pytest.mark.slow
-def test_stale_files_are_named(monkeypatch):
+def test_stale_files_are_listed(monkeypatch):
     lesson = all_lessons()[0]
     real = build.build_all()
     monkeypatch.setattr(
@@ -286,7 +286,7 @@ def test_run_all_continues_after_failing_answers_and_checks(toy):
     assert "raises-exception" not in tags["print(x)"]
 
 
-def test_the_next_lesson_is_a_link(toy):
+def test_the_next_lesson_is_linked_if_it_exists(toy):
     assert "**Next:** [04 · Trees](../stage2_clustering/04_kd_tree.ipynb)" in toy.cells[-1].source
     assert "**Next:** 99 · Nowhere" in toy.cells[-1].source
 
@@ -295,7 +295,7 @@ def test_points_come_from_the_cells_that_nbgrader_reads(toy):
     assert "**You write** `toy` (7 points), `other` (points)." in toy.cells[0].source
 
 
-def test_minutes_are_computed(toy):
+def test_minutes_are_estimated_from_the_content_of_cells(toy):
     assert "about 0 minutes" in toy.cells[0].source
     long = "\n".join(["# ## Long", "#", "# " + "word " * 1200])
     cells = jupytext.reads(f"# %% [markdown]\n{long}\n", fmt="py:percent")
@@ -344,7 +344,7 @@ def test_the_tests_in_this_file_run_in_one_process(request):
 
 
 def test_a_lesson_that_states_no_duration_gets_an_estimate():
-    """`build` writes the hours of the course, also if an instructor's own lesson says nothing."""
+    """`build` states the hours of the course even if an instructor's own lesson does not."""
     text = nbformat.v4.new_markdown_cell("# A lesson\n" + "word " * 2000)
     notebook = nbformat.v4.new_notebook(cells=[text])
     assert durations.stated_minutes(notebook) == 20

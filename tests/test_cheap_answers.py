@@ -30,7 +30,7 @@ def length(value):
     return len(value) if np.ndim(value) else 1
 
 
-def dice():
+def new_rng():
     return np.random.default_rng(0)
 
 
@@ -46,9 +46,9 @@ GENERAL_ANSWERS = {
     "numbers from 1": lambda first, *others: 1 + np.arange(length(first)),
     "row numbers": lambda first, *others: np.arange(length(first)),
     "all True": lambda first, *others: np.ones(length(first), dtype=bool),
-    "random numbers": lambda first, *others: dice().random(length(first)),
-    "random whole numbers": lambda first, *others: dice().integers(1, 9, length(first)),
-    "random choice of rows": lambda first, *others: first[dice().random(len(first)) < 0.5],
+    "random numbers": lambda first, *others: new_rng().random(length(first)),
+    "random whole numbers": lambda first, *others: new_rng().integers(1, 9, length(first)),
+    "random choice of rows": lambda first, *others: first[new_rng().random(len(first)) < 0.5],
     "the first argument": lambda first, *others: first,
     "the last argument": lambda *arguments: arguments[-1],
     "both arguments": lambda *arguments: arguments[:2],
@@ -189,7 +189,7 @@ def box_at_mean(cloud, labels):
 BOXES = {
     "boxes of zeros": lambda cloud, labels: np.zeros((count_of(labels), 8, 3)),
     "boxes of ones": lambda cloud, labels: np.ones((count_of(labels), 8, 3)),
-    "random boxes": lambda cloud, labels: dice().random((count_of(labels), 8, 3)),
+    "random boxes": lambda cloud, labels: new_rng().random((count_of(labels), 8, 3)),
     "unit boxes": lambda cloud, labels: cubes(np.zeros((count_of(labels), 3))),
     "huge boxes": lambda cloud, labels: cubes(np.zeros((count_of(labels), 3)), 200.0),
     "no boxes": lambda cloud, labels: np.empty((0, 8, 3)),
@@ -202,14 +202,14 @@ BOXES = {
 }
 
 
-def as_root(tree, point, index):
+def insert_as_root(tree, point, index):
     tree.root = type(tree).node(point, index)
 
 
-def a_chain(side):
+def insert_into_chain(side):
     def insert(tree, point, index):
         if tree.root is None:
-            return as_root(tree, point, index)
+            return insert_as_root(tree, point, index)
         node = tree.root
         while getattr(node, side) is not None:
             node = getattr(node, side)
@@ -218,7 +218,7 @@ def a_chain(side):
     return insert
 
 
-def changes_its_point(tree, point, index):
+def change_own_point(tree, point, index):
     point[:] = [1e9] * len(point)
 
 
@@ -310,10 +310,10 @@ CHEAP_ANSWERS = {
     },
     "insert": {
         "nothing": lambda tree, point, index: None,
-        "always the root": as_root,
-        "always left": a_chain("left"),
-        "always right": a_chain("right"),
-        "changes its point": changes_its_point,
+        "always the root": insert_as_root,
+        "always left": insert_into_chain("left"),
+        "always right": insert_into_chain("right"),
+        "changes its point": change_own_point,
     },
     "search": {
         "everything": every_index,
@@ -324,7 +324,7 @@ CHEAP_ANSWERS = {
     "median_order": {
         "sorted by x": lambda points: np.argsort(points[:, 0]),
         "backwards": lambda points: np.arange(len(points))[::-1],
-        "shuffled": lambda points: dice().permutation(len(points)),
+        "shuffled": lambda points: new_rng().permutation(len(points)),
     },
     "euclidean_clustering": {
         "split by the sign of x": lambda cloud, threshold=0.5: 1 + (cloud[:, 0] > 4),
@@ -442,7 +442,7 @@ NEARLY_RIGHT = {
 
 
 @pytest.mark.filterwarnings("ignore")
-def test_no_small_expression_proves_a_slip(lesson):
+def test_no_small_expression_counts_as_a_slip(lesson):
     """Known mistakes that these expressions make are marked as cheap, or as missing the task."""
     expressions = [
         text.strip() for text in SMALL_EXPRESSIONS.replace("\n", "|").split("|") if text.strip()

@@ -109,7 +109,7 @@ def repairing_edits(exercise, function):
     return found
 
 
-def is_the_task(exercise, function):
+def misses_the_task(exercise, function):
     mistake = diagnose(exercise, function)
     return mistake is not None and mistake.is_the_task
 
@@ -136,7 +136,7 @@ def test_no_cheap_answer_is_one_edit_from_a_right_one(exercise):
         for name, function in (
             test_cheap_answers.GENERAL_ANSWERS | test_cheap_answers.CHEAP_ANSWERS[exercise]
         ).items():
-            if inspect.isfunction(function) and not is_the_task(exercise, function):
+            if inspect.isfunction(function) and not misses_the_task(exercise, function):
                 kept[name] = repairing_edits(exercise, function)
                 tried += 1
     assert tried > 25

@@ -207,7 +207,7 @@ def test_empty_answers_need_the_right_columns():
         (KEEP, (assert_positions, assert_order, assert_all_columns)),
     ],
 )
-def test_places_order_and_columns_are_checked_separately(answer, lost):
+def test_positions_order_and_columns_are_checked_separately(answer, lost):
     for look in (assert_positions, assert_order, assert_all_columns):
         if look in lost:
             with pytest.raises(CheckFailed):
@@ -386,7 +386,7 @@ def deep(number):
         ),
     ],
 )
-def test_a_hint_about_a_missed_line_fits_its_reason(slip, word):
+def test_the_hint_about_a_missed_line_names_the_cause(slip, word):
     right = textwrap.dedent(
         """
         def ransac_line(points, max_iterations, distance_tolerance, rng):
@@ -410,7 +410,7 @@ def test_a_hint_about_a_missed_line_fits_its_reason(slip, word):
     assert word in caught.value.hint
 
 
-def test_a_hint_fits_the_wrong_answer():
+def test_the_hint_depends_on_the_wrong_answer():
     with pytest.raises(CheckFailed) as caught:
         lesson_02.assert_no_line(lambda p, q: (None, None, None), (1.0, 2.0))
     assert "a single None" in caught.value.hint
@@ -594,7 +594,7 @@ def test_a_function_that_overwrites_its_arguments_loses_only_that_check(lesson, 
         if test.failure and "changed its input" not in str(test.failure)
     }
     assert faults == {}
-    # Arguments must be writable, because a right answer may also change its copy.
+    # Arguments must be writable, because a right answer may change its copy.
     allowed = {"filter_clusters"}  # a hidden test passes a read-only array on purpose
     assert set(read_only) <= allowed
 
@@ -609,7 +609,7 @@ def nested_list(depth):
     return value
 
 
-# Functions, because together these answers take 150 MB.
+# Each answer is created when it is needed, because all of them together take 150 MB.
 HUGE_ANSWERS = {
     "boxes": lambda: np.tile(np.mgrid[:2, :2, :2].reshape(3, 8).T.astype(float), (3000, 1, 1)),
     "dimensions": lambda: np.zeros((6,) * 8, dtype=bool),
@@ -837,7 +837,7 @@ def test_the_texts_of_your_answer_and_the_expected_answer_always_differ(name, wr
     assert [each.message for each in compared if each.yours == each.expected] == []
 
 
-def test_equal_texts_are_left_out():
+def test_answers_with_equal_texts_are_not_shown():
     failure = CheckFailed("Something else is wrong.", yours="1 row", expected="1 row")
     [check_, *_] = checks_of("horizontal_distance")
     labels = [label for label, _ in failure_texts(Outcome(check_, failure))]

@@ -81,7 +81,7 @@ def test_the_error_about_a_missing_file_names_folders_and_existing_files(tmp_pat
     assert "no cloud files there" in message_of(read_cloud, tmp_path / "none" / "cloud.txt")
 
 
-def test_folders_unknown_suffixes_and_strange_names_are_explained(tmp_path):
+def test_errors_explain_folders_unknown_suffixes_and_strange_names(tmp_path):
     assert "read_sequence" in message_of(read_cloud, tmp_path)
     message = message_of(read_cloud, tmp_path / "cloud.e57")
     assert ".e57" in message and ".pcd" in message
@@ -167,7 +167,7 @@ class TestLibraries:
         assert cloud.dtype == np.float64
         np.testing.assert_allclose(cloud, self.points, atol=1e-5)
 
-    def test_las_files_are_read_and_compressed_ones_explained(self, tmp_path):
+    def test_las_files_are_read_and_the_error_about_laz_files_suggests_a_fix(self, tmp_path):
         header = laspy.LasHeader(point_format=3)
         header.scales = (0.001,) * 3
         las = laspy.LasData(header)
@@ -196,7 +196,7 @@ class TestLibraries:
             ),
         ],
     )
-    def test_unsuitable_ply_files_are_explained(self, data, parts):
+    def test_errors_explain_unsuitable_ply_files(self, data, parts):
         message = message_of(decode_ply, data, "a.ply")
         for part in ("a.ply", *parts):
             assert part in message
@@ -205,7 +205,7 @@ class TestLibraries:
         ("decode", "module", "package"),
         [(decode_ply, "plyfile", "'plyfile'"), (decode_las, "laspy", "'laspy'")],
     )
-    def test_a_missing_library_is_named(self, monkeypatch, decode, module, package):
+    def test_the_error_names_a_missing_library(self, monkeypatch, decode, module, package):
         monkeypatch.setitem(sys.modules, module, None)
         assert f"pip install {package}" in message_of(decode, b"")
 
@@ -230,14 +230,14 @@ class TestKitti:
             (">f4", 4, ["4 columns of float32 in big-endian order", "'>f4'"]),
         ],
     )
-    def test_other_records_are_refused_with_a_guess(self, kind, columns, parts):
+    def test_the_error_about_other_records_guesses_their_type(self, kind, columns, parts):
         extra = np.random.default_rng(0).random((len(self.scan), 2))
         data = np.column_stack([self.scan, extra])[:, :columns].astype(kind)
         message = message_of(decode_kitti, data.tobytes(), "a.bin")
         for part in ("a.bin", "not a KITTI scan", *parts):
             assert part in message
 
-    def test_labels_are_not_points(self):
+    def test_label_files_are_not_read_as_points(self):
         labels = np.random.default_rng(0).integers(1, 30, 4000).astype("<u4")
         assert "not a KITTI scan" in message_of(decode_kitti, labels.tobytes(), "a.bin")
 
@@ -281,14 +281,14 @@ class TestNpz:
         np.testing.assert_array_equal(cloud, np.arange(12).reshape(3, 4))
         assert cloud.dtype == (np.float32 if kind == "<f4" else np.float64)
 
-    def test_columns_are_found_by_name_and_other_arrays_ignored(self):
+    def test_columns_are_found_by_name_and_other_arrays_are_ignored(self):
         values = np.asfortranarray(np.arange(12.0).reshape(4, 3))
         np.testing.assert_array_equal(decode_npz(self.archive(value=values)), values)
         buffer = io.BytesIO()
         np.savez(buffer, truth=np.arange(4), cloud=values)
         np.testing.assert_array_equal(decode_npz(buffer.getvalue()), values)
 
-    def test_unsuitable_content_is_explained(self):
+    def test_errors_explain_unsuitable_content(self):
         zeros = np.zeros((2, 3))
         np.testing.assert_array_equal(decode_npz(self.archive("points", zeros)), zeros)
         two = io.BytesIO()
@@ -324,7 +324,7 @@ class TestNpz:
         assert "damaged" in message_of(decode_npz, bytes(flipped))
 
     @pytest.mark.parametrize("shape", [(10**12, 4), (-1, 4), (2**62, 3), (10**30, 4), (True, 3)])
-    def test_archives_that_announce_a_huge_size_are_refused(self, shape):
+    def test_archives_that_claim_a_huge_size_are_refused(self, shape):
         raw = self.header(shape) + bytes(96)
         assert peak_memory(message_of, decode_npz, self.archive(raw=raw)) < 5e6
 

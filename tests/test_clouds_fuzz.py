@@ -173,7 +173,7 @@ def test_many_files_with_any_content_are_read_or_refused(reader):
 
 
 def changed_bytes(data: bytes, rng: np.random.Generator) -> bytes:
-    """Return a file with one to three changed bytes or numbers in its first 400 bytes, or cut."""
+    """Truncate a file, or change one to three bytes or numbers in its first 400 bytes."""
     changed = bytearray(data)
     for _ in range(rng.integers(1, 4)):
         start = int(rng.integers(min(len(data), 400)))

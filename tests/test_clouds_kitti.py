@@ -63,7 +63,7 @@ def test_all_three_kinds_of_calibration_agree(tmp_path, calibration):
     np.testing.assert_allclose(ahead, [-2, 0.92, 9.73, 1])
 
 
-def test_invalid_calibration_is_explained(tmp_path):
+def test_errors_explain_invalid_calibration(tmp_path):
     path = tmp_path / "calib.txt"
     assert "calib.txt" in error_message(read_calibration, path)
     path.write_text(TRACKING_CALIBRATION.replace("R_rect", "Q_rect"))
@@ -119,7 +119,7 @@ def test_tracking_labels_are_grouped_by_frame_with_track_ids(tmp_path, calibrati
         (CAR.replace("9.73", "nan"), "line 1"),
     ],
 )
-def test_invalid_labels_are_explained(tmp_path, calibration, text, part):
+def test_errors_explain_invalid_labels(tmp_path, calibration, text, part):
     path = tmp_path / "000008.txt"
     path.write_text(text)
     message = error_message(read_object_labels, path, calibration)
@@ -150,7 +150,7 @@ def drive(tmp_path):
     data = folder / "velodyne_points" / "data"
     data.mkdir(parents=True)
     for frame in (0, 1, 3):  # some of KITTI's drives lack scans
-        points = [(5.9, 1, -1, 0.5), (5.9, 1, 0.1, 0.5), (0, 0, 0, 0)]  # in, above, invalid
+        points = [(5.9, 1, -1, 0.5), (5.9, 1, 0.1, 0.5), (0, 0, 0, 0)]  # inside, above, invalid
         write_cloud(data / f"{frame:010d}.bin", points)
     (folder / "velodyne_points" / "timestamps.txt").write_text(
         "".join(f"2011-09-26 13:02:{59.9 + k / 10 - 60 * (k > 0):012.9f}\n".replace(":02:", minute)
@@ -181,7 +181,7 @@ def test_tracklets_and_times_are_optional(drive):
     assert recording[2].boxes == () and recording[2].time == pytest.approx(0.3)
 
 
-def test_invalid_drives_are_explained(drive):
+def test_errors_explain_invalid_drives(drive):
     assert "2011_09_26_drive_0005_sync" in error_message(read_kitti_raw, drive.parent)
     assert "no files" in error_message(read_kitti_raw, drive / "none")
     unnumbered = drive / "velodyne_points" / "data" / "first.bin"

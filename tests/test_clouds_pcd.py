@@ -122,7 +122,7 @@ def test_integers_without_intensity_and_old_field_names_are_read():
      {"WIDTH": 1, "HEIGHT": 3}, {"HEIGHT": None}],
 )  # fmt: skip
 @pytest.mark.parametrize("encoding", ENCODINGS)
-def test_the_body_decides_if_counts_disagree(counts, encoding):
+def test_the_body_decides_if_counts_in_the_header_disagree(counts, encoding):
     cloud = np.array(POINTS, np.float32)
     body = encode_pcd(cloud, encoding).split(f"DATA {encoding}\n".encode(), 1)[1]
     np.testing.assert_array_equal(decode_pcd(header(encoding=encoding, **counts) + body), POINTS)

@@ -99,7 +99,7 @@ def test_the_topic_must_be_named_if_there_are_several(tmp_path, kind):
         read_bag(empty)
 
 
-def test_missing_and_other_files_are_explained(tmp_path):
+def test_errors_explain_missing_and_unsuitable_files(tmp_path):
     (tmp_path / "other.bag").write_text("hello")
     with pytest.raises(CloudFileError, match=r"other\.bag"):
         read_bag(tmp_path / "street.bag")
@@ -123,7 +123,7 @@ def test_suffixes_may_have_capital_letters(tmp_path, kind):
 
 
 @pytest.mark.parametrize("kind", ["db3", "mcap"])
-def test_the_only_file_of_a_folder_is_read_without_correct_metadata(tmp_path, kind):
+def test_the_only_recording_in_a_folder_is_read_despite_wrong_metadata(tmp_path, kind):
     folder = record(tmp_path / "street", kind).rename(tmp_path / "street.bag")
     np.testing.assert_array_equal(read_bag(folder)[2], cloud(2))
     next(folder.glob(f"*.{kind}")).rename(folder / f"my run.{kind}")  # the metadata are now wrong
@@ -142,7 +142,7 @@ def test_errors_name_the_file_and_the_topic(tmp_path, monkeypatch):
         read_bag(path)[1]
 
 
-def test_a_recording_that_was_not_closed_or_not_downloaded_is_explained(tmp_path):
+def test_errors_explain_recordings_that_were_not_closed_or_not_downloaded(tmp_path):
     (tmp_path / "street.bag.active").touch()
     with pytest.raises(CloudFileError, match="rosbag reindex"):
         read_bag(tmp_path / "street.bag.active")
@@ -153,7 +153,7 @@ def test_a_recording_that_was_not_closed_or_not_downloaded_is_explained(tmp_path
         read_bag(tmp_path / "street.bag")
 
 
-def test_a_truncated_recording_is_explained(bag):
+def test_the_error_explains_a_truncated_recording(bag):
     files = [bag] if bag.is_file() else [*bag.glob("*.db3"), *bag.glob("*.mcap")]
     data = files[0].read_bytes()
     files[0].write_bytes(data[: len(data) // 3])
@@ -165,7 +165,7 @@ class TestMessages:
     points = np.array([[1.5, -2, 3, 7], [4, 5, np.nan, 0], [-1, 0, 2, 255]])
 
     @pytest.mark.parametrize("big", [False, True])
-    def test_doubles_small_integers_gaps_and_any_order_are_read(self, big):
+    def test_fields_of_any_type_in_any_order_with_gaps_are_read(self, big):
         kind = np.dtype({"names": ["z", "i", "y", "x"], "formats": ["f8", "u1", "f4", "f4"],
                          "offsets": [1, 12, 16, 24], "itemsize": 32})  # fmt: skip
         records = np.zeros(3, kind.newbyteorder(">" if big else "<"))
@@ -199,14 +199,14 @@ class TestMessages:
         np.testing.assert_array_equal(decode_point_cloud(made, "a"), expected)
 
     @pytest.mark.parametrize("size", [{"height": 0, "width": 6}, {"height": 0, "width": 0}])
-    def test_points_are_read_even_if_the_message_announces_none(self, size):
+    def test_points_are_read_even_if_the_message_claims_to_have_none(self, size):
         expected = np.random.default_rng(1).normal(size=(6, 4)).astype("<f4")
         np.testing.assert_array_equal(
             decode_point_cloud(message(expected.tobytes(), **size), "a"), expected
         )
 
     @pytest.mark.parametrize("kind", ["<f4", ">f4"])
-    def test_a_wrong_flag_of_the_byte_order_is_ignored(self, kind):
+    def test_a_wrong_byte_order_flag_is_ignored(self, kind):
         expected = np.random.default_rng(1).normal(scale=20, size=(50, 4)).astype(kind)
         for big in (False, True):
             made = message(expected.tobytes(), big=big)
@@ -225,6 +225,6 @@ class TestMessages:
             {"fields": layout(offsets=(0, 4, 2**32 - 1, 12))},
         ],
     )
-    def test_impossible_layouts_are_explained(self, options):
+    def test_errors_explain_impossible_layouts(self, options):
         with pytest.raises(CloudFileError, match="street.bag, message 7"):
             decode_point_cloud(message(bytes(48), **options), "street.bag", "message 7")

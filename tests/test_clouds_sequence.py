@@ -47,7 +47,7 @@ def test_files_are_read_only_when_indexed(tmp_path):
         frames[1]
 
 
-def test_unsuitable_folders_are_explained(tmp_path):
+def test_errors_explain_unsuitable_folders(tmp_path):
     def message(*arguments, **options):
         with pytest.raises(CloudFileError) as caught:
             read_sequence(*arguments, **options)

@@ -305,7 +305,7 @@ def test_a_run_survives_the_loss_of_a_worker(
 
 
 @pytest.mark.slow
-def test_unsuitable_workers_are_refused_and_named(
+def test_unsuitable_workers_are_refused_and_listed(
     course, local_run, sandbox, start, tmp_path, capfd
 ):
     """With only unsuitable workers, nothing is graded; with one suitable worker, everything is."""
@@ -397,7 +397,7 @@ def test_the_same_command_resumes_a_stopped_or_killed_run(course, local_run, san
     assert is_complete(course, local_run)
 
 
-# ---- Parts -------------------------------------------------------------------------------------
+# ---- Single rules ------------------------------------------------------------------------------
 
 
 @pytest.mark.slow

@@ -83,7 +83,7 @@ def test_a_slip_is_found_in_the_source(source, words):
 
 
 @pytest.mark.parametrize("title", CODE_WITHOUT_SLIPS)
-def test_innocent_code_has_no_slip(title):
+def test_no_slip_is_found_in_harmless_code(title):
     assert find_code_slip(define(CODE_WITHOUT_SLIPS[title]), returned_none=True) is None
 
 

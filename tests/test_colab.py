@@ -171,7 +171,7 @@ def test_the_error_about_an_invalid_origin_names_the_file(repository, revision):
         build.Origin(repository, revision)
 
 
-def test_binder_and_vs_code_have_settings():
+def test_binder_and_vs_code_are_configured():
     requirements = PROJECT / ".binder" / "requirements.txt"
     included = requirements.read_text().split()[-1]
     assert (requirements.parent / included).resolve() == PROJECT / "requirements-3d.txt"

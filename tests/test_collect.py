@@ -158,8 +158,8 @@ def test_late_work_from_canvas_has_no_time(course):
     assert submission_time(folders[:1]) == datetime(2026, 11, 22, 18, 30, tzinfo=UTC)
 
 
-def test_a_late_mark_is_removed_with_the_next_archive(course):
-    """A submission is no longer late if the due date in Canvas moves before the next download."""
+def test_a_student_is_no_longer_late_if_the_next_archive_says_so(course):
+    """The due date in Canvas may move between two downloads."""
     for late, modified in ((True, MONDAY), (False, TUESDAY)):
         files = canvas_files("Lovelace, Ada", 4001, [(1, f"{SIX}.ipynb", notebook())], late)
         outcome = collect(course, archive(course, files, when=modified))
@@ -258,7 +258,7 @@ def test_students_are_found_by_their_moodle_names(course, folders, old):
 
 
 @pytest.mark.parametrize("old", [False, True], ids=["", "before 2022"])
-def test_folders_from_moodle_are_kept(course, old):
+def test_notebooks_in_folders_from_moodle_are_collected(course, old):
     files = moodle_files("Ada Lovelace", 5001, [(f"my work/deep/{SIX}.ipynb", notebook())], old=old)
     assert states(collect(course, archive(course, files))) == {"ada": {"06": "new"}}
 
@@ -278,7 +278,7 @@ def test_older_versions_of_moodle_put_the_team_before_the_name(course, folders):
 
 
 def test_a_hyphen_in_a_name_from_moodle_is_not_a_team(course):
-    """Luc Picard is another student than Jean-Luc Picard, who is not on the roster."""
+    """Luc Picard is not Jean-Luc Picard, who is missing from the roster."""
     write_roster(course, "ada,Ada,Lovelace,,,", "luc,Luc,Picard,,,")
     files = [
         *moodle_files("Ada Lovelace", 5001, [(f"{SIX}.ipynb", notebook())], old=True),
@@ -289,8 +289,8 @@ def test_a_hyphen_in_a_name_from_moodle_is_not_a_team(course):
     assert set(questions(outcome)) == {"Jean-Luc Picard_5002"}
 
 
-def test_notebooks_without_a_name_from_moodle_are_read_by_their_folders(course):
-    """A teacher added them to the unzipped download."""
+def test_files_that_a_teacher_added_are_assigned_by_their_folders(course):
+    """A teacher may add files to the unzipped download before zipping it again."""
     files = [
         *moodle_files("Ada Lovelace", 5001, [(f"{SIX}.ipynb", notebook())], old=True),
         (f"bjorn/{SIX}.ipynb", notebook(text="bjorn")),
@@ -319,8 +319,8 @@ def test_notebooks_without_a_name_from_moodle_are_read_by_their_folders(course):
         "oneilcy_4711_12345_{}",
     ],
 )
-def test_a_student_cannot_submit_in_another_name(course, tmp_path, forged):
-    """Ada puts many files with names of a platform into her folder or repository."""
+def test_a_student_cannot_submit_in_another_students_name(course, tmp_path, forged):
+    """Ada submits files whose names claim, in the style of some platform, to be Cy's."""
     names = [forged.format(f"{SIX} ({number}).ipynb") for number in range(9)]
     files = [(f"ada/{name}", notebook(text="by ada")) for name in names]
     files += [(f"bjorn/{SIX}.ipynb", notebook(text="bjorn"))]
@@ -404,7 +404,7 @@ def test_times_are_read_from_a_table_by_id(course):
 
 
 def test_a_table_of_late_students_is_enough_if_the_platform_marks_late_work(course):
-    """Files that Canvas did not mark as late are on time; folders carry no such marks."""
+    """Files that Canvas does not mark as late are on time; plain folders have no such marks."""
     table = course.root / "times.csv"
     table.write_text("id,Last modified (submission)\nada,2026-10-14 14:14:00 UTC\n")
     files = [
@@ -427,7 +427,7 @@ def test_the_error_about_a_table_without_times_lists_its_columns(course):
         collect(course, course.root, times=table)
 
 
-def test_members_of_moodle_teams_are_named_by_options_or_the_worksheet(course):
+def test_members_of_moodle_teams_come_from_an_option_or_the_worksheet(course):
     """The members of a team come from an option or from a column of the worksheet.
 
     The folder of the default group has no number.
@@ -635,7 +635,7 @@ def test_ids_may_look_like_folders_from_ilias(course):
 
 
 def test_keys_that_contradict_each_other_become_a_question(course):
-    """The login is the id of Ada, and the name is Björn's."""
+    """The login is Ada's ID, but the name is Björn's."""
     files = sakai_files("Müller, Björn", "ada", [(f"{SIX}.ipynb", notebook())])
     outcome = collect(course, archive(course, files))
     assert states(outcome) == {} and "may be ada or bjorn" in questions(outcome)["ada"]
@@ -643,7 +643,7 @@ def test_keys_that_contradict_each_other_become_a_question(course):
 
 @pytest.fixture(params=["roster", "no roster"])
 def course_with_strangers(request, course):
-    """A course in which no name in an archive is on a roster."""
+    """Return a course whose roster, if there is one, has no name from the archives."""
     if request.param == "no roster":
         (course.root / "roster.csv").unlink()
     return course
@@ -653,7 +653,7 @@ GROUPS = (("A", "x1"), ("A", "x2"), ("B", "x3"))
 
 
 @pytest.mark.parametrize("layout", ["{}_{}.ipynb", "{1} {0}.ipynb", "{}.zip"])
-def test_files_of_several_students_are_never_proposed_for_one(course_with_strangers, layout):
+def test_files_of_several_students_are_never_attributed_to_one(course_with_strangers, layout):
     """The platform is unknown, and its folders are not named after students."""
     course = course_with_strangers
     files = [
@@ -670,7 +670,7 @@ def test_files_of_several_students_are_never_proposed_for_one(course_with_strang
 @pytest.mark.parametrize(
     ("layout", "levels"), [("{}/{}.ipynb", (2, 3)), ("a/{}/more/{}.ipynb", (2, 4))]
 )
-def test_two_levels_of_folders_that_may_be_the_students_become_a_question(
+def test_a_question_is_asked_if_two_levels_of_folders_may_be_named_after_students(
     course_with_strangers, layout, levels
 ):
     course = course_with_strangers
@@ -719,7 +719,7 @@ def archive_of(course, paths):
         ("A/anna/6", "A/bo/6", "A/cy/6", "B/anna/6"),
     ],
 )
-def test_different_lessons_of_several_students_are_never_proposed_for_one(
+def test_different_lessons_of_several_students_are_never_attributed_to_one(
     course_with_strangers, paths
 ):
     path = archive_of(course_with_strangers, paths)
@@ -739,14 +739,14 @@ def test_different_lessons_of_several_students_are_never_proposed_for_one(
     ],
 )
 def test_folders_inside_a_students_folder_need_no_question(anonymous_course, paths):
-    """Folders of the course, attempts and lessons, which recur in the folders of other students."""
+    """Such folders belong to the course, an attempt or a lesson, or recur for other students."""
     path = archive_of(anonymous_course, paths)
     outcome = collect(anonymous_course, path, stages=(STAGE, "stage4_realtime"))
     assert set(states(outcome)) == {"ada", "bo", "cy"} & set("/".join(paths).split("/"))
     assert not re.search("several|--who|--folder", " ".join(questions(outcome).values()))
 
 
-def test_one_students_folders_without_a_roster_are_confirmed_by_an_option(anonymous_course):
+def test_an_option_confirms_one_students_folders_if_there_is_no_roster(anonymous_course):
     path = archive_of(anonymous_course, ("ada/6", "bo/mine/6", "bo/more/7"))
     outcome = collect(anonymous_course, path)
     assert states(outcome) == {"ada": {"06": "new"}}
@@ -764,7 +764,7 @@ def test_one_students_folders_without_a_roster_are_confirmed_by_an_option(anonym
         (("b", "x1", "x2", "x3"), {"b"}),
     ],
 )
-def test_the_roster_decides_which_folders_are_the_students(course, ids, found):
+def test_the_roster_decides_which_folders_belong_to_students(course, ids, found):
     """A student may name a folder after another student, so one known name is not enough."""
     write_roster(course, *(f"{id},,,,," for id in ids))
     outcome = collect(course, archive_of(course, ("a/x1/6", "a/x2/7", "b/x3/8")))
@@ -794,7 +794,7 @@ def test_folders_above_the_students_are_not_part_of_file_names(course):
         assert "ada/more/essay.pdf" in questions(collect(course, archive_of(course, paths)))
 
 
-def test_a_repeated_lesson_in_one_folder_is_not_proposed_for_one_student(course):
+def test_no_owner_is_suggested_for_a_folder_with_a_repeated_lesson(course):
     files = [
         (f"a/{SIX}.ipynb", notebook()),
         (f"a/{SIX} (1).ipynb", notebook(text="other")),
@@ -806,7 +806,7 @@ def test_a_repeated_lesson_in_one_folder_is_not_proposed_for_one_student(course)
 
 
 @pytest.mark.parametrize("inside", ["{}.ipynb", "{0}/{0}.ipynb", "old/{}.ipynb"])
-def test_one_students_folders_may_be_proposed_for_one(course, inside):
+def test_one_owner_is_suggested_for_one_students_folders(course, inside):
     files = [
         (f"eve/{SIX}.ipynb", notebook()),
         ("eve/" + inside.format(SEVEN), notebook(SEVEN)),
@@ -818,7 +818,7 @@ def test_one_students_folders_may_be_proposed_for_one(course, inside):
 @pytest.mark.parametrize("wrapper", ["export", STAGE, f"export/{STAGE}"])
 @pytest.mark.parametrize("loose", ["", "readme.txt", "{}/marks.csv"])
 def test_students_folders_are_found_below_other_folders(anonymous_course, wrapper, loose):
-    """Neither the name of the folder above nor a file next to the folders hides the students."""
+    """Neither the name of the folder above nor a file next to the folders prevents this."""
     files = [
         (f"{wrapper}/x1/{SIX}.ipynb", notebook()),
         (f"{wrapper}/x2/{SEVEN}.ipynb", notebook(SEVEN)),
@@ -1031,7 +1031,7 @@ def test_a_file_of_another_stage_is_collected_if_the_stage_is_named(course):
 
 
 def test_only_changed_notebooks_of_a_whole_course_count(course):
-    """If a student submits a zip of the whole course, its unchanged notebooks do not count."""
+    """A student may submit a zip of the whole course, with many unchanged notebooks."""
     files = [
         (f"ada/lab/notebooks/{STAGE}/{SIX}.ipynb", notebook()),
         (
@@ -1103,7 +1103,7 @@ def test_modules_named_like_a_lesson_are_asked_about_only_if_the_lesson_is_missi
     assert [remark.name for remark in outcome.remarks] == [f"ada/{SIX}.py"]
 
 
-def test_a_student_with_only_a_picture_is_named(course):
+def test_a_student_who_submitted_only_a_picture_is_reported(course):
     outcome = collect(course, archive(course, [("ada/photo.png", b"x"), ("README.md", b"x")]))
     text = "is not a notebook. The student submitted only: photo.png"
     assert questions(outcome) == {"ada/photo.png": text}
@@ -1159,7 +1159,7 @@ def test_a_file_that_git_has_not_downloaded_is_not_placed(course, tmp_path):
     assert "Run `git lfs pull` in the checkout" in " ".join(questions(outcome).values())
 
 
-def test_a_copy_that_counts_only_because_of_its_number_is_named(course):
+def test_a_copy_that_counts_only_because_of_its_number_is_reported(course):
     """The copy may be a backup, so the instructor can choose the other file afterwards."""
     names = (SIX, f"{SIX}-Copy1")
     pair = [(f"{name}.ipynb", notebook(text=name)) for name in names]
@@ -1295,7 +1295,7 @@ def remark_texts(outcome):
     return {remark.name: remark.text for remark in outcome.remarks}
 
 
-def test_the_owner_is_asked_for_once_in_a_stage(course):
+def test_the_owner_is_asked_for_once_per_stage(course):
     """Later archives of the stage reuse the answer; the command asks again for another stage."""
     team = moodle_files("Team Rot", 77, [(f"{SIX}.ipynb", notebook())])
     first = archive(course, team, "first.zip", when=MONDAY)
@@ -1331,7 +1331,7 @@ def test_an_archive_of_one_student_may_have_any_folders(course, inside):
 
 
 def test_an_answer_for_a_loose_file_does_not_affect_other_students(course):
-    """The answer names the archive of the class, but only its loose file goes to that student."""
+    """The answer names the whole archive, but only its loose file goes to that student."""
     files = [(f"{SIX}.ipynb", notebook()), (f"ada/{SEVEN}.ipynb", notebook(SEVEN))]
     path = archive(course, files)
     assert set(questions(collect(course, path))) == {"submissions"}
@@ -1356,7 +1356,7 @@ def test_the_decision_to_skip_a_submitter_outside_the_course_is_remembered(cours
     assert remark_texts(outcome)["eve"].startswith("ignored")
 
 
-def test_the_owner_is_asked_for_again_after_leaving_the_roster(course):
+def test_the_owner_is_asked_for_again_after_the_student_left_the_roster(course):
     """Other members of the student's team keep the team's submission."""
     files = [(f"eve/{SIX}.ipynb", notebook()), (f"team/{SIX}.ipynb", notebook(text="team"))]
     path = archive(course, files)
@@ -1445,7 +1445,7 @@ def test_later_work_with_the_name_of_an_ignored_file_is_collected(course):
     assert states(outcome) == {"ada": {"06": "new"}, "cy": {"07": "new"}}
 
 
-def test_an_untouched_repository_does_not_wait_for_an_answer(course, tmp_path):
+def test_no_question_is_asked_about_an_untouched_repository(course, tmp_path):
     given = {f"notebooks/{STAGE}/{SIX}.ipynb": released_notebook(), "README.md": b"hello"}
     for login in ("ada-l", "bmu"):
         write_checkout(tmp_path / "hw", f"hw-3-{login}", given)
@@ -1708,7 +1708,7 @@ def test_the_number_of_times_in_the_table_is_reported(course, run_command, capsy
         ([".", "--timestamps", "none.csv"], "cannot be read"),
     ],
 )
-def test_wrong_options_are_explained(course, run_command, words, message, capsys, monkeypatch):
+def test_errors_explain_wrong_options(course, run_command, words, message, capsys, monkeypatch):
     monkeypatch.chdir(course.root)
     (course.root / "damaged.zip").write_bytes(b"")
     (course.root / "empty").mkdir()
@@ -1716,7 +1716,7 @@ def test_wrong_options_are_explained(course, run_command, words, message, capsys
     assert message in capsys.readouterr().err
 
 
-def test_students_with_an_undecided_time_are_named(course, run_command, capsys):
+def test_students_with_an_undecided_time_are_listed(course, run_command, capsys):
     table = course.root / "times.csv"
     table.write_text("id,Last modified (submission)\nada,10/11/2026 9:00\n")
     path = archive(course, [(f"ada/{SIX}.ipynb", notebook())])
@@ -1845,7 +1845,7 @@ def test_a_students_text_cannot_make_another_student_late(course, number, email,
 
 
 @pytest.mark.parametrize("folder", ["12345", "012345"])
-def test_a_number_that_lost_its_zeros_is_recognised(course, folder):
+def test_a_number_that_lost_its_leading_zeros_is_recognised(course, folder):
     write_roster(course, "0012345,Yan,Yip,,,", "12,Ada,Lovelace,,,")
     outcome = collect(course, archive(course, [(f"{folder}/{SIX}.ipynb", notebook())]))
     assert states(outcome) == {}
@@ -1903,7 +1903,7 @@ def test_logins_with_the_same_beginning_are_found(course, tmp_path):
     assert states(collect(course, tmp_path / "hw")) == {"a": {"06": "new"}, "b": {"06": "new"}}
 
 
-def test_the_login_in_a_single_repository_is_asked_for(course, tmp_path):
+def test_the_question_about_a_single_repository_suggests_a_student(course, tmp_path):
     write_roster(course, "sam,Sam,Smith,,,smith")
     write_checkout(tmp_path / "hw", "hw-3-mary-smith", {f"{SIX}.ipynb": notebook()})
     question = questions(collect(course, tmp_path / "hw"))["hw-3-mary-smith"]

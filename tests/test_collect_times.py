@@ -98,7 +98,7 @@ def test_a_lesson_without_a_time_leaves_the_stage_undecided(course):
 
 
 def test_an_earlier_submission_is_restored_with_its_time(course):
-    """The steps of docs/grading.md."""
+    """The test follows the steps in docs/grading.md."""
     (first, second) = (
         archive(course, [(f"ada/{SIX}.ipynb", notebook(text=text))], f"{text}.zip", when=day)
         for text, day in (("old", MONDAY), ("new", TUESDAY))
@@ -178,8 +178,8 @@ def test_an_earlier_time_for_the_same_files_is_entered(course):
     assert remark(collect(course, path, times=write_table(course, EARLY))) == ""
 
 
-def test_a_later_time_for_the_same_files_is_named_with_a_way_to_enter_it(course):
-    """It may belong to another attempt with the same file, so a person decides."""
+def test_a_later_time_for_the_same_files_is_reported_with_the_edit_that_enters_it(course):
+    """The time may belong to another attempt with the same file, so a person has to decide."""
     path = lesson_archive(course, SIX)
     collect(course, path, times=write_table(course, EARLY))
     text = remark(collect(course, path, times=write_table(course, LATE)))
@@ -218,7 +218,7 @@ def test_an_unreadable_time_in_the_table_is_quoted_even_if_there_is_an_earlier_t
 
 
 @pytest.mark.parametrize("written_after", ["the first run", "no run"])
-def test_a_time_written_by_hand_is_stronger_than_a_table(course, written_after):
+def test_a_time_written_by_hand_takes_precedence_over_a_table(course, written_after):
     if written_after == "the first run":
         collect(course, lesson_archive(course, SIX), times=write_table(course, LATE))
     else:
@@ -267,7 +267,7 @@ def test_an_unreadable_row_is_not_hidden_by_a_readable_one(course):
 
 
 class Stopped(BaseException):
-    """Stands in for Ctrl-C."""
+    """Takes the place of KeyboardInterrupt, which also ends a run."""
 
 
 def stop_at(change, calls, number, after):
@@ -286,7 +286,7 @@ def stop_at(change, calls, number, after):
 
 @contextlib.contextmanager
 def stopped_at(monkeypatch, number, after):
-    """Stop what runs inside at its nth change of a file; yield the list of changes."""
+    """Stop the code in the context at its nth change of a file; yield the list of changes."""
     changes = []
     with monkeypatch.context() as patch, contextlib.suppress(Stopped):
         for owner, name in (

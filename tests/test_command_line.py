@@ -29,7 +29,7 @@ def test_every_command_has_a_description_an_example_and_help_for_each_option(nam
         assert action.help and len(action.help.split()) >= 2, action
 
 
-def test_the_term_in_the_help_can_be_parsed(capsys):
+def test_the_example_commands_in_the_help_can_be_parsed(capsys):
     for call in cli.TERM_EXAMPLES:
         PARSER.parse_args(call.split())
     with pytest.raises(SystemExit):

@@ -230,7 +230,7 @@ def test_names_that_a_loop_assigns_are_not_recreated(loop, again):
     ] == again
 
 
-def test_a_cell_without_course_names_needs_no_plan():
+def test_nothing_is_run_again_for_a_cell_that_uses_no_course_names():
     found = plan_rerun(["a = f(1)", "b = 2", "print(b)"], {"f": ["f"]}, set())
     assert not found.functions and not found.statements
 

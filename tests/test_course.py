@@ -280,7 +280,9 @@ def test_withdrawn_work_is_removed_but_manual_marks_remain(course, sandbox, caps
 
 
 @pytest.mark.slow
-def test_a_difference_in_the_gradebook_is_repaired_or_named(course, sandbox, monkeypatch, capsys):
+def test_a_difference_in_the_gradebook_is_repaired_or_reported(
+    course, sandbox, monkeypatch, capsys
+):
     assert grade(course, sandbox) == commands.SUCCESS
     before = gradebook_rows(course)
     base = sqlite3.connect(course.root / "gradebook.db")
@@ -298,7 +300,7 @@ def test_a_difference_in_the_gradebook_is_repaired_or_named(course, sandbox, mon
 
 
 @pytest.mark.slow
-def test_an_unreadable_time_is_named(course, sandbox, capsys):
+def test_an_unreadable_time_is_reported(course, sandbox, capsys):
     submit(course, "ada", LESSON, answered_notebook(), when="yesterday, I think")
     set_due(course, LESSON.stage, "2026-11-01 12:00:00 UTC")
     assert grade(course, sandbox) == commands.SUCCESS

@@ -232,7 +232,7 @@ class TestDownload:
         with pytest.raises(DownloadError, match=advice):
             download("https://localhost/a.bin", tmp_path / "a.bin")
 
-    def test_a_cache_that_cannot_be_made_is_explained(self, tmp_path, monkeypatch):
+    def test_the_error_explains_why_a_cache_cannot_be_created(self, tmp_path, monkeypatch):
         (tmp_path / "file").touch()
         monkeypatch.setenv("LIDAR_LAB_CACHE", str(tmp_path / "file" / "cache"))
         with pytest.raises(DownloadError, match="LIDAR_LAB_CACHE"):

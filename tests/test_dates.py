@@ -153,7 +153,7 @@ def change_file(course):
 
 DEADLINES = "deadlines.toml"
 SWITCHED_OFF = 'without = ["filter_ground"]\ndue ='
-# Changes, and the students whose marks depend on them. Section B, with Bob, has its own date.
+# Changes, and the students whose marks depend on them. Bob's section, B, has its own date.
 CHANGES = {
     "zone": (rewrite(DEADLINES, lambda text: text.replace("Berlin", "London")), ["ada", "bob"]),
     "date": (rewrite(DEADLINES, lambda text: text.replace("-01T", "-02T")), ["ada"]),
@@ -303,7 +303,7 @@ def test_a_manual_extension_counts_until_the_file_names_the_student(course):
         ("17:59", "America/New_York", ("on time", "3 h 59 min late"), ("UTC", "-0400")),
     ],
 )
-def test_a_time_without_a_zone_is_named_if_its_zone_matters(course, time, zone, phrases, lines):
+def test_a_time_without_a_zone_is_reported_if_its_zone_matters(course, time, zone, phrases, lines):
     dates = f'timezone = "{zone}"\n[{STAGE}]\ndue = 2026-05-01T18:00:00Z\n'
     path = course.submitted / "ada" / STAGE / "timestamp.txt"
     path.write_text(f"2026-05-01 {time}:00")

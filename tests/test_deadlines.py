@@ -208,7 +208,7 @@ def test_errors_name_the_entry_and_suggest_a_fix(course, text, message):
         '"2026-10-12 21:59:00 UTC"',
     ],
 )
-def test_dates_with_one_meaning_are_read(course, text):
+def test_unambiguous_dates_are_read(course, text):
     dates = read(
         course,
         f'timezone = "Europe/Berlin"\n[stage1_ransac]\ndue = {text}\n'

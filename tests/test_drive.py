@@ -46,7 +46,7 @@ def box(x, y, length=1.0, width=1.0):
     return np.array([(*corner, z) for z in (-1.7, 0.0) for corner in floor])
 
 
-def thing(x, y=0.0, forward=0.0, left=0.0, seen=True, name=0, **size):
+def tracked_box(x, y=0.0, forward=0.0, left=0.0, seen=True, name=0, **size):
     return TrackedBox(box(x, y, **size), (forward, left), seen, name)
 
 
@@ -80,7 +80,7 @@ def test_the_car_reaches_the_speed_limit_on_a_free_road():
 # The bumper is at 2.6 m. At 7 m/s, the car needs 7 m to stop, and it keeps a gap of 2 m.
 @pytest.mark.parametrize(("x", "brakes"), [(2.6 + 8.9, True), (2.6 + 9.1, False)])
 def test_the_car_brakes_for_obstacles_within_the_stopping_distance(x, brakes):
-    decision = plan(7.0, 7.0, [thing(x)])
+    decision = plan(7.0, 7.0, [tracked_box(x)])
     assert (decision.acceleration <= -1) == brakes
     assert (decision.cause is not None) == brakes
     if brakes:
@@ -90,19 +90,19 @@ def test_the_car_brakes_for_obstacles_within_the_stopping_distance(x, brakes):
 
 
 def test_the_car_brakes_fully_for_obstacles_that_are_too_near():
-    assert plan(7.0, 7.0, [thing(2.6 + 4.0)]).acceleration == -7.0
+    assert plan(7.0, 7.0, [tracked_box(2.6 + 4.0)]).acceleration == -7.0
 
 
 # The corridor extends 1.3 m to either side: half the car's width plus 0.4 m. The box is 1 m wide.
 @pytest.mark.parametrize("y", [1.79, -1.79])
 def test_boxes_that_reach_into_the_corridor_count(y):
-    assert gap_to(thing(10.0, y), 7.0) == pytest.approx(7.4)
+    assert gap_to(tracked_box(10.0, y), 7.0) == pytest.approx(7.4)
 
 
 @pytest.mark.parametrize("y", [1.81, -1.81])
 def test_boxes_next_to_the_corridor_do_not_count(y):
-    assert gap_to(thing(10.0, y), 7.0) == np.inf
-    assert plan(7.0, 7.0, [thing(5.0, y)]).cause is None
+    assert gap_to(tracked_box(10.0, y), 7.0) == np.inf
+    assert plan(7.0, 7.0, [tracked_box(5.0, y)]).cause is None
 
 
 # The nearest corner of a square, turned by 45 degrees, is 10 m ahead. The corridor reaches 1.3 m
@@ -125,8 +125,8 @@ def box_along(axes, points):
     return TrackedBox(np.array([(*corner, z) for z in (-1.7, 0.0) for corner in floor]))
 
 
-def test_only_a_leaning_box_of_a_parked_car_brakes():
-    """The variance of an L leans (lesson 11); the order and the signs of its axes do not matter."""
+def test_the_car_brakes_for_a_parked_car_only_if_its_box_leans():
+    """The principal axes of an L lean (lesson 11), whatever their order and signs."""
     side = np.c_[np.linspace(6.3, 10.5, 85), np.full(85, -2.1)]
     rear = np.c_[np.full(37, 6.3), np.linspace(-3.9, -2.1, 37)]
     points = np.vstack([side, rear])
@@ -141,47 +141,47 @@ def test_only_a_leaning_box_of_a_parked_car_brakes():
 
 def test_obstacles_moving_into_the_corridor_are_counted():
     # At 7 m/s the ego car stops after 1.5 s. The obstacle has to move by 2.2 m, from 4 m to 1.8 m.
-    assert gap_to(thing(10.0, 4.0, left=-1.5), 7.0) == pytest.approx(7.4)
-    assert gap_to(thing(10.0, 4.0, left=-1.4), 7.0) == np.inf
-    assert gap_to(thing(10.0, 4.0, left=1.5), 7.0) == np.inf
+    assert gap_to(tracked_box(10.0, 4.0, left=-1.5), 7.0) == pytest.approx(7.4)
+    assert gap_to(tracked_box(10.0, 4.0, left=-1.4), 7.0) == np.inf
+    assert gap_to(tracked_box(10.0, 4.0, left=1.5), 7.0) == np.inf
 
 
 def test_obstacles_behind_the_car_do_not_count():
-    assert plan(7.0, 7.0, [thing(-3.0)]).cause is None
+    assert plan(7.0, 7.0, [tracked_box(-3.0)]).cause is None
 
 
 def test_a_box_on_the_bonnet_stops_the_car_forever():
-    decision = plan(7.0, 7.0, [thing(0.9, length=1.4)])
+    decision = plan(7.0, 7.0, [tracked_box(0.9, length=1.4)])
     assert decision.acceleration == -7.0
-    assert plan(0.0, 7.0, [thing(0.9, length=1.4)]).acceleration <= 0.0
-    along = thing(0.9, length=1.4, forward=7.0)  # to a tracker, it moves with the ego car
+    assert plan(0.0, 7.0, [tracked_box(0.9, length=1.4)]).acceleration <= 0.0
+    along = tracked_box(0.9, length=1.4, forward=7.0)  # to a tracker, it moves with the ego car
     assert plan(7.0, 7.0, [along]).acceleration == -7.0
 
 
-def test_a_moving_car_ahead_needs_less_room():
+def test_the_gap_to_a_moving_car_may_be_smaller():
     # If both cars drive at 7 m/s, the ego car needs the distance that it covers in 0.5 s, plus 2 m.
-    assert braking_gap(thing(10.0, forward=7.0), 7.0) == pytest.approx(5.5)
-    assert braking_gap(thing(10.0), 7.0) == pytest.approx(9.0)
-    assert plan(7.0, 7.0, [thing(2.6 + 6.0, forward=7.0)]).acceleration == 0.0
+    assert braking_gap(tracked_box(10.0, forward=7.0), 7.0) == pytest.approx(5.5)
+    assert braking_gap(tracked_box(10.0), 7.0) == pytest.approx(9.0)
+    assert plan(7.0, 7.0, [tracked_box(2.6 + 6.0, forward=7.0)]).acceleration == 0.0
 
 
 def test_the_car_slows_down_gently_behind_a_slow_car():
-    decision = plan(7.0, 7.0, [thing(2.6 + 14.0, forward=4.0)])
+    decision = plan(7.0, 7.0, [tracked_box(2.6 + 14.0, forward=4.0)])
     assert -1.01 < decision.acceleration < 0
 
 
 def test_the_most_urgent_obstacle_decides():
-    near, far = thing(2.6 + 6.0), thing(2.6 + 8.0)
+    near, far = tracked_box(2.6 + 6.0), tracked_box(2.6 + 8.0)
     assert plan(7.0, 7.0, [far, near]).cause is near
 
 
 def test_a_stopped_car_starts_when_there_is_room_again():
-    assert plan(0.0, 7.0, [thing(2.6 + 2.5)]).acceleration == 0.0
-    assert plan(0.0, 7.0, [thing(2.6 + 3.5)]).acceleration == 2.0
+    assert plan(0.0, 7.0, [tracked_box(2.6 + 2.5)]).acceleration == 0.0
+    assert plan(0.0, 7.0, [tracked_box(2.6 + 3.5)]).acceleration == 2.0
 
 
 def test_the_car_brakes_for_an_obstacle_in_three_consecutive_scans():
-    planner, near = Planner(), [thing(2.6 + 6.0)]
+    planner, near = Planner(), [tracked_box(2.6 + 6.0)]
     first, second, third = (planner.decide(7.0, 8.0, near) for _ in range(3))
     assert first.acceleration == second.acceleration == 0.0, "the car does not accelerate either"
     assert third.acceleration < -1 and third.cause is near[0]
@@ -190,15 +190,15 @@ def test_the_car_brakes_for_an_obstacle_in_three_consecutive_scans():
 
 
 def decide(*scans, speed=7.0):
-    """Return the planner's decision for each scan; a scan is a list of things."""
+    """Return the planner's decision for each scan; a scan is a list of tracked boxes."""
     planner = Planner()
-    return [planner.decide(speed, 8.0, things) for things in scans]
+    return [planner.decide(speed, 8.0, tracks) for tracks in scans]
 
 
-def test_three_obstacles_in_one_scan_each_do_not_stop_the_car():
+def test_obstacles_in_the_lane_for_a_single_scan_do_not_stop_the_car():
     """A raindrop next to a lorry extends the lorry's box into the ego car's lane for one scan."""
-    beside = [thing(2.6 + 6.0, 1.9, name=name) for name in range(3)]
-    reaching = [thing(2.6 + 6.0, 1.6, name=name) for name in range(3)]
+    beside = [tracked_box(2.6 + 6.0, 1.9, name=name) for name in range(3)]
+    reaching = [tracked_box(2.6 + 6.0, 1.6, name=name) for name in range(3)]
     scans = [[reaching[k] if k == scan else beside[k] for k in range(3)] for scan in range(3)]
     assert [decision.cause for decision in decide(*scans)] == [None, None, None]
     assert [decision.acceleration for decision in decide(*scans)] == [0.0, 0.0, 0.0]
@@ -206,18 +206,18 @@ def test_three_obstacles_in_one_scan_each_do_not_stop_the_car():
     assert decisions[-1].cause is reaching[0], "one of the obstacles stays in the lane"
 
 
-def test_unseen_tracks_over_the_car_do_not_count():
+def test_a_track_over_the_car_counts_only_if_it_is_usually_seen():
     """A track that coasts with the ego car counts only if it is seen in most scans."""
-    drops = [thing(0.9, length=1.4, seen=scan % 3 == 0) for scan in range(24)]
+    drops = [tracked_box(0.9, length=1.4, seen=scan % 3 == 0) for scan in range(24)]
     assert {decision.cause for decision in decide(*([drop] for drop in drops))} == {None}
-    dirt = [thing(0.9, length=1.4, seen=scan % 3 > 0) for scan in range(24)]
+    dirt = [tracked_box(0.9, length=1.4, seen=scan % 3 > 0) for scan in range(24)]
     assert decide(*([patch] for patch in dirt))[-1].cause is dirt[-1]
 
 
 def test_raindrops_over_the_car_do_not_stop_it():
     """In each scan, the raindrops are at least half a metre from those in the previous scan."""
     ends = np.tile([0.2, 1.4, 0.7, 1.9, -0.8], 12)
-    for decision in decide(*([thing(end, length=1.0)] for end in ends)):
+    for decision in decide(*([tracked_box(end, length=1.0)] for end in ends)):
         assert decision.cause is None and decision.acceleration > 0
 
 
@@ -225,16 +225,16 @@ def test_dirt_on_the_bonnet_stops_the_car_after_a_second():
     ends = 0.9 + np.tile([0.0, 0.1, -0.1], 5)  # varies because voxels have sides of 0.2 m
     brakes = [
         decision.cause is not None
-        for decision in decide(*([thing(end, length=1.4)] for end in ends))
+        for decision in decide(*([tracked_box(end, length=1.4)] for end in ends))
     ]
     assert brakes == [False] * 11 + [True] * 4, "ten scans in one place and three in the lane"
 
 
 def test_the_car_brakes_as_soon_as_a_hidden_person_steps_off_the_kerb():
     """The car brakes whatever the distance to the person, with and without raindrops."""
-    drops, nothing = [thing(0.5)], []
+    drops, nothing = [tracked_box(0.5)], []
     for metres in (0.1, 1.0, 6.0):
-        person = thing(2.6 + metres, -1.5, length=0.5, width=0.5)
+        person = tracked_box(2.6 + metres, -1.5, length=0.5, width=0.5)
         for before in (nothing, drops):
             decisions = decide(before, *[[*before, person]] * 3)
             assert [decision.cause for decision in decisions] == [None, None, None, person]
@@ -243,21 +243,24 @@ def test_the_car_brakes_as_soon_as_a_hidden_person_steps_off_the_kerb():
 
 def test_road_users_who_approach_from_the_side_count_as_ahead():
     """Their predicted position overlaps the ego car, although their present one does not."""
-    cyclist = thing(9.0, 4.0, forward=-6.0, left=-2.0, length=1.8, width=0.6)
+    cyclist = tracked_box(9.0, 4.0, forward=-6.0, left=-2.0, length=1.8, width=0.6)
     assert gap_to(cyclist, 8.0) < -0.5
     assert decide(*[[cyclist]] * 3, speed=8.0)[-1].cause is cyclist
 
 
 def test_boxes_that_extend_forward_from_the_car_count_as_ahead():
     """Such boxes may contain raindrops and a person 2 m ahead, or all points of a scan."""
-    both, everything = thing(0.5, length=4.6), [thing(-20.0 - jump, length=60.0) for jump in (0, 3)]
+    both, everything = (
+        tracked_box(0.5, length=4.6),
+        [tracked_box(-20.0 - jump, length=60.0) for jump in (0, 3)],
+    )
     assert decide(*[[both]] * 3)[-1].cause is both
     assert decide(*([box] for box in everything * 2))[-1].cause is everything[1]
 
 
 def test_the_car_waits_for_a_person_next_to_the_bumper():
     """A person next to the bumper counts, even if the box begins behind the bumper."""
-    person = thing(2.2, 1.2, length=0.5, width=0.5)
+    person = tracked_box(2.2, 1.2, length=0.5, width=0.5)
     assert decide(*[[person]] * 4, speed=0.0)[-1].cause is person
 
 
@@ -270,8 +273,8 @@ def test_speeds_over_ground_are_estimated_from_a_moving_car():
         time = scan / 10
         # The ego car drives at 6 m/s towards a parked box. A pedestrian crosses at 1.4 m/s.
         boxes = np.stack([box(30 - 6 * time, 5), box(25 - 6 * time, -4 + 1.4 * time)])
-        things = motion.update(boxes, 0.6 if scan else 0.0, 0.1)
-    parked, walker = (np.array(thing.velocity) for thing in things)
+        tracks = motion.update(boxes, 0.6 if scan else 0.0, 0.1)
+    parked, walker = (np.array(track.velocity) for track in tracks)
     assert np.allclose(parked, 0.0, atol=0.1)
     assert np.allclose(walker, (0.0, 1.4), atol=0.1)
 
@@ -320,19 +323,19 @@ def test_a_wrong_match_does_not_end_a_drive(match):
     for motion in (make_motion(tracker), make_motion(Tracker(match))):
         for scan in range(8):
             boxes = np.stack([box(10 * row, 3 * row - 0.1 * scan) for row in range(6)])
-            things = motion.update(boxes, 0.6, 0.1)
-            assert np.isfinite([thing.velocity for thing in things]).all()
-            assert len(things) >= 6
+            tracks = motion.update(boxes, 0.6, 0.1)
+            assert np.isfinite([track.velocity for track in tracks]).all()
+            assert len(tracks) >= 6
 
 
 @pytest.mark.parametrize("tracker", [None, ALPHA_BETA], ids=["the given motion", "a tracker"])
-def test_a_thing_keeps_its_track_id_and_coasts_unseen(tracker):
+def test_an_obstacle_keeps_its_track_id_and_coasts_while_unseen(tracker):
     motion = make_motion(tracker)
     scans = [motion.update(np.stack([box(20, 5), box(25, -4 + 0.14 * scan)]), 0.0, 0.1)
              for scan in range(8)]  # fmt: skip
-    assert len({tuple(thing.track_id for thing in things) for things in scans}) == 1
+    assert len({tuple(track.track_id for track in tracks) for tracks in scans}) == 1
     (stays, gone) = motion.update(box(20, 5)[None], 0.0, 0.1)
-    assert [stays.track_id, gone.track_id] == [thing.track_id for thing in scans[-1]]
+    assert [stays.track_id, gone.track_id] == [track.track_id for track in scans[-1]]
     assert stays.was_seen and not gone.was_seen
     assert gone.velocity == pytest.approx((0.0, 1.4), abs=0.15), "at its observed speed"
 
@@ -353,7 +356,7 @@ def test_a_flickering_box_is_kept_for_three_scans():
     assert motion.update(none, 0.0, 0.1) == [], "seen only once"
 
 
-def test_a_coasting_thing_approaches_as_the_car_drives():
+def test_a_coasting_obstacle_approaches_as_the_car_drives():
     motion = Motion()
     for _ in range(2):
         motion.update(box(20, 0)[None], 0.0, 0.1)
@@ -361,7 +364,7 @@ def test_a_coasting_thing_approaches_as_the_car_drives():
     assert coasting.corners[:, 0].min() == pytest.approx(19.5)
 
 
-def test_the_students_matching_is_called():
+def test_the_students_matching_function_is_called():
     calls = []
 
     def match_boxes(previous, current, max_distance):
@@ -382,7 +385,7 @@ def test_the_students_matching_is_called():
         (lambda count: ["first"], "ValueError: invalid literal"),
     ],
 )
-def test_a_failing_matching_is_reported_as_a_problem(partners, message):
+def test_a_matching_function_that_fails_is_reported_as_a_problem(partners, message):
     def match_boxes(previous, current, max_distance):
         return partners(len(current))
 
@@ -402,10 +405,10 @@ def test_the_students_tracker_estimates_velocities():
         motion = make_motion(ALPHA_BETA)
         for scan in range(20):
             boxes = np.stack([box(30 - 0.6 * scan, 5), box(20 - 0.6 * scan, -4 + 0.14 * scan)])
-            things = motion.update(boxes, 0.6, 0.1)
+            tracks = motion.update(boxes, 0.6, 0.1)
             if scan < 3:
-                assert {thing.velocity for thing in things} == {(0.0, 0.0)}
-        assert np.allclose([thing.velocity for thing in things], [(0, 0), (0, 1.4)], atol=0.1)
+                assert {track.velocity for track in tracks} == {(0.0, 0.0)}
+        assert np.allclose([track.velocity for track in tracks], [(0, 0), (0, 1.4)], atol=0.1)
 
 
 def test_a_tracker_predicts_each_scan_with_the_time_since_the_last():
@@ -433,7 +436,7 @@ def test_a_tracker_that_only_matches_gets_default_steps():
     assert np.allclose(walker.velocity, (0.0, 1.4), atol=0.1)
 
 
-def test_matched_boxes_are_near_and_one_to_one():
+def test_matches_are_near_and_one_to_one():
     before, now = np.stack([box(0, 0), box(10, 0)]), np.stack([box(0.8, 0), box(0.3, 0), box(9, 0)])
     assert closest_pairs(before, now, 1.2).tolist() == [-1, 0, 1]
     assert closest_pairs(before, now, 0.9).tolist() == [-1, 0, -1]
@@ -461,8 +464,8 @@ def test_a_car_ahead_drives_before_its_changes_of_speed_begin():
 def test_a_crossing_child_is_in_the_lane_when_the_car_arrives():
     actor, speed = child(70.0, 8.0), 8.0
     arrives = (70.0 - 2.6) / speed
-    thing = actor.at(arrives, actor.start_position / speed)
-    assert thing.pose.y == pytest.approx(-1.2, abs=0.01)
+    walker = actor.at(arrives, actor.start_position / speed)
+    assert walker.pose.y == pytest.approx(-1.2, abs=0.01)
 
 
 def test_actors_start_when_the_car_reaches_a_position():
@@ -669,7 +672,7 @@ def test_results_of_drives_are_summed():
 
 
 @pytest.mark.slow
-def test_each_braking_in_a_notebook_links_to_its_frame():
+def test_each_braking_event_in_a_notebook_links_to_its_frame():
     trip = drive_street(STREETS[0], occupied_squares, seconds=1.0, clock=on_time)
     page = trip._repr_html_()
     assert repr(trip) == str(trip)

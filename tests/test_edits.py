@@ -1,4 +1,4 @@
-"""Edits that undo a slip, which is a mistake of one small edit."""
+"""Edits that undo a slip, which is a mistake that one small edit fixes."""
 
 import ast
 import textwrap
@@ -348,19 +348,19 @@ def test_an_edit_creates_a_new_list_instead_of_a_shared_default():
     assert right.strip() in {edit.statement for edit in edits_in(wrong)}
 
 
-def test_an_unused_parameter_replaces_another_early():
+def test_using_an_unused_parameter_is_tried_early():
     wrong = function("a = f(x, axis=1)\nb = f(x, axis=1)\nreturn a - b + z * n[node]")
     right = wrong.replace("b = f(x", "b = f(y").strip()
     assert min(edit.rank for edit in edits_in(wrong) if edit.statement == right) <= 0
 
 
-def test_low_and_high_are_exchanged_early():
+def test_exchanging_low_and_high_is_tried_early():
     wrong = function("low, high = x, y\nreturn [(low[0], z), (low[0], n), (low[0], node)]")
     right = wrong.replace("(low[0], n)", "(high[0], n)").strip()
     assert min(edit.rank for edit in edits_in(wrong) if edit.statement == right) <= 1
 
 
-def test_similar_names_are_exchanged_early():
+def test_exchanging_similar_names_is_tried_early():
     """In a function with many names, other edits would otherwise use up the limit."""
     code = """
 def line_through(p, q):
@@ -376,38 +376,38 @@ def line_through(p, q):
     assert "return a, b, -(a * px + b * py)" in texts[:200]
 
 
-def test_points_are_replaced_by_row_numbers_early():
+def test_replacing_points_with_row_numbers_is_tried_early():
     found = edits_in(function("y = []\nfor k in f(z):\n    y.append(x[z[k]])\nreturn y"))
     [edit] = [edit for edit in found if "y.append(z[k])" in edit.text]
     assert edit.rank == 1
 
 
-def test_a_divisor_becomes_a_column_early():
+def test_making_a_divisor_a_column_is_tried_early():
     found = edits_in(function("return x / n + y"))
     ranks = {edit.text.strip(): edit.rank for edit in found if "[:, None]" in edit.text}
     assert ranks["return x / n[:, None] + y"] == 1
     assert ranks["return x[:, None] / n + y"] == 3
 
 
-def test_a_test_of_a_queue_becomes_a_loop_early():
+def test_changing_if_to_while_is_tried_early_for_a_queue():
     found = edits_in(function("if x:\n    y += x.pop()\nif y > z:\n    y = z\nreturn y"))
     ranks = {edit.text.strip(): edit.rank for edit in found if "while" in edit.text}
     assert ranks == {"while x:": 1, "while y > z:": 2}
 
 
-def growing_counters(*lines):
+def counter_increments(*lines):
     wrong = function("\n".join(lines))
     return [edit for edit in edits_in(wrong) if " += 1" in edit.statement]
 
 
 def test_only_a_counter_that_no_loop_changes_gets_a_step():
     loop = ("for k in x:", "    z[k] = y")
-    assert len(growing_counters("y = 0", *loop)) == 2
-    assert growing_counters("y = 0", *loop, "    y = k") == []
-    assert growing_counters("y = n", *loop) == []
-    assert growing_counters("y = False", *loop) == []
-    assert growing_counters(*loop, "y = 0") == []
-    assert growing_counters("y = 0", "for k in x:", "    z[k] = n", "return y") == []
+    assert len(counter_increments("y = 0", *loop)) == 2
+    assert counter_increments("y = 0", *loop, "    y = k") == []
+    assert counter_increments("y = n", *loop) == []
+    assert counter_increments("y = False", *loop) == []
+    assert counter_increments(*loop, "y = 0") == []
+    assert counter_increments("y = 0", "for k in x:", "    z[k] = n", "return y") == []
 
 
 def test_the_number_of_edits_is_limited():

@@ -1,4 +1,4 @@
-"""Only students on the roster are entered in the gradebook, and no file in a folder is lost."""
+"""Only students on the roster are entered in the gradebook, and no submitted file is lost."""
 
 import os
 import shlex
@@ -77,7 +77,7 @@ def test_changes_to_the_roster_are_entered_but_blank_cells_are_ignored(course):
     assert enrolled_students(course)["bob"] == ("Bob", "Bell-Ash", "bob@home.edu", "7")
 
 
-def test_students_not_on_the_roster_are_named_but_not_entered(course):
+def test_students_not_on_the_roster_are_listed_but_not_entered(course):
     submit(course, "ghost", GROUND)
     sentences = error_lines(course, EARNED | {"ghost": {GROUND: (10.0, 20.0)}})
     assert sentences == [
@@ -99,7 +99,7 @@ def test_students_not_on_the_roster_are_named_but_not_entered(course):
     assert marks(course)["ghost", "test_voxel_grid"][0] == 20
 
 
-def test_students_who_leave_the_roster_keep_their_marks_and_are_named(course):
+def test_students_who_leave_the_roster_keep_their_marks_and_are_listed(course):
     enter_verdicts(course, verdicts(course), [STAGE], ignore_progress)
     (course.root / "roster.csv").write_text(ROSTER.replace("ada,Ada", "ida,Ada"))
     assert len(error_lines(course, EARNED | {"bob": {DISTANCE: (18.0, 1.0, 2.5)}})) == 1
@@ -127,7 +127,7 @@ def test_an_id_in_another_spelling_is_matched(course, folder):
     ]
 
 
-def test_two_folders_of_one_student_lose_nothing(course):
+def test_no_file_is_lost_if_a_student_has_two_folders(course):
     submit(course, "yan", GROUND)
     submit(course, "yan ", DISTANCE)
     folder = course.submitted / "yan " / STAGE
@@ -157,7 +157,7 @@ def test_two_folders_of_one_student_lose_nothing(course):
     assert inode(course, "yan") == before
 
 
-def test_the_newest_of_two_folders_counts_and_the_other_is_named(course):
+def test_the_newest_of_two_folders_counts_and_the_other_is_reported(course):
     for age, folder in enumerate(("yan ", "yan")):
         submit(course, folder, GROUND, " " * age)
         path = course.submitted / folder / STAGE / f"{GROUND.name}.ipynb"
@@ -199,14 +199,14 @@ def test_the_suggested_command_for_an_unmatched_folder_loses_no_file(course):
     assert len(found[GROUND].older) == 1 and found[DISTANCE].older == ()
 
 
-def test_a_folder_whose_number_lost_its_zeros_gets_a_suggestion(course):
+def test_a_folder_whose_number_lost_its_leading_zeros_gets_a_suggestion(course):
     (course.root / "roster.csv").write_text("id,first_name\n0012345,Yan\n12,Zoe\n")
     submit(course, "12345", GROUND)
     sentence = unmatched_folders(course, read_roster(course))["12345"]
     assert "belongs to 0012345 (Yan), run: mv -n submitted/12345 submitted/0012345;" in sentence
 
 
-def test_both_possible_owners_of_a_folder_are_named(course):
+def test_both_possible_owners_of_a_folder_are_listed(course):
     (course.root / "roster.csv").write_text(ROSTER + "yan2,Yan,Yip,,,\n")
     submit(course, "yanyip", GROUND)
     (sentence,) = unmatched_folders(course, read_roster(course)).values()

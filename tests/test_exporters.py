@@ -1,4 +1,4 @@
-"""Exports of marks: the table of the class, the marks of an assignment, and the file paths."""
+"""Exports of marks: the class table, the marks of one assignment, and the names of the files."""
 
 import csv
 import dataclasses
@@ -238,7 +238,7 @@ def test_notebooks_that_are_not_entered_have_no_mark_even_if_provisional():
     )
 
 
-def test_marks_with_undecided_lateness_are_named():
+def test_marks_with_undecided_lateness_are_listed():
     notebooks, stages = results_of(ADA, {SIX: 1.0})
     why = {THREE: "timestamp.txt is empty"}
     stages = [dataclasses.replace(stage, undecided=why.get(stage.stage, "")) for stage in stages]

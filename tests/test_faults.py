@@ -342,7 +342,7 @@ class FakeJudge:
 
 @pytest.fixture
 def prepared(course):
-    """Return the course with a record that the lesson's own solution has been judged."""
+    """Return the course with a record that the lesson's own solution was judged."""
     record_rehearsal(course, LESSON, SEED)
     return course
 
@@ -527,7 +527,7 @@ def test_a_rehearsal_whose_process_dies_is_repeated(three_lessons, sandbox):
     assert "08" in before and "06 zoe" in before and "08 ada" not in before
 
 
-def test_a_rehearsal_that_always_kills_its_process_is_named(three_lessons, sandbox):
+def test_a_rehearsal_that_always_kills_its_process_is_reported(three_lessons, sandbox):
     course, _, _ = three_lessons
     DyingExecutor.left = 2
     with pytest.raises(
@@ -618,7 +618,9 @@ def children():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["threads", "children"])
-def test_waiting_for_threads_or_children_that_lack_a_processor_is_not_sleep(sandbox, name):
+def test_waiting_for_threads_or_children_that_lack_a_processor_does_not_count_as_sleep(
+    sandbox, name
+):
     """The kernel discards the waiting times of finished threads; the call is not starved."""
     program, limits = Program((SHORT_WORK,), (name,)), Limits(call_seconds=2.5)
     with StudentProxy(program, sandbox, limits) as student, crowd_processor(student, 5):
@@ -639,7 +641,7 @@ def test_a_call_that_is_too_slow_is_stopped_on_a_busy_machine_and_not_starved(sa
 
 
 @pytest.mark.slow
-def test_a_call_that_the_wall_clock_ends_is_starved(sandbox):
+def test_a_call_that_the_wall_clock_stops_is_starved(sandbox):
     """The call gets an eighth of the processor, so it might have finished on an idle machine."""
     limits = Limits(call_seconds=8.0, wall_seconds=4.0)
     with (
@@ -782,7 +784,7 @@ def test_threads_that_are_ready_to_run_do_not_sleep(monkeypatch):
 
 
 @pytest.mark.slow
-def test_sleep_takes_time_but_waiting_for_a_processor_does_not(sandbox):
+def test_sleep_counts_towards_the_limit_but_waiting_for_a_processor_does_not(sandbox):
     with StudentProxy(Program((COMPUTING_FUNCTION,), ("f", "wait")), sandbox) as student:
         # Sleep is sampled, so some sleep counts as waiting for a processor on a busy machine.
         assert student.wait.timed(1)[1] > 0.3
@@ -957,7 +959,7 @@ def test_the_doctor_shows_progress_of_the_rehearsals(course, sandbox, monkeypatc
     assert steps == [(done, 12) for done in range(13)]
 
 
-def test_the_doctor_names_problems(course, sandbox, monkeypatch):
+def test_the_doctor_lists_problems(course, sandbox, monkeypatch):
     monkeypatch.setattr(doctor.Rehearsals, "finish", lambda *about: None)
     (course.submitted / "ada" / "lost.ipynb").write_text("{}")
     course.seed_file.write_text("1")

@@ -272,7 +272,7 @@ def test_reports_wait_for_a_person_and_keep_their_marks(tmp_path, sandbox):
 
 
 @pytest.mark.slow
-def test_second_run_judges_only_changed_submissions(judged_course, sandbox, monkeypatch):
+def test_a_second_run_judges_only_changed_submissions(judged_course, sandbox, monkeypatch):
     judge_course(judged_course, sandbox)
     before = {path: path.stat().st_mtime_ns for path in judged_course.verdicts.rglob("*.json")}
     path = judged_course.submitted / "untouched" / LESSON.stage / f"{LESSON.name}.ipynb"
@@ -529,7 +529,7 @@ def test_the_report_escapes_text_of_students(judged_course, sandbox):
     "stage, students",
     [(stage, 12 if stage == "stage2_clustering" else 4) for stage in stages()],
 )
-def test_demo_grades_its_class(stage, students, sandbox, monkeypatch, tmp_path, capsys):
+def test_the_demo_grades_its_class(stage, students, sandbox, monkeypatch, tmp_path, capsys):
     monkeypatch.setattr(demo, "DEMO_FOLDER", tmp_path / "demo")
     options = ["--students", str(students), "--stages", stage]
     assert cli.main(["demo", *options, "--workers", "2"]) == 0
@@ -557,7 +557,7 @@ def test_demo_grades_its_class(stage, students, sandbox, monkeypatch, tmp_path, 
     assert (course.report / "index.html").stat().st_size > 10_000
 
 
-def test_demo_of_all_stages_has_every_lesson(monkeypatch, tmp_path):
+def test_a_demo_of_all_stages_has_every_lesson(monkeypatch, tmp_path):
     graded = []
     monkeypatch.setattr(demo, "DEMO_FOLDER", tmp_path / "demo")
     monkeypatch.setattr(
@@ -571,7 +571,7 @@ def test_demo_of_all_stages_has_every_lesson(monkeypatch, tmp_path):
     assert {lesson.stage for lesson in usual} == {"stage3_obstacles"}
 
 
-def test_demo_has_every_kind_of_student(tmp_path, monkeypatch):
+def test_the_demo_has_every_kind_of_student(tmp_path, monkeypatch):
     monkeypatch.setattr(demo, "DEMO_FOLDER", tmp_path / "demo")
     course = make_class(13, hostile=True)
     names = {path.name for path in course.submitted.iterdir()}

@@ -217,7 +217,7 @@ def test_failed_verdicts_are_not_entered_and_old_marks_stay(entered_course):
     assert marks(entered_course) == expected_marks(earned)
 
 
-def test_a_submission_that_this_machine_cannot_judge_is_named_with_the_reason(entered_course):
+def test_a_submission_that_this_machine_cannot_judge_is_reported_with_the_reason(entered_course):
     judged = verdicts(entered_course)
     problems = ("Code cell 7 needs Python 3.14 or later.",)
     failed = dataclasses.replace(judged[0][1], status=FAILED, problems=problems)
@@ -231,7 +231,7 @@ def test_a_submission_that_this_machine_cannot_judge_is_named_with_the_reason(en
     )
 
 
-def test_half_characters_do_not_prevent_entering(course):
+def test_lone_surrogates_do_not_prevent_entering(course):
     cell = {"cell_type": "code", "source": "x = 1  # \ud83d half", "metadata": {}}
     notebook = {"cells": [cell], "metadata": {"lidar_obstacle_lab": {"lesson": "\ud83d"}}}
     path = course.submitted / "ada" / STAGE / f"{GROUND.name}.ipynb"
@@ -335,7 +335,7 @@ def change_score(difference):
     return change
 
 
-def change_worth(difference):
+def change_maximum(difference):
     def change(submission):
         grade_of(submission, "voxel_grid").cell.max_score += difference
 
@@ -362,8 +362,8 @@ def set_time(submission):
         (change_score(1.0), f"{GROUND.name}: test_voxel_grid has 9.5 points instead of 8.5"),
         (change_score(-0.01), "test_voxel_grid has 8.49 points instead of 8.5"),
         (change_score(1e-9), None),
-        (change_worth(0.01), "test_voxel_grid is worth 20.01 points, not 20.0"),
-        (change_worth(-5), "test_voxel_grid is worth 15.0 points, not 20.0"),
+        (change_maximum(0.01), "test_voxel_grid is worth 20.01 points, not 20.0"),
+        (change_maximum(-5), "test_voxel_grid is worth 15.0 points, not 20.0"),
         (
             set_penalty(0.01),
             f"ada, {STAGE}, {GROUND.name}: the gradebook has a different late penalty",
@@ -372,7 +372,7 @@ def set_time(submission):
         (set_time, f"ada, {STAGE}: the gradebook has a different submission time"),
     ],
 )
-def test_every_difference_is_named_and_corrected(entered_course, change, message):
+def test_every_difference_is_reported_and_corrected(entered_course, change, message):
     alter(entered_course, change)
     found = differences_in(entered_course)
     assert len(found) == (message is not None)
@@ -398,7 +398,7 @@ def test_points_for_a_missing_notebook_are_a_difference(entered_course):
     assert sentence.endswith("test_filter_ground has 0.5 points instead of 0.0")
 
 
-def test_students_who_are_not_in_the_gradebook_are_named(entered_course):
+def test_students_who_are_not_in_the_gradebook_are_listed(entered_course):
     entry = StageEntry("eve", STAGE, ())
     assert differences_in(entered_course, entry) == [f"eve, {STAGE}: not in the gradebook"]
     (submission, verdict), _ = verdicts(entered_course)[:2]
@@ -612,7 +612,7 @@ def test_a_penalty_without_time_applies_to_late_students(entered_course, hour, l
         ("2027-03-27T20:00", "2027-03-28 20:30 Europe/Berlin", 6.0),  # 23.5 hours
     ],
 )
-def test_penalties_count_days_on_the_clock(entered_course, due, submitted, lost):
+def test_penalties_count_days_of_local_time(entered_course, due, submitted, lost):
     (entered_course.root / "nbgrader_config.py").write_text(LATE_PLUGIN)
     dates = f'timezone = "Europe/Berlin"\n[{STAGE}]\ndue = {due}:00\n'
     (entered_course.root / "deadlines.toml").write_text(dates)
@@ -775,7 +775,7 @@ def course_with_answer(tmp_path):
     return course, enter_answer
 
 
-def about_answer(course, manual_score=None):
+def mark_on_answer(course, manual_score=None):
     """Return the manual mark, whether the answer waits for grading, and the comment on it.
 
     If `manual_score` is given, enter it first.
@@ -792,25 +792,25 @@ def about_answer(course, manual_score=None):
 def test_a_changed_answer_must_be_graded_again(course_with_answer):
     course, enter_answer = course_with_answer
     enter_answer("It finds 14 of 17 cars.")
-    assert about_answer(course) == (None, True, None)
+    assert mark_on_answer(course) == (None, True, None)
     assert class_results(course).notebooks[0].status == WAITING
-    about_answer(course, 7.5)
+    mark_on_answer(course, 7.5)
     (course.autograded / "ada" / STREAM.stage / f"{STREAM.name}.ipynb").unlink()
     enter_answer("It finds 14 of 17 cars.")  # the same answer again
-    assert about_answer(course) == (7.5, False, None)
+    assert mark_on_answer(course) == (7.5, False, None)
     enter_answer("It finds 15 of 17 cars.")
-    assert about_answer(course) == (7.5, True, None)
+    assert mark_on_answer(course) == (7.5, True, None)
 
 
 @pytest.mark.end_to_end
-def test_the_comment_on_a_missing_answer_says_that_the_answer_is_missing(course_with_answer):
+def test_only_a_missing_answer_gets_a_comment(course_with_answer):
     course, enter_answer = course_with_answer
     enter_answer("")
-    assert about_answer(course)[2] == "No response."
+    assert mark_on_answer(course)[2] == "No response."
     assert class_results(course).notebooks[0].score == 1.25 * len(STREAM.machine_graded)
-    for found in range(8):  # so that checksums occur in both orders
+    for found in range(8):  # several texts, because the order of their checksums must not matter
         enter_answer(f"It finds {found} of 17 cars.")
-        assert about_answer(course)[2] is None
+        assert mark_on_answer(course)[2] is None
 
 
 # ---- location -----------------------------------------------------------------------------------
@@ -855,7 +855,7 @@ def use_database(course, address):
     )
 
 
-def test_a_gradebook_of_an_older_nbgrader_is_named_with_the_remedy(entered_course):
+def test_the_error_about_a_gradebook_of_an_older_nbgrader_suggests_a_fix(entered_course):
     connection = sqlite3.connect(entered_course.root / "gradebook.db")
     connection.execute("ALTER TABLE grade DROP COLUMN extra_credit")
     connection.close()
@@ -871,7 +871,7 @@ def test_a_gradebook_of_an_older_nbgrader_is_named_with_the_remedy(entered_cours
 
 
 @pytest.mark.parametrize("lock", ["EXCLUSIVE", "IMMEDIATE"])
-def test_a_locked_gradebook_is_named_in_one_sentence(entered_course, lock, caplog):
+def test_a_locked_gradebook_is_reported_in_one_sentence(entered_course, lock, caplog):
     path = entered_course.root / "gradebook.db"
     use_database(entered_course, f"sqlite:///{path}?timeout=0.01")
     connection = sqlite3.connect(path, isolation_level=None)

@@ -169,7 +169,7 @@ def test_different_marks_of_team_members_are_an_error(course, run):
     )
 
 
-def test_two_students_with_one_address_are_named_and_get_no_mark(course):
+def test_two_students_with_one_address_are_reported_and_get_no_mark(course):
     twin = dataclasses.replace(BO, email=" anna@X.edu")
     exported = write(course, (ANNA, twin))
     assert exported.mark_count == 0
@@ -177,7 +177,7 @@ def test_two_students_with_one_address_are_named_and_get_no_mark(course):
     assert all("anna@x.edu also belongs to another" in sentence for sentence in exported.failures)
 
 
-def test_marks_that_cannot_be_exported_are_named(course):
+def test_marks_that_cannot_be_exported_are_listed(course):
     without_email = Person("anna", "Anna", "Schmidt")
     (lost,) = write(course, (without_email, BO)).failures
     assert lost == (

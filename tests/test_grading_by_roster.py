@@ -109,7 +109,7 @@ def test_zeros_and_waiting_marks_are_not_shown_as_dashes(course, capsys, monkeyp
     assert "* waiting for a grader · ? not entered yet" in output
 
 
-def test_long_ids_are_printed_whole(capsys):
+def test_long_ids_are_printed_in_full(capsys):
     """Moodle's anonymous participants differ only in the last characters."""
     ids = [f"Participant_{number}" for number in (501, 502)]
     lesson = find_lesson("06_filter_ground")
@@ -304,7 +304,7 @@ def test_the_doctor_names_an_unreadable_file(course, monkeypatch, file):
     assert wrong[file.partition(".")[0]].startswith(file)
 
 
-def test_the_doctor_names_marks_of_students_who_are_not_on_the_roster(course, monkeypatch):
+def test_the_doctor_lists_marks_of_students_who_are_not_on_the_roster(course, monkeypatch):
     grade(course)
     (course.root / "roster.csv").write_text(ROSTER.replace("bob,", "rob,"))
     wrong = [text for subject, good, text in findings(course, monkeypatch) if not good]

@@ -1,4 +1,4 @@
-"""A verdict depends only on submission, rules and seed. CI can make a missing sandbox an error."""
+"""A verdict depends only on the submission, the rules and the seed; CI can require a sandbox."""
 
 import json
 import os
@@ -79,7 +79,9 @@ def plain_verdict(half_right_notebook, sandbox):
     ],
     ids=lambda environment: " ".join(f"{name}={text}" for name, text in environment.items()),
 )
-def test_no_variable_changes_a_verdict(environment, half_right_notebook, plain_verdict, sandbox):
+def test_no_environment_variable_changes_a_verdict(
+    environment, half_right_notebook, plain_verdict, sandbox
+):
     assert verdict_of(half_right_notebook, sandbox, **environment) == plain_verdict
 
 
@@ -103,8 +105,10 @@ def test_files_of_pytest_do_not_change_a_verdict(
 
 
 @pytest.mark.slow
-def test_python_may_have_a_relative_path(half_right_notebook, plain_verdict, sandbox, tmp_path):
-    """The path leads several folders up and down again."""
+def test_python_may_be_started_by_a_relative_path(
+    half_right_notebook, plain_verdict, sandbox, tmp_path
+):
+    """The relative path goes up several folders before it goes down again."""
     python = os.path.relpath(sys.executable, tmp_path)
     assert not os.path.isabs(python)
     assert verdict_of(half_right_notebook, sandbox, folder=tmp_path, python=python) == plain_verdict

@@ -87,7 +87,7 @@ def notebooks(right, few):
 
 
 @pytest.mark.slow
-def test_solution_earns_everything(lesson, sandbox):
+def test_the_solution_earns_everything(lesson, sandbox):
     verdict = judge(lesson.solved, 1, sandbox)
     assert [
         test.message for exercise in verdict.exercises for test in exercise.tests if not test.passed
@@ -127,7 +127,7 @@ def faults_of(lesson, student):
 
 
 @pytest.mark.slow
-def test_solution_earns_everything_on_four_more_seeds(lesson, sandbox):
+def test_the_solution_earns_everything_with_four_more_seeds(lesson, sandbox):
     assert faults_on_other_seeds(lesson.solved, lesson, sandbox) == []
 
 
@@ -158,7 +158,7 @@ def test_a_detector_made_of_the_lessons_functions_earns_everything(sandbox, tmp_
 
 
 @pytest.mark.slow
-def test_untouched_notebook_earns_nothing(lesson, sandbox, tmp_path, monkeypatch):
+def test_an_untouched_notebook_earns_nothing(lesson, sandbox, tmp_path, monkeypatch):
     for_colab = tmp_path / f"{lesson.name}.ipynb"
     for_colab.write_bytes(make_standalone(lesson.released.read_bytes()))
     # The text shows that the notebook is untouched, so the judge needs no sandbox.
@@ -214,7 +214,7 @@ def test_right_variants_earn_everything(chosen, variants, sandbox, tmp_path):
 
 
 @pytest.mark.parametrize("chosen, variants", list(notebooks(right=True, few=0)))
-def test_right_variants_earn_everything_on_four_more_seeds(chosen, variants, sandbox, tmp_path):
+def test_right_variants_earn_everything_with_four_more_seeds(chosen, variants, sandbox, tmp_path):
     path = notebook_of(chosen, variants, tmp_path)
     assert faults_on_other_seeds(path, chosen, sandbox) == []
 
@@ -245,7 +245,7 @@ def test_hidden_tests_differ_from_seed_to_seed():
     ).all()
 
 
-def test_cluster_oracle_agrees_with_brute_force():
+def test_the_cluster_oracle_agrees_with_brute_force():
     import numpy as np
 
     from extension import samples
@@ -279,7 +279,7 @@ def test_an_unreadable_file_gets_a_verdict_with_the_reason(content, sentence, sa
     assert sentence in verdict.problems[0]
 
 
-def test_byte_order_mark_and_old_format_are_read(sandbox, tmp_path):
+def test_a_byte_order_mark_and_the_old_format_are_read(sandbox, tmp_path):
     path = tmp_path / "06_filter_ground.ipynb"
     answers = {
         exercise: next(variant.source for variant in answers_to(exercise) if variant.right)
@@ -375,7 +375,7 @@ def test_only_full_marks_are_cached(sandbox, tmp_path, monkeypatch):
     assert [judge_notebook(wrong)[1] for _ in range(2)] == [1, 1]
 
 
-def test_renamed_file_is_recognised(tmp_path, sandbox):
+def test_a_renamed_file_is_recognised(tmp_path, sandbox):
     lesson = find_lesson("06_filter_ground")
     for name in ("Copy of 06_filter_ground (1).ipynb", "my homework.ipynb"):
         path = tmp_path / name
@@ -409,7 +409,7 @@ def test_a_stored_verdict_is_read_back(sandbox, tmp_path):
     assert read_verdict(tmp_path / "none.json") is None
 
 
-def test_key_depends_on_seed_and_content(tmp_path):
+def test_the_key_depends_on_seed_and_content(tmp_path):
     lesson = find_lesson("06_filter_ground")
     path = tmp_path / "06_filter_ground.ipynb"
     path.write_bytes(lesson.released.read_bytes())
@@ -431,7 +431,7 @@ def command(*arguments):
 
 
 @pytest.mark.slow
-def test_command_line_prints_one_json_object(sandbox):
+def test_the_command_line_prints_one_json_object(sandbox):
     lesson = find_lesson("06_filter_ground")
     done = command("judge", lesson.solved, "--json", "--seed", 2**64 + 5, "--sandbox", sandbox.name)
     assert done.returncode == 0, done.stderr
@@ -460,7 +460,7 @@ def test_command_line_prints_one_json_object(sandbox):
 
 
 @pytest.mark.slow
-def test_command_line_explains_wrong_arguments(tmp_path):
+def test_the_command_line_explains_wrong_arguments(tmp_path):
     assert command("judge", tmp_path / "nothing.ipynb").returncode == 2
     assert "does not exist" in command("judge", tmp_path / "nothing.ipynb").stderr
     assert command("grade", "stage9_none").returncode == 2

@@ -37,7 +37,7 @@ def test_an_edit_changes_only_its_lines(edits, becomes):
 @pytest.mark.parametrize(
     ("edits", "count"), [("-     b = a - 1\n+     b = a", 0), ("- x\n+ y", 0), ("- 1\n+ 2", 2)]
 )
-def test_lines_that_do_not_occur_exactly_once_are_named(edits, count):
+def test_lines_that_do_not_occur_exactly_once_are_reported(edits, count):
     with pytest.raises(ValueError, match=f"^voxels: .* {count} times"):
         apply_edits(SOURCE + "\n1\n1", edits, "voxels")
 
@@ -64,7 +64,7 @@ return a + b
         answers_to("sub")
 
 
-def test_an_unknown_note_is_named_and_a_comment_of_the_student_stays(tmp_path, monkeypatch):
+def test_an_unknown_note_is_reported_but_a_comment_in_the_answer_is_kept(tmp_path, monkeypatch):
     folder = tmp_path / "solutions" / "stage1" / "01_lesson" / "answers"
     folder.mkdir(parents=True)
     monkeypatch.setattr(kept_answers, "PROJECT", tmp_path)
@@ -78,7 +78,7 @@ def test_an_unknown_note_is_named_and_a_comment_of_the_student_stays(tmp_path, m
 
 
 @pytest.mark.parametrize("heading", ["# %% Wrong: a sum", "# %%wrong: a sum", "# %% wrong a sum"])
-def test_a_misspelt_heading_is_named_with_its_line(heading, tmp_path, monkeypatch):
+def test_a_misspelt_heading_is_reported_with_its_line(heading, tmp_path, monkeypatch):
     folder = tmp_path / "solutions" / "stage1" / "01_lesson" / "answers"
     folder.mkdir(parents=True)
     (folder / "add.txt").write_text(

@@ -262,7 +262,7 @@ def test_the_key_of_a_drive_covers_the_files_that_decide_it(monkeypatch):
 # Points ---------------------------------------------------------------------------------------
 
 
-def test_metres_count_beyond_the_stopping_distance():
+def test_metres_count_only_beyond_the_stopping_distance():
     free = 30 / 3.6 * 0.5 + (30 / 3.6) ** 2 / 14
     assert counted_metres(FREE_STREET, DriveResult(1, 100.0)) == round(100 - free)
     assert counted_metres(
@@ -365,7 +365,7 @@ def course(tmp_path):
 
 @pytest.fixture
 def jobs(monkeypatch):
-    """Replace driving with a function that records each job; return the list of recorded jobs."""
+    """Replace the drives with a function that records each job; return the list of jobs."""
     calls = []
 
     def drive_submission(submitted_files, lesson, number, seed, sandbox):
@@ -509,7 +509,7 @@ def test_a_stage_without_a_detector_has_no_league(capsys):
     assert "No exercise in stage3_obstacles is a detector" in capsys.readouterr().err
 
 
-def test_the_error_without_submissions_names_their_folder(tmp_path, monkeypatch, capsys):
+def test_the_error_about_missing_submissions_names_their_folder(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("extension.league.command.Course", lambda: Course(tmp_path))
     arguments = ["league", LESSON.stage, "--sandbox", "process", "--seed", str(SEED)]
     assert cli.main(arguments) == 2
@@ -559,7 +559,7 @@ def test_the_page_has_results_but_no_names(league_files):
 @pytest.mark.slow
 @pytest.mark.skipif(not BROWSER, reason=prerequisites.CHROMIUM)
 def test_names_in_the_ranking_are_on_one_line(league_files, tmp_path):
-    """The page is at most 62rem wide inside, so the headings have to wrap instead."""
+    """Headings wrap instead of names, because the page is at most 62rem wide."""
     using = """
       const names = [...document.querySelectorAll("tbody th")];
       const line = document.createElement("b");

@@ -70,14 +70,14 @@ def insert(tree, point, index):
         parent, depth = getattr(parent, side), depth + 1
 
 
-class PassesOn:
+class InsertsByFunction:
     root = None
 
     def insert(self, point, index):
         insert(self, point, index)
 
 
-class HasTheMethod:
+class InsertsByMethod:
     root = None
 
     def insert(self, point, index):
@@ -208,7 +208,7 @@ def test_the_search_has_no_visible_effects(capfd):
 
 
 @pytest.mark.parametrize("function", [writes_a_file, starts_a_program, asks_a_person])
-def test_functions_with_effects_outside_are_stopped(function, tmp_path, monkeypatch):
+def test_functions_with_side_effects_are_stopped(function, tmp_path, monkeypatch):
     monkeypatch.setenv("A_FILE", str(tmp_path / "file"))
     assert find_line_hint(function, CHECKS, CHECKS[:1]) is None
     assert list(tmp_path.iterdir()) == []
@@ -223,7 +223,7 @@ def test_an_endless_loop_is_stopped_in_time(monkeypatch):
 
 
 @pytest.mark.slow
-def test_no_process_is_left(monkeypatch):
+def test_no_process_is_left_running(monkeypatch):
     monkeypatch.setattr(line_hint, "SECONDS", 0.5)
     others = child_processes()
     find_line_hint(never_ends, CHECKS, CHECKS[:1])
@@ -255,8 +255,8 @@ def test_check_shows_the_hint_below_the_first_failure(capsys):
 @pytest.mark.parametrize(
     "kind, line",
     [
-        (PassesOn, 'side = "left" if point[axis] > parent.point[axis] else "right"'),
-        (HasTheMethod, "parent, depth = getattr(parent, side), depth"),
+        (InsertsByFunction, 'side = "left" if point[axis] > parent.point[axis] else "right"'),
+        (InsertsByMethod, "parent, depth = getattr(parent, side), depth"),
     ],
 )
 def test_the_hint_is_in_a_method_or_in_the_function_that_it_calls(kind, line):

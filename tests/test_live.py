@@ -114,7 +114,7 @@ def test_the_kernel_sends_text_values_errors_and_html():
     assert "\x1b" not in error["text"]
 
 
-def test_the_kernel_draws_figures_unless_nobody_looks():
+def test_the_kernel_draws_figures_unless_it_runs_quietly():
     cell = "import matplotlib.pyplot as plt; plt.plot([1, 2]); None"
     sent = messages_of((cell, False), (cell, True), ("plt.get_fignums()", False))
     shown = [m for m in sent if m["kind"] == "display"]
@@ -141,7 +141,7 @@ def test_a_page_marks_each_exercise_with_the_id_of_its_cell():
 
 
 @pytest.mark.parametrize("live", [None, {"policy": "default-src 'self'", "folder": "live"}])
-def test_only_a_lesson_has_the_script_and_the_policy_and_only_with_live(live):
+def test_the_script_and_the_policy_are_only_on_lesson_pages_of_a_live_site(live):
     parent = "{% block extrahead %}{% endblock %}"
     theme = jinja2.Environment(
         loader=jinja2.ChoiceLoader(
@@ -163,7 +163,7 @@ def test_the_policy_names_no_other_host():
     assert sources == {"'self'", "'none'", "'unsafe-inline'", "'wasm-unsafe-eval'", "data:"}
 
 
-def test_npm_packages_are_pinned_without_an_address():
+def test_npm_packages_are_pinned_by_digest_and_not_by_address():
     lock = json.loads((bundles.BROWSER / "package-lock.json").read_text("utf-8"))
     pinned = {path: about for path, about in lock["packages"].items() if path}
     assert all("integrity" in about and "resolved" not in about for about in pinned.values())

@@ -1,4 +1,4 @@
-"""Marks and comments by graders survive the loss of the gradebook, and wrong ones are named."""
+"""Graders' marks and comments survive the loss of the gradebook, and wrong ones are reported."""
 
 import dataclasses
 import json
@@ -93,7 +93,7 @@ def wrong_findings(course):
     return [finding.text for finding in check_gradebook(course) if not finding.is_good]
 
 
-def test_marks_and_comments_of_a_lost_gradebook_are_named_and_restored(course):
+def test_marks_and_comments_of_a_lost_gradebook_are_reported_and_restored(course):
     enter_manual_mark(course, "ada", "write_up", 7.5, "Which 3 cars?\n“Why?”")
     enter_manual_mark(course, "bob", "write_up", 0.0)
     enter_manual_mark(course, "bob", MACHINE.cell, 2.0, "Nearly.", extra=0.5)
@@ -204,7 +204,7 @@ def test_comments_are_logged_once(course):
 
 
 def forget_cells(course, *names):
-    """Make the gradebook as if the release had not contained some cells yet."""
+    """Remove cells from the gradebook, as if the release had not contained them yet."""
     with gradebook.open_gradebook(course) as book:
         notebook = book.find_notebook(LESSON, STAGE)
         for cell in (*notebook._base_cells, *notebook.source_cells):
@@ -215,7 +215,7 @@ def forget_cells(course, *names):
         book.db.commit()
 
 
-def test_an_exercise_that_is_added_in_mid_term_is_entered(course):
+def test_an_exercise_that_is_added_during_the_term_is_entered(course):
     """nbgrader refuses to add cells to a lesson with submissions."""
     enter_manual_mark(course, "ada", "write_up", 7.5, "Good.")
     enter_class(course)
@@ -255,7 +255,7 @@ def test_a_teams_written_answer_is_graded_once(course):
     assert scores["ada"] == 8.0 + points and wrong_findings(course) == []
 
 
-def test_different_marks_in_a_team_are_not_passed_on(course):
+def test_different_marks_of_team_members_are_not_copied(course):
     for student in ("ada", "bob", "cy"):
         write_answer(course, student, "We find 14 of 17 cars.")
     enter_class(course)
@@ -266,14 +266,14 @@ def test_different_marks_in_a_team_are_not_passed_on(course):
     assert manual_mark(course, "cy")[:2] == (None, True)
 
 
-def test_a_written_answer_that_is_added_in_mid_term_waits_for_a_person(course):
+def test_a_written_answer_that_is_added_during_the_term_waits_for_a_person(course):
     forget_cells(course, "write_up")
     assert len(enter_class(course)) == 1
     assert {result.status for result in class_results(course).notebooks} == {WAITING}
     assert manual_mark(course, "ada") == manual_mark(course, "bob") == (None, True, None)
 
 
-def test_a_lesson_that_is_added_in_mid_term_is_entered(course):
+def test_a_lesson_that_is_added_during_the_term_is_entered(course):
     with gradebook.open_gradebook(course) as book:
         for submission in book.find_assignment(STAGE).submissions:
             for notebook in submission.notebooks:
@@ -321,7 +321,7 @@ def test_a_changed_maximum_of_an_exercise_with_marks_by_hand_is_reported(course)
     assert enter_class(course) == []
 
 
-def test_marks_above_a_reduced_maximum_are_named(course):
+def test_marks_above_a_reduced_maximum_are_listed(course):
     enter_manual_mark(course, "ada", "write_up", 9.5)
     enter_manual_mark(
         course, "bob", "write_up", 5.0, extra=3.0

@@ -95,7 +95,7 @@ SEE_PYTHON = "The check in the notebook shows Python's full error message."
         (NotYet("First"), None),
     ],
 )
-def test_the_pointer_to_the_notebook_occurs_once(failure, expected_message):
+def test_the_reference_to_the_notebook_occurs_once(failure, expected_message):
     others = [CheckFailed("another"), CheckFailed("a third")]
     outcomes = [Outcome(SHOWN, failed) for failed in (failure, *others)]
     messages = messages_of(summarise(outcomes))
@@ -331,7 +331,7 @@ def test_fixed_numbers_stay_in_messages_about_hidden_tests():
     assert message_lines(HIDDEN, failure)[0] == (
         "Each of 0 to n - 1, -1.5 or (0, 0, 0), must occur … times, not …."
     )
-    # A message about a visible check may contain only a few numbers; fixed numbers do not count.
+    # A visible check's message may contain only a few numbers; fixed numbers do not count.
     assert message_lines(SHOWN, CheckFailed(fixed("1, 2, 3, 4: ") + "5, 6, 7, 8 and 9"))[0] == (
         "1, 2, 3, 4: 5, 6, 7, 8 and …"
     )
@@ -363,7 +363,7 @@ def literal_parts(message):
     return [message.value] if isinstance(message, ast.Constant) else []
 
 
-def test_fixed_texts_are_literals():
+def test_every_argument_of_fixed_is_a_literal():
     calls = dict(calls_of(("fixed",)))
     assert len(calls) > 30
     assert [
@@ -373,7 +373,7 @@ def test_fixed_texts_are_literals():
     ] == []
 
 
-def test_numbers_in_literal_messages_are_fixed():
+def test_every_number_in_a_literal_message_is_marked_as_fixed():
     calls = [*calls_of(FAILURES)]
     assert len(calls) > 150
     assert [

@@ -138,7 +138,7 @@ def test_notebooks_are_found_in_the_usual_folders(folder):
         load_my_functions("06_filter_ground.ipynb").filter_ground(None)
 
 
-def test_missing_and_damaged_notebooks_are_named(folder):
+def test_errors_name_missing_and_damaged_notebooks(folder):
     write(folder / "09_filter_clusters.ipynb", "")
     with pytest.raises(FileNotFoundError, match="Did you mean 09_filter_clusters.ipynb"):
         load_my_functions("09_filter_cluster.ipynb")

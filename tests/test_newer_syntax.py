@@ -63,7 +63,7 @@ def test_newer_syntax_is_recognised_with_its_version(source, version):
 
 
 @pytest.mark.parametrize("source, version", NEWER.items())
-def test_a_python_that_could_not_parse_the_code_either_does_not_excuse_it(source, version):
+def test_only_a_python_that_could_parse_the_code_excuses_it(source, version):
     assert parse_newer_syntax(source, ast.parse, (3, 11)) is None
     assert parse_newer_syntax(source, ast.parse, version)[1] == version
     assert (parse_newer_syntax(source, ast.parse, (3, 12)) is None) == (version == (3, 14))

@@ -47,7 +47,7 @@ def test_an_exported_page_folds_cells_and_wraps_lines(tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("backend", ["Agg", "TkAgg", None])
 def test_figures_appear_whatever_backend_the_environment_names(tmp_path, monkeypatch, backend):
-    """A kernel with its own display hook; a figure without `show` must give a picture."""
+    """The kernel has its own display hook; a figure must appear even without `show`."""
     if backend is None:
         monkeypatch.delenv("MPLBACKEND", raising=False)
     else:

@@ -113,7 +113,7 @@ def defined(source, monkeypatch):
 
 
 @pytest.mark.parametrize("source", [IMPORTED, INSIDE, BY_NAME])
-def test_check_names_a_package_that_the_judge_lacks_before_any_row(
+def test_check_names_a_package_that_the_judge_lacks_instead_of_results(
     source, foreign_package, monkeypatch, capsys
 ):
     with pytest.raises(ChecksFailed):

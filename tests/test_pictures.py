@@ -167,7 +167,7 @@ def test_a_note_on_many_pictures_names_five_and_counts_the_rest():
 
 
 def test_an_answer_with_plain_names_is_unchanged():
-    """Otherwise, marks by hand for such answers would wait again."""
+    """Otherwise, a person would have to grade such answers again."""
     text = "A ![plot](attachment:plot_1.png), [a link](b.md) and ![a word] in `![x]`.\n[b]: c"
     shown = illustrate_cell(text, attachment("plot_1.png"))
     assert (shown.text, list(shown.attachments), shown.not_shown) == (text, ["plot_1.png"], ())

@@ -173,7 +173,7 @@ def test_canvas_rows_found_only_by_name_are_noted(fill_file):
     )
 
 
-def test_ambiguous_students_are_named_and_get_no_mark(fill_file):
+def test_ambiguous_students_are_reported_and_get_no_mark(fill_file):
     course = canvas_course()
     course.students.append(CanvasStudent(9200, "Schmidt, Anna", "sis9", "as9"))
     other = Person("anna2", "Anna", "Schmidt")
@@ -228,7 +228,7 @@ def test_another_name_with_the_same_number_is_noted(fill_file):
     assert not any("another name" in note for note in fill_file(canvas_course(), marks()).notes)
 
 
-def test_a_number_that_two_systems_give_to_different_people_leads_to_no_mark(fill_file):
+def test_no_mark_is_entered_if_two_systems_give_a_number_to_different_people(fill_file):
     """The ID of each student is the other student's SIS ID, and the names fit the IDs."""
     course = canvas_course()
     course.students = [
@@ -248,7 +248,7 @@ def test_a_number_that_two_systems_give_to_different_people_leads_to_no_mark(fil
 
 
 @pytest.mark.parametrize("platform", ["canvas", "moodle"])
-def test_a_key_of_one_student_with_the_name_of_another_leads_to_no_mark(fill_file, platform):
+def test_no_mark_is_entered_if_key_and_name_belong_to_different_students(fill_file, platform):
     if platform == "canvas":
         course = canvas_course()
         course.students[2].name, course.students[4].name = "Schmidt, Anna", "Müller, Björn"
@@ -302,7 +302,7 @@ def test_an_lms_id_from_another_platform_is_ignored(fill_file):
         (None, "björn (Björn Müller) from 12.00 to 31.25"),
     ],
 )
-def test_a_mark_that_an_excuse_replaces_is_named(fill_file, existing, changes):
+def test_a_mark_that_an_excuse_replaces_is_reported(fill_file, existing, changes):
     course = canvas_course()
     if existing is not None:
         course.scores[9006, 42] = existing
@@ -312,7 +312,7 @@ def test_a_mark_that_an_excuse_replaces_is_named(fill_file, existing, changes):
     assert f"Marks changed in the file: {changes}." in exported.notes
 
 
-def test_an_excuse_that_a_mark_replaces_is_named(fill_file):
+def test_an_excuse_that_a_mark_replaces_is_reported(fill_file):
     course = canvas_course()
     course.scores[9001, 42] = "EX"
     replaced = "anna (Anna Schmidt) from EX to 8.5; björn (Björn Müller) from 12.00 to 31.25"
@@ -320,7 +320,7 @@ def test_an_excuse_that_a_mark_replaces_is_named(fill_file):
     assert f"Marks changed in the file: {replaced}." in exported.notes
 
 
-def test_excused_students_without_the_assignment_are_named(fill_file):
+def test_excused_students_without_the_assignment_are_listed(fill_file):
     exported = fill_file(canvas_course(assigned={42: {9001, 9002, 9003, 9004}}), marks())
     assert (exported.mark_count, exported.failures) == (4, ())
     assert b"EX" not in exported.content
@@ -336,7 +336,7 @@ def test_a_mark_for_an_unassigned_student_is_reported(fill_file):
     assert lost.startswith("anna (Anna Schmidt), 8.5 points: Canvas would ignore the mark")
 
 
-def test_students_missing_in_the_file_or_on_the_roster_are_named(fill_file):
+def test_students_missing_from_the_file_or_the_roster_are_listed(fill_file):
     course = canvas_course()
     course.students = [student for student in course.students if student.id not in (9001, 9005)]
     course.students.append(CanvasStudent(9300, "Gast, Gerd", "sis8", "gg"))
@@ -349,7 +349,7 @@ def test_students_missing_in_the_file_or_on_the_roster_are_named(fill_file):
     assert absent in exported.notes
 
 
-def test_other_maximum_points_are_refused_or_scaled(fill_file):
+def test_another_maximum_is_refused_or_scaled(fill_file):
     course = canvas_course()
     course.assignments[42][1] = 10.0
     with pytest.raises(
@@ -368,7 +368,7 @@ def test_other_maximum_points_are_refused_or_scaled(fill_file):
         fill_file(course, marks(), scale=True)
 
 
-def test_other_maximum_points_of_a_stage_suggest_to_list_its_lessons(fill_file):
+def test_the_error_about_another_maximum_suggests_listing_the_lessons_of_a_stage(fill_file):
     results, course = marks(most=60.0), canvas_course()
     more = [
         dataclasses.replace(result, lesson="07_filter_by_distance") for result in results.notebooks
@@ -401,7 +401,7 @@ def test_an_ambiguous_column_must_be_named(fill_file):
         fill_file(course, marks(), column="Final Score")
 
 
-def test_a_title_that_canvas_never_imports_is_named(fill_file):
+def test_a_title_that_canvas_never_imports_is_reported(fill_file):
     course = canvas_course()
     course.assignments = {42: ["Stage 3 obstacles: Final Score", 100.0]}
     remedy = r"never imports 'Stage 3 obstacles: Final Score \(42\)', .* Rename the assignment"
@@ -459,7 +459,7 @@ def test_a_worksheet_keeps_its_format(fill_file):
     assert "=cmd|' /C calc'!A0" in text  # not escaped, because Moodle compares names with its own
 
 
-def test_marks_that_moodle_would_skip_are_named(fill_file):
+def test_marks_that_moodle_would_skip_are_listed(fill_file):
     course = moodle_course(locked={311}, words=GERMAN, decimal_mark=",")
     exported = fill_file(course, marks({**POINTS, "mary jane": 101.0}))
     assert exported.mark_count == 2
@@ -560,7 +560,7 @@ def test_an_ambiguous_grade_column_must_be_named(fill_file):
     assert course.grades == {311: 8.5, 312: 31.25, 313: 100.0, 314: 0.0, 315: 10.0, 316: 10.0}
 
 
-def test_a_site_without_fractions_gets_readable_points(fill_file):
+def test_a_site_that_shows_whole_numbers_still_imports_fractions(fill_file):
     course = moodle_course(words=GERMAN, decimal_mark=",")
     course.grades = {}
     course.number = lambda value: "" if value is None else f"{value:.0f}"

@@ -67,7 +67,7 @@ CLOUDS = {
 
 
 def _blocks(cloud):
-    """Return a label from 0 to 399 for each point; the labels repeat in a grid of 2 m cells."""
+    """Label each point by its 2 m cell, from 0 to 399; the pattern repeats every 40 m."""
     place = np.floor(np.nan_to_num(cloud[:, :2], posinf=0) / 2.0).astype(int) % 20
     return place @ [20, 1]
 
@@ -348,7 +348,7 @@ def test_only_the_twelve_largest_clusters_are_labelled():
     assert labelled == set(range(9, 21))
 
 
-def test_level_and_marks_are_labelled():
+def test_level_lines_and_marks_are_labelled():
     assert "z = −1.2 m" in texts(plots.from_side(BOX, level=-1.2))
     assert "z = −5 m" in texts(plots.from_side(BOX, level=-5))
     png(plots.from_side(BOX, level=-5, limits=(0, 10, -2, 0)))
@@ -364,7 +364,7 @@ def test_timing_writes_the_exponent_and_the_names():
     assert legend(plots.timing({"naive": (n, n)}, fit=False)) == ["naive"]
 
 
-def test_limits_are_accepted_in_both_notations():
+def test_limits_may_be_four_numbers_or_two_pairs():
     for limits in ((-5, 10, -2, 3), ((-5, 10), (-2, 3)), np.array([[-5, 10], [-2, 3]])):
         axes = plots.from_above(BOX, limits=limits)
         assert (*axes.get_xlim(), *axes.get_ylim()) == (-5, 10, -2, 3)
@@ -594,7 +594,7 @@ def test_clusters_keep_the_colours_of_another_figure():
     assert colour_at_the_origin(alone) == colour_at_the_origin(other)
 
 
-def test_a_ring_is_round_on_the_page():
+def test_a_ring_is_round_even_if_the_axes_have_different_scales():
     axes = plots.curves({"steep": ([0, 1], [0, 900])}, across="x", up="y")
     plots.ring(axes, 0.5, 450, radius=0.1, text="here")
     axes.figure.canvas.draw()

@@ -146,9 +146,9 @@ def update_notebook(**entries):
 
 
 def conflict(ours, theirs, base=()):
-    """Return a change after which a merge conflict is in the first `execution_count`.
+    """Return a change that puts a merge conflict between lines into the first `execution_count`.
 
-    Each argument is a list of lines.
+    Each argument is one side of the conflict, as a list of lines.
     """
 
     def change(notebook):
@@ -185,7 +185,7 @@ def nested_output(notebook):
     return json.dumps(notebook).replace('"DEEP"', "[" * 5000 + '"]"' + "]" * 5000)
 
 
-def half_characters(notebook):
+def lone_surrogates(notebook):
     cell = cell_of(notebook, "voxel_grid")
     cell["source"] = "".join(cell["source"]) + "\n# \ud83d half of \U0001f600"
     notebook["cells"].append(with_grade_id(text("\ude00"), "\ud83d"))
@@ -338,9 +338,9 @@ EARNS_EVERYTHING = {
         "",
     ),
     "a deeply nested output": (nested_output, ""),
-    "halves of characters": (half_characters, ""),
+    "halves of characters": (lone_surrogates, ""),
     "halves of characters in UTF-8": (
-        lambda notebook: half_characters(notebook) or json.dumps(notebook, ensure_ascii=False),
+        lambda notebook: lone_surrogates(notebook) or json.dumps(notebook, ensure_ascii=False),
         "",
     ),
     "the key `cells` twice": (
@@ -513,7 +513,7 @@ def test_too_many_modules_are_refused_with_a_sentence(written):
     assert "the code cells and modules contain 16 MB, but the judge reads at most 15 MB." in problem
 
 
-def test_an_async_answer_counts_before_a_copy_of_the_stub_below_it(sandbox):
+def test_an_async_answer_takes_precedence_over_a_copy_of_the_stub_below_it(sandbox):
     notebook = right_notebook()
     own = cell_of(notebook, "filter_ground")
     own["source"] = (
@@ -722,9 +722,9 @@ def test_a_text_cell_is_moved_above_the_code_that_defines_its_function(cells, or
 
 
 def test_a_text_cell_is_judged_for_the_only_function_not_defined_elsewhere():
-    """Code takes precedence over text, and the first text over later ones.
+    """Code takes precedence over text, and the first text cell over later ones.
 
-    A text cell that also defines other functions moves above the cells that count for these.
+    A text cell that also defines other functions moves above the cells that count for them.
     """
 
     def cell(number, *names):
@@ -794,7 +794,7 @@ def test_stubs_are_omitted_only_below_an_answer():
         assert not last.startswith(left) and "filter_ground" in last
 
 
-def test_the_cell_that_counts_is_linked_to_its_exercise():
+def test_one_cell_is_chosen_as_the_answer_to_an_exercise():
     other = code("x = 1")
     for cells, index in (
         ([code(GROUND), other, code(GROUND), other], 2),
@@ -1110,13 +1110,13 @@ def test_an_answer_whose_cell_was_deleted_is_found_below_its_question():
     assert (written, certain, own) == ("First.\n\nSecond.", True, "First.")
     assert kept == [prompt()["source"], "First."] and len(notes) == 1
     assert write_up(prompt(), text("You see 14."), text("And 3."))[0] == "You see 14.\n\nAnd 3."
-    # STUB is the released cell without metadata, so other text does not count as an answer.
+    # STUB is the answer's own cell, which lost its metadata, so the remark above is not the answer.
     written, certain, kept, own, notes = write_up(text("A remark."), prompt(), STUB)
     assert (written, certain, own, notes) == ("", True, "YOUR ANSWER HERE", [])
     assert write_up(STUB, prompt())[3] is None  # above the question, STUB is not the answer's cell
 
 
-def test_only_text_that_may_be_an_answer_is_uncertain():
+def test_an_answer_is_uncertain_only_if_other_text_may_be_the_answer():
     assert write_up(text("A remark."))[:2] == ("", False)
     assert write_up(text("A remark."))[4][0].startswith("The cell for write_up is missing")
     for cells in ([], [text(" ")], [released_text_cell(0)], [code("x = 1")], [prompt()]):

@@ -1,4 +1,4 @@
-"""The prices of likely slips agree with `docs/prices.md` and are fair."""
+"""The points that likely slips keep agree with `docs/prices.md` and fit the slips' harm."""
 
 from types import SimpleNamespace
 
@@ -19,12 +19,12 @@ def test_the_page_has_every_slip_of_every_exercise():
     assert min(map(len, PRICES.values())) >= 15
 
 
-def test_the_page_is_written_by_the_program():
+def test_the_page_agrees_with_its_generator():
     assert PAGE.read_text("utf-8") == page(PRICES)
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_each_price_on_the_page_suits_the_harm_of_the_slip(case):
+def test_the_share_that_each_slip_keeps_fits_its_harm(case):
     exercise, slip = CASES[case]
     price = PRICES[exercise][slip.title]
     assert price.checks <= price.kept < 1

@@ -109,7 +109,7 @@ def test_deleting_a_student_removes_all_traces_and_keeps_the_other_students(
     assert {path.name for path in files_containing(course, NEEDLE)} == {"roster.csv"}
     (course.root / "roster.csv").write_text("id,last_name\nbob,Bell\n")
     capsys.readouterr()
-    assert forget(course, monkeypatch, "ada") == 1  # although the roster has no line any more
+    assert forget(course, monkeypatch, "ada") == 1  # although she is no longer on the roster
     assert "Delete each line about ada in deadlines.toml." in capsys.readouterr().out
     (course.root / "deadlines.toml").unlink()
     assert forget(course, monkeypatch, "ada", "--delete") == 2

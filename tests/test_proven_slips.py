@@ -709,7 +709,7 @@ def test_the_mistake_alone_must_lose_the_same_checks(explains, mistaken):
     assert not explains(without_sign, mistaken, lost=[2], same=is_close)
 
 
-def test_a_mistake_without_a_player_explains_nothing(explains):
+def test_a_mistake_that_cannot_be_imitated_explains_nothing(explains):
     assert not explains(without_sign, without_sign, lost=[2], played=False)
 
 

@@ -70,11 +70,11 @@ def right_answers(exercise):
         (10**12, ""),
     ],
 )
-def test_values_are_short_texts_and_anything_else_is_empty(value, text):
+def test_only_values_with_short_texts_are_shown(value, text):
     assert value_text(value) == text
 
 
-def test_a_deeply_nested_value_is_not_asked():
+def test_a_deeply_nested_value_is_not_asked_about():
     value = []
     for _ in range(100_000):
         value = [value]
@@ -85,11 +85,11 @@ def test_a_deeply_nested_value_is_not_asked():
     "outcome",
     [None, [], ["value"], ["error", "no name!"], ["error", 3], ["varies"], "value", {"value": 1}],
 )
-def test_an_unknown_outcome_is_empty(outcome):
+def test_an_unknown_outcome_has_no_text(outcome):
     assert outcome_text(outcome) == ""
 
 
-def test_equal_answers_in_other_types_are_not_two_choices():
+def test_equal_answers_of_different_types_are_one_choice():
     assert same_answer("[True, False]", "[1, 0]") and same_answer("{1, 2}", "[1, 2]")
     assert distractors("[1, 0]", ["[True, False]", "[0, 0]", "[False, 0]", "", "[1, 1]"]) == [
         "[0, 0]",
@@ -97,7 +97,7 @@ def test_equal_answers_in_other_types_are_not_two_choices():
     ]
 
 
-def test_the_reversed_vector_of_a_plane_is_no_wrong_choice():
+def test_the_reversed_vector_of_a_plane_is_not_a_wrong_choice():
     plane = "[0.6, 0, -0.8, 2]"
     assert distractors(plane, ["[-0.6, 0, 0.8, -2]", "[0.6, 0, 0.8, 2]"]) == ["[0.6, 0, 0.8, 2]"]
     assert distractors("3", ["-3"]) == ["-3"], "the sign of a number is not free"
@@ -111,7 +111,7 @@ def test_distractors_look_like_the_right_choice():
     assert similarity("[1, 2]", "[3, 3]") > similarity("[1, 2]", "an error: TypeError")
 
 
-def test_choices_are_dropped_if_there_are_few_and_are_in_random_order():
+def test_choices_are_shuffled_and_a_question_with_two_choices_is_dropped():
     assert arrange("1", ["2"], Random(1)) is None
     keys = {arrange("1", ["2", "3", "4"], Random(seed))[1] for seed in range(50)}
     assert keys == {0, 1, 2, 3}
@@ -205,7 +205,7 @@ def test_a_wrong_key_is_not_confirmed(sandbox):
 
 
 @pytest.mark.slow
-def test_choices_are_deterministic_and_of_rising_depth(sandbox):
+def test_chosen_questions_are_reproducible_and_get_deeper(sandbox):
     answer = answer_with("euclidean_clustering", right_answers("euclidean_clustering")[0].source)
     behaviour = observe(answer, sandbox)
     chosen = [choose_questions(behaviour, sandbox, 4, Random("a seed")) for _ in range(2)]
@@ -222,7 +222,7 @@ def test_choices_are_deterministic_and_of_rising_depth(sandbox):
 
 @pytest.mark.slow
 def test_a_question_says_if_all_right_answers_have_the_same_result(sandbox):
-    """The numbering of labels is free, so a number follows from the code and not from the task."""
+    """Labels may be numbered in any order, so a label follows from the code, not from the task."""
     by_name = {answer.name: answer.source for answer in right_answers("euclidean_clustering")}
     backwards = by_name["SciPy's neighbours, clusters numbered from the last point"]
     lesson = lesson_of("euclidean_clustering")
@@ -240,7 +240,7 @@ def test_a_question_says_if_all_right_answers_have_the_same_result(sandbox):
 
 
 @pytest.mark.slow
-def test_names_that_lessons_have_not_shown_are_places_to_ask_about(sandbox):
+def test_remarks_name_syntax_and_functions_that_lessons_have_not_shown(sandbox):
     source = (
         "import itertools\n\n\ndef filter_ground(cloud, ground_level=-1.2):\n"
         "    keep = [(z := row[2]) >= ground_level for row in cloud]\n"
@@ -303,9 +303,7 @@ def test_the_time_limit_of_an_answer_is_below_the_promised_time():
         "answer_observer.evaluate = lambda *a: 3; answer_observer.trace_case = lambda *a: [[1]]",
     ],
 )
-def test_code_that_changes_the_observer_gets_no_questions_or_escaped_ones(
-    attack, sandbox, tmp_path
-):
+def test_code_that_changes_the_observer_cannot_inject_markup(attack, sandbox, tmp_path):
     right = right_answers("filter_ground")[0].source
     # The import runs when the answer is first called, after the observer was loaded.
     source = f"import sys\n{right.rstrip()}\n"
@@ -471,13 +469,13 @@ def test_usage_errors_say_what_to_do(call, message, course, sandbox, monkeypatch
     assert not (course.root / "viva").exists()
 
 
-def test_a_stage_without_cases_is_an_error(course, monkeypatch, capsys):
+def test_the_error_about_a_stage_without_cases_suggests_a_fix(course, monkeypatch, capsys):
     monkeypatch.setattr("utils.questions.cases.cases_of", lambda exercise: ())
     assert cli.main(["viva", STAGE]) == 2
     assert "Write them in utils/questions/" in capsys.readouterr().err
 
 
-def test_all_kinds_have_a_depth():
+def test_every_kind_of_question_has_a_depth():
     assert [kind.__name__.replace("_", " ") for kind in KINDS] == list(DEPTHS)
 
 

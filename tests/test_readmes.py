@@ -132,7 +132,7 @@ def test_every_make_target_exists(readme):
         assert rest.split()[0] in targets, rest
 
 
-def test_no_make_target_needs_itself():
+def test_no_make_target_depends_on_itself():
     targets = re.findall(r"^([.\w/-]+):(?!=)", (PROJECT / "Makefile").read_text("utf-8"), re.M)
     targets.remove(".PHONY")
     assert ".venv/ready-proof" in targets

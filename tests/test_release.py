@@ -238,7 +238,7 @@ def test_solutions_wait_for_lessons_that_are_due_later_than_their_stage():
     assert "its due date is not known" in message
 
 
-def test_a_stage_without_a_due_date_may_be_open():
+def test_a_stage_without_a_due_date_may_still_be_open():
     late, over = NOW + HOUR, NOW - HOUR
     for dates in (Deadlines({}), deadlines(excused=frozenset({"anna"}))):
         assert "its due date is not known" in solutions.reason_still_open(dates, STAGE, NOW, {})
@@ -277,7 +277,7 @@ def write_extension(folder, until):
         ('lessons = ["06", "07", "08", "09"]\n', ""),
     ],
 )
-def test_released_lessons_that_do_not_count_are_named(course, capsys, text, message):
+def test_released_lessons_that_do_not_count_are_listed(course, capsys, text, message):
     (course / "deadlines.toml").write_text(f"[{STAGE}]\n{text}", "utf-8")
     assert cli.main(["release", STAGE, "--to", str(course / "out")]) == 0
     output = capsys.readouterr().out

@@ -154,7 +154,7 @@ def euclidean_clustering(cloud, threshold=0.5):
 """
 
 
-def test_a_class_with_a_stack_and_blank_labels_is_followed():
+def test_the_replay_follows_a_class_with_a_stack_and_nan_labels():
     run = run_of("euclidean_clustering", source=CLASS_WITH_A_STACK)
     texts = [step.description for step in run.steps]
     assert run.fault is None

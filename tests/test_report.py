@@ -139,7 +139,7 @@ def test_students_missing_from_the_roster_are_counted_separately(tmp_path):
     assert "1 students" not in page
 
 
-def test_auditors_are_counted_apart_from_students(tmp_path):
+def test_auditors_are_counted_separately_from_students(tmp_path):
     people = (Person("ada", section="A"), Person("guest", section="A", role="auditor"))
     results = class_of([result("ada", MARKED, 30.0), result("guest", AUDITOR, 20.0)], people=people)
     verdicts = [verdict(person.id, [check(True)]) for person in people]
@@ -234,7 +234,7 @@ def test_a_failed_judge_gives_no_mark():
         (timedelta(days=2, hours=1, minutes=59), "2 d 1 h"),
     ],
 )
-def test_a_duration_has_two_units(time, words):
+def test_a_duration_has_at_most_two_units(time, words):
     assert format_duration(time) == words
 
 
@@ -354,8 +354,8 @@ def test_damaged_files_and_timeouts_are_listed(tmp_path):
     assert "Out of time" not in clean and "unreadable" not in clean
 
 
-def test_points_carried_forward_are_not_a_repair(tmp_path):
-    """The sentence is about an ordinary mistake, so the file does not need attention."""
+def test_points_carried_forward_do_not_mark_a_file_as_unreadable(tmp_path):
+    """Such points follow from an ordinary mistake, so the file itself is in order."""
     both = ("line_through", "point_line_distance")
     gains = [
         Gain("ransac_line", 25.0, helpers, wrong, before=0.0, after=12.08)
@@ -377,7 +377,7 @@ def test_points_carried_forward_are_not_a_repair(tmp_path):
         f"line_through, which ransac_line calls, is wrong. {form.format(both[1])}",
         f"{form.format(both[0])} {form.format(both[1])}",
     }
-    # A text of the student's that reads like this sentence is still shown.
+    # A file is still listed if the student forges this sentence.
     for problem in (f"Cell 3 was skipped: {gains[0].sentence}", gains[1].sentence):
         forged = dataclasses.replace(verdicts[0], problems=(problem,))
         assert "unreadable files</h2>" in report(tmp_path, [forged])
@@ -572,7 +572,7 @@ def test_sorting_and_searching_students_needs_no_network(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.skipif(not BROWSER, reason=prerequisites.CHROMIUM)
-def test_the_sum_stays_visible_beside_all_lessons_of_a_term(tmp_path):
+def test_the_sum_stays_visible_next_to_all_lessons_of_a_term(tmp_path):
     """The window of this test is narrower than the table, which scrolls below the sum."""
     lessons = [lesson for lesson in all_lessons() if lesson.exercises]
     results = class_of([result("ada", MARKED, 28.26, lesson=lesson) for lesson in lessons])

@@ -172,7 +172,7 @@ def test_other_columns_are_kept_with_their_titles(course):
     assert read(course, "id,github\nb,gh\n").people[0].additional_cells == ()
 
 
-def test_sections_are_found_without_regard_to_case_and_blanks(course):
+def test_sections_are_found_regardless_of_case_and_blanks(course):
     roster = read(course, "id,section\nb,Group  1\nc,\nd,group 1\ne,Group 10\n")
     assert [person.id for person in roster.people_in_section(" GROUP 1")] == ["b", "d"]
     assert roster.people_in_section("Group") == roster.people_in_section("") == ()

@@ -51,7 +51,7 @@ def outcomes_of(exercise, *passes):
     ]
 
 
-def follow(monkeypatch, uses, outcomes, again):
+def carry_forward_on(monkeypatch, uses, outcomes, again):
     """Run `carry_forward` on given outcomes; return its results and the corrected programs."""
     programs = []
 
@@ -75,7 +75,7 @@ ALL_PASS = [*outcomes_of("line_through", True, True), *outcomes_of("ransac_line"
 def test_later_exercises_are_never_replaced_by_right_ones(monkeypatch):
     """Otherwise, `line_through` could take its answer from a right `ransac_line`."""
     uses = {"ransac_line": ("line_through",), "line_through": ("ransac_line",)}
-    better, programs = follow(monkeypatch, uses, BOTH_WRONG, ALL_PASS)
+    better, programs = carry_forward_on(monkeypatch, uses, BOTH_WRONG, ALL_PASS)
     assert set(better) == {"ransac_line"} and len(programs) == 1
     assert "line_through" in programs[0].given.names
     assert "ransac_line" not in programs[0].given.names
@@ -85,19 +85,21 @@ def test_later_exercises_are_never_replaced_by_right_ones(monkeypatch):
 def test_a_right_helper_does_not_excuse_a_later_error(monkeypatch):
     outcomes = [*outcomes_of("line_through", True, True), *outcomes_of("ransac_line", False, True)]
     uses = {"ransac_line": ("line_through",)}
-    assert follow(monkeypatch, uses, outcomes, ALL_PASS) == ({}, [])
-    assert follow(monkeypatch, {}, BOTH_WRONG, ALL_PASS) == ({}, [])
+    assert carry_forward_on(monkeypatch, uses, outcomes, ALL_PASS) == ({}, [])
+    assert carry_forward_on(monkeypatch, {}, BOTH_WRONG, ALL_PASS) == ({}, [])
 
 
 @pytest.mark.parametrize("passes", [(False, False), (False, True)])
 def test_a_second_score_counts_only_if_it_is_higher(monkeypatch, passes):
     again = [*outcomes_of("line_through", True, True), *outcomes_of("ransac_line", *passes)]
-    better, programs = follow(monkeypatch, {"ransac_line": ("line_through",)}, BOTH_WRONG, again)
+    better, programs = carry_forward_on(
+        monkeypatch, {"ransac_line": ("line_through",)}, BOTH_WRONG, again
+    )
     assert programs and not better
 
 
 def test_a_right_helper_with_a_note_is_also_replaced(monkeypatch):
-    """A random answer must not gain from it either, so a perfect exercise also runs again."""
+    """A random answer must not gain from this, so a perfect exercise also runs again."""
     passed = outcomes_of("point_line_distance", True, True)
     again, uses = outcomes_of("ransac_line", True, True), {"ransac_line": ("point_line_distance",)}
     own, programs, noted = Program(("pass",), LINE.names), [], frozenset(["point_line_distance"])

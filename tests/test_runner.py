@@ -299,8 +299,8 @@ def test_there_is_no_time_limit_in_another_thread(make_lesson):
     assert failure_types(found) == {"test_first": CheckFailed}
 
 
-def test_an_exercise_is_given_up_after_five_huge_answers(make_lesson):
-    def much(function):
+def test_checks_of_an_exercise_stop_after_five_huge_answers(make_lesson):
+    def return_too_much(function):
         function()
         raise FarTooMuch("a million boxes")
 
@@ -309,8 +309,8 @@ def test_an_exercise_is_given_up_after_five_huge_answers(make_lesson):
 
     checks = [
         *(visible_check(f"wrong {number}", "f", wrong) for number in range(9)),
-        *(visible_check(f"f{number}", "f", much) for number in range(7)),
-        *(visible_check(f"g{number}", "g", much) for number in range(4)),
+        *(visible_check(f"f{number}", "f", return_too_much) for number in range(7)),
+        *(visible_check(f"g{number}", "g", return_too_much) for number in range(4)),
     ]
     student = RecordingStudent()
     found = failure_types(run_checks(make_lesson(TWO_TESTS, checks), student, SEED))
@@ -345,11 +345,11 @@ def test_a_failed_answer_of_too_many_bytes_counts_as_huge_in_any_form(make_lesso
     assert run(runner.MAX_REPLY_BYTES + 1, right=True) == 8
 
 
-def test_giving_up_an_exercise_names_the_number_of_huge_answers(make_lesson):
-    def much(function):
+def test_the_message_about_huge_answers_names_their_number(make_lesson):
+    def return_too_much(function):
         raise FarTooMuch("a million boxes")
 
-    checks = [visible_check(f"f{number}", "f", much) for number in range(6)]
+    checks = [visible_check(f"f{number}", "f", return_too_much) for number in range(6)]
     *_, last = run_checks(
         make_lesson(TWO_TESTS, checks), RecordingStudent(), SEED, lambda check: check.is_shown
     )

@@ -38,7 +38,7 @@ def test_an_oracle_runs_once_for_each_content(counted_oracle):
     assert len(calls) == 1
     with pytest.raises(ValueError, match="read-only"):
         first[0] = 7
-    # Each needs a new result: the same bytes in another shape or type, and other clouds.
+    # Other clouds need a new result, and so do the same bytes in another shape or type.
     others = [cloud.reshape(3, 4), cloud.view(np.int64), cloud + 1, cloud[:0], cloud[:0, :2]]
     for other in others:
         assert np.array_equal(doubled(other, 0.5), 2 * other)
@@ -114,7 +114,7 @@ def test_no_two_points_remain_at_the_threshold(columns):
     kept = samples.remove_ties(cloud, 0.8, 5e-3)
     assert (np.abs(pdist(kept[:, :3]) - 0.8) > 5e-3).all()
     assert_rows_of(kept, cloud)
-    # Only the later point of each pair near the threshold is removed.
+    # In each pair with a distance near the threshold, only the later point is removed.
     doubtful = np.abs(squareform(pdist(cloud[:, :3])) - 0.8) < 5e-3
     goes = np.triu(doubtful).any(axis=0)
     assert 20 < goes.sum() < 200 and np.array_equal(kept, cloud[~goes])

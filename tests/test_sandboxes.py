@@ -21,7 +21,7 @@ from grader.sandbox.program import Program
 from grader.sandbox.student import StudentProxy
 
 
-class Streams:
+class StreamWorker:
     """A worker that communicates through its standard streams, as in a container."""
 
     def __init__(self):
@@ -55,7 +55,7 @@ class Streams:
 
 
 class Container:
-    """A sandbox that starts workers with `Streams`."""
+    """A sandbox that starts workers with `StreamWorker`."""
 
     name, warning = "container", "It is a stand-in that does not isolate anything."
 
@@ -66,7 +66,7 @@ class Container:
         return "none"
 
     def start(self, limits, forbidden=(), packages=(), named_packages=()):
-        worker = Streams()
+        worker = StreamWorker()
         rules = {"user": None, "limits": limits.resources(), "forbidden": list(forbidden)}
         send_rules(worker, rules)
         return worker

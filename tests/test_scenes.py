@@ -29,7 +29,7 @@ CHEAP = Sensor(layers(16, 2.0, -24.0), math.radians(1.0), weakest_signal=0.05)
 
 
 @pytest.fixture(scope="module")
-def taught() -> Frame:
+def lesson_frame() -> Frame:
     return lesson_street()
 
 
@@ -248,7 +248,7 @@ def test_the_simulator_reproduces_the_lesson_cloud_on_disk(tmp_path):
                 assert_array_equal(new[name], old[name])
 
 
-def test_the_lesson_cloud_is_small_and_its_truth_has_a_row_per_line(taught):
+def test_the_lesson_cloud_is_small_and_its_truth_has_a_row_per_line(lesson_frame):
     path = DATA / "cloud.txt"
     assert path.stat().st_size < 4e6
     cloud = np.loadtxt(path)
@@ -256,13 +256,13 @@ def test_the_lesson_cloud_is_small_and_its_truth_has_a_row_per_line(taught):
         assert tuple(truth["class_names"]) == CLASSES
         for name in ("classes", "objects", "beams"):
             assert truth[name].shape == (len(cloud),)
-        assert len(truth["box_centres"]) == len(truth["box_kinds"]) == len(taught.boxes)
+        assert len(truth["box_centres"]) == len(truth["box_kinds"]) == len(lesson_frame.boxes)
     assert f"({len(cloud)}, 4)" in (DATA / "README.md").read_text(encoding="utf-8")
-    assert_allclose(cloud[:, :3], taught.cloud[:, :3], atol=0.00151)
+    assert_allclose(cloud[:, :3], lesson_frame.cloud[:, :3], atol=0.00151)
 
 
-def test_the_lesson_cloud_has_the_properties_that_the_lessons_need(taught):
-    cloud, classes = taught.cloud, np.array(CLASSES)[taught.scan.classes]
+def test_the_lesson_cloud_has_the_properties_that_the_lessons_need(lesson_frame):
+    cloud, classes = lesson_frame.cloud, np.array(CLASSES)[lesson_frame.scan.classes]
     distance = np.hypot(cloud[:, 0], cloud[:, 1])
     assert 105_000 < len(cloud) < 128_000
     assert 1 <= np.count_nonzero((cloud[:, :3] == 0).all(axis=1)) <= 5
@@ -275,8 +275,8 @@ def test_the_lesson_cloud_has_the_properties_that_the_lessons_need(taught):
     assert np.all(ego > (-1.5, -1.7, -1.0)) and np.all(ego < (2.6, 1.7, -0.4))
     near = (distance <= 10) & (cloud[:, 2] >= -1.2)
     big = {kind: 0 for kind in CLASSES}
-    for box in taught.boxes:
-        big[box.kind] += np.count_nonzero(near & (taught.scan.objects == box.identity)) >= 100
+    for box in lesson_frame.boxes:
+        big[box.kind] += np.count_nonzero(near & (lesson_frame.scan.objects == box.identity)) >= 100
     assert big["car"] >= 5 and big["pedestrian"] >= 4 and big["pole"] >= 3
     assert big["cyclist"] >= 1 and big["foliage"] >= 2 and big["wall"] >= 2
     # No value is exactly equal to a limit that the lessons use.

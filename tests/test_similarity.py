@@ -373,7 +373,7 @@ def submit(course, student, text, lesson=LESSON):
 
 @pytest.fixture
 def course(tmp_path):
-    """Return a course with six independent students, one more student, and a copy of that one."""
+    """Return a course of eight students, of whom one copied from another."""
     course = Course(tmp_path)
     others = [v for v in answers_to("get_bounding_boxes") if v.right]
     others = [v.source for v in others if not v.name.startswith("a dictionary")]
@@ -412,7 +412,7 @@ def test_names_are_shown_as_in_the_report(course):
     assert f"{one} (Ada Ash) and {two}" in write_similarity(course, compared_).read_text("utf-8")
 
 
-def test_a_declared_team_is_named_but_not_reported(course):
+def test_a_declared_team_is_mentioned_but_not_reported(course):
     one, two = last_two(course)
     for student in (one, two):
         submit(course, student, fill_in(LESSON, {"get_bounding_boxes": ORIGINAL}))

@@ -138,7 +138,7 @@ def test_a_ray_parallel_to_a_face_and_outside_misses(solid):
         assert enter[0] > leave[0]
 
 
-def test_pose_inverse_and_composition_undo_each_other():
+def test_poses_can_be_inverted_and_composed():
     pose, points = Pose(1.0, -2.0, 3.0, 0.7), np.random.default_rng(1).normal(size=(5, 3))
     assert_allclose(pose.inverse().apply(pose.apply(points)), points)
     other = Pose(-4.0, 0.5, 1.0, 2.5)

@@ -180,7 +180,7 @@ def test_positions_are_values_of_the_slider_with_its_initial_value_first():
     assert all(value * 10 == pytest.approx(round(value * 10)) for value in threshold)
 
 
-def test_one_slider_moves_at_a_time():
+def test_only_one_slider_moves_at_a_time():
     sliders = {
         "rounds": ipywidgets.SelectionSlider(options=[10, 20, 500], value=20),
         "seed": ipywidgets.IntSlider(value=0, min=0, max=9),
@@ -264,7 +264,7 @@ def test_a_page_links_to_colab_if_the_repository_is_public():
     assert "https://code.example.org/anna/lidar/issues/new" in there
 
 
-def test_a_guide_links_to_pages_to_files_or_to_nothing():
+def test_a_guide_links_to_pages_and_if_possible_to_files():
     here = guides.page("nbgrader", Origin("", "main"), Pictures())
     there = guides.page("nbgrader", PUBLIC, Pictures())
     assert "(canvas_and_moodle.md)" in here

@@ -138,8 +138,8 @@ def test_functions_in_cython_are_found(line, is_defined):
     assert cell.defines("filter_ground") == is_defined
 
 
-def test_more_cells_than_can_be_read_in_time_are_the_reason_for_a_zero(sandbox):
-    """Reading takes longer than the judge's first look at the clock on every machine."""
+def test_the_message_about_a_zero_names_too_many_cells_to_read_in_time(sandbox):
+    """The limit is a millisecond, which reading so many cells exceeds on every machine."""
     cells = [f"x{number} = {number}\n" * 30 for number in range(3000)]
     limits = Limits(start_seconds=0.001)
     verdict, check = judge_cells(sandbox, *cells, RIGHT, limits=limits)

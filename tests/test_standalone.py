@@ -219,6 +219,6 @@ def test_a_notebook_begins_with_the_lesson(written_folder):
         assert not [c for c in cells if "upload the folders" in "".join(c["source"])]
 
 
-def test_an_unknown_stage_is_named(tmp_path, capsys):
+def test_the_error_names_an_unknown_stage(tmp_path, capsys):
     assert cli.main(["release", "--standalone", "stage9", "--to", str(tmp_path)]) == 2
     assert "There is no stage stage9" in capsys.readouterr().err

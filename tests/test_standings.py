@@ -219,23 +219,23 @@ def test_an_assigned_lesson_counts_even_if_no_student_submitted_it(course):
     assert results.stage("ada", STAGE).max_score == 50
 
 
-def advice(course):
+def assignment_advice(course):
     return list(assignment_notes(class_results(course), read_deadlines(course)))
 
 
-def test_lessons_that_may_not_be_assigned_are_named(course):
+def test_lessons_that_may_not_be_assigned_are_listed(course):
     shutil.copy(BOXES.released, course.released / STAGE)
     without_work = f"{STAGE}: no student submitted {BOXES.name}"
-    (sentence,) = advice(course)
+    (sentence,) = assignment_advice(course)
     assert sentence.startswith(f"{without_work}. All") and 'lessons = ["06", "07"]' in sentence
     submit(course, "cleo", DISTANCE)
-    (sentence,) = advice(course)
+    (sentence,) = assignment_advice(course)
     assert sentence.startswith(f"{without_work}; only ada submitted {GROUND.name}. All")
     assert f'lessons = ["07"] below [{STAGE}] in deadlines.toml' in sentence
     assign(course, '["06", "07", "08"]')
-    assert advice(course) == []
+    assert assignment_advice(course) == []
     assign(course, '["07"]')
-    (sentence,) = advice(course)
+    (sentence,) = assignment_advice(course)
     assert sentence.startswith(f"{GROUND.name} does not count for ada")
     assert list(counted_lessons(class_results(course)).values()) == [
         f"Lessons that count in {STAGE}: 07 (30 points in total)."

@@ -119,7 +119,7 @@ def test_different_calls_have_different_keys():
     assert len({encoding.key_of(call, {}) for call in calls}) == len(calls)
 
 
-def test_keys_ignore_the_last_digits():
+def test_keys_of_calls_ignore_the_last_digits():
     slightly = CLOUD * (1 + 1e-15)
     assert encoding.key_of((CLOUD, 0.1 + 0.2), {}) == encoding.key_of((slightly, 0.3), {})
 
@@ -163,7 +163,7 @@ def test_a_written_function_is_not_replaced():
     assert namespace["keep"] is mine
 
 
-def test_a_stored_experiment_replaces_one_that_a_stub_stops(capsys):
+def test_a_stored_result_replaces_an_experiment_that_calls_a_stub(capsys):
     def experiment(cloud):
         return [len(namespace["keep"](cloud, level)) for level in (0, 1, 2)]
 
@@ -299,7 +299,7 @@ def stored_answers(**answers):
     return json.dumps({"functions": functions}).encode()
 
 
-def test_changed_answers_are_named():
+def test_changed_answers_are_listed():
     cloud = encoding.encode(CLOUD[:3])
     before = stored_answers(box=[1.0, [2, None]], mask=cloud, count=7)
     assert changed_answers(before, before) == []

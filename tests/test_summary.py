@@ -277,7 +277,7 @@ def endless(x):
         x = x + 1
 
 
-def deaf(x):
+def ignores_interrupts(x):
     while True:
         try:
             while True:
@@ -288,14 +288,14 @@ def deaf(x):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("function", [endless, deaf])
+@pytest.mark.parametrize("function", [endless, ignores_interrupts])
 def test_a_loop_in_a_check_is_stopped(exercise, capsys, monkeypatch, function):
     monkeypatch.setattr(core, "SECONDS", 1)
     declare("one")(lambda double: None)
-    declare("two")(lambda double: double(0) if function is endless else brief_deaf())
+    declare("two")(lambda double: double(0) if function is endless else ignores_two_interrupts())
     declare("three")(lambda double: None)
 
-    def brief_deaf():
+    def ignores_two_interrupts():
         """Catch the first two interrupts, but not the third."""
         for _ in range(2):
             with contextlib.suppress(BaseException):

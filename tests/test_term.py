@@ -134,7 +134,7 @@ def test_sums_of_tenths_reach_the_pass_mark():
 
 
 def test_waiting_work_leaves_the_pass_mark_undecided():
-    """Even if the points reach the pass mark, because a grader may give new work fewer points."""
+    """The result may still change, because a grader may give waiting work fewer points."""
     for scores in ((10.0, 40.0, (30.0,), 0.0), (0.0, 0.0, (0.0,), 0.0), (1.0, (None,))):
         term = term_result(notebooks(*scores), TermRules(drop_lowest=1, pass_mark=50))
         assert term.is_waiting and term.passed is None

@@ -362,7 +362,7 @@ def test_an_extension_of_a_date_that_is_only_in_the_gradebook_applies_to_lessons
     assert result(course, "ada").due == datetime(2026, 2, 25, 12, tzinfo=UTC)
 
 
-def test_a_time_written_by_hand_applies_to_all_lessons_and_is_named(course):
+def test_a_time_written_by_hand_applies_to_all_lessons_and_is_reported(course):
     submitted_at(
         course,
         "ada",

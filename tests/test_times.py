@@ -1,4 +1,4 @@
-"""Times are read with one meaning or not at all, and days after a due date follow the clock."""
+"""Ambiguous times are not read, and days after a due date are counted in local time."""
 
 import random
 import time
@@ -76,7 +76,7 @@ def test_a_long_text_with_control_characters_is_quoted_in_one_short_line():
 
 @pytest.mark.skipif(not hasattr(time, "tzset"), reason="setting the machine's time zone")
 def test_abbreviations_of_the_machines_zone_are_known(monkeypatch):
-    """CET is also a zone of the tz database, with summer time, which nbgrader uses."""
+    """nbgrader uses the tz database's zone CET, which has summer time."""
     monkeypatch.setenv("TZ", "Europe/Berlin")
     time.tzset()
     try:
@@ -124,7 +124,7 @@ def test_a_table_in_an_unknown_encoding_is_refused(tmp_path):
         ("2027-03-26 20:00", "2027-03-29 20:01", 4),
     ],
 )
-def test_days_late_are_days_on_the_clock(due, submitted, days):
+def test_days_late_are_days_of_local_time(due, submitted, days):
     due, submitted = (to_utc(datetime.fromisoformat(text), BERLIN) for text in (due, submitted))
     assert -(compute_lateness(submitted, due, BERLIN) // -timedelta(1)) == days
 
@@ -148,7 +148,7 @@ def test_days_late_agree_with_a_calendar(zone):
 
 
 def test_minutes_after_the_due_date_are_minutes_even_if_the_clocks_change():
-    """A grace period of 15 minutes is neither an hour nor over at once."""
+    """Otherwise, a grace period of 15 minutes could last an hour or end at once."""
     for due in (datetime(2027, 3, 28, 1, 59), datetime(2026, 10, 25, 2, 59)):
         for fold in (0, 1):
             start = to_utc(due.replace(fold=fold), BERLIN)

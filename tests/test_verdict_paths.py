@@ -194,7 +194,7 @@ STEPS = ("run 1", "run 2", "carry_forward", "find_slips")
 def test_a_verdict_is_starved_if_any_step_was(judge_with, starved_in):
     verdict, _ = judge_with(run_results((ODD, FAILURE)), run_results(), starved_in=starved_in)
     assert verdict.starved == (judging.STARVED_NOTE in verdict.problems) == bool(starved_in)
-    # Judging the notebook again alone may give no better result, which students must know as well.
+    # The note stays if judging the notebook again alone gives no better result.
     assert verdict.without_starved().problems == verdict.problems
 
 

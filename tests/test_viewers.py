@@ -1,4 +1,4 @@
-"""Streams for Rerun, Foxglove and RViz contain what was written, as their own readers see it."""
+"""Files for Rerun, Foxglove and RViz contain the right data, according to independent readers."""
 
 import itertools
 import sys
@@ -161,7 +161,7 @@ def test_rerun_reads_an_rrd_file(tmp_path):
         assert found["/decision", number]["TextLog:text"] == [f"decision {number}"]
 
 
-def test_a_missing_package_is_named_and_nothing_is_left(tmp_path, monkeypatch):
+def test_a_missing_package_is_reported_and_no_file_is_left(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "rerun", None)
     with pytest.raises(ValueError, match="pip install rerun-sdk"):
         films.record([FRAMES[0][0].cloud], tmp_path / "street.rrd")

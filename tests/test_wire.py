@@ -424,12 +424,12 @@ def test_withdrawn_data_does_not_block_the_reader(pipe, monkeypatch):
     """The reader does not block if the writer reads its own data back after `poll` reported it."""
     wait, calls = wire._wait, []
 
-    def hasty(descriptor, seconds, event):
+    def skip_first_wait(descriptor, seconds, event):
         calls.append(event)
         if len(calls) > 1:
             wait(descriptor, seconds, event)
 
-    monkeypatch.setattr(wire, "_wait", hasty)
+    monkeypatch.setattr(wire, "_wait", skip_first_wait)
     with pytest.raises(WireTimeout):
         wire.receive(pipe[0], short_time_limit())
     assert len(calls) == 2

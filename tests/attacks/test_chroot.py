@@ -51,7 +51,7 @@ def f():
 """
 
 
-def test_only_shown_files_are_visible(tmp_path):
+def test_only_the_files_that_student_code_needs_are_visible(tmp_path):
     (tmp_path / "seed").write_text("secret")
     seen = set(outcome_of(LIST_FILES))
     assert str(PROJECT / "grader" / "sandbox" / "inside" / "worker.py") in seen
@@ -132,20 +132,20 @@ def test_processes_and_files_do_not_outlive_the_worker(how):
     with attack(LEAVE_TRACES) as student:
         assert student.f(sys.executable, mark) == ["left"]
         deadline = time.monotonic() + PATIENCE
-        while not running(mark):
+        while not running_processes(mark):
             assert time.monotonic() < deadline, "nothing stays, so this test shows nothing"
             time.sleep(0.05)
         if how == "ended by itself":
             worker = student._worker
             os.kill(child_of(worker.process.pid), signal.SIGKILL)
             assert worker.has_ended(PATIENCE)
-            assert not running(mark)
-    assert not running(mark)
+            assert not running_processes(mark)
+    assert not running_processes(mark)
     find = "import os\n" + function("return os.listdir('/tmp') + os.listdir('/dev/shm')")
     assert outcome_of(find) == []
 
 
-def running(mark):
+def running_processes(mark):
     listing = subprocess.run(["ps", "-wweo", "stat,args"], capture_output=True, text=True).stdout
     return [line for line in listing.splitlines() if mark in line and not line.startswith("Z")]
 

@@ -1,4 +1,4 @@
-"""Attacks by the names of files, which a student chooses, while a class is collected."""
+"""Attacks through the names of submitted files, which students choose."""
 
 import csv
 import os
@@ -118,7 +118,7 @@ def test_a_file_name_in_another_platforms_style_changes_neither_owner_nor_format
 
 @pytest.mark.parametrize("forged", NAMES_FOR_ADA)
 def test_no_file_name_in_a_gradescope_export_changes_the_owner(course, forged):
-    """Also if the class has a single submission, so that all its names are a student's."""
+    """This holds even if there is a single submission, so that one student chose all names."""
     name = NAMES_FOR_ADA[forged].format("")
     mine = [(1, [("Cy Neil", "", "cy@x.edu")], "2026-10-12 21:10:00 Z", [(name, notebook())])]
     outcome = collect(course, archive(course, gradescope_files(mine)))
@@ -158,7 +158,7 @@ def test_a_submodule_named_like_a_repository_belongs_to_the_student_who_added_it
     "name", [".collected.json", "timestamp.txt", f".older/{SIX}.ipynb", "submission_secret.txt"]
 )
 def test_submitted_files_do_not_replace_files_of_the_grader(course, name, within):
-    """These files state the time, the owner and the earlier work of a student."""
+    """The grader's own files state the time, the owner and the earlier work of a student."""
     files = [(name, b'{"files": {}, "others": "x"}'), (f"{SIX}.ipynb", notebook())]
     if within == "a zip":
         files = [("work.zip", make_zip(files))]
@@ -172,7 +172,7 @@ def test_submitted_files_do_not_replace_files_of_the_grader(course, name, within
 
 @pytest.fixture
 def make_bottomless_folder(tmp_path):
-    """Return a function that makes a bottomless folder, which pytest could not remove."""
+    """Return a function that nests folders deeply, and remove them, because pytest cannot."""
     made = []
 
     def make(path):

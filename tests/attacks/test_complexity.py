@@ -126,15 +126,15 @@ def assert_linear(material, work, size=12_500):
         )
 
 
-def text(letters, size):
+def repeated(letters, size):
     return letters * (size // len(letters))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("letters", ALPHABETS.values(), ids=ALPHABETS)
 def test_markdown_is_read_in_linear_time(letters):
-    assert_linear(lambda size: text(letters, size), sanitize_markdown)
-    assert_linear(lambda size: text(letters, size), as_code)
+    assert_linear(lambda size: repeated(letters, size), sanitize_markdown)
+    assert_linear(lambda size: repeated(letters, size), as_code)
 
 
 @pytest.mark.slow
@@ -144,8 +144,8 @@ def test_a_file_is_read_in_linear_time(letters):
         with contextlib.suppress(UnreadableNotebook):
             decode_notebook(data, "file.ipynb")
 
-    assert_linear(lambda size: text(letters, size).encode(), read)
-    assert_linear(lambda size: b'{"cells": [' + text(letters, size).encode(), read)
+    assert_linear(lambda size: repeated(letters, size).encode(), read)
+    assert_linear(lambda size: b'{"cells": [' + repeated(letters, size).encode(), read)
 
 
 @pytest.mark.slow
@@ -159,7 +159,7 @@ def test_a_cell_is_read_in_linear_time(letters, kind):
         copy = build_copy(prepared)
         write_verdict(copy, VERDICT)
 
-    assert_linear(lambda size: submission_of([(kind, text(letters, size))]), show)
+    assert_linear(lambda size: submission_of([(kind, repeated(letters, size))]), show)
 
 
 @pytest.mark.slow
@@ -168,7 +168,7 @@ def test_a_verdict_is_shown_in_linear_time(letters, tmp_path):
     """The class report and the copy for Formgrader take linear time if a message is long."""
 
     def verdict(size):
-        message = text(letters, size)
+        message = repeated(letters, size)
         tests = (CheckResult("a check", message, False, 0.0, 1.0, message, True),)
         exercises = tuple(
             ExerciseResult(exercise.name, 0.0, exercise.points, tests, message, "a check")

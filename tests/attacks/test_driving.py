@@ -79,8 +79,8 @@ def detect_obstacles(cloud):
 """
 
 
-def test_answers_that_take_long_to_read_end_the_drive(monkeypatch):
-    """Such lists are "no boxes", but reading one takes a second of this process's time."""
+def test_answers_that_take_too_long_to_read_end_the_drive(monkeypatch):
+    """Such a list counts as "no boxes", but reading it costs the grader a second."""
     monkeypatch.setattr(drives, "REPLY_SECONDS", 0.1)
     street = draw_streets(SEED)[0]
     with StudentProxy(Program((EMPTY_LISTS,), (DETECTOR,)), SANDBOX, Limits(**SHORT)) as student:
@@ -131,7 +131,7 @@ RANDOM = np.random.default_rng(29)
     },
 )
 def test_strange_boxes_do_not_make_the_grader_fail(boxes, tmp_path):
-    """A failure of the grader would stop the league for the whole class, in each of its runs."""
+    """If the grader failed, one student could stop the league for the whole class."""
     street = draw_streets(SEED)[0]
     driven = drive_in_sandbox(
         street, DecodedDetector(lambda cloud: boxes()), seconds=0.9, sensor=NARROW_SENSOR

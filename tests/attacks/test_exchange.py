@@ -140,7 +140,7 @@ def test_a_misnamed_folder_does_not_prevent_collecting_other_folders(
 
 @pytest.mark.parametrize("student", ["..", ".", ".league"])
 def test_hidden_names_do_not_lead_to_other_folders(student, inbound, collect, tmp_path):
-    """nbgrader does not list hidden folders, even without checking their owners."""
+    """nbgrader skips hidden folders even if it does not check their owners."""
     submit(inbound, {NOTEBOOK: "{}"}, student=student)
     assert collect(check_owner=False)[0] == {}
     assert not (tmp_path / "course" / STAGE).exists()
@@ -185,7 +185,7 @@ def test_a_file_of_another_account_is_refused(inbound, collect, give_to_mallory)
 
 @pytest.mark.parametrize("name", [".collected.json", ".older/old.ipynb", "parts/.collected.json"])
 def test_hidden_files_are_not_collected(name, inbound, collect):
-    """The record of `collect` states the owner and the time of each file."""
+    """The hidden record of `collect` states each file's owner and time, so it may be forged."""
     submit(inbound, {NOTEBOOK: "{}", name: '{"files": {}, "others": "no time"}'})
     collected, _ = collect()
     assert sorted(collected) == [f"{USER}/{STAGE}/{NOTEBOOK}", f"{USER}/{STAGE}/timestamp.txt"]
@@ -209,8 +209,8 @@ def test_a_submission_time_set_by_the_student_is_reported(inbound, collect):
         ("2026-01-11 00:20:00 XYZ", "2026-01-11 00:20:00 XYZ"),
     ],
 )
-def test_a_time_is_compared_as_grade_reads_it(stated, written, inbound, collect):
-    """nbgrader ignores the time zone of some texts, so the stated time would look plausible."""
+def test_a_stated_time_is_read_as_grade_reads_it(stated, written, inbound, collect):
+    """nbgrader ignores some time zones, so a time that it reads may look plausible but be wrong."""
     submit(inbound, {NOTEBOOK: "{}"}, time=stated)
     collected, warnings = collect()
     assert collected[f"{USER}/{STAGE}/timestamp.txt"] == written
@@ -244,8 +244,8 @@ def test_only_the_first_entries_of_a_bottomless_folder_are_read(inbound, collect
 
 
 @pytest.mark.parametrize("content", [None, b"", b"\xff"], ids=["missing", "empty", "not UTF-8"])
-def test_a_damaged_secret_does_not_stop_the_feedback_of_the_class(content, tmp_path, caplog):
-    """A student owns the file `submission_secret.txt`, from which nbgrader makes a page's name."""
+def test_a_damaged_secret_does_not_stop_feedback_for_the_class(content, tmp_path, caplog):
+    """nbgrader names a feedback page after `submission_secret.txt`, which the student owns."""
     course = tmp_path / "course"
     for student in ("alice", "mallory", "zoe[1]"):
         folder = course / "feedback" / student / STAGE

@@ -278,7 +278,7 @@ def test_a_submitted_module_is_found_unless_its_name_is_forbidden():
         "a file that is not text": lambda path, other: path.write_bytes(b"\xff\0" * 99),
     },
 )
-def test_a_strange_file_as_a_module_is_ignored(make, tmp_path):
+def test_an_unusual_file_in_place_of_a_module_is_harmless(make, tmp_path):
     other = tmp_path / "other.txt"
     other.write_text("SECRET = 1")
     (tmp_path / "x").mkdir()

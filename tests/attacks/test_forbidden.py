@@ -169,7 +169,7 @@ def results_of(attempts, lesson_name):
 
 
 @pytest.mark.slow
-def test_every_noticed_attempt_gets_the_same_message():
+def test_every_detected_attempt_gets_the_same_message():
     ends = results_of(NOTICED_ATTEMPTS, "05_euclidean_clustering")
     assert ends == dict.fromkeys(NOTICED_ATTEMPTS, f"ImportError: {SENTENCE}")
 

@@ -229,7 +229,7 @@ def test_a_killed_judge_leaves_no_processes(tmp_path):
 
 @pytest.mark.slow
 def test_a_judge_killed_while_building_a_sandbox_leaves_no_processes(tmp_path):
-    """All processes end. Bubblewrap's option --die-with-parent would leave a waiting process."""
+    """With bubblewrap's option --die-with-parent, one process would keep waiting."""
     # The processes are identified by the path of the test's folder in their environment.
     program = (
         "import os, signal, sys, time\nfrom grader.sandbox import bubblewrap, Limits\n"

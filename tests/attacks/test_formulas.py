@@ -95,7 +95,7 @@ def test_an_honest_formula_is_unchanged(text):
 
 
 @pytest.mark.parametrize("taught", all_lessons(), ids=lambda taught: taught.name)
-def test_formulas_of_the_lessons_are_unchanged(taught):
+def test_the_lessons_formulas_are_unchanged(taught):
     for path in (taught.solved, taught.released):
         for cell in json.loads(path.read_text("utf-8"))["cells"]:
             if cell["cell_type"] == "markdown":
@@ -103,7 +103,7 @@ def test_formulas_of_the_lessons_are_unchanged(taught):
                 assert sanitize_formulas(text) == text
 
 
-class _DangerCollector(html.parser.HTMLParser):
+class _UnsafePartCollector(html.parser.HTMLParser):
     """Collects links, scripts and forged grades in a page that MathJax has rendered."""
 
     def __init__(self):
@@ -133,7 +133,7 @@ class _DangerCollector(html.parser.HTMLParser):
 def render_in_browser(texts, entry, folder):
     """Render texts in a browser; return the page's dangerous parts, its code and its requests."""
     page, requests = browser.rendered_page(browser.page_of(texts, entry), folder, HOSTILE_HOST)
-    reader = _DangerCollector()
+    reader = _UnsafePartCollector()
     reader.feed(page)
     assert "mjx" in page, "MathJax did not work"
     return reader.found, reader.code, requests

@@ -31,7 +31,7 @@ SAFE_TAGS = {
 SCHEME = re.compile(r"([a-z][a-z0-9+.-]*):")
 
 
-class Reader(html.parser.HTMLParser):
+class ActivePartCollector(html.parser.HTMLParser):
     """Collects the tags and attributes that a browser would act on."""
 
     def __init__(self):
@@ -54,9 +54,9 @@ class Reader(html.parser.HTMLParser):
 
 
 def active_parts(page):
-    reader = Reader()
-    reader.feed(page)
-    return reader.active_parts
+    collector = ActivePartCollector()
+    collector.feed(page)
+    return collector.active_parts
 
 
 SCRIPTS = {
@@ -125,7 +125,7 @@ def test_scripts_in_an_answer_are_disarmed(text):
 
 @with_attacks("text", SCRIPTS)
 def test_scripts_next_to_pictures_are_disarmed(text):
-    """Pictures in other spellings are rewritten before the text is sanitized."""
+    """Pictures in other notations are rewritten before the text is sanitized."""
     lesson = find_lesson("12_streaming_obstacles")
     picture = f'<img alt="{text}" src="data:image/png;base64,iVBORw0K"> ![{text}](attachment:a.png)'
     for answer in (text, picture, f"![{text}][1]\n\n[1]: data:image/png;base64,iVBORw0K"):
@@ -136,7 +136,8 @@ def test_scripts_next_to_pictures_are_disarmed(text):
             MarkdownWithMath(renderer=renderer).render(cell.source),
             MarkdownIt("commonmark", {"html": True}).render(cell.source),
         )
-        # The second address is that of a picture around another picture, which is not found.
+        # If the script contains a picture, the picture around it is not recognised, and a
+        # zero-width space disables its address.
         sources = ("data:image/png;base64,iVBORw0K", "%E2%80%8Battachment:a.png")
         harmless = {("img", "src", source) for source in sources}
         assert {part for page in pages for part in active_parts(page)} <= harmless

@@ -194,7 +194,7 @@ def calls_of(lesson):
     return calls
 
 
-def has_form_of(answer, right):
+def has_same_form(answer, right):
     """Return whether an answer has the form of the right one, regardless of its values."""
     try:
         answer, right = np.asarray(answer), np.asarray(right)
@@ -217,7 +217,7 @@ def working_orders(function, calls):
                 if right is None and none_attributes(given[0]) != none_attributes(arguments[0]):
                     yield order  # the exercise changes its first argument and returns None
                     break
-                if has_form_of(answer, right):
+                if has_same_form(answer, right):
                     yield order
                     break
 
@@ -227,7 +227,7 @@ def none_attributes(value):
     return {name: held is None for name, held in getattr(value, "__dict__", {}).items()}
 
 
-def points_of(lesson, exercise, answer):
+def earned_by(lesson, exercise, answer):
     """Return the fraction of an exercise's points that a function earns."""
     student = with_answers(lesson, {exercise: answer})
     outcomes = run_checks(lesson, student, SEED, lambda check: check.exercise == exercise)
@@ -252,10 +252,10 @@ def test_no_visible_function_answers_an_exercise(lesson, tmp_path, monkeypatch):
                     return function(*[arguments[place] for place in order])
 
                 tried += 1
-                assert points_of(lesson, exercise, answer) <= LARGEST_SHARE, (exercise, name, order)
+                assert earned_by(lesson, exercise, answer) <= LARGEST_SHARE, (exercise, name, order)
     reference = load_reference(lesson.name)
     for exercise in calls_of(lesson):
-        assert points_of(lesson, exercise, getattr(reference, exercise)) == 1
+        assert earned_by(lesson, exercise, getattr(reference, exercise)) == 1
 
 
 # ---- Changed arguments ------------------------------------------------------------------------
@@ -279,7 +279,7 @@ def {name}(*arguments, **keywords):
 """
 
 
-def faults(verdict):
+def failures(verdict):
     """Return the names and messages of the failed tests."""
     return [
         (test.name, test.message)
@@ -302,7 +302,7 @@ def test_overwriting_every_argument_earns_almost_nothing(lesson, submit):
     assert verdict.status == "judged"
     assert all(share(verdict, name) <= LARGEST_SHARE for name in names)
     after = judge(lesson.solved, SEED, SANDBOX, lesson)
-    assert faults(after) == []
+    assert failures(after) == []
     assert after.score == after.max_score
 
 
@@ -465,7 +465,7 @@ def test_forged_metadata_outputs_and_keys_earn_nothing(submit, filter_lesson):
 )
 def test_attacks_on_the_judge_earn_almost_nothing(source, submit):
     cheat = f"def {{name}}(*a, **k):\n    {source}\n    return a[0]\n"
-    # Returning the cloud unchanged is right only in cases where nothing must be removed.
+    # Returning the cloud unchanged is right only if there is nothing to remove.
     assert submit({name: cheat.replace("{name}", name) for name in EXERCISES}).score < 5
 
 

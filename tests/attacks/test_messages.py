@@ -120,7 +120,7 @@ def test_feedback_does_not_reveal_hidden_input(
     assert verdict.status == "judged" and len(hidden_messages(verdict)) > 15
     assert [words for words in hidden_messages(verdict) if LEAK.search(words)] == []
     assert [problem for problem in verdict.problems if LEAK.search(problem)] == []
-    # Even messages about visible checks must not show it, because code could save hidden input.
+    # Messages about visible checks must not show hidden input either, because code could save it.
     for text in collect_outputs(verdict):
         assert not LEAK.search(text)
         assert not re.search("[\x1b\u202e\x07]", text)

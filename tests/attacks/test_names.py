@@ -46,7 +46,7 @@ HARMFUL = {
 }
 
 
-def forged(text):
+def forged_lines(text):
     """Return the lines of a text that look as if the grader had printed them."""
     return [line for line in re.split(r"[\n\r]", text) if line.strip().startswith("score: 20")]
 
@@ -121,7 +121,7 @@ def test_names_have_no_effect_on_any_page(hostile_course, capsys):
     for _, verdict in judged:
         console.print_verdict(verdict)
     out, err = capsys.readouterr()
-    assert "Plot" in out and forged(out + err) == []
+    assert "Plot" in out and forged_lines(out + err) == []
 
 
 def test_names_add_no_line_to_the_terminal(capsys):
@@ -150,7 +150,7 @@ def test_names_add_no_line_to_the_terminal(capsys):
 
 
 @pytest.mark.parametrize("text", ["![a](x)", "[red]b[/red]", "[/]"])
-def test_names_in_the_progress_bar_are_shown_as_they_are(text, capsys):
+def test_names_in_the_progress_bar_are_not_interpreted_as_markup(text, capsys):
     with console.progress_bar(text) as advance:
         advance(1, 2, text)
     assert f"{text}: {text}" in capsys.readouterr().err

@@ -238,7 +238,9 @@ def test_only_a_lack_of_memory_makes_a_killed_process_starved(others, monkeypatc
 
 
 def test_a_process_above_its_own_limit_is_not_starved(monkeypatch):
-    monkeypatch.setattr(launcher, "killed_for_memory", lambda: time.monotonic())  # grows
+    monkeypatch.setattr(
+        launcher, "killed_for_memory", lambda: time.monotonic()
+    )  # grows with each call
     source = HOLD_MEMORY + function("children(12, 256)\ntime.sleep(60)")
     with attack(source, call_seconds=20.0, total_memory=1500 * MEBIBYTE) as student:
         with pytest.raises(StudentStopped, match=TOO_MUCH):

@@ -9,7 +9,7 @@ import hashlib
 
 import numpy as np
 import pytest
-import sklearn.cluster  # noqa: F401  (SciPy draws what its documentation shows, as it is imported)
+import sklearn.cluster  # noqa: F401  (imported now, because SciPy draws numbers on import)
 
 from extension import samples
 from grader import cli, commands
@@ -102,11 +102,11 @@ def test_hidden_input_does_not_reveal_a_seed(lesson, monkeypatch):
     crossed, drawn_from = [], set()
     make = np.random.default_rng
 
-    def noted(seed=None):
+    def record_seed(seed=None):
         drawn_from.add(seed if isinstance(seed, int) else None)
         return make(seed)
 
-    def listening(function):
+    def recording_arguments(function):
         def ask(*arguments, **keywords):
             for value in generators_and_numbers_in([arguments, keywords]):
                 crossed.append(copy.deepcopy(value))  # copied before a draw changes the state
@@ -114,13 +114,13 @@ def test_hidden_input_does_not_reveal_a_seed(lesson, monkeypatch):
 
         return ask
 
-    monkeypatch.setattr(np.random, "default_rng", noted)
+    monkeypatch.setattr(np.random, "default_rng", record_seed)
     for remembered in vars(samples).values():
         if hasattr(remembered, "cache_clear"):
             remembered.cache_clear()
     reference = load_reference(lesson.name)
     answers = {
-        exercise.name: listening(getattr(reference, exercise.name))
+        exercise.name: recording_arguments(getattr(reference, exercise.name))
         for exercise in lesson.machine_graded
     }
     run_checks(lesson, student_with(lesson, answers), SEED, lambda check: not check.is_shown)

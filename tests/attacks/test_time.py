@@ -227,11 +227,11 @@ def test_a_notebook_that_never_starts_is_not_searched_for_edits(statement, submi
     """The search for an edit is skipped, because each start would cost the full start limit."""
     starts, start = [], type(SANDBOX).start
 
-    def counted(*arguments):
+    def count_start(*arguments):
         starts.append(arguments)
         return start(*arguments)
 
-    monkeypatch.setattr(type(SANDBOX), "start", counted)
+    monkeypatch.setattr(type(SANDBOX), "start", count_start)
     answer = function(statement, "g", "") + "x = g()\ndef line_through(p, q): return x"
     assert submit({"line_through": answer}, lesson=LINE, start_seconds=2.0).score == 0
     assert len(starts) == 1
@@ -339,7 +339,7 @@ def test_a_notebook_of_sleeping_functions_has_one_budget(submit, budgets):
     },
 )
 def test_an_exercise_costs_the_class_no_more_than_promised(exercise, source, submit, budgets):
-    """Measured in the time of the student's code and the judge, not in elapsed time."""
+    """The cost is processor time of the student's code and the judge, not elapsed time."""
     begin = time.process_time()
     verdict = submit({exercise: source}, lesson=lesson_of(exercise), **QUARTER)
     assert verdict.score == 0 and not verdict.starved

@@ -43,7 +43,7 @@ TIMED = 4  # frames to time, three times each
 
 @dataclass(frozen=True)
 class Setting:
-    """Parameters of the detector; the defaults are today's.
+    """Parameters of the detector; the defaults are those of lesson 12.
 
     Attributes
     ----------
