@@ -438,7 +438,7 @@ def test_missing_workers_are_reported(sandbox, monkeypatch, tmp_path):
 def test_workers_and_a_scheduler_exclude_each_other(capsys):
     words = ["grade", "--workers", "2", "--scheduler", "tcp://127.0.0.1:8786"]
     assert cli.main(words) == commands.USAGE_ERROR
-    assert "Use only one of them" in capsys.readouterr().err
+    assert "Use only one." in capsys.readouterr().err
 
 
 def test_the_packed_course_contains_only_files_that_judging_reads():

@@ -693,6 +693,6 @@ def test_a_team_is_not_taken_for_a_participant(tmp_path, monkeypatch, capsys):
     told = capsys.readouterr()
     assert "bjorn: submitted as Team Red, which may be a team" in told.out
     assert told.err.count("No feedback was written") == 0
-    waiting = f"still has to be graded by hand:\n  {TWELVE.name} for ada, bjorn\n"
+    waiting = f"still have to be graded by hand:\n  {TWELVE.name} for ada, bjorn\n"
     assert waiting in told.out
     assert sorted(path.stem for path in (tmp_path / STAGE).iterdir()) == ["ada", "bjorn", "cy"]

@@ -167,7 +167,7 @@ def test_an_untouched_notebook_earns_nothing(lesson, sandbox, tmp_path, monkeypa
     judged = judge(lesson.released, 1, sandbox)
     assert judged.score == 0
     assert all(
-        "is not started" in test.message or "For the same reason" in test.message
+        "is not started" in test.message or "for the same reason" in test.message
         for exercise in judged.exercises
         for test in exercise.tests
     )

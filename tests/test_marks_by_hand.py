@@ -333,7 +333,7 @@ def test_marks_above_a_reduced_maximum_are_listed(course):
     results = class_results(course)
     assert results.excessive == (("ada", f"ada, {LESSON}, write_up: 9.5 of 5 points"),)
     (sentence,) = notes(course, results, None)
-    assert sentence.endswith("was reduced after a person graded it. Grade it again.")
+    assert sentence.endswith("was reduced after a person graded this answer. Grade it again.")
     assert wrong_findings(course) == [sentence]
     for format in ("csv", "exercises"):
         assert sentence in EXPORTERS[format].write(ExportOptions(course, results)).notes

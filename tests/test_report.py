@@ -304,7 +304,7 @@ def test_exercises_that_were_not_started_are_not_listed_as_mistakes(tmp_path):
     )
     page = report(tmp_path, [*empty, wrong])
     assert "<code>&lt;</code> stands where <code>&gt;=</code> is asked for." in page
-    assert "with the number of students: <code>filter_ground</code> (3)." in page
+    assert "(number of students in parentheses): <code>filter_ground</code> (3)." in page
 
 
 def scores_and_passes(number):

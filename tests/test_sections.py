@@ -55,10 +55,10 @@ def test_only_sections_on_the_roster_are_found(course):
     with pytest.raises(UnknownStudent, match="in section ''"):
         find_section(course, "")
     (course.root / "roster.csv").write_text("id\nada\n")
-    with pytest.raises(UnknownStudent, match="into a column section of roster.csv"):
+    with pytest.raises(UnknownStudent, match="Add a column section to roster.csv"):
         find_section(course, "B")
     (course.root / "roster.csv").unlink()
-    with pytest.raises(UnknownStudent, match="into a column section of roster.csv"):
+    with pytest.raises(UnknownStudent, match="Add a column section to roster.csv"):
         find_section(course, "B")
 
 
