@@ -289,7 +289,7 @@ def print_history(changes: Sequence[MarkChange]) -> None:
 def print_similarity(compared: StageComparison, limit: int = 10) -> None:
     """Print the similar answers in a stage, most unusual first."""
     console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
-    for same in compared.same_notebooks:
+    for same in compared.shared_notebooks:
         sameness = "identical files" if same.same_bytes else "identical cells"
         console.print(
             printable_text(f"{same.lesson}, {sameness}: {', '.join(same.students)}"), markup=False

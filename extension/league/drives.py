@@ -26,7 +26,7 @@ from grader.intake.preflight import prepare_to_judge
 from grader.intake.reader_process import ReadingFailed
 from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import program_for
-from grader.judging.key import add_imports, key_of_files
+from grader.judging.verdict_key import add_imports, key_of_files
 from grader.sandbox import SANDBOXES, Limits
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.student import StudentProxy
@@ -135,7 +135,7 @@ def drive_submission(
     street = draw_streets(seed)[street_number - 1]
     key = drive_key(submitted_files, street, find_lesson(lesson))
     if submitted_files is None:
-        return _summarize_drive(drive(street), key)
+        return _summarise_drive(drive(street), key)
     try:
         judge_input = prepare_to_judge(submitted_files, find_lesson(lesson))
     except UnreadableNotebook:
@@ -168,10 +168,10 @@ def drive_in_sandbox(
             "starved": student.starved,
         }
         return DriveResult(street.number, stopped=str(stop), key=key, **failures)
-    return _summarize_drive(finished, key, detector)
+    return _summarise_drive(finished, key, detector)
 
 
-def _summarize_drive(
+def _summarise_drive(
     finished_drive: Drive, key: str, detector: _SandboxedDetector | None = None
 ) -> DriveResult:
     report = measure(finished_drive)

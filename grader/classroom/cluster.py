@@ -25,7 +25,7 @@ from grader.classroom import worker_plugin
 from grader.classroom.protocol import DEFAULT_CAPACITY, ExecutorLost
 from grader.course.archives import make_zip
 from grader.course.portable_files import files_for_judging
-from grader.judging.key import versions
+from grader.judging.verdict_key import versions
 
 MAX_WAIT_SECONDS = 15 * 60
 """Seconds without a suitable worker after which grading stops."""

@@ -88,7 +88,7 @@ def unmatched_folders(course: Course, roster: Roster) -> dict[str, str]:
     }
 
 
-def respelt_folders(course: Course, roster: Roster) -> Iterator[str]:
+def misspelt_folders(course: Course, roster: Roster) -> Iterator[str]:
     """Yield a sentence about each folder whose name is a different spelling of a student's id."""
     folders = _student_folders(course)
     for folder in folders:
@@ -109,7 +109,7 @@ def _student_folders(course: Course) -> list[str]:
 def _suggested_fix(course: Course, roster: Roster, folder: str) -> str:
     add = f"add a line for {folder!r} to {roster_path(course).name}"
     beginning = f"{folder!r} is not on the roster, so its scores are not entered."
-    people = roster.find_people(folder) or roster.people_with_zeros(folder)
+    people = roster.find_people(folder) or roster.people_with_leading_zeros(folder)
     if not people:
         return f"{beginning} Either {add}, or rename the folder to the student's id."
     if len(people) > 1:

@@ -20,7 +20,6 @@ from grader.course.lessons import Lesson, find_lesson
 from grader.course.paths import Course
 from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import JUDGE_FAILED_NOTE, judge_files
-from grader.judging.key import verdict_key
 from grader.judging.verdict import (
     FAILED,
     JUDGED,
@@ -29,6 +28,7 @@ from grader.judging.verdict import (
     read_verdict,
     write_verdict,
 )
+from grader.judging.verdict_key import verdict_key
 from grader.sandbox import SANDBOXES, Sandbox, SandboxUnavailable
 
 JudgedSubmissions = list[tuple[Submission, Verdict]]
@@ -70,7 +70,7 @@ def judge_one(
         Whether nothing else is being judged, so that time limits are reliable.
     """
     verdict = judge_files(submitted_files, seed, SANDBOXES[sandbox], find_lesson(lesson), student)
-    return verdict.without_starved() if is_alone else verdict
+    return verdict.without_starved_flag() if is_alone else verdict
 
 
 def judge_and_store(

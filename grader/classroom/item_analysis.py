@@ -15,7 +15,7 @@ MIN_STUDENTS = 20
 
 
 @dataclass(frozen=True)
-class CheckSummary:
+class HardCheck:
     """How many students failed a check first, and how many have started its exercise."""
 
     lesson: str
@@ -49,7 +49,7 @@ class Item:
     discrimination: float | None
 
 
-def hardest_checks(verdicts: Sequence[Verdict], limit: int = 10) -> list[CheckSummary]:
+def hardest_checks(verdicts: Sequence[Verdict], limit: int = 10) -> list[HardCheck]:
     """Return the checks that most often failed first, hardest first.
 
     Each student counts once per exercise, with the first failure, because further failures may have
@@ -63,7 +63,7 @@ def hardest_checks(verdicts: Sequence[Verdict], limit: int = 10) -> list[CheckSu
             if first:
                 first_failures[verdict.lesson, exercise.name, first.title, first.visible] += 1
     summaries = [
-        CheckSummary(*check, count, attempts[check[:2]]) for check, count in first_failures.items()
+        HardCheck(*check, count, attempts[check[:2]]) for check, count in first_failures.items()
     ]
     return sorted(summaries, key=lambda check: -check.failed / check.tried)[:limit]
 

@@ -14,8 +14,8 @@ from grader.course.atomic_files import write_atomically
 from grader.course.lessons import Lesson, find_lesson
 from grader.course.paths import Course
 from grader.intake.submission import read_submitted_files
-from grader.judging.judge import complaints_about_reference
-from grader.judging.key import verdict_key
+from grader.judging.judge import reference_failures
+from grader.judging.verdict_key import verdict_key
 from grader.sandbox import SANDBOXES, Sandbox
 
 
@@ -137,7 +137,7 @@ class Rehearsals:
 
 def rehearse_one(lesson: str, seed: int, sandbox: str) -> tuple[str, ...]:
     """Return the complaints of a lesson's tests about its own solution, as strings."""
-    return complaints_about_reference(find_lesson(lesson), seed, SANDBOXES[sandbox])
+    return reference_failures(find_lesson(lesson), seed, SANDBOXES[sandbox])
 
 
 def record_of(course: Course, lesson: Lesson, seed: int) -> tuple[Path, str]:

@@ -173,10 +173,10 @@ def unaccounted_files(course: Course) -> list[tuple[Path, str]]:
             reason = _reason_not_judged(course, path)
             if reason:
                 files_with_reason.append((path.relative_to(course.root), reason))
-    return list(_summarize_by_folder(files_with_reason))
+    return list(_summarise_by_folder(files_with_reason))
 
 
-def _summarize_by_folder(
+def _summarise_by_folder(
     files_with_reason: Iterable[tuple[Path, str]],
 ) -> Iterator[tuple[Path, str]]:
     groups: dict[tuple[Path, str], list[Path]] = {}

@@ -120,7 +120,7 @@ class Roster:
         same = self._by_folded_id.get(normalized_text(text), ())
         return tuple(same) or tuple(person for person in self.people if _is_name_of(text, person))
 
-    def people_with_zeros(self, text: str) -> tuple[Person, ...]:
+    def people_with_leading_zeros(self, text: str) -> tuple[Person, ...]:
         """Return the students whose ID is a number with more zeros at its beginning.
 
         Spreadsheets remove these zeros.
@@ -266,7 +266,7 @@ def normalized_text(text: str) -> str:
     return " ".join(unicodedata.normalize("NFKC", text).casefold().split())
 
 
-def file_name_part(section: str) -> str:
+def section_slug(section: str) -> str:
     """Return the name of a section with all unusual characters replaced, for names of files."""
     return re.sub(r"[^\w-]+", "_", section)
 

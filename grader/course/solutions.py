@@ -28,7 +28,7 @@ SOLUTION_MARKS = re.compile(r"^[ \t]*### (?:BEGIN|END) SOLUTION[ \t]*\n?", re.M)
 WIDGET_TYPE = "application/vnd.jupyter.widget-view+json"
 
 
-def reason_still_open(
+def reason_to_withhold(
     deadlines: Deadlines, stage: str, now: datetime, extensions: Mapping[str, datetime]
 ) -> str:
     """Return why a stage's solutions must wait, as a sentence; empty if no student can submit.

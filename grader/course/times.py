@@ -113,7 +113,7 @@ def _parse_date(text: str, language: str) -> tuple[int, int, int] | None:
     in_figures = _ISO.fullmatch(text) or _CHINESE.fullmatch(text)
     if in_figures:
         return tuple(map(int, in_figures.groups()))
-    normalized_text = _folded(text)
+    normalized_text = _fold_case(text)
     years = re.findall(r"(?<!\d)\d{4}(?!\d)", normalized_text)
     days = re.findall(r"(?<!\d)\d{1,2}(?!\d)", normalized_text)
     month = _find_month(normalized_text, language)
@@ -169,9 +169,9 @@ def _month_names(language: str) -> dict[int, set[str]]:
     for use in babel.Locale(language).months.values():
         for width in ("wide", "abbreviated"):
             for number, name in use.get(width, {}).items():
-                names_by_month[number].add(_folded(name).strip("."))
+                names_by_month[number].add(_fold_case(name).strip("."))
     return names_by_month
 
 
-def _folded(text: str) -> str:
+def _fold_case(text: str) -> str:
     return " ".join(unicodedata.normalize("NFC", text).casefold().split())

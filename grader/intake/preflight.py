@@ -224,7 +224,7 @@ def prepare_to_show(submitted_files: SubmittedFiles, lesson: Lesson) -> Prepared
         return _notebook_with_answers(lesson, WrittenAnswer(""), error)
 
 
-def prepare_too_costly(
+def prepare_substitute(
     submitted_files: SubmittedFiles, lesson: Lesson, error: TooCostly
 ) -> PreparedNotebook:
     """Return a substitute for a notebook that takes too much time or memory to read.

@@ -73,7 +73,7 @@ def run_in_child(name: str, work: Callable[[], object]) -> object:
     read_end, write_end = os.pipe()
     child = os.fork()
     if child == 0:
-        _work_and_end(work, write_end)
+        _run_and_exit(work, write_end)
     os.close(write_end)
     try:
         reply = _read_pipe(read_end, time.monotonic() + MAX_WAIT_SECONDS)
@@ -125,7 +125,7 @@ def _read_pipe(pipe: int, deadline: float) -> bytes:
     return b"".join(parts)
 
 
-def _work_and_end(work: Callable[[], object], pipe: int) -> NoReturn:
+def _run_and_exit(work: Callable[[], object], pipe: int) -> NoReturn:
     """Do the work in the child, then exit without clean-up, because the parent shares its files."""
     code = 1
     try:

@@ -15,13 +15,13 @@ from grader.intake.preflight import JudgeInput, lesson_name_in, prepare_to_judge
 from grader.intake.reader_process import ReadingFailed
 from grader.intake.submission import SubmittedFiles, read_submitted_files
 from grader.judging.error_carried_forward import carry_forward
-from grader.judging.key import verdict_key
 from grader.judging.points import sum_points
 from grader.judging.program_run import JudgingContext, RunResults, run_program, untouched_results
 from grader.judging.repair import find_slips
 from grader.judging.results import result_of, unjudged_results
 from grader.judging.runner import EXPECTED_FAILURES
 from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict, with_shared_parts
+from grader.judging.verdict_key import verdict_key
 from grader.sandbox import Limits, Sandbox
 from grader.sandbox.program import INSTALLED_PACKAGES, GivenCode, Program
 from grader.sandbox.time_budget import Budget
@@ -275,7 +275,7 @@ def _judge_faults(context: JudgingContext, results: RunResults) -> tuple[str, ..
     if results.fault:
         return (results.fault,)
     suspicious = _suspicious_outcomes(results)
-    if suspicious and complaints_about_reference(context.lesson, context.seed, context.sandbox):
+    if suspicious and reference_failures(context.lesson, context.seed, context.sandbox):
         return tuple(_format_traceback(outcome.failure) for outcome in suspicious)
     return ()
 
@@ -305,16 +305,18 @@ def given_code(lesson: Lesson) -> str:
 
 
 @functools.cache
-def complaints_about_reference(lesson: Lesson, seed: int, sandbox: Sandbox) -> tuple[str, ...]:
+def reference_failures(lesson: Lesson, seed: int, sandbox: Sandbox) -> tuple[str, ...]:
     """Return a sentence for each failure of a lesson's own solution.
 
     Such a failure means that a check is faulty, so a class is judged only if there are none. If
     there are any, the checks run again, because a busy machine may cause a failure once.
     """
-    return _find_complaints(lesson, seed, sandbox) and _find_complaints(lesson, seed, sandbox)
+    return _find_reference_failures(lesson, seed, sandbox) and _find_reference_failures(
+        lesson, seed, sandbox
+    )
 
 
-def _find_complaints(lesson: Lesson, seed: int, sandbox: Sandbox) -> tuple[str, ...]:
+def _find_reference_failures(lesson: Lesson, seed: int, sandbox: Sandbox) -> tuple[str, ...]:
     program = program_for(lesson, read_submitted_files(lesson.solved).notebook().code, {})
     results = run_program(JudgingContext(lesson, seed, sandbox), program)
     if results.fault:

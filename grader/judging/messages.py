@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 from grader.judging.runner import JudgeTimeout
 from grader.judging.verdict import MessageKind
+from grader.sandbox.error_descriptions import describe_error
 from grader.sandbox.failures import CellSkipped, StudentError, StudentStopped
-from grader.sandbox.quotation import describe_error
 from utils.checks import CheckFailed
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import (

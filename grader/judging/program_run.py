@@ -13,8 +13,8 @@ from grader.judging.runner import (
     JudgeFault,
     JudgeTimeout,
     every_check,
+    exercises_with_notes,
     limited_cpu_time,
-    noted_exercises,
     outcomes_of_untouched,
     run_checks,
 )
@@ -117,7 +117,7 @@ def run_program(
                 context.lesson, student, context.seed, is_selected, keep_going, budget
             )
             if explain:
-                noted = noted_exercises(student, _right_helpers(outcomes, student), budget)
+                noted = exercises_with_notes(student, _right_helpers(outcomes, student), budget)
         except JudgeFault as error:
             fault = str(error)
         observed = (tuple(student.problems), student.uses)

@@ -29,7 +29,7 @@ from grader.judging.runner import hidden_calls, visible_calls
 from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.program import Program, cell_and_line
-from grader.sandbox.student import TOOK_TOO_LONG, StudentProxy
+from grader.sandbox.student import CALL_TIMEOUT, StudentProxy
 from grader.sandbox.time_budget import Budget
 from utils.checks.diagnosis import Mistake
 from utils.checks.outcomes import Outcome
@@ -273,12 +273,12 @@ class _FailedChecks:
 
     def fail_without_edit(self) -> bool:
         """Return whether the answer without an edit fails the first check."""
-        fails = self.first_fails()
+        fails = self.first_check_fails()
         if self._first_seconds == CALL_SECONDS:  # unchanged, so the check was not stopped
             self._seconds_after_hang = SHORT_CALL_SECONDS
         return fails
 
-    def first_fails(self) -> bool:
+    def first_check_fails(self) -> bool:
         """Return whether the first check fails.
 
         An edit that causes an endless loop usually does so in this check. After the first such
@@ -298,7 +298,10 @@ class _FailedChecks:
         that does not finish there counts as passing, and the full judgement decides.
         """
         self._budget.failed_seconds.pop(self._student.exercise, None)
-        if _catch_failure(functools.partial(self._student.edit, number)) or self.first_fails():
+        if (
+            _catch_failure(functools.partial(self._student.edit, number))
+            or self.first_check_fails()
+        ):
             return False
         self._student.interrupts_after = CALL_SECONDS
         with cached_run():  # answers that were computed with another edit must not be reused
@@ -325,7 +328,7 @@ def _was_stopped(failure: Exception | None) -> bool:
     original = failure and failure.__context__
     return any(
         isinstance(error, StudentStopped)
-        or (isinstance(error, StudentError) and error.type_name == TOOK_TOO_LONG)
+        or (isinstance(error, StudentError) and error.type_name == CALL_TIMEOUT)
         for error in (failure, original)
     )
 

@@ -312,7 +312,7 @@ def run_checks(
     return _run_all_checks(lesson, _Runner(student, seed, is_selected, keep_going, budget))
 
 
-def noted_exercises(
+def exercises_with_notes(
     student: StudentProxy, exercises: Iterable[str], budget: Budget
 ) -> frozenset[str]:
     """Return the exercises whose answers get a note, which costs no points.

@@ -244,7 +244,7 @@ class Verdict:
                 del exercise["slip"]["before"], exercise["slip"]["after"]
         return content
 
-    def without_starved(self) -> Verdict:
+    def without_starved_flag(self) -> Verdict:
         """Return the verdict with `starved` set to False, after a run on an idle machine."""
         return dataclasses.replace(self, starved=False)
 

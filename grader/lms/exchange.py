@@ -28,7 +28,7 @@ class ReleaseStandalone(ExchangeReleaseAssignment):
                 write_atomically(make_standalone(path.read_bytes()), path)
 
 
-class ReleaseFeedbackOfEach(ExchangeReleaseFeedback):
+class ReleaseFeedbackPerStudent(ExchangeReleaseFeedback):
     """Releases feedback student by student, so that one damaged submission does not end the loop.
 
     nbgrader reads two files of the submission. The student owns one of them in the exchange, and a

@@ -82,7 +82,7 @@ def restore_marks(course: Course, book: Gradebook, lost: Collection[MarkChange])
     return sentences
 
 
-def share_in_teams(course: Course, book: Gradebook, stages: Iterable[str]) -> list[str]:
+def share_marks_in_teams(course: Course, book: Gradebook, stages: Iterable[str]) -> list[str]:
     """Enter the mark for a team's written answer for its other members; say for whom.
 
     The other members must have submitted the same answer, and must not have a mark or a comment.

@@ -29,10 +29,10 @@ from grader.classroom.pages import TEMPLATES, format_code, printable_name, rende
 from grader.classroom.submissions import Submission
 from grader.course.atomic_files import write_atomically
 from grader.course.deadlines_file import read_deadlines
-from grader.course.extension import course_constant
+from grader.course.extension import extension_constant
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
-from grader.course.roster import Person, file_name_part, read_roster
+from grader.course.roster import Person, read_roster, section_slug
 from grader.intake.submission import SubmittedFiles
 from grader.judging.verdict import JUDGED, Verdict
 from grader.lms.distribution import Distribution, distribution_of
@@ -158,7 +158,7 @@ def write_report(
         section=section,
     )
     if section:
-        path = course.report / f"section_{file_name_part(section)}.html"
+        path = course.report / f"section_{section_slug(section)}.html"
         write_atomically(page, path)
         return path
     path = course.report / "index.html"
@@ -247,7 +247,7 @@ def _links(course: Course) -> list[tuple[str, str]]:
     for path in sorted(course.report.glob("similarity_*.html")):
         stage = path.stem.removeprefix("similarity_")
         links.append((quote(path.name), f"similar answers in {stage}"))
-    for course_links in course_constant("REPORT_LINKS"):
+    for course_links in extension_constant("REPORT_LINKS"):
         links += course_links(course)
     for path in sorted(course.root.glob("scores*.csv")):
         links.append((f"../{quote(path.name)}", f"exported marks: {path.name}"))

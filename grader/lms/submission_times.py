@@ -41,7 +41,7 @@ def submission_time(folders: Iterable[Path]) -> datetime | None:
     return max((time for time in times if time), default=None)
 
 
-def known_time(folders: Iterable[Path]) -> datetime | None:
+def naive_submission_time(folders: Iterable[Path]) -> datetime | None:
     """Return the submission time as nbgrader stores it: naive and in UTC. None if it is unknown."""
     try:
         time = submission_time(folders)

@@ -191,13 +191,13 @@ class Behaviour:
         """Return the text of a listed line."""
         return self.lines[line - 1].text
 
-    def neighbours(self, case: int) -> Iterator[str]:
+    def edited_outcomes(self, case: int) -> Iterator[str]:
         """Yield the outcome of each edited version in a case, the likeliest edits first."""
         for runs in self.edited.values():
             if case < len(runs):
                 yield runs[case].outcome
 
-    def is_common(self, case: int) -> bool:
+    def matches_peers(self, case: int) -> bool:
         """Return whether the other right answers are known and have the same outcome in a case."""
         own = self.own[case].outcome
         return bool(self.peers) and all(same_answer(peer[case], own) for peer in self.peers)
@@ -220,7 +220,7 @@ def observe(answer: Answer, sandbox: Sandbox, peers: tuple[tuple[str, ...], ...]
     grader.sandbox.SandboxUnavailable
     """
     cases = cases_of(answer.exercise)
-    codes = codes_of(cases)
+    codes = case_codes(cases)
     with StudentProxy(answer.program, sandbox, LIMITS) as student:
         description = _as_dict(student.read_answer(*answer.request))
         lines = _listing(answer, description.get("places"))
@@ -258,14 +258,14 @@ def observe(answer: Answer, sandbox: Sandbox, peers: tuple[tuple[str, ...], ...]
     )
 
 
-def codes_of(cases: Sequence[Case]) -> list[str]:
+def case_codes(cases: Sequence[Case]) -> list[str]:
     """Return the code of each case, followed by the code of each larger case."""
     return [case.executed for case in cases] + [case.larger for case in cases if case.larger]
 
 
 def outcomes_of(answer: Answer, sandbox: Sandbox) -> tuple[str, ...]:
     """Return the outcome of each case of an answer, without any changes."""
-    codes = codes_of(cases_of(answer.exercise))
+    codes = case_codes(cases_of(answer.exercise))
     with StudentProxy(answer.program, sandbox) as student:
         student.read_answer(*answer.request)
         return tuple(outcome_text(student.evaluate(None, code)) for code in codes)

@@ -103,19 +103,19 @@ def _codes(question: Question) -> set[str]:
 
 
 @functools.cache
-def peers_of(lesson: Lesson, exercise: str, sandbox: Sandbox) -> tuple[tuple[str, ...], ...]:
+def peer_outcomes(lesson: Lesson, exercise: str, sandbox: Sandbox) -> tuple[tuple[str, ...], ...]:
     """Return the outcomes of some other right answers, from the lesson's kept answers."""
     if not (lesson.folder / "answers" / f"{exercise}.txt").is_file():
         return ()
     peers = []
     for source in [answer.source for answer in answers_to(exercise) if answer.right][:MAX_PEERS]:
-        answer = Answer(lesson, exercise, _code_with(lesson, exercise, source), {})
+        answer = Answer(lesson, exercise, _code_with_answer(lesson, exercise, source), {})
         with contextlib.suppress(StudentError, StudentStopped):  # such as a missing package
             peers.append(outcomes_of(answer, sandbox))
     return tuple(peers)
 
 
-def _code_with(lesson: Lesson, exercise: str, source: str) -> tuple[str, ...]:
+def _code_with_answer(lesson: Lesson, exercise: str, source: str) -> tuple[str, ...]:
     """Return the code of a notebook with one answer."""
     text = fill_in(lesson, {exercise: source})
     return decode_notebook(text.encode(), lesson.name).code

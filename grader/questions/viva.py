@@ -17,8 +17,8 @@ from grader.intake.reader_process import ReadingFailed
 from grader.judging.verdict import JUDGED, read_verdict
 from grader.questions.answer import Answer, ListedLine, observe
 from grader.questions.question import Question
-from grader.questions.selection import choose_questions, peers_of
-from grader.questions.taught import Remark, remarks_on
+from grader.questions.remarks import Remark, remarks_on
+from grader.questions.selection import choose_questions, peer_outcomes
 from grader.sandbox import Sandbox
 from grader.sandbox.failures import StudentError, StudentStopped
 from utils.notebooks.reading import UnreadableNotebook
@@ -201,7 +201,7 @@ def _sheet_about(
     submitted_files = submission.read_again(course, verdict.fingerprint)
     judged = prepare_to_judge(submitted_files, lesson)
     answer = Answer(lesson, exercise.name, judged.code, judged.modules)
-    behaviour = observe(answer, sandbox, peers_of(lesson, exercise.name, sandbox))
+    behaviour = observe(answer, sandbox, peer_outcomes(lesson, exercise.name, sandbox))
     return Sheet(
         submission.student,
         name,

@@ -42,5 +42,5 @@ def choose_sandbox(name: str = AUTO) -> Sandbox:
     """
     if name == AUTO:
         name = next(name for name, sandbox in SANDBOXES.items() if not sandbox.warning)
-    SANDBOXES[name].available()
+    SANDBOXES[name].check_available()
     return SANDBOXES[name]

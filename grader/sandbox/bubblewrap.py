@@ -39,7 +39,7 @@ class Bubblewrap:
     name: str = "bubblewrap"
     warning: str = ""
 
-    def available(self) -> None:
+    def check_available(self) -> None:
         """Build a trial sandbox, once; see `grader.sandbox.protocol.Sandbox`."""
         _require_program()
 

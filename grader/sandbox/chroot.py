@@ -38,7 +38,7 @@ class Chroot:
         "that judges one student."
     )
 
-    def available(self) -> None:
+    def check_available(self) -> None:
         """Start a trial worker, once; see `grader.sandbox.protocol.Sandbox`."""
         complaint = _find_problem()
         if complaint:

@@ -26,7 +26,7 @@ class StudentError(RemoteError):
         Name of the function that was called.
     type_name, message : str
         Type and message of the exception. Student code can choose both, so neither is shown
-        unfiltered; `grader.sandbox.quotation` selects the parts that may be shown.
+        unfiltered; `grader.sandbox.error_descriptions` selects the parts that may be shown.
     place : str or None
         Cell and line in the notebook, such as ``code cell 3, line 12``; None if there is no such
         line, or if the notebook is too long to show it.

@@ -131,7 +131,7 @@ class ForkedWorker:
         poll.register(self.report, select.POLLIN)
         return self._code is not None or bool(poll.poll(1000 * seconds))
 
-    def end(self, seconds: float) -> int | None:
+    def exit_code(self, seconds: float) -> int | None:
         """Return the worker's exit code, or None if it does not arrive within `seconds`."""
         line = read_line(self.report, seconds)
         os.close(self.report)

@@ -19,10 +19,10 @@ from grader.sandbox.fork_client import ENVIRONMENT, ForkClient, ForkedWorker, re
 from grader.sandbox.inside import wire
 from grader.sandbox.protocol import MEBIBYTE, Limits, SandboxUnavailable, Thread, Worker
 from grader.sandbox.usage import (
+    available_memory_share,
     cpu_of_tree,
-    killed_for_memory,
-    memory_left,
     memory_of_tree,
+    oom_kill_count,
     threads_of_tree,
 )
 
@@ -52,7 +52,7 @@ class WorkerProcess:
     release_folder : callable
         Called when all processes have ended, so that another worker can use the same folder.
     initial_kill_count : int
-        The result of `killed_for_memory` when the worker started.
+        The result of `oom_kill_count` when the worker started.
     """
 
     process: subprocess.Popen
@@ -79,11 +79,11 @@ class WorkerProcess:
             code = _kill(self.process)
         if self.forked:
             # When the first process in a sandbox ends, the kernel ends all others there.
-            code = self.forked.end(SECONDS_TO_END)
+            code = self.forked.exit_code(SECONDS_TO_END)
         if code in KILLED_CODES and not self._above_limit and not had_to_be_killed:
             # The kernel may have killed other processes while the worker killed itself. The
             # notebook is then judged once more, which does not help the student.
-            self._lacked_memory |= killed_for_memory() > self.initial_kill_count
+            self._lacked_memory |= oom_kill_count() > self.initial_kill_count
         self.process.stderr.close()
         for end in (self.read_end, self.write_end):
             os.close(end)
@@ -124,7 +124,7 @@ class WorkerProcess:
 
         def watch() -> None:
             while not self._stopped.wait(MEMORY_POLLING_INTERVAL):
-                most = limit if memory_left() > MIN_MEMORY_LEFT else MEMORY_WHEN_SCARCE
+                most = limit if available_memory_share() > MIN_MEMORY_LEFT else MEMORY_WHEN_SCARCE
                 used = sum(map(memory_of_tree, self.pids))
                 if used > most:
                     with self._signals:
@@ -208,7 +208,7 @@ def launch(
         os.close(their_read)
         os.close(their_write)
     after = release_folder or (lambda: None)
-    worker = WorkerProcess(process, our_read, our_write, forked, after, killed_for_memory())
+    worker = WorkerProcess(process, our_read, our_write, forked, after, oom_kill_count())
     try:
         send_rules(worker, rules)
     except (wire.WireClosed, wire.WireTimeout):

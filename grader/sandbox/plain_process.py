@@ -21,7 +21,7 @@ class PlainProcess:
         "for code that you trust."
     )
 
-    def available(self) -> None:
+    def check_available(self) -> None:
         """Do nothing, because this works on every machine."""
 
     def label(self) -> str:

@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NoReturn
 
+from grader.sandbox.error_descriptions import describe_failed_cell
 from grader.sandbox.failures import (
     MAX_LINES,
     CellSkipped,
@@ -24,7 +25,6 @@ from grader.sandbox.failures import (
 from grader.sandbox.inside import wire, wire_format
 from grader.sandbox.program import Program, cell_and_line
 from grader.sandbox.protocol import Limits, Sandbox, Worker
-from grader.sandbox.quotation import describe_failed_cell
 from grader.sandbox.reply_parser import (
     has_valid_object,
     parse_edits,
@@ -42,7 +42,7 @@ _NEEDED_CELLS, _ALL_CELLS = "the cells that are needed", "all cells"
 # this share of the limit. An endless loop then costs little more than one limit.
 SHARE_AFTER_FAILURES = 1 / 8
 # The exception that the worker raises in a call that it interrupts.
-TOOK_TOO_LONG = "TookTooLong"
+CALL_TIMEOUT = "CallTimeout"
 # Maximum number of failed cells that are described. Later cells usually fail because of these.
 MAX_FAILED_CELLS = 3
 
@@ -150,7 +150,7 @@ class StudentProxy:
     largest_reply : int
         Bytes of the largest reply. The owner of the proxy may reset it.
     interrupts_after : float or None
-        Processor seconds after which the worker interrupts a call by raising `TOOK_TOO_LONG`. If
+        Processor seconds after which the worker interrupts a call by raising `CALL_TIMEOUT`. If
         None, only the limits end a call, and they also end its process.
     """
 

@@ -120,7 +120,7 @@ class Meter:
         self.seconds = self.elapsed_seconds = self.waiting_seconds = 0.0
 
     @property
-    def sees_waiting(self) -> bool:
+    def can_see_waiting(self) -> bool:
         """Whether the kernel shows if a thread sleeps or waits for a processor."""
         return self._threads is not None
 
@@ -135,7 +135,7 @@ class Meter:
         self.elapsed_seconds = time.monotonic() - self._begin
         cpu_seconds = self._worker.cpu_seconds() - self._initial_cpu_seconds
         self.seconds = cpu_seconds
-        if self.sees_waiting:
+        if self.can_see_waiting:
             threads = self._worker.threads() or {}
             # Exclude the time in which the judge itself worked or waited for a processor.
             elapsed = self.elapsed_seconds - (own_seconds() - self._initial_judge_seconds)
@@ -221,7 +221,7 @@ class TimeLimit:
         """Measure the time used, and return the seconds until the next measurement."""
         if self._meter is None:
             self._meter = Meter(self._worker)
-            if not self._meter.sees_waiting:
+            if not self._meter.can_see_waiting:
                 self._deadline = min(self._deadline, now + MAX_ELAPSED_FACTOR * self._seconds)
         self._meter.measure()
         seconds_left = self._seconds - self._meter.seconds

@@ -90,7 +90,7 @@ def _read_schedule(folder: str) -> tuple[float, float]:
     return int(worked) / 1e9, int(waited) / 1e9
 
 
-def memory_left() -> float:
+def available_memory_share() -> float:
     """Return the share of the machine's memory that is available; 1 if unknown."""
     try:
         lines = Path("/proc/meminfo").read_text().splitlines()
@@ -100,7 +100,7 @@ def memory_left() -> float:
     return int(known["MemAvailable"]) / int(known["MemTotal"])
 
 
-def killed_for_memory() -> int:
+def oom_kill_count() -> int:
     """Return how many processes the kernel has killed for lack of memory since it booted."""
     try:
         lines = Path("/proc/vmstat").read_text().splitlines()

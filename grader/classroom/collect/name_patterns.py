@@ -45,24 +45,24 @@ def shared_folders(entries: Sequence[ArchiveEntry]) -> tuple[str, ...]:
     return tuple(os.path.commonprefix([entry.path[:-1] for entry in entries]))
 
 
-def endings(name: str, separator: str) -> tuple[str, ...]:
-    """Return a name and its endings after each separator, the longest first."""
+def suffixes(name: str, separator: str) -> tuple[str, ...]:
+    """Return a name and its suffixes after each separator, the longest first."""
     parts = name.split(separator)
     return tuple(separator.join(parts[number:]) for number in range(len(parts)))
 
 
-def common_beginning(names: Collection[str], separator: str) -> str:
+def common_prefix(names: Collection[str], separator: str) -> str:
     """Return the beginning of all names, up to a separator; empty if there is only one name."""
     return os.path.commonprefix(list(names)).rpartition(separator)[0] if len(names) > 1 else ""
 
 
-def endings_after(beginning: str, name: str, separator: str) -> tuple[str, ...]:
-    """Return the endings that contain the part after the beginning of all names.
+def suffixes_after(beginning: str, name: str, separator: str) -> tuple[str, ...]:
+    """Return the suffixes that contain the part after the beginning of all names.
 
     A login may contain separators, so it may start within the common beginning.
     """
     rest = name.removeprefix(f"{beginning}{separator}") if beginning else ""
-    return tuple(end for end in endings(name, separator) if len(end) >= len(rest))
+    return tuple(end for end in suffixes(name, separator) if len(end) >= len(rest))
 
 
 def _match_below(

@@ -29,7 +29,7 @@ class UnknownOwner(Exception):
     """The owner is unknown; the message is a question for the instructor."""
 
 
-class Owners:
+class OwnerFinder:
     """Finds the students to whom the files of an archive belong.
 
     Parameters
@@ -97,7 +97,7 @@ class Owners:
         except UnknownOwner:
             return False
 
-    def question_about_several(self, owner: Owner) -> str:
+    def ambiguous_files_question(self, owner: Owner) -> str:
         """Return the question about files that may belong to several students."""
         question = (
             "Their names show that they may belong to several students. Put each student's files "
@@ -109,7 +109,7 @@ class Owners:
             question += f". If one student submitted all of them, add {option} instead"
         return question
 
-    def question_about(self, owner: Owner, ids: Sequence[str], others: Sequence[Owner]) -> str:
+    def identity_question(self, owner: Owner, ids: Sequence[str], others: Sequence[Owner]) -> str:
         """Return a question if the identity of an owner is in doubt; otherwise an empty string.
 
         Canvas labels a group's work with the group's name and the user id of the member who
@@ -121,7 +121,7 @@ class Owners:
         ids : sequence of str
             The assumed owners.
         others : sequence of Owner
-            Owners in the same archive with the same ids.
+            OwnerFinder in the same archive with the same ids.
         """
         if self.is_answered(owner):
             return ""
@@ -244,7 +244,9 @@ class Owners:
         return (
             self._people_by_login(owner.guesses)
             or self._people_by_names(owner.guesses)
-            or tuple(id for name in owner.names for id in self._roster.people_with_zeros(name))
+            or tuple(
+                id for name in owner.names for id in self._roster.people_with_leading_zeros(name)
+            )
         )
 
     def _people_by_login(self, logins: Collection[str]) -> tuple[Person, ...]:

@@ -16,7 +16,7 @@ from __future__ import annotations
 import re
 
 from grader.classroom.collect.models import Archive, Owner, SubmittedFile
-from grader.classroom.collect.name_patterns import common_beginning, endings_after, match_paths
+from grader.classroom.collect.name_patterns import common_prefix, match_paths, suffixes_after
 from grader.course.times import UnclearTime, read_time
 
 # The limits on lengths keep the time short for names that a student chose.
@@ -41,11 +41,11 @@ _SAKAI = re.compile(
 def read_blackboard(archive: Archive) -> list[SubmittedFile] | None:
     """Return the files of a download from Blackboard, or None for any other archive."""
     matches = match_paths(archive, _BLACKBOARD)
-    beginning = common_beginning({parts["owner"] for _, parts in matches}, "_")
+    beginning = common_prefix({parts["owner"] for _, parts in matches}, "_")
     files = []
     for entry, parts in matches:
         label = parts["owner"]
-        logins = endings_after(beginning, label, "_")
+        logins = suffixes_after(beginning, label, "_")
         owner = (
             Owner(label, logins[-1], logins)
             if beginning

@@ -95,7 +95,7 @@ def find_newest(
     return candidates
 
 
-def rivals_by_number(files: Sequence[StudentFile], newest: StudentFile) -> list[StudentFile]:
+def rivals_by_copy_number(files: Sequence[StudentFile], newest: StudentFile) -> list[StudentFile]:
     """Return the files that are older than the newest only by the number in their names.
 
     A copy with a number may also be a backup, which a student made before changing the original.

@@ -114,8 +114,8 @@ def compare(
                     share,
                     weights.bits(first_document, second_document),
                     (
-                        first_document.steps_like(second_document),
-                        second_document.steps_like(first_document),
+                        first_document.similar_steps(second_document),
+                        second_document.similar_steps(first_document),
                     ),
                     (len(first_document.steps), len(second_document.steps)),
                     weights.exclusive_steps(first_document, second_document),

@@ -35,7 +35,7 @@ class SharedFunction:
 
 
 @dataclass(frozen=True)
-class ShownPair:
+class PairSection:
     """Two students with all their similar functions."""
 
     students: tuple[str, str]
@@ -52,7 +52,7 @@ def write_similarity(course: Course, compared: StageComparison) -> Path:
     """Write the page and return its path."""
     pairs = compared.pairs
     shown_pairs = [
-        ShownPair(
+        PairSection(
             pair.students,
             pair.pairs,
             tuple(_shared_function(answers, compared) for answers in pair.pairs),

@@ -40,7 +40,7 @@ class Document:
         self.steps = [_pieces_of(step.words) for step in answer.steps]
         self.pieces = frozenset().union(*self.steps)
 
-    def steps_like(self, other: Document) -> frozenset[int]:
+    def similar_steps(self, other: Document) -> frozenset[int]:
         """Return the indices of statements with at least half their pieces in the other answer."""
         return frozenset(
             index
@@ -104,7 +104,7 @@ class Weights:
 
     def exclusive_steps(self, first: Document, second: Document) -> int:
         """Return the number of common statements that no third answer has."""
-        steps = (first.steps[index] for index in first.steps_like(second))
+        steps = (first.steps[index] for index in first.similar_steps(second))
         return sum(
             self._step_counts[step] == 1 + (step in second.steps) and not step <= self._suggested
             for step in steps

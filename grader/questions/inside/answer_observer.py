@@ -150,7 +150,9 @@ def evaluate(version: list | None, code: str) -> list:
     except Exception:
         return ["invalid"]
     outcomes = [_outcome(code, seed) for seed in _seeds_of(code)]
-    return outcomes[0] if all(_same(outcome, outcomes[0]) for outcome in outcomes) else ["varies"]
+    return (
+        outcomes[0] if all(_are_equal(outcome, outcomes[0]) for outcome in outcomes) else ["varies"]
+    )
 
 
 def trace_case(code: str) -> dict:
@@ -420,10 +422,10 @@ def _run(code: str, recorder: _Recorder) -> dict:
         counts = [[*place, count] for place, count in recorder.counts.items()]
         runs.append({"outcome": outcome, "counts": counts, "notes": recorder.notes})
     first = runs[0]
-    if not all(_same(run["outcome"], first["outcome"]) for run in runs):
+    if not all(_are_equal(run["outcome"], first["outcome"]) for run in runs):
         first["outcome"] = ["varies"]
     for name in ("counts", "notes"):  # what depends on random numbers is not asked
-        if not all(_same(run[name], first[name]) for run in runs):
+        if not all(_are_equal(run[name], first[name]) for run in runs):
             first[name] = []
     return first
 
@@ -439,7 +441,7 @@ def _outcome(code: str, seed: int) -> list:
         return ["value", plain_value(value)]
     except BaseException as error:
         name = type(error).__name__
-        if isinstance(error, _TooManySteps) or name in ("TookTooLong", "RecursionError"):
+        if isinstance(error, _TooManySteps) or name in ("CallTimeout", "RecursionError"):
             return ["endless"]
         return ["error", name[:60]]
 
@@ -457,5 +459,5 @@ def _time_limit() -> Iterator[None]:
         signal.setitimer(signal.ITIMER_VIRTUAL, 0)
 
 
-def _same(first: object, second: object) -> bool:
+def _are_equal(first: object, second: object) -> bool:
     return repr(first) == repr(second)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from random import Random
 
 from grader.questions.answer import Behaviour, Edit
-from grader.questions.kinds.wording import times
+from grader.questions.kinds.wording import format_times
 from grader.questions.question import Question, ValueClaim
 from utils.questions.cases import shown_code
 from utils.questions.choices import arrange, distractors
@@ -15,7 +15,7 @@ MAX_TURNS = 6  # a value after more runs takes too long on paper
 ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth")
 
 
-def trace(behaviour: Behaviour, random: Random) -> Iterator[Question]:
+def trace_questions(behaviour: Behaviour, random: Random) -> Iterator[Question]:
     """Ask for values of variables that the source does not show."""
     statements = {statement.first: statement for statement in behaviour.statements}
     for number, case in enumerate(behaviour.cases):
@@ -50,7 +50,7 @@ def _sentence(line: int, name: str, turn: int, turns: int) -> str:
     if turns == 1:
         return f"What is the value of `{name}` after line {line} has run?"
     return (
-        f"While the code below runs, line {line} runs {times(turns)}. What is the value of "
+        f"While the code below runs, line {line} runs {format_times(turns)}. What is the value of "
         f"`{name}` after line {line} has run for the {ORDINALS[turn]} time?"
     )
 

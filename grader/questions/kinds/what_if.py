@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from random import Random
 
 from grader.questions.answer import Behaviour, Edit, Run
-from grader.questions.kinds.wording import code
+from grader.questions.kinds.wording import quote_code
 from grader.questions.question import OutcomeClaim, Question
 from utils.questions.cases import shown_code, value_of
 from utils.questions.choices import arrange, distractors, in_rounds, with_first
@@ -17,7 +17,7 @@ MAX_EDITS = 6  # changes that are asked about in each of the two ways
 LETTERS = "ABC"
 
 
-def what_if(behaviour: Behaviour, random: Random) -> Iterator[Question]:
+def what_if_questions(behaviour: Behaviour, random: Random) -> Iterator[Question]:
     """Ask for the effect of a change: in one case, and on which of three cases."""
     edits = [edit for edit in behaviour.edited if edit.can_be_shown]
     yield from itertools.islice(_values(behaviour, edits, random), MAX_EDITS)
@@ -33,15 +33,16 @@ def _values(behaviour: Behaviour, edits: list[Edit], random: Random) -> Iterator
         right = runs[number].outcome
         if not is_value(right) or same_answer(right, own):
             continue
-        nearby = filter(is_value, behaviour.neighbours(number))
+        nearby = filter(is_value, behaviour.edited_outcomes(number))
         arranged = arrange(right, with_first(own, distractors(right, nearby)), random)
         if arranged:
             yield Question(
                 "what if",
-                f"Line {edit.first} becomes {code(edit.after)}. What is {value_of(case.code)} now?",
+                f"Line {edit.first} becomes {quote_code(edit.after)}. What is "
+                f"{value_of(case.code)} now?",
                 shown_code(case.code),
                 *arranged,
-                f"Without the change, the value is {code(own)}.",
+                f"Without the change, the value is {quote_code(own)}.",
                 True,
                 (
                     OutcomeClaim(case.executed, edit, right),
@@ -67,8 +68,8 @@ def _affected_calls(behaviour: Behaviour, edits: list[Edit], random: Random) -> 
         if right and right != "none of them" and arranged:
             yield Question(
                 "what if",
-                f"Line {edit.first} becomes {code(edit.after)}. For which of these calls is the "
-                "value of the last line different from before?",
+                f"Line {edit.first} becomes {quote_code(edit.after)}. For which of these calls is "
+                "the value of the last line different from before?",
                 "\n\n".join(
                     f"# call {letter}\n{shown_code(behaviour.cases[number].code)}"
                     for letter, number in zip(LETTERS, asked, strict=True)
@@ -116,6 +117,7 @@ def _claims(behaviour: Behaviour, edit: Edit, number: int) -> tuple[OutcomeClaim
 def _results_sentence(behaviour: Behaviour, edit: Edit, numbers: list[int]) -> str:
     runs = behaviour.edited[edit]
     return " ".join(
-        f"{letter}: {code(behaviour.own[number].outcome)} before, {code(runs[number].outcome)} now."
+        f"{letter}: {quote_code(behaviour.own[number].outcome)} before, "
+        f"{quote_code(runs[number].outcome)} now."
         for letter, number in zip(LETTERS, numbers, strict=True)
     )

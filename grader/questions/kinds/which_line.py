@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from random import Random
 
 from grader.questions.answer import Behaviour, Edit
-from grader.questions.kinds.wording import code
+from grader.questions.kinds.wording import quote_code
 from grader.questions.question import CountClaim, OutcomeClaim, Question
 from utils.questions.cases import shown_code, value_of
 from utils.questions.choices import MAX_CHOICES, MIN_CHOICES, arrange
@@ -15,7 +15,7 @@ from utils.questions.texts import TRIVIAL_ERRORS, is_value, same_answer, similar
 MAX_SYMPTOMS = 4  # results of a case that are asked about
 
 
-def which_line(behaviour: Behaviour, random: Random) -> Iterator[Question]:
+def which_line_questions(behaviour: Behaviour, random: Random) -> Iterator[Question]:
     """Ask for the one of several changes that gives a result, and for a line that does not run."""
     for number, case in enumerate(behaviour.cases):
         if not case.run:
@@ -56,7 +56,7 @@ def _with_symptom(behaviour: Behaviour, number: int, random: Random) -> Iterator
                 shown_code(case.code),
                 *arranged,
                 " ".join(
-                    f"If {_choice(edit)}, the result is {code(text)}."
+                    f"If {_choice(edit)}, the result is {quote_code(text)}."
                     for edit, text in outcomes.items()
                     if edit != right
                 ),
@@ -95,7 +95,7 @@ def _spread(right: Edit, others: list[Edit], outcomes: dict[Edit, str], own: str
 
 
 def _choice(edit: Edit) -> str:
-    return f"line {edit.first} becomes {code(edit.after)}"
+    return f"line {edit.first} becomes {quote_code(edit.after)}"
 
 
 def _without_run(behaviour: Behaviour, number: int, random: Random) -> Iterator[Question]:

@@ -170,7 +170,7 @@ def _to_tree(value: object, blob: bytearray, depth: int) -> object:
             return {kind: list(value)}
         return {kind: [_to_tree(item, blob, depth + 1) for item in value]}
     if isinstance(value, (set, frozenset, dict)):
-        return _keyed_to_tree(value, blob, depth)
+        return _dict_or_set_to_tree(value, blob, depth)
     if _is_generator(value):
         return {"generator": _state_of(value)}
     if isinstance(value, OpaqueValue):
@@ -182,7 +182,7 @@ def _to_tree(value: object, blob: bytearray, depth: int) -> object:
     return {"opaque": type(value).__name__}
 
 
-def _keyed_to_tree(value: set | frozenset | dict, blob: bytearray, depth: int) -> dict:
+def _dict_or_set_to_tree(value: set | frozenset | dict, blob: bytearray, depth: int) -> dict:
     # Only scalars are allowed as keys. Student code can create a million tuples with the same hash,
     # and the judge would take hours to build a set of them.
     name = "dict" if isinstance(value, dict) else "set"

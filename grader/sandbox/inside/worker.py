@@ -125,7 +125,7 @@ def main(read_end: int, write_end: int) -> None:
                 define_with_edit(edits[request["edit"]], definitions, namespace),
             )
         else:
-            reply(write_end, request["id"], answer(request, namespace, objects))
+            reply(write_end, request["id"], handle_request(request, namespace, objects))
 
 
 def describe_skipped(names: list[str], skipped: list[SkippedCell]) -> dict[str, str]:
@@ -404,7 +404,7 @@ def run(statements: Iterable[slicing.Statement], namespace: dict) -> list[dict]:
     return failures
 
 
-def answer(request: dict, namespace: dict, objects: dict[int, object]) -> dict:
+def handle_request(request: dict, namespace: dict, objects: dict[int, object]) -> dict:
     """Carry out a request; return the result, or a description of the exception.
 
     A request names a function of the notebook, or a method or attribute of an object. Objects are
@@ -438,13 +438,13 @@ def answer(request: dict, namespace: dict, objects: dict[int, object]) -> dict:
     return {**stored, "callable": callable(result), **seen}
 
 
-class TookTooLong(BaseException):
+class CallTimeout(BaseException):
     """A call took too long. It derives from `BaseException`, which few answers catch."""
 
 
 @contextlib.contextmanager
 def interrupt_after(seconds: float | None) -> Iterator[None]:
-    """Raise `TookTooLong` after some seconds of processor time.
+    """Raise `CallTimeout` after some seconds of processor time.
 
     The judge can continue to use the process afterwards. Code that catches the exception is
     interrupted again. Code that sleeps does not use processor time, so only the judge's own limit
@@ -452,7 +452,7 @@ def interrupt_after(seconds: float | None) -> Iterator[None]:
     """
 
     def raise_interrupt(*signal_and_frame: object) -> None:
-        raise TookTooLong
+        raise CallTimeout
 
     if seconds is None:
         yield

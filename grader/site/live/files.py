@@ -24,7 +24,7 @@ POLICY = "; ".join(
 
 
 @dataclass(frozen=True)
-class Live:
+class LiveFiles:
     """Files in the folder `live` of the site, and what the pages have to know about them.
 
     Attributes
@@ -55,7 +55,7 @@ class Live:
         }
 
 
-def pack(folder: Path) -> Live:
+def pack(folder: Path) -> LiveFiles:
     """Pack the files; `folder` keeps what npm installs and what takes long to compress.
 
     Raises
@@ -67,6 +67,6 @@ def pack(folder: Path) -> Live:
     # A name changes with its content, so browsers may keep the files.
     names = {name: f"{hashlib.sha256(packed[name]).hexdigest()[:12]}-{name}" for name in packed}
     files = {names[name]: content for name, content in packed.items()}
-    return Live(
+    return LiveFiles(
         files | bundles.scripts(folder / "npm"), names[runtime.PYTHON], names[runtime.LIBRARY_FILE]
     )

@@ -30,7 +30,7 @@ def send(kind: str, **content: object) -> None:
         data = data[os.write(CHANNEL, data) :]
 
 
-def best_of(data: dict) -> dict:
+def best_representation(data: dict) -> dict:
     """Return the best representation of an output, with text for pictures."""
     kind = next((kind for kind in SHOWN_TYPES if kind in data), None)
     return {"type": kind, "data": data[kind]} if kind else {}
@@ -71,7 +71,7 @@ class Publisher(DisplayPublisher):
         **_: object,
     ) -> None:
         """Send the best representation of an object."""
-        if shown := best_of(data):
+        if shown := best_representation(data):
             send("display", id=(transient or {}).get("display_id"), update=update, **shown)
 
     def clear_output(self, wait: bool = False) -> None:
@@ -79,7 +79,7 @@ class Publisher(DisplayPublisher):
         send("clear")
 
 
-class Result(DisplayHook):
+class ResultPublisher(DisplayHook):
     """Sends the value of a cell's last line to the page."""
 
     def write_output_prompt(self) -> None:
@@ -87,7 +87,7 @@ class Result(DisplayHook):
 
     def write_format_data(self, format_dict: dict, md_dict: dict | None = None) -> None:
         """Send the best representation of the value."""
-        if shown := best_of(format_dict):
+        if shown := best_representation(format_dict):
             send("display", id=None, update=False, **shown)
 
     def finish_displayhook(self) -> None:
@@ -109,7 +109,9 @@ def start() -> Shell:
     settings = Config()
     settings.HistoryManager.enabled = False  # a history would be a file
     sys.stdout, sys.stderr = Stream("stdout"), Stream("stderr")
-    return Shell.instance(config=settings, display_pub_class=Publisher, displayhook_class=Result)
+    return Shell.instance(
+        config=settings, display_pub_class=Publisher, displayhook_class=ResultPublisher
+    )
 
 
 def run(source: str, quietly: bool = False) -> None:

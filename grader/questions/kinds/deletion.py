@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from random import Random
 
 from grader.questions.answer import Behaviour
-from grader.questions.kinds.wording import lines_are
+from grader.questions.kinds.wording import lines_with_verb
 from grader.questions.question import OutcomeClaim, Question
 from utils.questions.cases import shown_code, value_of
 from utils.questions.choices import arrange, distractors, with_first
@@ -16,7 +16,7 @@ from utils.questions.texts import TRIVIAL_ERRORS, is_value, same_answer
 TRIVIAL = ("None", *TRIVIAL_ERRORS)
 
 
-def necessary(behaviour: Behaviour, random: Random) -> Iterator[Question]:
+def deletion_questions(behaviour: Behaviour, random: Random) -> Iterator[Question]:
     """Ask what a case does after a statement has been deleted."""
     for number, case in enumerate(behaviour.cases):
         own = behaviour.own[number].outcome
@@ -31,12 +31,12 @@ def necessary(behaviour: Behaviour, random: Random) -> Iterator[Question]:
             if not right or same_answer(right, own) or right in TRIVIAL:
                 continue
             others = [text for text in outcomes.values() if text not in TRIVIAL]
-            nearby = distractors(right, [*others, *behaviour.neighbours(number)])
+            nearby = distractors(right, [*others, *behaviour.edited_outcomes(number)])
             arranged = arrange(right, with_first(own, nearby), random)
             if arranged:
                 yield Question(
                     "necessary",
-                    f"{lines_are(edit)} deleted. What is {value_of(case.code)} now?",
+                    f"{lines_with_verb(edit)} deleted. What is {value_of(case.code)} now?",
                     shown_code(case.code),
                     *arranged,
                     f"Before, the value is `{own}`.",

@@ -55,7 +55,7 @@ def verdict_key(
 @functools.cache
 def rules_key(lesson: Lesson) -> str:
     """Return the fingerprint of everything that verdicts on one lesson depend on."""
-    return key_of_files(lesson.name, files_that_decide(lesson))
+    return key_of_files(lesson.name, verdict_dependencies(lesson))
 
 
 def key_of_files(subject: str, files: Iterable[Path]) -> str:
@@ -68,7 +68,7 @@ def key_of_files(subject: str, files: Iterable[Path]) -> str:
     return digest.hexdigest()
 
 
-def files_that_decide(lesson: Lesson) -> frozenset[Path]:
+def verdict_dependencies(lesson: Lesson) -> frozenset[Path]:
     """Return the files of this project that a verdict on a lesson depends on."""
     entries = {
         *ENTRY_MODULES,
