@@ -1,4 +1,4 @@
-"""Try a lesson as its author: ``python -m grader try 14`` judges its solution and kept answers."""
+"""Try a lesson while writing it: ``python -m grader try 14`` judges its own answers."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Finding:
     ----------
     is_good : bool
     sentence : str
-        What was found and, if it is not good, how to fix it. Lines after the first quote
+        The result and, if there is a problem, how to fix it. Lines after the first quote
         messages.
     """
 
@@ -43,9 +43,9 @@ class Finding:
 
 
 def try_lesson(lesson: Lesson, sandbox: Sandbox) -> Iterator[Finding]:
-    """Yield findings about a lesson that has been built: what is right, wrong or missing.
+    """Yield findings about a built lesson: what is right, wrong or missing.
 
-    If a finding would cause most of the later ones, it is the last.
+    Stop after a problem that would cause most of the later ones.
 
     Parameters
     ----------
@@ -263,9 +263,9 @@ def _quote_messages(result: ExerciseResult) -> str:
 
 
 def _quote_failures(verdict: Verdict) -> str:
-    """Quote the problems in a verdict, or the first failure of each exercise, one per line.
+    """Quote the problems in a verdict, or else the first failure of each exercise, one per line.
 
-    Only the first failed check of an exercise is quoted, because the others often follow from it.
+    Later failures of an exercise often have the same cause as the first, so they are left out.
     """
     lines = [*verdict.problems]
     for exercise in verdict.exercises:

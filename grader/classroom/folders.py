@@ -89,7 +89,7 @@ def unmatched_folders(course: Course, roster: Roster) -> dict[str, str]:
 
 
 def misspelt_folders(course: Course, roster: Roster) -> Iterator[str]:
-    """Yield a sentence about each folder whose name is a different spelling of a student's id."""
+    """Yield a sentence about each folder that spells a student's id differently."""
     folders = _student_folders(course)
     for folder in folders:
         owner = roster.owner_of(folder)
@@ -129,7 +129,8 @@ def _move_commands(course: Course, folder: str, person: Person) -> Iterator[str]
         return
     for path in sorted(source.iterdir()):
         target = destination / path.name
-        if target.is_dir():  # files in subfolders are also found, and the newest counts
+        # Do not merge two folders: the grader also looks in subfolders, and uses the newest file.
+        if target.is_dir():
             target /= f"from {folder}"
         yield _move_command(course, path, target)
 

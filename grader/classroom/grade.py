@@ -1,8 +1,8 @@
 """Judge all submissions of a class in parallel.
 
-A verdict is a file that records everything it depends on. Before a submission is judged, the grader
-looks for its verdict. An interrupted run therefore continues where it stopped, and `nbgrader
-autograde` finds the verdicts of `grade`.
+The file of a verdict has a key, which changes with everything that the verdict depends on. A
+submission with a valid verdict is not judged again. An interrupted run therefore continues where it
+stopped, and `nbgrader autograde` uses the verdicts of `grade`.
 """
 
 from __future__ import annotations
@@ -216,14 +216,14 @@ def _judge_all(
         task = running.pop(future, None)
         if isinstance(task, Lesson):
             rehearsals.record_result(task, future)
-            if rehearsals.has_failed:  # other lessons may be faulty too, so judging stops
+            if rehearsals.has_failed:  # stop, because other lessons may be faulty as well
                 upcoming.clear()
                 for other, task in list(running.items()):
                     if isinstance(task, Submission) and other.cancel():
                         del running[other]
         elif task and isinstance(future.exception(), BrokenExecutor):
             interrupted.append(task)
-        elif task:  # without a task, the job was cancelled
+        elif task:  # a cancelled job has no task
             store_result(task, future)
 
 

@@ -18,7 +18,7 @@ from grader.judging.verdict_key import versions
 from grader.sandbox import SANDBOXES, SandboxUnavailable
 
 MAX_IDLE_SECONDS = 30 * 60
-"""Seconds without a job after which the process ends; the run was probably killed."""
+"""Seconds without a job after which the process ends, because the run was probably killed."""
 
 
 def serve(descriptor: int, workers: int, sandbox: str) -> None:

@@ -1,6 +1,7 @@
-"""Before a class is judged, check that each solution earns all points with the class's seed.
+"""Check, before a class is judged, that each lesson's solution earns all points.
 
-If a solution does not, the tests are at fault and would deduct points for right answers.
+The check uses the class's seed. If a solution loses points, the tests are at fault, and would also
+deduct points for students' right answers.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ class RehearsalFailed(Exception):
 
 
 class Rehearsals:
-    """Rehearsals of some lessons, each of which judges the lesson's own solution.
+    """The rehearsals of some lessons. A rehearsal judges a lesson's own solution.
 
     A passed rehearsal is recorded, and is valid until the solution or the rules change.
 

@@ -132,7 +132,10 @@ def _excused_students(
 
 
 def _assign_to_one_student(archive: SubmittedArchive, owners: OwnerFinder) -> SubmittedArchive:
-    """Assign all files to the archive's owner if an answer names one and the archive no other."""
+    """Assign all files to one student if an answer says whose archive it is.
+
+    Return the archive unchanged if it names several students.
+    """
     name = archive.path.name if archive.path.is_dir() else archive.path.stem
     owner = Owner(name, name, (name,), is_folder=True)
     others = {file.owner for file in archive.files} - {owner}
@@ -146,7 +149,7 @@ def _assign_to_one_student(archive: SubmittedArchive, owners: OwnerFinder) -> Su
 def _decide_level(
     archive: SubmittedArchive, owners: OwnerFinder, report: CollectionReport
 ) -> SubmittedArchive:
-    """Decide which level of folders is the students', by the roster or by asking.
+    """Decide which folders belong to students: look them up on the roster, or ask.
 
     A student could name a folder after another student, so most names at a deeper level must be on
     the roster.
@@ -191,7 +194,8 @@ def _group_by_owner(
     lesson_folders = {archive: folders_of_lessons(files) for archive, files in entries.items()}
     ids_by_owner: dict[tuple[Path, Owner], tuple[str, ...]] = {}
     for (archive, owner), files in groups.items():
-        is_unnamed = owner.label in (archive.name, archive.stem)  # outside the students' folders
+        # Files outside the students' folders have the archive itself as their owner.
+        is_unnamed = owner.label in (archive.name, archive.stem)
         if is_unnamed and all(_is_irrelevant(file) for _, file in files):
             report.ignored.update(file.path[-1] for _, file in files)
             continue
@@ -265,9 +269,9 @@ def _may_belong_to_several(
 ) -> bool:
     """Return whether the paths of notebooks show that several students may own them.
 
-    One student's files have different names, and folders inside each other or named after lessons.
-    Without a roster, every folder is unknown, so a second version or a word that a student added
-    to a name is not enough.
+    One student's files have different names, and are in nested folders or in folders named after
+    lessons. Without a roster, no folder can be looked up. A second version, or a word that a
+    student added to a file name, is then not enough evidence.
     """
     names = [lesson_by_name(path[-1]) or path[-1].lower() for path in paths]
     students = {student_name_in(path[-1]) for path in paths} - {""}

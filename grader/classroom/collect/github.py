@@ -43,9 +43,9 @@ def read_github(archive: Archive) -> list[SubmittedFile] | None:
 
 
 def _outermost(folders: Iterable[tuple[str, ...]]) -> list[tuple[str, ...]]:
-    """Return the folders that are not inside another one.
+    """Return the folders that are not inside another folder of the list.
 
-    A student chooses the names of submodules, so a submodule never has an owner of its own.
+    A nested checkout is a submodule. The student chose its name, so it must not name an owner.
     """
     outermost: list[tuple[str, ...]] = []
     for folder in sorted(folders):

@@ -130,7 +130,7 @@ def store_ignored(
 
 
 def store_teams(course: Course, stages: Sequence[str], teams: Iterable[tuple[str, ...]]) -> None:
-    """Store teams that an archive lists, so that they count as declared."""
+    """Store the teams that an archive lists; `teams_in` treats them as declared."""
     _store(course, stages, {_digest("/".join(sorted(team))): team for team in teams})
 
 
@@ -166,12 +166,12 @@ def _store(course: Course, stages: Sequence[str], new: dict[str, tuple[str, ...]
 
 
 def ids_in(answer: str) -> tuple[str, ...]:
-    """Return the ids in an answer about an owner, as typed."""
+    """Split a typed answer about an owner into ids; empty if no student owns the files."""
     return () if answer == NO_OWNER else tuple(answer.split(","))
 
 
 def normalize_label(label: str) -> str:
-    """Return a label in lower case, in NFC and without outer spaces, for comparisons."""
+    """Normalize a label for comparisons: NFC, lower case, no surrounding spaces."""
     return unicodedata.normalize("NFC", label).casefold().strip()
 
 

@@ -1,4 +1,4 @@
-"""Find the owner of a file from answers, the roster and Moodle's worksheet."""
+"""Find the owner of a file in earlier answers, on the roster or in Moodle's worksheet."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class UnknownOwner(Exception):
 
 
 class OwnerFinder:
-    """Finds the students to whom the files of an archive belong.
+    """Finds the students who own the files of an archive.
 
     Parameters
     ----------
@@ -82,10 +82,10 @@ class OwnerFinder:
         return self.is_answered(owner) or (self._roster is not None and self._names_students(owner))
 
     def owns_whole_archive(self, owner: Owner, others: Collection[Owner]) -> bool:
-        """Return whether the other names in an archive are only folders of this owner.
+        """Return whether all folders in an archive belong to this owner.
 
-        That is the case if an answer names the archive's owner and no other name is a known
-        student. Without a roster, there must be exactly one other name.
+        This requires an answer about the owner, and no folder may be named after a known student.
+        Without a roster, the archive must have exactly one other folder.
         """
         if not self._answers.owners_of(owner.label):
             return False
@@ -228,7 +228,10 @@ class OwnerFinder:
         return tuple(person for person in found if not has_other_lms_id(person, owner.lms_id))
 
     def _people_by_names(self, names: Collection[str]) -> tuple[Person, ...]:
-        """Return the people who have all known names; all of them if the names contradict."""
+        """Return the people who match every name that the roster knows.
+
+        If no person matches all of these names, return everyone who matches one of them.
+        """
         found = [set(people) for name in names if (people := self._people_by_name(name))]
         people = set.intersection(*found) or set.union(*found) if found else set()
         return tuple(sorted(people, key=self._roster.people.index))

@@ -1,4 +1,4 @@
-"""Collect the files of one student: store each under its lesson's name, or ask the instructor."""
+"""Collect the files of one student: store each notebook by lesson, or ask the instructor."""
 
 from __future__ import annotations
 

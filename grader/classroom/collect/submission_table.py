@@ -20,7 +20,7 @@ from grader.classroom.collect.models import CollectError
 from grader.course.tables import TableError, read_table
 from grader.course.times import UnclearTime, read_time, to_utc
 
-# Moodle's translations of "Last modified (submission)", and the language of the dates below them.
+# Moodle's translations of "Last modified (submission)", each with the language of the dates.
 TIME_TITLES = {
     "last modified (submission)": "en",
     "zuletzt geändert (abgabe)": "de",

@@ -28,7 +28,7 @@ from utils.notebooks.reading import UnreadableNotebook
 
 @dataclass(frozen=True)
 class SharedNotebook:
-    """Students who submitted the same notebook.
+    """A notebook that several students submitted.
 
     Attributes
     ----------
@@ -117,7 +117,7 @@ class EarlierCourse(Course):
 
 @dataclass(frozen=True)
 class _StudentNotebook:
-    """A notebook that was read, and the student's name on the page."""
+    """The parts of one student's notebook, with the student's name as shown on the page."""
 
     student: str
     lesson: str
@@ -133,12 +133,12 @@ class _ExemptStudents:
     teams: tuple[frozenset[str], ...]
 
     def belong_together(self, students: Collection[str]) -> bool:
-        """Return whether all of these students are in one team, or in earlier courses."""
+        """Return whether all of these students are in the same team, or all in earlier courses."""
         return any(group.issuperset(students) for group in (self.earlier, *self.teams))
 
 
 def earlier_course(folder: Path) -> EarlierCourse:
-    """Return the course with a folder, which may be the course's folder of submissions."""
+    """Return the earlier course in a folder, which may also be its folder of submissions."""
     folder = folder.resolve()
     return EarlierCourse(folder.parent if folder.name == "submitted" else folder)
 
