@@ -334,7 +334,7 @@ def has_at_most_one_executor(options: argparse.Namespace) -> bool:
 
 
 def sandbox_of_workers(choice: str) -> Sandbox:
-    """Return the requested sandbox without checking it, because each worker checks its own."""
+    """Return the requested sandbox unchecked, because each worker checks its own sandbox."""
     if choice == AUTO:
         return next(sandbox for sandbox in SANDBOXES.values() if not sandbox.warning)
     return SANDBOXES[choice]
@@ -381,7 +381,7 @@ def _section_and_name(course: Course, name: str) -> tuple[Sequence[Person], str]
 def _files_of(
     course: Course, people: Sequence[Person], files: Sequence[tuple[Path, str]]
 ) -> list[tuple[Path, str]]:
-    """Return those of the files in ``submitted/`` that are in folders of some students."""
+    """Return the files in ``submitted/`` that are in the folders of the given students."""
     from grader.course.roster import read_roster
 
     roster = read_roster(course)
@@ -794,7 +794,7 @@ def _grade_with_lock(
         return USAGE_ERROR
     status = _enter_marks(course, judged, requested_stages or stages(), student, restore)
     unjudged_files = unaccounted_files(course)
-    # If a student or a stage is named, `judged` contains only part of the class.
+    # If the user named a student or a stage, `judged` contains only a part of the class.
     reported = _read_verdicts(course) if student or requested_stages else judged
     results, now = class_results(course), len(judged) - stored_count
     label = "" if scheduler else sandbox.label()
@@ -890,7 +890,7 @@ def _print_class(
 def _print_student(
     course: Course, student: str, judged: JudgedSubmissions, results: ClassResults
 ) -> None:
-    """Print the verdicts on a student's work, the results of the term, and their history."""
+    """Print a student's verdicts, results of the term, and history of marks."""
     from grader.lms.mark_history import read_changes
     from grader.lms.term import describe_term, term_result
 

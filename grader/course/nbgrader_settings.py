@@ -71,7 +71,7 @@ def configure(config: Config, root: Path) -> Config:
 
     # If there is a roster, nbgrader must not create a student for each folder of submissions.
     config.Autograde.create_student = not (root / "roster.csv").is_file()
-    # One damaged file must not spoil the whole submission.
+    # By default, nbgrader rejects a whole submission if one of its files is damaged.
     config.Autograde.exporter_class = "grader.lms.nbgrader_plugin.CopyExporter"
     config.Autograde.autograde_preprocessors = [
         "grader.lms.nbgrader_plugin.Judge",  # runs the notebook only in the sandbox

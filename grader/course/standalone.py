@@ -20,7 +20,7 @@ from grader.course.lessons import Lesson, all_lessons, every_lesson
 from grader.course.paths import PROJECT
 
 SETUP_CELL = PROJECT / "solutions" / "standalone_cell.py"
-# First line of the setup cell, which identifies the cell in a submission.
+# The first line of the setup cell identifies this cell in a submission.
 TITLE = SETUP_CELL.read_text("utf-8").partition("\n")[0]
 BADGE_TEXT = (
     "*This notebook does not need any other file. Upload it to Colab or Kaggle, or open it in VS "

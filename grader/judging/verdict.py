@@ -257,14 +257,14 @@ class Verdict:
 
 
 def with_shared_parts(exercise: ExerciseResult) -> ExerciseResult:
-    """Return an equal result whose parts are shared with equal results of other students."""
+    """Return an equal result that shares its parts with equal results of other students."""
     tests = tuple(map(_intern, exercise.tests))
     return _intern(dataclasses.replace(exercise, tests=tests))
 
 
 @functools.lru_cache(maxsize=2**14)
 def _intern(result: CheckResult | ExerciseResult) -> CheckResult | ExerciseResult:
-    """Return the first result that was equal to this one."""
+    """Return the earliest result that is equal to this one."""
     return result
 
 
