@@ -38,7 +38,7 @@ from utils.notebooks.reading import Cell
 
 _PICTURE = re.compile(r"(?<!\u200b)attachment:([^\s)>\"']*)")
 MIN_LONG_COPY = 40_000
-"""Number of characters up to which every page is rendered within a few seconds."""
+"""Shorter copies, in characters, are rendered within a few seconds whatever they contain."""
 MISSING_ANSWER_NOTE = (
     "*This cell was missing. Text elsewhere in the notebook may be the answer. Please look for it.*"
 )

@@ -27,7 +27,7 @@ from grader.untrusted_text import one_line
 
 # Maximum number of files and folders to examine in one submission, from the top folder down.
 MAX_ENTRIES = 200
-# `nbgrader submit` takes only seconds from writing the time to copying the last file.
+# `nbgrader submit` writes the time, then copies the files, which takes only seconds.
 MAX_SUBMISSION_TIME = timedelta(minutes=10)
 _NO_LINK = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK
 
@@ -71,10 +71,10 @@ class CollectOrdinaryFiles(ExchangeCollect):
         return {"username": student, "filename": name, "timestamp": time, "time_text": text}
 
     def _sort_by_timestamp(self, records: list[dict]) -> list[dict]:
-        """Sort a student's folders, newest first, without those that another account made.
+        """Sort a student's folders, newest first, without folders of another account.
 
-        nbgrader collects only the first folder, and every account may create one in any name. If
-        there is no other folder, the forged ones stay, and `copy_files` refuses the first.
+        nbgrader collects only the first folder, and any account can create a folder in a student's
+        name. If all folders are forged, they are kept, and `copy_files` refuses the first one.
         """
         if not self.check_owner:
             return super()._sort_by_timestamp(records)

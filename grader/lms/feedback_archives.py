@@ -190,7 +190,7 @@ def write_feedback(
 
     Raises
     ------
-    grader.course.roster.RosterError, grader.course.deadlines.DeadlinesError
+    grader.course.roster.RosterError, grader.course.deadlines_file.DeadlinesError
     """
     collector = FeedbackCollector(course, stage)
     people = collector.people(students)
@@ -238,7 +238,7 @@ def _waiting_lessons(all_feedback: Sequence[Feedback]) -> Iterator[str]:
 
 
 def _team_owners(sources: dict[str, dict[str, CollectedFile]]) -> set[str]:
-    """Return the owners whose files belong to several students, because they are teams."""
+    """Return the owners that are teams, because their files belong to several students."""
     owners = Counter(
         owner for files in sources.values() for owner in {file.owner for file in files.values()}
     )

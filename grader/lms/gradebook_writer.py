@@ -72,7 +72,7 @@ def enter_verdicts(
     student : str, optional
         Enter only this student, and do not change the others.
     restore : bool
-        Whether to restore marks and comments by hand that are only in the log.
+        Whether to restore manual marks and comments that are only in the log.
     notify : callable
         Called with a sentence about each change apart from entering scores.
 

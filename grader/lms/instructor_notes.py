@@ -62,7 +62,7 @@ def outdated_mark_notes(results: ClassResults, stage: str) -> Iterator[str]:
 
 
 def _rarely_submitted(results: ClassResults, stage: str) -> Iterator[str]:
-    """Yield a note if no student, or only one of several, submitted a lesson of a stage."""
+    """Yield a note about lessons of a stage that at most one of several students submitted."""
     students: dict[str, list[str]] = {}
     for result in results.notebooks:
         if result.stage == stage:
@@ -110,7 +110,7 @@ def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) ->
 
 
 def excessive_mark_notes(results: ClassResults) -> Iterator[str]:
-    """Yield one sentence for each mark by hand that is above the maximum of its exercise."""
+    """Yield one sentence for each manual mark that is above the maximum of its exercise."""
     for _, mark in results.excessive:
         yield f"{mark}. Its maximum was reduced after a person graded it. Grade it again."
 
@@ -149,7 +149,7 @@ def _shared_time_notes(results: ClassResults) -> Iterator[str]:
 def _zone_notes(
     stage: StageResult, notebooks: Iterable[NotebookResult], zone: tzinfo | None
 ) -> Iterator[str]:
-    """Yield a sentence if it matters whether a time without a zone is in UTC or in the course's."""
+    """Yield a sentence if the time zone of a submission time is unknown and affects lateness."""
     own = [result for result in notebooks if result.stage == stage.stage and result.submitted_at]
     dues = {result.due for result in own if result.due} or {stage.due} - {None}
     if not (stage.lacks_zone and stage.submitted_at and dues):

@@ -150,7 +150,7 @@ class LatePenalties(AssignLatePenalties):
 
 
 def _submission(course: Course, names: dict) -> Submission:
-    """Return the submission that nbgrader names, under the only file name that it accepts."""
+    """Return the submission that nbgrader is grading; nbgrader accepts only one file name."""
     lesson = find_lesson(names["notebook"])
     path = course.submitted / names["student"] / names["assignment"] / f"{lesson.name}.ipynb"
     return Submission(names["student"], lesson, path)
@@ -163,8 +163,8 @@ def _deadlines(course: Course) -> Deadlines:
 class CopyExporter(NotebookExporter):
     """Reads a submission like the judge; an unreadable file becomes a notebook without answers.
 
-    nbgrader drops a student's whole submission if one of its files is damaged. The judge gives such
-    a file a verdict, so nbgrader only needs a notebook into which the verdict can be written.
+    nbgrader rejects a student's whole submission if one of its files is damaged. The judge gives a
+    verdict on such a file, so nbgrader only needs a notebook to which the verdict can be added.
     """
 
     def from_filename(

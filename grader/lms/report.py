@@ -191,7 +191,7 @@ def _items(lessons: Sequence[Lesson], counted: Sequence[Verdict]) -> list[tuple[
 def _same_files(
     course: Course, pairs: Sequence[tuple[str, Verdict]]
 ) -> list[tuple[str, list[str]]]:
-    """Return (lesson, students with identical files), except for unchanged notebooks and teams."""
+    """Return (lesson, students with identical files), without unchanged notebooks and teams."""
     by_content: dict[tuple[str, str], list[str]] = {}
     for student, verdict in pairs:
         if verdict.fingerprint:
@@ -220,7 +220,7 @@ def _same_files(
 def _people(
     by_student: dict[str, dict[str, Verdict]], results: ClassResults
 ) -> list[tuple[Person, list, str, dict[str, Verdict]]]:
-    """Return each student with stage results, a sentence about the total, and verdicts."""
+    """Return each student, with stage results, a sentence about the total, and verdicts."""
     people_by_id = {person.id: person for person in results.people}
     ids = dict.fromkeys([*people_by_id, *by_student])
     stages: dict[str, list] = {}

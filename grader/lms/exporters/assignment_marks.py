@@ -193,7 +193,7 @@ def _status_and_points(
 
 
 def _list_by_lesson(notebooks: Iterable[NotebookResult], everyone: int = 0) -> list[str]:
-    """List lessons, each with its students, or without names if it concerns several and all."""
+    """List lessons, each with its students; leave out the names if they are the whole class."""
     students: dict[str, list[str]] = {}
     for result in sorted(notebooks, key=lambda result: result.lesson):
         students.setdefault(result.lesson, []).append(result.student)
