@@ -45,13 +45,13 @@ def _render(template: str, stage: str, sheets: Sequence[Sheet]) -> str:
 
 
 def format_lines(lines: Sequence[int]) -> str:
-    """Return line numbers as a text, such as "line 4" or "lines 4 and 7"."""
+    """Format line numbers in words, such as "line 4" or "lines 4 and 7"."""
     *first, last = map(str, lines)
     return f"lines {', '.join(first)} and {last}" if first else f"line {last}"
 
 
 def key_basis(question: Question) -> str:
-    """Return what an examiner should know about the origin of a question's key."""
+    """Tell the examiner whether a question's key depends on this student's code."""
     if question.is_about_code:
         return f"{question.kind}; the answer follows from this student's code."
     return f"{question.kind}; all right answers have this result, so ask how the code gets there."

@@ -1,6 +1,6 @@
-"""Compute the key of each question again, in a new process and in another way.
+"""Verify the key of each question with a second method, in a new process.
 
-Outcomes come from code that is not instrumented. Counts and values come from Python's own tracing.
+Outcomes come from code that is not instrumented. Counts and values come from `sys.settrace`.
 """
 
 from __future__ import annotations

@@ -24,7 +24,7 @@ from grader.sandbox.failures import StudentError, StudentStopped
 from utils.notebooks.reading import UnreadableNotebook
 from utils.questions.cases import cases_of
 
-# A longer answer fills more than one page, so a shorter one is preferred.
+# A longer answer fills more than one page, so an exercise with a shorter answer is preferred.
 MAX_LINES = 60
 
 
@@ -123,7 +123,7 @@ def make_sheet(
     sandbox: Sandbox,
     count: int,
 ) -> Sheet:
-    """Return the sheet of one student, about the first drawn exercise with enough questions."""
+    """Return one student's sheet, about the first drawn exercise with enough questions."""
     student = submissions[0].student
     stage = submissions[0].lesson.stage
     random = Random(f"{seed} {stage} {student}")

@@ -109,7 +109,7 @@ def _take_jail(kind: Kind) -> Path:
 
 
 def path_in_writable_folders() -> str:
-    """Return a required path that is inside a folder workers can write to; "" if there is none.
+    """Return a path that the sandbox needs but that is in a writable folder; "" if there is none.
 
     Such a path would disappear, because `jail.reset_writable_folders` empties these folders.
     """

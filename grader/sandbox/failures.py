@@ -91,12 +91,12 @@ class CellSkipped(StudentError):
 
 
 class StudentStopped(RemoteStopped):
-    """A student's process took too long, died or broke the protocol. `str()` is a full sentence.
+    """A student's process took too long, died or broke the protocol; `str()` says which.
 
     Attributes
     ----------
     reason : str
-        A text that identifies the cause of the stop; by default the sentence.
+        A text that identifies the cause, to compare stops; by default the sentence.
     out_of_time : bool
         Whether a call to the student's function took too long.
     """

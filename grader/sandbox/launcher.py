@@ -81,8 +81,8 @@ class WorkerProcess:
             # When the first process in a sandbox ends, the kernel ends all others there.
             code = self.forked.exit_code(SECONDS_TO_END)
         if code in KILLED_CODES and not self._above_limit and not had_to_be_killed:
-            # The kernel may have killed other processes while the worker killed itself. The
-            # notebook is then judged once more, which does not help the student.
+            # The kernel may have killed other processes while student code killed the worker. The
+            # notebook is then judged again, which gives the student no advantage.
             self._lacked_memory |= oom_kill_count() > self.initial_kill_count
         self.process.stderr.close()
         for end in (self.read_end, self.write_end):
@@ -241,7 +241,7 @@ def send_rules(worker: Worker, rules: dict) -> None:
 def _kill(process: Popen) -> int | None:
     """End a process and its process group; return its exit code, or None if it does not end."""
     for end in (_end_gently, _kill_group):
-        if process.returncode is None:  # otherwise its ID may have been reused
+        if process.returncode is None:  # after it has ended, another process may have its ID
             end(process)
             with contextlib.suppress(subprocess.TimeoutExpired):
                 process.wait(SECONDS_TO_END)
@@ -290,9 +290,9 @@ def _start_process(
 def _start_and_join(
     sandbox_command: Sequence[str], request: dict, client: ForkClient, read_end: int, write_end: int
 ) -> tuple[Popen, ForkedWorker]:
-    """Build a sandbox around a process that only waits, and make a forked worker join it."""
+    """Build a sandbox whose only process waits, and let a forked worker join that sandbox."""
     info, number = os.pipe()
-    # When process 1 of a PID namespace ends, the kernel kills all other processes in it.
+    # When process 1 of a PID namespace ends, the kernel kills all other processes there.
     options = ["--as-pid-1", "--info-fd", str(number), "--", "/bin/sh", "-c", WAIT_COMMAND]
     try:
         # Bubblewrap inherits both ends of the pipe, so that it cannot fail to write to the pipe.

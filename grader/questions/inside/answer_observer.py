@@ -3,9 +3,9 @@
 This module runs in the sandbox, next to the student's code, and is sent there as text. It contains
 no expected answer. Everything that it returns is untrusted, because student code may change it.
 
-`read_answer` has to be called first. `run_cases` inserts calls into the student's statements, which
-count and record. `trace_case` gets the same facts from `sys.settrace` instead, without changing the
-code, so that it can confirm them.
+`read_answer` has to be called first. `run_cases` inserts calls into the student's code that count
+statements and record values. `trace_case` gets the same data from `sys.settrace`, without changing
+the code. The two methods can therefore verify each other.
 """
 
 import ast
@@ -23,7 +23,7 @@ from utils.notebooks.edits import edits_of
 from utils.notebooks.small_cases import SEEDS, plain_value
 
 MAX_STEPS = 10_000
-"""Statements after which a small case counts as endless."""
+"""Number of statements after which a small case counts as endless."""
 MAX_SECONDS = 0.3
 """Processor seconds after which a small case counts as endless, even if it runs few statements."""
 MAX_NOTES = 400
@@ -54,7 +54,7 @@ _statements: list[slicing.Statement] = []
 
 
 class _TooManySteps(BaseException):
-    """A case runs too many statements. Few answers catch a `BaseException`, so it is one."""
+    """A case runs too many statements. It is a `BaseException`, which few answers catch."""
 
 
 def read_answer(cells: list, exercise: str, given: list, others: list, unchanged: list) -> dict:
@@ -431,7 +431,7 @@ def _run(code: str, recorder: _Recorder) -> dict:
 
 
 def _outcome(code: str, seed: int) -> list:
-    """Return what a case does: its value, the name of an exception, or that it does not end."""
+    """Return the outcome of a case: a value, the name of an exception, or "endless"."""
     namespace = {**_namespace(), "np": np, "rng": seed}
     try:
         *statements, last = ast.parse(code).body

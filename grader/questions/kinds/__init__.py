@@ -1,6 +1,6 @@
-"""The kinds of questions; each module has a function that makes candidates for questions.
+"""The kinds of questions. Each module has a function that yields candidates for questions.
 
-A candidate has at least three choices. Its key has not been verified yet.
+A candidate has at least three choices, and a key that has not been verified yet.
 """
 
 from collections.abc import Callable, Iterator

@@ -1,4 +1,4 @@
-"""How often a line runs, and how often if there is more input."""
+"""Questions about how often a line runs, also with more input."""
 
 from __future__ import annotations
 
@@ -13,11 +13,13 @@ from utils.questions.cases import shown_code
 from utils.questions.choices import arrange, distractors
 
 MAX_COUNT = 40
-MAX_RATIO = 4  # a wrong count that is larger can be excluded without reading the code
+# Wrong counts are at most this many times the right one, because students could exclude larger ones
+# without reading the code.
+MAX_RATIO = 4
 
 
 def cost_questions(behaviour: Behaviour, random: Random) -> Iterator[Question]:
-    """Ask for the number of runs of lines in loops."""
+    """Ask how often a line in a loop runs."""
     larger = [case for case in behaviour.cases if case.larger]
     for number, case in enumerate(behaviour.cases):
         if case.run:

@@ -1,4 +1,4 @@
-"""The effect of deleting a statement."""
+"""Questions about the effect of deleting a statement."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from utils.questions.cases import shown_code, value_of
 from utils.questions.choices import arrange, distractors, with_first
 from utils.questions.texts import TRIVIAL_ERRORS, is_value, same_answer
 
-# Outcomes that do not depend on the rest of the code: the last `return` or a name is missing.
+# Outcomes that are easy to guess, because the deleted statement is the last `return` or defines a
+# name.
 TRIVIAL = ("None", *TRIVIAL_ERRORS)
 
 

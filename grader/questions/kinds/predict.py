@@ -1,4 +1,4 @@
-"""What the function returns in a small case."""
+"""Questions about what the function returns in a small case."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from utils.questions.texts import is_value
 
 
 def prediction_questions(behaviour: Behaviour, random: Random) -> Iterator[Question]:
-    """Ask for the value of each case, or for what the case's own question asks."""
+    """Ask for the value of each case, or ask the case's own question if it has one."""
     for number, case in enumerate(behaviour.cases):
         right = behaviour.own[number].outcome
         wrong = distractors(right, filter(is_value, behaviour.edited_outcomes(number)))

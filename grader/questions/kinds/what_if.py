@@ -1,4 +1,4 @@
-"""The effect of a change: the new value, or the calls that it affects."""
+"""Questions about the effect of a change: the new value, or the calls that it affects."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from utils.questions.cases import shown_code, value_of
 from utils.questions.choices import arrange, distractors, in_rounds, with_first
 from utils.questions.texts import is_value, same_answer
 
-MAX_EDITS = 6  # changes that are asked about in each of the two ways
+MAX_EDITS = 6  # changes to ask about in each of the two ways
 LETTERS = "ABC"
 
 
 def what_if_questions(behaviour: Behaviour, random: Random) -> Iterator[Question]:
-    """Ask for the effect of a change: in one case, and on which of three cases."""
+    """Ask what a change does in one case, and which of three cases it affects."""
     edits = [edit for edit in behaviour.edited if edit.can_be_shown]
     yield from itertools.islice(_values(behaviour, edits, random), MAX_EDITS)
     yield from itertools.islice(_affected_calls(behaviour, edits, random), MAX_EDITS)

@@ -1,4 +1,4 @@
-"""Encode and decode plain data, the only data that student code and the judge exchange.
+"""Encode and decode plain data; student code and the judge exchange nothing else.
 
 A message is a JSON tree followed by the bytes of its arrays. It can contain numbers, strings,
 containers, arrays of a plain dtype and NumPy's default random generators. Any other value arrives
@@ -140,7 +140,7 @@ def decode(tree: bytes, blob: bytes) -> object:
 
 
 def is_plain(value: object) -> bool:
-    """Return whether a value can be sent as plain data, unlike objects of a student's class."""
+    """Return whether a value can be sent as plain data; objects of a student's class cannot."""
     return isinstance(value, (*_SCALARS, np.ndarray, set, frozenset, dict, Sequence)) or hasattr(
         value, "__array__"
     )
@@ -325,7 +325,7 @@ def _is_possible_shape(shape: Sequence[int]) -> bool:
 
 
 def _is_within_limits(tree: bytes) -> bool:
-    """Return whether a tree is within the limits on values and containers.
+    """Return whether a tree respects the limits on values and containers.
 
     Commas and brackets inside strings do not count, because a notebook may contain a long table.
     """

@@ -1,8 +1,8 @@
 """The process in which a student's code runs.
 
 The process reads its limits and the notebook's code cells, and answers calls until the pipe closes.
-It does not contain any expected answer, score or secret. Student code can make it send anything,
-but the judge treats every reply as an answer and decides whether it is right.
+It does not contain any expected answer, score or secret. Student code can make it send any reply,
+but the judge treats every reply as an untrusted answer, and compares it with the right one.
 
 `grader.sandbox` runs the process inside the sandbox: ``python -I -B worker.py READ WRITE``.
 """
@@ -82,7 +82,7 @@ def main(read_end: int, write_end: int) -> None:
     }
     edited_parts = (notebook["edited"], *redefined) if notebook["edited"] else ()
     definitions = definitions_of(edited_parts, notebook["names"], statements)
-    # Edits of helpers come last among equally likely ones, because helpers may have passed their
+    # Among equally likely edits, edits of helpers come last, because helpers may have passed their
     # own checks.
     answer_first = sorted(
         definitions, key=lambda statement: notebook["edited"] not in statement.binds
@@ -349,7 +349,7 @@ def undefined_names(namespace: dict, names: list[str], redefined: frozenset[str]
 
 
 def prefer_for_oom_kill() -> None:
-    """Make Linux kill this process instead of the grader when the machine runs out of memory."""
+    """Let Linux kill this process instead of the grader when the machine runs out of memory."""
     with contextlib.suppress(OSError):
         Path("/proc/self/oom_score_adj").write_text("1000")
 
@@ -439,7 +439,7 @@ def handle_request(request: dict, namespace: dict, objects: dict[int, object]) -
 
 
 class CallTimeout(BaseException):
-    """A call took too long. It derives from `BaseException`, which few answers catch."""
+    """A call took too long. This is a `BaseException`, because few answers catch one."""
 
 
 @contextlib.contextmanager
