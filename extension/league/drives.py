@@ -1,8 +1,8 @@
 """Drive one street with one detector.
 
 This process simulates the car and the street, and measures the drive. The detector runs in a
-sandbox, receives scans and returns boxes. Computing time within the limits does not count.
-Otherwise tenths of a second, which vary on a shared machine, would decide the ranking.
+sandbox, receives scans and returns boxes. Its computing time does not affect the result if it is
+within the limits. Otherwise, tenths of a second on a shared machine would decide the ranking.
 """
 
 from __future__ import annotations
@@ -42,11 +42,11 @@ DETECTOR = "detect_obstacles"
 DRIVE_SECONDS = 20.0
 LIMITS = Limits(call_seconds=5.0, total_seconds=120.0)
 MAX_BOXES = 300
-"""Maximum number of boxes in a scan; there are fewer square metres in front of the car."""
+"""Maximum number of boxes in a scan: more than one per square metre in front of the car."""
 MAX_FAILURES = 20
 """Number of scans without an answer after which a drive ends."""
 REPLY_SECONDS = 30.0
-"""Processor time in which this process may read the answers of a drive; usually it takes 1 s."""
+"""Processor seconds that this process may use to read a drive's answers; usually it needs 1 s."""
 MAX_DISTANCE = 1000.0
 """Distance in metres beyond which a box is dropped; no scanner has such a range."""
 
@@ -115,9 +115,9 @@ def from_json(text: str) -> DriveResult:
 def drive_submission(
     submitted_files: SubmittedFiles | None, lesson: str, street_number: int, seed: int, sandbox: str
 ) -> DriveResult:
-    """Return the result of driving one street.
+    """Drive one street and return the result.
 
-    Arguments and result are plain data, so any machine that has the course can run this.
+    Arguments and result are plain data, so any machine with the course can run this function.
 
     Parameters
     ----------
@@ -244,6 +244,8 @@ def repeat_drive(
         The result of a drive that was not stopped.
     street : utils.drive.Street
         The street of that drive.
+    seconds, sensor
+        As for `utils.drive.loop.drive`.
     """
     answers = _unpack_answers(result.answers)
     drive_ = drive(

@@ -25,7 +25,7 @@ from grader.site.settings import conf_source
 
 STATIC = Path(__file__).parent / "static"
 THEME = Path(__file__).parent / "templates" / "theme"
-SITE_MARKER = "searchindex.js"  # an existing folder with this file is a site
+SITE_MARKER = "searchindex.js"  # a folder that contains this file is recognised as a site
 # 1 January 1980, in seconds since 1970. With a fixed date, the site does not depend on the clock.
 SOURCE_DATE = "315532800"
 REPLACEMENTS = {

@@ -1,4 +1,4 @@
-"""The files of the site with which lessons run in the browser."""
+"""Pack the files that lessons need to run in the browser."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ POLICY = "; ".join(
         "form-action 'self'",
     )
 )
-"""Content security policy of lesson pages: the browser asks no other host, whatever code shows."""
+"""Content security policy of lesson pages: code on a page cannot contact another host."""
 
 
 @dataclass(frozen=True)
 class LiveFiles:
-    """Files in the folder `live` of the site, and what the pages have to know about them.
+    """The files in the site's folder ``live``, and the data that pages need to load them.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class LiveFiles:
         return len(self.files[self.python]) + len(self.files[self.library])
 
     def settings(self) -> dict[str, object]:
-        """Return what the template of the pages needs."""
+        """Return the values that the pages' template needs."""
         return {
             "folder": FOLDER,
             "python": self.python,
@@ -56,7 +56,7 @@ class LiveFiles:
 
 
 def pack(folder: Path) -> LiveFiles:
-    """Pack the files; `folder` keeps what npm installs and what takes long to compress.
+    """Pack the files; `folder` caches npm's packages and the compressed files.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Kernel of a lesson in the browser: runs cells with IPython and sends their outputs to the page.
+"""The kernel of a lesson in the browser: run cells with IPython, and send outputs to the page.
 
 Each output is one line of JSON, written to the file descriptor that the page opened.
 """
@@ -10,7 +10,7 @@ import types
 
 # The guest's files have no permissions, which Python would report as "not writable".
 os.access = lambda path, *_, **__: os.path.exists(path)
-for absent in ("pexpect", "psutil"):  # modules that IPython imports for commands of the system
+for absent in ("pexpect", "psutil"):  # IPython imports these modules only to run system commands
     sys.modules.setdefault(absent, types.ModuleType(absent))
 
 from IPython.core.displayhook import DisplayHook  # noqa: E402
@@ -31,7 +31,7 @@ def send(kind: str, **content: object) -> None:
 
 
 def best_representation(data: dict) -> dict:
-    """Return the best representation of an output, with text for pictures."""
+    """Return the first representation of an output that is in `SHOWN_TYPES`, if any."""
     kind = next((kind for kind in SHOWN_TYPES if kind in data), None)
     return {"type": kind, "data": data[kind]} if kind else {}
 
@@ -83,7 +83,7 @@ class ResultPublisher(DisplayHook):
     """Sends the value of a cell's last line to the page."""
 
     def write_output_prompt(self) -> None:
-        """Write no prompt."""
+        """Do nothing, because the page shows outputs without a prompt."""
 
     def write_format_data(self, format_dict: dict, md_dict: dict | None = None) -> None:
         """Send the best representation of the value."""
@@ -91,7 +91,7 @@ class ResultPublisher(DisplayHook):
             send("display", id=None, update=False, **shown)
 
     def finish_displayhook(self) -> None:
-        """Write no empty line."""
+        """Do nothing, because the page separates outputs without an empty line."""
 
 
 class Shell(InteractiveShell):
