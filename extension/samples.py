@@ -1,8 +1,8 @@
 """Clouds and right answers for the hidden tests.
 
 Fresh scenes are drawn from the course's secret seed. Right answers come from brute force and from
-libraries that students may not use, never from the reference solution. Both are cached, because
-judging a class of two hundred needs each of them two hundred times.
+libraries that students may not use, never from the reference solution. Scenes and answers are
+cached, because judging a class of two hundred needs each of them two hundred times.
 """
 
 import functools

@@ -11,7 +11,7 @@ from grader import commands
 from grader.authoring.skeleton import DEFAULT_STAGE
 from grader.classroom.executors import processor_count
 from grader.course.deadlines_file import DeadlinesError
-from grader.course.extension import course_constant
+from grader.course.extension import extension_constant
 from grader.course.roster import RosterError
 from grader.course.seed import ShortSeed
 from grader.course.settings import course_title, version
@@ -89,7 +89,7 @@ def build_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"{course_title()} {version()}")
     subparsers = parser.add_subparsers(metavar="COMMAND", required=True)
-    for add in (*COMMANDS, *course_constant("COMMANDS")):
+    for add in (*COMMANDS, *extension_constant("COMMANDS")):
         add(subparsers)
     parser.set_defaults(parser=parser)
     return parser

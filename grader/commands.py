@@ -143,7 +143,7 @@ def _release_solutions(options: argparse.Namespace) -> int:
     from grader.course.deadlines import Deadlines
     from grader.course.deadlines_file import read_deadlines
     from grader.course.lessons import all_lessons
-    from grader.course.solutions import reason_still_open, write_solutions
+    from grader.course.solutions import reason_to_withhold, write_solutions
     from grader.lms.gradebook_dates import gradebook_extensions
     from grader.site.runs import solved_runs
     from grader.site.solution import as_notebook
@@ -153,7 +153,7 @@ def _release_solutions(options: argparse.Namespace) -> int:
     extensions = gradebook_extensions(course, requested_stages, deadlines)
     now = datetime.now(UTC)
     open_stages = [
-        reason_still_open(deadlines, stage, now, extensions[stage]) for stage in requested_stages
+        reason_to_withhold(deadlines, stage, now, extensions[stage]) for stage in requested_stages
     ]
     if any(open_stages):
         print(*filter(None, open_stages), sep="\n", file=sys.stderr)
@@ -299,7 +299,7 @@ def run_grade(options: argparse.Namespace) -> int:
 
     if not stages_exist(options.stages):
         return USAGE_ERROR
-    if not has_one_executor(options):
+    if not has_at_most_one_executor(options):
         return USAGE_ERROR
     course = Course()
     read_deadlines(course)  # report a faulty file now, not after hours of judging
@@ -324,7 +324,7 @@ def run_grade(options: argparse.Namespace) -> int:
     )
 
 
-def has_one_executor(options: argparse.Namespace) -> bool:
+def has_at_most_one_executor(options: argparse.Namespace) -> bool:
     """Return whether at most one executor is selected; print an error if not."""
     if options.workers and options.scheduler:
         print(
@@ -336,7 +336,7 @@ def has_one_executor(options: argparse.Namespace) -> bool:
 
 
 def sandbox_of_workers(choice: str) -> Sandbox:
-    """Return the requested sandbox without checking it, because each worker checks its own."""
+    """Return the requested sandbox unchecked, because each worker checks its own sandbox."""
     if choice == AUTO:
         return next(sandbox for sandbox in SANDBOXES.values() if not sandbox.warning)
     return SANDBOXES[choice]
@@ -383,7 +383,7 @@ def _section_and_name(course: Course, name: str) -> tuple[Sequence[Person], str]
 def _files_of(
     course: Course, people: Sequence[Person], files: Sequence[tuple[Path, str]]
 ) -> list[tuple[Path, str]]:
-    """Return those of the files in ``submitted/`` that are in folders of some students."""
+    """Return the files in ``submitted/`` that are in the folders of the given students."""
     from grader.course.roster import read_roster
 
     roster = read_roster(course)
@@ -405,7 +405,7 @@ def _read_verdicts(course: Course) -> JudgedSubmissions:
 def run_export(options: argparse.Namespace) -> int:
     """Run the command ``export``."""
     from grader.classroom.folders import UnknownStudent
-    from grader.course.roster import file_name_part
+    from grader.course.roster import section_slug
     from grader.lms.exporters import EXPORTERS, ExportError, ExportOptions
     from grader.lms.exporters.destination import write_export
     from grader.lms.results_reader import class_results
@@ -437,7 +437,7 @@ def run_export(options: argparse.Namespace) -> int:
             others = tuple(person for person in results.people if person not in people)
             results = results.of_people(people)
         exported = exporter.write(ExportOptions(course, results, *export_settings, others))
-        parts = ("scores", options.assignment, file_name_part(section))
+        parts = ("scores", options.assignment, section_slug(section))
         name = ".".join(filter(None, parts)) + exporter.ending
         path, backup = write_export(exported.content, options.to, course.root / name, options.into)
     except (ExportError, UnknownStudent) as error:
@@ -706,12 +706,12 @@ def run_demo(options: argparse.Namespace) -> int:
     course = make_class(options.students, not sandbox.warning, requested_stages)
     status = grade_course(course, (), 20_170_405, sandbox, options.workers, warning)
     for stage in requested_stages:
-        print(f"Feedback pages for {stage}: {_sample_feedback(course, stage)}")
-        print(f"Similar answers in {stage}: {_sample_similarity(course, stage)}")
+        print(f"Feedback pages for {stage}: {_write_sample_feedback(course, stage)}")
+        print(f"Similar answers in {stage}: {_write_sample_similarity(course, stage)}")
     return status
 
 
-def _sample_feedback(course: Course, stage: str) -> Path:
+def _write_sample_feedback(course: Course, stage: str) -> Path:
     """Write the feedback pages of the sample class, and return their folder."""
     from grader.lms.feedback_archives import write_feedback
 
@@ -721,7 +721,7 @@ def _sample_feedback(course: Course, stage: str) -> Path:
     return folder / stage
 
 
-def _sample_similarity(course: Course, stage: str) -> Path:
+def _write_sample_similarity(course: Course, stage: str) -> Path:
     """Write the page of similar answers in the sample class, and return its path."""
     from grader.classroom.similarity.page import write_similarity
     from grader.classroom.similarity.stage import compare_stage
@@ -797,7 +797,7 @@ def _grade_with_lock(
         return USAGE_ERROR
     status = _enter_marks(course, judged, requested_stages or stages(), student, restore)
     unjudged_files = unaccounted_files(course)
-    # If a student or a stage is named, `judged` contains only part of the class.
+    # If the user named a student or a stage, `judged` contains only a part of the class.
     reported = _read_verdicts(course) if student or requested_stages else judged
     results, now = class_results(course), len(judged) - stored_count
     label = "" if scheduler else sandbox.label()
@@ -876,7 +876,7 @@ def _print_class(
     unjudged_files: Sequence[tuple[Path, str]],
 ) -> None:
     """Print the results of the class, and everything that needs attention."""
-    from grader.classroom.folders import respelt_folders
+    from grader.classroom.folders import misspelt_folders
     from grader.course.deadlines_file import read_deadlines
     from grader.course.roster import read_roster
     from grader.lms.instructor_notes import counted_lessons, notes
@@ -886,14 +886,14 @@ def _print_class(
     for sentence in counted_lessons(results).values():
         print(sentence)
     console.print_unaccounted(unjudged_files)
-    respelt = respelt_folders(course, roster) if roster else ()
+    respelt = misspelt_folders(course, roster) if roster else ()
     console.print_notes([*respelt, *notes(course, results, read_deadlines(course))])
 
 
 def _print_student(
     course: Course, student: str, judged: JudgedSubmissions, results: ClassResults
 ) -> None:
-    """Print the verdicts on a student's work, the results of the term, and their history."""
+    """Print a student's verdicts, results of the term, and history of marks."""
     from grader.lms.mark_history import read_changes
     from grader.lms.term import describe_term, term_result
 

@@ -45,7 +45,8 @@ LEGEND = {
 }
 
 
-MIN_FINISHED = 3  # items; several run at the same time, so the first alone would mislead
+# Finished items before the first estimate. Items run in parallel, so one alone is misleading.
+MIN_FINISHED = 3
 MIN_SECONDS_SHOWN = 60.0  # seconds
 
 
@@ -54,9 +55,9 @@ def progress_bar(title: str) -> Iterator[Callable[[int, int, object], None]]:
     """Show a progress bar on stderr; yield a function that updates it with (done, total, item).
 
     Until the total is known, `item` is a sentence about the work. The bar appears only when work
-    begins, so that an error before that does not look like an interruption. It shows an estimate of
-    the remaining time. If the work is long, a sentence states the first estimate, because a bar is
-    not visible in a log.
+    begins, so an earlier error does not look like an interruption. The bar shows an estimate of the
+    remaining time. If the work is long, the first estimate is also printed, because a log does not
+    contain the bar.
     """
     columns = (
         TextColumn("{task.description}", markup=False),  # a folder's name may contain brackets
@@ -90,7 +91,7 @@ def progress_bar(title: str) -> Iterator[Callable[[int, int, object], None]]:
 
 
 class RemainingTime:
-    """Estimates the remaining time of some work from the items that were finished in this run.
+    """Estimates the remaining time of a task from the items that were finished in this run.
 
     Parameters
     ----------
@@ -109,7 +110,7 @@ class RemainingTime:
         self._begin: tuple[float, int] | None = None
 
     def update(self, done: int, total: int) -> None:
-        """Take note that `done` of `total` items are finished; the first call starts the clock."""
+        """Record that `done` of `total` items are finished; the first call starts the clock."""
         if not total:
             return
         now = self._clock()
@@ -126,7 +127,7 @@ class RemainingTime:
 
 
 def printable_text(text: object) -> str:
-    """Return a text with unprintable characters replaced, such as those in a strange file name.
+    """Replace the unprintable characters in a text, such as those in an unusual file name.
 
     A line break is replaced as well, because a second line could look like a sentence of the
     grader. Spaces stay as they are, so that a file name can be copied from the terminal.
@@ -135,7 +136,7 @@ def printable_text(text: object) -> str:
 
 
 def printable_lines(text: object) -> str:
-    """Return a text of the grader that has several lines, with unprintable characters replaced."""
+    """Replace the unprintable characters in a text of the grader, but keep its line breaks."""
     return "\n".join(map(printable_text, str(text).split("\n")))
 
 
@@ -289,7 +290,7 @@ def print_history(changes: Sequence[MarkChange]) -> None:
 def print_similarity(compared: StageComparison, limit: int = 10) -> None:
     """Print the similar answers in a stage, most unusual first."""
     console = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
-    for same in compared.same_notebooks:
+    for same in compared.shared_notebooks:
         sameness = "identical files" if same.same_bytes else "identical cells"
         console.print(
             printable_text(f"{same.lesson}, {sameness}: {', '.join(same.students)}"), markup=False

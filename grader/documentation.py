@@ -1,4 +1,4 @@
-"""Generated parts of the documentation: syllabus, steps for students, and command reference.
+"""Generate parts of the documentation: syllabus, steps for students, and command reference.
 
 In `PAGES_WITH_SECTIONS`, text between ``<!-- name -->`` and ``<!-- end -->`` is generated.
 """
@@ -165,7 +165,7 @@ def _command_section(name: str, command: argparse.ArgumentParser) -> Iterator[st
 
 
 def _mark_options(text: str) -> str:
-    """Mark options as code, because the website would print two hyphens in a sentence as a dash."""
+    """Mark options as code, because the website would turn two hyphens in text into a dash."""
     return _OPTION.sub(r"`\g<0>`", text)
 
 

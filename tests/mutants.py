@@ -58,7 +58,7 @@ TESTS = {
     "grader/judging/mistake_diagnosis.py": ("test_proven_slips.py",),
     "grader/judging/program_run.py": ("test_runner.py", "test_verdict_paths.py"),
     "grader/judging/judge.py": ("test_verdict_paths.py",),
-    "grader/judging/key.py": ("test_verdict_key.py",),
+    "grader/judging/verdict_key.py": ("test_verdict_key.py",),
     "grader/judging/verdict.py": ("test_verdict.py",),
     "grader/course/atomic_files.py": ("test_atomic_files.py",),
     "extension/samples.py": ("test_samples.py",),

@@ -11,7 +11,7 @@ import pytest
 
 from grader import cli
 from grader.authoring import skeleton
-from grader.authoring.trial import wrong_notes
+from grader.authoring.trial import note_mismatches
 from grader.course.kept_answers import KeptAnswer
 from grader.course.lessons import every_lesson
 from grader.course.paths import PROJECT
@@ -36,8 +36,8 @@ def verdict_on(*failed, cause="", score=0.0):
 
 
 def test_correct_notes_are_not_reported():
-    assert wrong_notes(RIGHT, verdict_on(score=4.0)) == []
-    assert wrong_notes(WRONG, verdict_on("sorts", "test_a[1]")) == []
+    assert note_mismatches(RIGHT, verdict_on(score=4.0)) == []
+    assert note_mismatches(WRONG, verdict_on("sorts", "test_a[1]")) == []
 
 
 @pytest.mark.parametrize(
@@ -75,7 +75,7 @@ def test_correct_notes_are_not_reported():
     ],
 )
 def test_a_wrong_note_is_reported_in_a_sentence(answer, verdict, message):
-    (sentence,) = wrong_notes(answer, verdict)
+    (sentence,) = note_mismatches(answer, verdict)
     assert message in sentence
 
 

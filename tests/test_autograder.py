@@ -239,7 +239,7 @@ def test_nothing_runs_without_a_sandbox(root, monkeypatch, capsys):
 
     monkeypatch.setattr(program, "restrict_access", lambda root: None)
     for name in isolation.PREFERRED_SANDBOXES:
-        monkeypatch.setattr(type(SANDBOXES[name]), "available", unavailable)
+        monkeypatch.setattr(type(SANDBOXES[name]), "check_available", unavailable)
     assert program.main(root) == 1
     output = capsys.readouterr().out
     assert "bubblewrap: It is a drill.\nchroot: It is a drill.\n" in output

@@ -6,7 +6,7 @@ import subprocess
 
 import pytest
 
-from grader.classroom.folders import respelt_folders, unmatched_folders
+from grader.classroom.folders import misspelt_folders, unmatched_folders
 from grader.classroom.submissions import find_submissions
 from grader.course.roster import read_roster
 from grader.lms import gradebook
@@ -122,7 +122,7 @@ def test_an_id_in_another_spelling_is_matched(course, folder):
     assert folder not in enrolled_students(course)
     roster = read_roster(course)
     assert unmatched_folders(course, roster) == {}
-    assert list(respelt_folders(course, roster)) == [
+    assert list(misspelt_folders(course, roster)) == [
         f"{folder!r} in submitted/ belongs to yan (Yan Yip)."
     ]
 
@@ -150,7 +150,7 @@ def test_no_file_is_lost_if_a_student_has_two_folders(course):
     }
     stage = class_results(course).stage("yan", STAGE)
     assert f"{stage.submitted_at:%Y-%m-%d}" == "2026-03-01"  # the latest submission
-    (sentence,) = respelt_folders(course, read_roster(course))
+    (sentence,) = misspelt_folders(course, read_roster(course))
     assert sentence.endswith("belongs to yan (Yan Yip), and so does 'yan'.")
     before = inode(course, "yan")
     enter_verdicts(course, verdicts(course, earned), [STAGE], ignore_progress)

@@ -140,6 +140,6 @@ def test_a_slip_in_an_unbuilt_source_has_no_effect(copied_lesson, sandbox, tmp_p
 
 @pytest.mark.slow
 def test_a_slip_in_the_built_solution_is_found_before_judging(copied_lesson, sandbox):
-    find_fault = judging.complaints_about_reference.__wrapped__  # bypasses the cache
+    find_fault = judging.reference_failures.__wrapped__  # bypasses the cache
     add_slip(copied_lesson.solved)
     assert any(text.startswith("plane_through, ") for text in find_fault(copied_lesson, 7, sandbox))

@@ -171,12 +171,12 @@ def test_a_faulty_check_is_not_a_wrong_answer(course, sandbox, monkeypatch):
         return [type(outcome)(outcome.check, ZeroDivisionError("oracle")) for outcome in outcomes]
 
     record_rehearsal(course, LESSON, SEED)
-    complaints = judging.complaints_about_reference.__wrapped__  # bypasses the cache
-    monkeypatch.setattr(judging, "complaints_about_reference", complaints)
+    complaints = judging.reference_failures.__wrapped__  # bypasses the cache
+    monkeypatch.setattr(judging, "reference_failures", complaints)
     monkeypatch.setattr(program_run, "run_checks", raising)
     verdict = grade_class(course, sandbox)["ada"]
     assert verdict.status == FAILED and "ZeroDivisionError: oracle" in verdict.faults[0]
-    monkeypatch.setattr(judging, "complaints_about_reference", lambda *about: ())
+    monkeypatch.setattr(judging, "reference_failures", lambda *about: ())
     verdict = grade_class(course, sandbox)["ada"]
     assert (verdict.status, verdict.score) == (JUDGED, 0)
 
@@ -204,7 +204,7 @@ def fail_once(monkeypatch):
 @pytest.mark.slow
 def test_a_failure_that_does_not_recur_in_a_rehearsal_is_ignored(sandbox, monkeypatch):
     calls = fail_once(monkeypatch)
-    assert judging.complaints_about_reference.__wrapped__(LESSON, SEED, sandbox) == ()
+    assert judging.reference_failures.__wrapped__(LESSON, SEED, sandbox) == ()
     assert len(calls) == 2
 
 
@@ -223,7 +223,7 @@ def test_a_failure_that_does_not_recur_costs_no_points(answers, sandbox, tmp_pat
 
 
 def test_nothing_is_graded_by_a_check_that_fails_the_solution(course, sandbox, monkeypatch, capsys):
-    monkeypatch.setattr(rehearsals, "complaints_about_reference", lambda *about: ("voxel_grid, x",))
+    monkeypatch.setattr(rehearsals, "reference_failures", lambda *about: ("voxel_grid, x",))
     with pytest.raises(rehearsals.RehearsalFailed, match="06_filter_ground:\nvoxel_grid, x"):
         grade_class(course, sandbox)
     assert not list(course.verdicts.rglob("*.json"))
@@ -236,7 +236,7 @@ def test_rehearsals_are_stored(course, sandbox, monkeypatch):
     events = []
     grade_class(course, sandbox, progress=lambda done, total, what: events.append((done, what)))
     assert events[:2] == [(0, None), (0, f"the course's solution of {LESSON.name}")]
-    monkeypatch.setattr(rehearsals, "complaints_about_reference", lambda *about: ("not called",))
+    monkeypatch.setattr(rehearsals, "reference_failures", lambda *about: ("not called",))
     (course.submitted / "ada" / LESSON.stage / "helper.py").write_text("x = 1")
     again = grade_class(course, sandbox, progress=lambda *news: events.append(news))
     assert again["ada"].score == 30 and not isinstance(events[-1][2], str)

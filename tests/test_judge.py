@@ -11,7 +11,7 @@ import sys
 import matplotlib.pyplot as plt
 import pytest
 
-from grader.authoring.trial import wrong_notes
+from grader.authoring.trial import note_mismatches
 from grader.course.kept_answers import ANOTHER_CELL, answers_to, fill_in
 from grader.course.lessons import find_lesson
 from grader.course.paths import PROJECT
@@ -22,9 +22,9 @@ from grader.intake.submission import read_submitted_files
 from grader.judging import judge as judging
 from grader.judging import repair
 from grader.judging.judge import UnknownLesson, judge, program_for
-from grader.judging.key import verdict_key
 from grader.judging.runner import run_checks
 from grader.judging.verdict import read_verdict, write_verdict
+from grader.judging.verdict_key import verdict_key
 from grader.sandbox import Limits
 from grader.sandbox.student import StudentProxy
 from tests.course_lessons import COURSE
@@ -233,7 +233,7 @@ def test_wrong_variants_lose_the_checks_in_their_notes(
 ):
     monkeypatch.setattr(repair, "ONE_SLIP_KEEPS", 0)  # so only the checks decide
     verdict = judge(notebook_of(chosen, variants, tmp_path), 1, sandbox, limits=LIMITS)
-    broken = {answer.name: wrong_notes(answer, verdict) for answer in variants}
+    broken = {answer.name: note_mismatches(answer, verdict) for answer in variants}
     assert broken == {answer.name: [] for answer in variants}
 
 

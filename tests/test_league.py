@@ -36,7 +36,7 @@ from extension.league.streets import draw_streets
 from grader import cli
 from grader.course.kept_answers import answers_to, fill_in
 from grader.course.paths import PROJECT, Course
-from grader.judging.key import add_imports
+from grader.judging.verdict_key import add_imports
 from grader.sandbox import Limits
 from grader.sandbox.program import Program
 from grader.sandbox.student import StudentProxy
@@ -295,7 +295,7 @@ CHEAP = {
 
 def cheap_points(street, boxes):
     result = drive(street, lambda cloud: boxes, clock=on_time, sensor=NARROW_SENSOR)
-    return counted_metres(street, drives._summarize_drive(result, ""))
+    return counted_metres(street, drives._summarise_drive(result, ""))
 
 
 @pytest.mark.parametrize("name", ("no boxes", "boxes everywhere", "one box 4 m ahead"))
@@ -309,7 +309,7 @@ def test_cheap_detectors_earn_hardly_any_points(name):
 @pytest.mark.parametrize("seed", (SEED, SEED + 1))
 def test_true_boxes_beat_cheap_detectors_in_every_street(number, seed):
     street = draw_streets(seed)[number]
-    assert counted_metres(street, drives._summarize_drive(drive(street), "")) > 50
+    assert counted_metres(street, drives._summarise_drive(drive(street), "")) > 50
     assert max(cheap_points(street, boxes) for boxes in CHEAP.values()) <= 20
 
 

@@ -16,8 +16,8 @@ from grader.judging.messages import (
 )
 from grader.judging.runner import JudgeTimeout
 from grader.judging.verdict import MessageKind
+from grader.sandbox.error_descriptions import MAX_LINE_LENGTH, describe_error, describe_failed_cell
 from grader.sandbox.failures import StudentError, StudentStopped
-from grader.sandbox.quotation import MAX_LINE_LENGTH, describe_error, describe_failed_cell
 from utils.checks import Check, CheckFailed
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import (

@@ -21,7 +21,7 @@ from grader.judging.verdict import Slip
 from grader.sandbox import Limits, time_budget
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.program import Program
-from grader.sandbox.student import TOOK_TOO_LONG
+from grader.sandbox.student import CALL_TIMEOUT
 from grader.sandbox.time_budget import Budget
 from tests.students import student_with
 from utils.checks import Check, checks_of, diagnosis
@@ -32,7 +32,7 @@ from utils.checks.run_cache import once_per_run
 
 LINE = find_lesson("02_ransac_line")
 FAIL = CheckFailed("no")
-HANGS = StudentError("line_through", TOOK_TOO_LONG)
+HANGS = StudentError("line_through", CALL_TIMEOUT)
 SUBMITTED, REPAIRED = Program(("a",), ()), Program(("b",), ())
 SETTING = JudgingContext(LINE, 1, None)
 PLACES = ("1, line 3", "2")
@@ -332,7 +332,7 @@ def test_cached_results_of_one_edit_are_not_used_for_the_next(passing_edits, mon
 
 
 def test_interrupted_calls_count_as_hanging_and_raised_exceptions_do_not():
-    name = (TOOK_TOO_LONG + " ").strip()  # equal but not identical, as if from another process
+    name = (CALL_TIMEOUT + " ").strip()  # equal but not identical, as if from another process
     assert repair._was_stopped(StudentError("f", name))
     assert repair._was_stopped(StudentStopped("It is gone."))
     others = (None, FAIL, StudentError("f", "IndexError"), StudentError("f", "ZeroDivisionError"))

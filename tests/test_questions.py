@@ -24,8 +24,8 @@ from grader.questions.kinds import KINDS
 from grader.questions.pages import write_pages
 from grader.questions.question import DEPTHS, OutcomeClaim, Question
 from grader.questions.quizzes import moodle_quiz, qti_quiz, write_quizzes
-from grader.questions.selection import candidates, choose_questions, peers_of
-from grader.questions.taught import remarks_on
+from grader.questions.remarks import remarks_on
+from grader.questions.selection import candidates, choose_questions, peer_outcomes
 from grader.questions.verification import Verifier
 from grader.questions.viva import Sheet
 from grader.sandbox.student import StudentProxy
@@ -226,14 +226,14 @@ def test_a_question_says_if_all_right_answers_have_the_same_result(sandbox):
     by_name = {answer.name: answer.source for answer in right_answers("euclidean_clustering")}
     backwards = by_name["SciPy's neighbours, clusters numbered from the last point"]
     lesson = lesson_of("euclidean_clustering")
-    peers = peers_of(lesson, "euclidean_clustering", sandbox)
+    peers = peer_outcomes(lesson, "euclidean_clustering", sandbox)
     behaviour = observe(answer_with("euclidean_clustering", backwards), sandbox, peers)
     predictions = {q.code: q for q in candidates(behaviour, Random(1)) if q.kind == "predict"}
     assert {question.is_about_code for question in predictions.values()} == {True, False}
     one_cluster = next(code for code in predictions if "[0.0, 3.0, 2.0, 1.0]" in code)
     assert not predictions[one_cluster].is_about_code
     plain = answer_with("filter_clusters", right_answers("filter_clusters")[0].source)
-    peers = peers_of(lesson_of("filter_clusters"), "filter_clusters", sandbox)
+    peers = peer_outcomes(lesson_of("filter_clusters"), "filter_clusters", sandbox)
     behaviour = observe(plain, sandbox, peers)
     predictions = [q for q in candidates(behaviour, Random(1)) if q.kind == "predict"]
     assert predictions and not any(question.is_about_code for question in predictions)

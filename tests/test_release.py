@@ -204,8 +204,8 @@ def deadlines(**dates):
 
 def test_the_message_lists_the_students_who_may_still_submit():
     late, over = NOW + HOUR, NOW - HOUR
-    assert solutions.reason_still_open(deadlines(due=over), STAGE, NOW, {}) == ""
-    message = solutions.reason_still_open(
+    assert solutions.reason_to_withhold(deadlines(due=over), STAGE, NOW, {}) == ""
+    message = solutions.reason_to_withhold(
         deadlines(due=over, sections={"A": over, "B": late}, students={"anna": late, "bo": over}),
         STAGE,
         NOW,
@@ -215,8 +215,8 @@ def test_the_message_lists_the_students_who_may_still_submit():
         "stage3_obstacles is still open for section B until 12 October 2026, 15:00 CEST, "
         "anna until 12 October 2026, 15:00 CEST."
     )
-    assert "for everyone until" in solutions.reason_still_open(deadlines(due=late), STAGE, NOW, {})
-    granted = solutions.reason_still_open(
+    assert "for everyone until" in solutions.reason_to_withhold(deadlines(due=late), STAGE, NOW, {})
+    granted = solutions.reason_to_withhold(
         deadlines(due=over), STAGE, NOW, {"cy": late, "dee": over}
     )
     assert granted == "stage3_obstacles is still open for cy until 12 October 2026, 15:00 CEST."
@@ -227,24 +227,24 @@ def test_solutions_wait_for_lessons_that_are_due_later_than_their_stage():
     lessons = [lesson.name for lesson in all_lessons() if lesson.stage == STAGE]
     own = {lessons[0]: DueDates(over), lessons[-1]: DueDates(late, {"B": late}, {"bo": over})}
     dates = dataclasses.replace(deadlines(due=over), lessons=own)
-    assert solutions.reason_still_open(dates, STAGE, NOW, {}) == (
+    assert solutions.reason_to_withhold(dates, STAGE, NOW, {}) == (
         f"stage3_obstacles is still open for {lessons[-1]} until 12 October 2026, 15:00 CEST, "
         f"section B in {lessons[-1]} until 12 October 2026, 15:00 CEST."
     )
     own = dict.fromkeys(lessons, DueDates(over))
-    assert solutions.reason_still_open(Deadlines({}, lessons=own), STAGE, NOW, {}) == ""
+    assert solutions.reason_to_withhold(Deadlines({}, lessons=own), STAGE, NOW, {}) == ""
     del own[lessons[1]]
-    message = solutions.reason_still_open(Deadlines({}, lessons=own), STAGE, NOW, {})
+    message = solutions.reason_to_withhold(Deadlines({}, lessons=own), STAGE, NOW, {})
     assert "its due date is not known" in message
 
 
 def test_a_stage_without_a_due_date_may_still_be_open():
     late, over = NOW + HOUR, NOW - HOUR
     for dates in (Deadlines({}), deadlines(excused=frozenset({"anna"}))):
-        assert "its due date is not known" in solutions.reason_still_open(dates, STAGE, NOW, {})
-        assert solutions.reason_still_open(dates, STAGE, NOW, {"": over, "anna": over}) == ""
-        assert "for everyone until" in solutions.reason_still_open(dates, STAGE, NOW, {"": late})
-        assert "for anna until" in solutions.reason_still_open(
+        assert "its due date is not known" in solutions.reason_to_withhold(dates, STAGE, NOW, {})
+        assert solutions.reason_to_withhold(dates, STAGE, NOW, {"": over, "anna": over}) == ""
+        assert "for everyone until" in solutions.reason_to_withhold(dates, STAGE, NOW, {"": late})
+        assert "for anna until" in solutions.reason_to_withhold(
             dates, STAGE, NOW, {"": over, "anna": late}
         )
 

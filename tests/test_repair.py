@@ -204,17 +204,17 @@ def test_a_course_may_switch_slips_off(sandbox, monkeypatch):
 def test_a_process_killed_for_lack_of_memory_during_a_search_is_starved(sandbox, monkeypatch, step):
     """The answer is judged again alone. Otherwise, it would lose three fifths of its points."""
     kills = itertools.count()
-    monkeypatch.setattr(launcher, "killed_for_memory", lambda: next(kills))
+    monkeypatch.setattr(launcher, "oom_kill_count", lambda: next(kills))
 
     def kill(student):
         student.start()
         os.kill(student._worker.pids[-1], signal.SIGKILL)
 
-    first_fails, diagnose = repair._FailedChecks.first_fails, program_run.diagnose
+    first_check_fails, diagnose = repair._FailedChecks.first_check_fails, program_run.diagnose
 
     def search(checks):
         kill(checks._student)
-        return first_fails(checks) and first_fails(checks)
+        return first_check_fails(checks) and first_check_fails(checks)
 
     def explain(exercise, function):
         kill(function._student)
@@ -223,6 +223,6 @@ def test_a_process_killed_for_lack_of_memory_during_a_search_is_starved(sandbox,
     if step == "diagnosis":
         monkeypatch.setattr(program_run, "diagnose", explain)
     else:
-        monkeypatch.setattr(repair._FailedChecks, "first_fails", search)
+        monkeypatch.setattr(repair._FailedChecks, "first_check_fails", search)
     verdict, _ = judge_with(sandbox, line_through=WRONG_SIGN)
     assert verdict.starved

@@ -26,7 +26,7 @@ from grader.judging.verdict import (
 from grader.lms import gradebook_writer
 from grader.lms.differences import differences
 from grader.lms.stage_entries import StageEntry
-from grader.lms.submission_times import known_time
+from grader.lms.submission_times import naive_submission_time
 from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import GivenCode, Program
 from utils.checks import Check
@@ -310,7 +310,7 @@ def test_a_different_submission_time_is_a_difference(submitted_files, hour):
     when = course.submitted / "ada" / FILTER.stage / "timestamp.txt"
     when.write_text("2026-03-01 12:00:00 UTC")
     entry = StageEntry("ada", FILTER.stage, ((submission, verdict),))
-    known = known_time(entry.folders(course)).replace(hour=hour)
+    known = naive_submission_time(entry.folders(course)).replace(hour=hour)
     book = SimpleNamespace(
         find_submission=lambda stage, student: SimpleNamespace(
             timestamp=known,

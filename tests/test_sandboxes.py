@@ -59,7 +59,7 @@ class Container:
 
     name, warning = "container", "It is a stand-in that does not isolate anything."
 
-    def available(self):
+    def check_available(self):
         pass
 
     def protections(self):

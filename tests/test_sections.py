@@ -9,7 +9,7 @@ from grader import cli, commands
 from grader.classroom.folders import UnknownStudent, find_section
 from grader.course import paths
 from grader.course.paths import Course
-from grader.course.roster import file_name_part
+from grader.course.roster import section_slug
 from grader.judging.verdict import write_verdict
 from grader.lms.gradebook_writer import enter_verdicts
 from grader.lms.results_reader import class_results
@@ -49,7 +49,7 @@ def run(*options):
 
 def test_only_sections_on_the_roster_are_found(course):
     assert [person.id for person in find_section(course, " a/1")] == ["ada", "idle"]
-    assert file_name_part("A/1 ü.b") == "A_1_ü_b"
+    assert section_slug("A/1 ü.b") == "A_1_ü_b"
     with pytest.raises(UnknownStudent, match="in section 'C'. The sections are: A/1, B, a/1."):
         find_section(course, "C")
     with pytest.raises(UnknownStudent, match="in section ''"):
@@ -116,7 +116,7 @@ def canvas_file(course, *students):
 def fill_canvas_file(course, given, section):
     call = ("export", "--format", "canvas", "--assignment", STAGE, "--into", given)
     status = run(*call, "--section", section)
-    return status, course.root / f"scores.{STAGE}.{file_name_part(section)}.canvas.csv"
+    return status, course.root / f"scores.{STAGE}.{section_slug(section)}.canvas.csv"
 
 
 def test_marks_of_other_sections_on_the_platform_do_not_change(course, capsys):

@@ -416,14 +416,14 @@ def test_a_declared_team_is_mentioned_but_not_reported(course):
     one, two = last_two(course)
     for student in (one, two):
         submit(course, student, fill_in(LESSON, {"get_bounding_boxes": ORIGINAL}))
-    assert compare_stage(course, LESSON.stage).same_notebooks
+    assert compare_stage(course, LESSON.stage).shared_notebooks
     declare_team(course, one, two)
     compared_ = compare_stage(course, LESSON.stage)
-    assert (compared_.pairs, compared_.same_notebooks) == ((), ())
+    assert (compared_.pairs, compared_.shared_notebooks) == ((), ())
     page = write_similarity(course, compared_).read_text("utf-8")
     assert f"not compared with each other: {one} and {two}." in page
     declare_team(course, one, "s0")
-    assert compare_stage(course, LESSON.stage).same_notebooks, "two students of different teams"
+    assert compare_stage(course, LESSON.stage).shared_notebooks, "two students of different teams"
 
 
 @pytest.mark.parametrize("folder", [".", "submitted"])
@@ -475,7 +475,7 @@ def test_identical_files_are_reported_as_identical(tmp_path):
     texts = {"ada": own, "bo": own, "cy": json.dumps(run), "dee": given, "eve": given}
     for student, text in texts.items():
         submit(course, student, text)
-    same = compare_stage(course, LESSON.stage).same_notebooks
+    same = compare_stage(course, LESSON.stage).shared_notebooks
     assert [(one.students, one.same_bytes, one.own_cells) for one in same] == [
         (("ada", "bo"), True, 1),
         (("ada", "bo", "cy"), False, 1),

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from grader.sandbox import Limits
+from grader.sandbox.error_descriptions import describe_error
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.program import Program
-from grader.sandbox.quotation import describe_error
-from grader.sandbox.student import TOOK_TOO_LONG, StudentProxy
+from grader.sandbox.student import CALL_TIMEOUT, StudentProxy
 from utils.checks.assertions import call_each, get_attribute_path
 
 TREE = """
@@ -286,7 +286,7 @@ def test_an_interrupted_function_can_be_called_again(sandbox):
         for _ in range(3):
             with pytest.raises(StudentError) as caught:
                 student.works(1)
-            assert caught.value.type_name == TOOK_TOO_LONG
+            assert caught.value.type_name == CALL_TIMEOUT
         assert student.answers(1) == process
         with pytest.raises((StudentError, StudentStopped)):
             student.holds_on(1)

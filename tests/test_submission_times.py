@@ -8,8 +8,8 @@ import pytest
 from grader.classroom.collect.record import FileOrigin, Record, write_record
 from grader.lms.submission_times import (
     SubmissionTimeUnknown,
-    known_time,
     lacks_zone,
+    naive_submission_time,
     submission_time,
 )
 
@@ -83,7 +83,7 @@ def test_a_time_that_has_no_single_meaning_is_unknown_and_quoted(folders, text, 
     write_time(folders[0], text)
     with pytest.raises(SubmissionTimeUnknown, match=f"timestamp.txt has '{text}', .*{reason}"):
         submission_time(folders)
-    assert known_time(folders) is None
+    assert naive_submission_time(folders) is None
 
 
 def test_a_time_without_a_zone_is_recognised(folders):
@@ -96,6 +96,6 @@ def test_a_time_without_a_zone_is_recognised(folders):
 
 
 def test_the_gradebook_stores_times_in_utc_without_a_zone(folders):
-    assert known_time(folders) is None
+    assert naive_submission_time(folders) is None
     write_time(folders[0], "2026-10-01 12:00:00 Europe/Berlin")
-    assert known_time(folders) == datetime(2026, 10, 1, 10)
+    assert naive_submission_time(folders) == datetime(2026, 10, 1, 10)

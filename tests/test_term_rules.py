@@ -25,7 +25,7 @@ from grader.lms.exporters.assignment_marks import collect_marks
 from grader.lms.feedback import FeedbackCollector
 from grader.lms.feedback_page import feedback_page
 from grader.lms.gradebook_writer import enter_verdicts
-from grader.lms.instructor_notes import counted_lessons, excessive_notes, notes
+from grader.lms.instructor_notes import counted_lessons, excessive_mark_notes, notes
 from grader.lms.nbgrader_plugin import LatePenalties
 from grader.lms.report import write_report
 from grader.lms.results import AUDITOR, EXCUSED, MARKED, MISSING, WAITING
@@ -140,10 +140,10 @@ def test_switching_off_an_exercise_changes_nothing_in_the_gradebook(course):
 def test_marks_by_hand_and_waiting_answers_do_not_count_in_an_exercise_that_is_off(course):
     change(course, "ada", GROUND, "voxel_grid", manual_score=25.0, needs_manual_grade=True)
     assert result(course, "ada").status == WAITING
-    assert len(list(excessive_notes(class_results(course)))) == 1
+    assert len(list(excessive_mark_notes(class_results(course)))) == 1
     settings(course, f"[{STAGE}]\n{SWITCHED_OFF}")
     assert (result(course, "ada").status, result(course, "ada").score) == (MARKED, 3.25)
-    assert list(excessive_notes(class_results(course))) == []
+    assert list(excessive_mark_notes(class_results(course))) == []
     change(course, "ada", GROUND, "filter_ground", manual_score=9.0, needs_manual_grade=True)
     assert (result(course, "ada").status, result(course, "ada").score) == (WAITING, 9.0)
 

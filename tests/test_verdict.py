@@ -83,7 +83,7 @@ def test_equal_parts_of_verdicts_share_memory():
 
 def test_a_valid_verdict_is_immutable_and_not_starved():
     verdict = full_verdict()
-    assert verdict.without_starved() == dataclasses.replace(verdict, starved=False) != verdict
+    assert verdict.without_starved_flag() == dataclasses.replace(verdict, starved=False) != verdict
     plain = Verdict("06", "ada", JUDGED, 0.0, 30.0, (), (), 0.0, "")
     assert (plain.faults, plain.starved, plain.fingerprint) == ((), False, "")
     exercise = ExerciseResult("f", 0.0, 1.0, ())

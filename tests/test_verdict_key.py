@@ -19,8 +19,8 @@ from grader.course.kept_answers import answers_to, fill_in
 from grader.course.lessons import all_lessons, find_lesson
 from grader.course.paths import PROJECT
 from grader.intake.submission import SubmittedFiles
-from grader.judging import key
-from grader.judging.key import files_that_decide
+from grader.judging import verdict_key
+from grader.judging.verdict_key import verdict_dependencies
 
 # A script for a separate process. It judges notebooks, and prints the paths that were opened or
 # passed to new processes.
@@ -125,7 +125,7 @@ def files_of_project(path):
 
 def assert_covered(lesson, notebooks, folder, sandbox):
     read = read_while_judging(lesson, notebooks, folder, sandbox)
-    missing = sorted(str(file.relative_to(PROJECT)) for file in read - files_that_decide(lesson))
+    missing = sorted(str(file.relative_to(PROJECT)) for file in read - verdict_dependencies(lesson))
     assert not missing, f"{', '.join(missing)}: read while judging, and not in the key"
     # These files are always read, so their absence would mean that the audit hook fails. The
     # solution provides right helpers, which a lesson with one exercise does not need.
@@ -149,7 +149,7 @@ def test_every_source_of_right_helpers_is_in_the_key(sandbox, tmp_path):
 @pytest.mark.slow
 def test_every_imported_module_is_in_the_key(lesson):
     """Parsing the source also finds imports that no notebook in these tests reaches."""
-    covered = files_that_decide(lesson)
+    covered = verdict_dependencies(lesson)
     modules = set().union(*(modules_of(file) for file in covered if file.suffix == ".py"))
     imported = {file for module in modules for file in files_of(module)}
     shows = {
@@ -253,7 +253,12 @@ class ArtificialLesson:
 
 
 def clear_caches():
-    for remembered in (key._imported_files, key._find_module_file, key._digest_of, key.rules_key):
+    for remembered in (
+        verdict_key._imported_files,
+        verdict_key._find_module_file,
+        verdict_key._digest_of,
+        verdict_key.rules_key,
+    ):
         remembered.cache_clear()
 
 
@@ -264,83 +269,85 @@ def artificial_lesson(tmp_path, monkeypatch):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(text)
     entries = ("grader/judging/judge.py", "grader/sandbox/fork_server.py")
-    monkeypatch.setattr(key, "PROJECT", tmp_path)
-    monkeypatch.setattr(key, "ENTRY_MODULES", tuple(tmp_path / name for name in entries))
-    monkeypatch.setattr(key, "ARRAY_FILES", (tmp_path / "data" / "truth.npz",))
-    monkeypatch.setattr(key, "SHOWN_PATHS", (tmp_path / "inside", tmp_path / "data" / "cloud.txt"))
+    monkeypatch.setattr(verdict_key, "PROJECT", tmp_path)
+    monkeypatch.setattr(verdict_key, "ENTRY_MODULES", tuple(tmp_path / name for name in entries))
+    monkeypatch.setattr(verdict_key, "ARRAY_FILES", (tmp_path / "data" / "truth.npz",))
+    monkeypatch.setattr(
+        verdict_key, "SHOWN_PATHS", (tmp_path / "inside", tmp_path / "data" / "cloud.txt")
+    )
     clear_caches()
     yield ArtificialLesson(tmp_path)
     clear_caches()
 
 
 def test_the_files_that_decide_are_the_files_that_the_entries_import(artificial_lesson):
-    found = key.files_that_decide(artificial_lesson)
+    found = verdict_key.verdict_dependencies(artificial_lesson)
     assert {file.relative_to(artificial_lesson.root).as_posix() for file in found} == DECIDING_FILES
 
 
 def test_the_key_changes_only_with_files_that_decide(artificial_lesson):
-    right = key.rules_key(artificial_lesson)
+    right = verdict_key.rules_key(artificial_lesson)
     for name, text in FILES.items():
         (artificial_lesson.root / name).write_text(f"{text}\n# A remark.\n")
         clear_caches()
-        assert (key.rules_key(artificial_lesson) != right) == (name in DECIDING_FILES), name
+        assert (verdict_key.rules_key(artificial_lesson) != right) == (name in DECIDING_FILES), name
         (artificial_lesson.root / name).write_text(text)
     clear_caches()
-    assert key.rules_key(artificial_lesson) == right
+    assert verdict_key.rules_key(artificial_lesson) == right
 
 
 def test_the_key_changes_with_the_names_of_files_and_lesson_and_with_versions(
     artificial_lesson, monkeypatch
 ):
-    right = key.rules_key(artificial_lesson)
-    assert key.rules_key(ArtificialLesson(artificial_lesson.root, "07")) != right
+    right = verdict_key.rules_key(artificial_lesson)
+    assert verdict_key.rules_key(ArtificialLesson(artificial_lesson.root, "07")) != right
     folder = artificial_lesson.root / "inside"
     (folder / "worker.py").rename(folder / "walker.py")
     clear_caches()
-    assert key.rules_key(artificial_lesson) != right
+    assert verdict_key.rules_key(artificial_lesson) != right
     (folder / "walker.py").rename(folder / "worker.py")
-    versions = key.versions()
+    versions = verdict_key.versions()
     for name in versions:
-        monkeypatch.setattr(key, "versions", lambda name=name: versions | {name: "0.1"})
+        monkeypatch.setattr(verdict_key, "versions", lambda name=name: versions | {name: "0.1"})
         clear_caches()
-        assert key.rules_key(artificial_lesson) != right
-    monkeypatch.setattr(key, "versions", lambda: dict(versions))
+        assert verdict_key.rules_key(artificial_lesson) != right
+    monkeypatch.setattr(verdict_key, "versions", lambda: dict(versions))
     clear_caches()
-    assert key.rules_key(artificial_lesson) == right
+    assert verdict_key.rules_key(artificial_lesson) == right
 
 
 def test_the_key_has_the_versions_of_libraries_that_decide():
-    versions = key.versions()
+    versions = verdict_key.versions()
     assert versions["Python"] == f"{sys.version_info.major}.{sys.version_info.minor}"
     assert versions["numpy"] == np.__version__ and versions["pytest"] == pytest.__version__
     assert set(versions) == {"Python", "numpy", "scipy", "scikit-learn", "shapely", "pytest"}
 
 
 def test_the_entries_of_judging_exist():
-    entries = {path.relative_to(PROJECT).as_posix() for path in key.ENTRY_MODULES}
+    entries = {path.relative_to(PROJECT).as_posix() for path in verdict_key.ENTRY_MODULES}
     assert entries == {"grader/judging/judge.py", "grader/sandbox/fork_server.py"}
-    assert all(path.is_file() for path in key.ENTRY_MODULES)
+    assert all(path.is_file() for path in verdict_key.ENTRY_MODULES)
 
 
 def test_the_key_depends_on_student_submission_and_seed():
     lesson, notebook = find_lesson("06_filter_ground"), SubmittedFiles("06.ipynb", b"{}")
     keys = [
-        key.verdict_key(notebook, lesson, 17),
-        key.verdict_key(notebook, lesson, 17, "ada"),
-        key.verdict_key(notebook, lesson, 18, "ada"),
-        key.verdict_key(notebook, find_lesson("07_filter_by_distance"), 17, "ada"),
-        key.verdict_key(SubmittedFiles("06.ipynb", b"{} "), lesson, 17, "ada"),
+        verdict_key.verdict_key(notebook, lesson, 17),
+        verdict_key.verdict_key(notebook, lesson, 17, "ada"),
+        verdict_key.verdict_key(notebook, lesson, 18, "ada"),
+        verdict_key.verdict_key(notebook, find_lesson("07_filter_by_distance"), 17, "ada"),
+        verdict_key.verdict_key(SubmittedFiles("06.ipynb", b"{} "), lesson, 17, "ada"),
     ]
     assert len(set(keys)) == 5 and all(re.fullmatch("[0-9a-f]{64}", one) for one in keys)
-    assert key.verdict_key(notebook, lesson, 17, "") == keys[0]
+    assert verdict_key.verdict_key(notebook, lesson, 17, "") == keys[0]
     # A name that is not valid UTF-8 must not raise an exception.
-    key.verdict_key(notebook, lesson, 17, os.fsdecode(b"J\xfcrgen"))
+    verdict_key.verdict_key(notebook, lesson, 17, os.fsdecode(b"J\xfcrgen"))
 
 
 KEYS = """
 import json
 from grader.course.lessons import all_lessons
-from grader.judging.key import rules_key
+from grader.judging.verdict_key import rules_key
 print(json.dumps({lesson.number: rules_key(lesson) for lesson in all_lessons()}))
 """
 ALL = tuple(lesson.number for lesson in all_lessons())

@@ -80,7 +80,7 @@ def judge_with(monkeypatch):
         monkeypatch.setattr(
             judging, "_full_mark_decisions", {}
         )  # clears the cache of right submissions
-        monkeypatch.setattr(judging, "complaints_about_reference", lambda *about: complaints)
+        monkeypatch.setattr(judging, "reference_failures", lambda *about: complaints)
         monkeypatch.setattr(
             judging,
             "carry_forward",
@@ -195,7 +195,7 @@ def test_a_verdict_is_starved_if_any_step_was(judge_with, starved_in):
     verdict, _ = judge_with(run_results((ODD, FAILURE)), run_results(), starved_in=starved_in)
     assert verdict.starved == (judging.STARVED_NOTE in verdict.problems) == bool(starved_in)
     # The note stays if judging the notebook again alone gives no better result.
-    assert verdict.without_starved().problems == verdict.problems
+    assert verdict.without_starved_flag().problems == verdict.problems
 
 
 def test_a_starved_run_without_losses_is_final(judge_with):
@@ -227,7 +227,7 @@ def reference(monkeypatch):
     def complaints(*tries):
         waiting = list(tries)
         monkeypatch.setattr(judging, "run_program", lambda *about: waiting.pop(0))
-        return judging.complaints_about_reference.__wrapped__(FILTER, 7, None), len(waiting)
+        return judging.reference_failures.__wrapped__(FILTER, 7, None), len(waiting)
 
     return complaints
 

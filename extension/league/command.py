@@ -56,7 +56,7 @@ def run_league(options: argparse.Namespace) -> int:
     from grader.classroom.protocol import ExecutorLost
     from grader.course.seed import course_seed
 
-    if not commands.stages_exist([options.stage]) or not commands.has_one_executor(options):
+    if not commands.stages_exist([options.stage]) or not commands.has_at_most_one_executor(options):
         return commands.USAGE_ERROR
     course, lesson = Course(), lesson_of_league(options.stage)
     if lesson is None:

@@ -1,8 +1,8 @@
 """Drive one street with one detector.
 
 This process simulates the car and the street, and measures the drive. The detector runs in a
-sandbox, receives scans and returns boxes. Computing time within the limits does not count.
-Otherwise tenths of a second, which vary on a shared machine, would decide the ranking.
+sandbox, receives scans and returns boxes. Its computing time does not affect the result if it is
+within the limits. Otherwise, tenths of a second on a shared machine would decide the ranking.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from grader.intake.preflight import prepare_to_judge
 from grader.intake.reader_process import ReadingFailed
 from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import program_for
-from grader.judging.key import add_imports, key_of_files
+from grader.judging.verdict_key import add_imports, key_of_files
 from grader.sandbox import SANDBOXES, Limits
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.student import StudentProxy
@@ -42,11 +42,11 @@ DETECTOR = "detect_obstacles"
 DRIVE_SECONDS = 20.0
 LIMITS = Limits(call_seconds=5.0, total_seconds=120.0)
 MAX_BOXES = 300
-"""Maximum number of boxes in a scan; there are fewer square metres in front of the car."""
+"""Maximum number of boxes in a scan: more than one per square metre in front of the car."""
 MAX_FAILURES = 20
 """Number of scans without an answer after which a drive ends."""
 REPLY_SECONDS = 30.0
-"""Processor time in which this process may read the answers of a drive; usually it takes 1 s."""
+"""Processor seconds that this process may use to read a drive's answers; usually it needs 1 s."""
 MAX_DISTANCE = 1000.0
 """Distance in metres beyond which a box is dropped; no scanner has such a range."""
 
@@ -115,9 +115,9 @@ def from_json(text: str) -> DriveResult:
 def drive_submission(
     submitted_files: SubmittedFiles | None, lesson: str, street_number: int, seed: int, sandbox: str
 ) -> DriveResult:
-    """Return the result of driving one street.
+    """Drive one street and return the result.
 
-    Arguments and result are plain data, so any machine that has the course can run this.
+    Arguments and result are plain data, so any machine with the course can run this function.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ def drive_submission(
     street = draw_streets(seed)[street_number - 1]
     key = drive_key(submitted_files, street, find_lesson(lesson))
     if submitted_files is None:
-        return _summarize_drive(drive(street), key)
+        return _summarise_drive(drive(street), key)
     try:
         judge_input = prepare_to_judge(submitted_files, find_lesson(lesson))
     except UnreadableNotebook:
@@ -168,10 +168,10 @@ def drive_in_sandbox(
             "starved": student.starved,
         }
         return DriveResult(street.number, stopped=str(stop), key=key, **failures)
-    return _summarize_drive(finished, key, detector)
+    return _summarise_drive(finished, key, detector)
 
 
-def _summarize_drive(
+def _summarise_drive(
     finished_drive: Drive, key: str, detector: _SandboxedDetector | None = None
 ) -> DriveResult:
     report = measure(finished_drive)
@@ -247,6 +247,8 @@ def repeat_drive(
         The result of a drive that was not stopped.
     street : utils.drive.Street
         The street of that drive.
+    seconds, sensor
+        As for `utils.drive.loop.drive`.
     """
     answers = _unpack_answers(result.answers)
     drive_ = drive(

@@ -1,4 +1,4 @@
-"""The page of a league for the class, and a separate list of real names for the instructor."""
+"""Write a league's page for the class, and a separate list of real names for the instructor."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ from utils.drive.streets import Street
 from utils.films.writers import best_film_suffix
 
 FILM_SIZE = (720, 404)
-"""Size of the film in pixels; at this size, the page takes a few megabytes."""
+"""Size of the film in pixels; at this size, the page has a few megabytes."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Students' pseudonyms on a league's page, which stay the same within a course.
+"""Draw pseudonyms for a league's page, which stay the same within a course.
 
 Another course gives the same student another pseudonym. Without the course's seed, the student
 behind a pseudonym cannot be found, not even by trying every student's name.

@@ -1,8 +1,8 @@
 """Count the metres of a league, and rank its entrants.
 
 A drive with a collision earns nothing. In other drives, a metre counts only if it is beyond the
-stopping distance of a car that brakes at once. So neither standing still nor driving blind earns
-anything.
+stopping distance of a car that brakes at once. A car that stands still therefore earns nothing, and
+neither does a car that drives blind.
 """
 
 from __future__ import annotations

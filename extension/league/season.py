@@ -177,7 +177,7 @@ def drive_class(
         with open_executor(1) as executor:
             result = _drive_result(executor.submit(*job_arguments(entrant, street)), street)
         result = result or DriveResult(street.number, fault=PROCESS_DIED)
-        # Nothing else ran at the same time, so a detector that was stopped was too slow.
+        # The drive ran alone, so if the detector was stopped, it was too slow.
         store(entrant, street, replace(result, starved=False))
     return _build_season(lesson, streets, drives)
 

@@ -22,9 +22,9 @@ SPEED = 30 / 3.6
 CROWDED_STREET = StreetPlan(parked=1.5, furniture=6.0, walkers=7.0, clearance=1.2)
 
 WAIT_DISTANCE = 18.0
-"""Distance in metres from our scanner to the waiting vehicle at which its wait begins.
+"""Distance in metres from our scanner to the waiting vehicle at which its waiting time begins.
 
-The car has to brake by then.
+Our car has to brake at this distance at the latest.
 """
 
 
@@ -119,6 +119,6 @@ def _draw_street(seed: int, street_number: int) -> Street:
 
 
 def derive_secret(seed: int, label: str) -> int:
-    """Return a number for a label that reveals neither the seed nor other labels' numbers."""
+    """Derive a number from the seed and a label; it reveals neither the seed nor other numbers."""
     digest = hashlib.sha256(f"league: {seed} {label}".encode()).digest()
     return int.from_bytes(digest, "big")

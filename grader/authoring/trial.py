@@ -1,4 +1,4 @@
-"""Try a lesson as its author: ``python -m grader try 14`` judges its solution and kept answers."""
+"""Try a lesson while writing it: ``python -m grader try 14`` judges its own answers."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Finding:
     ----------
     is_good : bool
     sentence : str
-        What was found and, if it is not good, how to fix it. Lines after the first quote
+        The result and, if there is a problem, how to fix it. Lines after the first quote
         messages.
     """
 
@@ -43,9 +43,9 @@ class Finding:
 
 
 def try_lesson(lesson: Lesson, sandbox: Sandbox) -> Iterator[Finding]:
-    """Yield findings about a lesson that has been built: what is right, wrong or missing.
+    """Yield findings about a built lesson: what is right, wrong or missing.
 
-    If a finding would cause most of the later ones, it is the last.
+    Stop after a problem that would cause most of the later ones.
 
     Parameters
     ----------
@@ -185,7 +185,7 @@ def _judge_kept_answers(exercise: Exercise, lesson: Lesson, sandbox: Sandbox) ->
             path = Path(folder) / f"{lesson.name}.ipynb"
             path.write_text(fill_in(lesson, {exercise.name: answer.source}), "utf-8")
             verdict = judge(path, SEEDS[0], sandbox)
-        broken = wrong_notes(answer, verdict)
+        broken = note_mismatches(answer, verdict)
         (result,) = (judged for judged in verdict.exercises if judged.name == exercise.name)
         kind = "right" if answer.right else "wrong"
         earned = f"{exercise.name}, {kind}: {answer.name}: {result.score:g} of {result.max_score:g}"
@@ -197,7 +197,7 @@ def _read_kept_answers(exercise: str, lesson: Lesson) -> tuple[KeptAnswer, ...]:
     return answers_to(exercise) if is_there else ()
 
 
-def wrong_notes(answer: KeptAnswer, verdict: Verdict) -> list[str]:
+def note_mismatches(answer: KeptAnswer, verdict: Verdict) -> list[str]:
     """Compare the notes of a kept answer with a verdict on it.
 
     Parameters
@@ -215,10 +215,10 @@ def wrong_notes(answer: KeptAnswer, verdict: Verdict) -> list[str]:
     failed = {test.name: test.message for test in result.tests if not test.passed}
     if answer.right:
         return [] if result.score == result.max_score else [f"It fails {_join_names(failed)}."]
-    return [*_wrong_losses(answer, result, failed), *_wrong_quotes(answer, result, verdict)]
+    return [*_loss_mismatches(answer, result, failed), *_quote_mismatches(answer, result, verdict)]
 
 
-def _wrong_losses(
+def _loss_mismatches(
     answer: KeptAnswer, result: ExerciseResult, failed: dict[str, str]
 ) -> Iterator[str]:
     if not answer.loses:
@@ -235,7 +235,9 @@ def _wrong_losses(
         yield "It is wrong, but earns all points."
 
 
-def _wrong_quotes(answer: KeptAnswer, result: ExerciseResult, verdict: Verdict) -> Iterator[str]:
+def _quote_mismatches(
+    answer: KeptAnswer, result: ExerciseResult, verdict: Verdict
+) -> Iterator[str]:
     messages = "\n".join([*(test.message for test in result.tests), *verdict.problems])
     if answer.says not in messages:
         yield f"No message contains {answer.says!r}. The messages are: {_quote_messages(result)}"
@@ -261,9 +263,9 @@ def _quote_messages(result: ExerciseResult) -> str:
 
 
 def _quote_failures(verdict: Verdict) -> str:
-    """Quote the problems in a verdict, or the first failure of each exercise, one per line.
+    """Quote the problems in a verdict, or else the first failure of each exercise, one per line.
 
-    Only the first failed check of an exercise is quoted, because the others often follow from it.
+    Later failures of an exercise often have the same cause as the first, so they are left out.
     """
     lines = [*verdict.problems]
     for exercise in verdict.exercises:

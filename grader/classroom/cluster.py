@@ -25,7 +25,7 @@ from grader.classroom import worker_plugin
 from grader.classroom.protocol import DEFAULT_CAPACITY, ExecutorLost
 from grader.course.archives import make_zip
 from grader.course.portable_files import files_for_judging
-from grader.judging.key import versions
+from grader.judging.verdict_key import versions
 
 MAX_WAIT_SECONDS = 15 * 60
 """Seconds without a suitable worker after which grading stops."""
@@ -38,7 +38,7 @@ cloudpickle.register_pickle_by_value(worker_plugin)
 
 
 class _FunctionByValue:
-    """A function that is pickled with its code and not by reference."""
+    """A function that is pickled with its code, so workers need not have its module."""
 
     def __init__(self, function: Callable) -> None:
         self._code = cloudpickle.dumps(function)
@@ -97,7 +97,7 @@ def _client(address: str) -> distributed.Client:
 
 
 def packed_course() -> bytes:
-    """Return a zip of the files that judging needs; equal files give equal bytes."""
+    """Return a reproducible zip of the files that judging needs."""
     return make_zip(files_for_judging())
 
 
@@ -257,7 +257,7 @@ class Cluster(Executor):
 
 
 def _call_quietly(function: Callable, *arguments: object, **options: object) -> None:
-    """Call a function and ignore errors, which are noticed elsewhere or do not matter."""
+    """Call a function and ignore errors, because they are reported elsewhere or do not matter."""
     try:
         function(*arguments, **options)
     except Exception as error:

@@ -16,7 +16,7 @@ from importlib import metadata
 
 from packaging.requirements import Requirement
 
-from grader.classroom.folders import respelt_folders, unmatched_folders
+from grader.classroom.folders import misspelt_folders, unmatched_folders
 from grader.classroom.rehearsals import RehearsalFailed, Rehearsals
 from grader.classroom.submissions import find_submissions, unaccounted_files
 from grader.course.deadlines import Deadlines
@@ -127,7 +127,7 @@ def _examine_sandboxes() -> Iterator[Finding]:
             yield Finding(f"sandbox {sandbox.name}", True, remark)
             continue
         try:
-            sandbox.available()
+            sandbox.check_available()
         except SandboxUnavailable as error:
             yield Finding(f"sandbox {sandbox.name}", False, str(error))
         else:
@@ -209,7 +209,7 @@ def _examine_roster(course: Course) -> Iterator[Finding]:
     counts += [f"{len(without_number)} without an lms_id"] if without_number else []
     yield Finding("roster", True, ", ".join(counts))
     yield from _examine_submissions(course, class_roster)
-    for sentence in respelt_folders(course, class_roster):
+    for sentence in misspelt_folders(course, class_roster):
         yield Finding("roster", True, sentence)
     for sentence in unmatched_folders(course, class_roster).values():
         yield Finding("roster", False, sentence)

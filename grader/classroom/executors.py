@@ -22,7 +22,7 @@ def processor_count() -> int:
     try:
         quota, period = Path("/sys/fs/cgroup/cpu.max").read_text().split()
         count = min(count, math.ceil(int(quota) / int(period)))
-    except (OSError, ValueError):  # no limit, or no such file
+    except (OSError, ValueError):  # the file is missing, or states no limit
         pass
     return max(1, count)
 

@@ -88,8 +88,8 @@ def unmatched_folders(course: Course, roster: Roster) -> dict[str, str]:
     }
 
 
-def respelt_folders(course: Course, roster: Roster) -> Iterator[str]:
-    """Yield a sentence about each folder whose name is a different spelling of a student's id."""
+def misspelt_folders(course: Course, roster: Roster) -> Iterator[str]:
+    """Yield a sentence about each folder that spells a student's id differently."""
     folders = _student_folders(course)
     for folder in folders:
         owner = roster.owner_of(folder)
@@ -109,7 +109,7 @@ def _student_folders(course: Course) -> list[str]:
 def _suggested_fix(course: Course, roster: Roster, folder: str) -> str:
     add = f"add a line for {folder!r} to {roster_path(course).name}"
     beginning = f"{folder!r} is not on the roster, so its scores are not entered."
-    people = roster.find_people(folder) or roster.people_with_zeros(folder)
+    people = roster.find_people(folder) or roster.people_with_leading_zeros(folder)
     if not people:
         return f"{beginning} Either {add}, or rename the folder to the student's id."
     if len(people) > 1:
@@ -129,7 +129,8 @@ def _move_commands(course: Course, folder: str, person: Person) -> Iterator[str]
         return
     for path in sorted(source.iterdir()):
         target = destination / path.name
-        if target.is_dir():  # files in subfolders are also found, and the newest counts
+        # Do not merge two folders: the grader also looks in subfolders, and uses the newest file.
+        if target.is_dir():
             target /= f"from {folder}"
         yield _move_command(course, path, target)
 

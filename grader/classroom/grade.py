@@ -1,8 +1,8 @@
 """Judge all submissions of a class in parallel.
 
-A verdict is a file that records everything it depends on. Before a submission is judged, the grader
-looks for its verdict. An interrupted run therefore continues where it stopped, and `nbgrader
-autograde` finds the verdicts of `grade`.
+The file of a verdict has a key, which changes with everything that the verdict depends on. A
+submission with a valid verdict is not judged again. An interrupted run therefore continues where it
+stopped, and `nbgrader autograde` uses the verdicts of `grade`.
 """
 
 from __future__ import annotations
@@ -20,7 +20,6 @@ from grader.course.lessons import Lesson, find_lesson
 from grader.course.paths import Course
 from grader.intake.submission import SubmittedFiles
 from grader.judging.judge import JUDGE_FAILED_NOTE, judge_files
-from grader.judging.key import verdict_key
 from grader.judging.verdict import (
     FAILED,
     JUDGED,
@@ -29,6 +28,7 @@ from grader.judging.verdict import (
     read_verdict,
     write_verdict,
 )
+from grader.judging.verdict_key import verdict_key
 from grader.sandbox import SANDBOXES, Sandbox, SandboxUnavailable
 
 JudgedSubmissions = list[tuple[Submission, Verdict]]
@@ -70,7 +70,7 @@ def judge_one(
         Whether nothing else is being judged, so that time limits are reliable.
     """
     verdict = judge_files(submitted_files, seed, SANDBOXES[sandbox], find_lesson(lesson), student)
-    return verdict.without_starved() if is_alone else verdict
+    return verdict.without_starved_flag() if is_alone else verdict
 
 
 def judge_and_store(
@@ -216,14 +216,14 @@ def _judge_all(
         task = running.pop(future, None)
         if isinstance(task, Lesson):
             rehearsals.record_result(task, future)
-            if rehearsals.has_failed:  # other lessons may be faulty too, so judging stops
+            if rehearsals.has_failed:  # stop, because other lessons may be faulty as well
                 upcoming.clear()
                 for other, task in list(running.items()):
                     if isinstance(task, Submission) and other.cancel():
                         del running[other]
         elif task and isinstance(future.exception(), BrokenExecutor):
             interrupted.append(task)
-        elif task:  # without a task, the job was cancelled
+        elif task:  # a cancelled job has no task
             store_result(task, future)
 
 

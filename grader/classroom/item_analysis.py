@@ -1,4 +1,4 @@
-"""Item analysis of a class: which checks are hard, and which separate strong from weak students."""
+"""Item analysis: which checks are hard, and which distinguish strong from weak students."""
 
 from __future__ import annotations
 
@@ -15,8 +15,16 @@ MIN_STUDENTS = 20
 
 
 @dataclass(frozen=True)
-class CheckSummary:
-    """How many students failed a check first, and how many have started its exercise."""
+class HardCheck:
+    """A check that was the first failure of some students.
+
+    Attributes
+    ----------
+    lesson, exercise, title : str
+    visible : bool
+    failed, tried : int
+        How many students failed this check before any other, and how many started its exercise.
+    """
 
     lesson: str
     exercise: str
@@ -49,11 +57,11 @@ class Item:
     discrimination: float | None
 
 
-def hardest_checks(verdicts: Sequence[Verdict], limit: int = 10) -> list[CheckSummary]:
-    """Return the checks that most often failed first, hardest first.
+def hardest_checks(verdicts: Sequence[Verdict], limit: int = 10) -> list[HardCheck]:
+    """Return the checks that were most often a student's first failure, the hardest first.
 
-    Each student counts once per exercise, with the first failure, because further failures may have
-    the same cause.
+    Only the first failure in each exercise counts, because further failures may have the same
+    cause.
     """
     attempts, first_failures = Counter(), Counter()
     for verdict in verdicts:
@@ -63,7 +71,7 @@ def hardest_checks(verdicts: Sequence[Verdict], limit: int = 10) -> list[CheckSu
             if first:
                 first_failures[verdict.lesson, exercise.name, first.title, first.visible] += 1
     summaries = [
-        CheckSummary(*check, count, attempts[check[:2]]) for check, count in first_failures.items()
+        HardCheck(*check, count, attempts[check[:2]]) for check, count in first_failures.items()
     ]
     return sorted(summaries, key=lambda check: -check.failed / check.tried)[:limit]
 

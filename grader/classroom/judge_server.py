@@ -14,11 +14,11 @@ from concurrent.futures import Future
 from multiprocessing.connection import Connection
 
 from grader.classroom.pool import Pool, run_job
-from grader.judging.key import versions
+from grader.judging.verdict_key import versions
 from grader.sandbox import SANDBOXES, SandboxUnavailable
 
 MAX_IDLE_SECONDS = 30 * 60
-"""Seconds without a job after which the process ends; the run was probably killed."""
+"""Seconds without a job after which the process ends, because the run was probably killed."""
 
 
 def serve(descriptor: int, workers: int, sandbox: str) -> None:
@@ -56,7 +56,7 @@ def serve(descriptor: int, workers: int, sandbox: str) -> None:
 
 def _sandbox_complaint(sandbox: str) -> str:
     try:
-        SANDBOXES[sandbox].available()
+        SANDBOXES[sandbox].check_available()
     except SandboxUnavailable as error:
         return str(error)
     return ""

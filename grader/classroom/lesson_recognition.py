@@ -16,7 +16,7 @@ from utils.notebooks.reading import Notebook, UnreadableNotebook, decode_noteboo
 
 @dataclass(frozen=True)
 class NotebookContent:
-    """The lesson in a notebook, and whether a student has changed it.
+    """The lesson of a notebook, and whether a student has changed the notebook.
 
     Attributes
     ----------
@@ -26,7 +26,7 @@ class NotebookContent:
     untouched : bool
         Whether every cell is a cell of the released notebook, and the whole file was read.
     repairs : tuple of str
-        One sentence for each repair of a damaged file, by which work may have been lost.
+        One sentence for each repair of a damaged file; the damage may have destroyed work.
     """
 
     lesson: str = ""
@@ -48,7 +48,7 @@ def is_notebook_name(name: str) -> bool:
 
 
 def copy_number(name: str) -> int:
-    """Return the number that a browser or platform added to the name of a copy; otherwise 0."""
+    """Return the number that a browser or platform added to a file's name; 0 if there is none."""
     stem = re.sub(r"(?:\.[A-Za-z]{1,6})+$", "", name)
     numbers = re.findall(r"(?:Copy|\(|[-_ ])\s*(\d{1,4})\)?$", stem)
     return int(numbers[-1]) if numbers else 0

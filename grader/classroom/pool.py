@@ -21,10 +21,10 @@ from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecu
 
 SLOW_TO_IMPORT = ("grader.judging.judge", "scipy.spatial")
 MAX_JOB_SECONDS = 60 * 60
-"""Seconds that one job may take, far more than the sum of a notebook's time limits."""
+"""Seconds that a job may take: far more than the sum of a notebook's time limits."""
 SECONDS_TO_END = 10
 MAX_MEMORY = 3 * 2**30
-"""Bytes that one process may allocate; a right notebook needs a tenth."""
+"""Bytes that a process may allocate; a correct notebook needs a tenth of this memory."""
 
 
 class Pool(Executor):

@@ -13,7 +13,7 @@ DEFAULT_CAPACITY = max(64, 3 * (os.cpu_count() or 1))
 
 
 class ExecutorLost(Exception):
-    """All workers are gone; the message is shown to the user. Finished verdicts are kept."""
+    """No worker is left; the message is shown to the user. Finished verdicts are kept."""
 
 
 def capacity(executor: Executor) -> int:

@@ -1,6 +1,7 @@
-"""Before a class is judged, check that each solution earns all points with the class's seed.
+"""Check, before a class is judged, that each lesson's solution earns all points.
 
-If a solution does not, the tests are at fault and would deduct points for right answers.
+The check uses the class's seed. If a solution loses points, the tests are at fault, and would also
+deduct points for students' right answers.
 """
 
 from __future__ import annotations
@@ -14,8 +15,8 @@ from grader.course.atomic_files import write_atomically
 from grader.course.lessons import Lesson, find_lesson
 from grader.course.paths import Course
 from grader.intake.submission import read_submitted_files
-from grader.judging.judge import complaints_about_reference
-from grader.judging.key import verdict_key
+from grader.judging.judge import reference_failures
+from grader.judging.verdict_key import verdict_key
 from grader.sandbox import SANDBOXES, Sandbox
 
 
@@ -24,7 +25,7 @@ class RehearsalFailed(Exception):
 
 
 class Rehearsals:
-    """Rehearsals of some lessons, each of which judges the lesson's own solution.
+    """The rehearsals of some lessons. A rehearsal judges a lesson's own solution.
 
     A passed rehearsal is recorded, and is valid until the solution or the rules change.
 
@@ -137,7 +138,7 @@ class Rehearsals:
 
 def rehearse_one(lesson: str, seed: int, sandbox: str) -> tuple[str, ...]:
     """Return the complaints of a lesson's tests about its own solution, as strings."""
-    return complaints_about_reference(find_lesson(lesson), seed, SANDBOXES[sandbox])
+    return reference_failures(find_lesson(lesson), seed, SANDBOXES[sandbox])
 
 
 def record_of(course: Course, lesson: Lesson, seed: int) -> tuple[Path, str]:

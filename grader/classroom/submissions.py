@@ -26,7 +26,7 @@ from grader.intake.submission import (
 
 # Files that nbgrader's exchange adds: the submission time and the key for the feedback.
 EXCHANGE_FILES = {"timestamp.txt", "submission_secret.txt"}
-MAX_LISTED_FILES = 10  # files of one folder that are listed one by one
+MAX_LISTED_FILES = 10  # if a folder has more files, only the folder is listed
 
 
 class ReplacedSubmission(Exception):
@@ -58,7 +58,7 @@ class Submission:
         return course.verdicts / self.student / self.lesson.stage / f"{self.lesson.name}.json"
 
     def stage_folder(self, course: Course) -> Path:
-        """Return the file's folder ``submitted/<student>/<stage>/``, as spelt on disk."""
+        """Return the folder ``submitted/<student>/<stage>/`` of the file, as spelt on disk."""
         folder = self.path.relative_to(course.submitted).parts[0]
         return course.submitted / folder / self.lesson.stage
 
@@ -173,10 +173,10 @@ def unaccounted_files(course: Course) -> list[tuple[Path, str]]:
             reason = _reason_not_judged(course, path)
             if reason:
                 files_with_reason.append((path.relative_to(course.root), reason))
-    return list(_summarize_by_folder(files_with_reason))
+    return list(_summarise_by_folder(files_with_reason))
 
 
-def _summarize_by_folder(
+def _summarise_by_folder(
     files_with_reason: Iterable[tuple[Path, str]],
 ) -> Iterator[tuple[Path, str]]:
     groups: dict[tuple[Path, str], list[Path]] = {}

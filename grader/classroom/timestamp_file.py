@@ -1,4 +1,4 @@
-"""Read and write ``timestamp.txt``, nbgrader's file with the submission time of a stage."""
+"""Read and write ``timestamp.txt``, in which nbgrader stores the submission time of a stage."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The Dask plugin that copies the course's code to a worker and judges there.
+"""A Dask plugin that copies the course's code to each worker and judges submissions there.
 
 This module is pickled by value, because a worker has Python and the requirements but not the
 course. It therefore imports no other module of this project.
@@ -25,7 +25,7 @@ from pathlib import Path
 from distributed import Status, Worker, WorkerPlugin, get_worker
 
 MAX_START_SECONDS = 300
-"""Seconds that Python may take to import the modules for judging from a busy disk."""
+"""Seconds that the judging process may take to start; imports from a busy disk are slow."""
 
 
 def judge_on_worker(name: str, job: bytes) -> bytes:
@@ -34,7 +34,7 @@ def judge_on_worker(name: str, job: bytes) -> bytes:
 
 
 MAX_JOB_SECONDS = 70 * 60
-"""Seconds after which a job counts as lost; the judging process gives up a job earlier."""
+"""Seconds after which a job counts as lost; the judging process itself gives up earlier."""
 SECONDS_TO_END = 10
 
 
@@ -43,7 +43,7 @@ class UnsuitableWorker(Exception):
 
 
 class JudgePlugin(WorkerPlugin):
-    """Unpacks the course on a worker, and judges there in separate processes.
+    """Unpacks the course on a worker, and judges submissions there in separate processes.
 
     The plugin gives a suitable worker a Dask resource with the plugin's name, one unit per thread.
     Every job requires that resource, so only suitable workers receive jobs, even if they join

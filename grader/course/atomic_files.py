@@ -1,10 +1,10 @@
-"""Write files atomically: no reader sees half a file, even after a power cut."""
+"""Write files atomically: a reader never sees an incomplete file, even after a power cut."""
 
 import os
 import tempfile
 from pathlib import Path
 
-# Read once, because reading the umask means setting it, which briefly affects all threads.
+# Read only once: the umask can be read only by setting it, which briefly affects all threads.
 _UMASK = os.umask(0o022)
 os.umask(_UMASK)
 

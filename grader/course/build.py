@@ -26,8 +26,9 @@ from grader.course.settings import course_settings
 if TYPE_CHECKING:
     from nbformat import NotebookNode
 
-# Files of the cells that every lesson contains, by the tag that marks their place. A file may have
-# two versions, separated by a line `---`. The first is for a course with a public address.
+# Files of the cells that every lesson contains, by the tag that marks their place. A file may
+# contain two versions of a cell, separated by a line `---`. The first version is used if the course
+# has a public address.
 COMMON_CELLS = {
     "setup": "setup_cell.py",
     "badge": "badge_cell.md",
@@ -37,8 +38,8 @@ COMMON_CELLS = {
 KERNEL = {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}
 FORBIDDEN_FILE = PROJECT / "utils" / "checks" / "forbidden.json"
 CELL_KEYS_FILE = PROJECT / "utils" / "lent" / "cells.json"
-# Characters. Shorter lines do not reveal a solution, and neither do lines that match
-# `HARMLESS_LINE`.
+# Minimum length of a line that could reveal a solution, in characters. Lines that match
+# `HARMLESS_LINE` do not reveal anything either.
 LEAK_LENGTH = 12
 # Cell metadata that folds the code in JupyterLab, Colab and Kaggle.
 HIDDEN_METADATA = {"jupyter": {"source_hidden": True}, "cellView": "form", "_kg_hide-input": True}
@@ -53,7 +54,7 @@ HARMLESS_LINE = re.compile(r"(return|continue|break|pass|else:|try:|if|import|fr
 
 
 class RegistryFault(Exception):
-    """Some lessons are ignored or conflict. The message contains one sentence for each fault."""
+    """Some lessons are ignored or conflict; the message has one sentence for each fault."""
 
 
 def build() -> list[tuple[str, Path]]:
@@ -130,13 +131,13 @@ def build_all(origin: Origin | None = None) -> dict[Path, bytes]:
 
 
 def _forbidden_modules() -> bytes:
-    """Return, as JSON, the forbidden modules of each lesson. Students do not have the headers."""
+    """Return the forbidden modules of each lesson as JSON, because students lack the headers."""
     rules = {f"lesson_{lesson.number}": lesson.header.forbidden for lesson in all_lessons()}
     return (json.dumps(rules, indent=1) + "\n").encode()
 
 
 def _cell_keys(released: dict[Path, bytes]) -> bytes:
-    """Return, as JSON, fingerprints of the code cells in each student notebook."""
+    """Return fingerprints of the code cells in each student notebook, as JSON."""
     from utils.lent.rerun import key_of_cell
 
     keys = {
@@ -372,7 +373,7 @@ def _fold_tagged_cell(cell: NotebookNode) -> None:
 
 
 def _allow_errors_after_answers(notebook: NotebookNode) -> None:
-    """Let Run All continue after an answer that raises, so that the check can explain the error."""
+    """Let Run All continue after an answer that raises, because the check explains the error."""
     cells_since_answer = None
     for cell in notebook.cells:
         if cell.cell_type != "code":

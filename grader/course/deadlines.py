@@ -1,6 +1,6 @@
-"""What a lecturer decides once a term: due dates, and rules for the marks.
+"""The due dates of a term and the rules for its marks.
 
-`grader.course.deadlines_file` reads them from ``deadlines.toml``.
+`grader.course.deadlines_file` reads both from ``deadlines.toml``.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class TermRules:
     drop_lowest : int
         Number of lessons that each student's total leaves out.
     pass_mark : float or None
-        Least percentage of the possible points that a student needs to pass.
+        Minimum percentage of the possible points that a student needs to pass.
     """
 
     excluded_exercises: frozenset[str] = frozenset()
@@ -108,8 +108,8 @@ class Deadlines:
         ----------
         student, stage, lesson : str
         due_of_stage : datetime or None
-            The student's due date of the stage, from the gradebook if it grants more time. It also
-            applies to a lesson with its own date if it is an extension.
+            The student's due date for the stage, from the gradebook if that date is later. If it is
+            an extension, it also applies to a lesson with its own date.
         due_in_gradebook : datetime or None
             The due date of the stage for the class, which counts if the file has none.
         """
@@ -140,7 +140,7 @@ class Deadlines:
         return self.stages.get(stage, DueDates()).lessons
 
     def unassigned_lessons(self, lessons: Iterable[Lesson]) -> list[Lesson]:
-        """Return those of the lessons that do not count, because the file lists others."""
+        """Return the lessons that do not count, because the file lists only other lessons."""
         return [
             lesson
             for lesson in lessons

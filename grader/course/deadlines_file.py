@@ -1,4 +1,4 @@
-"""Read ``deadlines.toml``, the optional file with a lecturer's settings for the term.
+"""Read ``deadlines.toml``, the optional file with the lecturer's settings for a term.
 
 ::
 
@@ -316,7 +316,7 @@ def _check_keys(
 
 
 def _check_names(location: str, dates: DueDates, roster: Roster | None) -> None:
-    """Raise `DeadlinesError` if a name is not on the roster, because its date has no effect."""
+    """Raise `DeadlinesError` if a name is not on the roster, because its date would be ignored."""
     if dates.sections and roster is None:
         raise DeadlinesError(
             f"{location}.sections]: the sections are unknown, because there is no roster.csv. "

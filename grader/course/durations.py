@@ -109,7 +109,7 @@ def _required_minutes(minutes: dict[str, float]) -> float:
 
 
 def sitting_minutes(notebook: NotebookNode) -> list[float]:
-    """Estimate the minutes of each sitting, from one good place to stop to the next."""
+    """Estimate the minutes of each sitting. A sitting ends at a good place to stop."""
     from nbformat.v4 import new_notebook
 
     sittings: list[list] = [[]]

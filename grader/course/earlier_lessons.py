@@ -1,4 +1,4 @@
-"""Functions that a lesson uses from earlier lessons, copied from their sources during the build.
+"""Copy functions of earlier lessons into a lesson during the build.
 
 Students paste the functions that they wrote in earlier lessons into a cell tagged `earlier`. In the
 source of the lesson, this cell only names the functions, between nbgrader's solution marks:
@@ -91,7 +91,7 @@ def statements_of(lesson: str, names: list[str]) -> list[str]:
 
 @functools.lru_cache(maxsize=256)
 def _cached_statements(names: tuple[str, ...], source: str, lesson: str) -> tuple[str, ...]:
-    """Return the statements; cached, because several lessons need the same functions."""
+    """Return the statements. The result is cached, because several lessons need it."""
     return tuple(_remove_marks(text) for text in pasting.source_texts(names, [source], lesson))
 
 

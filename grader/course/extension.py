@@ -6,7 +6,7 @@ from collections.abc import Collection
 from grader.course.paths import PROJECT
 
 
-def course_constant(name: str) -> Collection:
+def extension_constant(name: str) -> Collection:
     """Return a constant of ``extension/registry.py``, or an empty tuple if it is not defined.
 
     Parameters

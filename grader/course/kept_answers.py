@@ -1,4 +1,4 @@
-"""Kept answers: right answers in many styles, and wrong answers with real mistakes.
+"""Read the answers that are kept with the course: right ones, and wrong ones with real mistakes.
 
 Each lesson has a file ``answers/<exercise>.txt`` for each exercise. An answer begins with a line
 such as ``# %% right: a loop in plain Python`` or ``# %% wrong: labels from 0``. A right answer

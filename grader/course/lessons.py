@@ -95,9 +95,9 @@ class Lesson:
         return (*(exercise.name for exercise in self.machine_graded), *self.header.given)
 
     def source_of(self, names: tuple[str, ...]) -> str:
-        """Return the source of some functions that students get, and of the code that they need.
+        """Return the source of some functions in the student's notebook, with the code they need.
 
-        The source does not contain exercises, which the student's notebook defines.
+        The source does not contain exercises, because students write these functions.
         """
         own = {exercise.name for exercise in self.machine_graded}
         cells = json.loads(self.released.read_text("utf-8"))["cells"]
@@ -157,7 +157,7 @@ def _lessons_in(stage: str) -> tuple[Lesson, ...]:
 
 
 def every_lesson() -> tuple[Lesson, ...]:
-    """Return all lessons of the course, followed by the optional lessons."""
+    """Return the lessons of all stages, followed by the optional lessons."""
     return all_lessons() + optional_lessons()
 
 
@@ -249,7 +249,7 @@ def load_reference(lesson_name: str, *additional_names: str) -> types.SimpleName
     Parameters
     ----------
     lesson_name : str
-    *more_names : str
+    *additional_names : str
         Names of further functions of the lesson, which are not graded.
     """
     lesson = next(lesson for lesson in every_lesson() if lesson.name == lesson_name)

@@ -29,7 +29,7 @@ notation rspace scriptlevel separator stretchy symmetric voffset width
 """
 ELEMENTS = frozenset(f"{{{NAMESPACE}}}{name}" for name in _ELEMENTS.split())
 ATTRIBUTES = frozenset(_ATTRIBUTES.split())
-# latex2mathml's names of environments that MathJax knows under another name.
+# Environments of MathJax, and the environments with which latex2mathml draws them.
 ENVIRONMENT_ALIASES = {"aligned": "split", "gathered": "matrix"}
 STYLE = """math { font-size: 1.08em; } math[display="block"] { margin: .8em 0; }
 mtd[columnalign="left"] { text-align: left; } mtd[columnalign="right"] { text-align: right; }"""
@@ -81,7 +81,7 @@ def _replace_alias(environment: re.Match) -> str:
 
 
 def _is_mathematics(drawn: ElementTree.Element) -> bool:
-    """Return whether all elements and attributes are allowed; latex2mathml may create others."""
+    """Return whether a drawn formula contains only allowed elements and attributes."""
     return all(
         element.tag in ELEMENTS and ATTRIBUTES.issuperset(element.attrib)
         for element in drawn.iter()

@@ -60,18 +60,18 @@ def configure(config: Config, root: Path) -> Config:
     config.ClearSolutions.code_stub = {"python": STUB}
 
     config.GenerateAssignment.preprocessors = [
-        "grader.lms.nbgrader_plugin.ClearEarlier",
+        "grader.lms.nbgrader_plugin.ClearEarlierFunctions",
         *(f"nbgrader.preprocessors.{step}" for step in RELEASE_STEPS),
     ]
 
     # Students fetch notebooks alone, without `utils`, so these have to be standalone.
     config.ExchangeFactory.release_assignment = "grader.lms.exchange.ReleaseStandalone"
     config.ExchangeFactory.collect = "grader.lms.exchange_collection.CollectOrdinaryFiles"
-    config.ExchangeFactory.release_feedback = "grader.lms.exchange.ReleaseFeedbackOfEach"
+    config.ExchangeFactory.release_feedback = "grader.lms.exchange.ReleaseFeedbackPerStudent"
 
     # If there is a roster, nbgrader must not create a student for each folder of submissions.
     config.Autograde.create_student = not (root / "roster.csv").is_file()
-    # One damaged file must not spoil the whole submission.
+    # By default, nbgrader rejects a whole submission if one of its files is damaged.
     config.Autograde.exporter_class = "grader.lms.nbgrader_plugin.CopyExporter"
     config.Autograde.autograde_preprocessors = [
         "grader.lms.nbgrader_plugin.Judge",  # runs the notebook only in the sandbox

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from nbclient import NotebookClient
     from nbformat import NotebookNode
 
-MAX_CELL_SECONDS = 300  # seconds; enough even on a busy machine
+MAX_CELL_SECONDS = 300  # enough even on a busy machine
 
 
 class NotebookStopped(Exception):
@@ -40,7 +40,7 @@ def run_notebook(notebook: NotebookNode, folder: Path, *, checks_may_fail: bool 
         timeout=MAX_CELL_SECONDS,
         resources={"metadata": {"path": str(folder)}},
         store_widget_state=False,
-        force_raise_errors=not checks_may_fail,  # despite raises-exception tags
+        force_raise_errors=not checks_may_fail,  # even in cells tagged raises-exception
         extra_arguments=["--log-level=ERROR"],  # log lines would break a progress bar
     )
     client.comm_open_handlers.clear()  # so that a widget's output stays in its cell

@@ -1,4 +1,4 @@
-"""The project files that another machine needs in order to judge."""
+"""The project files that another machine needs to judge submissions."""
 
 from pathlib import Path
 

@@ -164,14 +164,14 @@ def _nearly_equal(first: object, second: object) -> bool:
     if isinstance(first, list):
         return len(first) == len(second) and all(map(_nearly_equal, first, second))
     if isinstance(first, float):
-        # The order in which NumPy sorts equal values depends on the processor. A tree built in
-        # another order is also right, but a search may visit more or fewer of its nodes.
+        # The order of equal values after NumPy sorts them depends on the processor. Another order
+        # gives another valid tree, in which a search may visit more or fewer nodes.
         return bool(np.isclose(first, second, rtol=0.05, equal_nan=True))
     return first == second
 
 
 def main(numbers: Sequence[str]) -> None:
-    """Record the answers of the lessons with these numbers; without numbers, of all lessons."""
+    """Record the answers of the numbered lessons; without numbers, of all lessons."""
     for lesson in all_lessons():
         if numbers and lesson.number not in numbers:
             continue

@@ -1,4 +1,4 @@
-"""Write the zip files that students get, one for each stage. They work in any folder."""
+"""Write the students' zip files, one for each stage."""
 
 from __future__ import annotations
 

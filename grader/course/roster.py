@@ -120,10 +120,10 @@ class Roster:
         same = self._by_folded_id.get(normalized_text(text), ())
         return tuple(same) or tuple(person for person in self.people if _is_name_of(text, person))
 
-    def people_with_zeros(self, text: str) -> tuple[Person, ...]:
-        """Return the students whose ID is a number with more zeros at its beginning.
+    def people_with_leading_zeros(self, text: str) -> tuple[Person, ...]:
+        """Return the students whose ID equals a number except for leading zeros.
 
-        Spreadsheets remove these zeros.
+        Spreadsheets remove leading zeros.
         """
         number = text.strip().lstrip("0")
         return tuple(
@@ -254,9 +254,10 @@ def _is_name_of(text: str, person: Person) -> bool:
 
 
 def has_other_lms_id(person: Person, lms_id: str) -> bool:
-    """Return whether a number from an LMS certainly belongs to another person.
+    """Return whether an LMS's number for a student proves that a person is not this student.
 
-    If either ID contains anything except digits, it is another kind of ID, so the answer is no.
+    If either ID contains anything except digits, the two may be IDs of different kinds, which
+    proves nothing.
     """
     return lms_id.isdigit() and person.lms_id.isdigit() and lms_id != person.lms_id
 
@@ -266,8 +267,8 @@ def normalized_text(text: str) -> str:
     return " ".join(unicodedata.normalize("NFKC", text).casefold().split())
 
 
-def file_name_part(section: str) -> str:
-    """Return the name of a section with all unusual characters replaced, for names of files."""
+def section_slug(section: str) -> str:
+    """Replace the unusual characters in the name of a section, for use in a file name."""
     return re.sub(r"[^\w-]+", "_", section)
 
 

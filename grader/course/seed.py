@@ -7,7 +7,7 @@ import tempfile
 
 from grader.course.paths import Course
 
-# From one hidden test's input, student code could find a smaller seed by trying all seeds.
+# Student code could find a smaller seed by trying all seeds until one gives a hidden test's input.
 MIN_SEED = 2**64
 
 
@@ -38,8 +38,8 @@ def course_seed(course: Course, requested_seed: int | None = None) -> int:
     if requested_seed is not None:
         return _require_long_seed(requested_seed, "Leave --seed out")
     if not course.seed_file.exists():
-        # Two graders may start at the same time. The link is made only when the file is complete,
-        # and the first grader's link wins.
+        # Two graders may start at the same time. Each links its complete file to the final name,
+        # and only the first link succeeds.
         descriptor, draft = tempfile.mkstemp(dir=course.root)
         with open(descriptor, "w", encoding="utf-8") as file:
             file.write(f"{secrets.randbits(128)}\n")

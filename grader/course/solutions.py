@@ -28,10 +28,10 @@ SOLUTION_MARKS = re.compile(r"^[ \t]*### (?:BEGIN|END) SOLUTION[ \t]*\n?", re.M)
 WIDGET_TYPE = "application/vnd.jupyter.widget-view+json"
 
 
-def reason_still_open(
+def reason_to_withhold(
     deadlines: Deadlines, stage: str, now: datetime, extensions: Mapping[str, datetime]
 ) -> str:
-    """Return why a stage's solutions must wait, as a sentence; empty if no student can submit.
+    """Return why a stage's solutions must not be released yet; empty if they may be.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ def run_all(
 
 
 def executed_notebook(lesson: Lesson, cache_folder: Path, additional_code: str) -> bytes:
-    """Return a lesson's solved notebook with outputs. Run it only if its inputs have changed.
+    """Return a lesson's solved notebook with outputs, from the cache if nothing has changed.
 
     Parameters
     ----------
@@ -192,7 +192,7 @@ def _run_solved_notebook(lesson: Lesson, additional_code: str) -> bytes:
 
 
 def remove_volatile_data(notebook: NotebookNode) -> None:
-    """Remove everything from a notebook's outputs that differs from run to run.
+    """Remove the parts of a notebook's outputs that differ from run to run.
 
     Timestamps and widgets are removed. Printed text is joined, because the kernel sends a progress
     bar in as many pieces as its flush interval allows, and only the last state of the bar is kept.

@@ -15,12 +15,12 @@ from pathlib import Path
 
 from grader.course.atomic_files import write_atomically
 from grader.course.build import CELL_KEYS_FILE, COMMON_CELLS, HIDDEN_METADATA, find_leaks
-from grader.course.extension import course_constant
+from grader.course.extension import extension_constant
 from grader.course.lessons import Lesson, all_lessons, every_lesson
 from grader.course.paths import PROJECT
 
 SETUP_CELL = PROJECT / "solutions" / "standalone_cell.py"
-# First line of the setup cell, which identifies the cell in a submission.
+# The first line of the setup cell identifies this cell in a submission.
 TITLE = SETUP_CELL.read_text("utf-8").partition("\n")[0]
 BADGE_TEXT = (
     "*This notebook does not need any other file. Upload it to Colab or Kaggle, or open it in VS "
@@ -124,7 +124,9 @@ def packed_tools(lesson: str) -> bytes:
     others = {f"lesson_{other.number}" for other in every_lesson() if other.name != lesson}
     own_lesson = next(candidate for candidate in every_lesson() if candidate.name == lesson)
     text = own_lesson.released.read_text("utf-8")
-    left_out = [folder for folder, name in course_constant("OPTIONAL_PACKAGES") if name not in text]
+    left_out = [
+        folder for folder, name in extension_constant("OPTIONAL_PACKAGES") if name not in text
+    ]
     buffer = io.BytesIO()
     with tarfile.open(fileobj=buffer, mode="w", format=tarfile.USTAR_FORMAT) as archive:
         for path in sorted((PROJECT / "utils").rglob("*")):

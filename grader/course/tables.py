@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 SEPARATORS = ",;\t"
-# A spreadsheet executes a cell that begins with one of the last characters as a formula. Which of
-# the separators begins a cell depends on the language of its user.
+# A spreadsheet executes a cell that begins with =, +, - or @. Any of the separators may begin a new
+# cell, because the separator depends on the user's language.
 FORMULA = re.compile(rf"""(^|[{SEPARATORS}\r\n])(?=[\s"]*[=+\-@])""")
 csv.field_size_limit(2**24)  # LMSs export texts longer than the default limit
 
@@ -123,7 +123,7 @@ def _rows(text: str, separator: str, strict: bool = False) -> list[tuple[int, li
 
 
 def _rate_separator(rows: Sequence[tuple[int, Sequence[str]]]) -> tuple[float, int]:
-    """Rate a separator by the share of rows as wide as the header, and by the number of columns."""
+    """Rate a separator by the share of rows as wide as the header, then by that width."""
     width = len(rows[0][1]) if rows else 0
     if width < 2:
         return 0.0, 0

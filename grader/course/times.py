@@ -1,4 +1,4 @@
-"""Read times as programs and people write them, and count the days after a due date.
+"""Read times that programs and people wrote, and compute how late work is.
 
 A time that could mean two days is never guessed. Dates in figures are read only in the order of
 ISO 8601, as in ``2026-10-12 23:59``, which is also the form of nbgrader. In all other dates the
@@ -19,7 +19,7 @@ import babel
 from grader.untrusted_text import one_line
 
 MAX_TEXT_LENGTH = 80
-# In these years, no time zone and no day more leads out of the range of `datetime`.
+# In these years, adding a day or a time zone's offset cannot exceed the range of `datetime`.
 YEARS = range(2000, 3000)
 _CLOCK = r"(?P<hour>\d{1,2}) ?[:.h] ?(?P<minute>\d\d)(?:[:.](?P<second>\d\d)(?:\.(?P<part>\d+))?)?"
 _HALF_OF_DAY = r"(?: ?(?:(?P<half>[ap])\.? ?m\b\.?|uhr\b))?"
@@ -86,10 +86,10 @@ def to_utc(when: datetime, zone: tzinfo | None) -> datetime:
 
 
 def compute_lateness(submitted_at: datetime, due: datetime, zone: tzinfo | None) -> timedelta:
-    """Return how late work is, where each day lasts 24 hours even if the clocks change.
+    """Return how late work is; each day counts as 24 hours, even if the clocks change.
 
-    A day ends at the hour of the due date on the clock. Between 20:00 and 20:00 on the next day are
-    25 hours if the clocks go back, but students count, and lose points for, one day.
+    A day ends when the clock shows the time of the due date. If the clocks go back, 25 hours pass
+    between 20:00 and 20:00 on the next day. Students count one day, so they are penalised for one.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def _parse_date(text: str, language: str) -> tuple[int, int, int] | None:
     in_figures = _ISO.fullmatch(text) or _CHINESE.fullmatch(text)
     if in_figures:
         return tuple(map(int, in_figures.groups()))
-    normalized_text = _folded(text)
+    normalized_text = _fold_case(text)
     years = re.findall(r"(?<!\d)\d{4}(?!\d)", normalized_text)
     days = re.findall(r"(?<!\d)\d{1,2}(?!\d)", normalized_text)
     month = _find_month(normalized_text, language)
@@ -123,7 +123,7 @@ def _parse_date(text: str, language: str) -> tuple[int, int, int] | None:
 
 
 def _parse_clock(match: re.Match) -> tuple[int, int, int, int] | None:
-    """Return the hour, minute, second and microsecond; "14:05 AM" is none."""
+    """Return the hour, minute, second and microsecond, or None for a time such as "14:05 AM"."""
     hour = int(match["hour"])
     half = (match["half"] or "").lower()
     if half and hour <= 12:
@@ -137,8 +137,8 @@ def _parse_clock(match: re.Match) -> tuple[int, int, int, int] | None:
 def _find_zone(name: str) -> tzinfo | None:
     """Return the time zone with a name, or None if this machine does not know it.
 
-    nbgrader treats an unknown time zone as UTC, even one that it writes itself because of
-    `Exchange.timezone`, such as CEST. It reads +0200 as 200 seconds.
+    nbgrader's own reader treats unknown names as UTC, even names such as CEST, which nbgrader
+    writes if `Exchange.timezone` is set. It reads +0200 as 200 seconds.
     """
     offset = _OFFSET.fullmatch(name)
     if offset:
@@ -169,9 +169,9 @@ def _month_names(language: str) -> dict[int, set[str]]:
     for use in babel.Locale(language).months.values():
         for width in ("wide", "abbreviated"):
             for number, name in use.get(width, {}).items():
-                names_by_month[number].add(_folded(name).strip("."))
+                names_by_month[number].add(_fold_case(name).strip("."))
     return names_by_month
 
 
-def _folded(text: str) -> str:
+def _fold_case(text: str) -> str:
     return " ".join(unicodedata.normalize("NFC", text).casefold().split())

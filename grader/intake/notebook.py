@@ -8,7 +8,7 @@ from pathlib import Path
 from utils.notebooks.reading import Notebook, UnreadableNotebook, decode_notebook
 
 MAX_FILE_BYTES = 64 * 2**20
-# O_NONBLOCK: opening a pipe must not wait for a writer. Windows does not have these flags.
+# O_NONBLOCK, because opening a pipe would otherwise wait for a writer. Windows lacks both flags.
 _OPEN_FLAGS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 
 

@@ -21,7 +21,7 @@ from grader.untrusted_text import one_line
 from utils.notebooks.reading import Cell
 
 MAX_PICTURE_BYTES = 5 * 2**20
-"""Bytes of a picture."""
+"""Maximum size of a picture in bytes."""
 MAX_NAME_LENGTH = 80
 MAX_DESCRIPTION_LENGTH = 200
 _SIGNATURES = (
@@ -33,7 +33,8 @@ _SIGNATURES = (
 _MARKDOWN_SYNTAX = re.compile(r"[][\\\n]")
 _PLAIN_NAME = re.compile(r"[\w.+\-]{1,100}", re.ASCII)  # nbconvert encodes other characters
 
-# Each repetition has a limit or ends before the next match could begin, so the time is linear.
+# Each repetition is limited, or ends before the next match could begin. Matching therefore takes
+# linear time.
 _TEXT = r"(?:[^\[\]]|\[[^\[\]]{0,300}+\]){0,300}"
 _IN_ANGLES = r"<[^<>\n]*+>"
 _IN_BRACKETS = r"(?:[^()<>\"\n]++|\([^()<>\"\n]{0,300}+\))*"
@@ -100,7 +101,7 @@ def _replace_picture(
     not_shown: list[str],
     match: re.Match,
 ) -> str:
-    """Return the Markdown for one picture, and add the picture or the reason to its collection."""
+    """Return the Markdown for a picture; add it to `attachments`, or the reason to `not_shown`."""
     description, address = _description_and_address(match, definitions)
     if not address:
         return match[0]
@@ -120,7 +121,7 @@ def _replace_picture(
 
 
 def _description_and_address(match: re.Match, definitions: dict[str, str]) -> tuple[str, str]:
-    """Return the words that describe a picture, and where it is; empty if it is not a picture."""
+    """Return a picture's description and address; both are empty if it is not a picture."""
     if match["attributes"] is not None:
         source = _SOURCE.search(match["attributes"])
         description = _DESCRIPTION.search(match["attributes"])
@@ -140,7 +141,7 @@ def _normalize_label(text: str) -> str:
 
 
 def _remove_data(definition: re.Match) -> str:
-    """Remove a definition that contains a whole picture, because pages would show its letters."""
+    """Remove a definition that contains a picture's data, because pages would show it as text."""
     return "" if definition["address"].strip("<>").lower().startswith("data:") else definition[0]
 
 
@@ -191,7 +192,7 @@ def _first_picture(content: dict) -> tuple[str, str]:
 
 
 def _check_picture(data: str) -> tuple[str, str]:
-    """Return the MIME type and the text of a picture; its bytes decide what it is."""
+    """Return the MIME type and the Base64 text of a picture; the type is found from its bytes."""
     data = "".join(data.split())
     if len(data) > MAX_PICTURE_BYTES * 4 / 3 + 4:
         raise _PictureNotShown(f"is larger than {MAX_PICTURE_BYTES // 2**20} MB")

@@ -1,4 +1,4 @@
-"""Turn a submission into the notebook that is judged and shown, and report every repair.
+"""Turn a submission into the notebook that is judged and shown, and report all repairs.
 
 Each of the `STEPS` looks for one kind of damage, and yields a sentence for each change or problem:
 what happened, how the grader treated it, and what the student can do. The judge and the gradebook
@@ -26,9 +26,9 @@ from grader.intake.submission import MAX_MODULES, SubmittedFiles
 from utils.notebooks.reading import Cell, Notebook, UnreadableNotebook
 
 MAX_CODE_BYTES = 15 * 2**20
-"""Bytes of all code cells and modules as JSON; a message to the sandbox may have one more MB."""
+"""Maximum size of code cells and modules as JSON; a message to the sandbox may be 1 MB larger."""
 MAX_NAMES = 5
-"""Number of pictures that a sentence names."""
+"""Maximum number of pictures that a sentence names."""
 _WRITES_FILE = re.compile(r"%%(?:writefile|file)[ \t]")
 _WRITES_MODULE = re.compile(
     r"%%(?:writefile|file)[ \t]+(?P<append>(?:-a|--append)[ \t]+)?"
@@ -202,8 +202,8 @@ def prepare_to_judge(submitted_files: SubmittedFiles, lesson: Lesson) -> JudgeIn
 def _is_as_released(lesson: Lesson, code: Iterable[str]) -> bool:
     """Return whether all code cells after the first are as released.
 
-    The first cell loads the tools, and differs in standalone notebooks. If a student defines an
-    exercise in it, the stub below overwrites that definition.
+    The first cell loads the tools, and differs in standalone notebooks. A definition of an exercise
+    in that cell has no effect, because the stub below overwrites it.
     """
     released_sources = [
         cell.source.strip() for cell in cells_as_released(lesson) if cell.kind == "code"
@@ -224,7 +224,7 @@ def prepare_to_show(submitted_files: SubmittedFiles, lesson: Lesson) -> Prepared
         return _notebook_with_answers(lesson, WrittenAnswer(""), error)
 
 
-def prepare_too_costly(
+def prepare_substitute(
     submitted_files: SubmittedFiles, lesson: Lesson, error: TooCostly
 ) -> PreparedNotebook:
     """Return a substitute for a notebook that takes too much time or memory to read.
@@ -259,12 +259,12 @@ def _report_file_problems(draft: _Draft) -> Iterator[str]:
 def _restore_code_cells(draft: _Draft) -> Iterator[str]:
     """Restore code cells that became Markdown or raw cells by accident.
 
-    Code cells ran in the student's notebook, so their functions take precedence. If a text cell
-    defines such a function as well as one that is missing from the code cells, it is moved above
-    the code cells, whose definitions then count.
+    Functions in code cells take precedence, because these cells ran in the student's notebook. A
+    text cell may define such a function together with one that the code cells lack. It is then
+    moved above the code cells, which overwrite its version of the function.
     """
     names, hand_graded = _exercise_names(draft.lesson), _hand_graded_cells(draft.lesson)
-    sort_keys: list[float] = list(range(len(draft.cells)))  # determine the new order of cells
+    sort_keys: list[float] = list(range(len(draft.cells)))  # keys for the new order of the cells
     # Index of the last cell that defines each function.
     last = {name: found_cells[-1] for name in names if (found_cells := _answer_cells(draft, name))}
     restored = []
@@ -324,7 +324,7 @@ def _remove_later_stubs(draft: _Draft) -> Iterator[str]:
 
 
 def _find_graded_cells(draft: _Draft) -> Iterator[str]:
-    """Find each graded cell, even if it was copied, moved or split, or lost its metadata."""
+    """Find each graded cell, even if it was copied, moved or split, or if it lost its metadata."""
     for name in _exercise_names(draft.lesson):
         marked = {
             index: cell
@@ -366,7 +366,7 @@ def _report_other_lesson(draft: _Draft) -> Iterator[str]:
 
 
 def _functions_of_another_lesson(draft: _Draft) -> tuple[str, Lesson] | None:
-    """Return the functions of the lesson that has most of its exercises in this notebook."""
+    """List the exercises of the lesson that this notebook matches best; also return the lesson."""
     functions_by_lesson = {
         other: [name for name in _exercise_names(other) if _cells_that_define(draft, name)]
         for other in all_lessons()
@@ -491,7 +491,7 @@ def _collect_written_answers(draft: _Draft) -> Iterator[str]:
 
 
 def _not_shown_sentence(name: str, pictures: Sequence[str]) -> str:
-    """Say which pictures of an answer a grader cannot see, and how to submit them."""
+    """Return a sentence about the pictures of an answer that a grader cannot see."""
     named = list(pictures[:MAX_NAMES])
     if len(pictures) > MAX_NAMES:
         named.append(f"and {len(pictures) - MAX_NAMES} more")

@@ -1,9 +1,9 @@
 """Read a submission in a separate process, with limits on time and memory.
 
-If reading a file takes too long, only its author is affected.
+If a file takes too long to read, only its author is affected.
 
 Student code does not run in that process. However, a file might exploit a bug in a parser, so the
-process replies in JSON. It is forked, so it does not have to import or read anything again.
+process replies in JSON. The process is a fork, so it need not import modules again.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ from utils.notebooks.reading import UnreadableNotebook
 with contextlib.suppress(ImportError):  # Windows does not have this module
     import resource
 
-# Processor time. The largest honest file takes a fifth of it.
+# Limit on processor time. The largest ordinary file needs a fifth of this time.
 CPU_SECONDS = 10
 MEGABYTES = 768
-# Wall-clock time in seconds. A process that computes reaches `CPU_SECONDS` first, unless it gets
-# less than a sixtieth of a processor, so this limit is for a process that waits.
+# Limit on elapsed time, for a process that waits. A process that computes reaches `CPU_SECONDS`
+# first, unless it gets less than a sixtieth of a processor.
 MAX_WAIT_SECONDS = 600
 MAX_REPLY_BYTES = 2**28
 _OUT_OF_MEMORY = 77
@@ -51,8 +51,8 @@ def run_in_child(name: str, work: Callable[[], object]) -> object:
     name : str
         Name of the file, for messages.
     work : callable
-        Function without arguments whose value JSON can represent. Its side effects stay in the
-        other process.
+        Function without arguments that returns a value for JSON. Its side effects stay in the
+        forked process.
 
     Returns
     -------
@@ -73,7 +73,7 @@ def run_in_child(name: str, work: Callable[[], object]) -> object:
     read_end, write_end = os.pipe()
     child = os.fork()
     if child == 0:
-        _work_and_end(work, write_end)
+        _run_and_exit(work, write_end)
     os.close(write_end)
     try:
         reply = _read_pipe(read_end, time.monotonic() + MAX_WAIT_SECONDS)
@@ -125,11 +125,11 @@ def _read_pipe(pipe: int, deadline: float) -> bytes:
     return b"".join(parts)
 
 
-def _work_and_end(work: Callable[[], object], pipe: int) -> NoReturn:
+def _run_and_exit(work: Callable[[], object], pipe: int) -> NoReturn:
     """Do the work in the child, then exit without clean-up, because the parent shares its files."""
     code = 1
     try:
-        gc.disable()  # a collection writes to, and so copies, all memory pages
+        gc.disable()  # garbage collection would write to all pages, and so copy them
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGXCPU):
             signal.signal(number, signal.SIG_DFL)
         _close_all_but(pipe)

@@ -82,7 +82,7 @@ def is_skipped_folder(name: str) -> bool:
 def walk_submitted(root: Path) -> Iterator[tuple[Path, list[str], list[str]]]:
     """Walk through submitted folders like `os.walk`, but at most `MAX_FOLDER_DEPTH` levels deep.
 
-    Before Python 3.12, `os.walk` is recursive, so one very deep folder would end the whole walk.
+    Before Python 3.12, `os.walk` is recursive, so a very deep folder would raise `RecursionError`.
     """
     for folder, folders, files in os.walk(root):
         path = Path(folder)

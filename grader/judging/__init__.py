@@ -1,1 +1,1 @@
-"""Judge submissions; every point is decided outside the process that runs the student's code."""
+"""Judge submissions. The process that runs a student's code never decides about points."""

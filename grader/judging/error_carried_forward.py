@@ -1,15 +1,15 @@
-"""Judge an exercise again with correct helpers, if it calls a wrong helper.
+"""Judge an exercise again with correct helpers if it calls a wrong helper.
 
 The student can then still earn points for the exercise itself. The same applies to a helper that is
 right but gets a note, for example because it returns a list. The second run uses a separate
-process, in which no other exercise runs. The correct helper therefore cannot give away the answer
-to another exercise. Messages about that run contain no more detail than messages about hidden
-tests, because more detail could reveal the helper.
+process, in which no other exercise runs. The correct helper therefore cannot reveal the answer to
+another exercise. Messages about that run contain no more detail than messages about hidden tests,
+because more detail could reveal the helper.
 
-An answer must not gain from having a second try. The exercise therefore also runs once more with
-the student's own helpers. If a check fails both times, the run with correct helpers decides. A
-check that passed has to pass again. A deterministic answer loses nothing. An answer that passes by
-chance with probability p earns p² + (1 - p)² p, which is never more than p.
+A second try alone must not earn points. The exercise therefore also runs once more with the
+student's own helpers. If a check fails both times, the run with correct helpers decides. A check
+that passed must pass again. A deterministic answer loses nothing. An answer that passes by chance
+with probability p earns p² + (1 - p)² p, which is never more than p.
 """
 
 from __future__ import annotations
@@ -80,8 +80,8 @@ def carry_forward(
     replaceable = failing | results.noted
     improved = {}
     for number, exercise in enumerate(exercises):
-        # Only earlier exercises are replaced. The solution of a later exercise may call this one,
-        # and could therefore contain this one's answer.
+        # Only earlier exercises are replaced. The solution of a later exercise may call the current
+        # one, and could therefore contain its answer.
         earlier = [earlier_exercise.name for earlier_exercise in exercises[:number]]
         called = replaceable.intersection(results.uses.get(exercise.name, ()))
         helpers = tuple(name for name in earlier if name in called)
@@ -94,11 +94,11 @@ def carry_forward(
             run_program(context, code, lambda check, e=exercise: check.exercise == e.name)
             for code in programs
         ]
-        if any(run.fault for run in runs):  # in this case the first run counts
+        if any(run.fault for run in runs):  # keep the result of the first run
             continue
         first = results.outcomes_of(exercise.name)
         by_check = [{outcome.check: outcome for outcome in run.outcomes} for run in runs]
-        # If every check passed, the only new run uses the student's helpers, and has to pass again.
+        # If every check passed, the only new run uses the student's helpers, and must pass again.
         outcomes = tuple(
             decisive_outcome(outcome, by_check[0][outcome.check], by_check[-1][outcome.check])
             for outcome in first

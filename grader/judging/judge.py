@@ -15,13 +15,13 @@ from grader.intake.preflight import JudgeInput, lesson_name_in, prepare_to_judge
 from grader.intake.reader_process import ReadingFailed
 from grader.intake.submission import SubmittedFiles, read_submitted_files
 from grader.judging.error_carried_forward import carry_forward
-from grader.judging.key import verdict_key
 from grader.judging.points import sum_points
 from grader.judging.program_run import JudgingContext, RunResults, run_program, untouched_results
 from grader.judging.repair import find_slips
 from grader.judging.results import result_of, unjudged_results
 from grader.judging.runner import EXPECTED_FAILURES
 from grader.judging.verdict import FAILED, JUDGED, ExerciseResult, Verdict, with_shared_parts
+from grader.judging.verdict_key import verdict_key
 from grader.sandbox import Limits, Sandbox
 from grader.sandbox.program import INSTALLED_PACKAGES, GivenCode, Program
 from grader.sandbox.time_budget import Budget
@@ -182,7 +182,7 @@ def _decide_cached(context: JudgingContext, judge_input: JudgeInput) -> _Decisio
     if not decision.faults and all(
         exercise.score == exercise.max_score for exercise in decision.exercises
     ):
-        # The parts are shared to save memory: a class may have ten thousand students.
+        # Share equal parts to save memory, because a class may have ten thousand students.
         _full_mark_decisions[key] = replace(
             decision, exercises=tuple(map(with_shared_parts, decision.exercises))
         )
@@ -223,9 +223,9 @@ def _decide(context: JudgingContext, judge_input: JudgeInput) -> _Decision:
 
 
 def _unjudged_decision(lesson: Lesson, *sentences: str) -> _Decision:
-    """Return the decision on a notebook that only another machine or file could earn points for.
+    """Return the decision on a notebook that cannot be judged with this machine or this file.
 
-    The last sentence is the reason, which also becomes the first problem.
+    The last of `sentences` is the reason, which also becomes the first problem.
     """
     *others, reason = sentences
     problems = (f"{reason} No points were given or taken away.", *others)
@@ -233,7 +233,7 @@ def _unjudged_decision(lesson: Lesson, *sentences: str) -> _Decision:
 
 
 def _newer_python_sentences(results: RunResults) -> tuple[str, ...]:
-    """Return sentences about lost points that a newer Python might have given."""
+    """Return sentences about code that lost points because only a newer Python can run it."""
     lost = {outcome.check.exercise for outcome in results.outcomes if outcome.failure}
     sentences = dict.fromkeys(part for name, part in results.newer_names.items() if name in lost)
     here = platform.python_version()
@@ -246,7 +246,7 @@ def _newer_python_sentences(results: RunResults) -> tuple[str, ...]:
 def _retry_suspicious_checks(
     context: JudgingContext, program: Program, results: RunResults
 ) -> RunResults:
-    """Run suspicious checks again, and return all outcomes with the new ones in place of the old.
+    """Run suspicious checks again, and replace their outcomes.
 
     A failure that does not recur does not cost any points.
     """
@@ -254,7 +254,7 @@ def _retry_suspicious_checks(
     if not suspicious:
         return results
     again = run_program(context, program, suspicious.__contains__)
-    if again.fault:  # in this case the first run counts
+    if again.fault:  # keep the result of the first run
         return results
     better = {outcome.check: outcome for outcome in again.outcomes}
     outcomes = tuple(better.get(outcome.check, outcome) for outcome in results.outcomes)
@@ -275,7 +275,7 @@ def _judge_faults(context: JudgingContext, results: RunResults) -> tuple[str, ..
     if results.fault:
         return (results.fault,)
     suspicious = _suspicious_outcomes(results)
-    if suspicious and complaints_about_reference(context.lesson, context.seed, context.sandbox):
+    if suspicious and reference_failures(context.lesson, context.seed, context.sandbox):
         return tuple(_format_traceback(outcome.failure) for outcome in suspicious)
     return ()
 
@@ -305,16 +305,18 @@ def given_code(lesson: Lesson) -> str:
 
 
 @functools.cache
-def complaints_about_reference(lesson: Lesson, seed: int, sandbox: Sandbox) -> tuple[str, ...]:
-    """Return a sentence for each failure of a lesson's own solution.
+def reference_failures(lesson: Lesson, seed: int, sandbox: Sandbox) -> tuple[str, ...]:
+    """Return a sentence for each check that a lesson's own solution fails.
 
-    Such a failure means that a check is faulty, so a class is judged only if there are none. If
-    there are any, the checks run again, because a busy machine may cause a failure once.
+    Such a check is faulty, so a class is judged only if there are none. If there are any, the
+    checks run once more, because a busy machine may cause a single failure.
     """
-    return _find_complaints(lesson, seed, sandbox) and _find_complaints(lesson, seed, sandbox)
+    return _find_reference_failures(lesson, seed, sandbox) and _find_reference_failures(
+        lesson, seed, sandbox
+    )
 
 
-def _find_complaints(lesson: Lesson, seed: int, sandbox: Sandbox) -> tuple[str, ...]:
+def _find_reference_failures(lesson: Lesson, seed: int, sandbox: Sandbox) -> tuple[str, ...]:
     program = program_for(lesson, read_submitted_files(lesson.solved).notebook().code, {})
     results = run_program(JudgingContext(lesson, seed, sandbox), program)
     if results.fault:

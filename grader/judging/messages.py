@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 from grader.judging.runner import JudgeTimeout
 from grader.judging.verdict import MessageKind
+from grader.sandbox.error_descriptions import describe_error
 from grader.sandbox.failures import CellSkipped, StudentError, StudentStopped
-from grader.sandbox.quotation import describe_error
 from utils.checks import CheckFailed
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import (
@@ -89,7 +89,7 @@ def messages_of(summary: Summary) -> dict[Outcome, Message]:
 
 
 def message_of(outcome: Outcome, mistake: Mistake | None = None, has_hint: bool = True) -> Message:
-    """Return the message about a failure, with each part on its own line."""
+    """Return the message about a failed check, with each part on its own line."""
     failure = outcome.failure
     hint = hint_for(outcome, mistake) if has_hint else ""
     hint = hint and f"Hint: {hint}"
@@ -158,7 +158,7 @@ def remove_numbers(message: str, max_kept: int = 0) -> str:
 
 
 def common_text(messages: Sequence[str]) -> str:
-    """Return the common text of messages that differ only in numbers. Equal numbers are kept."""
+    """Combine messages that differ only in numbers into one; numbers that differ are left out."""
     bare, numbers = zip(*map(_split_numbers, messages), strict=True)
     if len({*bare}) > 1 or len({*map(len, numbers)}) > 1:  # the numbers cannot be matched
         return remove_numbers(messages[0])

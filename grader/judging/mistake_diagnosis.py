@@ -1,9 +1,8 @@
 """Decide whether a named mistake explains all points that an exercise lost.
 
-To decide this, the lesson's own solution is turned into a function that makes this mistake and no
-other. Two conditions must be met:
+A copy of the lesson's own solution makes this mistake and no other. Two conditions must be met:
 
-- The function fails exactly the checks that the student's function fails.
+- The copy fails exactly the checks that the student's function fails.
 - In all checks, visible and hidden, both functions give the same answers.
 """
 

@@ -13,8 +13,8 @@ from grader.judging.runner import (
     JudgeFault,
     JudgeTimeout,
     every_check,
+    exercises_with_notes,
     limited_cpu_time,
-    noted_exercises,
     outcomes_of_untouched,
     run_checks,
 )
@@ -117,7 +117,7 @@ def run_program(
                 context.lesson, student, context.seed, is_selected, keep_going, budget
             )
             if explain:
-                noted = noted_exercises(student, _right_helpers(outcomes, student), budget)
+                noted = exercises_with_notes(student, _right_helpers(outcomes, student), budget)
         except JudgeFault as error:
             fault = str(error)
         observed = (tuple(student.problems), student.uses)
@@ -147,7 +147,8 @@ def _diagnose_mistakes(
 ) -> dict[str, Mistake]:
     """Return the mistake that explains an exercise's wrong answers, by the exercise's name.
 
-    A new process answers, because the earlier one may have been stopped too often to start again.
+    A new proxy calls the student's functions, because the earlier proxy may have used up its
+    restarts.
     """
     wrong = {o.check.exercise for o in outcomes if isinstance(o.failure, CheckFailed)}
     if not wrong:
@@ -160,7 +161,7 @@ def _diagnose_mistakes(
 def _diagnose(exercise: str, student: StudentProxy, budget: Budget) -> Mistake | None:
     """Return the mistake that explains one exercise, unless the search takes too long.
 
-    All time counts like that of failed checks, for the student and for the judge.
+    The search counts as time of failed checks, for the student and for the judge.
     """
     seconds_left = TEST_SECONDS - budget.judge_seconds[exercise]
     if seconds_left <= 0:

@@ -29,7 +29,7 @@ from grader.judging.runner import hidden_calls, visible_calls
 from grader.sandbox import Limits
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.program import Program, cell_and_line
-from grader.sandbox.student import TOOK_TOO_LONG, StudentProxy
+from grader.sandbox.student import CALL_TIMEOUT, StudentProxy
 from grader.sandbox.time_budget import Budget
 from utils.checks.diagnosis import Mistake
 from utils.checks.outcomes import Outcome
@@ -42,18 +42,18 @@ FURTHER_EDITS_SECONDS = 1.0
 MAX_SECONDS = 300.0
 # Limit per call, because an edit may create an endless loop. A right answer needs less time.
 CALL_SECONDS = 0.25
-# Limits for the first check after an edit that did not finish there: if the answer itself finishes,
-# and if it does not, so that most edits do not finish either. In lesson 12, a right answer needs
-# half of the first limit.
+# Limits per call in the first check, once an edit has not finished there. The second limit applies
+# if the answer itself does not finish, because most of its edits then do not finish either. In
+# lesson 12, a right answer needs half of the first limit.
 SHORT_CALL_SECONDS, SHORTEST_CALL_SECONDS = CALL_SECONDS / 4, CALL_SECONDS / 16
-# Maximum number of worker processes that edits may end. The time limit is usually reached first.
+# Edits may end at most this many worker processes. The time limit is usually reached first.
 MAX_RESTARTS = 100
 # The search stops after it has found this many edits that pass the failed checks.
 MAX_JUDGED_EDITS = 3
-# Missing modules are not listed here: deleting a progress bar may make an answer right.
+# `ModuleNotFoundError` is not listed, because deleting a progress bar may make an answer right.
 UNREPAIRABLE_ERRORS = ("NotImplementedError", "ImportError")
-# The time is checked after this many edits, because reading the processor's clock takes longer
-# than most edits, and after this many seconds, because an edit with an endless loop takes long.
+# The time is checked only after this many edits, because reading the processor's clock takes longer
+# than most edits. It is also checked after this many seconds, because an edit may loop endlessly.
 EDITS_PER_POLL = 16
 POLLING_INTERVAL = 0.1
 
@@ -78,10 +78,10 @@ class SearchLimits:
 
 
 FULL_SEARCH = SearchLimits(320, 16.0)
-# If the failed calls, or comparing their answers, have used up the time of one call, calls with
-# edits are slow too. Most of them are interrupted after `SHORTEST_CALL_SECONDS`.
+# For an exercise whose failed calls, or whose comparisons, have used up the time of one call. Calls
+# with edits are then slow as well, and most are interrupted after `SHORTEST_CALL_SECONDS`.
 SEARCH_IN_SLOW_CODE = SearchLimits(128, 4.0)
-# The checks already earn more than a slip keeps, so an edit only explains the mistake.
+# For an exercise that already earns more than a slip keeps. An edit then only explains the mistake.
 SEARCH_WITHOUT_POINTS = SearchLimits(0, 2.0)
 
 
@@ -145,7 +145,7 @@ def find_slips(
 
 
 def _has_used_its_time(context: JudgingContext, exercise: str) -> bool:
-    """Return whether failed calls, or comparing their answers, used up the time of one call."""
+    """Return whether failed calls, or the comparison of answers, used up the time of one call."""
     if context.budget is None:
         return False
     limit = (context.limits or Limits()).call_seconds
@@ -213,8 +213,8 @@ def _sort_by_likelihood(
 ) -> list[tuple[int, tuple[int, int, int, str]]]:
     """Return numbered edits in the order in which to try them.
 
-    The first edits are those of lines that raised an exception, those that end a function that had
-    to be stopped, and those that return a value from a function that returned None.
+    Three kinds of edits come first: edits of lines that raised an exception, edits that end a
+    function that had to be stopped, and edits that return a value instead of None.
     """
     raised_at = _raising_lines(failed)
     was_stopped = any(_was_stopped(outcome.failure) for outcome in failed)
@@ -273,16 +273,16 @@ class _FailedChecks:
 
     def fail_without_edit(self) -> bool:
         """Return whether the answer without an edit fails the first check."""
-        fails = self.first_fails()
-        if self._first_seconds == CALL_SECONDS:  # unchanged, so the check was not stopped
+        fails = self.first_check_fails()
+        if self._first_seconds == CALL_SECONDS:  # unchanged, because the check was not stopped
             self._seconds_after_hang = SHORT_CALL_SECONDS
         return fails
 
-    def first_fails(self) -> bool:
+    def first_check_fails(self) -> bool:
         """Return whether the first check fails.
 
-        An edit that causes an endless loop usually does so in this check. After the first such
-        edit, the other edits get much less time here.
+        An edit that causes an endless loop usually causes it in this check. After the first such
+        edit, the time limit here is much shorter.
         """
         self._student.interrupts_after = self._first_seconds
         with cached_run():
@@ -298,10 +298,13 @@ class _FailedChecks:
         that does not finish there counts as passing, and the full judgement decides.
         """
         self._budget.failed_seconds.pop(self._student.exercise, None)
-        if _catch_failure(functools.partial(self._student.edit, number)) or self.first_fails():
+        if (
+            _catch_failure(functools.partial(self._student.edit, number))
+            or self.first_check_fails()
+        ):
             return False
         self._student.interrupts_after = CALL_SECONDS
-        with cached_run():  # answers that were computed with another edit must not be reused
+        with cached_run():  # a new cache, because each edit gives other answers
             for index, call in enumerate(self):
                 failure = _catch_failure(call) if index else None
                 if failure is not None:
@@ -325,7 +328,7 @@ def _was_stopped(failure: Exception | None) -> bool:
     original = failure and failure.__context__
     return any(
         isinstance(error, StudentStopped)
-        or (isinstance(error, StudentError) and error.type_name == TOOK_TOO_LONG)
+        or (isinstance(error, StudentError) and error.type_name == CALL_TIMEOUT)
         for error in (failure, original)
     )
 
@@ -353,7 +356,8 @@ def _passing_edits(
         sleep_seconds, yielded_count, next_poll = 0.0, 0, 0.0
         last_second = budget.seconds_to_deadline() - MAX_SECONDS
         failed_checks = _FailedChecks(context, student, budget, failed)
-        if not failed_checks.fail_without_edit():  # it passed by chance, and gets no second try
+        # An answer that passes now but failed before depends on chance, and gets no second try.
+        if not failed_checks.fail_without_edit():
             return
         released_cells = _unchanged_cells(context.lesson, program)
         edits = [

@@ -37,7 +37,7 @@ def result_of(
     run_results : grader.judging.program_run.RunResults
         The results of running the checks on the notebook.
     carried : grader.judging.error_carried_forward.CarriedForwardResult or None
-        The result with correct helpers, if that is better.
+        The result that replaces the first one, if `carry_forward` changed it.
     proven_slip : grader.judging.repair.Repair, utils.checks.diagnosis.Mistake or None
         The proven slip, if there is one.
     """

@@ -37,14 +37,14 @@ from utils.checks.failures import CheckFailed, FarTooMuch, NotYet
 from utils.checks.outcomes import Outcome
 from utils.checks.run_cache import cached_run
 
-# Limit on the processor seconds of one test in this process, not counting the student's code. The
-# same limit applies to all failed checks of an exercise together, in all runs with one budget.
+# Limit on the processor seconds of one test in this process, without the student's code. The limit
+# also applies to all failed checks of an exercise together, in all runs with the same budget.
 TEST_SECONDS = 15.0
-# After this many answers that are far too large, an exercise is not called again, because reading
-# each of them takes seconds.
+# An exercise is not called again after this many answers that are far too large, because reading
+# each one takes seconds.
 MAX_TOO_LARGE = 5
-# A failed check counts as such an answer if a reply has more bytes than this, whatever it contains.
-# The largest scan has less than 12 MB if it is sent as a list of rows.
+# If a check fails, a reply with more bytes than this counts as such an answer. The largest scan
+# needs less than 12 MB, even as a list of rows.
 MAX_REPLY_BYTES = 12 * 2**20
 # Pytest plugins that hidden tests do not need. Loading one takes a quarter of a millisecond.
 _NOT_NEEDED = (
@@ -66,7 +66,7 @@ _OPTIONS = (
 
 
 class JudgeTimeout(Exception):
-    """Comparing an answer took longer than for any right answer."""
+    """Comparing an answer took longer than it takes for any right answer."""
 
 
 class JudgeFault(Exception):
@@ -193,7 +193,7 @@ class _Runner:
 
 
 def _release_answers(error: Exception | None) -> None:
-    """Remove the tracebacks and drawings of an exception and its causes, because they hold answers.
+    """Remove tracebacks and drawings from an exception and its causes, because they hold answers.
 
     An answer may take 64 MB, and the outcomes are kept until the whole notebook is judged. If the
     exception is unexpected, the text of its traceback is kept as a note.
@@ -312,7 +312,7 @@ def run_checks(
     return _run_all_checks(lesson, _Runner(student, seed, is_selected, keep_going, budget))
 
 
-def noted_exercises(
+def exercises_with_notes(
     student: StudentProxy, exercises: Iterable[str], budget: Budget
 ) -> frozenset[str]:
     """Return the exercises whose answers get a note, which costs no points.

@@ -245,7 +245,7 @@ class Verdict:
                 del exercise["slip"]["before"], exercise["slip"]["after"]
         return content
 
-    def without_starved(self) -> Verdict:
+    def without_starved_flag(self) -> Verdict:
         """Return the verdict with `starved` set to False, after a run on an idle machine."""
         return dataclasses.replace(self, starved=False)
 
@@ -258,14 +258,14 @@ class Verdict:
 
 
 def with_shared_parts(exercise: ExerciseResult) -> ExerciseResult:
-    """Return an equal result whose parts are shared with equal results of other students."""
+    """Return an equal result that shares its parts with equal results of other students."""
     tests = tuple(map(_intern, exercise.tests))
     return _intern(dataclasses.replace(exercise, tests=tests))
 
 
 @functools.lru_cache(maxsize=2**14)
 def _intern(result: CheckResult | ExerciseResult) -> CheckResult | ExerciseResult:
-    """Return the first result that was equal to this one."""
+    """Return the earliest result that is equal to this one."""
     return result
 
 

@@ -1,4 +1,4 @@
-"""Fingerprints of written answers, because a mark given by hand applies only to one answer."""
+"""Store fingerprints of written answers, because a mark given by hand applies to one version."""
 
 from __future__ import annotations
 

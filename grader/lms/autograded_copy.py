@@ -25,8 +25,8 @@ from grader.intake.pictures import illustrate
 from grader.intake.preflight import (
     PreparedNotebook,
     WrittenAnswer,
+    prepare_substitute,
     prepare_to_show,
-    prepare_too_costly,
 )
 from grader.intake.reader_process import TooCostly, run_in_child
 from grader.intake.submission import SubmittedFiles
@@ -38,7 +38,7 @@ from utils.notebooks.reading import Cell
 
 _PICTURE = re.compile(r"(?<!\u200b)attachment:([^\s)>\"']*)")
 MIN_LONG_COPY = 40_000
-"""Number of characters up to which every page is rendered within a few seconds."""
+"""Shorter copies, in characters, are rendered within a few seconds whatever they contain."""
 MISSING_ANSWER_NOTE = (
     "*This cell was missing. Text elsewhere in the notebook may be the answer. Please look for it.*"
 )
@@ -89,7 +89,7 @@ def build_copy_in_process(
     try:
         copy = run_in_child(submitted_files.name, work)
     except TooCostly as error:
-        return build_copy(prepare_too_costly(submitted_files, lesson, error)), str(error)
+        return build_copy(prepare_substitute(submitted_files, lesson, error)), str(error)
     return nbformat.from_dict(copy), ""
 
 

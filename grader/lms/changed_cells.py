@@ -1,4 +1,4 @@
-"""Change the cells of lessons that have submissions in the gradebook, which nbgrader refuses.
+"""Change the cells of a lesson that has submissions in the gradebook; nbgrader refuses to.
 
 Marks for cells that stay are kept. The marks of removed cells remain in ``marks.jsonl``.
 """
@@ -109,7 +109,7 @@ def complete_submissions(book: Gradebook, stage: str) -> None:
 def _announce_changed_exercises(
     book: Gradebook, lesson: Lesson, released: dict, existing: dict, notify: Callable[[str], None]
 ) -> None:
-    """Say which exercises are new, gone or worth other points, and what happens to their marks."""
+    """Report exercises that were added, removed or changed, and what happens to their marks."""
     before = {name: cell for (kind, name), cell in existing.items() if kind is GradeCell}
     new_points = {name: cell for (kind, name), cell in released.items() if kind is GradeCell}
     for name in new_points.keys() - before.keys():

@@ -1,6 +1,6 @@
-"""Summarise the checks of an exercise for a student: the first failure in full, others in groups.
+"""Summarise an exercise's checks for a student: the first failure in full, others in groups.
 
-One mistake can fail many checks, so checks whose messages add nothing share one line.
+One mistake can fail many checks, so checks whose messages add nothing new share one line.
 """
 
 from __future__ import annotations
@@ -48,11 +48,11 @@ class ExerciseSummary:
     first : CheckResult or None
         The failure to fix first, shown in full; None if every check passed.
     others : tuple of CheckResult
-        Failures whose message no other failed check has.
+        Failures with a message of their own.
     groups : tuple of CheckGroup
     passed : tuple of CheckResult
     is_started : bool
-        False for an untouched stub; then only `not_started_sentence` is worth showing.
+        False for an untouched stub, for which only `not_started_sentence` is worth showing.
     """
 
     exercise: str
@@ -106,7 +106,7 @@ def summarise_checks(exercise: ExerciseResult) -> ExerciseSummary:
 
 
 def _group_key(test: CheckResult, first: CheckResult) -> str | tuple[str, str]:
-    """Return the key of a check's group: its message, or the wording for one check and several."""
+    """Return the key of a check's group: a message, or openings for one check and for several."""
     if test.kind in GROUPED_OPENINGS:
         return GROUPED_OPENINGS[test.kind]
     message = remove_numbers(test.message)

@@ -12,7 +12,7 @@ from grader.lms.autograded_copy import verdict_key_of_copy
 from grader.lms.gradebook_dates import extension_of
 from grader.lms.penalties import penalty_of
 from grader.lms.stage_entries import StageEntry
-from grader.lms.submission_times import known_time
+from grader.lms.submission_times import naive_submission_time
 
 TOLERANCE = 1e-6  # points are written with two decimal places
 
@@ -36,7 +36,7 @@ def differences(
     except MissingEntry:
         return [f"{entry.name}: not in the gradebook"]
     sentences = []
-    if submission.timestamp != known_time(entry.folders(course)):
+    if submission.timestamp != naive_submission_time(entry.folders(course)):
         sentences.append(f"{entry.name}: the gradebook has a different submission time")
     if submission.extension != extension_of(course, submission, deadlines):
         sentences.append(f"{entry.name}: the gradebook has a different extension")

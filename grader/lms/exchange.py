@@ -1,4 +1,4 @@
-"""Release notebooks, and the feedback of each student, through nbgrader's exchange."""
+"""Release notebooks, and each student's feedback, through nbgrader's exchange."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ class ReleaseStandalone(ExchangeReleaseAssignment):
                 write_atomically(make_standalone(path.read_bytes()), path)
 
 
-class ReleaseFeedbackOfEach(ExchangeReleaseFeedback):
-    """Releases feedback student by student, so that one damaged submission does not end the loop.
+class ReleaseFeedbackPerStudent(ExchangeReleaseFeedback):
+    """Releases feedback per student, so that one damaged submission does not stop the others.
 
     nbgrader reads two files of the submission. The student owns one of them in the exchange, and a
-    submission that was laid by hand has neither.
+    submission that was copied by hand has neither.
     """
 
     def copy_files(self) -> None:

@@ -27,12 +27,12 @@ from grader.untrusted_text import one_line
 
 # Maximum number of files and folders to examine in one submission, from the top folder down.
 MAX_ENTRIES = 200
-# `nbgrader submit` takes only seconds from writing the time to copying the last file.
+# `nbgrader submit` writes the time, then copies the files, which takes only seconds.
 MAX_SUBMISSION_TIME = timedelta(minutes=10)
 _NO_LINK = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK
 
 
-class NotCollected(Exception):
+class CannotCollect(Exception):
     """A submission cannot be collected; the message continues a sentence about its folder."""
 
 
@@ -71,10 +71,10 @@ class CollectOrdinaryFiles(ExchangeCollect):
         return {"username": student, "filename": name, "timestamp": time, "time_text": text}
 
     def _sort_by_timestamp(self, records: list[dict]) -> list[dict]:
-        """Sort a student's folders, newest first, without those that another account made.
+        """Sort a student's folders, newest first, without folders of another account.
 
-        nbgrader collects only the first folder, and every account may create one in any name. If
-        there is no other folder, the forged ones stay, and `copy_files` refuses the first.
+        nbgrader collects only the first folder, and any account can create a folder in a student's
+        name. If all folders are forged, they are kept, and `copy_files` refuses the first one.
         """
         if not self.check_owner:
             return super()._sort_by_timestamp(records)
@@ -104,7 +104,7 @@ class CollectOrdinaryFiles(ExchangeCollect):
             student = record["username"]
             try:
                 self._collect(student, record)
-            except (NotCollected, OSError) as reason:
+            except (CannotCollect, OSError) as reason:
                 self.log.warning(
                     "Not collected: %s %s", one_line(record["filename"]), one_line(str(reason))
                 )
@@ -112,9 +112,9 @@ class CollectOrdinaryFiles(ExchangeCollect):
     def _collect(self, student: str, record: dict) -> None:
         stage, time = self.coursedir.assignment_id, record["timestamp"]
         if not student or not student.isprintable():
-            raise NotCollected("has a name that does not begin with a student's name.")
+            raise CannotCollect("has a name that does not begin with a student's name.")
         if time == datetime.min:
-            raise NotCollected("has a name without the time that `nbgrader submit` adds.")
+            raise CannotCollect("has a name without the time that `nbgrader submit` adds.")
         folder = Path(
             self.coursedir.format_path(self.coursedir.submitted_directory, student, stage)
         )
@@ -167,7 +167,7 @@ class CollectOrdinaryFiles(ExchangeCollect):
         finally:
             os.close(root_descriptor)
         if not files:
-            raise NotCollected("contains no file that can be collected.")
+            raise CannotCollect("contains no file that can be collected.")
         return files, datetime.fromtimestamp(latest, UTC).replace(tzinfo=None)
 
     @contextlib.contextmanager
@@ -201,7 +201,7 @@ class CollectOrdinaryFiles(ExchangeCollect):
         if self.check_owner:
             owner = owner_of(status)
             if owner != student:
-                raise NotCollected(
+                raise CannotCollect(
                     f"claims to be from {student}, but {description} belongs to {owner}. If "
                     "accounts and students have different names, set "
                     "`c.ExchangeCollect.check_owner = False`."

@@ -13,7 +13,7 @@ from pathlib import Path
 from grader.course.archives import make_zip
 from grader.course.atomic_files import write_atomically
 from grader.course.paths import Course
-from grader.course.roster import file_name_part, read_roster
+from grader.course.roster import read_roster, section_slug
 from grader.lms.collected_files import CollectedFile, collected_files
 from grader.lms.feedback import Feedback, FeedbackCollector, FeedbackNotReady, LessonFeedback
 from grader.lms.feedback_notebook import feedback_notebook
@@ -190,7 +190,7 @@ def write_feedback(
 
     Raises
     ------
-    grader.course.roster.RosterError, grader.course.deadlines.DeadlinesError
+    grader.course.roster.RosterError, grader.course.deadlines_file.DeadlinesError
     """
     collector = FeedbackCollector(course, stage)
     people = collector.people(students)
@@ -212,7 +212,7 @@ def write_feedback(
     if not platform or not pages:
         return WrittenFeedback(tuple(pages), None, tuple(skipped), waiting=waiting)
     upload = PLATFORMS[platform].build_archive(course, stage, all_feedback)
-    parts = [stage, platform, *[file_name_part(section)] * bool(section)]
+    parts = [stage, platform, *[section_slug(section)] * bool(section)]
     archive = folder / f"{'_'.join(parts)}.zip" if upload.files else None
     if archive:
         write_atomically(make_zip(upload.files), archive)
@@ -238,7 +238,7 @@ def _waiting_lessons(all_feedback: Sequence[Feedback]) -> Iterator[str]:
 
 
 def _team_owners(sources: dict[str, dict[str, CollectedFile]]) -> set[str]:
-    """Return the owners whose files belong to several students, because they are teams."""
+    """Return the owners that are teams, because their files belong to several students."""
     owners = Counter(
         owner for files in sources.values() for owner in {file.owner for file in files.values()}
     )

@@ -39,7 +39,7 @@ class Trace:
     Attributes
     ----------
     sentence : str
-        What is in the place, and where it is.
+        What the data is, and where it is stored.
     delete : callable
     """
 

@@ -120,7 +120,7 @@ WITH_ARGUMENT = {
     "hspace": _LENGTH,
 }
 
-# Only longer names are checked, because MathJax's one-letter commands draw at most one character.
+# Names of one letter are not checked, because these commands draw at most one character.
 _COMMAND = re.compile(r"\\([A-Za-z]{2,}+)")
 _MATHJAX_TOKEN = re.compile(r"\\(?:([A-Za-z]{2,}+)|[\s\S])")
 # Entities that become a backslash, or a letter of a command name, after formulas are detected.

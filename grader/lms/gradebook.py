@@ -20,7 +20,7 @@ from grader.course.nbgrader_settings import course_settings
 from grader.course.paths import Course
 from grader.lms.results import GradebookUnavailable
 
-# What SQLite and PostgreSQL say about a column or a table that the database does not have.
+# Messages of SQLite and PostgreSQL about a missing column or table.
 _OUTDATED_SCHEMA = re.compile(r"no such (column|table)|(column|relation) \S+ does not exist")
 
 
@@ -34,8 +34,8 @@ def open_gradebook(course: Course) -> Iterator[Gradebook]:
         If the database driver is missing, if the database cannot be opened, or if it refuses a
         query inside the context.
     """
-    # Otherwise, nbgrader starts a program to find the schema version, which takes seconds for each
-    # new gradebook.
+    # For each new gradebook, nbgrader would start a program that finds the schema version, which
+    # takes seconds.
     nbgrader.api.get_alembic_version = _alembic_version
     directory = CourseDirectory(config=course_settings(course.root))
     try:
@@ -67,7 +67,7 @@ def open_gradebook(course: Course) -> Iterator[Gradebook]:
 
 @contextlib.contextmanager
 def _without_tracebacks() -> Iterator[None]:
-    """Do not print the traceback of each error that nbgrader logs and then raises."""
+    """Suppress the tracebacks that nbgrader prints for errors that it also raises."""
     before = nbgrader.api.app_log.disabled
     nbgrader.api.app_log.disabled = True
     try:

@@ -10,7 +10,7 @@ from grader.course.deadlines_file import DeadlinesError
 from grader.course.paths import Course
 from grader.course.roster import RosterError
 from grader.lms.gradebook import gradebook_location, open_gradebook
-from grader.lms.instructor_notes import excessive_notes, unlisted_notes
+from grader.lms.instructor_notes import excessive_mark_notes, unlisted_student_notes
 from grader.lms.marks_by_hand import lost_marks, lost_sentence
 from grader.lms.results import GradebookUnavailable
 from grader.lms.results_reader import class_results
@@ -33,5 +33,5 @@ def check_gradebook(course: Course) -> Iterator[Finding]:
     yield Finding("gradebook", True, f"{gradebook_location(course)}, with marks for {students}")
     if lost:
         yield Finding("gradebook", False, lost_sentence(course, lost))
-    for sentence in (*excessive_notes(results), *unlisted_notes(results)):
+    for sentence in (*excessive_mark_notes(results), *unlisted_student_notes(results)):
         yield Finding("gradebook", False, sentence)

@@ -43,9 +43,8 @@ def _enter_due_date(
         previous_date = assignment.duedate
     if due_date is not None and (due_date, previous_date) != recorded:
         times = [time and time.isoformat() for time in (due_date, previous_date)]
-        write_atomically(
-            json.dumps(times), path
-        )  # record it first: an unrecorded date could never be removed
+        # Record the date before entering it, because an unrecorded date could never be removed.
+        write_atomically(json.dumps(times), path)
     due = previous_date if due_date is None else due_date
     if assignment.duedate != due:
         assignment.duedate = due

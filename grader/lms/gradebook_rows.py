@@ -82,7 +82,7 @@ def read_rows(book: Gradebook) -> list[GradebookRow]:
 
 
 def read_excessive_marks(book: Gradebook) -> list[tuple[str, str, str, float, float]]:
-    """Return (student, lesson, cell, points, maximum) for each mark by hand above its maximum.
+    """Return (student, lesson, cell, points, maximum) of manual marks above their maximum.
 
     Such marks remain if an exercise was graded before its points were reduced.
     """

@@ -37,11 +37,11 @@ from grader.lms.gradebook_dates import enter_due_dates, set_extension
 from grader.lms.gradebook_students import enrol
 from grader.lms.mark_history import log_changes
 from grader.lms.mark_inputs import record_inputs
-from grader.lms.marks_by_hand import lost_marks, lost_sentence, restore_marks, share_in_teams
+from grader.lms.marks_by_hand import lost_marks, lost_sentence, restore_marks, share_marks_in_teams
 from grader.lms.penalties import load_penalty_plugin, penalty_of
 from grader.lms.registration import register_stages
 from grader.lms.stage_entries import StageEntry, group_entries
-from grader.lms.submission_times import known_time
+from grader.lms.submission_times import naive_submission_time
 from grader.lms.withdrawal import withdraw
 from grader.untrusted_text import one_line
 
@@ -72,7 +72,7 @@ def enter_verdicts(
     student : str, optional
         Enter only this student, and do not change the others.
     restore : bool
-        Whether to restore marks and comments by hand that are only in the log.
+        Whether to restore manual marks and comments that are only in the log.
     notify : callable
         Called with a sentence about each change apart from entering scores.
 
@@ -105,7 +105,7 @@ def enter_verdicts(
         students = {student for student, _ in submitted}
         lost = lost_marks(course, book, students)
         restored = restore_marks(course, book, lost) if lost and restore else []
-        entered = [*restored, *share_in_teams(course, book, stages)]
+        entered = [*restored, *share_marks_in_teams(course, book, stages)]
         for sentence in entered:
             notify(sentence)
         if entered:
@@ -182,7 +182,7 @@ def _enter_one(
     with _one_transaction(book):
         book.update_or_create_student(entry.student)
         submission = book.update_or_create_submission(
-            entry.stage, entry.student, timestamp=known_time(entry.folders(course))
+            entry.stage, entry.student, timestamp=naive_submission_time(entry.folders(course))
         )
         set_extension(course, submission, deadlines)
         for notebook in submission.notebooks:

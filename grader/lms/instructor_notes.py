@@ -47,10 +47,10 @@ def assignment_notes(results: ClassResults, deadlines: Deadlines | None) -> Iter
     for stage in dict.fromkeys(result.stage for result in results.notebooks):
         if deadlines is None or deadlines.assigned_lessons(stage) is None:
             yield from _rarely_submitted(results, stage)
-        yield from outdated_notes(results, stage)
+        yield from outdated_mark_notes(results, stage)
 
 
-def outdated_notes(results: ClassResults, stage: str) -> Iterator[str]:
+def outdated_mark_notes(results: ClassResults, stage: str) -> Iterator[str]:
     """Yield a note about marks in a stage that were entered before something changed."""
     students = [student for student, other in results.outdated if other == stage]
     if students:
@@ -62,7 +62,7 @@ def outdated_notes(results: ClassResults, stage: str) -> Iterator[str]:
 
 
 def _rarely_submitted(results: ClassResults, stage: str) -> Iterator[str]:
-    """Yield a note if no student, or only one of several, submitted a lesson of a stage."""
+    """Yield a note about lessons of a stage that at most one of several students submitted."""
     students: dict[str, list[str]] = {}
     for result in results.notebooks:
         if result.stage == stage:
@@ -105,17 +105,17 @@ def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) ->
             )
     yield from _shared_time_notes(results)
     yield from assignment_notes(results, deadlines)
-    yield from excessive_notes(results)
-    yield from unlisted_notes(results)
+    yield from excessive_mark_notes(results)
+    yield from unlisted_student_notes(results)
 
 
-def excessive_notes(results: ClassResults) -> Iterator[str]:
-    """Yield one sentence for each mark by hand that is above the maximum of its exercise."""
+def excessive_mark_notes(results: ClassResults) -> Iterator[str]:
+    """Yield one sentence for each manual mark that is above the maximum of its exercise."""
     for _, mark in results.excessive:
         yield f"{mark}. The maximum was reduced after a person graded this answer. Grade it again."
 
 
-def unlisted_notes(results: ClassResults) -> Iterator[str]:
+def unlisted_student_notes(results: ClassResults) -> Iterator[str]:
     """Yield one sentence for each student with marks who is not on the roster."""
     for student in results.unlisted:
         yield (
@@ -149,7 +149,7 @@ def _shared_time_notes(results: ClassResults) -> Iterator[str]:
 def _zone_notes(
     stage: StageResult, notebooks: Iterable[NotebookResult], zone: tzinfo | None
 ) -> Iterator[str]:
-    """Yield a sentence if it matters whether a time without a zone is in UTC or in the course's."""
+    """Yield a sentence if the time zone of a submission time is unknown and affects lateness."""
     own = [result for result in notebooks if result.stage == stage.stage and result.submitted_at]
     dues = {result.due for result in own if result.due} or {stage.due} - {None}
     if not (stage.lacks_zone and stage.submitted_at and dues):

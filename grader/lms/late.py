@@ -1,4 +1,6 @@
-"""A late penalty per day, for `nbgrader_config.py`; nbgrader's own penalty is all or nothing.
+"""A late penalty per day, for use in `nbgrader_config.py`.
+
+nbgrader's own penalty is all or nothing.
 
 ::
 

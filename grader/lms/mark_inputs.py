@@ -17,7 +17,7 @@ from grader.course.atomic_files import write_atomically
 from grader.course.deadlines import Deadlines
 from grader.course.paths import Course
 from grader.lms.stage_entries import StageEntry
-from grader.lms.submission_times import known_time, lesson_times
+from grader.lms.submission_times import lesson_times, naive_submission_time
 
 
 def record_inputs(course: Course, entry: StageEntry, deadlines: Deadlines) -> None:
@@ -61,7 +61,7 @@ def _digest(course: Course, fingerprints: Mapping[Submission, str], deadlines: D
         )
         for submission, fingerprint in fingerprints.items()
     }
-    time = known_time({submission.stage_folder(course) for submission in fingerprints})
+    time = naive_submission_time({submission.stage_folder(course) for submission in fingerprints})
     inputs = [lessons, stage_due_date, time, lesson_times(fingerprints, deadlines), deadlines.zone]
     text = json.dumps(inputs, sort_keys=True, default=str)
     return hashlib.sha256(text.encode(errors="surrogatepass")).hexdigest()

@@ -1,7 +1,7 @@
-"""Enter graders' marks and comments that the gradebook lacks.
+"""Enter manual marks and comments that the gradebook lacks.
 
-They are marks that were lost with a gradebook, and marks that a grader gave to another member of
-the same team for the same answer.
+These are marks that were lost with a gradebook, and marks that another member of the same team
+received for the same answer.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ MAX_NAMES = 10  # at most this many students are named in a sentence
 
 
 def lost_marks(course: Course, book: Gradebook, students: Collection[str]) -> list[MarkChange]:
-    """Return the marks and comments by hand that are in the log but not in the gradebook.
+    """Return the manual marks and comments that are in the log but not in the gradebook.
 
     Only the given students and exercises that still exist are considered. A mark that a person
     removed from the gradebook is not lost, because the log contains its removal.
@@ -57,7 +57,8 @@ def _last_marks_by_hand(course: Course) -> dict[MarkKey, MarkChange]:
         elif change.by == A_PERSON:
             before = last_changes.get(change.key)
             if before and change.key in removed:
-                # A new mark in a new gradebook does not mean that a person removed the comment.
+                # In a new gradebook, a mark without a comment does not mean that a person removed
+                # the comment.
                 last_changes[change.key] = replace(
                     change,
                     by_hand=change.by_hand or before.by_hand,
@@ -82,8 +83,8 @@ def restore_marks(course: Course, book: Gradebook, lost: Collection[MarkChange])
     return sentences
 
 
-def share_in_teams(course: Course, book: Gradebook, stages: Iterable[str]) -> list[str]:
-    """Enter the mark for a team's written answer for its other members; say for whom.
+def share_marks_in_teams(course: Course, book: Gradebook, stages: Iterable[str]) -> list[str]:
+    """Copy the mark for a team's written answer to its other members; return what was entered.
 
     The other members must have submitted the same answer, and must not have a mark or a comment.
     """

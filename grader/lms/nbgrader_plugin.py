@@ -34,11 +34,11 @@ from grader.lms.answer_fingerprints import (
 from grader.lms.autograded_copy import build_copy_in_process, build_judged_copy
 from grader.lms.gradebook_dates import enter_due_dates, set_extension
 from grader.lms.penalties import penalty_of
-from grader.lms.submission_times import known_time, lesson_times
+from grader.lms.submission_times import lesson_times, naive_submission_time
 from grader.sandbox import AUTO, SANDBOXES, choose_sandbox
 
 
-class ClearEarlier(NbGraderPreprocessor):
+class ClearEarlierFunctions(NbGraderPreprocessor):
     """Removes functions of earlier lessons from the cell into which students paste them."""
 
     def preprocess_cell(
@@ -122,7 +122,7 @@ def _enter_dates(course: Course, names: dict) -> None:
         enter_due_dates(course, book, deadlines)
         submission = book.find_submission(names["assignment"], names["student"])
         place = course.submitted / names["student"] / names["assignment"]
-        submission.timestamp = known_time([place])
+        submission.timestamp = naive_submission_time([place])
         set_extension(course, submission, deadlines)
         book.db.commit()
 
@@ -150,7 +150,7 @@ class LatePenalties(AssignLatePenalties):
 
 
 def _submission(course: Course, names: dict) -> Submission:
-    """Return the submission that nbgrader names, under the only file name that it accepts."""
+    """Return the submission that nbgrader is grading; nbgrader accepts only one file name."""
     lesson = find_lesson(names["notebook"])
     path = course.submitted / names["student"] / names["assignment"] / f"{lesson.name}.ipynb"
     return Submission(names["student"], lesson, path)
@@ -163,8 +163,8 @@ def _deadlines(course: Course) -> Deadlines:
 class CopyExporter(NotebookExporter):
     """Reads a submission like the judge; an unreadable file becomes a notebook without answers.
 
-    nbgrader drops a student's whole submission if one of its files is damaged. The judge gives such
-    a file a verdict, so nbgrader only needs a notebook into which the verdict can be written.
+    nbgrader rejects a student's whole submission if one of its files is damaged. The judge gives a
+    verdict on such a file, so nbgrader only needs a notebook to which the verdict can be added.
     """
 
     def from_filename(

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from grader.course.deadlines import Deadlines
-from grader.lms.instructor_notes import assignment_notes, counted_lessons, excessive_notes
+from grader.lms.instructor_notes import assignment_notes, counted_lessons, excessive_mark_notes
 from grader.lms.marks_table import MarksTable
 from grader.lms.results import AUDITOR, EXCUSED, MISSING, WAITING, ClassResults
 
@@ -89,7 +89,7 @@ def overview_of(
         (
             *counted_lessons(results).values(),
             *assignment_notes(results, deadlines),
-            *excessive_notes(results),
+            *excessive_mark_notes(results),
         ),
         "; ".join(deadlines.descriptions()) if deadlines else "",
         _passed(table, results),

@@ -1,7 +1,7 @@
 """Compute nbgrader's late penalties with the plugin that the course has configured.
 
-nbgrader tells a plugin only the seconds since the due date. Here every day on the clock counts as
-86,400 seconds, so that plugins which count days agree with the clock when it changes.
+nbgrader passes only the seconds since the due date to a plugin. Here, every day on the clock counts
+as 86,400 seconds, so a plugin also counts days correctly when the clocks change.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def penalty_of(
     if submission.timestamp is None:
         return None
     student, lesson = submission.student.id, notebook.name
-    # Without a due date, nbgrader cannot add an extension to it.
+    # If the class has no due date, nbgrader has no date to which it could add an extension.
     of_class = submission.assignment.duedate
     of_stage = submission.duedate.replace(tzinfo=UTC) if of_class else None
     of_class = of_class and of_class.replace(tzinfo=UTC)

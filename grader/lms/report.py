@@ -29,10 +29,10 @@ from grader.classroom.pages import TEMPLATES, format_code, printable_name, rende
 from grader.classroom.submissions import Submission
 from grader.course.atomic_files import write_atomically
 from grader.course.deadlines_file import read_deadlines
-from grader.course.extension import course_constant
+from grader.course.extension import extension_constant
 from grader.course.lessons import Lesson, all_lessons
 from grader.course.paths import Course
-from grader.course.roster import Person, file_name_part, read_roster
+from grader.course.roster import Person, read_roster, section_slug
 from grader.intake.submission import SubmittedFiles
 from grader.judging.verdict import JUDGED, Verdict
 from grader.lms.distribution import Distribution, distribution_of
@@ -158,7 +158,7 @@ def write_report(
         section=section,
     )
     if section:
-        path = course.report / f"section_{file_name_part(section)}.html"
+        path = course.report / f"section_{section_slug(section)}.html"
         write_atomically(page, path)
         return path
     path = course.report / "index.html"
@@ -191,7 +191,7 @@ def _items(lessons: Sequence[Lesson], counted: Sequence[Verdict]) -> list[tuple[
 def _same_files(
     course: Course, pairs: Sequence[tuple[str, Verdict]]
 ) -> list[tuple[str, list[str]]]:
-    """Return (lesson, students with identical files), except for unchanged notebooks and teams."""
+    """Return (lesson, students with identical files), without unchanged notebooks and teams."""
     by_content: dict[tuple[str, str], list[str]] = {}
     for student, verdict in pairs:
         if verdict.fingerprint:
@@ -220,7 +220,7 @@ def _same_files(
 def _people(
     by_student: dict[str, dict[str, Verdict]], results: ClassResults
 ) -> list[tuple[Person, list, str, dict[str, Verdict]]]:
-    """Return each student with stage results, a sentence about the total, and verdicts."""
+    """Return each student, with stage results, a sentence about the total, and verdicts."""
     people_by_id = {person.id: person for person in results.people}
     ids = dict.fromkeys([*people_by_id, *by_student])
     stages: dict[str, list] = {}
@@ -247,7 +247,7 @@ def _links(course: Course) -> list[tuple[str, str]]:
     for path in sorted(course.report.glob("similarity_*.html")):
         stage = path.stem.removeprefix("similarity_")
         links.append((quote(path.name), f"similar answers in {stage}"))
-    for course_links in course_constant("REPORT_LINKS"):
+    for course_links in extension_constant("REPORT_LINKS"):
         links += course_links(course)
     for path in sorted(course.root.glob("scores*.csv")):
         links.append((f"../{quote(path.name)}", f"exported marks: {path.name}"))

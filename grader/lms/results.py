@@ -1,7 +1,7 @@
 """The results of a class, as used by the report, the marks table and the exporters.
 
-A missing lesson, a mark of 0, an excused student, an auditor and a waiting submission are
-different states, which `status` distinguishes.
+The attribute `status` distinguishes a missing lesson, a mark, an excused student, an auditor and a
+waiting submission.
 """
 
 from __future__ import annotations
@@ -155,7 +155,7 @@ class ClassResults:
     unlisted : tuple of str
         IDs with marks in the gradebook that are not on the roster. They have no results here.
     excessive : tuple of (str, str)
-        Student and description of marks by hand above the maximum of their exercise.
+        Student and description of manual marks above the maximum of their exercise.
     unassigned : tuple of (str, str)
         Student and lesson of submissions that have no results here, because deadlines.toml does not
         list the lesson.
@@ -239,7 +239,7 @@ def format_points(points: float, decimal_mark: str = ".") -> str:
 
 
 def rounded_points(points: float) -> str:
-    """Format points with one decimal place, or two if one would wrongly show a whole number.
+    """Format points with one decimal place, or with two if rounding would give a whole number.
 
     For example, 29.97 points are not shown as 30. Halves are rounded up.
     """

@@ -220,7 +220,7 @@ def _without_roster(
 
 
 def _lesson_status(row: GradebookRow | None, is_submitted: bool) -> str:
-    """Return the status in a lesson for a student who is not excused."""
+    """Return the status of a lesson for a student who is not excused."""
     if row is None:
         return WAITING if is_submitted else MISSING
     return WAITING if row.needs_person else MARKED

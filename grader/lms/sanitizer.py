@@ -13,8 +13,8 @@ import re
 from grader.lms.formula_sanitizer import ZERO_WIDTH_SPACE, sanitize_formulas
 
 _TAG = re.compile(r"<(?=[A-Za-z/!?])")
-# After a bracket, only these schemes and relative addresses are allowed. A relative address has up
-# to 200 characters without a colon before a slash, `?`, `#`, `)`, a space or the end.
+# After a bracket, only these schemes and relative addresses are allowed. A relative address has at
+# most 200 characters, and no colon, before its first slash, `?`, `#`, `)`, space or its end.
 _ADDRESS = re.compile(
     r"\](?=[(:])"
     r"(?![(:]\s*+<?(?i:https?|mailto|attachment):)"

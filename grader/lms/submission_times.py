@@ -34,15 +34,15 @@ def submission_time(folders: Iterable[Path]) -> datetime | None:
     Raises
     ------
     SubmissionTimeUnknown
-        If a folder's time cannot be read, or if the collected work is marked late or has no time in
-        the table of times. The times of other folders make no difference.
+        If the time of any folder cannot be read, or if the collected work is marked late or has no
+        time in the table of times.
     """
     times = [_time(folder) for folder in sorted(folders)]
     return max((time for time in times if time), default=None)
 
 
-def known_time(folders: Iterable[Path]) -> datetime | None:
-    """Return the submission time as nbgrader stores it: naive and in UTC. None if it is unknown."""
+def naive_submission_time(folders: Iterable[Path]) -> datetime | None:
+    """Return the submission time in UTC without a zone, as nbgrader stores it; None if unknown."""
     try:
         time = submission_time(folders)
     except SubmissionTimeUnknown:

@@ -24,7 +24,7 @@ class TermResult:
     is_waiting : bool
         Whether work waits for a grader or is not entered yet, so that the total is not final.
     passed : bool or None
-        Whether the points reach the pass mark; None if that is not decided or not asked.
+        Whether the points reach the pass mark; None if there is no pass mark or no final total.
     """
 
     points: float | None

@@ -12,7 +12,7 @@ from sqlalchemy import exists, func, or_
 from grader.course.paths import Course
 from grader.lms.gradebook_rows import HAS_MARK_BY_HAND
 
-# SQL condition on a notebook: a person has commented on it.
+# SQL condition on a notebook: a person has written a comment on it.
 _HAS_COMMENT = exists().where(
     Comment.notebook_id == SubmittedNotebook.id, func.coalesce(Comment.manual_comment, "") != ""
 )

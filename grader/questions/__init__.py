@@ -1,4 +1,4 @@
-"""Questions about the behaviour of a student's own code, for a conversation and not for a mark.
+"""Questions about what a student's own code does, for a conversation and not for a mark.
 
 The idea is from Lehtinen, Seppälä and Korhonen ("Automated questions about learners' own code help
 to detect fragile prerequisite knowledge", ITiCSE 2023). Their questions are about syntax. Here, the

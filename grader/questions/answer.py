@@ -1,7 +1,7 @@
-"""A student's answer to one exercise, and what it does: read and run in the sandbox.
+"""Read a student's answer to one exercise in the sandbox, and observe what it does.
 
-Replies of the sandbox are untrusted. A line that is not in the notebook, or a value that is not
-plain data, is left out. Nothing here decides a mark.
+The sandbox's replies are untrusted. A line that is not in the notebook, or a value that is not
+plain data, is left out. Nothing in this module affects a mark.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ OBSERVER = Path(__file__).parent / "inside" / "answer_observer.py"
 TASKS = ("read_answer", "run_cases", "evaluate", "trace_case")
 MAX_EDITS = 150
 MAX_LISTING = 150  # lines of an answer that fit on two pages
-MAX_WATCHED = 6  # variables of a case whose values are compared with those of changed versions
+MAX_WATCHED = 6  # variables whose values in a case are compared between versions
 # Versions that are run with one request. If a request takes too long, its versions are left out.
 VERSIONS_PER_REQUEST = 10
 LIMITS = Limits(call_seconds=3.0)
-# No further versions are run after these processor seconds. Usually, their number is the limit, so
-# that the questions do not depend on the speed of the machine.
+# No further versions are run after these processor seconds. The limit is rarely reached, because
+# questions must not depend on the speed of the machine.
 MAX_CPU_SECONDS = 4.0
 
 
@@ -56,7 +56,7 @@ class Answer:
 
     @property
     def program(self) -> Program:
-        """The notebook with the functions of the observer."""
+        """The notebook's program, with the functions of the observer added."""
         program = program_for(
             self.lesson,
             (*self.cells, f"from {OBSERVER.stem} import {', '.join(TASKS)}"),
@@ -117,7 +117,7 @@ class Edit:
     first, last : int
         Numbers of the listed lines that it replaces.
     before, after : str
-        Text of these lines.
+        Text of these lines, and their new text.
     row : tuple
         The edit for the observer: cell, first line, last line, text.
     """
@@ -141,7 +141,7 @@ class Run:
     Attributes
     ----------
     outcome : str
-        Text of the value or error; empty if it cannot be asked.
+        Text of the value or error; empty if it is not suitable for a question.
     counts : dict of int to int
         How often each listed line runs.
     notes : tuple of (int, str, str)
@@ -159,7 +159,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Behaviour:
-    """Everything that is known about an answer.
+    """What is known about an answer and its edited versions.
 
     Attributes
     ----------
@@ -191,14 +191,14 @@ class Behaviour:
         """Return the text of a listed line."""
         return self.lines[line - 1].text
 
-    def neighbours(self, case: int) -> Iterator[str]:
+    def edited_outcomes(self, case: int) -> Iterator[str]:
         """Yield the outcome of each edited version in a case, the likeliest edits first."""
         for runs in self.edited.values():
             if case < len(runs):
                 yield runs[case].outcome
 
-    def is_common(self, case: int) -> bool:
-        """Return whether the other right answers are known and have the same outcome in a case."""
+    def matches_peers(self, case: int) -> bool:
+        """Return whether all known right answers have this outcome in a case; False without any."""
         own = self.own[case].outcome
         return bool(self.peers) and all(same_answer(peer[case], own) for peer in self.peers)
 
@@ -220,7 +220,7 @@ def observe(answer: Answer, sandbox: Sandbox, peers: tuple[tuple[str, ...], ...]
     grader.sandbox.SandboxUnavailable
     """
     cases = cases_of(answer.exercise)
-    codes = codes_of(cases)
+    codes = case_codes(cases)
     with StudentProxy(answer.program, sandbox, LIMITS) as student:
         description = _as_dict(student.read_answer(*answer.request))
         lines = _listing(answer, description.get("places"))
@@ -258,14 +258,14 @@ def observe(answer: Answer, sandbox: Sandbox, peers: tuple[tuple[str, ...], ...]
     )
 
 
-def codes_of(cases: Sequence[Case]) -> list[str]:
+def case_codes(cases: Sequence[Case]) -> list[str]:
     """Return the code of each case, followed by the code of each larger case."""
     return [case.executed for case in cases] + [case.larger for case in cases if case.larger]
 
 
 def outcomes_of(answer: Answer, sandbox: Sandbox) -> tuple[str, ...]:
     """Return the outcome of each case of an answer, without any changes."""
-    codes = codes_of(cases_of(answer.exercise))
+    codes = case_codes(cases_of(answer.exercise))
     with StudentProxy(answer.program, sandbox) as student:
         student.read_answer(*answer.request)
         return tuple(outcome_text(student.evaluate(None, code)) for code in codes)
@@ -354,7 +354,7 @@ def _run(reply: dict, number_of: dict[tuple[int, int], int]) -> Run:
 
 
 def _watched(own: Sequence[Run], lines: tuple[ListedLine, ...]) -> Iterator[list]:
-    """Yield the variables to watch: for each case the first few that have a value to ask for."""
+    """Yield the variables to watch: in each case, the first few with a value to ask about."""
     for case, run in enumerate(own):
         pairs = dict.fromkeys((line, name) for line, name, text in run.notes if text)
         for line, name in list(pairs)[:MAX_WATCHED]:

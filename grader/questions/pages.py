@@ -39,19 +39,19 @@ def _render(template: str, stage: str, sheets: Sequence[Sheet]) -> str:
         letters=LETTERS,
         minutes=MINUTES_PER_STUDENT,
         format_code=format_code,
-        lines_text=lines_text,
-        subject=subject_text,
+        format_lines=format_lines,
+        subject=key_basis,
     )
 
 
-def lines_text(lines: Sequence[int]) -> str:
-    """Return line numbers as a text, such as "line 4" or "lines 4 and 7"."""
+def format_lines(lines: Sequence[int]) -> str:
+    """Format line numbers in words, such as "line 4" or "lines 4 and 7"."""
     *first, last = map(str, lines)
     return f"lines {', '.join(first)} and {last}" if first else f"line {last}"
 
 
-def subject_text(question: Question) -> str:
-    """Return what an examiner should know about the origin of a question's key."""
+def key_basis(question: Question) -> str:
+    """Tell the examiner whether a question's key depends on this student's code."""
     if question.is_about_code:
         return f"{question.kind}; the answer follows from this student's code."
     return (

@@ -1,4 +1,4 @@
-"""Write the questions as a quiz per student: Moodle XML, or QTI 1.2 for Canvas and others."""
+"""Write one quiz per student: as Moodle XML, and in QTI 1.2 for Canvas and other systems."""
 
 from __future__ import annotations
 
@@ -131,4 +131,4 @@ QUIZZES: dict[str, Callable[[Sheet, str], bytes]] = {
     "moodle.xml": moodle_quiz,
     "qti.zip": qti_quiz,
 }
-"""Functions that write a quiz, by the ending of its file."""
+"""Functions that write a quiz, by the suffix of the file name."""

@@ -1,4 +1,4 @@
-"""Choose questions about one answer: of different kinds, of rising depth, with verified keys."""
+"""Choose questions about one answer, of different kinds and with verified keys."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from grader.sandbox.failures import StudentError, StudentStopped
 from utils.notebooks.reading import decode_notebook
 from utils.questions.texts import ERROR, is_easy
 
-# Other right answers that are asked the same question.
+# Number of other right answers in which the outcomes are compared.
 MAX_PEERS = 4
 # In this order, one question of each kind is chosen: first an easy and a hard one.
 EASY, HARD = ("predict", "trace", "cost"), ("what if", "necessary", "which line")
-# Candidates of one kind that are verified before the kind is given up.
+# Candidates of one kind to verify before trying another kind.
 MAX_TRIES = 5
-# Kinds of questions about the same case, one of which may contain the answer to the other.
+# Two questions of these kinds must not share a case, because one may contain the other's answer.
 REVEALING = ({"predict", "which line"}, {"trace", "cost"}, {"cost"})
 
 
@@ -58,7 +58,7 @@ def choose_questions(
 
 
 def _rank(question: Question) -> tuple[bool, bool, bool]:
-    """Return a sort key: questions about the code, for a value and with easy numbers come first."""
+    """Return a sort key: questions about this code, about values and with easy numbers first."""
     right = question.right_choice
     is_hard = not (is_easy(right) and is_easy(question.text))
     return not question.is_about_code, right.startswith(ERROR), is_hard
@@ -82,7 +82,8 @@ def _next_question(
     """Return the next verified question of a kind, and remove those that were tried."""
     possible = [question for question in questions if not _reveals(question, chosen)]
     used = {code for question in chosen for code in _codes(question)}
-    possible.sort(key=lambda question: not used.isdisjoint(_codes(question)))  # stable
+    # The sort is stable, so questions about unused cases come first in the order of their rank.
+    possible.sort(key=lambda question: not used.isdisjoint(_codes(question)))
     for question in possible[:MAX_TRIES]:
         questions.remove(question)
         if verifier.confirms(question):
@@ -103,19 +104,20 @@ def _codes(question: Question) -> set[str]:
 
 
 @functools.cache
-def peers_of(lesson: Lesson, exercise: str, sandbox: Sandbox) -> tuple[tuple[str, ...], ...]:
+def peer_outcomes(lesson: Lesson, exercise: str, sandbox: Sandbox) -> tuple[tuple[str, ...], ...]:
     """Return the outcomes of some other right answers, from the lesson's kept answers."""
     if not (lesson.folder / "answers" / f"{exercise}.txt").is_file():
         return ()
     peers = []
     for source in [answer.source for answer in answers_to(exercise) if answer.right][:MAX_PEERS]:
-        answer = Answer(lesson, exercise, _code_with(lesson, exercise, source), {})
-        with contextlib.suppress(StudentError, StudentStopped):  # such as a missing package
+        answer = Answer(lesson, exercise, _code_with_answer(lesson, exercise, source), {})
+        # A kept answer may fail here, for example if a package is not installed.
+        with contextlib.suppress(StudentError, StudentStopped):
             peers.append(outcomes_of(answer, sandbox))
     return tuple(peers)
 
 
-def _code_with(lesson: Lesson, exercise: str, source: str) -> tuple[str, ...]:
+def _code_with_answer(lesson: Lesson, exercise: str, source: str) -> tuple[str, ...]:
     """Return the code of a notebook with one answer."""
     text = fill_in(lesson, {exercise: source})
     return decode_notebook(text.encode(), lesson.name).code

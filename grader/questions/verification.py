@@ -1,12 +1,11 @@
-"""Compute the key of each question again, in a new process and in another way.
+"""Verify the key of each question with a second method, in a new process.
 
-Outcomes come from code that is not instrumented. Counts and values come from Python's own tracing.
+Outcomes come from code that is not instrumented. Counts and values come from `sys.settrace`.
 """
 
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterable
 
 from grader.questions.answer import Answer, Behaviour
 from grader.questions.question import CountClaim, OutcomeClaim, Question, ValueClaim
@@ -93,11 +92,3 @@ class Verifier:
     def _compute_trace(self, code: str) -> dict:
         reply = self._student.trace_case(code)
         return reply if isinstance(reply, dict) else {}
-
-
-def confirmed(
-    questions: Iterable[Question], behaviour: Behaviour, sandbox: Sandbox
-) -> list[Question]:
-    """Return the questions whose claims hold in a new process."""
-    with Verifier(behaviour, sandbox) as verifier:
-        return [question for question in questions if verifier.confirms(question)]

@@ -17,14 +17,14 @@ from grader.intake.reader_process import ReadingFailed
 from grader.judging.verdict import JUDGED, read_verdict
 from grader.questions.answer import Answer, ListedLine, observe
 from grader.questions.question import Question
-from grader.questions.selection import choose_questions, peers_of
-from grader.questions.taught import Remark, remarks_on
+from grader.questions.remarks import Remark, remarks_on
+from grader.questions.selection import choose_questions, peer_outcomes
 from grader.sandbox import Sandbox
 from grader.sandbox.failures import StudentError, StudentStopped
 from utils.notebooks.reading import UnreadableNotebook
 from utils.questions.cases import cases_of
 
-# A longer answer fills more than one page, so a shorter one is preferred.
+# A longer answer fills more than one page, so an exercise with a shorter answer is preferred.
 MAX_LINES = 60
 
 
@@ -123,7 +123,7 @@ def make_sheet(
     sandbox: Sandbox,
     count: int,
 ) -> Sheet:
-    """Return the sheet of one student, about the first drawn exercise with enough questions."""
+    """Return one student's sheet, about the first drawn exercise with enough questions."""
     student = submissions[0].student
     stage = submissions[0].lesson.stage
     random = Random(f"{seed} {stage} {student}")
@@ -202,7 +202,7 @@ def _sheet_about(
     submitted_files = submission.read_again(course, verdict.fingerprint)
     judged = prepare_to_judge(submitted_files, lesson)
     answer = Answer(lesson, exercise.name, judged.code, judged.modules)
-    behaviour = observe(answer, sandbox, peers_of(lesson, exercise.name, sandbox))
+    behaviour = observe(answer, sandbox, peer_outcomes(lesson, exercise.name, sandbox))
     return Sheet(
         submission.student,
         name,

@@ -32,8 +32,8 @@ def choose_sandbox(name: str = AUTO) -> Sandbox:
     Parameters
     ----------
     name : str
-        A name in `SANDBOXES`, or "auto" for the first sandbox without a warning. If the sandbox
-        does not work, no other sandbox is tried.
+        A name in `SANDBOXES`, or "auto" for the first sandbox without a warning. If that sandbox
+        does not work, the others are not tried.
 
     Raises
     ------
@@ -42,5 +42,5 @@ def choose_sandbox(name: str = AUTO) -> Sandbox:
     """
     if name == AUTO:
         name = next(name for name, sandbox in SANDBOXES.items() if not sandbox.warning)
-    SANDBOXES[name].available()
+    SANDBOXES[name].check_available()
     return SANDBOXES[name]

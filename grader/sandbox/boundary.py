@@ -92,7 +92,7 @@ def folders_of_packages() -> tuple[Path, ...]:
 
 
 def folders_of_modules(modules: Iterable[str], packages: tuple[str, ...]) -> list[Path]:
-    """Return the folders of those modules that belong to the given packages."""
+    """Return the folders of the modules that belong to the given packages."""
     shown = files_of_packages(packages)
     folders = [
         folder / module.replace(".", "/") for module in modules for folder in folders_of_packages()

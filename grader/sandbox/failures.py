@@ -26,7 +26,7 @@ class StudentError(RemoteError):
         Name of the function that was called.
     type_name, message : str
         Type and message of the exception. Student code can choose both, so neither is shown
-        unfiltered; `grader.sandbox.quotation` selects the parts that may be shown.
+        unfiltered; `grader.sandbox.error_descriptions` selects the parts that may be shown.
     place : str or None
         Cell and line in the notebook, such as ``code cell 3, line 12``; None if there is no such
         line, or if the notebook is too long to show it.
@@ -91,12 +91,12 @@ class CellSkipped(StudentError):
 
 
 class StudentStopped(RemoteStopped):
-    """A student's process took too long, died or broke the protocol. `str()` is a full sentence.
+    """A student's process took too long, died or broke the protocol; `str()` says which.
 
     Attributes
     ----------
     reason : str
-        A text that identifies the cause of the stop; by default the sentence.
+        A text that identifies the cause, to compare stops; by default the sentence.
     out_of_time : bool
         Whether a call to the student's function took too long.
     """

@@ -1,4 +1,4 @@
-"""Get workers from a fork server, which is faster than starting Python for each worker."""
+"""Get workers from a fork server, because starting Python for each worker is slower."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class ForkClient:
     _turn: threading.Lock = field(default_factory=threading.Lock)
 
     def fork(self, request: dict, read_end: int, write_end: int) -> ForkedWorker:
-        """Make the server fork a worker, and return the worker.
+        """Ask the server to fork a worker, and return the worker.
 
         Parameters
         ----------
@@ -131,7 +131,7 @@ class ForkedWorker:
         poll.register(self.report, select.POLLIN)
         return self._code is not None or bool(poll.poll(1000 * seconds))
 
-    def end(self, seconds: float) -> int | None:
+    def exit_code(self, seconds: float) -> int | None:
         """Return the worker's exit code, or None if it does not arrive within `seconds`."""
         line = read_line(self.report, seconds)
         os.close(self.report)
@@ -157,7 +157,7 @@ def read_line(descriptor: int, seconds: float) -> str:
 
 
 def modules_to_preload(packages: Sequence[str]) -> tuple[str, ...]:
-    """Return those modules of a lesson's packages that are slow to import."""
+    """Return the modules of a lesson's packages that are slow to import."""
     return SLOW_TO_IMPORT if "scipy" in packages else ()
 
 

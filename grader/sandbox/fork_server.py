@@ -52,7 +52,7 @@ def main(requests: socket.socket, preloaded: list[str], forbidden: list[str]) ->
         if os.fork() == 0:
             requests.close()
             try:
-                _run_shim(request, *pipes)
+                _run_in_sandbox(request, *pipes)
             finally:
                 os._exit(1)
         for end in pipes:
@@ -84,7 +84,7 @@ def _receive(requests: socket.socket) -> tuple[bytes, list[int]]:
     return data, list(pipes)
 
 
-def _run_shim(request: dict, read_end: int, write_end: int, status: int) -> None:
+def _run_in_sandbox(request: dict, read_end: int, write_end: int, status: int) -> None:
     """Join the sandbox, fork the worker there, and report its exit code.
 
     Joining a PID namespace affects only later children, so this process forks once more. When the
@@ -119,7 +119,7 @@ def _become_worker(request: dict, read_end: int, write_end: int) -> None:
     os.chdir(request["home"])
     os.environ["HOME"] = os.environ["PWD"] = request["home"]
     sys.argv[:] = [str(Path(worker.__file__))]
-    # Otherwise all workers would draw the same random numbers.
+    # Without new seeds, all workers would draw the same random numbers.
     random.seed()
     worker.np.random.seed()
     worker.serve(read_end, write_end)

@@ -45,11 +45,11 @@ def main(folder: str, home: str, user: int, command: list[str]) -> int:
     while code is None:
         ready, _, _ = select.select([sys.stdin.fileno(), woken], [], [])
         if sys.stdin.fileno() in ready:
-            os.kill(worker, signal.SIGKILL)  # it may still be root and survive `kill_all_of`
+            os.kill(worker, signal.SIGKILL)  # it may still be root and survive `kill_processes_of`
         if woken in ready:
             os.read(woken, 4096)
         code = _poll_exit_code(worker, wait=sys.stdin.fileno() in ready, user=user)
-    kill_all_of(user)
+    kill_processes_of(user)
     _reap_children()
     return code
 
@@ -76,7 +76,7 @@ def _poll_exit_code(worker: int, *, wait: bool, user: int) -> int | None:
     With `wait`, first kill all processes of the user, then wait for the worker to end.
     """
     if wait:
-        kill_all_of(user)
+        kill_processes_of(user)
     while True:
         try:
             pid, status = os.waitpid(worker if wait else -1, 0 if wait else os.WNOHANG)
@@ -89,7 +89,7 @@ def _poll_exit_code(worker: int, *, wait: bool, user: int) -> int | None:
             return None
 
 
-def kill_all_of(user: int) -> None:
+def kill_processes_of(user: int) -> None:
     """Kill all processes of a user with one system call, so that none can fork in between."""
     pid = os.fork()
     if pid == 0:

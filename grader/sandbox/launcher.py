@@ -19,10 +19,10 @@ from grader.sandbox.fork_client import ENVIRONMENT, ForkClient, ForkedWorker, re
 from grader.sandbox.inside import wire
 from grader.sandbox.protocol import MEBIBYTE, Limits, SandboxUnavailable, Thread, Worker
 from grader.sandbox.usage import (
+    available_memory_share,
     cpu_of_tree,
-    killed_for_memory,
-    memory_left,
     memory_of_tree,
+    oom_kill_count,
     threads_of_tree,
 )
 
@@ -52,7 +52,7 @@ class WorkerProcess:
     release_folder : callable
         Called when all processes have ended, so that another worker can use the same folder.
     initial_kill_count : int
-        The result of `killed_for_memory` when the worker started.
+        The result of `oom_kill_count` when the worker started.
     """
 
     process: subprocess.Popen
@@ -79,11 +79,11 @@ class WorkerProcess:
             code = _kill(self.process)
         if self.forked:
             # When the first process in a sandbox ends, the kernel ends all others there.
-            code = self.forked.end(SECONDS_TO_END)
+            code = self.forked.exit_code(SECONDS_TO_END)
         if code in KILLED_CODES and not self._above_limit and not had_to_be_killed:
-            # The kernel may have killed other processes while the worker killed itself. The
-            # notebook is then judged once more, which does not help the student.
-            self._lacked_memory |= killed_for_memory() > self.initial_kill_count
+            # The kernel may have killed other processes while student code killed the worker. The
+            # notebook is then judged again, which gives the student no advantage.
+            self._lacked_memory |= oom_kill_count() > self.initial_kill_count
         self.process.stderr.close()
         for end in (self.read_end, self.write_end):
             os.close(end)
@@ -124,7 +124,7 @@ class WorkerProcess:
 
         def watch() -> None:
             while not self._stopped.wait(MEMORY_POLLING_INTERVAL):
-                most = limit if memory_left() > MIN_MEMORY_LEFT else MEMORY_WHEN_SCARCE
+                most = limit if available_memory_share() > MIN_MEMORY_LEFT else MEMORY_WHEN_SCARCE
                 used = sum(map(memory_of_tree, self.pids))
                 if used > most:
                     with self._signals:
@@ -208,7 +208,7 @@ def launch(
         os.close(their_read)
         os.close(their_write)
     after = release_folder or (lambda: None)
-    worker = WorkerProcess(process, our_read, our_write, forked, after, killed_for_memory())
+    worker = WorkerProcess(process, our_read, our_write, forked, after, oom_kill_count())
     try:
         send_rules(worker, rules)
     except (wire.WireClosed, wire.WireTimeout):
@@ -241,7 +241,7 @@ def send_rules(worker: Worker, rules: dict) -> None:
 def _kill(process: Popen) -> int | None:
     """End a process and its process group; return its exit code, or None if it does not end."""
     for end in (_end_gently, _kill_group):
-        if process.returncode is None:  # otherwise its ID may have been reused
+        if process.returncode is None:  # after it has ended, another process may have its ID
             end(process)
             with contextlib.suppress(subprocess.TimeoutExpired):
                 process.wait(SECONDS_TO_END)
@@ -290,9 +290,9 @@ def _start_process(
 def _start_and_join(
     sandbox_command: Sequence[str], request: dict, client: ForkClient, read_end: int, write_end: int
 ) -> tuple[Popen, ForkedWorker]:
-    """Build a sandbox around a process that only waits, and make a forked worker join it."""
+    """Build a sandbox whose only process waits, and let a forked worker join that sandbox."""
     info, number = os.pipe()
-    # When process 1 of a PID namespace ends, the kernel kills all other processes in it.
+    # When process 1 of a PID namespace ends, the kernel kills all other processes there.
     options = ["--as-pid-1", "--info-fd", str(number), "--", "/bin/sh", "-c", WAIT_COMMAND]
     try:
         # Bubblewrap inherits both ends of the pipe, so that it cannot fail to write to the pipe.

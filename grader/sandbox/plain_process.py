@@ -12,7 +12,7 @@ from grader.sandbox.protocol import Limits, Worker
 
 @dataclass(frozen=True)
 class PlainProcess:
-    """A process without a sandbox: for a student's own machine and the demo, not untrusted code."""
+    """A process without a sandbox, for the demo and students' own machines, not untrusted code."""
 
     name: str = "process"
     warning: str = (
@@ -21,7 +21,7 @@ class PlainProcess:
         "for code that you trust."
     )
 
-    def available(self) -> None:
+    def check_available(self) -> None:
         """Do nothing, because this works on every machine."""
 
     def label(self) -> str:

@@ -72,7 +72,7 @@ class Program:
 
     @property
     def named_packages(self) -> tuple[str, ...]:
-        """The packages whose names occur anywhere in the code, even in a comment."""
+        """Allowed packages whose names occur anywhere in the code, even in a comment."""
         sources = (*self.cells, *self.modules.values(), self.given.source)
         return tuple(name for name in self.packages if any(name in source for source in sources))
 

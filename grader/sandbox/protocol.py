@@ -162,7 +162,7 @@ class Sandbox(Protocol):
     name: str
     warning: str
 
-    def available(self) -> None:
+    def check_available(self) -> None:
         """Check that this machine can build the sandbox.
 
         Raises

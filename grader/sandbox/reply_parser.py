@@ -1,4 +1,4 @@
-"""Parse untrusted replies of a worker. Each function accepts any value.
+"""Parse the untrusted replies of a worker; each function accepts any value.
 
 A value of the wrong type counts as empty, and long texts and lists are cut off.
 """

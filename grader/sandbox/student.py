@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NoReturn
 
+from grader.sandbox.error_descriptions import describe_failed_cell
 from grader.sandbox.failures import (
     MAX_LINES,
     CellSkipped,
@@ -24,7 +25,6 @@ from grader.sandbox.failures import (
 from grader.sandbox.inside import wire, wire_format
 from grader.sandbox.program import Program, cell_and_line
 from grader.sandbox.protocol import Limits, Sandbox, Worker
-from grader.sandbox.quotation import describe_failed_cell
 from grader.sandbox.reply_parser import (
     has_valid_object,
     parse_edits,
@@ -36,20 +36,20 @@ from grader.sandbox.reply_parser import (
 from grader.sandbox.time_budget import Budget, Meter, TimeLimit
 from utils.remote_objects import ENDLESS_LOOP_HINT, ObservedCall, RemoteObject
 
-# Names of the steps that are not exercises: running the cells that exercises need, or all cells.
+# Names of two steps that precede the exercises: running the cells that they need, or all cells.
 _NEEDED_CELLS, _ALL_CELLS = "the cells that are needed", "all cells"
 # Once the failed calls of a step have together used up its time limit, each later call gets only
 # this share of the limit. An endless loop then costs little more than one limit.
 SHARE_AFTER_FAILURES = 1 / 8
 # The exception that the worker raises in a call that it interrupts.
-TOOK_TOO_LONG = "TookTooLong"
+CALL_TIMEOUT = "CallTimeout"
 # Maximum number of failed cells that are described. Later cells usually fail because of these.
 MAX_FAILED_CELLS = 3
 
 
 @dataclass(frozen=True)
 class _Reference:
-    """A reference to an object in a worker that may have been stopped since then."""
+    """A reference to an object in a worker, which may have been stopped in the meantime."""
 
     number: int
     worker: Worker
@@ -150,7 +150,7 @@ class StudentProxy:
     largest_reply : int
         Bytes of the largest reply. The owner of the proxy may reset it.
     interrupts_after : float or None
-        Processor seconds after which the worker interrupts a call by raising `TOOK_TOO_LONG`. If
+        Processor seconds after which the worker interrupts a call by raising `CALL_TIMEOUT`. If
         None, only the limits end a call, and they also end its process.
     """
 
@@ -171,7 +171,7 @@ class StudentProxy:
         self._methods: dict[tuple[int, str], RemoteFunction] = {}
         self._stops: dict[str, list[StudentStopped]] = {}
         self._budget = budget or Budget(self._limits)
-        # If a step took too long for an earlier proxy with the same budget, it gets no restarts.
+        # A step that took too long for an earlier proxy with the same budget gets no restarts.
         self._timed_out_before = frozenset(self._budget.timeouts)
         self._has_reported, self._last_seconds, self._past_seconds = False, 0.0, 0.0
         self.interrupts_after: float | None = None
@@ -460,7 +460,7 @@ class StudentProxy:
             )
 
     def _try_whole_notebook(self) -> None:
-        """Run all cells, to find names whose definitions are not visible in the source."""
+        """Run all cells, because they may define names in ways that the source does not show."""
         try:
             reply = self._exchange_at_start(
                 {"all_cells": True}, _ALL_CELLS, self._limits.whole_seconds
@@ -476,7 +476,7 @@ class StudentProxy:
         seconds: float | None = None,
         too_slow: str = "The notebook's own cells did not finish within {seconds:g} seconds.",
     ) -> dict:
-        """Perform one step of starting a notebook; return the reply."""
+        """Perform one step of starting a notebook, and return the worker's reply."""
         seconds = self._limits.start_seconds if seconds is None else seconds
         try:
             answer = self._exchange(task, too_slow, seconds, message)

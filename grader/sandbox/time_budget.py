@@ -16,8 +16,8 @@ from grader.sandbox.usage import own_seconds
 # not show whether a process sleeps or waits for a processor.
 MAX_ELAPSED_FACTOR = 3
 FIRST_MEASUREMENT = 0.05  # seconds; most replies arrive within this time
-# The next measurement follows after one to two times this share of the elapsed time. The moment is
-# random, so that student code cannot predict it.
+# Pause before the next measurement, as a share of the elapsed time. It is multiplied by a random
+# factor between 1 and 2, so that student code cannot predict the measurement.
 NEXT_MEASUREMENT = 1 / 16
 _RANDOM = random.SystemRandom()
 
@@ -56,7 +56,7 @@ class Budget:
         self.cells_finish, self.starved = True, False
 
     def postpone_deadline(self, waiting_seconds: float = 0.0) -> None:
-        """Postpone the deadline by the judge's time since the last call, and by some seconds.
+        """Postpone the deadline by the judge's own time since the last call, and by a waiting time.
 
         Points would otherwise depend on how busy the machine is.
 
@@ -78,7 +78,7 @@ class Budget:
     def charge_if_failed(self, task: str) -> Iterator[None]:
         """Count all seconds used in a with block as seconds of failed calls, if the block raises.
 
-        A wrong function that is slow thus gets no more time than one that hangs.
+        A slow wrong function therefore gets no more time than one that hangs.
         """
         seconds, failed = self.seconds, self.failed_seconds.get(task, 0.0)
         try:
@@ -108,8 +108,8 @@ class Meter:
     elapsed_seconds : float
         Elapsed time until the last measurement.
     waiting_seconds : float
-        Seconds until the last measurement in which neither the worker nor the judge worked, nor the
-        worker slept; 0 if the kernel does not show this.
+        Seconds, until the last measurement, in which the worker neither ran nor slept and the judge
+        did not run; 0 if the kernel does not show this.
     """
 
     def __init__(self, worker: Worker) -> None:
@@ -120,7 +120,7 @@ class Meter:
         self.seconds = self.elapsed_seconds = self.waiting_seconds = 0.0
 
     @property
-    def sees_waiting(self) -> bool:
+    def can_see_waiting(self) -> bool:
         """Whether the kernel shows if a thread sleeps or waits for a processor."""
         return self._threads is not None
 
@@ -135,7 +135,7 @@ class Meter:
         self.elapsed_seconds = time.monotonic() - self._begin
         cpu_seconds = self._worker.cpu_seconds() - self._initial_cpu_seconds
         self.seconds = cpu_seconds
-        if self.sees_waiting:
+        if self.can_see_waiting:
             threads = self._worker.threads() or {}
             # Exclude the time in which the judge itself worked or waited for a processor.
             elapsed = self.elapsed_seconds - (own_seconds() - self._initial_judge_seconds)
@@ -184,7 +184,7 @@ class TimeLimit:
     worker : grader.sandbox.protocol.Worker
     seconds : float
         The limit, as measured by a `Meter`.
-    until : float
+    deadline : float
         Time on the monotonic clock at which the judge gives up on the worker in any case.
     meter : Meter, optional
         A meter that is already running; by default a new one.
@@ -221,7 +221,7 @@ class TimeLimit:
         """Measure the time used, and return the seconds until the next measurement."""
         if self._meter is None:
             self._meter = Meter(self._worker)
-            if not self._meter.sees_waiting:
+            if not self._meter.can_see_waiting:
                 self._deadline = min(self._deadline, now + MAX_ELAPSED_FACTOR * self._seconds)
         self._meter.measure()
         seconds_left = self._seconds - self._meter.seconds

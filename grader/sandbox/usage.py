@@ -18,7 +18,7 @@ from grader.sandbox.protocol import Thread
 PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
 TICKS_PER_SECOND = os.sysconf("SC_CLK_TCK")
 HAS_PROC = os.path.exists("/proc/self/stat")
-# Kernel memory in bytes that even an empty file takes. No resource limit includes it.
+# Kernel memory in bytes that even an empty file needs. No resource limit covers it.
 BYTES_PER_FILE = 1024
 
 
@@ -49,7 +49,7 @@ def cpu_of_tree(pid: int) -> float:
 
 
 def threads_of_tree(pid: int) -> dict[int, Thread] | None:
-    """Return the threads of a process and its descendants with at least our priority.
+    """Return the threads of a process and its descendants that have our priority or a higher one.
 
     Returns
     -------
@@ -71,7 +71,7 @@ def threads_of_tree(pid: int) -> dict[int, Thread] | None:
 
 
 def own_seconds() -> float:
-    """Return the seconds for which this thread has run or waited for a processor."""
+    """Return the seconds for which the calling thread has run or waited for a processor."""
     return sum(_read_schedule("/proc/thread-self")) if _records_delays() else time.thread_time()
 
 
@@ -90,7 +90,7 @@ def _read_schedule(folder: str) -> tuple[float, float]:
     return int(worked) / 1e9, int(waited) / 1e9
 
 
-def memory_left() -> float:
+def available_memory_share() -> float:
     """Return the share of the machine's memory that is available; 1 if unknown."""
     try:
         lines = Path("/proc/meminfo").read_text().splitlines()
@@ -100,7 +100,7 @@ def memory_left() -> float:
     return int(known["MemAvailable"]) / int(known["MemTotal"])
 
 
-def killed_for_memory() -> int:
+def oom_kill_count() -> int:
     """Return how many processes the kernel has killed for lack of memory since it booted."""
     try:
         lines = Path("/proc/vmstat").read_text().splitlines()

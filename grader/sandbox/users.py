@@ -1,4 +1,4 @@
-"""Unused user IDs: if root runs the grader, each worker runs as a separate user."""
+"""Choose unused user IDs: if root runs the grader, each worker runs as a separate user."""
 
 import os
 import secrets
@@ -6,7 +6,7 @@ from pathlib import Path
 
 
 def is_root() -> bool:
-    """Return whether this process is root and can use other user IDs; some containers have none."""
+    """Return whether this process is root and other user IDs exist, unlike in some containers."""
     return os.geteuid() == 0 and _user_count() >= 2**16
 
 

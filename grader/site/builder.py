@@ -19,13 +19,13 @@ from grader.site import front_page, glossary, guides, mathjax, sections, site_ch
 from grader.site.errors import SiteError
 from grader.site.lesson import links_of, page_of
 from grader.site.live.files import FOLDER as LIVE_FOLDER
-from grader.site.live.files import Live
+from grader.site.live.files import LiveFiles
 from grader.site.pictures import Pictures
 from grader.site.settings import conf_source
 
 STATIC = Path(__file__).parent / "static"
 THEME = Path(__file__).parent / "templates" / "theme"
-SITE_MARKER = "searchindex.js"  # an existing folder with this file is a site
+SITE_MARKER = "searchindex.js"  # a folder that contains this file is recognised as a site
 # 1 January 1980, in seconds since 1970. With a fixed date, the site does not depend on the clock.
 SOURCE_DATE = "315532800"
 REPLACEMENTS = {
@@ -50,7 +50,7 @@ DELETED_PATTERNS = (
 
 
 def write_site(
-    folder: Path, solved_runs: Mapping[Lesson, bytes], origin: Origin, live: Live | None = None
+    folder: Path, solved_runs: Mapping[Lesson, bytes], origin: Origin, live: LiveFiles | None = None
 ) -> None:
     """Write the site. The same outputs always give the same bytes.
 
@@ -62,7 +62,7 @@ def write_site(
         Executed notebooks, from `grader.site.runs.solved_runs`. The page of a missing lesson has
         no outputs.
     origin : grader.course.build.Origin
-    live : grader.site.live.files.Live, optional
+    live : grader.site.live.files.LiveFiles, optional
         Files with which the lessons run in the browser.
 
     Raises
@@ -106,7 +106,7 @@ def check_ready(folder: Path) -> None:
 
 
 def source_files(
-    solved_runs: Mapping[Lesson, bytes], origin: Origin, live: Live | None
+    solved_runs: Mapping[Lesson, bytes], origin: Origin, live: LiveFiles | None
 ) -> dict[str, bytes]:
     """Return all files that Sphinx reads, by path; see `write_site` for the parameters."""
     pictures = Pictures()

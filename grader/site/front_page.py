@@ -1,4 +1,4 @@
-"""The front page: the film, the goal of the course, and a card for each lesson."""
+"""Build the front page: the film, the goal of the course, and a card for each lesson."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ FILM = re.compile(r"^!\[(.+?)\]\((\S+\.gif)\)$", re.M)
 PREVIEW = re.compile(r"!\[(.*?)\]\(attachment:(\S+?)\)")
 CARD_PIXELS = 480  # longer side of a card's picture in pixels
 WEBP_QUALITY = 80  # WebP quality of the film
-# Position of the still picture in the film, 0 to 1. Readers who turn off motion see it.
+# Position of the still picture in the film, from 0 to 1. Readers who turn off animation see it.
 STILL_POSITION = 0.45
 
 

@@ -1,4 +1,4 @@
-"""The page with the glossary of the course, and the links from lessons to it."""
+"""Build the glossary page, and redirect links from lessons to it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def page() -> str:
 
 
 def link_terms(markdown: str) -> str:
-    """Make links to the glossary in a notebook's text lead to the glossary page."""
+    """Redirect links to the glossary in a notebook's text to the glossary page."""
     return LINK.sub(_link, markdown)
 
 

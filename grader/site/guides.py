@@ -1,4 +1,4 @@
-"""The pages for the guides in ``docs/``, the README for students and the data card."""
+"""Build the pages for the guides in ``docs/``, the README for students and the data card."""
 
 from __future__ import annotations
 

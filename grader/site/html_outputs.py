@@ -92,7 +92,7 @@ def html_of(output: NotebookNode, pictures: Pictures) -> str:
 
 
 def key_of(question: str) -> str:
-    """Return a key with which the page assigns an answer to its question."""
+    """Return a key by which the page finds the answer to a question."""
     return hashlib.sha256(question.encode()).hexdigest()[:12]
 
 
@@ -117,7 +117,7 @@ def _extract_files(html: str, pictures: Pictures) -> str:
 
 
 def _positions(outputs: Sequence[NotebookNode], pictures: Pictures) -> str:
-    """Format recorded slider positions, between which readers can switch without a script."""
+    """Format recorded slider positions, so readers can switch between them without a script."""
     positions: list[dict] = []
     for output in outputs:
         if POSITION_TYPE in _data(output):

@@ -1,4 +1,4 @@
-"""The page of a lesson: the student's notebook with the outputs of the solved notebook."""
+"""Build a lesson's page: the student's notebook with the outputs of the solved notebook."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Run the solved notebooks for the site, if anything that affects their outputs has changed.
+"""Run the solved notebooks for the site, unless cached outputs are still valid.
 
 `python -m grader release --solutions` publishes the same outputs; see `grader.site.solution`.
 """

@@ -1,4 +1,4 @@
-"""A script with the text of all pages by section, in which the search page finds matches."""
+"""Write a script with the text of all pages by section, which the search page searches."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class _SectionParser(HTMLParser):
         return [section for section in parts if section[2]]
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """Remember an open element. If it is a section, begin to collect its text."""
+        """Record an opened element. If it is a section, begin to collect its text."""
         if tag in VOID_TAGS:
             return
         classes = set((dict(attrs).get("class") or "").split())
@@ -59,7 +59,7 @@ class _SectionParser(HTMLParser):
             self._sections.append(section)
 
     def handle_endtag(self, tag: str) -> None:
-        """Forget a closed element. If it is a section, return to the section around it."""
+        """Remove a closed element. If it is a section, continue with the enclosing section."""
         while tag in (name for name, _ in self._open):
             closed, _ = self._open.pop()
             if closed == "section":

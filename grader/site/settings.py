@@ -15,7 +15,7 @@ def settings(live: dict[str, object] | None = None) -> dict[str, object]:
     Parameters
     ----------
     live : dict, optional
-        From `grader.site.live.files.Live.settings`, if lessons run in the browser.
+        From `grader.site.live.files.LiveFiles.settings`, if lessons run in the browser.
     """
     theme = {
         "use_download_button": False,  # the button would need the sources in the site

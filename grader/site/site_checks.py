@@ -1,4 +1,4 @@
-"""Check that a finished site has no solutions, requests to other hosts or dead links."""
+"""Check a finished site for solutions, requests to other hosts and dead links."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def find_faults(folder: Path) -> list[str]:
 
 @dataclass
 class ParsedPage(HTMLParser):
-    """A parsed page: its text, its links, and the files that the browser fetches for it."""
+    """The text and links of a page, and the files that the browser fetches for it."""
 
     text: list[str] = field(default_factory=list)
     links: list[str] = field(default_factory=list)

@@ -1,4 +1,4 @@
-"""Executed solutions as notebooks to publish, without sliders and questions."""
+"""Convert executed solutions to notebooks to publish, without sliders and questions."""
 
 from __future__ import annotations
 

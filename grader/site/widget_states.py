@@ -23,7 +23,7 @@ POSITION_TYPE = "application/vnd.lidar-obstacle-lab.position+json"
 QUESTION_TYPE = "application/vnd.lidar-obstacle-lab.question+json"
 ANSWER_TYPE = "application/vnd.lidar-obstacle-lab.answer+json"
 POSITIONS = {1: 4, 2: 3}  # positions per slider, without the lesson's own, by number of sliders
-DEFAULT_POSITIONS = 2  # the same, if there are more sliders
+DEFAULT_POSITIONS = 2  # positions per slider if there are more than two sliders
 TITLES = ("left", "center", "right")  # places of a title above the axes
 
 

@@ -197,7 +197,7 @@ def test_memory_of_orphaned_processes_counts_towards_the_limit():
 CHECK_SANDBOX = """
 from grader.sandbox import SANDBOXES, SandboxUnavailable
 try:
-    SANDBOXES["chroot"].available()
+    SANDBOXES["chroot"].check_available()
 except SandboxUnavailable as error:
     print(error)
 """
@@ -217,4 +217,4 @@ def test_the_chroot_sandbox_needs_root(monkeypatch):
     monkeypatch.setattr(users, "is_root", lambda: False)
     monkeypatch.setattr(chroot, "_find_problem", chroot._find_problem.__wrapped__)
     with pytest.raises(SandboxUnavailable, match="needs root"):
-        SANDBOXES["chroot"].available()
+        SANDBOXES["chroot"].check_available()

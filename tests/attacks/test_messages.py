@@ -15,9 +15,9 @@ from grader.course.paths import PROJECT, Course
 from grader.judging.messages import FEW_NUMBERS
 from grader.lms.autograded_copy import score_output
 from grader.lms.report import write_report
+from grader.sandbox.error_descriptions import MAX_LINE_LENGTH, NAMED_EXCEPTIONS, SENTENCES
 from grader.sandbox.failures import KNOWN_EXCEPTIONS, MAX_LINES, StudentError
 from grader.sandbox.program import MAX_NOTEBOOK_LINES
-from grader.sandbox.quotation import MAX_LINE_LENGTH, NAMED_EXCEPTIONS, SENTENCES
 from grader.sandbox.student import MAX_FAILED_CELLS
 from tests.attacks.attack import attack, function, with_attacks
 from tests.test_messages import FAILURES

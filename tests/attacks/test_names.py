@@ -138,7 +138,7 @@ def test_names_add_no_line_to_the_terminal(capsys):
     written.waiting = written.unreached = written.skipped = (name,)
     exported = SimpleNamespace(mark_count=1, notes=(name,), failures=(name,))
     console.print_unaccounted([(Path(name), name)])
-    console.print_similarity(SimpleNamespace(same_notebooks=(same,), pairs=(pair,)))
+    console.print_similarity(SimpleNamespace(shared_notebooks=(same,), pairs=(pair,)))
     console.print_collected(report)
     console.print_notes([name])
     console.print_feedback([written])

@@ -216,7 +216,7 @@ except OSError:
     pass
 """
     source = HOLD_MEMORY + function(refuse + "held = hold(1500)\ntime.sleep(60)")
-    monkeypatch.setattr(launcher, "memory_left", lambda: 0.01)
+    monkeypatch.setattr(launcher, "available_memory_share", lambda: 0.01)
     with attack(source, call_seconds=20.0) as student:
         with pytest.raises(StudentStopped, match=TOO_MUCH):
             student.f()
@@ -230,7 +230,7 @@ except OSError:
 def test_only_a_lack_of_memory_makes_a_killed_process_starved(others, monkeypatch):
     """A process is starved only if the kernel's count of out-of-memory kills has increased."""
     kills = iter([5, 5 + others])
-    monkeypatch.setattr(launcher, "killed_for_memory", lambda: next(kills))
+    monkeypatch.setattr(launcher, "oom_kill_count", lambda: next(kills))
     with attack(function("import os\nos.kill(os.getpid(), 9)")) as student:
         with pytest.raises(StudentStopped, match=TOO_MUCH):
             student.f()
@@ -238,9 +238,7 @@ def test_only_a_lack_of_memory_makes_a_killed_process_starved(others, monkeypatc
 
 
 def test_a_process_above_its_own_limit_is_not_starved(monkeypatch):
-    monkeypatch.setattr(
-        launcher, "killed_for_memory", lambda: time.monotonic()
-    )  # grows with each call
+    monkeypatch.setattr(launcher, "oom_kill_count", lambda: time.monotonic())  # grows
     source = HOLD_MEMORY + function("children(12, 256)\ntime.sleep(60)")
     with attack(source, call_seconds=20.0, total_memory=1500 * MEBIBYTE) as student:
         with pytest.raises(StudentStopped, match=TOO_MUCH):

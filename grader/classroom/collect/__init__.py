@@ -4,11 +4,11 @@
 
 1. `sources` and `zips` open an archive.
 2. One of `ARCHIVE_READERS` determines the owner of each file.
-3. `owners` looks up each owner on the roster, in Moodle's worksheet or in `answers`.
-4. `student` collects the files of one student. `inspection` opens them in a separate process,
-   `identification` finds the lesson of each notebook, `selection` picks the newest file, and
-   `storage` copies it to ``submitted/``.
-5. `outcome` contains the results and the open questions.
+3. `owners` looks up each owner in `instructor_answers`, on the roster or in Moodle's worksheet.
+4. `student_collector` collects the files of one student. `inspection` opens them in a separate
+   process, `identification` finds the lesson of each notebook, `selection` picks the newest file,
+   and `storage` copies it to ``submitted/``.
+5. `collection_report` contains the results and the open questions.
 
 To support another archive format, write a module with a function that turns an `Archive` into
 submitted files, and add it to `ARCHIVE_READERS`.
@@ -93,11 +93,10 @@ def open_archives(paths: Iterable[Path], folder_level: int = 0) -> Iterator[Subm
 
 
 def _read(archive: Archive, folder_level: int) -> SubmittedArchive:
-    """Read an archive by its format.
+    """Read an archive with the reader that recognises the most files.
 
-    A student may choose a file name in the format of another platform, which would name another
-    student as the owner. The reader that recognises the most files is therefore the right one,
-    because the platform wrote the beginning of every name.
+    A student can imitate the names of another platform, and so name another student as the owner.
+    Such names are few, because the real platform wrote the beginning of every file name.
     """
     readings_by_platform, errors = [], []
     for platform, read in ARCHIVE_READERS.items():

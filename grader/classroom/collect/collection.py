@@ -24,8 +24,8 @@ from grader.classroom.collect.models import (
     SubmittedFile,
 )
 from grader.classroom.collect.name_patterns import may_be_notebook
-from grader.classroom.collect.owners import Owners, UnknownOwner
-from grader.classroom.collect.student import StudentCollector
+from grader.classroom.collect.owners import OwnerFinder, UnknownOwner
+from grader.classroom.collect.student_collector import StudentCollector
 from grader.classroom.collect.submission_table import (
     SubmissionRow,
     SubmissionTable,
@@ -81,7 +81,7 @@ def collect(
     zone = deadlines.zone if deadlines else None
     worksheet = read_submission_table(timestamps, zone) if timestamps else SubmissionTable()
     answers = read_answers(course, roster, stages, owner_answers, lesson_answers)
-    owners = Owners(roster, worksheet, answers)
+    owners = OwnerFinder(roster, worksheet, answers)
     owners.check_answers(owner_answers)
     report = CollectionReport(
         [lesson for lesson in all_lessons() if lesson.stage in stages],
@@ -131,8 +131,11 @@ def _excused_students(
     ]
 
 
-def _assign_to_one_student(archive: SubmittedArchive, owners: Owners) -> SubmittedArchive:
-    """Assign all files to the archive's owner if an answer names one and the archive no other."""
+def _assign_to_one_student(archive: SubmittedArchive, owners: OwnerFinder) -> SubmittedArchive:
+    """Assign all files to one student if an answer says whose archive it is.
+
+    Return the archive unchanged if it names several students.
+    """
     name = archive.path.name if archive.path.is_dir() else archive.path.stem
     owner = Owner(name, name, (name,), is_folder=True)
     others = {file.owner for file in archive.files} - {owner}
@@ -144,9 +147,9 @@ def _assign_to_one_student(archive: SubmittedArchive, owners: Owners) -> Submitt
 
 
 def _decide_level(
-    archive: SubmittedArchive, owners: Owners, report: CollectionReport
+    archive: SubmittedArchive, owners: OwnerFinder, report: CollectionReport
 ) -> SubmittedArchive:
-    """Decide which level of folders is the students', by the roster or by asking.
+    """Decide which folders belong to students: look them up on the roster, or ask.
 
     A student could name a folder after another student, so most names at a deeper level must be on
     the roster.
@@ -177,7 +180,7 @@ def _decide_level(
 
 def _group_by_owner(
     archived_files: Sequence[ArchivedFile],
-    owners: Owners,
+    owners: OwnerFinder,
     answers: InstructorAnswers,
     report: CollectionReport,
 ) -> Iterator[tuple[tuple[str, ...], list[ArchivedFile]]]:
@@ -191,7 +194,8 @@ def _group_by_owner(
     lesson_folders = {archive: folders_of_lessons(files) for archive, files in entries.items()}
     ids_by_owner: dict[tuple[Path, Owner], tuple[str, ...]] = {}
     for (archive, owner), files in groups.items():
-        is_unnamed = owner.label in (archive.name, archive.stem)  # outside the students' folders
+        # Files outside the students' folders have the archive itself as their owner.
+        is_unnamed = owner.label in (archive.name, archive.stem)
         if is_unnamed and all(_is_irrelevant(file) for _, file in files):
             report.ignored.update(file.path[-1] for _, file in files)
             continue
@@ -205,7 +209,7 @@ def _group_by_owner(
                 has_roster=report.roster is not None,
             )
         ):
-            report.add_question(owner.label, f"{count}. {owners.question_about_several(owner)}")
+            report.add_question(owner.label, f"{count}. {owners.ambiguous_files_question(owner)}")
             continue
         try:
             ids_by_owner[archive, owner] = owners.ids_of(owner)
@@ -220,7 +224,7 @@ def _group_by_owner(
             for (other_archive, other_owner), other_ids in ids_by_owner.items()
             if other_archive == archive and set(ids) & set(other_ids)
         ]
-        question = owners.question_about(
+        question = owners.identity_question(
             owner, ids, [rival for rival in other_owners if rival != owner]
         )
         if question:
@@ -240,7 +244,9 @@ def _existing_submissions(course: Course) -> dict[str, dict[Lesson, Submission]]
     return submissions
 
 
-def _time_rows(owners: Owners, submitted: Sequence[ArchivedFile], id: str) -> list[SubmissionRow]:
+def _time_rows(
+    owners: OwnerFinder, submitted: Sequence[ArchivedFile], id: str
+) -> list[SubmissionRow]:
     """Return a student's rows in the table of submission times."""
     return [
         row
@@ -263,9 +269,9 @@ def _may_belong_to_several(
 ) -> bool:
     """Return whether the paths of notebooks show that several students may own them.
 
-    One student's files have different names, and folders inside each other or named after lessons.
-    Without a roster, every folder is unknown, so a second version or a word that a student added
-    to a name is not enough.
+    One student's files have different names, and are in nested folders or in folders named after
+    lessons. Without a roster, no folder can be looked up. A second version, or a word that a
+    student added to a file name, is then not enough evidence.
     """
     names = [lesson_by_name(path[-1]) or path[-1].lower() for path in paths]
     students = {student_name_in(path[-1]) for path in paths} - {""}

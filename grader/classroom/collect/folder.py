@@ -1,4 +1,4 @@
-"""Read all other archives: ``{student}/…``, ``{student}.zip`` or ``{student}_06_….ipynb``.
+"""Read archives of unknown format: ``{student}/…``, ``{student}.zip``, ``{student}_06_….ipynb``.
 
 If no student is named, all files belong to one student, named after the archive. Folders that are
 named after parts of the course never name a student.
@@ -33,7 +33,8 @@ def read_folder(archive: Archive, level: int = 0) -> list[SubmittedFile]:
     paths = [entry.path for entry in _notebooks_in(archive.entries)]
     positions = {_position(path, depth) for path in paths}
     if None in positions and not level:
-        positions &= {0}  # some work is outside the folders, so only outer folders are students'
+        # If some notebooks are not in a folder, only outermost folders can be students' folders.
+        positions &= {0}
     above = len(os.path.commonprefix([path[: _position(path, depth) or 0] for path in paths]))
     name = archive.path.name if archive.path.is_dir() else archive.path.stem
     files = []
@@ -51,7 +52,7 @@ def read_folder(archive: Archive, level: int = 0) -> list[SubmittedFile]:
 
 
 def possible_levels(archive: Archive) -> dict[int, list[SubmittedFile]]:
-    """Return the files as read for each level of folders that may be the students'.
+    """Read the archive once for each level of folders that may be the students' folders.
 
     The outermost level is first. The result is empty if only one level is possible.
     """
@@ -69,7 +70,8 @@ def folders_of_lessons(entries: Sequence[ArchiveEntry]) -> frozenset[str]:
     """Return the names of folders that belong to a lesson or an attempt, and not to a student.
 
     Such a name occurs within several folders, each time with the same lesson, as in ``ada/hw6/…``
-    and ``bo/hw6/…``. Because namesakes exist, most names at the same level must do so.
+    and ``bo/hw6/…``. Two students may also share a name, so more than half of the names at a level
+    must occur repeatedly.
     """
     places: dict[tuple[int, str], dict[object, set[tuple[str, ...]]]] = {}
     for entry in _notebooks_in(entries):
@@ -92,7 +94,7 @@ def named_folders(path: Sequence[str], others: Collection[str] = ()) -> tuple[st
 def student_name_in(name: str, *, only_before: bool = False) -> str:
     """Return the student's name in a file name; empty if the file name contains only a lesson.
 
-    With `only_before`, the name must be before that of the lesson, where a platform writes it.
+    With `only_before`, the student's name must precede the lesson's name, as platforms write it.
     """
     stem = PurePath(name).stem
     lessons = "|".join(re.escape(lesson.name) for lesson in all_lessons())
@@ -129,6 +131,9 @@ def _recognised_depth(entries: Sequence[ArchiveEntry]) -> int:
 
 
 def _position(path: Sequence[str], depth: int) -> int | None:
-    """Return the place in a path of the folder that is `depth` folders inside the outermost one."""
+    """Return the index in a path of the folder at a depth, ignoring folders of the course.
+
+    The outermost folder has depth 0. Return None if the path has no folder at this depth.
+    """
     places = [place for place, name in enumerate(path[:-1]) if not is_course_folder(name)]
     return places[depth] if depth < len(places) else None

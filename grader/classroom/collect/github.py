@@ -16,7 +16,7 @@ from grader.classroom.collect.models import (
     SubmittedFile,
     UnreadableFile,
 )
-from grader.classroom.collect.name_patterns import common_beginning, endings, endings_after
+from grader.classroom.collect.name_patterns import common_prefix, suffixes, suffixes_after
 from grader.course.tables import TableError, read_table
 
 ROSTER = "classroom_roster.csv"
@@ -29,7 +29,7 @@ def read_github(archive: Archive) -> list[SubmittedFile] | None:
         return None
     identifiers = _identifiers(archive)
     names = [folder[-1] for folder in repositories]
-    beginning = common_beginning(names, "-")
+    beginning = common_prefix(names, "-")
     owners = {folder: _owner(folder[-1], beginning, identifiers) for folder in repositories}
     files = []
     for entry in archive.entries:
@@ -43,9 +43,9 @@ def read_github(archive: Archive) -> list[SubmittedFile] | None:
 
 
 def _outermost(folders: Iterable[tuple[str, ...]]) -> list[tuple[str, ...]]:
-    """Return the folders that are not inside another one.
+    """Return the folders that are not inside another folder of the list.
 
-    A student chooses the names of submodules, so a submodule never has an owner of its own.
+    A nested checkout is a submodule. The student chose its name, so it must not name an owner.
     """
     outermost: list[tuple[str, ...]] = []
     for folder in sorted(folders):
@@ -60,8 +60,8 @@ def _owner(repository: str, beginning: str, identifiers: dict[str, str]) -> Owne
     With a single repository, the beginning of the name is unknown, so logins are only guessed.
     """
     rest = repository.removeprefix(f"{beginning}-") if beginning else repository
-    logins = endings_after(beginning, repository, "-") if beginning else ()
-    guesses = () if beginning else endings(repository, "-")
+    logins = suffixes_after(beginning, repository, "-") if beginning else ()
+    guesses = () if beginning else suffixes(repository, "-")
     identified = [
         identifiers[end.casefold()] for end in logins or guesses if end.casefold() in identifiers
     ]

@@ -31,7 +31,8 @@ def read_gradescope(archive: Archive) -> list[SubmittedFile] | None:
     CollectError
         If the list of submitters cannot be read.
     """
-    root = shared_folders(archive.entries)  # in a deeper folder, a student could forge the list
+    # Only this folder is trusted: a student could submit a forged list in a deeper folder.
+    root = shared_folders(archive.entries)
     metadata = [entry for entry in archive.entries if entry.path == (*root, METADATA)]
     if not metadata:
         return None

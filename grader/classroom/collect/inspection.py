@@ -1,7 +1,7 @@
 """Inspect a submitted file: a notebook, a module, or a zip of these.
 
-The file is unpacked and read in a separate process with limits on time and memory, so that a
-harmful file affects only its author.
+A separate process with limits on time and memory unpacks and reads the file, so a harmful file
+affects only its author.
 """
 
 from __future__ import annotations

@@ -64,7 +64,10 @@ class InstructorAnswers:
             SHA-256 of a notebook or module. The student may submit another one with the same name,
             so an answer that was given earlier applies only to the same content.
         """
-        return self.owners_of(_with(content, name) if self.is_earlier(name) else name) == ()
+        return (
+            self.owners_of(_name_with_content(content, name) if self.is_earlier(name) else name)
+            == ()
+        )
 
     def teams_of(self, id: str) -> set[frozenset[str]]:
         """Return the teams of a student, as sets of ids."""
@@ -119,11 +122,15 @@ def store_ignored(
     course: Course, stages: Sequence[str], ignored: Iterable[tuple[str, str]]
 ) -> None:
     """Store the name and content of notebooks and modules that a new answer ignores."""
-    _store(course, stages, {_digest(_with(content, name)): () for name, content in ignored})
+    _store(
+        course,
+        stages,
+        {_digest(_name_with_content(content, name)): () for name, content in ignored},
+    )
 
 
 def store_teams(course: Course, stages: Sequence[str], teams: Iterable[tuple[str, ...]]) -> None:
-    """Store teams that an archive lists, so that they count as declared."""
+    """Store the teams that an archive lists; `teams_in` treats them as declared."""
     _store(course, stages, {_digest("/".join(sorted(team))): team for team in teams})
 
 
@@ -159,12 +166,12 @@ def _store(course: Course, stages: Sequence[str], new: dict[str, tuple[str, ...]
 
 
 def ids_in(answer: str) -> tuple[str, ...]:
-    """Return the ids in an answer about an owner, as typed."""
+    """Split a typed answer about an owner into ids; empty if no student owns the files."""
     return () if answer == NO_OWNER else tuple(answer.split(","))
 
 
 def normalize_label(label: str) -> str:
-    """Return a label in lower case, in NFC and without outer spaces, for comparisons."""
+    """Normalize a label for comparisons: NFC, lower case, no surrounding spaces."""
     return unicodedata.normalize("NFC", label).casefold().strip()
 
 
@@ -173,7 +180,7 @@ def _digest(name: str) -> str:
     return hashlib.sha256(normalize_label(name).encode("utf-8", "surrogatepass")).hexdigest()
 
 
-def _with(content: str, name: str) -> str:
+def _name_with_content(content: str, name: str) -> str:
     return f"{name}/{content}" if content else name
 
 

@@ -150,4 +150,4 @@ class SubmittedArchive:
 
 
 ArchiveReader = Callable[[Archive], list[SubmittedFile] | None]
-"""Reads archives that one program writes; returns None if another program wrote the archive."""
+"""Reads the archives of one platform; returns None for any other archive."""

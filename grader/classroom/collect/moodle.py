@@ -16,7 +16,7 @@ from __future__ import annotations
 import re
 
 from grader.classroom.collect.models import Archive, Owner, SubmittedFile
-from grader.classroom.collect.name_patterns import endings, match_paths
+from grader.classroom.collect.name_patterns import match_paths, suffixes
 
 _PATH = re.compile(
     r"(?P<name>[^_/]+)(?:_(?P<number>\d+))?_assignsubmission_(?P<plugin>[a-z]+)"
@@ -36,7 +36,7 @@ def read_moodle(archive: Archive) -> list[SubmittedFile] | None:
     for entry, parts in matches:
         name, number = parts["name"], parts["number"]
         label = f"{name}_{number}" if number else name
-        names = endings(name, "-") if may_have_teams else (name,)
+        names = suffixes(name, "-") if may_have_teams else (name,)
         owner = Owner(
             label, label, tuple(name for name in names if not name.isdigit()), participant=number
         )

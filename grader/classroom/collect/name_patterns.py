@@ -13,7 +13,7 @@ from collections.abc import Collection, Sequence
 
 from grader.classroom.collect.models import Archive, ArchiveEntry
 
-MAX_FOLDERS = 6  # above the names that a platform wrote
+MAX_FOLDERS = 6  # levels of folders at which the names that a platform wrote may begin
 Match = tuple[ArchiveEntry, dict[str, str]]
 """A file and the groups of the pattern; a group that does not occur is an empty string."""
 
@@ -45,30 +45,30 @@ def shared_folders(entries: Sequence[ArchiveEntry]) -> tuple[str, ...]:
     return tuple(os.path.commonprefix([entry.path[:-1] for entry in entries]))
 
 
-def endings(name: str, separator: str) -> tuple[str, ...]:
-    """Return a name and its endings after each separator, the longest first."""
+def suffixes(name: str, separator: str) -> tuple[str, ...]:
+    """Return a name and the rest of it after each separator, the longest first."""
     parts = name.split(separator)
     return tuple(separator.join(parts[number:]) for number in range(len(parts)))
 
 
-def common_beginning(names: Collection[str], separator: str) -> str:
-    """Return the beginning of all names, up to a separator; empty if there is only one name."""
+def common_prefix(names: Collection[str], separator: str) -> str:
+    """Return the prefix that all names share, up to a separator; empty if there is only one."""
     return os.path.commonprefix(list(names)).rpartition(separator)[0] if len(names) > 1 else ""
 
 
-def endings_after(beginning: str, name: str, separator: str) -> tuple[str, ...]:
-    """Return the endings that contain the part after the beginning of all names.
+def suffixes_after(beginning: str, name: str, separator: str) -> tuple[str, ...]:
+    """Return the suffixes of a name that include everything after the names' common prefix.
 
-    A login may contain separators, so it may start within the common beginning.
+    A login may contain separators, so it may start inside the common prefix.
     """
     rest = name.removeprefix(f"{beginning}{separator}") if beginning else ""
-    return tuple(end for end in endings(name, separator) if len(end) >= len(rest))
+    return tuple(end for end in suffixes(name, separator) if len(end) >= len(rest))
 
 
 def _match_below(
     entries: Sequence[ArchiveEntry], pattern: re.Pattern, depths: Collection[int]
 ) -> list[Match]:
-    """Return the files whose paths match, ignoring as many folders as one of `depths`."""
+    """Return the files whose paths match after as many outer folders as one of `depths`."""
     matches = []
     for entry in entries:
         paths = ("/".join(entry.path[depth:]) for depth in depths)

@@ -1,4 +1,4 @@
-"""Find the owner of a file from answers, the roster and Moodle's worksheet."""
+"""Find the owner of a file in earlier answers, on the roster or in Moodle's worksheet."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ class UnknownOwner(Exception):
     """The owner is unknown; the message is a question for the instructor."""
 
 
-class Owners:
-    """Finds the students to whom the files of an archive belong.
+class OwnerFinder:
+    """Finds the students who own the files of an archive.
 
     Parameters
     ----------
@@ -82,10 +82,10 @@ class Owners:
         return self.is_answered(owner) or (self._roster is not None and self._names_students(owner))
 
     def owns_whole_archive(self, owner: Owner, others: Collection[Owner]) -> bool:
-        """Return whether the other names in an archive are only folders of this owner.
+        """Return whether all folders in an archive belong to this owner.
 
-        That is the case if an answer names the archive's owner and no other name is a known
-        student. Without a roster, there must be exactly one other name.
+        This requires an answer about the owner, and no folder may be named after a known student.
+        Without a roster, the archive must have exactly one other folder.
         """
         if not self._answers.owners_of(owner.label):
             return False
@@ -97,7 +97,7 @@ class Owners:
         except UnknownOwner:
             return False
 
-    def question_about_several(self, owner: Owner) -> str:
+    def ambiguous_files_question(self, owner: Owner) -> str:
         """Return the question about files that may belong to several students."""
         question = (
             "Their names show that they may belong to several students. Put each student's files "
@@ -109,7 +109,7 @@ class Owners:
             question += f". If one student submitted all of them, add {option} instead"
         return question
 
-    def question_about(self, owner: Owner, ids: Sequence[str], others: Sequence[Owner]) -> str:
+    def identity_question(self, owner: Owner, ids: Sequence[str], others: Sequence[Owner]) -> str:
         """Return a question if the identity of an owner is in doubt; otherwise an empty string.
 
         Canvas labels a group's work with the group's name and the user id of the member who
@@ -121,7 +121,7 @@ class Owners:
         ids : sequence of str
             The assumed owners.
         others : sequence of Owner
-            Owners in the same archive with the same ids.
+            OwnerFinder in the same archive with the same ids.
         """
         if self.is_answered(owner):
             return ""
@@ -228,7 +228,10 @@ class Owners:
         return tuple(person for person in found if not has_other_lms_id(person, owner.lms_id))
 
     def _people_by_names(self, names: Collection[str]) -> tuple[Person, ...]:
-        """Return the people who have all known names; all of them if the names contradict."""
+        """Return the people who match every name that the roster knows.
+
+        If no person matches all of these names, return everyone who matches one of them.
+        """
         found = [set(people) for name in names if (people := self._people_by_name(name))]
         people = set.intersection(*found) or set.union(*found) if found else set()
         return tuple(sorted(people, key=self._roster.people.index))
@@ -244,7 +247,9 @@ class Owners:
         return (
             self._people_by_login(owner.guesses)
             or self._people_by_names(owner.guesses)
-            or tuple(id for name in owner.names for id in self._roster.people_with_zeros(name))
+            or tuple(
+                id for name in owner.names for id in self._roster.people_with_leading_zeros(name)
+            )
         )
 
     def _people_by_login(self, logins: Collection[str]) -> tuple[Person, ...]:

@@ -16,10 +16,10 @@ from __future__ import annotations
 import re
 
 from grader.classroom.collect.models import Archive, Owner, SubmittedFile
-from grader.classroom.collect.name_patterns import common_beginning, endings_after, match_paths
+from grader.classroom.collect.name_patterns import common_prefix, match_paths, suffixes_after
 from grader.course.times import UnclearTime, read_time
 
-# The limits on lengths keep the time short for names that a student chose.
+# Repetitions have a maximum length, so a name that a student chose cannot make a match slow.
 _BLACKBOARD = re.compile(
     r"(?P<owner>[^/]{1,255}?)_attempt_(?P<time>\d{4}(?:-\d\d){5})(?:_(?P<file>[^/]+)|\.txt)"
 )
@@ -41,11 +41,11 @@ _SAKAI = re.compile(
 def read_blackboard(archive: Archive) -> list[SubmittedFile] | None:
     """Return the files of a download from Blackboard, or None for any other archive."""
     matches = match_paths(archive, _BLACKBOARD)
-    beginning = common_beginning({parts["owner"] for _, parts in matches}, "_")
+    beginning = common_prefix({parts["owner"] for _, parts in matches}, "_")
     files = []
     for entry, parts in matches:
         label = parts["owner"]
-        logins = endings_after(beginning, label, "_")
+        logins = suffixes_after(beginning, label, "_")
         owner = (
             Owner(label, logins[-1], logins)
             if beginning
@@ -80,7 +80,7 @@ def read_ilias(archive: Archive) -> list[SubmittedFile] | None:
         path = _path(parts["file"])
         parent, folder = ("", *entry.path)[-len(path) - 2 : -len(path)]
         login, name = parts["login"], f"{parts['first']} {parts['last']}"
-        # Without ILIAS, a folder with such a name may be named after an id.
+        # An archive that is not from ILIAS may match as well. Its folders may be named after ids.
         owner = Owner(f"{login}_{parts['number']}", login, (folder, login, name))
         if _ILIAS_TEAM.fullmatch(parent):
             owner = Owner(parent, parent, guesses=(login, name))

@@ -133,7 +133,7 @@ def write_record(record: Record, folder: Path) -> None:
 
 
 def remove_archives(record: Record, archives: Collection[str]) -> Record:
-    """Return a record without these names of archives and files, which may contain a name."""
+    """Return a record without the given archive names, which may contain a student's name."""
     files = {
         name: dataclasses.replace(origin, archive="") if origin.archive in archives else origin
         for name, origin in record.files.items()

@@ -1,4 +1,4 @@
-"""Select the file that counts for a lesson: the newest, if the order is known."""
+"""Select the file that counts for a lesson: the newest file, if the order is known."""
 
 from __future__ import annotations
 
@@ -61,8 +61,8 @@ class StudentFile:
         )
 
 
-# Each function returns a higher value for a newer file, or None if unknown. The most reliable
-# function is first.
+# Each function returns a larger value for a newer file, or None if the age is unknown. The most
+# reliable function is first.
 EVIDENCE: tuple[Callable[[StudentFile], object], ...] = (
     lambda file: file.submitted.order or None,
     lambda file: file.saved,
@@ -95,9 +95,9 @@ def find_newest(
     return candidates
 
 
-def rivals_by_number(files: Sequence[StudentFile], newest: StudentFile) -> list[StudentFile]:
-    """Return the files that are older than the newest only by the number in their names.
+def rivals_by_copy_number(files: Sequence[StudentFile], newest: StudentFile) -> list[StudentFile]:
+    """Return the files that lost to the newest only because of the copy numbers in their names.
 
-    A copy with a number may also be a backup, which a student made before changing the original.
+    The numbers are weak evidence: a numbered copy may be a backup from before the last change.
     """
     return [file for file in find_newest(files, EVIDENCE[:-1]) if file.digest != newest.digest]

@@ -32,9 +32,9 @@ class StatedTime:
     def corrects(self, known: FileOrigin) -> bool:
         """Return whether this time replaces the known time of an unchanged file.
 
-        An earlier time does, because the same work existed then, and so does the same text if it
-        is now read in another time zone. A later time may belong to another attempt. A time from a
-        person counts more than any table.
+        An earlier time replaces it, because the same work already existed then. The same text in
+        another time zone also replaces it. A later time may belong to another attempt. A time that
+        a person entered is never replaced.
         """
         if not (known.when_text and self.when):
             return False
@@ -51,7 +51,7 @@ class StatedTime:
     def remark(
         self, earlier_time: datetime | None, current_time: datetime, file: str, is_by_hand: bool
     ) -> str:
-        """Return what became of this time if the files have not changed.
+        """Explain whether this time was adopted, if the files have not changed.
 
         Parameters
         ----------

@@ -51,7 +51,7 @@ class StageFolder:
     ----------
     path : pathlib.Path
         ``submitted/<student>/<stage>``; created when a file is placed there.
-    stated : StatedTime, optional
+    stated_time : StatedTime, optional
     """
 
     def __init__(self, path: Path, stated_time: StatedTime = NOTHING_STATED) -> None:
@@ -117,7 +117,7 @@ class StageFolder:
                 f"differs from {self._relative_path(existing)}, which {reason}. Delete one of the "
                 "two"
             )
-        # The instructor's answer counts more than the times in the archive.
+        # The instructor's answer takes precedence over the times in the archive.
         newer = existing_digest in origin.beaten or origin.is_newer_than(recorded_origin)
         if newer is None:
             raise UnclearVersion(
@@ -160,7 +160,7 @@ class StageFolder:
         return undecided
 
     def time_remark(self) -> str:
-        """Return what became of a time in the table that differs from an earlier time.
+        """Explain whether a time in the table replaced an earlier time.
 
         Returns
         -------
@@ -181,7 +181,7 @@ class StageFolder:
     def _write(
         self, name: str, data: bytes, origin: FileOrigin, backup: Path | None = None
     ) -> None:
-        """Write a file and record its own submission time, never the time of another file."""
+        """Write a file, and record the submission time of this file alone."""
         was_timed = (self.path / TIMESTAMP_FILE).is_file() or any(
             file.when for file in self._record.files.values()
         )
@@ -196,7 +196,7 @@ class StageFolder:
         self._record_file(name, self._stated.apply_to(origin, reason))
 
     def _record_unchanged(self, name: str, origin: FileOrigin, recorded: FileOrigin | None) -> None:
-        """Record a file that is already in place, with its earlier or its new time."""
+        """Record a file that is already in place, and decide which submission time counts."""
         self._is_unchanged = True
         known_origin = recorded if recorded and recorded.digest == origin.digest else None
         newer = known_origin is None or origin.is_newer_than(known_origin)
@@ -285,7 +285,7 @@ def _digest_of_file(path: Path) -> str:
 
 
 def _time_fields(origin: FileOrigin | None) -> dict[str, str]:
-    """Return the submission time of a file as in its origin."""
+    """Return the fields of an origin that state the submission time."""
     names = ("when", "when_text", "undecided")
     return {name: getattr(origin, name) if origin else "" for name in names}
 

@@ -20,7 +20,7 @@ from grader.classroom.collect.models import CollectError
 from grader.course.tables import TableError, read_table
 from grader.course.times import UnclearTime, read_time, to_utc
 
-# Moodle's translations of "Last modified (submission)", and the language of the dates below them.
+# Moodle's translations of "Last modified (submission)", each with the language of the dates.
 TIME_TITLES = {
     "last modified (submission)": "en",
     "zuletzt geändert (abgabe)": "de",
@@ -119,7 +119,7 @@ def read_submission_table(path: Path, zone: tzinfo | None) -> SubmissionTable:
             if error.line
             else f"{path} is not in UTF-8. Save it as CSV UTF-8."
         ) from None
-    titles = [_folded(cell) for cell in table.titles]
+    titles = [_fold_case(cell) for cell in table.titles]
     column = next((index for index, title in enumerate(titles) if title in TIME_TITLES), None)
     if column is None:
         raise CollectError(
@@ -163,7 +163,7 @@ def _parse_row(
     )
 
 
-def _folded(text: str) -> str:
+def _fold_case(text: str) -> str:
     return " ".join(unicodedata.normalize("NFC", text).casefold().split())
 
 

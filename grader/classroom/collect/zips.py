@@ -92,7 +92,7 @@ def _name(info: zipfile.ZipInfo) -> str:
 
 
 def names_in_other_code_pages(name: str) -> tuple[str, ...]:
-    """Return the names that a zip may mean by a name whose encoding it does not declare."""
+    """Return the possible readings of a name whose encoding the zip does not declare."""
     try:
         data = b"" if name.isascii() else name.encode("cp437")
     except UnicodeEncodeError:  # the encoding was declared
@@ -124,7 +124,7 @@ def _reader(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> Callable[[], byt
 
 
 def _check_entry(info: zipfile.ZipInfo) -> None:
-    """Reject links, passwords and large declared sizes, which unpacking never exceeds."""
+    """Reject links, passwords and large declared sizes. Unpacking never exceeds a declared size."""
     if stat.S_ISLNK(info.external_attr >> 16):
         raise UnreadableFile("is a link to another file. Ask for the file itself")
     if info.flag_bits & 0x1:

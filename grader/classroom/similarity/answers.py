@@ -19,7 +19,7 @@ from grader.intake.reader_process import run_in_child
 from grader.intake.submission import SubmittedFiles
 from utils.notebooks import slicing
 
-# Real answers are far below both limits, and a person could not compare longer answers by eye.
+# Real answers are far below both limits. Longer answers could not be compared by eye.
 MAX_STEPS = 1000
 MAX_CHARACTERS = 50_000
 
@@ -139,7 +139,7 @@ def _extract_answer(
     known_names: Mapping[str, str],
     lesson: Lesson,
 ) -> ComparedAnswer:
-    # If the student has replaced the given class, the new class contains the answer.
+    # If the student has rewritten the given class, the answer is in the student's class.
     names = (
         [name]
         if any(name in part.binds for part in needed_statements)
@@ -219,7 +219,7 @@ def _released_statements(lesson: Lesson) -> tuple[frozenset[str], dict[str, str]
 
 @functools.cache
 def kept_answers(lesson: Lesson) -> dict[str, tuple[ComparedAnswer, ...]]:
-    """Return the course's right answers by exercise; each counts as one more author's work."""
+    """Return the course's right answers by exercise. Each counts as the work of another author."""
     return {
         exercise.name: tuple(
             answer

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from grader.classroom.similarity.answers import ComparedAnswer
 from grader.classroom.similarity.weights import Document, Weights
 
-# A pair is reported if the two answers share at least this fraction of their unusual parts, and if
-# their common part has this many bits more than are needed to single out one pair in the class.
+# A pair is reported if the two answers share at least this fraction of their unusual parts. Their
+# common part must also have this many bits more than it takes to identify one pair in the class.
 # `tests/test_similarity.py` measures hits and false alarms.
 MIN_SHARE = 0.6
 MIN_BITS = 7.0
@@ -114,8 +114,8 @@ def compare(
                     share,
                     weights.bits(first_document, second_document),
                     (
-                        first_document.steps_like(second_document),
-                        second_document.steps_like(first_document),
+                        first_document.similar_steps(second_document),
+                        second_document.similar_steps(first_document),
                     ),
                     (len(first_document.steps), len(second_document.steps)),
                     weights.exclusive_steps(first_document, second_document),

@@ -125,7 +125,7 @@ class _Normalizer:
             named = sorted(
                 [f"{keyword.arg}=", *self._words(keyword.value)] for keyword in node.keywords
             )
-            return ["call", *self._all([node.func, *node.args]), *chain(*named), "end"]
+            return ["call", *self._all_words([node.func, *node.args]), *chain(*named), "end"]
         if isinstance(node, ast.BinOp):
             sides = [self._words(node.left), self._words(node.right)]
             if isinstance(node.op, _COMMUTATIVE):
@@ -137,9 +137,9 @@ class _Normalizer:
             return self._comparison(node.left, node.ops[0], node.comparators[0])
         if isinstance(node, (ast.expr_context, ast.arguments)):
             return []
-        return [type(node).__name__, *self._all(ast.iter_child_nodes(node))]
+        return [type(node).__name__, *self._all_words(ast.iter_child_nodes(node))]
 
-    def _all(self, nodes: Iterable[ast.AST]) -> list[str]:
+    def _all_words(self, nodes: Iterable[ast.AST]) -> list[str]:
         return [word for node in nodes for word in self._words(node)]
 
     def _comparison(self, left: ast.expr, operator: ast.cmpop, right: ast.expr) -> list[str]:

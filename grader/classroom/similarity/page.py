@@ -19,7 +19,7 @@ MAX_PAIRS = 50
 
 @dataclass(frozen=True)
 class Side:
-    """One of two compared answers. A line is marked if the other answer has a similar line."""
+    """One of two compared answers. Lines with a counterpart in the other answer are marked."""
 
     student: str
     lines: tuple[tuple[str, bool], ...]
@@ -35,8 +35,8 @@ class SharedFunction:
 
 
 @dataclass(frozen=True)
-class ShownPair:
-    """Two students with all their similar functions."""
+class PairSection:
+    """The section of the page about two students, with all their similar functions."""
 
     students: tuple[str, str]
     pairs: tuple[Pair, ...]
@@ -52,7 +52,7 @@ def write_similarity(course: Course, compared: StageComparison) -> Path:
     """Write the page and return its path."""
     pairs = compared.pairs
     shown_pairs = [
-        ShownPair(
+        PairSection(
             pair.students,
             pair.pairs,
             tuple(_shared_function(answers, compared) for answers in pair.pairs),
@@ -73,7 +73,7 @@ def write_similarity(course: Course, compared: StageComparison) -> Path:
 
 
 def format_percent(share: float) -> str:
-    """Format a share in percent, rounded so that only 1 is 100 % and only 0 is 0 %."""
+    """Format a share in per cent. Only a share of exactly 0 or 1 is shown as 0 % or 100 %."""
     if 0 < share < 1:
         share = min(max(share, 0.01), 0.99)
     return f"{100 * share:.0f} %"

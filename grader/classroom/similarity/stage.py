@@ -27,8 +27,8 @@ from utils.notebooks.reading import UnreadableNotebook
 
 
 @dataclass(frozen=True)
-class SameNotebook:
-    """Students who submitted the same notebook.
+class SharedNotebook:
+    """A notebook that several students submitted.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ class StageComparison:
         One comparison for each exercise with at least one answer.
     answers : dict of (str, str) to ComparedAnswer
         Answers by exercise and student.
-    same_notebooks : tuple of SameNotebook
+    shared_notebooks : tuple of SharedNotebook
     problems : tuple of (str, str, str)
         Student, lesson, and the reason why something was not compared.
     """
@@ -90,7 +90,7 @@ class StageComparison:
     notebook_count: int
     comparisons: tuple[Comparison, ...]
     answers: Mapping[tuple[str, str], ComparedAnswer] = field(repr=False, hash=False)
-    same_notebooks: tuple[SameNotebook, ...]
+    shared_notebooks: tuple[SharedNotebook, ...]
     problems: tuple[tuple[str, str, str], ...]
 
     @property
@@ -116,8 +116,8 @@ class EarlierCourse(Course):
 
 
 @dataclass(frozen=True)
-class _ReadNotebook:
-    """A notebook that was read, and the student's name on the page."""
+class _StudentNotebook:
+    """The parts of one student's notebook, with the student's name as shown on the page."""
 
     student: str
     lesson: str
@@ -133,12 +133,12 @@ class _ExemptStudents:
     teams: tuple[frozenset[str], ...]
 
     def belong_together(self, students: Collection[str]) -> bool:
-        """Return whether all of these students are in one team, or in earlier courses."""
+        """Return whether all of these students are in the same team, or all in earlier courses."""
         return any(group.issuperset(students) for group in (self.earlier, *self.teams))
 
 
 def earlier_course(folder: Path) -> EarlierCourse:
-    """Return the course with a folder, which may be the course's folder of submissions."""
+    """Return the earlier course in a folder, which may also be its folder of submissions."""
     folder = folder.resolve()
     return EarlierCourse(folder.parent if folder.name == "submitted" else folder)
 
@@ -166,7 +166,7 @@ def compare_stage(
         for source in (course, *earlier_courses)
         for submission in find_submissions(source, [stage])
     ]
-    read_notebooks: list[_ReadNotebook] = []
+    read_notebooks: list[_StudentNotebook] = []
     problems = []
     for number, (source, submission, student) in enumerate(labelled_submissions):
         advance(number, len(labelled_submissions), None)
@@ -179,7 +179,7 @@ def compare_stage(
             continue
         problems += [(student, lesson, sentence) for sentence in parts.problems]
         digest = hashlib.sha256(submitted_files.data).hexdigest()
-        read_notebooks.append(_ReadNotebook(student, lesson, digest, parts))
+        read_notebooks.append(_StudentNotebook(student, lesson, digest, parts))
     advance(len(labelled_submissions), len(labelled_submissions), None)
     answers = {
         (exercise, notebook.student): answer
@@ -204,7 +204,7 @@ def compare_stage(
         len(read_notebooks),
         tuple(_comparisons(stage, answers, exempt)),
         answers,
-        tuple(_same_notebooks(read_notebooks, exempt)),
+        tuple(_shared_notebooks(read_notebooks, exempt)),
         tuple(problems),
     )
 
@@ -238,9 +238,9 @@ def _comparisons(
                 yield dataclasses.replace(compared, pairs=tuple(pairs))
 
 
-def _same_notebooks(
-    read_notebooks: Iterable[_ReadNotebook], exempt: _ExemptStudents
-) -> Iterator[SameNotebook]:
+def _shared_notebooks(
+    read_notebooks: Iterable[_StudentNotebook], exempt: _ExemptStudents
+) -> Iterator[SharedNotebook]:
     files: dict[tuple[str, str], list[str]] = {}
     sizes = {}
     for notebook in read_notebooks:
@@ -262,4 +262,4 @@ def _same_notebooks(
         if len(students) > 1 and group not in reported and not exempt.belong_together(students):
             reported.add(group)
             own_cells, all_cells, same_bytes = sizes[key]
-            yield SameNotebook(key[0], tuple(students), same_bytes, own_cells, all_cells)
+            yield SharedNotebook(key[0], tuple(students), same_bytes, own_cells, all_cells)

@@ -40,8 +40,8 @@ class Document:
         self.steps = [_pieces_of(step.words) for step in answer.steps]
         self.pieces = frozenset().union(*self.steps)
 
-    def steps_like(self, other: Document) -> frozenset[int]:
-        """Return the indices of statements with at least half their pieces in the other answer."""
+    def similar_steps(self, other: Document) -> frozenset[int]:
+        """Return the indices of statements that share at least half their pieces with an answer."""
         return frozenset(
             index
             for index, step in enumerate(self.steps)
@@ -70,8 +70,8 @@ class Weights:
         self._suggested = frozenset().union(*(document.pieces for document in suggested))
         self._step_counts = Counter(step for document in documents for step in set(document.steps))
         holders = Counter(piece for document in documents for piece in document.pieces)
-        others = max(0, len(documents) - 2)  # without the two compared answers
-        # Bits of each piece if one of the two compared answers contains it, and if both do.
+        others = max(0, len(documents) - 2)  # answers other than the two that are compared
+        # The bits of a piece depend on whether one or both of the two compared answers contain it.
         self._bits_in_one = {
             piece: self._bits(piece, n - 1, others) for piece, n in holders.items()
         }
@@ -93,7 +93,8 @@ class Weights:
     def bits(self, first: Document, second: Document) -> float:
         """Return how unusual the common part of two answers is, in bits.
 
-        A long statement is still only one idea, so it counts as much as its average piece.
+        A long statement is still a single idea, so each statement counts only as the mean of its
+        pieces.
         """
         weights = {piece: self._bits_in_both[piece] for piece in first.pieces & second.pieces}
         return min(_sum_of_steps(document, weights) for document in (first, second))
@@ -104,7 +105,7 @@ class Weights:
 
     def exclusive_steps(self, first: Document, second: Document) -> int:
         """Return the number of common statements that no third answer has."""
-        steps = (first.steps[index] for index in first.steps_like(second))
+        steps = (first.steps[index] for index in first.similar_steps(second))
         return sum(
             self._step_counts[step] == 1 + (step in second.steps) and not step <= self._suggested
             for step in steps

@@ -63,7 +63,7 @@ def strongest_sandbox() -> Sandbox:
     complaints = []
     for name in PREFERRED_SANDBOXES:
         try:
-            SANDBOXES[name].available()
+            SANDBOXES[name].check_available()
         except SandboxUnavailable as error:
             # Show only the reason, because the error's advice is to grade without a sandbox.
             complaints.append(f"{name}: {error.reason}")

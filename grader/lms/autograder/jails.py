@@ -17,7 +17,7 @@ from grader.lms.autograder.judging import assigned_lessons
 from grader.sandbox import chroot, jail
 
 SMALLEST_KIND: chroot.Kind = ((), ())
-"""Kind of folder that is used to test whether the sandbox is available."""
+"""The kind of folder with which `chroot` tests whether the sandbox works."""
 
 
 def build_jails(source: Path) -> None:

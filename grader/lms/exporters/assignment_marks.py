@@ -11,9 +11,9 @@ from grader.course.roster import Person
 from grader.lms.exporters.protocol import ExportError, ExportOptions
 from grader.lms.instructor_notes import (
     counted_lessons,
-    excessive_notes,
-    outdated_notes,
-    unlisted_notes,
+    excessive_mark_notes,
+    outdated_mark_notes,
+    unlisted_student_notes,
 )
 from grader.lms.results import (
     AUDITOR,
@@ -133,7 +133,7 @@ def collect_marks(options: ExportOptions) -> Marks:
         tuple(itertools.chain(*excluded)),
         tuple(marks),
         {status: tuple(people) for status, people in unmarked.items()},
-        tuple(unlisted_notes(results)),
+        tuple(unlisted_student_notes(results)),
         tuple(filter(None, _notes(results, notebooks, marks, unmarked))),
         options.other_people,
     )
@@ -152,8 +152,8 @@ def _notes(
     stage = notebooks[0].stage
     if len({result.lesson for result in notebooks}) > 1:
         yield counted_lessons(results)[stage]
-    yield from outdated_notes(results, stage)
-    yield from excessive_notes(results)
+    yield from outdated_mark_notes(results, stage)
+    yield from excessive_mark_notes(results)
     undecided = [
         result.student
         for result in results.stages
@@ -193,7 +193,7 @@ def _status_and_points(
 
 
 def _list_by_lesson(notebooks: Iterable[NotebookResult], everyone: int = 0) -> list[str]:
-    """List lessons, each with its students, or without names if it concerns several and all."""
+    """List lessons, each with its students; leave out the names if they are the whole class."""
     students: dict[str, list[str]] = {}
     for result in sorted(notebooks, key=lambda result: result.lesson):
         students.setdefault(result.lesson, []).append(result.student)

@@ -1,4 +1,4 @@
-"""Fill one column of an LMS file with marks, and account for each mark and each row.
+"""Fill one column of an LMS file with marks, and report marks and rows without a counterpart.
 
 This is the common part of the exporters for Canvas and Moodle. The rows of students without a mark
 are omitted, so an import does not change the marks that the LMS has stored for them.

@@ -8,7 +8,11 @@ import io
 from grader.lms.exporters.assignment_marks import provisional_notes
 from grader.lms.exporters.protocol import ExportOptions, ExportResult
 from grader.lms.exporters.scores_csv import notebooks_of, person_cells, person_titles
-from grader.lms.instructor_notes import excessive_notes, outdated_notes, unlisted_notes
+from grader.lms.instructor_notes import (
+    excessive_mark_notes,
+    outdated_mark_notes,
+    unlisted_student_notes,
+)
 from grader.lms.results import NotebookResult, format_points
 
 
@@ -38,10 +42,12 @@ def export_exercises_csv(options: ExportOptions) -> ExportResult:
     # Without a byte order mark, Excel shows umlauts as other characters.
     content = file.getvalue().encode("utf-8-sig", "replace")
     stages = dict.fromkeys(result.stage for result in results.values())
-    notes = [note for stage in stages for note in outdated_notes(options.results, stage)]
-    notes += excessive_notes(options.results)
+    notes = [note for stage in stages for note in outdated_mark_notes(options.results, stage)]
+    notes += excessive_mark_notes(options.results)
     notes += filter(None, provisional_notes(list(results.values())))
-    return ExportResult(content, placed, tuple(unlisted_notes(options.results)), tuple(notes))
+    return ExportResult(
+        content, placed, tuple(unlisted_student_notes(options.results)), tuple(notes)
+    )
 
 
 def _points(result: NotebookResult, exercise: str) -> str:

@@ -1,4 +1,4 @@
-"""Build an autograder for Gradescope that delivers stored marks and does not judge.
+"""Build an autograder for Gradescope that delivers stored marks instead of judging.
 
 Gradescope accepts marks for programming assignments only from an autograder. This autograder
 contains the marks by e-mail address, and does not run student code. It writes `results.json` for a

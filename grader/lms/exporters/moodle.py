@@ -115,7 +115,7 @@ def _is_grade(sheet: MarksFile, index: int) -> bool:
 
 
 def _hides_names(sheet: MarksFile) -> bool:
-    """Return whether the worksheet is anonymous, with a status in place of the name."""
+    """Return whether the worksheet is anonymous and has a status in the column for the name."""
     return len({row[1] for row in sheet.rows}) <= len(sheet.rows) / 2
 
 

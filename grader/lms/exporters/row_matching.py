@@ -2,8 +2,8 @@
 
 A mark in the wrong row is worse than a mark that is omitted and reported. A row is therefore
 assigned to a student only if it identifies exactly one student, and no other row identifies that
-student. If a row's name is not the name of the student whose key it has, and its name or its other
-keys identify another student, the row identifies both.
+student. A row may have one student's key but another student's name. The row then identifies both,
+and is not assigned.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class PersonRow:
         Name of the row in messages.
     claims : tuple of tuple of (str, str)
         Pairs of a person's attribute and the row's text for it, by rank. Claims of the first rank
-        are the surest. Numbers in lower ranks are ambiguous and count only if the name matches.
+        are the most reliable. Claims of lower ranks count only if the name matches.
     name : str
         Name of the owner, which is used alone if no claim matches; empty if the file hides it.
     lms_id : str
@@ -153,7 +153,7 @@ def _namesakes(row: PersonRow, people: Sequence[Person]) -> Iterator[Person]:
 
 
 def _name_may_match(name: str, person: Person) -> bool:
-    """Return whether a name may be a person's; a person without a stored name matches any name."""
+    """Return whether a person may have a name; a person without a stored name may have any."""
     return not name or person.name == person.id or bool(Roster((person,)).find_people(name))
 
 

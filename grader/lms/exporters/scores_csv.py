@@ -12,7 +12,11 @@ from grader.course.roster import Person
 from grader.course.tables import escape_cell
 from grader.lms.exporters.assignment_marks import provisional_notes
 from grader.lms.exporters.protocol import ExportError, ExportOptions, ExportResult
-from grader.lms.instructor_notes import excessive_notes, outdated_notes, unlisted_notes
+from grader.lms.instructor_notes import (
+    excessive_mark_notes,
+    outdated_mark_notes,
+    unlisted_student_notes,
+)
 from grader.lms.results import (
     MARKED,
     MISSING,
@@ -53,10 +57,12 @@ def export_scores_csv(options: ExportOptions) -> ExportResult:
     # Without a byte order mark, Excel shows umlauts as other characters.
     content = file.getvalue().encode("utf-8-sig", "replace")
     marked = {result.student for result in notebooks if result.counts and result.score is not None}
-    notes = [note for stage in stages for note in outdated_notes(options.results, stage)]
-    notes += excessive_notes(options.results)
+    notes = [note for stage in stages for note in outdated_mark_notes(options.results, stage)]
+    notes += excessive_mark_notes(options.results)
     notes += filter(None, provisional_notes(notebooks))
-    return ExportResult(content, len(marked), tuple(unlisted_notes(options.results)), tuple(notes))
+    return ExportResult(
+        content, len(marked), tuple(unlisted_student_notes(options.results)), tuple(notes)
+    )
 
 
 def notebooks_of(options: ExportOptions) -> list[NotebookResult]:

@@ -3,9 +3,9 @@
 This module runs in the sandbox, next to the student's code, and is sent there as text. It contains
 no expected answer. Everything that it returns is untrusted, because student code may change it.
 
-`read_answer` has to be called first. `run_cases` inserts calls into the student's statements, which
-count and record. `trace_case` gets the same facts from `sys.settrace` instead, without changing the
-code, so that it can confirm them.
+`read_answer` has to be called first. `run_cases` inserts calls into the student's code that count
+statements and record values. `trace_case` gets the same data from `sys.settrace`, without changing
+the code. The two methods can therefore verify each other.
 """
 
 import ast
@@ -23,7 +23,7 @@ from utils.notebooks.edits import edits_of
 from utils.notebooks.small_cases import SEEDS, plain_value
 
 MAX_STEPS = 10_000
-"""Statements after which a small case counts as endless."""
+"""Number of statements after which a small case counts as endless."""
 MAX_SECONDS = 0.3
 """Processor seconds after which a small case counts as endless, even if it runs few statements."""
 MAX_NOTES = 400
@@ -54,7 +54,7 @@ _statements: list[slicing.Statement] = []
 
 
 class _TooManySteps(BaseException):
-    """A case runs too many statements. Few answers catch a `BaseException`, so it is one."""
+    """A case runs too many statements. It is a `BaseException`, which few answers catch."""
 
 
 def read_answer(cells: list, exercise: str, given: list, others: list, unchanged: list) -> dict:
@@ -150,7 +150,9 @@ def evaluate(version: list | None, code: str) -> list:
     except Exception:
         return ["invalid"]
     outcomes = [_outcome(code, seed) for seed in _seeds_of(code)]
-    return outcomes[0] if all(_same(outcome, outcomes[0]) for outcome in outcomes) else ["varies"]
+    return (
+        outcomes[0] if all(_are_equal(outcome, outcomes[0]) for outcome in outcomes) else ["varies"]
+    )
 
 
 def trace_case(code: str) -> dict:
@@ -420,16 +422,16 @@ def _run(code: str, recorder: _Recorder) -> dict:
         counts = [[*place, count] for place, count in recorder.counts.items()]
         runs.append({"outcome": outcome, "counts": counts, "notes": recorder.notes})
     first = runs[0]
-    if not all(_same(run["outcome"], first["outcome"]) for run in runs):
+    if not all(_are_equal(run["outcome"], first["outcome"]) for run in runs):
         first["outcome"] = ["varies"]
     for name in ("counts", "notes"):  # what depends on random numbers is not asked
-        if not all(_same(run[name], first[name]) for run in runs):
+        if not all(_are_equal(run[name], first[name]) for run in runs):
             first[name] = []
     return first
 
 
 def _outcome(code: str, seed: int) -> list:
-    """Return what a case does: its value, the name of an exception, or that it does not end."""
+    """Return the outcome of a case: a value, the name of an exception, or "endless"."""
     namespace = {**_namespace(), "np": np, "rng": seed}
     try:
         *statements, last = ast.parse(code).body
@@ -439,7 +441,7 @@ def _outcome(code: str, seed: int) -> list:
         return ["value", plain_value(value)]
     except BaseException as error:
         name = type(error).__name__
-        if isinstance(error, _TooManySteps) or name in ("TookTooLong", "RecursionError"):
+        if isinstance(error, _TooManySteps) or name in ("CallTimeout", "RecursionError"):
             return ["endless"]
         return ["error", name[:60]]
 
@@ -457,5 +459,5 @@ def _time_limit() -> Iterator[None]:
         signal.setitimer(signal.ITIMER_VIRTUAL, 0)
 
 
-def _same(first: object, second: object) -> bool:
+def _are_equal(first: object, second: object) -> bool:
     return repr(first) == repr(second)

@@ -1,4 +1,4 @@
-"""How often a line runs, and how often if there is more input."""
+"""Questions about how often a line runs, also with more input."""
 
 from __future__ import annotations
 
@@ -7,17 +7,19 @@ from random import Random
 
 from grader.questions.answer import Behaviour
 from grader.questions.kinds.trace import _keeps_lines
-from grader.questions.kinds.wording import times
+from grader.questions.kinds.wording import format_times
 from grader.questions.question import CountClaim, Question
 from utils.questions.cases import shown_code
 from utils.questions.choices import arrange, distractors
 
 MAX_COUNT = 40
-MAX_RATIO = 4  # a wrong count that is larger can be excluded without reading the code
+# Wrong counts are at most this many times the right one, because students could exclude larger ones
+# without reading the code.
+MAX_RATIO = 4
 
 
-def cost(behaviour: Behaviour, random: Random) -> Iterator[Question]:
-    """Ask for the number of runs of lines in loops."""
+def cost_questions(behaviour: Behaviour, random: Random) -> Iterator[Question]:
+    """Ask how often a line in a loop runs."""
     larger = [case for case in behaviour.cases if case.larger]
     for number, case in enumerate(behaviour.cases):
         if case.run:
@@ -50,16 +52,16 @@ def _counts(
         others += run.counts.values()
         others += [before, 2 * before, 4 * before, right + 1] if smaller else [right - 1, right + 1]
         likely = [count for count in others if 0 < count <= MAX_RATIO * right]
-        wrong = distractors(times(right), map(times, likely))
-        arranged = arrange(times(right), wrong, random)
+        wrong = distractors(format_times(right), map(format_times, likely))
+        arranged = arrange(format_times(right), wrong, random)
         if arranged:
             calls = shown_code(code)
             if smaller:
                 calls = f"# part 1\n{shown_code(smaller)}\n\n# part 2\n{calls}"
             yield Question(
                 "cost",
-                f"While part 1 runs, line {line} runs {times(before)}. How many times does it run "
-                "while part 2 runs?"
+                f"While part 1 runs, line {line} runs {format_times(before)}. How many times does "
+                "it run while part 2 runs?"
                 if smaller
                 else f"How many times does line {line} run while the code below runs?",
                 calls,

@@ -1,4 +1,4 @@
-"""What the function returns in a small case."""
+"""Questions about what the function returns in a small case."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from utils.questions.choices import arrange, distractors
 from utils.questions.texts import is_value
 
 
-def predict(behaviour: Behaviour, random: Random) -> Iterator[Question]:
-    """Ask for the value of each case, or for what the case's own question asks."""
+def prediction_questions(behaviour: Behaviour, random: Random) -> Iterator[Question]:
+    """Ask for the value of each case, or ask the case's own question if it has one."""
     for number, case in enumerate(behaviour.cases):
         right = behaviour.own[number].outcome
-        wrong = distractors(right, filter(is_value, behaviour.neighbours(number)))
+        wrong = distractors(right, filter(is_value, behaviour.edited_outcomes(number)))
         arranged = arrange(right, wrong, random)
         if is_value(right) and arranged:
             yield Question(
@@ -25,6 +25,6 @@ def predict(behaviour: Behaviour, random: Random) -> Iterator[Question]:
                 shown_code(case.code),
                 *arranged,
                 "The other choices are results of the same code with one small change.",
-                not behaviour.is_common(number),
+                not behaviour.matches_peers(number),
                 (OutcomeClaim(case.executed, None, right),),
             )

@@ -1,4 +1,4 @@
-"""The value of a variable after a line."""
+"""Questions about the value of a variable after a line."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ from collections.abc import Iterator
 from random import Random
 
 from grader.questions.answer import Behaviour, Edit
-from grader.questions.kinds.wording import times
+from grader.questions.kinds.wording import format_times
 from grader.questions.question import Question, ValueClaim
 from utils.questions.cases import shown_code
 from utils.questions.choices import arrange, distractors
 
-MAX_TURNS = 6  # a value after more runs takes too long on paper
+MAX_TURNS = 6  # runs of a line that a student can trace on paper in reasonable time
 ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth")
 
 
-def trace(behaviour: Behaviour, random: Random) -> Iterator[Question]:
-    """Ask for values of variables that the source does not show."""
+def trace_questions(behaviour: Behaviour, random: Random) -> Iterator[Question]:
+    """Ask for values of variables that cannot be read directly from the source."""
     statements = {statement.first: statement for statement in behaviour.statements}
     for number, case in enumerate(behaviour.cases):
         run = behaviour.own[number]
@@ -30,7 +30,7 @@ def trace(behaviour: Behaviour, random: Random) -> Iterator[Question]:
             right = values[turn]
             if not right or right in behaviour.text_of(line) or name == "_":
                 continue
-            nearby = _values_of_neighbours(behaviour, number, line, name, turn)
+            nearby = _values_in_edited_versions(behaviour, number, line, name, turn)
             wrong = distractors(right, [*nearby, *values])
             arranged = arrange(right, wrong, random)
             if arranged:
@@ -50,12 +50,12 @@ def _sentence(line: int, name: str, turn: int, turns: int) -> str:
     if turns == 1:
         return f"What is the value of `{name}` after line {line} has run?"
     return (
-        f"While the code below runs, line {line} runs {times(turns)}. What is the value of "
+        f"While the code below runs, line {line} runs {format_times(turns)}. What is the value of "
         f"`{name}` after line {line} has run for the {ORDINALS[turn]} time?"
     )
 
 
-def _values_of_neighbours(
+def _values_in_edited_versions(
     behaviour: Behaviour, case: int, line: int, name: str, turn: int
 ) -> Iterator[str]:
     for edit, runs in behaviour.edited.items():

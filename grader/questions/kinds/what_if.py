@@ -1,4 +1,4 @@
-"""The effect of a change: the new value, or the calls that it affects."""
+"""Questions about the effect of a change: the new value, or the calls that it affects."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from collections.abc import Iterator, Sequence
 from random import Random
 
 from grader.questions.answer import Behaviour, Edit, Run
-from grader.questions.kinds.wording import code
+from grader.questions.kinds.wording import quote_code
 from grader.questions.question import OutcomeClaim, Question
 from utils.questions.cases import shown_code, value_of
 from utils.questions.choices import arrange, distractors, in_rounds, with_first
 from utils.questions.texts import is_value, same_answer
 
-MAX_EDITS = 6  # changes that are asked about in each of the two ways
+MAX_EDITS = 6  # changes to ask about in each of the two ways
 LETTERS = "ABC"
 
 
-def what_if(behaviour: Behaviour, random: Random) -> Iterator[Question]:
-    """Ask for the effect of a change: in one case, and on which of three cases."""
+def what_if_questions(behaviour: Behaviour, random: Random) -> Iterator[Question]:
+    """Ask what a change does in one case, and which of three cases it affects."""
     edits = [edit for edit in behaviour.edited if edit.can_be_shown]
     yield from itertools.islice(_values(behaviour, edits, random), MAX_EDITS)
     yield from itertools.islice(_affected_calls(behaviour, edits, random), MAX_EDITS)
@@ -33,15 +33,16 @@ def _values(behaviour: Behaviour, edits: list[Edit], random: Random) -> Iterator
         right = runs[number].outcome
         if not is_value(right) or same_answer(right, own):
             continue
-        nearby = filter(is_value, behaviour.neighbours(number))
+        nearby = filter(is_value, behaviour.edited_outcomes(number))
         arranged = arrange(right, with_first(own, distractors(right, nearby)), random)
         if arranged:
             yield Question(
                 "what if",
-                f"Line {edit.first} becomes {code(edit.after)}. What is {value_of(case.code)} now?",
+                f"Line {edit.first} becomes {quote_code(edit.after)}. What is "
+                f"{value_of(case.code)} now?",
                 shown_code(case.code),
                 *arranged,
-                f"Without the change, the value is {code(own)}.",
+                f"Without the change, the value is {quote_code(own)}.",
                 True,
                 (
                     OutcomeClaim(case.executed, edit, right),
@@ -67,7 +68,7 @@ def _affected_calls(behaviour: Behaviour, edits: list[Edit], random: Random) -> 
         if right and right != "none of them" and arranged:
             yield Question(
                 "what if",
-                f"Line {edit.first} becomes {code(edit.after)}. For which of these calls does "
+                f"Line {edit.first} becomes {quote_code(edit.after)}. For which of these calls does "
                 "the value of the last line change?",
                 "\n\n".join(
                     f"# call {letter}\n{shown_code(behaviour.cases[number].code)}"
@@ -116,6 +117,7 @@ def _claims(behaviour: Behaviour, edit: Edit, number: int) -> tuple[OutcomeClaim
 def _results_sentence(behaviour: Behaviour, edit: Edit, numbers: list[int]) -> str:
     runs = behaviour.edited[edit]
     return " ".join(
-        f"{letter}: {code(behaviour.own[number].outcome)} before, {code(runs[number].outcome)} now."
+        f"{letter}: {quote_code(behaviour.own[number].outcome)} before, "
+        f"{quote_code(runs[number].outcome)} now."
         for letter, number in zip(LETTERS, numbers, strict=True)
     )

@@ -1,4 +1,4 @@
-"""Which line: find the change that causes a result, or a line that does not run."""
+"""Questions about which change causes a result, or which line does not run."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ from collections.abc import Iterator
 from random import Random
 
 from grader.questions.answer import Behaviour, Edit
-from grader.questions.kinds.wording import code
+from grader.questions.kinds.wording import quote_code
 from grader.questions.question import CountClaim, OutcomeClaim, Question
 from utils.questions.cases import shown_code, value_of
 from utils.questions.choices import MAX_CHOICES, MIN_CHOICES, arrange
 from utils.questions.texts import TRIVIAL_ERRORS, is_value, same_answer, similarity
 
-MAX_SYMPTOMS = 4  # results of a case that are asked about
+MAX_SYMPTOMS = 4  # wrong results of a case to ask about
 
 
-def which_line(behaviour: Behaviour, random: Random) -> Iterator[Question]:
-    """Ask for the one of several changes that gives a result, and for a line that does not run."""
+def which_line_questions(behaviour: Behaviour, random: Random) -> Iterator[Question]:
+    """Ask which of several changes gives a result, and which line does not run."""
     for number, case in enumerate(behaviour.cases):
         if not case.run:
             yield from _without_run(behaviour, number, random)
@@ -39,7 +39,7 @@ def _with_symptom(behaviour: Behaviour, number: int, random: Random) -> Iterator
         for text in dict.fromkeys(edits.values())
         if is_value(text) and not same_answer(text, own)
     ]
-    # Stable, so that equally similar results stay in the order of the likeliest edits.
+    # The sort is stable, so equally similar results stay in the order of the likeliest edits.
     symptoms.sort(key=lambda text: -similarity(own, text))
     for symptom in symptoms[:MAX_SYMPTOMS]:
         causes = [edit for edit, text in edits.items() if same_answer(text, symptom)]
@@ -56,7 +56,7 @@ def _with_symptom(behaviour: Behaviour, number: int, random: Random) -> Iterator
                 shown_code(case.code),
                 *arranged,
                 " ".join(
-                    f"If {_choice(edit)}, the result is {code(text)}."
+                    f"If {_choice(edit)}, the result is {quote_code(text)}."
                     for edit, text in outcomes.items()
                     if edit != right
                 ),
@@ -72,7 +72,7 @@ def _with_symptom(behaviour: Behaviour, number: int, random: Random) -> Iterator
 
 
 def _spread(right: Edit, others: list[Edit], outcomes: dict[Edit, str], own: str) -> list[Edit]:
-    """Return wrong choices that differ in line and effect from all others, if there are enough."""
+    """Return wrong choices, preferably with different lines and different effects."""
     wrong, lines, effects = [], {right.first}, {outcomes[right]}
     ranked = sorted(
         others, key=lambda edit: (same_answer(outcomes[edit], own), not is_value(outcomes[edit]))
@@ -95,7 +95,7 @@ def _spread(right: Edit, others: list[Edit], outcomes: dict[Edit, str], own: str
 
 
 def _choice(edit: Edit) -> str:
-    return f"line {edit.first} becomes {code(edit.after)}"
+    return f"line {edit.first} becomes {quote_code(edit.after)}"
 
 
 def _without_run(behaviour: Behaviour, number: int, random: Random) -> Iterator[Question]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from grader.questions.answer import Edit
 
 
-def lines_are(edit: Edit) -> str:
+def lines_with_verb(edit: Edit) -> str:
     """Return the subject and verb for the lines of an edit, such as "Lines 4 and 5 are"."""
     if edit.first == edit.last:
         return f"Line {edit.first} is"
@@ -13,11 +13,11 @@ def lines_are(edit: Edit) -> str:
     return f"Lines {edit.first} {joint} {edit.last} are"
 
 
-def times(count: int) -> str:
+def format_times(count: int) -> str:
     """Return a count as a word with its unit, such as "4 times"."""
     return "once" if count == 1 else f"{count} times"
 
 
-def code(text: str) -> str:
+def quote_code(text: str) -> str:
     """Return a line of code between backticks, without its indentation."""
     return f"`{text.strip().replace('`', chr(0x2BB))}`"

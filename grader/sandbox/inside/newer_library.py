@@ -1,8 +1,7 @@
-"""Recognise names of the standard library that only a newer Python has than the one that runs.
+"""Recognise names of the standard library that the running Python is too old to have.
 
-An older Python raises an exception for such a name, although the code is right. A name that the
-code uses only after a test or in a ``try`` statement proves nothing, because the code may work
-without it.
+Such a name raises an exception here, although the code is right. A name that the code uses only
+after a test or in a ``try`` statement proves nothing, because the code may work without it.
 """
 
 from __future__ import annotations
@@ -13,7 +12,7 @@ from itertools import accumulate
 
 from utils.notebooks.newer_syntax import RUNNING_VERSION
 
-# From the lists of changes in Python's documentation; only what an answer may use.
+# From the lists of changes in Python's documentation, limited to names that an answer might use.
 _NAMES_ADDED = {
     (3, 12): (
         *("collections.abc.Buffer", "itertools.batched", "math.sumprod"),
@@ -42,7 +41,7 @@ _VERSION_TESTS = {"hasattr", "getattr", "version_info"}
 def newer_names(
     nodes: Iterable[ast.AST], python: tuple[int, ...] = (), own_modules: Container[str] = ()
 ) -> Iterator[tuple[int, str]]:
-    """Yield the names that only a newer Python has.
+    """Yield the names that only a newer Python provides.
 
     Parameters
     ----------

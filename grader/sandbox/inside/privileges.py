@@ -1,4 +1,4 @@
-"""Permanently give up root's privileges, before student code is read.
+"""Give up root's privileges permanently, before student code is read.
 
 See prctl(2), capabilities(7) and linux/capability.h.
 """

@@ -1,8 +1,8 @@
 """Semaphores of `multiprocessing` that poll, because the sandbox forbids shared futexes.
 
-To wait for another process or to wake it, a semaphore normally uses a shared futex. `syscalls`
-makes shared futexes do nothing. All locks, queues and pools of `multiprocessing` are built on one
-semaphore class. This module replaces that class with one that tries, sleeps, and tries again.
+A semaphore normally uses a shared futex to wait for another process or to wake it, but `syscalls`
+disables shared futexes. All locks, queues and pools of `multiprocessing` are built on one semaphore
+class. This module replaces that class with one that tries, sleeps, and tries again.
 """
 
 import _multiprocessing

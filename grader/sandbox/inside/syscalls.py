@@ -1,4 +1,4 @@
-"""Deny system calls that no exercise needs.
+"""Deny system calls that exercises do not need.
 
 The main reasons are:
 
@@ -162,8 +162,8 @@ _NUMBER, _MACHINE, _FIRST_ARGUMENT, _SIZE_OF_ARGUMENT, _SIZE_OF_HALF = 0, 4, 16,
 _FOREIGN_NUMBERS = 0x40000000  # x32 system calls on x86_64
 _SET_NO_NEW_PRIVILEGES, _SET_SECCOMP, _FILTER = 38, 22, 2
 _ALLOW = (_RETURN, 0, 0, 0x7FFF0000)
-_ANSWER = 0x00050000  # to be combined with an error number, or 0 for success
-# Libraries have a fallback for this answer, "no such system call", because old kernels return it.
+_ANSWER = 0x00050000  # combined with an error number, or with 0 for success
+# "No such system call". Libraries have a fallback for this error, because old kernels return it.
 _DENY = (_RETURN, 0, 0, _ANSWER | errno.ENOSYS)
 # A wait returns at once, which callers must always expect. A wake-up does not wake any process.
 _AGAIN = (_RETURN, 0, 0, _ANSWER | errno.EAGAIN)

@@ -83,8 +83,8 @@ def receive_bytes(
     Parameters
     ----------
     descriptor : int
-        Must be non-blocking if there is a `time_limit`. Otherwise the other end could make a read
-        wait forever by taking back the bytes that `poll` announced.
+        Must be non-blocking if there is a `time_limit`. Otherwise, the other end could make a read
+        wait forever by reading the bytes itself after `poll` has announced them.
     time_limit : callable, optional
         As for `send`.
 

@@ -1,4 +1,4 @@
-"""Encode and decode plain data, the only data that student code and the judge exchange.
+"""Encode and decode plain data; student code and the judge exchange nothing else.
 
 A message is a JSON tree followed by the bytes of its arrays. It can contain numbers, strings,
 containers, arrays of a plain dtype and NumPy's default random generators. Any other value arrives
@@ -140,7 +140,7 @@ def decode(tree: bytes, blob: bytes) -> object:
 
 
 def is_plain(value: object) -> bool:
-    """Return whether a value can be sent as plain data, unlike objects of a student's class."""
+    """Return whether a value can be sent as plain data; objects of a student's class cannot."""
     return isinstance(value, (*_SCALARS, np.ndarray, set, frozenset, dict, Sequence)) or hasattr(
         value, "__array__"
     )
@@ -170,7 +170,7 @@ def _to_tree(value: object, blob: bytearray, depth: int) -> object:
             return {kind: list(value)}
         return {kind: [_to_tree(item, blob, depth + 1) for item in value]}
     if isinstance(value, (set, frozenset, dict)):
-        return _keyed_to_tree(value, blob, depth)
+        return _dict_or_set_to_tree(value, blob, depth)
     if _is_generator(value):
         return {"generator": _state_of(value)}
     if isinstance(value, OpaqueValue):
@@ -182,7 +182,7 @@ def _to_tree(value: object, blob: bytearray, depth: int) -> object:
     return {"opaque": type(value).__name__}
 
 
-def _keyed_to_tree(value: set | frozenset | dict, blob: bytearray, depth: int) -> dict:
+def _dict_or_set_to_tree(value: set | frozenset | dict, blob: bytearray, depth: int) -> dict:
     # Only scalars are allowed as keys. Student code can create a million tuples with the same hash,
     # and the judge would take hours to build a set of them.
     name = "dict" if isinstance(value, dict) else "set"
@@ -325,7 +325,7 @@ def _is_possible_shape(shape: Sequence[int]) -> bool:
 
 
 def _is_within_limits(tree: bytes) -> bool:
-    """Return whether a tree is within the limits on values and containers.
+    """Return whether a tree respects the limits on values and containers.
 
     Commas and brackets inside strings do not count, because a notebook may contain a long table.
     """

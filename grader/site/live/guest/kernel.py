@@ -1,4 +1,4 @@
-"""Kernel of a lesson in the browser: runs cells with IPython and sends their outputs to the page.
+"""The kernel of a lesson in the browser: run cells with IPython, and send outputs to the page.
 
 Each output is one line of JSON, written to the file descriptor that the page opened.
 """
@@ -10,7 +10,7 @@ import types
 
 # The guest's files have no permissions, which Python would report as "not writable".
 os.access = lambda path, *_, **__: os.path.exists(path)
-for absent in ("pexpect", "psutil"):  # modules that IPython imports for commands of the system
+for absent in ("pexpect", "psutil"):  # IPython imports these modules only to run system commands
     sys.modules.setdefault(absent, types.ModuleType(absent))
 
 from IPython.core.displayhook import DisplayHook  # noqa: E402
@@ -30,8 +30,8 @@ def send(kind: str, **content: object) -> None:
         data = data[os.write(CHANNEL, data) :]
 
 
-def best_of(data: dict) -> dict:
-    """Return the best representation of an output, with text for pictures."""
+def best_representation(data: dict) -> dict:
+    """Return the first representation of an output that is in `SHOWN_TYPES`, if any."""
     kind = next((kind for kind in SHOWN_TYPES if kind in data), None)
     return {"type": kind, "data": data[kind]} if kind else {}
 
@@ -71,7 +71,7 @@ class Publisher(DisplayPublisher):
         **_: object,
     ) -> None:
         """Send the best representation of an object."""
-        if shown := best_of(data):
+        if shown := best_representation(data):
             send("display", id=(transient or {}).get("display_id"), update=update, **shown)
 
     def clear_output(self, wait: bool = False) -> None:
@@ -79,19 +79,19 @@ class Publisher(DisplayPublisher):
         send("clear")
 
 
-class Result(DisplayHook):
+class ResultPublisher(DisplayHook):
     """Sends the value of a cell's last line to the page."""
 
     def write_output_prompt(self) -> None:
-        """Write no prompt."""
+        """Do nothing, because the page shows outputs without a prompt."""
 
     def write_format_data(self, format_dict: dict, md_dict: dict | None = None) -> None:
         """Send the best representation of the value."""
-        if shown := best_of(format_dict):
+        if shown := best_representation(format_dict):
             send("display", id=None, update=False, **shown)
 
     def finish_displayhook(self) -> None:
-        """Write no empty line."""
+        """Do nothing, because the page separates outputs without an empty line."""
 
 
 class Shell(InteractiveShell):
@@ -109,7 +109,9 @@ def start() -> Shell:
     settings = Config()
     settings.HistoryManager.enabled = False  # a history would be a file
     sys.stdout, sys.stderr = Stream("stdout"), Stream("stderr")
-    return Shell.instance(config=settings, display_pub_class=Publisher, displayhook_class=Result)
+    return Shell.instance(
+        config=settings, display_pub_class=Publisher, displayhook_class=ResultPublisher
+    )
 
 
 def run(source: str, quietly: bool = False) -> None:

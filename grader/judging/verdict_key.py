@@ -1,9 +1,9 @@
 """The key of a verdict: a fingerprint of everything that the verdict depends on.
 
-A stored verdict is valid as long as its key does not change. The key does not depend on plotting
-modules, for example, so a change there does not cause submissions to be judged again. The code that
-a verdict depends on is not listed by hand. It is found by following import statements from the
-judge, the sandbox's fork server, and the lesson's tests and checks.
+A stored verdict is valid as long as its key does not change. After a change of a plotting module,
+for example, the key is the same, and submissions are not judged again. The code that a verdict
+depends on is not listed by hand. It is found by following import statements from the judge, the
+sandbox's fork server, and the lesson's tests and checks.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ DISPLAY_MODULES = ("utils.plots.", "utils.scene3d.", "utils.checks.display.")
 ARRAY_FILES = tuple((PROJECT / "data").glob("*.npz"))
 LIBRARIES = ("numpy", "scipy", "scikit-learn", "shapely", "pytest")
 
-# A regular expression, because parsing a syntax tree takes ten times as long. It may also match
-# text in a docstring, which does no harm.
+# A regular expression finds imports ten times as fast as a syntax tree. It may also match text in a
+# docstring, which is harmless.
 _IMPORT = re.compile(r"^[ \t]*(?:from ([\w.]+) import (\([^)]*\)|.*)|import (.*))$", re.M)
 
 
@@ -55,7 +55,7 @@ def verdict_key(
 @functools.cache
 def rules_key(lesson: Lesson) -> str:
     """Return the fingerprint of everything that verdicts on one lesson depend on."""
-    return key_of_files(lesson.name, files_that_decide(lesson))
+    return key_of_files(lesson.name, verdict_dependencies(lesson))
 
 
 def key_of_files(subject: str, files: Iterable[Path]) -> str:
@@ -68,7 +68,7 @@ def key_of_files(subject: str, files: Iterable[Path]) -> str:
     return digest.hexdigest()
 
 
-def files_that_decide(lesson: Lesson) -> frozenset[Path]:
+def verdict_dependencies(lesson: Lesson) -> frozenset[Path]:
     """Return the files of this project that a verdict on a lesson depends on."""
     entries = {
         *ENTRY_MODULES,

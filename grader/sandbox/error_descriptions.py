@@ -1,8 +1,8 @@
 """Describe exceptions outside hidden tests, without text that student code chose at run time.
 
-At this point, student code has not received the data of its own hidden tests, but it may have
-received data from another notebook's tests. Notebooks that are judged on one machine can send each
-other signals, for example by how long they take. A message therefore contains only fixed text and:
+At this point, the notebook has not received input from its own hidden tests, but it may know input
+from another notebook's tests. Notebooks that are judged on one machine can send each other signals,
+for example by how long they take. A message therefore contains only fixed text and:
 
 - an exception type that is well known or appears in the failing line
 - the failing line of the submission

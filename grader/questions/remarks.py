@@ -1,6 +1,6 @@
-"""Names and constructs in an answer that no lesson has shown so far: places to ask about.
+"""Find names and constructs in an answer that no lesson has shown yet, so an examiner can ask.
 
-They are not evidence of anything: students know other courses, books and manuals.
+They do not prove anything, because students also know other courses, books and manuals.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ MAX_REMARKS = 6
 
 @dataclass(frozen=True)
 class Remark:
-    """Something in the code that the lessons have not shown: its lines, and what it is."""
+    """A name or construct that the lessons have not shown, and the lines that contain it."""
 
     lines: tuple[int, ...]
     text: str
 
 
 def remarks_on(behaviour: Behaviour) -> tuple[Remark, ...]:
-    """Return what an answer uses without its lesson, or an earlier one, having shown it."""
+    """Return the names and constructs in an answer that no lesson up to its own has shown."""
     shown = _shown_words(behaviour.answer.lesson)
     own = {word for line in behaviour.lines for word in re.findall(r"def (\w+)", line.text)}
     lines: dict[str, list[int]] = {}
@@ -41,9 +41,9 @@ def remarks_on(behaviour: Behaviour) -> tuple[Remark, ...]:
 
 @functools.cache
 def _shown_words(lesson: Lesson) -> dict[str, frozenset[str]]:
-    """Return the words in all cells up to a lesson, and the constructs in their code.
+    """Return the names and constructs in all lessons up to this one.
 
-    The solved notebook counts as well, because the hints lead to it.
+    Solved notebooks are included, because the hints lead to the solutions.
     """
     names, constructs = set(), set()
     lessons = all_lessons()
@@ -63,5 +63,5 @@ def _constructs_in(source: str) -> set[str]:
 
     try:
         return set(constructs_of(ast.parse(source)))
-    except SyntaxError:  # a magic
+    except SyntaxError:  # the cell contains an IPython magic
         return set()

@@ -1,4 +1,4 @@
-"""The effect of deleting a statement."""
+"""Questions about the effect of deleting a statement."""
 
 from __future__ import annotations
 
@@ -6,17 +6,18 @@ from collections.abc import Iterator
 from random import Random
 
 from grader.questions.answer import Behaviour
-from grader.questions.kinds.wording import lines_are
+from grader.questions.kinds.wording import lines_with_verb
 from grader.questions.question import OutcomeClaim, Question
 from utils.questions.cases import shown_code, value_of
 from utils.questions.choices import arrange, distractors, with_first
 from utils.questions.texts import TRIVIAL_ERRORS, is_value, same_answer
 
-# Outcomes that do not depend on the rest of the code: the last `return` or a name is missing.
+# Outcomes that are easy to guess, because the deleted statement is the last `return` or defines a
+# name.
 TRIVIAL = ("None", *TRIVIAL_ERRORS)
 
 
-def necessary(behaviour: Behaviour, random: Random) -> Iterator[Question]:
+def deletion_questions(behaviour: Behaviour, random: Random) -> Iterator[Question]:
     """Ask what a case does after a statement has been deleted."""
     for number, case in enumerate(behaviour.cases):
         own = behaviour.own[number].outcome
@@ -31,12 +32,12 @@ def necessary(behaviour: Behaviour, random: Random) -> Iterator[Question]:
             if not right or same_answer(right, own) or right in TRIVIAL:
                 continue
             others = [text for text in outcomes.values() if text not in TRIVIAL]
-            nearby = distractors(right, [*others, *behaviour.neighbours(number)])
+            nearby = distractors(right, [*others, *behaviour.edited_outcomes(number)])
             arranged = arrange(right, with_first(own, nearby), random)
             if arranged:
                 yield Question(
                     "necessary",
-                    f"{lines_are(edit)} deleted. What is {value_of(case.code)} now?",
+                    f"{lines_with_verb(edit)} deleted. What is {value_of(case.code)} now?",
                     shown_code(case.code),
                     *arranged,
                     f"Before the change, the value is `{own}`.",

@@ -1,4 +1,4 @@
-"""Collect the files of one student: store each under its lesson's name, or ask the instructor."""
+"""Collect the files of one student: store each notebook by lesson, or ask the instructor."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from grader.classroom.collect.inspection import (
 )
 from grader.classroom.collect.instructor_answers import InstructorAnswers
 from grader.classroom.collect.models import SubmittedFile
-from grader.classroom.collect.selection import StudentFile, find_newest, rivals_by_number
+from grader.classroom.collect.selection import StudentFile, find_newest, rivals_by_copy_number
 from grader.classroom.collect.stated_time import NOTHING_STATED, StatedTime
 from grader.classroom.collect.storage import KEPT, StageFolder, UnclearVersion
 from grader.classroom.collect.submission_table import SubmissionRow
@@ -190,7 +190,7 @@ class StudentCollector:
             return UNANSWERED_MARK
         if state != KEPT:
             self._place_modules(folder, file, files)
-            for rival in rivals_by_number(choices, file):
+            for rival in rivals_by_copy_number(choices, file):
                 text = (
                     f"counts instead of {rival.name}, because the number in its name is higher. If "
                     f"the other file is the right one, add {lesson_option(rival, lesson.number)}"
