@@ -9,7 +9,7 @@ from grader.course.kept_answers import answers_to
 from grader.course.lessons import find_lesson
 from tests.lesson_runs import right_answers, run_cells, runs_with_answers
 from utils import lent
-from utils.lent.rerun import key_of_cell, plan_rerun
+from utils.lent.rerun_plan import key_of_cell, plan_rerun
 
 SETUP = """\
 from utils.checks.core import ChecksFailed

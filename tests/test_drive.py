@@ -20,7 +20,7 @@ from utils.drive.clock import Clock, ticks
 from utils.drive.ground_truth import distances_to_objects
 from utils.drive.loop import drive
 from utils.drive.metrics import measure
-from utils.drive.motion import Motion, closest_pairs, make_motion
+from utils.drive.motion import Motion, make_motion, match_by_total_distance
 from utils.drive.planner import Planner, TrackedBox, braking_gap, gap_to, plan
 from utils.drive.rules import stopping_distance
 from utils.drive.standards import DriveResult, reference_results
@@ -289,7 +289,7 @@ def test_a_jumping_box_has_no_speed():
 
 
 ALPHA_BETA = Tracker(
-    closest_pairs,
+    match_by_total_distance,
     predict=lambda boxes, velocities, seconds: boxes + velocities[:, None] * seconds,
     correct=lambda expected, velocities, found, gain, seconds: (
         found + (1 - gain) * (expected - found).mean(axis=1, keepdims=True),
@@ -369,7 +369,7 @@ def test_the_students_matching_function_is_called():
 
     def match_boxes(previous, current, max_distance):
         calls.append((len(previous), len(current), max_distance))
-        return closest_pairs(previous, current, max_distance)
+        return match_by_total_distance(previous, current, max_distance)
 
     motion = Motion(match_boxes)
     motion.update(np.stack([box(10, 0), box(20, 0)]), 0.0, 0.1)
@@ -419,7 +419,7 @@ def test_a_tracker_predicts_each_scan_with_the_time_since_the_last():
         return boxes + velocities[:, None] * seconds
 
     tracker = Tracker(
-        closest_pairs,
+        match_by_total_distance,
         predict=predict,
         correct=lambda expected, velocities, found, gain, seconds: (found, velocities),
     )
@@ -430,7 +430,7 @@ def test_a_tracker_predicts_each_scan_with_the_time_since_the_last():
 
 
 def test_a_tracker_that_only_matches_gets_default_steps():
-    motion = make_motion(Tracker(closest_pairs))
+    motion = make_motion(Tracker(match_by_total_distance))
     for scan in range(10):
         (walker,) = motion.update(box(20 - 0.6 * scan, -4 + 0.14 * scan)[None], 0.6, 0.1)
     assert np.allclose(walker.velocity, (0.0, 1.4), atol=0.1)
@@ -438,9 +438,9 @@ def test_a_tracker_that_only_matches_gets_default_steps():
 
 def test_matches_are_near_and_one_to_one():
     before, now = np.stack([box(0, 0), box(10, 0)]), np.stack([box(0.8, 0), box(0.3, 0), box(9, 0)])
-    assert closest_pairs(before, now, 1.2).tolist() == [-1, 0, 1]
-    assert closest_pairs(before, now, 0.9).tolist() == [-1, 0, -1]
-    assert closest_pairs(before[:0], now, 1.0).tolist() == [-1, -1, -1]
+    assert match_by_total_distance(before, now, 1.2).tolist() == [-1, 0, 1]
+    assert match_by_total_distance(before, now, 0.9).tolist() == [-1, 0, -1]
+    assert match_by_total_distance(before[:0], now, 1.0).tolist() == [-1, -1, -1]
 
 
 # Actors ------------------------------------------------------------------------------------

@@ -6,7 +6,7 @@ import textwrap
 import pytest
 
 from utils.notebooks import slicing
-from utils.notebooks.edits import MOST_EDITS, edits_of, edits_of_statement
+from utils.notebooks.edits import MAX_EDITS, edits_of, edits_of_statement
 
 # Wrong and right lines of a function body; the parameters are x, y, z, n and node.
 SLIPS = {
@@ -412,7 +412,7 @@ def test_only_a_counter_that_no_loop_changes_gets_a_step():
 
 def test_the_number_of_edits_is_limited():
     long = function("\n".join(f"x{k} = x + {k} * y - n" for k in range(100)))
-    assert len(edits_in(long)) == MOST_EDITS
+    assert len(edits_in(long)) == MAX_EDITS
     longer = function("\n".join(f"x{k} = x + {k} * y - n" for k in range(200)))
     assert edits_in(longer) == []
 

@@ -179,7 +179,7 @@ def test_all_lines_that_can_be_changed_are_named():
 
 
 def test_there_is_no_hint_if_too_many_lines_are_possible(monkeypatch):
-    monkeypatch.setattr(line_hint, "MOST_LINES", 2)
+    monkeypatch.setattr(line_hint, "MAX_LINES", 2)
     assert find_line_hint(turned_twice, CHECKS, failed_checks(turned_twice)) is None
 
 

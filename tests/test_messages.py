@@ -22,11 +22,11 @@ from utils.checks import Check, CheckFailed
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import (
     NUMBER,
-    FarTooMuch,
+    AnswerTooLarge,
+    CallStopped,
+    ExceptionRaised,
     NotStarted,
     NotYet,
-    Raised,
-    Stopped,
     WrongForm,
     fixed,
 )
@@ -88,9 +88,9 @@ SEE_PYTHON = "The check in the notebook shows Python's full error message."
     [
         (CheckFailed("no"), SEE_ANSWER),
         (WrongForm("no array"), SEE_ANSWER),
-        (FarTooMuch("too much"), SEE_ANSWER),
-        (Raised("no", kind="ValueError", place=None), SEE_PYTHON),
-        (Stopped("no"), None),
+        (AnswerTooLarge("too much"), SEE_ANSWER),
+        (ExceptionRaised("no", kind="ValueError", place=None), SEE_PYTHON),
+        (CallStopped("no"), None),
         (NotStarted("f", "f"), None),
         (NotYet("First"), None),
     ],
@@ -113,7 +113,10 @@ def test_the_kind_and_the_hint_of_a_failure_are_kept():
     plain = shareable_failure(Outcome(HIDDEN, CheckFailed("7 are wrong")), False)
     assert type(plain) is CheckFailed
     # The type is kept for the judge, although the message does not state the amount.
-    assert type(shareable_failure(Outcome(HIDDEN, FarTooMuch("too much")), False)) is FarTooMuch
+    assert (
+        type(shareable_failure(Outcome(HIDDEN, AnswerTooLarge("too much")), False))
+        is AnswerTooLarge
+    )
     waits = NotYet("It is sorted")
     shared = shareable_failure(Outcome(HIDDEN, waits), False)
     assert (type(shared), shared.message) == (NotYet, waits.message)
@@ -127,7 +130,7 @@ def raised(kind="ValueError", message="a secret 17", **more):
 
 def test_the_message_about_an_exception_quotes_only_the_notebook():
     shown = shareable_failure(Outcome(SHOWN, raised()), True)
-    assert isinstance(shown, Raised)
+    assert isinstance(shown, ExceptionRaised)
     assert shown.message == "f raised ValueError (code cell 3, line 2: `x = y[0]`)."
     assert (shown.kind, shown.place) == ("ValueError", "code cell 3, line 2")
     hidden = shareable_failure(Outcome(HIDDEN, raised()), False)
@@ -252,7 +255,7 @@ def test_a_stub_is_not_started(inside, message, visible):
 @pytest.mark.parametrize(
     ("error", "kind", "message"),
     [
-        (StudentStopped("It did not answer."), Stopped, "It did not answer."),
+        (StudentStopped("It did not answer."), CallStopped, "It did not answer."),
         (JudgeTimeout(), WrongForm, "Comparing the answer took longer"),
         (KeyError(17), WrongForm, "could not be compared with the right one (KeyError)"),
     ],
@@ -285,12 +288,12 @@ def test_a_shared_cause_is_shown_once_and_other_failures_in_full():
     ("failure", "kind", "subject"),
     [
         (CheckFailed("no"), MessageKind.OWN, ""),
-        (Raised("no", kind="ValueError", place=None), MessageKind.OWN, ""),
+        (ExceptionRaised("no", kind="ValueError", place=None), MessageKind.OWN, ""),
         (NotStarted("f", "f"), MessageKind.NOT_STARTED, "f"),
         (NotStarted("f", "g"), MessageKind.NOT_STARTED, "g"),
         (NotYet("it is sorted"), MessageKind.WAITING, "it is sorted"),
-        (Stopped("no"), MessageKind.OWN, ""),
-        (Stopped("no", out_of_time=True), MessageKind.OUT_OF_TIME, ""),
+        (CallStopped("no"), MessageKind.OWN, ""),
+        (CallStopped("no", out_of_time=True), MessageKind.OUT_OF_TIME, ""),
     ],
 )
 def test_a_message_has_a_kind_and_a_subject(failure, kind, subject):
@@ -337,7 +340,7 @@ def test_fixed_numbers_stay_in_messages_about_hidden_tests():
     )
 
 
-FAILURES = ("CheckFailed", "WrongForm", "FarTooMuch")
+FAILURES = ("CheckFailed", "WrongForm", "AnswerTooLarge")
 FILES_WITH_CHECKS = [
     path
     for pattern in ("utils/checks/**/*.py", "solutions/**/hidden_tests.py")

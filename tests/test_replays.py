@@ -347,7 +347,7 @@ def test_an_endless_run_is_stopped(has_threads, monkeypatch):
 
         monkeypatch.setattr(threading.Thread, "start", refuse)
     run = run_of("euclidean_clustering", source=ENDLESS)
-    assert "was stopped" in run.remark and len(run.steps) <= clustering.MOST_STEPS
+    assert "was stopped" in run.remark and len(run.steps) <= clustering.MAX_STEPS
     assert sys.gettrace() is None
 
 
@@ -500,7 +500,10 @@ def test_replays_without_widgets_show_a_few_figures(shown_texts, monkeypatch):
         assert shown_texts.count("figure") == 1 and "✗" in shown_texts[-1]
         shown_texts.clear()
         play(run_of("ransac_line"))
-        assert shown_texts.count("figure") == player.STILL and "Your answer" in shown_texts[-1]
+        assert (
+            shown_texts.count("figure") == player.STILL_PICTURES
+            and "Your answer" in shown_texts[-1]
+        )
     finally:
         del sys.modules["ipywidgets"]
 

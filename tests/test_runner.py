@@ -22,10 +22,10 @@ from grader.sandbox.time_budget import Budget
 from utils.checks import Check, CheckFailed
 from utils.checks.assertions import precondition
 from utils.checks.diagnosis import Mistake
-from utils.checks.failures import FarTooMuch, WrongForm
+from utils.checks.failures import AnswerTooLarge, WrongForm
 from utils.checks.outcomes import Outcome
 from utils.checks.run_cache import answer_to, cached_run, once_per_run
-from utils.checks.size_limits import MOST_NUMBERS
+from utils.checks.size_limits import MAX_NUMBERS
 
 FILTER = find_lesson("06_filter_ground")
 SEED = 20_170_405
@@ -36,7 +36,7 @@ HEAD = """
 import os, time
 import pytest
 from grader.judging.hidden_tests import hidden
-from utils.checks.failures import CheckFailed, FarTooMuch
+from utils.checks.failures import CheckFailed, AnswerTooLarge
 about = dict(title="A title", hint="A hint")
 """
 
@@ -302,7 +302,7 @@ def test_there_is_no_time_limit_in_another_thread(make_lesson):
 def test_checks_of_an_exercise_stop_after_five_huge_answers(make_lesson):
     def return_too_much(function):
         function()
-        raise FarTooMuch("a million boxes")
+        raise AnswerTooLarge("a million boxes")
 
     def wrong(function):
         raise WrongForm("no box")
@@ -314,7 +314,7 @@ def test_checks_of_an_exercise_stop_after_five_huge_answers(make_lesson):
     ]
     student = RecordingStudent()
     found = failure_types(run_checks(make_lesson(TWO_TESTS, checks), student, SEED))
-    tried = [name for name, failure in found.items() if failure is FarTooMuch]
+    tried = [name for name, failure in found.items() if failure is AnswerTooLarge]
     assert tried == ["f0", "f1", "f2", "f3", "f4", "g0", "g1", "g2", "g3"]
     assert [name for name, failure in found.items() if failure is StudentStopped] == [
         *("f5", "f6", "test_first"),
@@ -347,7 +347,7 @@ def test_a_failed_answer_of_too_many_bytes_counts_as_huge_in_any_form(make_lesso
 
 def test_the_message_about_huge_answers_names_their_number(make_lesson):
     def return_too_much(function):
-        raise FarTooMuch("a million boxes")
+        raise AnswerTooLarge("a million boxes")
 
     checks = [visible_check(f"f{number}", "f", return_too_much) for number in range(6)]
     *_, last = run_checks(
@@ -512,7 +512,7 @@ def test_an_answer_larger_than_any_right_one_is_not_cached():
 
     def function(cloud):
         asked.append(len(cloud))
-        return np.zeros(MOST_NUMBERS + len(cloud) - 1)
+        return np.zeros(MAX_NUMBERS + len(cloud) - 1)
 
     with cached_run():
         for rows in (1, 1, 2, 2):

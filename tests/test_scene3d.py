@@ -369,7 +369,7 @@ def test_the_view_has_at_most_20_000_points_and_half_a_megabyte(street):
     page = viewer.page(Scene().add_cloud(cloud).add_obstacles(street), CAMERAS["XY"], "")
     content = content_of(page)
     colours = [base64.b64decode(part["colours"]) for part in content["points"]]
-    assert sum(map(len, colours)) / 3 <= viewer.MOST_POINTS
+    assert sum(map(len, colours)) / 3 <= viewer.MAX_POINTS
     assert "16% of 123,000 points shown" in content["note"]
     assert len(page) < 500_000
 

@@ -55,7 +55,7 @@ def load_cloud(name: str | os.PathLike = "cloud.txt") -> np.ndarray:
 
 
 def load_street() -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Load the course's scan and its truth.
+    """Load the course's scan and its ground truth.
 
     The truth belongs to this scan only. If ``data/cloud.txt`` is another scan, a sentence says so,
     and the course's scan is simulated again.

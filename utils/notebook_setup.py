@@ -31,7 +31,7 @@ body.jp-Notebook .highlight pre { white-space: pre-wrap; overflow-wrap: anywhere
 }
 </style>"""
 
-BACKENDS_OF_NOTEBOOKS = ("", "inline", "ipympl", "nbagg", "notebook", "widget")
+NOTEBOOK_BACKENDS = ("", "inline", "ipympl", "nbagg", "notebook", "widget")
 
 
 def begin(number: str) -> None:
@@ -61,6 +61,6 @@ def show_figures_inline() -> None:
     clusters often set it.
     """
     backend = os.environ.get("MPLBACKEND", "").lower()
-    known = backend in BACKENDS_OF_NOTEBOOKS or backend.startswith("module://")
+    known = backend in NOTEBOOK_BACKENDS or backend.startswith("module://")
     if getattr(shell(), "kernel", None) and not known:
         shell().enable_matplotlib("inline")

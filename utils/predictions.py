@@ -8,7 +8,7 @@ from html import escape
 
 from utils.display import show
 
-# Guesses by question. They survive when a cell is run again.
+# Guesses by question, which are kept when a cell runs again.
 _GUESSES: dict[str, float | str] = {}
 
 

@@ -23,7 +23,7 @@ def show_table(headings: Sequence[str], rows: Iterable[Sequence[object]]) -> Non
 
 
 def _as_html(headings: Sequence[str], cells: Sequence[Sequence[str]]) -> str:
-    # An empty heading is an ordinary cell, because a screen reader would announce it as a heading.
+    # An empty heading becomes an ordinary cell, because screen readers announce headings.
     head = _row([("th" if cell else "td", cell) for cell in headings])
     rows = "".join(_row([("td", cell) for cell in row]) for row in cells)
     return f"<table><thead>{head}</thead><tbody>{rows}</tbody></table>"

@@ -138,7 +138,7 @@ def _forbidden_modules() -> bytes:
 
 def _cell_keys(released: dict[Path, bytes]) -> bytes:
     """Return fingerprints of the code cells in each student notebook, as JSON."""
-    from utils.lent.rerun import key_of_cell
+    from utils.lent.rerun_plan import key_of_cell
 
     keys = {
         lesson.number: [

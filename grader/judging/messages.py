@@ -19,11 +19,11 @@ from grader.sandbox.failures import CellSkipped, StudentError, StudentStopped
 from utils.checks import CheckFailed
 from utils.checks.diagnosis import Mistake
 from utils.checks.failures import (
+    CallStopped,
+    ExceptionRaised,
+    FunctionSkipped,
     NotStarted,
     NotYet,
-    Raised,
-    Skipped,
-    Stopped,
     WrongForm,
     with_numbers,
 )
@@ -104,7 +104,7 @@ def _kind_and_subject(failure: CheckFailed) -> tuple[MessageKind, str]:
             return MessageKind.NOT_STARTED, failure.stub
         case NotYet():
             return MessageKind.WAITING, failure.basic
-        case Stopped(out_of_time=True):
+        case CallStopped(out_of_time=True):
             return MessageKind.OUT_OF_TIME, ""
     return MessageKind.OWN, ""
 
@@ -114,18 +114,18 @@ def shareable_failure(outcome: Outcome, is_visible: bool) -> CheckFailed:
     error, exercise = outcome.failure, outcome.check.exercise
     if isinstance(error, StudentStopped):
         question = outcome.check.slow or ENDLESS_LOOP_HINT
-        return Stopped(
+        return CallStopped(
             str(error).replace(ENDLESS_LOOP_HINT, question), error.reason, error.out_of_time
         )
     if isinstance(error, CellSkipped):
-        return Skipped(error.sentence)
+        return FunctionSkipped(error.sentence)
     if isinstance(error, StudentError) and error.type_name == "NotImplementedError":
         return NotStarted(exercise, error.inside or exercise)
     if isinstance(error, StudentError):
         sentence = describe_error(error) if is_visible else error.safe_sentence
         tip = tip_for(error.type_name, error.message, error.line)
         place = error.place if is_visible else error.shown_place
-        return Raised(sentence, kind=error.shown_type, place=place, tip=tip)
+        return ExceptionRaised(sentence, kind=error.shown_type, place=place, tip=tip)
     if isinstance(error, NotYet):
         return NotYet(error.basic)
     if isinstance(error, CheckFailed):
@@ -191,6 +191,6 @@ def _notebook_pointer(outcome: Outcome) -> str:
     """Return a sentence that points to more information in the notebook, or an empty text."""
     if outcome.check.is_shown and outcome.failure.is_about_an_answer:
         return "The check in the notebook shows your answer next to the right one."
-    if outcome.check.is_shown and isinstance(outcome.failure, Raised):
+    if outcome.check.is_shown and isinstance(outcome.failure, ExceptionRaised):
         return "The check in the notebook shows Python's full error message."
     return ""

@@ -33,7 +33,7 @@ from grader.sandbox.time_budget import Budget
 from utils.checks import Check, checks_of
 from utils.checks.core import notes_of
 from utils.checks.diagnosis import object_to_diagnose
-from utils.checks.failures import CheckFailed, FarTooMuch, NotYet
+from utils.checks.failures import AnswerTooLarge, CheckFailed, NotYet
 from utils.checks.outcomes import Outcome
 from utils.checks.run_cache import cached_run
 
@@ -134,7 +134,7 @@ class _Runner:
                 used_seconds = max(used_seconds, seconds_left)
             self.budget.judge_seconds[exercise] += used_seconds
             is_large = self.proxy.largest_reply > MAX_REPLY_BYTES
-            self.too_large[exercise] += is_large or isinstance(error, FarTooMuch)
+            self.too_large[exercise] += is_large or isinstance(error, AnswerTooLarge)
             raise
 
     def record(self, check: Check, error: Exception | None) -> None:

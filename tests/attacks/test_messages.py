@@ -380,7 +380,7 @@ def test_the_threat_model_states_how_much_an_exercise_can_leak():
     threats = (PROJECT / "docs" / "security.md").read_text("utf-8")
     for count, sentence in (
         (mistakes, "which of at most {} known mistakes explains an exercise ({} bits)"),
-        (edits.MOST_EDITS, "which of at most {} edits repairs it ({} bits)."),
+        (edits.MAX_EDITS, "which of at most {} edits repairs it ({} bits)."),
     ):
         assert sentence.format(count, math.ceil(math.log2(count + 1))) in threats
 

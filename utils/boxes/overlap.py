@@ -91,13 +91,13 @@ def footprints(boxes: np.ndarray) -> np.ndarray:
 
 
 def _areas(boxes: np.ndarray, others: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the shared areas of footprints (N, M), and the areas of each list, (N,) and (M,)."""
+    """Return the shared areas (N, M) of two lists of footprints, and their own areas."""
     first, second = footprints(boxes), footprints(others)
     return _shared_areas(first, second), _area(first), _area(second)
 
 
 def _shared_areas(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Return the areas (N, M) that convex quadrangles (N, 4, 2) share with others (M, 4, 2)."""
+    """Return the areas (N, M) that convex quadrilaterals (N, 4, 2) share with others (M, 4, 2)."""
     shared = np.zeros((len(first), len(second)))
     touch = (first.min(axis=1)[:, None] <= second.max(axis=1)) & (
         first.max(axis=1)[:, None] >= second.min(axis=1)
@@ -105,7 +105,7 @@ def _shared_areas(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     rows, columns = np.nonzero(touch.all(axis=2))
     if len(rows):
         area = _area(_clip(first[rows], second[columns]))
-        # The sides of a footprint without area cut nothing off.
+        # Clipping to a footprint without area removes nothing, so limit the shared area.
         shared[rows, columns] = np.minimum(
             area, np.minimum(_area(first)[rows], _area(second)[columns])
         )
@@ -116,8 +116,8 @@ def _clip(polygons: np.ndarray, windows: np.ndarray) -> np.ndarray:
     """Return the parts of polygons (P, k, 2) inside convex, anticlockwise windows (P, 4, 2).
 
     Each corner beyond a side of the window moves to the line of the side, and corners are added
-    where the outline crosses the line. On the line the outline may run to and fro, which does not
-    change its area.
+    where the outline crosses the line. On the line the outline may run back and forth, which does
+    not change its area.
     """
     for start, end in zip(
         np.moveaxis(windows, 1, 0), np.moveaxis(np.roll(windows, -1, axis=1), 1, 0), strict=True
@@ -138,7 +138,7 @@ def _clip(polygons: np.ndarray, windows: np.ndarray) -> np.ndarray:
 
 
 def _distances_to_sides(corners: np.ndarray, polygons: np.ndarray) -> np.ndarray:
-    """Return each smallest distance from corners (..., 4, 2) to sides of polygons (..., 4, 2)."""
+    """Return the smallest distance from corners (..., 4, 2) to sides of polygons (..., 4, 2)."""
     start = polygons[..., None, :, :]
     along = np.roll(polygons, -1, axis=-2)[..., None, :, :] - start
     offsets = corners[..., :, None, :] - start

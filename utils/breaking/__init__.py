@@ -1,4 +1,4 @@
-"""Broken versions of a function, which students expose with small clouds of points.
+"""Let students expose broken versions of a function with small clouds of points.
 
 >>> show_broken(euclidean_clustering)
 >>> tell_apart(euclidean_clustering, A=[[0, 0, 0], [0, 0, 2]])
@@ -18,7 +18,7 @@ from utils.display import show
 from utils.lent import is_written, own
 from utils.remote_objects import ENDLESS_LOOP_HINT
 
-MOST_ROWS = 50
+MAX_ROWS = 50
 TIME_LIMIT = 10
 """Time limit for four calls with a few dozen points; much more than any right answer needs."""
 
@@ -100,8 +100,8 @@ def _judge_cloud(puzzle: Puzzle, function: Callable, letter: str, points: ArrayL
             return "… no cloud yet."
     except (TypeError, ValueError):
         cloud = np.empty(0)
-    if cloud.ndim != 2 or cloud.shape[1] != puzzle.example.shape[1] or len(cloud) > MOST_ROWS:
-        return f"✗ Use a list of at most {MOST_ROWS} rows [{puzzle.columns}]."
+    if cloud.ndim != 2 or cloud.shape[1] != puzzle.example.shape[1] or len(cloud) > MAX_ROWS:
+        return f"✗ Use a list of at most {MAX_ROWS} rows [{puzzle.columns}]."
     if not np.isfinite(cloud).all():
         return "✗ Use finite numbers: ordinary points are enough to show every fault."
     version, others = puzzle.versions[letter], [name for name in puzzle.versions if name != letter]

@@ -139,7 +139,7 @@ def _cluster_first_points_of_cells(cluster: Callable, cloud: np.ndarray) -> np.n
 
 
 def _same_label_mask(labels: np.ndarray) -> np.ndarray:
-    """Return which pairs of points share a label, so that the labels' values do not matter."""
+    """Return which pairs of points share a label, whatever the values of the labels."""
     labels = np.asarray(labels)
     return labels[:, None] == labels[None]
 

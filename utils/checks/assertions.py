@@ -2,7 +2,7 @@
 
 Each assertion compares an answer with the expected one. Its failure says what differs and where,
 and can draw the difference. Answers are accepted in any reasonable form: lists instead of arrays,
-float32, or other labels for the same clusters.
+float32, or different labels for the same clusters.
 
 Checks refer to `utils.plots` by its full name instead of importing names from it. It is then loaded
 only when the first picture is drawn. Importing matplotlib is slow, and the judge does not need it.
@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import utils
-from utils.checks.failures import CheckFailed, FarTooMuch, NotYet, WrongForm, fixed
-from utils.checks.size_limits import MOST_NUMBERS, NotNumbers, TooLarge, as_numbers, short_text
+from utils.checks.failures import AnswerTooLarge, CheckFailed, NotYet, WrongForm, fixed
+from utils.checks.size_limits import MAX_NUMBERS, NotNumbers, TooLarge, as_numbers, short_text
 from utils.remote_objects import ObservedCall, RemoteObject
 
 # Metres. At the range of a LiDAR, rounding to single precision moves a point by less than this.
@@ -28,7 +28,7 @@ TOLERANCE = 1e-3
 
 @contextlib.contextmanager
 def precondition(requirement: str) -> Iterator[None]:
-    """Raise `NotYet` instead of the failures of a precondition, which the context tests.
+    """Turn a failure inside the context, which tests a precondition, into `NotYet`.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def brief_text(value: object) -> str:
     if isinstance(value, np.ndarray) and value.ndim == 1 and value.size <= 20:
         return np.array2string(value, precision=3, separator=", ", max_line_width=10**6)
     if isinstance(value, np.ndarray):
-        # Flatten many dimensions: NumPy shows the corners, and each dimension doubles their number.
+        # NumPy shows the corners of an array. Their number doubles with each dimension.
         shown = value if value.ndim <= 3 else value.reshape(-1)
         text = np.array2string(shown, precision=3, threshold=12, edgeitems=3, separator=", ")
         text = f"shape {value.shape}: {' '.join(text.split())}"
@@ -126,11 +126,11 @@ def points_text(points: np.ndarray, digits: int = 2) -> str:
     return ", ".join(f"({x:.6g}, {y:.6g}, {z:.6g})" for x, y, z in rounded) or "none"
 
 
-# Types that NumPy does not convert to an array of values, although list(...) does.
-_ONE_BY_ONE = ("generator", "map", "filter", "zip", "set", "dict_keys", "dict_values")
-_OWN_CLASS = "an object of a custom class"  # the type name that the judge receives
-# What to say about other types that students return.
-_ABOUT_TYPES = {
+# NumPy wraps a value of these types in an array without reading it; list(...) reads it.
+_UNREAD_TYPES = ("generator", "map", "filter", "zip", "set", "dict_keys", "dict_values")
+_CUSTOM_CLASS = "an object of a custom class"  # the type name that the judge receives
+# Explanations of other types that students return.
+_TYPE_EXPLANATIONS = {
     "coroutine": (
         "The function returned a coroutine, and its body has not run. Delete `async` before `def`."
     ),
@@ -142,7 +142,7 @@ _ABOUT_TYPES = {
         "The function returned a dict. Return its values as an array, for example "
         "np.array(list(result.values()))."
     ),
-    _OWN_CLASS: "The function returned an object of your own class. Return an array of numbers.",
+    _CUSTOM_CLASS: "The function returned an object of your own class. Return an array of numbers.",
 }
 
 
@@ -173,7 +173,7 @@ def as_array(
     answer: object,
     columns: int | None = None,
     description: str = "an array",
-    max_count: int = MOST_NUMBERS,
+    max_count: int = MAX_NUMBERS,
     row_noun: str = "point",
 ) -> np.ndarray:
     """Convert an answer to a numeric array.
@@ -204,21 +204,21 @@ def as_array(
     try:
         array = as_numbers(answer, max_count)
     except TooLarge as error:
-        raise FarTooMuch(str(error), yours=brief_text(answer), expected=description) from None
+        raise AnswerTooLarge(str(error), yours=brief_text(answer), expected=description) from None
     except NotNumbers:
         # In the judge, objects of other types arrive as stand-ins with a `type_name`. The student
         # chose that name, so it must not be part of the message.
         kind = getattr(answer, "type_name", "") or type(answer).__name__
         if type(answer).__module__ == "__main__":  # a class in the notebook
-            kind = _OWN_CLASS
-        if kind in _ONE_BY_ONE:
+            kind = _CUSTOM_CLASS
+        if kind in _UNREAD_TYPES:
             raise WrongForm(
                 f"The function returned a {kind} instead of {description}. "
                 "Convert it with list(...).",
                 yours=f"a {kind}",
                 expected=description,
             ) from None
-        if about := _ABOUT_TYPES.get(kind):
+        if about := _TYPE_EXPLANATIONS.get(kind):
             raise WrongForm(about, yours=kind, expected=description) from None
         pair = isinstance(answer, tuple) and len(answer) == 2
         raise WrongForm(
@@ -578,7 +578,7 @@ def count_overlaps(labels: np.ndarray, other_labels: np.ndarray) -> tuple[int, i
 
 
 def assert_partition(answer: object, expected: np.ndarray, cloud: np.ndarray) -> None:
-    """Assert that the answer groups the points as `expected` does, with any labels.
+    """Assert that the answer groups the points as `expected` does, whatever its labels.
 
     Parameters
     ----------

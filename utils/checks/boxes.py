@@ -142,7 +142,7 @@ def _describe_difference(
     nearest = yours[np.linalg.norm(yours - place, axis=1).argmin()]
     ends = np.array([[box.min(axis=0), box.max(axis=0)] for box in (yours, expected)])
     is_axis_aligned = same_corners(yours, corners_between(*ends[0]))
-    # The picture shows the axis that the message names.
+    # Choose the axis for the message first, so that the picture can show it.
     axis = int((np.abs(ends[0] - ends[1]) > TOLERANCE).any(axis=0).argmax())
     if not is_axis_aligned:
         axis = int(np.abs(nearest - place).argmax())
@@ -183,7 +183,7 @@ def _describe_difference(
 
 
 def assert_upright(answer: object, cloud: np.ndarray, cluster_labels: np.ndarray) -> None:
-    """Assert that each box has a level rectangular floor with a corner above each of its corners.
+    """Assert that each box has a level, rectangular floor and a level roof directly above it.
 
     Parameters
     ----------
@@ -363,7 +363,7 @@ def footprint(box: np.ndarray) -> np.ndarray | None:
 
 
 def _deviation_from_rectangle(corners: np.ndarray) -> float:
-    """Return by how many metres four corners (4, 2) in cyclic order deviate from a rectangle."""
+    """Return the deviation in metres of four corners (4, 2) in cyclic order from a rectangle."""
     # For so few numbers, plain Python is several times as fast as NumPy.
     first, second, third, fourth = corners.tolist()
     sums = zip(first, third, second, fourth, strict=True)

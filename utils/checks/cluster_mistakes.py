@@ -18,7 +18,8 @@ from utils.checks.diagnosis import Mistake
 _DIRECTIONS = frozen(np.array([[2.0, 3.0, 6.0], [6.0, 2.0, 3.0], [3.0, 6.0, 2.0]]) / 7)
 
 
-# Gaps as multiples of the threshold. Each measure along one or two axes closes different gaps.
+# Gaps as multiples of the threshold. Measured along one or two axes, they are shorter. Each such
+# measure makes different gaps shorter than the threshold.
 _TOO_WIDE = frozen(np.array([1.02, 1.075, 1.13, 1.5, 2.1, 2.9]))
 
 

@@ -20,13 +20,13 @@ from utils.checks.failures import fixed
 from utils.checks.run_cache import once_per_run
 
 # The search for a wrong pair of points computes n² distances, so larger clouds are not searched.
-_MOST_COMPARED = 1000
+_MAX_COMPARED_POINTS = 1000
 
 
 def row_of_points(
     start: Sequence[float], step: float, n: int, along: Sequence[float] = (1.0, 0.0, 0.0)
 ) -> np.ndarray:
-    """Return a row of points.
+    """Return evenly spaced points on a straight line.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def assert_clusters(
     try:
         assert_partition(answer, expected, cloud)
     except CheckFailed as failure:
-        if failure.is_about_the_check and len(cloud) <= _MOST_COMPARED:
+        if failure.is_about_the_check and len(cloud) <= _MAX_COMPARED_POINTS:
             yours = as_labels(answer, len(cloud))
             failure.input_text = _nearest_wrong_pair(yours, expected, cloud, threshold)
             failure.yours, failure.expected = _labels_text(yours), _labels_text(expected)

@@ -1,7 +1,7 @@
 """Find slips in the source of a function that can occur in any exercise.
 
-Each sentence describes only the source, so it is true in every exercise. It is shown with a failed
-check if no known mistake explains the failure.
+A slip describes only the source, so the description is true in every exercise. It is shown with a
+failed check if no known mistake explains the failure.
 """
 
 import ast
@@ -88,8 +88,8 @@ def _find_return_in_loop(node: ast.FunctionDef) -> CodeSlip | None:
         is_endless = isinstance(loop, ast.While) and isinstance(loop.test, ast.Constant)
         parts = list(_walk_body(loop))
         jumps = any(isinstance(part, (ast.Continue, ast.Break)) for part in parts)
-        # After `continue`, a loop may return the first row that it finds, but a list of results
-        # that was made before the loop would be incomplete.
+        # A loop with `continue` or `break` may rightly return the first row that it finds. A list
+        # that was created before the loop would still be incomplete.
         value = loop.body[-1].value
         names = [part for part in parts if isinstance(part, ast.Name)]
         set_inside = {name.id for name in names if not _is_read(name)}

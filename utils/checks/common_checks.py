@@ -103,7 +103,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Promise:
-    """A promise of an exercise.
+    """A declared promise of an exercise, with its case and its check.
 
     Attributes
     ----------
@@ -298,7 +298,7 @@ def promise_fourth_column(
         try:
             case.with_first(np.column_stack([case.first, intensities])).assert_right(function)
         except Exception:
-            # An answer that is also wrong without intensities fails another check.
+            # If the answer is wrong even without intensities, they are not the cause.
             case.precondition(function)
             raise
 

@@ -14,7 +14,13 @@ from typing import TYPE_CHECKING
 from utils.checks.code_slips import find_code_slip
 from utils.checks.compiled import as_python
 from utils.checks.diagnosis import Mistake, diagnose, object_to_diagnose
-from utils.checks.failures import CheckFailed, NotStarted, Raised, Stopped, UnusableModule
+from utils.checks.failures import (
+    CallStopped,
+    CheckFailed,
+    ExceptionRaised,
+    NotStarted,
+    UnusableModule,
+)
 from utils.checks.import_guard import BlockedModules
 from utils.checks.limits import TimeUp, limit_resources
 from utils.checks.line_hint import find_line_hint
@@ -167,12 +173,12 @@ def run_check(one_check: Check, function: Callable) -> Outcome:
     return Outcome(one_check, None)
 
 
-def _describe_timeout(one_check: Check, time_up: TimeUp, function: Callable) -> Stopped:
+def _describe_timeout(one_check: Check, time_up: TimeUp, function: Callable) -> CallStopped:
     """Describe a call that exceeded its time limit, and the loop that it was in."""
     timeout = f"{one_check.exercise} did not return within {SECONDS} s"
     reason = explanation(loops_around(time_up.__cause__, function), one_check.slow)
     advice = "If one of your cells hangs, press the stop button ■ in the toolbar."
-    return Stopped(f"{timeout}{reason} {advice}")
+    return CallStopped(f"{timeout}{reason} {advice}")
 
 
 def _describe_exception(one_check: Check, error: Exception, function: Callable) -> CheckFailed:
@@ -185,7 +191,7 @@ def _describe_exception(one_check: Check, error: Exception, function: Callable) 
         return NotStarted(exercise, name or exercise)
     tip = tip_for(kind, str(error), line)
     message = f"{exercise} raised {kind}: {error}"
-    return Raised(message, kind=kind, place=place, line=line, tip=tip)
+    return ExceptionRaised(message, kind=kind, place=place, line=line, tip=tip)
 
 
 def check(function: Callable, exercise: str | None = None) -> None:
@@ -227,7 +233,7 @@ def check(function: Callable, exercise: str | None = None) -> None:
     # A function that exceeded its time limit would exceed it again. Stubs and refusals need no
     # diagnosis.
     if failed and not any(
-        isinstance(outcome.failure, NotStarted | UnusableModule | Stopped) for outcome in failed
+        isinstance(outcome.failure, NotStarted | UnusableModule | CallStopped) for outcome in failed
     ):
         mistake, wrong_helper = (
             _find_mistake(exercise, function),
@@ -245,7 +251,7 @@ def check(function: Callable, exercise: str | None = None) -> None:
     if not failed and seconds > SLOW_SECONDS:
         summary = replace(summary, notes=(*summary.notes, _make_slowness_note(exercise, seconds)))
     table.finish(summary)
-    stopped = any(isinstance(outcome.failure, Stopped) for outcome in failed)
+    stopped = any(isinstance(outcome.failure, CallStopped) for outcome in failed)
     record_result(exercise, written, not (summary.first or has_notes))
     report_check(exercise, not summary.first, stopped)
     if summary.first:
@@ -307,7 +313,7 @@ def _run_each(
             if blocked.hide():
                 return None
             table.show(outcomes)
-            if isinstance(outcomes[-1].failure, Stopped | NotStarted | UnusableModule):
+            if isinstance(outcomes[-1].failure, CallStopped | NotStarted | UnusableModule):
                 break
     return outcomes
 

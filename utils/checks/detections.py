@@ -28,12 +28,13 @@ if TYPE_CHECKING:
 
 _MIN_SHARE = 0.8  # smallest share of an object's returns that its box must contain
 # A car may have four boxes: its own, and boxes of its mirror and of clusters seen through windows.
-_MOST_BOXES_ON_ONE = 4
-_MOST_BOXES = 1000  # more are refused: comparing them is slow, and no right answer has so many
-# Largest area of turned boxes, as a multiple of the area of their cars. In forty squares, turned
-# boxes had less than 1.25 times the area of the cars, and boxes along the axes more than 1.5 times.
+_MAX_BOXES_PER_OBJECT = 4
+_MAX_BOXES = 1000  # comparing more boxes is slow, and no right answer has so many
+# Largest area of turned boxes, as a multiple of the area of their cars. In forty scans of `square`,
+# turned boxes had less than 1.25 times the area of the cars, and axis-aligned boxes more than 1.5
+# times.
 _MAX_AREA_RATIO = 1.33
-_LARGEST_OF_A_PERSON = 3.0  # square metres
+_MAX_PERSON_AREA = 3.0  # square metres
 _CARS_FOUND = "isolated cars near the sensor have separate boxes in the scan of this check"
 
 
@@ -60,7 +61,7 @@ def as_boxes(answer: object) -> np.ndarray:
             yours=f"shape {boxes.shape}",
             expected="shape (N, 8, 3)",
         )
-    if len(boxes) > _MOST_BOXES:
+    if len(boxes) > _MAX_BOXES:
         raise WrongForm(
             "There are more than a thousand boxes, although the street has only a few dozen "
             "objects.",
@@ -79,14 +80,14 @@ def as_boxes(answer: object) -> np.ndarray:
     return boxes.astype(float)
 
 
-_MOST_GHOSTS = 2
+_MAX_GHOSTS = 2
 
 
 def box_of(obstacle: Box, boxes: np.ndarray, frame: Frame) -> int | None:
     """Return the index of the box that contains most of a car or person and little else, or None.
 
-    The result is also None if more than `_MOST_BOXES_ON_ONE` boxes are on the object, or if a much
-    larger box contains it as well.
+    The result is also None if more than `_MAX_BOXES_PER_OBJECT` boxes are on the object, or if a
+    much larger box contains it as well.
 
     Parameters
     ----------
@@ -97,7 +98,7 @@ def box_of(obstacle: Box, boxes: np.ndarray, frame: Frame) -> int | None:
     returns = frame.cloud[frame.scan.objects == obstacle.identity, :3]
     # Detectors cut the ground at different heights, and may remove the wheels with it.
     returns = returns[returns[:, 2] > obstacle.centre[2] - obstacle.size[2] / 2 + 0.55]
-    if len(_boxes_on(obstacle, boxes)) > _MOST_BOXES_ON_ONE:
+    if len(_boxes_on(obstacle, boxes)) > _MAX_BOXES_PER_OBJECT:
         return None
     shares = {
         int(number): _is_inside(returns, boxes[number], 0.2).mean()
@@ -176,10 +177,10 @@ def assert_separate_boxes(answer: object, frame: Frame, gap: float) -> None:
 
 
 def assert_no_boxes_on_road(answer: object, frame: Frame) -> None:
-    """Assert that at most `_MOST_GHOSTS` boxes contain mostly road or nothing at all."""
+    """Assert that at most `_MAX_GHOSTS` boxes contain mostly road or nothing at all."""
     boxes = as_boxes(answer)
     ghosts = [box for box in boxes if not _contains_obstacle(box, frame)]
-    if len(ghosts) > _MOST_GHOSTS:
+    if len(ghosts) > _MAX_GHOSTS:
         raise CheckFailed(
             f"{len(ghosts)} boxes contain mostly road or nothing at all, for example at "
             f"{point_text(ghosts[0][:, :2].mean(axis=0))}.",
@@ -343,7 +344,7 @@ def assert_boxes_turned(answer: object, frame: Frame) -> None:
 
 
 def assert_upright(answer: object) -> None:
-    """Assert that each box has a level floor, right angles, and a corner above each corner."""
+    """Assert that each box has a level, rectangular floor and a level roof directly above it."""
     for box in as_boxes(answer):
         heights = np.sort(box[:, 2])
         if max(np.ptp(heights[:4]), np.ptp(heights[4:])) > 2e-3 or footprint(box) is None:
@@ -402,7 +403,7 @@ def _describe_miss(obstacle: Box, boxes: np.ndarray) -> tuple[str, str]:
     """Describe the boxes over an object that has no separate box; return this text and a hint."""
     over = boxes[_boxes_over(boxes, obstacle.centre)]
     pieces = len(_boxes_on(obstacle, boxes))
-    if pieces > _MOST_BOXES_ON_ONE:
+    if pieces > _MAX_BOXES_PER_OBJECT:
         return f"there are {pieces} boxes on it", _SPLIT_HINT
     if not len(over):
         return "no box covers it", ""  # empty: the check has its own hint
@@ -455,7 +456,7 @@ def _side_lengths(box: np.ndarray) -> np.ndarray:
 def _is_box_size_plausible(box: np.ndarray, obstacle: Box) -> bool:
     """Return whether a box is not much larger than a car or person."""
     long, wide = np.sort(_side_lengths(box))[::-1]
-    most = max(2.5 * obstacle.size[0] * obstacle.size[1], _LARGEST_OF_A_PERSON)
+    most = max(2.5 * obstacle.size[0] * obstacle.size[1], _MAX_PERSON_AREA)
     return long <= obstacle.size[0] + 2.0 and long * wide <= most
 
 

@@ -18,7 +18,7 @@ _STATES = {
     "not started": ("#5f6670", "not started"),
 }
 # Next to a failure, more than this many passed or waiting checks are folded into one row.
-_MANY = 3
+_MAX_SEPARATE_ROWS = 3
 
 
 class Table:
@@ -104,7 +104,8 @@ def as_html(summary: Summary) -> str:
             ).replace("<br>", "")
         if summary.same:
             body += (
-                f"<details><summary>{_count(summary.same)} for the same reason</summary>"
+                f"<details><summary>{_more_failures_text(summary.same)} for the same reason"
+                "</summary>"
                 f"{_titles(outcome.check for outcome in summary.same)}</details>"
             )
         rows.append(_row("failed", summary.first.check.title, body))
@@ -134,14 +135,14 @@ def _all_details(summary: Summary) -> list[tuple[str, str]]:
 
 def _rows(state: str, outcomes: Sequence[Outcome], summary: Summary) -> list[str]:
     """Return one row per passed or waiting check; next to a failure, fold many rows into one."""
-    if summary.first is None or len(outcomes) <= _MANY:
+    if summary.first is None or len(outcomes) <= _MAX_SEPARATE_ROWS:
         return [_row(state, outcome.check.title) for outcome in outcomes]
     titles = _titles(outcome.check for outcome in outcomes)
     summary = f"<summary>{len(outcomes)} checks</summary>"
     return [_row(state, "", f"<details>{summary}{titles.removeprefix('<br>')}</details>")]
 
 
-def _count(outcomes: Sequence[Outcome]) -> str:
+def _more_failures_text(outcomes: Sequence[Outcome]) -> str:
     return f"{len(outcomes)} more check{'s fail' if len(outcomes) > 1 else ' fails'}"
 
 

@@ -91,7 +91,7 @@ class CheckFailed(AssertionError):
     @property
     def is_about_an_answer(self) -> bool:
         """Whether the function returned an answer, which a known mistake may explain."""
-        return type(self) in (CheckFailed, WrongForm, FarTooMuch)
+        return type(self) in (CheckFailed, WrongForm, AnswerTooLarge)
 
     @property
     def is_about_the_check(self) -> bool:
@@ -107,7 +107,7 @@ class WrongForm(CheckFailed):
         return "form", re.sub(r"\d+", "#", self.message)
 
 
-class FarTooMuch(WrongForm):
+class AnswerTooLarge(WrongForm):
     """The answer is far larger than any right one and was not compared, to save time."""
 
 
@@ -131,7 +131,7 @@ class NotYet(CheckFailed):
         return "not yet", self.message
 
 
-class Raised(CheckFailed):
+class ExceptionRaised(CheckFailed):
     """The function raised an exception."""
 
     def __init__(
@@ -145,7 +145,7 @@ class Raised(CheckFailed):
         return "raised", self.kind, self.place or re.sub(r"\d+", "#", self.message)
 
 
-class Skipped(CheckFailed):
+class FunctionSkipped(CheckFailed):
     """The function is missing, because the judge skipped its cell."""
 
     @property
@@ -172,7 +172,7 @@ class NotStarted(CheckFailed):
         return "not started", self.stub
 
 
-class Stopped(CheckFailed):
+class CallStopped(CheckFailed):
     """The function exceeded its time limit or ended its process; `cause` is the reason."""
 
     def __init__(self, message: str, reason: str = "", out_of_time: bool = False) -> None:

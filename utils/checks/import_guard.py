@@ -74,7 +74,7 @@ class BlockedModules:
     def _module(self, name: str) -> StandInModule:
         module = StandInModule(name, forbidden_module_of(name, self._modules))
         real = vars(self._hidden[name])
-        # Importing submodules, and linking compiled code, need the special attributes.
+        # Python needs the special attributes to import submodules and to link compiled code.
         special = {name for name in real if name.startswith("__")} - {"__getattr__"}
         vars(module).update({name: real[name] for name in special})
         return module

@@ -641,7 +641,7 @@ def as_line_and_mask(answer: object, n: int) -> tuple[np.ndarray | None, np.ndar
 
 
 def _kind_of_array(mask: np.ndarray) -> str:
-    """Return a sentence about what an array that is not a mask contains; "" if unknown."""
+    """Return a sentence about the content of an array that is not a mask; "" if unknown."""
     if mask.ndim == 2 and mask.shape[1] == 2:
         return " These are points."
     if mask.ndim == 1 and mask.dtype.kind in "iu" and (np.diff(mask) > 0).all():

@@ -595,8 +595,7 @@ def contains_all_points(get_oriented_boxes: Callable) -> None:
     # them. Most points are in front, so the mean is not the centre.
     outer_tips = np.array([[0.55, 0, 0], [-0.55, 0, 0], [0, 0.6, 0], [0, -0.6, 0]])
     tip_offsets = np.vstack([outer_tips, _FRONT])
-    # 30° comes first, because a student can see from this angle by how much a box is turned the
-    # wrong way.
+    # 30° comes first, because this angle clearly shows how far a box is turned the wrong way.
     for heading in (30, *_HEADINGS, 0):
         tips = [
             _turn(tip_offsets * size, heading) + place

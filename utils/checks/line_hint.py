@@ -27,7 +27,7 @@ from utils.notebooks.edits import Edit
 # Seconds for finding the first line, and for each further line. They are processor time, so that a
 # busy machine finds the same lines; elapsed time may be PATIENCE times as long.
 SECONDS, SECONDS_FOR_OTHERS, PATIENCE = 3.0, 1.0, 5
-MOST_LINES = 3  # a hint with more lines would not say where to look
+MAX_LINES = 3  # a hint with more lines would not say where to look
 # Limit for one check, because a change may cause an endless loop.
 SECONDS_OF_A_CHECK = 0.5
 _WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
@@ -82,7 +82,7 @@ def find_line_hint(
     Returns
     -------
     LineHint or None
-        None if no such line is found in time, if there are more than `MOST_LINES`, or if the
+        None if no such line is found in time, if there are more than `MAX_LINES`, or if the
         system cannot fork a process.
     """
     exercise = checks[0].exercise
@@ -91,7 +91,7 @@ def find_line_hint(
         order = [*failed, *(check for check in checks if check not in failed)]
         passing = _find_passing_edits(function, definition, order)
         lines = tuple(_line_of(edit, definition) for edit in passing)
-        return LineHint(lines) if 0 < len(lines) <= MOST_LINES else None
+        return LineHint(lines) if 0 < len(lines) <= MAX_LINES else None
     return None
 
 

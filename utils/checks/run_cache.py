@@ -9,8 +9,8 @@ from contextvars import ContextVar
 
 import numpy as np
 
-from utils.checks.failures import CheckFailed, FarTooMuch
-from utils.checks.size_limits import MOST_NUMBERS
+from utils.checks.failures import AnswerTooLarge, CheckFailed
+from utils.checks.size_limits import MAX_NUMBERS
 
 _CACHE: ContextVar[dict | None] = ContextVar("known", default=None)
 
@@ -46,10 +46,10 @@ def once_per_run(assertion: Callable[..., None]) -> Callable[..., None]:
         if key not in cache:
             try:
                 assertion(function, *arguments)
-            except FarTooMuch:  # the judge counts each answer that is too large
+            except AnswerTooLarge:  # the judge counts each answer that is too large
                 raise
             except CheckFailed as failure:
-                cache[key] = failure.with_traceback(None)  # a traceback keeps the answer alive
+                cache[key] = failure.with_traceback(None)  # tracebacks keep answers in memory
             else:
                 cache[key] = None
         if cache[key] is not None:
@@ -76,6 +76,6 @@ def answer_to(function: Callable, call: Hashable, *arguments: np.ndarray) -> obj
     if cache is not None and key in cache:
         return cache[key]
     answer = function(*(argument.copy() for argument in arguments))
-    if cache is not None and isinstance(answer, np.ndarray) and answer.size <= MOST_NUMBERS:
+    if cache is not None and isinstance(answer, np.ndarray) and answer.size <= MAX_NUMBERS:
         cache[key] = answer = answer.copy()  # the function may write to its own array later
     return answer

@@ -24,10 +24,10 @@ if TYPE_CHECKING:
     from utils.simulator.frames import Frame
     from utils.simulator.world import Obstacle
 
-NEAR = {"car": 7.5, "pedestrian": 7.0}  # most metres to the centre, so a whole car is within 10 m
-MANY = {"car": 1500, "pedestrian": 150}  # minimum number of returns, with every second azimuth
+MAX_DISTANCES = {"car": 7.5, "pedestrian": 7.0}  # metres; whole cars are within 10 m
+MIN_RETURNS = {"car": 1500, "pedestrian": 150}  # with every second azimuth
 SQUARE_REACH = 12.0  # in metres, 2 m beyond the farthest corner of a car
-FREE = 1.2  # minimum distance to the nearest other object, in metres
+MIN_GAP = 1.2  # minimum distance to the nearest other object, in metres
 EGO_CAR = frozen(np.array([[-1.5, -1.7], [2.6, 1.7]]))  # ego car: lowest and highest x and y (m)
 
 
@@ -143,8 +143,8 @@ def _random_square(seed: Sequence[int], cars: int, people: int) -> Frame:
     rng = np.random.default_rng(seed)
     obstacles = []
     for _ in range(200):
-        # Diagonal, so that a box along the axes is much too large. Ahead or behind, not next to
-        # the ego car.
+        # Cars are diagonal, so that axis-aligned boxes are much too large. They are ahead or
+        # behind, because there is little room next to the ego car.
         yaw = np.radians(45 + 90 * rng.integers(4) + rng.uniform(-12, 12))
         x, y = rng.uniform((-7.2, -3.6), (7.2, 3.6))
         obstacle = placed(
@@ -175,16 +175,16 @@ def _scan_square(
 
 def _has_room(obstacle: Obstacle, other_obstacles: Sequence[Obstacle]) -> bool:
     """Return whether an obstacle is near the sensor, and clear of the ego car and the others."""
-    if not 4.0 < math.hypot(obstacle.pose.x, obstacle.pose.y) < 0.98 * NEAR[obstacle.kind]:
+    if not 4.0 < math.hypot(obstacle.pose.x, obstacle.pose.y) < 0.98 * MAX_DISTANCES[obstacle.kind]:
         return False
     rim = _outline_points(obstacle)
-    if ((rim > EGO_CAR[0] - FREE) & (rim < EGO_CAR[1] + FREE)).all(axis=1).any():
+    if ((rim > EGO_CAR[0] - MIN_GAP) & (rim < EGO_CAR[1] + MIN_GAP)).all(axis=1).any():
         return False
     gaps = (
         np.linalg.norm(rim[:, None] - _outline_points(other), axis=2).min()
         for other in other_obstacles
     )
-    return all(gap > 1.2 * FREE for gap in gaps)
+    return all(gap > 1.2 * MIN_GAP for gap in gaps)
 
 
 def _outline_points(obstacle: Obstacle) -> np.ndarray:
@@ -223,14 +223,16 @@ def _clear_objects(frame: Frame, kind: str) -> tuple[Box, ...]:
     xyz, objects = frame.cloud[:, :3], frame.scan.objects
     chosen = []
     for box in frame.boxes:
-        far = math.hypot(*box.centre[:2]) > NEAR[kind]
-        if box.kind != kind or far or box.returns < MANY[kind]:
+        far = math.hypot(*box.centre[:2]) > MAX_DISTANCES[kind]
+        if box.kind != kind or far or box.returns < MIN_RETURNS[kind]:
             continue
         close = np.hypot(*(xyz[:, :2] - box.centre[:2]).T) < 6.0
         own = xyz[objects == box.identity]
-        close &= ((xyz > own.min(axis=0) - FREE) & (xyz < own.max(axis=0) + FREE)).all(axis=1)
+        close &= ((xyz > own.min(axis=0) - MIN_GAP) & (xyz < own.max(axis=0) + MIN_GAP)).all(axis=1)
         others = xyz[close & (objects > 0) & (objects != box.identity)]
-        gaps = cKDTree(others).query(own, distance_upper_bound=FREE)[0] if len(others) else np.inf
+        gaps = (
+            cKDTree(others).query(own, distance_upper_bound=MIN_GAP)[0] if len(others) else np.inf
+        )
         if np.isinf(gaps).all():
             chosen.append(box)
     return tuple(chosen)

@@ -8,13 +8,13 @@ from collections import deque
 
 import numpy as np
 
-MOST_NUMBERS = 1_000_000
-MOST_ROWS = 250_000  # nested lists: a whole scan has 120 000 rows
-MOST_OF_A_POINT = 100
+MAX_NUMBERS = 1_000_000
+MAX_ROWS = 250_000  # nested lists: a whole scan has 120 000 rows
+MAX_NUMBERS_PER_POINT = 100
 # The limits in words, because the judge removes digits from messages.
-_WORDS = {MOST_NUMBERS: "a million", MOST_OF_A_POINT: "a hundred"}
-MOST_DIMENSIONS = 3
-LARGEST_INTEGER = 2**64
+_WORDS = {MAX_NUMBERS: "a million", MAX_NUMBERS_PER_POINT: "a hundred"}
+MAX_DIMENSIONS = 3
+MAX_INTEGER = 2**64
 _NUMBERS = {bool, int, float}
 _ITEMS = (bool, int, float, np.generic, range, deque)
 
@@ -27,19 +27,19 @@ class NotNumbers(Exception):
     """An answer is not an array of numbers or a list of them."""
 
 
-def as_numbers(answer: object, max_count: int = MOST_NUMBERS) -> np.ndarray:
+def as_numbers(answer: object, max_count: int = MAX_NUMBERS) -> np.ndarray:
     """Convert an answer to an array of booleans, whole numbers or floats.
 
     Parameters
     ----------
     answer : object
     max_count : {1_000_000, 100}
-        Number of values that a right answer does not exceed.
+        Largest number of values in a right answer.
 
     Returns
     -------
     numpy.ndarray
-        An array of at most `MOST_DIMENSIONS` dimensions.
+        An array of at most `MAX_DIMENSIONS` dimensions.
 
     Raises
     ------
@@ -65,7 +65,7 @@ def as_numbers(answer: object, max_count: int = MOST_NUMBERS) -> np.ndarray:
 
 def short_text(value: object) -> str:
     """Return a short `repr` of a value, shortened while it is built."""
-    if isinstance(value, int) and abs(value) > LARGEST_INTEGER:
+    if isinstance(value, int) and abs(value) > MAX_INTEGER:
         return "a whole number with more than nineteen digits"
     try:
         return _SHORT.repr(value)
@@ -81,7 +81,7 @@ class _ShortRepr(reprlib.Repr):
         return super().repr1(plain, level)
 
     def repr_int(self, value: int, level: int) -> str:
-        return super().repr_int(value, level) if abs(value) <= LARGEST_INTEGER else "..."
+        return super().repr_int(value, level) if abs(value) <= MAX_INTEGER else "..."
 
     def repr_ndarray(self, value: np.ndarray, level: int) -> str:
         return f"array of shape {value.shape}"
@@ -109,7 +109,7 @@ def _assert_plain_numbers(answer: object, max_count: int) -> None:
             if int in kinds and kinds <= _NUMBERS:
                 _assert_small_integer(max(value, key=abs))
             elif not kinds <= _NUMBERS:
-                if len(waiting) + len(value) > MOST_ROWS:
+                if len(waiting) + len(value) > MAX_ROWS:
                     raise TooLarge("The answer is a list with far more rows than any cloud.")
                 waiting += [(item, depth + 1) for item in value]
         elif isinstance(value, np.ndarray):
@@ -131,12 +131,12 @@ def _assert_number_count(count: int, max_count: int) -> None:
 
 
 def _assert_few_dimensions(dimensions: int) -> None:
-    if dimensions > MOST_DIMENSIONS:
+    if dimensions > MAX_DIMENSIONS:
         raise TooLarge("The answer has more than three dimensions. No right answer has that many.")
 
 
 def _assert_small_integer(number: int) -> None:
-    if abs(number) > LARGEST_INTEGER:
+    if abs(number) > MAX_INTEGER:
         raise TooLarge(
             "The answer contains a number with more than nineteen digits. No right answer contains "
             "one that large."

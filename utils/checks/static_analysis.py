@@ -152,7 +152,10 @@ def _globals_in(code: CodeType, function: FunctionType) -> Iterator[tuple[str, o
 
 
 def _reached_modules(value: object, names: tuple[str, ...]) -> Iterator[str]:
-    """Yield the names of a module and its submodules in `names`, or of another value's module."""
+    """Yield the names of the modules that a value reaches through attributes in `names`.
+
+    A value that is not a module reaches the module that defines it.
+    """
     waiting, seen = [value], []
     while waiting:
         value = waiting.pop()

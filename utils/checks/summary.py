@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 from utils.checks.code_slips import CodeSlip
 from utils.checks.diagnosis import Mistake
-from utils.checks.failures import NotStarted, NotYet, Raised
+from utils.checks.failures import ExceptionRaised, NotStarted, NotYet
 from utils.checks.line_hint import LineHint
 from utils.checks.outcomes import Check, Outcome
 
@@ -106,7 +106,7 @@ def summarise(
     stubs = [outcome for outcome in failed if isinstance(outcome.failure, NotStarted)]
     ready = [outcome for outcome in failed if not isinstance(outcome.failure, NotYet)]
     if not ready and failed[0].failure.reason:
-        # No other check shows why the precondition fails.
+        # Every failed check waits for a precondition, so show why the first precondition fails.
         ready = [replace(failed[0], failure=failed[0].failure.reason)]
         failed[0] = ready[0]
     first = (stubs or ready or failed)[0]
@@ -141,7 +141,7 @@ def failure_texts(
     lines = [
         ("What your code does", mistake.description if mistake else ""),
         ("What happened", failure.message),
-        *([("Where", _location_text(failure))] if isinstance(failure, Raised) else []),
+        *([("Where", _location_text(failure))] if isinstance(failure, ExceptionRaised) else []),
         ("In plain words", failure.tip),
         ("Given", failure.input_text),
         *comparison,
@@ -152,7 +152,7 @@ def failure_texts(
     return [(label, text) for label, text in lines if text]
 
 
-def _location_text(failure: Raised) -> str:
+def _location_text(failure: ExceptionRaised) -> str:
     line = f": `{failure.line}`" if failure.line else ""
     return f"{failure.place}{line}" if failure.place else ""
 

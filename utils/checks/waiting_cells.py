@@ -39,6 +39,6 @@ def has_passed(exercise: str, function: Callable) -> bool:
 
 
 def print_waiting(exercise: str, function: Callable) -> None:
-    """Print the sentence of a cell that waits for a function."""
+    """Print which function a cell waits for, and what has to happen first."""
     goal = "passes its checks without a note" if is_written(function) else "is written"
     print(f"This cell waits until {exercise} {goal}.")

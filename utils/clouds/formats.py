@@ -18,7 +18,7 @@ from utils.clouds.text import decode_text, encode_text
 
 
 class Format(NamedTuple):
-    """Functions that convert the bytes of a file to a cloud and back, if it can be written."""
+    """Functions that decode and encode a file format; `encode` is None if it is read-only."""
 
     decode: Callable[[bytes, str], np.ndarray]
     encode: Callable[[np.ndarray], bytes] | None

@@ -13,7 +13,7 @@ NUSCENES_COLUMNS = 5
 LARGEST = 1e6  # metres; random bytes give larger numbers
 SMALLEST = 1e-12  # metres; whole numbers that are read as float32 give smaller ones
 TOLERATED = 0.05  # share of numbers that may look wrong
-MOST_BEAMS = 256
+MAX_BEAMS = 256
 FEWEST_POINTS = 16  # fewer points do not show what the columns are
 OTHER_RECORDS = (("<f4", 3), ("<f4", 5), ("<f4", 6), ("<f8", 4), ("<f8", 3), (">f4", 4))
 
@@ -83,9 +83,9 @@ def _is_scan(rows: np.ndarray) -> bool:
 
 
 def _are_beams(column: np.ndarray) -> bool:
-    """Return whether a column consists of numbers of beams, of which there are several."""
+    """Return whether a column contains only beam numbers, from at least two beams."""
     with np.errstate(invalid="ignore"):
-        whole = (column >= 0) & (column < MOST_BEAMS) & (column % 1 == 0)
+        whole = (column >= 0) & (column < MAX_BEAMS) & (column % 1 == 0)
     return bool(whole.all()) and len(np.unique(column)) > 1
 
 
@@ -127,7 +127,7 @@ def _wrong_records_error(data: bytes, rows: np.ndarray | None, name: str) -> Clo
 def _spread(rows: np.ndarray) -> float:
     """Return the mean logarithm of the columns' standard deviations.
 
-    It is least for the true number of columns, because other numbers mix coordinates with
+    It is smallest for the true number of columns, because a wrong number mixes coordinates with
     intensities. It is rounded so that twice the true number does not win by chance.
     """
     with np.errstate(invalid="ignore", over="ignore"):

@@ -141,7 +141,7 @@ def _is_number(field: str) -> bool:
 def _decode_binary(body: memoryview, header: PcdHeader, name: str) -> np.ndarray:
     for points in header.point_counts:
         size = points * header.point_size
-        if len(body) < size or not _is_filling(bytes(body[size:]), header):
+        if len(body) < size or not _is_padding(bytes(body[size:]), header):
             continue
         if points == 0:
             return np.empty((0, len(header.field_indices)), header.precision)
@@ -160,10 +160,10 @@ def _decode_binary(body: memoryview, header: PcdHeader, name: str) -> np.ndarray
     raise _wrong_size_error(header, f"{len(body)} bytes follow", name)
 
 
-def _is_filling(rest: bytes, header: PcdHeader) -> bool:
+def _is_padding(rest: bytes, header: PcdHeader) -> bool:
     """Return whether the bytes after the last point can be ignored.
 
-    PCL pads some files with zeros to a whole page, and other programs add a newline or a remark.
+    PCL pads some files with zeros to a whole page, and other programs add a newline or a comment.
     Whole points are not ignored, and neither is anything if the header contradicts itself.
     """
     if not rest.strip(b"\0\r\n"):

@@ -50,7 +50,7 @@ def refuse_other_content(data: bytes, name: str, suffix: str) -> None:
     name : str
         The file name to show in the message.
     suffix : str
-        The suffix in small letters, for instance ``".bin"``.
+        The suffix in lower case, for instance ``".bin"``.
 
     Raises
     ------

@@ -151,7 +151,7 @@ def _skip_header(lines: list[str]) -> tuple[int, list[str]]:
 def _named_columns(names: list[str], count: int, start: int, name: str) -> list[int] | None:
     """Return the columns of x, y, z and the intensity, or None if the header does not name them.
 
-    The header must have as many names as the lines have fields. Otherwise it is read as a remark
+    The header must have as many names as the lines have fields. Otherwise it is read as a comment
     such as ``# my cloud: x y z``, which announces the usual order.
     """
     if not {"x", "y", "z"} <= set(names):

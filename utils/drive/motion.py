@@ -71,11 +71,11 @@ class Motion:
     Parameters
     ----------
     match : callable, optional
-        `match_boxes` of lesson 12. By default the pairs with the smallest sum of distances match.
+        `match_boxes` of lesson 12. By default, `match_by_total_distance`.
     """
 
     def __init__(self, match: Callable | None = None) -> None:
-        self._match = match or closest_pairs
+        self._match = match or match_by_total_distance
         self._tracks: list[Track] = []
         self._track_ids = itertools.count()
         self._time = self._position = 0.0
@@ -207,8 +207,10 @@ def _speed_nearest_to_zero(*speeds: float) -> float:
     return max(min(speeds), 0.0) + min(max(speeds), 0.0)
 
 
-def closest_pairs(previous: np.ndarray, current: np.ndarray, max_distance: float) -> np.ndarray:
-    """Match boxes so that the sum of distances is smallest.
+def match_by_total_distance(
+    previous: np.ndarray, current: np.ndarray, max_distance: float
+) -> np.ndarray:
+    """Match boxes so that the sum of the distances between partners is smallest.
 
     Returns
     -------

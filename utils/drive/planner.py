@@ -72,15 +72,15 @@ class Decision:
 
 
 @dataclass(frozen=True, eq=False)
-class StayingObstacle:
+class StationaryBox:
     """A box that overlaps the ego car and stays in one place.
 
     Parameters
     ----------
     centre : ndarray, shape (2,)
-        Centre of its box in metres, with the scanner at the origin.
+        Centre of the box in metres, with the scanner at the origin.
     scans : int
-        Number of scans with a box for it; scans without one neither count nor reset the count.
+        Number of scans with this box; scans without it neither count nor reset the count.
     """
 
     centre: np.ndarray
@@ -88,15 +88,15 @@ class StayingObstacle:
 
 
 class Planner:
-    """Brakes for a box that is in the way in three scans in a row, to ignore flickering boxes.
+    """Brakes only for boxes that are in the way in three consecutive scans, to ignore flicker.
 
     A road user cannot get onto the ego car from one scan to the next. A raindrop can appear there
-    but vanishes at once. A box that overlaps the car therefore counts only after it has stayed
+    but vanishes immediately. A box that overlaps the car therefore counts only after it has stayed
     in one place for a second.
     """
 
     def __init__(self) -> None:
-        self._scans_in_the_way, self._obstacles_over_car = {}, []
+        self._scans_in_the_way, self._boxes_over_car = {}, []
 
     def decide(self, speed: float, limit: float, tracked_boxes: Iterable[TrackedBox]) -> Decision:
         """Return the decision for this moment; see `plan` for the parameters.
@@ -121,23 +121,21 @@ class Planner:
     def _without_phantoms(self, speed: float, tracked_boxes: list[TrackedBox]) -> list[TrackedBox]:
         """Return all boxes except those over the ego car that have not stayed for a second."""
         over = {
-            box: self._staying_obstacle(box)
+            box: self._stationary_box(box)
             for box in tracked_boxes
             if overlap_from_front(box, speed) > OVERLAP_WITH_CAR
         }
-        self._obstacles_over_car = list(over.values())
+        self._boxes_over_car = list(over.values())
         return [box for box in tracked_boxes if box not in over or over[box].scans >= SCANS_TO_STAY]
 
-    def _staying_obstacle(self, box: TrackedBox) -> StayingObstacle:
+    def _stationary_box(self, box: TrackedBox) -> StationaryBox:
         middle = box.corners[:, :2].mean(axis=0)
         near = [
-            obstacle
-            for obstacle in self._obstacles_over_car
-            if np.abs(obstacle.centre - middle).max() <= LARGEST_SHIFT
+            other
+            for other in self._boxes_over_car
+            if np.abs(other.centre - middle).max() <= LARGEST_SHIFT
         ]
-        return StayingObstacle(
-            middle, box.was_seen + max((obstacle.scans for obstacle in near), default=0)
-        )
+        return StationaryBox(middle, box.was_seen + max((other.scans for other in near), default=0))
 
 
 def plan(speed: float, limit: float, tracked_boxes: Iterable[TrackedBox]) -> Decision:
@@ -199,7 +197,7 @@ def gap_to(box: TrackedBox, speed: float, extra_width: float = 0.0) -> float:
 
 
 def overlap_from_front(box: TrackedBox, speed: float) -> float:
-    """Return by how many metres a box in the corridor overlaps the ego car from the front.
+    """Return the overlap in metres of a box in the corridor with the front of the ego car.
 
     Return 0 if the box begins ahead of the bumper, or extends more than STANDSTILL_GAP metres ahead
     of the bumper.

@@ -14,8 +14,8 @@ import numpy as np
 
 from utils.scene3d.output import encode_image, reduce_colours
 
-COLOURS_OF_A_GIF = 128
-MOST_EMBEDDED = 30_000_000  # bytes; a notebook with a larger film opens slowly
+GIF_COLOURS = 128
+MAX_EMBEDDED_BYTES = 30_000_000  # bytes; a notebook with a larger film opens slowly
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class Film:
 
     def _repr_html_(self) -> str:
         text = html.escape(self.recap)
-        if self.path.suffix not in WRITERS or self.path.stat().st_size > MOST_EMBEDDED:
+        if self.path.suffix not in WRITERS or self.path.stat().st_size > MAX_EMBEDDED_BYTES:
             return f"<p>{text} The file is {html.escape(str(self.path))}.</p>"
         data = base64.b64encode(self.path.read_bytes()).decode()
         if self.path.suffix == ".mp4":
@@ -109,8 +109,8 @@ def best_film_suffix() -> str:
 
 def write_gif(path: Path, images: Iterator[np.ndarray], frames_per_second: float) -> None:
     """Write images with one shared palette, so that unchanged areas take almost no space."""
-    first = reduce_colours(next(images), COLOURS_OF_A_GIF)
-    others = (reduce_colours(image, COLOURS_OF_A_GIF, like=first) for image in images)
+    first = reduce_colours(next(images), GIF_COLOURS)
+    others = (reduce_colours(image, GIF_COLOURS, like=first) for image in images)
     duration = 1000 / frames_per_second
     first.save(path, save_all=True, append_images=others, loop=0, optimize=False, duration=duration)
 

@@ -20,7 +20,7 @@ import numpy as np
 
 from utils.checks.static_analysis import functions_used
 from utils.display import shell
-from utils.lent.rerun import RerunPlan, free_names, key_of_cell, plan_rerun, tests_own_function
+from utils.lent.rerun_plan import RerunPlan, free_names, key_of_cell, plan_rerun, tests_own_function
 from utils.lent.stubs import is_written
 from utils.notebooks import slicing
 from utils.notebooks.statements import Statement

@@ -14,8 +14,8 @@ import numpy as np
 
 # Rounding steps in metres; the coarse one is for large arrays, which are only drawn as dots.
 FINE, COARSE = 1e-4, 5e-3
-MANY = 3_000
-FEW = 64
+MAX_FINE_NUMBERS = 3_000
+MAX_PLAIN_NUMBERS = 64
 
 
 def key_of(arguments: tuple, keywords: dict) -> str:
@@ -23,11 +23,11 @@ def key_of(arguments: tuple, keywords: dict) -> str:
 
     Only eight digits of each number count, because machines may round the last digits differently.
     """
-    text = "\n".join(_walk([arguments, sorted(keywords.items())]))
+    text = "\n".join(_key_texts([arguments, sorted(keywords.items())]))
     return hashlib.sha256(text.encode()).hexdigest()[:10]
 
 
-def _walk(start: list) -> Iterator[str]:
+def _key_texts(start: list) -> Iterator[str]:
     # A stack instead of recursion, because trees may be deep.
     waiting, seen = [start], set()
     while waiting:
@@ -62,7 +62,7 @@ def _array_key_text(array: np.ndarray) -> str:
     if array.dtype.kind not in "biuf":
         return f"{array.shape} {array.tolist()}"
     flat = np.nan_to_num(array.astype(float).ravel(), nan=7.7, posinf=8.8, neginf=9.9)
-    # Weighted, so that the order counts; shifted, so that nothing cancels out.
+    # The weights make the order count. The shift distinguishes numbers with opposite signs.
     mean = np.mean(np.abs(flat + 97.31) * np.linspace(0.5, 1.5, flat.size)) if flat.size else 0.0
     return f"{array.shape} {mean:.8g}"
 
@@ -157,11 +157,11 @@ def _encode_array(array: np.ndarray, arguments: tuple) -> dict:
     if array.ndim == 0 or array.size == 0:
         return about | {"numbers": array.ravel().tolist()}
     if kind == "f":
-        if array.size <= FEW:
+        if array.size <= MAX_PLAIN_NUMBERS:
             return about | {"numbers": [float(f"{x:.15g}") for x in array.ravel().tolist()]}
         if not np.isfinite(array).all() or np.abs(array).max() > 1e4:
             return about | {"single": _pack(array.astype("<f4").tobytes())}
-        step = FINE if array.size <= MANY else COARSE
+        step = FINE if array.size <= MAX_FINE_NUMBERS else COARSE
         whole = np.round(array / step).astype(np.int64)
         about["step"] = step
     else:

@@ -51,7 +51,7 @@ class Recorder(Lender):
                 self._namespace[name] = self._without_recording(caller)
 
     def wrap_callers(self) -> None:
-        """Wrap the callers in `utils`, because a later cell may import one and call it at once."""
+        """Wrap the callers in `utils`, because a later cell may import and call one."""
         for name in set(CALLERS) & set(dir(utils)):
             setattr(utils, name, self._without_recording(getattr(utils, name)))
 

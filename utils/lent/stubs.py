@@ -11,7 +11,7 @@ CALLERS = ("ask_about", "check", "replay", "show_broken", "tell_apart")
 
 
 def is_written(function: Callable) -> bool:
-    """Return whether a function is written, rather than still a stub.
+    """Return whether a function is more than a stub.
 
     Returns
     -------

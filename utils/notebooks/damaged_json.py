@@ -1,6 +1,6 @@
 """Read the JSON of a notebook that an editor or a merge tool has damaged.
 
-The text is untrusted, so every pattern is linear.
+The text is untrusted, so the search for each pattern takes linear time.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def parse(text: str, name: str) -> tuple[object, str, bool]:
     content : object
         The content; if the text is cut off, a notebook with the cells that are complete.
     sentence : str
-        What was repaired; empty if nothing is lost.
+        Description of the repair; empty if nothing is lost.
     is_whole : bool
         Whether the end of the content was found.
     """

@@ -26,9 +26,9 @@ from utils.notebooks.edits_of_several_nodes import edits_of_several_nodes
 from utils.notebooks.statements import Statement
 
 # Limit for the edits of all functions together; the likeliest are kept.
-MOST_EDITS = 600
+MAX_EDITS = 600
 # Longer functions are not edited; no exercise of this course needs that many lines.
-MOST_LINES = 120
+MAX_LINES = 120
 
 _JUMPS = ("break", "continue", "return")
 
@@ -72,15 +72,15 @@ def edits_of(cells: list[str], statements: Iterable[Statement]) -> list[Edit]:
     Returns
     -------
     list of Edit
-        At most `MOST_EDITS`, the likeliest first. Some are not valid Python, so the caller must
+        At most `MAX_EDITS`, the likeliest first. Some are not valid Python, so the caller must
         expect a SyntaxError.
     """
     found = []
     for statement in statements:
-        # A fault here must not end a check, which has more to say than a line.
+        # A fault here must not stop the check, whose results matter more than a line hint.
         with contextlib.suppress(Exception):
             found += edits_of_statement(cells, statement)
-    return sorted(found, key=lambda edit: edit.rank)[:MOST_EDITS]
+    return sorted(found, key=lambda edit: edit.rank)[:MAX_EDITS]
 
 
 def edits_of_statement(cells: list[str], statement: Statement) -> Iterator[Edit]:
@@ -91,7 +91,7 @@ def edits_of_statement(cells: list[str], statement: Statement) -> Iterator[Edit]
     lines = cells[statement.cell - 1].split("\n")[first - 1 : last]
     block = "\n".join(lines)
     tree = ast.parse(block)
-    if last - first >= MOST_LINES or ast.dump(tree.body[0]) != ast.dump(node):
+    if last - first >= MAX_LINES or ast.dump(tree.body[0]) != ast.dump(node):
         return
     seen = {block}
     for rank, text in sorted(_changed_blocks(block, tree), key=lambda pair: pair[0]):
@@ -99,7 +99,7 @@ def edits_of_statement(cells: list[str], statement: Statement) -> Iterator[Edit]
         if changed not in seen:
             seen.add(changed)
             yield _make_edit(statement.cell, first, lines, changed, rank)
-        if len(seen) > MOST_EDITS:
+        if len(seen) > MAX_EDITS:
             return
 
 
@@ -167,7 +167,7 @@ def _docstrings(tree: ast.AST) -> Iterator[ast.AST]:
 
 
 def _with_return(block: str, function: ast.AST, names: Names) -> Iterator[tuple[int, str]]:
-    """Yield a block without a final return with one: of a name, or of a part of an argument."""
+    """Yield the block with a final `return` added: of a name, or of a part of an argument."""
     if isinstance(function, ast.FunctionDef) and not isinstance(function.body[-1], ast.Return):
         end = f"{block}\n{' ' * function.body[-1].col_offset}return "
         for name in names.bound:
@@ -263,7 +263,7 @@ def _replace_texts(source: SourceText, replacements: list[tuple[int, int, str]])
 
 
 def _moved_statements(block: str, function: ast.AST) -> Iterator[tuple[int, str]]:
-    """Yield the block with statements moved out or in, swapped, deleted or cut short."""
+    """Yield the block with statements moved, swapped or deleted, or with a jump added."""
     lines = block.split("\n")
     yield from ((-1, text) for text in _returns_moved_out(lines, function, []))
     for parent in ast.walk(function):

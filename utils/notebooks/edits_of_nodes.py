@@ -498,7 +498,7 @@ def _subscript_edits(
     if not isinstance(inside, ast.Tuple):
         yield 1, *source.span(inside), f":, {source.text_of(inside)}"
     if not isinstance(inside, (ast.Slice, ast.Tuple, ast.Constant)):
-        is_argument = getattr(node.value, "id", "") in names.arguments  # points for row numbers
+        is_argument = getattr(node.value, "id", "") in names.arguments  # points instead of rows
         yield 1 if is_argument else 3, begin, end, source.text_of(inside)
 
 
@@ -509,12 +509,12 @@ def _slice_edits(source: SourceText, node: ast.Slice) -> Iterator[tuple[int, int
             if not isinstance(bound, ast.Constant):
                 for change in ("{} + 1", "{} - 1"):
                     yield 1, *source.span(bound), change.format(f"({source.text_of(bound)})")
-    if isinstance(node.upper, ast.Constant) and node.upper.value == 1:  # x instead of x, y and z
+    if isinstance(node.upper, ast.Constant) and node.upper.value == 1:  # :1 is x; :3 is x, y and z
         yield 1, *source.span(node.upper), "3"
     if node.lower is None:
         begin = source.span(node)[0]
         yield 1, begin, begin, "1"
-    if node.step is None and (node.lower is None) != (node.upper is None):  # the other end
+    if node.step is None and (node.lower is None) != (node.upper is None):  # x[a:] or x[:a]
         if node.upper is None:
             bound = source.text_of(node.lower).removeprefix("-")
             yield 1, *source.span(node), f":{bound}"

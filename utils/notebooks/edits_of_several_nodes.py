@@ -14,12 +14,20 @@ def edits_of_several_nodes(
 ) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
     """Yield the rank of each edit, and all its replacements.
 
-    Such slips are a notebook variable or a number used instead of a parameter, two parameters that
-    are exchanged in a statement or throughout, several calls that lack the same axis, row numbers
-    that are returned instead of a mask, a counter that grows in none of several calls, calls
-    whose results are lost, a superfluous operand in each copy of an expression, another operator in
-    place of each power, `math` for arrays, rows or all columns of a table where some columns are
-    needed, + and - that are exchanged, and a variable that is assigned instead of its attribute.
+    The edits correct these slips:
+
+    - a notebook variable or a number in place of a parameter
+    - two parameters that are exchanged in one statement or throughout
+    - several calls without the same axis
+    - row numbers returned instead of a mask
+    - several calls that pass a counter without increasing it
+    - calls whose results are lost
+    - a superfluous operand in each copy of an expression
+    - another operator in place of each power
+    - `math` used for arrays
+    - rows or all columns of a table where some columns are needed
+    - exchanged + and -
+    - an assignment to a variable instead of to its attribute
 
     Parameters
     ----------
@@ -68,7 +76,8 @@ def edits_of_several_nodes(
     operands = [node.right if isinstance(node, ast.BinOp) else node.value for node in differences]
     subtracted = {operand.id: 1 for operand in operands if isinstance(operand, ast.Name)}
     for node in nodes:
-        for name in subtracted if isinstance(node, ast.Assign) else ():  # it must be added again
+        # Add back what was subtracted.
+        for name in subtracted if isinstance(node, ast.Assign) else ():
             yield 0, [(*source.span(node.value), f"({source.text_of(node.value)}) + {name}")]
 
 
@@ -113,7 +122,7 @@ def _is_return_of_a_name(node: ast.AST) -> bool:
 def _edits_of_copied_expressions(
     source: SourceText, nodes: list[ast.AST]
 ) -> Iterator[tuple[int, list[tuple[int, int, str]]]]:
-    """Replace all copies of an expression, such as `label - 1`, by one of its operands."""
+    """Replace all copies of an expression, such as `label - 1`, with one of its operands."""
     copies: dict[str, list[ast.BinOp]] = {}
     for node in nodes:
         if isinstance(node, ast.BinOp):

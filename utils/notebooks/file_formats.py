@@ -1,6 +1,6 @@
 """Turn the bytes of a file into the text of a notebook, or say which other kind of file it is.
 
-The file is untrusted. Whatever is unpacked has a limit.
+The file is untrusted, so the size of unpacked content is limited.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import zlib
 LARGEST_UNPACKED = 64 * 2**20
 _GZIP, _ZIP = b"\x1f\x8b", b"PK\x03\x04"
 _LFS_POINTER = b"version https://git-lfs.github.com/spec/"
-# The first bytes of files that are submitted in place of a notebook, and what to say about them.
+# First bytes of files that students submit instead of a notebook, and a message for each kind.
 _OTHER_KINDS = (
     (
         b"\x00\x05\x16\x07",
@@ -78,7 +78,7 @@ def notebook_text(data: bytes, name: str) -> tuple[str, str]:
 
 
 def replace_surrogates(text: str) -> str:
-    r"""Return a text in which a replacement character stands for each half of a character.
+    r"""Replace each surrogate, which is half of a character, with the replacement character.
 
     JSON may contain half an emoji, such as ``\ud83d``. Python reads it, but cannot write it to any
     file or database.
@@ -162,7 +162,7 @@ def _decode(data: bytes, name: str) -> tuple[str, str]:
 
 
 def _utf_16_variant(data: bytes) -> str:
-    """Return which UTF-16 the data are in; empty for another encoding."""
+    """Return the name of the UTF-16 encoding of the data; empty for any other encoding."""
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return "utf-16"
     # JSON begins with two characters of ASCII, and each has one byte that is zero.

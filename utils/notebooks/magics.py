@@ -14,7 +14,7 @@ import ast
 PYTHON_MAGICS = ("%%time", "%%capture", "%%prun")
 # IPython reads the whole cell again for each command. A student writes a few commands; a cell with
 # more commands than this limit is treated as invalid Python.
-_MOST_COMMANDS = 100
+_MAX_COMMANDS = 100
 
 
 def parse_cell(source: str) -> ast.Module:
@@ -78,10 +78,10 @@ def _transform(source: str) -> str:
     from IPython.core.inputtransformer2 import TransformerManager
 
     class Manager(TransformerManager):
-        """Pads joined lines with blank lines, and stops after `_MOST_COMMANDS` commands."""
+        """Pads joined lines with blank lines, and stops after `_MAX_COMMANDS` commands."""
 
         def do_token_transforms(self, lines: list[str]) -> list[str]:
-            for _ in range(_MOST_COMMANDS):
+            for _ in range(_MAX_COMMANDS):
                 changed, lines = self.do_one_token_transform(lines)
                 if not changed:
                     break

@@ -1,8 +1,8 @@
-"""Recognise code that only a newer Python can parse than the one that runs.
+"""Recognise code whose syntax is newer than the running Python.
 
-An older Python only says that such code is not valid. This module rewrites the syntax that newer
-versions added into older syntax. If the result is valid, a newer Python accepts the code. The
-result is parsed, but never runs.
+The running Python only reports that such code is not valid. This module rewrites newer syntax into
+older syntax. If the result is valid, a newer Python accepts the code. The result is parsed, but
+never runs.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class _InvalidCode(Exception):
 def parse_newer_syntax(
     source: str, parse: Callable[[str], ast.Module], python: tuple[int, ...] = ()
 ) -> tuple[ast.Module, tuple[int, ...]] | None:
-    """Parse code that is not valid for the Python that runs, as a newer Python would.
+    """Parse code as a newer Python would, if it is not valid for the running Python.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def _end_of_brackets(source: str, place: int) -> int:
 
 
 def _without_formatted_strings(source: str, kinds: str) -> str:
-    """Replace each formatted string by an empty one, after checking its expressions."""
+    """Replace each formatted string with an empty one, after checking its expressions."""
     return _copy_code(source, 0, kinds, in_expression=False)[0]
 
 
@@ -184,7 +184,7 @@ def _end_of_literal(source: str, place: int, end: str, kinds: str) -> int:
 
 
 def _check_expression(text: str) -> None:
-    """Raise an exception unless this is an expression, maybe with `=` or a conversion."""
+    """Raise an exception unless this is an expression, possibly with `=` or a conversion."""
     text = text.rstrip()
     if text[-1:] in ("r", "s", "a") and text[:-1].rstrip().endswith("!"):
         text = text[:-1].rstrip()[:-1].rstrip()

@@ -24,8 +24,8 @@ from utils.notebooks.file_formats import (
 __all__ = ["Cell", "Notebook", "UnreadableNotebook", "decode_notebook", "is_lfs_pointer"]
 
 # Each bracket becomes an object of about a hundred bytes, so a small file could fill the memory.
-MOST_BRACKETS = 2_000_000
-MOST_CELLS = 20_000
+MAX_BRACKETS = 2_000_000
+MAX_CELLS = 20_000
 _TEXT_IN_JSON = re.compile(damaged_json.STRING, re.DOTALL)
 
 
@@ -121,11 +121,11 @@ def _read_text(draft: _NotebookDraft) -> str:
 def _count_brackets(draft: _NotebookDraft) -> str:
     """Refuse a file whose parsed content would fill the memory."""
     text = draft.text
-    if text.count("[") + text.count("{") > MOST_BRACKETS:
+    if text.count("[") + text.count("{") > MAX_BRACKETS:
         text = _TEXT_IN_JSON.sub("", text)  # brackets inside strings do not become objects
-        if text.count("[") + text.count("{") > MOST_BRACKETS:
+        if text.count("[") + text.count("{") > MAX_BRACKETS:
             raise UnreadableNotebook(
-                f"{draft.name} contains more than {MOST_BRACKETS:,} lists and entries, most of "
+                f"{draft.name} contains more than {MAX_BRACKETS:,} lists and entries, most of "
                 "them in its outputs. Clear its outputs (in JupyterLab: Edit, Clear Outputs of "
                 "All Cells), save, and submit it again."
             )
@@ -190,9 +190,9 @@ def _without_wrapper(content: object) -> dict:
 
 def _read_cells(draft: _NotebookDraft) -> str:
     """Read each cell, even if some of its entries are missing."""
-    if len(draft.found) > MOST_CELLS:
+    if len(draft.found) > MAX_CELLS:
         raise UnreadableNotebook(
-            f"{draft.name} has {len(draft.found):,} cells; more than {MOST_CELLS:,} are not "
+            f"{draft.name} has {len(draft.found):,} cells; more than {MAX_CELLS:,} are not "
             "read. Submit the notebook in which you worked."
         )
     cells = [cell for cell in draft.found if isinstance(cell, dict)]

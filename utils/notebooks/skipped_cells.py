@@ -73,7 +73,7 @@ class SkippedCell:
 
 
 def hidden_cell(number: int, source: str) -> SkippedCell | None:
-    """Return a description of a cell whose magic keeps its code from the notebook, or None."""
+    """Describe a cell whose magic keeps its code from the notebook; return None for other cells."""
     magic = hiding_magic(source)[:20]
     remedy = "Delete that line, and write the function in plain Python."
     return SkippedCell(number, source, f"begins with {magic}", "", remedy, magic) if magic else None
@@ -82,7 +82,7 @@ def hidden_cell(number: int, source: str) -> SkippedCell | None:
 def invalid_cell(
     number: int, source: str, error: Exception, python: tuple[int, ...]
 ) -> SkippedCell:
-    """Return a description of a cell that Python cannot parse.
+    """Describe a cell that Python cannot parse.
 
     Parameters
     ----------

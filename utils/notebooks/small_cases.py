@@ -1,4 +1,4 @@
-"""What a notebook and the grader's sandbox share when they run small cases of a function."""
+"""Seeds and plain values for small cases, in notebooks and in the grader's sandbox."""
 
 import collections
 
@@ -11,26 +11,32 @@ MAX_LEAVES = 64
 
 
 def plain_value(value: object) -> object:
-    """Return a small value as lists, numbers and texts, and a dict for a set, a dict or other."""
+    """Convert a small value to lists, numbers and texts.
+
+    A set or a dict becomes a dict with the key "set" or "dict". Any value that cannot be converted
+    becomes {"other": None}.
+    """
     try:
-        return _part(value, [MAX_LEAVES])
+        return _convert(value, [MAX_LEAVES])
     except Exception:
         return {"other": None}
 
 
-def _part(value: object, budget: list) -> object:
+def _convert(value: object, budget: list) -> object:
     if isinstance(value, (np.ndarray, np.generic)):
         if value.size > budget[0]:
             raise ValueError
         value = value.tolist()
     if isinstance(value, (set, frozenset)):
-        return {"set": _part(sorted(value), budget)}
+        return {"set": _convert(sorted(value), budget)}
     if isinstance(value, (list, tuple, collections.deque)):
         if not value:
             budget[0] -= 1
-        return [_part(part, budget) for part in value]
+        return [_convert(part, budget) for part in value]
     if isinstance(value, dict):
-        return {"dict": [[_part(key, budget), _part(part, budget)] for key, part in value.items()]}
+        return {
+            "dict": [[_convert(key, budget), _convert(part, budget)] for key, part in value.items()]
+        }
     budget[0] -= 1
     if budget[0] < 0 or not isinstance(value, (bool, int, float, str, type(None))):
         raise ValueError

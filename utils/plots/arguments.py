@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from utils.plots.style import counted
 
-MOST_POINTS = 30_000
+MAX_POINTS = 30_000
 """Clouds with more points are thinned for drawing, because further dots only hide each other."""
 
 VIEWS = {
@@ -155,7 +155,7 @@ def _is_between(values: np.ndarray, limits: tuple[float, float]) -> np.ndarray:
 
 
 def _thin(rows: np.ndarray) -> tuple[np.ndarray, int]:
-    step = max(1, -(-len(rows) // MOST_POINTS))
+    step = max(1, -(-len(rows) // MAX_POINTS))
     starts = np.arange(0, len(rows), step)
     offsets = np.random.default_rng(0).integers(step, size=len(starts))
     return rows[np.minimum(starts + offsets, len(rows) - 1)], step

@@ -34,7 +34,7 @@ from utils.plots.style import (
     styled,
 )
 
-MOST_NAMES = 12
+MAX_NAMES = 12
 
 UNTOUCHED, WAITING, DONE = 0, 1, 2
 """States of a point in :func:`growth`: not reached yet, in the queue, finished."""
@@ -143,7 +143,7 @@ def renumber_like(yours: np.ndarray, expected: np.ndarray) -> np.ndarray:
 
 def _write_names(axes: Axes, across: np.ndarray, up: np.ndarray, labels: np.ndarray) -> None:
     found, counts = np.unique(labels[labels > 0], return_counts=True)
-    for label in found[np.argsort(-counts, kind="stable")[:MOST_NAMES]]:
+    for label in found[np.argsort(-counts, kind="stable")[:MAX_NAMES]]:
         chosen = (labels == label) & np.isfinite(across) & np.isfinite(up)
         if chosen.any():
             write(axes, np.median(across[chosen]), np.median(up[chosen]), str(label), weight="bold")

@@ -30,7 +30,7 @@ from utils.plots.style import (
 )
 
 RINGS_ACROSS = 24
-MOST_CELLS = 12
+MAX_CELLS = 12
 
 # All colours are light enough for dark text.
 CELL_COLOURS = ListedColormap(matplotlib.colormaps["Blues"](np.linspace(0, 0.55, 64)))
@@ -179,8 +179,8 @@ def label_confusion(
     true = as_labels(true, len(np.atleast_1d(true)), "true")
     predicted = as_labels(predicted, len(true), "predicted")
     rows, columns, counts = count_overlaps(true, predicted)
-    shown_rows = np.sort(np.argsort(-counts.sum(axis=1), kind="stable")[:MOST_CELLS])
-    shown_columns = np.sort(np.argsort(-counts.sum(axis=0), kind="stable")[:MOST_CELLS])
+    shown_rows = np.sort(np.argsort(-counts.sum(axis=1), kind="stable")[:MAX_CELLS])
+    shown_columns = np.sort(np.argsort(-counts.sum(axis=0), kind="stable")[:MAX_CELLS])
     shown = counts[np.ix_(shown_rows, shown_columns)]
     axes = canvas(axes, size=(6.2, 5.0))
     axes.grid(False)

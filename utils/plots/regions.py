@@ -38,7 +38,7 @@ from utils.visits import NOT_YET, PRUNED, VISITED, node_states
 if TYPE_CHECKING:
     from utils.visits import Node
 
-MOST_NAMES = 40
+MAX_NAMES = 40
 AXIS_STYLES = (("x", BLUE, "-"), ("y", VERMILION, "--"))
 # Hatching for cells that the search prunes, and dots for cells that it has not reached yet.
 REGION_STYLES = {
@@ -229,7 +229,7 @@ def _draw_splits(axes: Axes, root: Node | None, *, strength: float) -> None:
 
 def _draw_points(axes: Axes, points: np.ndarray, names: bool | None) -> None:
     dots(axes, *points.T, "o", INK, marker_size(len(points)), zorder=3)
-    if names or (names is None and len(points) <= MOST_NAMES):
+    if names or (names is None and len(points) <= MAX_NAMES):
         write_rows(axes, points)
 
 

@@ -37,7 +37,7 @@ COLOURS = ListedColormap(matplotlib.colormaps["plasma"](np.linspace(0, 0.8, 32))
 COLOURS = COLOURS.with_extremes(bad=PALE)
 
 WIDTH, HEIGHT = 8.5, 4.8  # inches; WIDTH fits the output of a notebook
-MANY = 5_000  # points; in larger clouds, `frame` may cut off outliers
+MAX_POINTS_WITH_OUTLIERS = 5_000  # points; in larger clouds, `frame` may cut off outliers
 
 STYLE = {
     "figure.facecolor": PAPER,
@@ -196,7 +196,7 @@ def _padded_span(values: ArrayLike, *, keep_all: bool = False) -> tuple[float, f
     if not len(values):
         return -10.0, 10.0
     low, high = values.min(), values.max()
-    if len(values) > MANY and not keep_all:
+    if len(values) > MAX_POINTS_WITH_OUTLIERS and not keep_all:
         low, high = np.percentile(values, [0.5, 99.5])
     margin = max(0.07 * (high - low), 0.5 if low == high else 0.0)
     return low - margin, high + margin

@@ -35,7 +35,7 @@ from utils.visits import NOT_YET, PRUNED, VISITED, node_states
 if TYPE_CHECKING:
     from utils.visits import Node
 
-MOST_NAMES, MOST_POINTS = 40, 15
+MAX_NAMES, MAX_POINTS = 40, 15
 """Largest number of nodes in a tree that is drawn with indices, and with coordinates."""
 
 FOUND = "#A6DCC9"  # light enough for dark numbers
@@ -124,7 +124,7 @@ def _draw_nodes(
     `order` contains pairs (node, depth); the rank is the position in this list.
     """
     dimensions = len(np.ravel(order[0][0].point)) if order else 2
-    few = len(order) <= MOST_NAMES
+    few = len(order) <= MAX_NAMES
     size = _node_size(axes, len(order)) if few else 3
     depths = np.array([depth for _, depth in order], dtype=int)
     for axis, (name, marker, colour) in enumerate(AXIS_STYLES[:dimensions]):
@@ -149,7 +149,7 @@ def _draw_nodes(
                 (rank, depth),
                 font_size=0.56 * size,
                 # Two nodes of the same depth are at least two ranks apart.
-                with_point=len(order) <= MOST_POINTS and 4.7 * longest < 2 * rank_width,
+                with_point=len(order) <= MAX_POINTS and 4.7 * longest < 2 * rank_width,
             )
 
 

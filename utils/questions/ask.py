@@ -44,7 +44,7 @@ class Card:
     key : int
         Index of the right choice.
     explanations : tuple of str
-        What readers see when they open a choice.
+        Texts that appear when readers open the choices.
     """
 
     case: int
@@ -79,7 +79,7 @@ def predict(versions: Versions, random: Random) -> Iterator[Card]:
 
 
 def what_if(versions: Versions, random: Random) -> Iterator[Card]:
-    """Ask for the value of a case after a change of one line; first for easy numbers."""
+    """Ask for the value of a case after a change of one line, preferably with easy numbers."""
     pairs = [
         (change, number)
         for change, number in itertools.product(versions.changes, range(len(versions.cases)))

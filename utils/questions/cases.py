@@ -49,7 +49,7 @@ def shown_code(code: str) -> str:
 
 
 def value_of(code: str) -> str:
-    """Return what a question about a case's value asks for."""
+    """Return the phrase for the value of a case in a question."""
     is_long = "\n" in code.strip()
     return "the value of the last line below" if is_long else "the value of this expression"
 

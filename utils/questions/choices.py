@@ -1,4 +1,4 @@
-"""Find wrong choices that look right, and changes of a line that a person might write."""
+"""Select plausible wrong choices, and changes of a line that a person might write."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def distractors(right: str, candidates: Iterable[str]) -> list[str]:
     ----------
     right : str
     candidates : iterable of str
-        Answers of neighbours, the likeliest first; empty texts are ignored.
+        Answers of functions with one changed line, the likeliest first; empty texts are ignored.
     """
     counted: Counter[str] = Counter()
     for candidate in candidates:
@@ -42,12 +42,12 @@ def distractors(right: str, candidates: Iterable[str]) -> list[str]:
 
 
 def with_first(first: str, texts: Iterable[str]) -> list[str]:
-    """Return texts with `first` in front, which is not repeated."""
+    """Return texts with `first` moved to the front, and not repeated."""
     return [first, *(text for text in texts if not same_answer(text, first))]
 
 
 def arrange(right: str, wrong: Iterable[str], random: Random) -> tuple[tuple[str, ...], int] | None:
-    """Return the choices in random order and the index of the right one; None if there are few."""
+    """Return the choices in random order and the index of the right one; None if too few."""
     choices = [right, *wrong][:MAX_CHOICES]
     if len(choices) < MIN_CHOICES:
         return None
@@ -68,7 +68,7 @@ def is_readable(before: str, after: str) -> bool:
 
 
 def in_rounds(edits: Iterable[AnyEdit]) -> list[AnyEdit]:
-    """Return edits in rounds: the likeliest of each line, then the second of each line.
+    """Order edits in rounds: the likeliest of each line first, then the second of each line.
 
     The attribute `first` of an edit is the number of its first line.
     """

@@ -6,14 +6,14 @@ import math
 import re
 
 ENDLESS, ERROR = "it never ends", "an error: "
-# Errors of undefined names, which say nothing about understanding.
+# Errors for undefined names. A question about them would not test understanding.
 TRIVIAL_ERRORS = (f"{ERROR}NameError", f"{ERROR}UnboundLocalError")
 MAX_VALUE_LENGTH = 150
 MAX_EASY_NUMBERS = 16
 
 
 def outcome_text(outcome: object) -> str:
-    """Return what a case does as a text; empty if it cannot be asked on paper.
+    """Return the outcome of a case as a text; empty if it does not suit a question on paper.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a student's function, and versions of it with one changed line, return in small cases."""
+"""Run small cases of a student's function, and of versions of it with one changed line."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Change:
     function : callable
         The function, or the class, after the change.
     outcomes : tuple of str
-        What it does in each case.
+        The outcome of each case.
     """
 
     line: int
@@ -66,7 +66,7 @@ class Versions:
     source : str
         The definition of the exercise.
     own : tuple of str
-        What the student's own version does in each case; empty if the seed matters.
+        The outcome of each case with the student's own version; empty if the seed matters.
     changes : list of Change
         The likeliest changes of each line first.
 
@@ -114,7 +114,7 @@ class Versions:
         return filter(is_value, (change.outcomes[case] for change in self.changes))
 
     def confirms(self, case: int, text: str, change: Change | None = None) -> bool:
-        """Return whether a version has the same value again, with each seed."""
+        """Return whether a version returns the same value again, with each seed."""
         function = change.function if change else self._function
         with contextlib.suppress(TimeUp), _limits(CHANGED_SECONDS):
             return self._confirms(function, self.cases[case].code, text)
@@ -124,7 +124,7 @@ class Versions:
         return all(self._outcome(function, code, seed) == text for seed in SEEDS)
 
     def _outcome(self, function: Callable, code: str, seed: int = SEEDS[0]) -> str:
-        """Return what a version does in a case, as a text."""
+        """Return the outcome of a case with a version, as a text."""
         names = {**self._names, "np": np, "rng": seed, function.__name__: function}
         *statements, last = ast.parse(code).body
         try:
@@ -137,7 +137,7 @@ class Versions:
 
 @contextlib.contextmanager
 def _limits(seconds: float) -> Iterator[None]:
-    """Limit time and memory in the context, and drop what is printed and drawn."""
+    """Limit time and memory in the context, and discard printed output and figures."""
     pyplot = sys.modules.get("matplotlib.pyplot")
     figures = set(pyplot.get_fignums()) if pyplot else set()
     nowhere = io.StringIO()

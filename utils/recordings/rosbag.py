@@ -243,10 +243,10 @@ def _opened_folder(reader: type, folder: Path) -> Reader2:
 
 
 class _RecordingPath(type(Path())):
-    """A path whose files never read, and so never allocate, more bytes than they contain.
+    """A path whose open file never reads, or allocates memory for, more bytes than it contains.
 
     A damaged recording may contain any length, and rosbags requests that many bytes. The suffix is
-    in small letters, because rosbags recognises no capitals.
+    in lower case, because rosbags does not recognise capitals.
     """
 
     @property

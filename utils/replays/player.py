@@ -14,7 +14,7 @@ from utils.display import show
 if TYPE_CHECKING:
     from ipywidgets import Widget
 
-STILL = 4  # number of pictures if there are no sliders
+STILL_PICTURES = 4  # number of pictures if there are no sliders
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ def play(run: Replay) -> None:
 
     if hasattr(ipywidgets, "is_still"):
         last = begin if run.fault else count
-        for number in np.unique(np.linspace(1, last, STILL).round().astype(int)):
+        for number in np.unique(np.linspace(1, last, STILL_PICTURES).round().astype(int)):
             step(int(number))
     else:
         ipywidgets.interact(step=_slider(count, begin))(step)

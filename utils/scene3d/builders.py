@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 MAGENTA, ASPHALT = "#C2158A", "#D3D7DB"
 BOX_LOOKS = {"boxes": (VERMILION, 2.0), "oriented_boxes": (BLUE, 3.0)}
-MOST_NAMES = 12
+MAX_NAMES = 12
 LABEL_RISE = 0.3
 """Metres from the top of an object to its label."""
 
@@ -84,7 +84,7 @@ def cluster_parts(cloud: ArrayLike, labels: ArrayLike, names: bool) -> list[Part
     if noise.any():
         pale = np.tile(rgb_bytes(PALE), (np.count_nonzero(noise), 1))
         parts.append(_points(cloud[noise], pale, max(size - 1, 1), "clusters", "noise points"))
-    for label in found[np.argsort(-counts, kind="stable")[:MOST_NAMES]] if names else ():
+    for label in found[np.argsort(-counts, kind="stable")[:MAX_NAMES]] if names else ():
         members = cloud[labels == label, :3]
         members = members[np.isfinite(members).all(axis=1)]
         if len(members):
@@ -117,7 +117,7 @@ def kd_parts(root: Node | None, low: ArrayLike, high: ArrayLike, depth: int) -> 
         triangles = rings[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3, 3)
         name = f"splits {letter}"
         parts.append(_faces(triangles, colour, "kd_tree", 0.16, name, shaded=False))
-    for number, cut in enumerate(cuts[:MOST_NAMES], start=1):
+    for number, cut in enumerate(cuts[:MAX_NAMES], start=1):
         parts.append(Label(cut.corners[2], f"{number} {AXIS_STYLES[cut.axis][0]}", "kd_tree"))
     return parts
 

@@ -21,7 +21,7 @@ from utils.scene3d.cameras import CAMERAS, Camera
 from utils.scene3d.lettering import legend_of
 from utils.scene3d.parts import LAYERS, Drawable, Faces, Label, Points, Segments, dot_size
 
-MOST_POINTS = 20_000
+MAX_POINTS = 20_000
 STEPS = 65_535  # per axis, the most that 16 bits allow; 3 mm in a cloud of 200 m
 
 OWN = "Chosen"
@@ -63,7 +63,7 @@ def _content(scene: Drawable, camera: Camera, alt: str) -> dict:
     if chosen == OWN:
         cameras[OWN] = camera
     total = sum(len(part.xyz) for part in parts if isinstance(part, Points))
-    share = min(1.0, MOST_POINTS / max(total, 1))
+    share = min(1.0, MAX_POINTS / max(total, 1))
     return {
         "title": scene.title,
         "alt": alt,

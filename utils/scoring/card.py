@@ -1,4 +1,4 @@
-"""A score card for boxes: hits at three overlaps, by distance and by how much is hidden.
+"""A score card for boxes: hits at three overlaps, by distance and by hidden share.
 
 Each number has a standard error over the frames, computed with the jackknife (leave one out). The
 frames should therefore be independent, for example from eight streets. Frames within one second
@@ -187,7 +187,7 @@ def score_card(
     Returns
     -------
     ScoreCard
-        Precision, recall and F1, then recall by distance and by how much is hidden.
+        Precision, recall and F1, then recall by distance and by hidden share.
     """
     pairs = list(zip(found, frames, strict=True))
     scored = [_ScoredFrame.of(boxes, frame, region, overlap) for boxes, frame in pairs]

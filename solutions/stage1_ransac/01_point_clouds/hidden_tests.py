@@ -111,7 +111,7 @@ def assert_lost_returns_dropped(student, cloud):
 
 
 def valid_rows(cloud):
-    """Return the valid rows without a coordinate of 0, and whose coordinates do not sum to 0.
+    """Return the valid rows that have no coordinate of 0, and whose coordinates do not sum to 0.
 
     Points with such coordinates have tests of their own.
     """

@@ -80,7 +80,7 @@ def test_the_seven_points_match_the_table(street, cluster):
 
 
 def labelled_on_leaving(points, threshold, most):
-    """Label points only when they leave the queue; return all its entries and a count of labels."""
+    """Label points as they leave the queue; return all queue entries and the number of labels."""
     labelled, entries = np.zeros(len(points), dtype=bool), [0]
     queue = deque(entries)
     while queue and len(entries) < most:

@@ -150,7 +150,7 @@ def test_a_bent_lane_holds_other_obstacles_than_a_straight_one():
     given = run_statements_for("07_filter_by_distance", "crop_lane")["crop_lane"]
 
     def bent(cloud, width, curvature):
-        """Follow the lesson's answer."""
+        """Return the points in a bent lane, as in the lesson's answer."""
         middle = curvature * cloud[:, 0] ** 2 / 2
         return cloud[np.abs(cloud[:, 1] - middle) <= width / 2]
 

@@ -1,9 +1,9 @@
 """Hidden tests of lesson 08. Students see the titles and hints but not the code.
 
 The two tests on scans use data as in the lesson: noise, intensities, and labels with gaps and in
-any order. Each other test covers one property. In all tests about something else, labels rise from
-1 without gaps, there are no noise and no intensities, and the first point of a cluster is not its
-smallest or largest on any axis.
+any order. Each other test covers one property. Unless a test is about these things, labels rise
+from 1 without gaps, clouds have neither noise nor intensities, and the first point of a cluster is
+not its smallest or largest on any axis.
 """
 
 import functools

@@ -210,7 +210,7 @@ def test_the_cheap_step_settles_nearly_all_pairs(obstacles, right_labels):
     assert len(obstacles) > 50_000 and cells < len(obstacles) / 5
     assert len(obstacles) / cells < 10  # the text says "a handful of points"
     assert 0.01 < still_open / pairs < 0.03  # the text says "about one pair in fifty"
-    assert labels.max() > right_labels.max() + 1  # some clusters are split, and none are merged:
+    assert labels.max() > right_labels.max() + 1  # some clusters are split, but none are merged
     for part in np.unique(labels):
         assert len(np.unique(right_labels[labels == part])) == 1
 

@@ -1,7 +1,8 @@
 """Hidden tests of lesson 11. Students see the titles and hints but not the code.
 
-Each test covers one property. In tests about something else, points are centred, clusters are
-aligned with the axes and labelled from 1 without gaps, and there are no noise and no intensities.
+Each test covers one property. Unless a test is about these things, points are centred, clusters
+are aligned with the axes and labelled from 1 without gaps, and clouds have neither noise nor
+intensities.
 """
 
 import functools

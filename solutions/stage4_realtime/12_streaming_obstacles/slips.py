@@ -3,7 +3,7 @@
 from tests.slips import PARTLY, SMALL, USELESS, Slip
 
 _CENTRES = "current.mean(axis=1)[:, None] - previous.mean(axis=1)"
-_STRUCK = "distances[row, :] = distances[:, column] = np.inf"
+_CROSSED_OUT = "distances[row, :] = distances[:, column] = np.inf"
 _PLANE = """\
     low = points[points[:, 2] < ground_level]
     plane, near = ransac_plane(low, 50, 0.2, 0)
@@ -98,8 +98,8 @@ boxes = []
             PARTLY,
         ),
         Slip("compares first corners", _CENTRES, "current[:, 0][:, None] - previous[:, 0]", PARTLY),
-        Slip("does not cross out the column", _STRUCK, "distances[row, :] = np.inf", PARTLY),
-        Slip("does not cross out the row", _STRUCK, "distances[:, column] = np.inf", SMALL),
+        Slip("does not cross out the column", _CROSSED_OUT, "distances[row, :] = np.inf", PARTLY),
+        Slip("does not cross out the row", _CROSSED_OUT, "distances[:, column] = np.inf", SMALL),
         Slip(
             "ignores max_distance",
             "distances.min() <= max_distance",

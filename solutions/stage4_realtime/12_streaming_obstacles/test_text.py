@@ -30,8 +30,8 @@ pytestmark = pytest.mark.slow  # simulating three seconds of a city is slow
 
 LESSON = find_lesson("12_streaming_obstacles")
 TEXT = LESSON.source.read_text("utf-8")
-OWN_CAR = ((-1.5, -1.7, -1.0), (2.6, 1.7, -0.4))
-CAR_STANDS = slice(None), slice(None, 2)
+EGO_BOX = ((-1.5, -1.7, -1.0), (2.6, 1.7, -0.4))
+LENGTH_AND_WIDTH = slice(None), slice(None, 2)
 DETECTORS = """
 voxel_grid, thin = mine.voxel_grid, lambda cloud: cloud[::2]
 
@@ -83,7 +83,7 @@ def lesson_names():
 
 
 @pytest.fixture(scope="module")
-def things(lesson_names):
+def tracked_objects(lesson_names):
     return [
         holders(boxes, frame.cloud[::3], frame.scan.objects[::3])
         for boxes, frame in zip(lesson_names["detected"], lesson_names["city"], strict=True)
@@ -98,7 +98,7 @@ def run_steps(lesson_names, cloud, *without):
 
     points = step("drop_invalid", cloud[:, :3])
     points = step("crop_region", points, (-15.0, -7.0, -3.0), (35.0, 9.0, 1.0))
-    points = step("remove_ego_returns", points, *OWN_CAR)
+    points = step("remove_ego_returns", points, *EGO_BOX)
     if "ransac_plane" not in without:
         low = points[points[:, 2] < -1.2]
         plane = lesson_names["fit_plane"](low[lesson_names["ransac_plane"](low, 50, 0.2, 0)[1]])
@@ -186,9 +186,9 @@ def test_each_step_has_the_stated_effect(lesson_names):
     assert 0.45 < (len(with_road) - len(thick)) / len(with_road) < 0.55  # "half of what is left"
     assert len(run_steps(lesson_names, cloud, "filter_clusters")[1]) > 1.7 * len(boxes)
     assert len(run_steps(lesson_names, cloud, "crop_region")[1]) > 3 * len(boxes)
-    sides = np.ptp(run_steps(lesson_names, cloud, "ransac_plane")[1], axis=1)[CAR_STANDS]
+    sides = np.ptp(run_steps(lesson_names, cloud, "ransac_plane")[1], axis=1)[LENGTH_AND_WIDTH]
     assert sides.max() > 20  # with the road, everything near the car is one cluster
-    assert np.ptp(boxes, axis=1)[CAR_STANDS].max() < 12
+    assert np.ptp(boxes, axis=1)[LENGTH_AND_WIDTH].max() < 12
 
 
 def test_a_bad_scan_shows_missing_steps(lesson_names):
@@ -370,7 +370,7 @@ def test_the_road_reaches_the_ground_level_24_m_ahead():
     assert (1.73 - 1.2) / scenes.ROAD.slope == pytest.approx(24, abs=0.2)
 
 
-def test_each_step_of_the_tracker_has_the_stated_effect(lesson_names, things):
+def test_each_step_of_the_tracker_has_the_stated_effect(lesson_names, tracked_objects):
     """Compare the switches after each step, at the distance in the lesson's table and at others."""
     made = {
         use: {
@@ -397,12 +397,12 @@ def drives(lesson_names):
     """Three seconds of eight streets: boxes, the object in each box, and the true boxes."""
     made = []
     for seed in range(8):
-        boxes, things, truth = [], [], []
+        boxes, tracked_objects, truth = [], [], []
         for frame in scenes.city_block(seed, frames=30):
             boxes.append(lesson_names["detect_obstacles"](frame.cloud))
-            things.append(holders(boxes[-1], frame.cloud[::3], frame.scan.objects[::3]))
+            tracked_objects.append(holders(boxes[-1], frame.cloud[::3], frame.scan.objects[::3]))
             truth.append(SimpleNamespace(boxes=frame.boxes))
-        made.append((boxes, things, truth))
+        made.append((boxes, tracked_objects, truth))
     return made
 
 
@@ -411,8 +411,8 @@ def run_on_eight_streets(drives, lesson_names, name, *arguments):
     kept = {key: lesson_names[key] for key in ("detected", "things", "city")}
     answers = []
     try:
-        for detected, things, truth in drives:
-            lesson_names.update(detected=detected, things=things, city=truth)
+        for detected, tracked_objects, truth in drives:
+            lesson_names.update(detected=detected, tracked_objects=tracked_objects, city=truth)
             answers.append(lesson_names[name](*arguments))
     finally:
         lesson_names.update(kept)
@@ -448,7 +448,7 @@ def test_statements_about_gains_on_eight_streets_are_true(lesson_names, drives):
     assert all(0.44 < lesson_names["gain_for"](wobble, 2.0) < 0.56 for wobble in wobbles)
 
 
-def test_statements_about_wobble_and_gain_are_true(lesson_names, things):
+def test_statements_about_wobble_and_gain_are_true(lesson_names, tracked_objects):
     assert 0.05 < lesson_names["wobble_of"](1.0) < 0.1
     bends, (track_ids, _) = [], lesson_names["follow"](lesson_names["detected"], 1.0)
     for number in range(2, len(track_ids)):
@@ -505,7 +505,7 @@ def test_the_ringed_box_holds_two_objects_that_had_boxes_before(lesson_names):
     assert len({boxes_of[26][identity] for identity in held} - {-1}) == 2
 
 
-def test_at_no_distance_are_both_mistakes_zero(lesson_names, things):
+def test_at_no_distance_are_both_mistakes_zero(lesson_names, tracked_objects):
     for use in ((), ("predict",), ("predict", "correct"), lesson_names["ALL"]):
         made = [lesson_names["mistakes_of"](limit, use) for limit in (0.2, 0.5, 1.0, 2.0, 10.0)]
         assert all(mistakes.switches + mistakes.shared > 10 for mistakes in made)
@@ -530,7 +530,7 @@ def test_match_boxes_solves_the_tiny_case(lesson_names):
 
 
 def test_three_rules_for_matching_are_right_and_differ():
-    """Here the nearest box of the second box prefers another, so it may stay without a partner."""
+    """The second box is nearest to a box that is closer to the first, so it may stay alone."""
     before, after = (np.zeros((2, 8, 3)) for _ in range(2))
     before[:, :, 0], after[:, :, 0] = [[0.0], [1.2]], [[0.1], [0.5]]
     answers = {}
@@ -540,7 +540,7 @@ def test_three_rules_for_matching_are_right_and_differ():
             answers[answer.name] = np.asarray(space["match_boxes"](before, after, 1.0)).tolist()
     assert answers["the closest pair first"] == answers["optimal assignment"] == [0, 1]
     assert answers["mutual nearest boxes"] == [0, -1]
-    # In a row of three, the smallest sum differs from the closest pair first.
+    # Pairing the closest boxes first leaves one box alone; the smallest sum pairs both boxes.
     after[:, :, 0] = [[0.7], [1.8]]
     for answer in answers_to("match_boxes"):
         if answer.name in ("the closest pair first", "optimal assignment"):
@@ -599,20 +599,20 @@ def arrays_of(*frames):
 
 
 def test_switches_and_shared_track_ids_are_counted():
-    things = arrays_of([1, 2, 0], [2, 1], [1], [2, 3])
-    assert name_mistakes(things, arrays_of([7, 8, 9], [8, 7], [7], [8, 9])).switches == 0
-    assert name_mistakes(things, arrays_of([7, 8, 9], [8, 7], [7], [8, 9])).shared == 0
-    swapped = name_mistakes(things, arrays_of([7, 8, 9], [7, 8], [8], [7, 9]))
+    tracked_objects = arrays_of([1, 2, 0], [2, 1], [1], [2, 3])
+    assert name_mistakes(tracked_objects, arrays_of([7, 8, 9], [8, 7], [7], [8, 9])).switches == 0
+    assert name_mistakes(tracked_objects, arrays_of([7, 8, 9], [8, 7], [7], [8, 9])).shared == 0
+    swapped = name_mistakes(tracked_objects, arrays_of([7, 8, 9], [7, 8], [8], [7, 9]))
     assert (swapped.switches, swapped.shared) == (2, 2)
-    passed_on = name_mistakes(things, arrays_of([7, 8, 9], [8, 7], [7], [8, 7]))
+    passed_on = name_mistakes(tracked_objects, arrays_of([7, 8, 9], [8, 7], [7], [8, 7]))
     assert (passed_on.switches, passed_on.shared) == (0, 1)
-    new = name_mistakes(things, arrays_of([1, 2, 3], [4, 5], [6], [7, 8]))
+    new = name_mistakes(tracked_objects, arrays_of([1, 2, 3], [4, 5], [6], [7, 8]))
     assert (new.switches, new.shared) == (4, 0)
 
 
 def test_an_object_in_two_boxes_may_have_two_track_ids():
-    things = arrays_of([1, 1], [1], [1, 1])
-    assert name_mistakes(things, arrays_of([1, 2], [2], [2, 3])).switches == 0
+    tracked_objects = arrays_of([1, 1], [1], [1, 1])
+    assert name_mistakes(tracked_objects, arrays_of([1, 2], [2], [2, 3])).switches == 0
 
 
 def test_boxes_belong_to_the_object_with_most_points():

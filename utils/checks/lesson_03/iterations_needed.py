@@ -220,7 +220,7 @@ common_checks.promise_names(
 
 
 def iterations_by_counting(ratio: float, size: int, confidence: float) -> int | None:
-    """Return the right answer to `iterations_needed`, found by counting up with 60 digits.
+    """Return the right answer to `iterations_needed`, found by counting with 60 digits.
 
     Returns
     -------

@@ -115,7 +115,7 @@ def draw_edge_on(
     tolerance: float | None,
     expected: np.ndarray | None = None,
 ) -> Axes:
-    """Draw points and a plane edge-on, so that the plane is a line.
+    """Draw points and a plane edge-on, so that the plane appears as a line.
 
     Parameters
     ----------

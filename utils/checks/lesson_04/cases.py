@@ -74,7 +74,7 @@ def nested_points(
     allowed: Callable[[np.ndarray], bool],
     lowest: float = -1.5,
 ) -> np.ndarray:
-    """Return points around the origin, each of which splits closer to it than the point before.
+    """Return points whose splits come closer to the origin with every point.
 
     Inserted in this order, they make a tree without branches, because the origin and all later
     points are to the left of each point. Even a search around the origin that follows only one

@@ -137,7 +137,7 @@ def _wrong_parts(
         Takes the number of points in a part; returns the position of the expected first point
         when they are sorted along the axis.
     growths : tuple of int
-        Amounts that are added to the depth: for the part with the smaller points, and for the
+        Amounts added to the depth: first in the part with the smaller coordinates, then in the
         other part.
 
     Yields

@@ -127,7 +127,8 @@ def includes_the_border(KdTree: Callable) -> None:
 def finds_the_border(KdTree: Callable) -> bool:
     """Return whether a search finds points at exactly the tolerance.
 
-    If it does not, its results do not show what it does when the box ends exactly at a split.
+    If it does not, a box that ends exactly at a split cannot show whether the right side is
+    searched.
     """
     try:
         includes_the_border(KdTree)

@@ -18,7 +18,7 @@ from utils.checks.assertions import (
     precondition,
 )
 from utils.checks.run_cache import once_per_run
-from utils.checks.size_limits import MOST_OF_A_POINT
+from utils.checks.size_limits import MAX_NUMBERS_PER_POINT
 from utils.geometry import SIDES, TreeNode, grow_tree, nodes_by_path, tree_as_lists
 from utils.remote_objects import RemoteError, RemoteObject, RemoteStopped
 
@@ -164,7 +164,8 @@ def _root_class(tree: object) -> object:
 def _assert_inserts(KdTree: Callable) -> None:
     """Assert that inserted points are in their places, so that a tree can be built by inserting."""
     for points in _SAMPLES:
-        indices = list(range(len(points)))[::-1]  # a class that counts would store other indices
+        # In descending order, because a class that numbers points itself would store 0, 1, 2, ...
+        indices = list(range(len(points)))[::-1]
         try:
             tree = KdTree()
             call_each(tree.insert, zip(points.copy(), indices, strict=True))
@@ -276,7 +277,7 @@ def _nodes_by_path(
             _read_attribute(node, name, path, expected)
             for name in ("point", "index", "left", "right")
         )
-        point = as_array(point, description="a point", max_count=MOST_OF_A_POINT)
+        point = as_array(point, description="a point", max_count=MAX_NUMBERS_PER_POINT)
         if point.ndim == 0 and np.ndim(index) == 1:
             raise WrongForm(
                 "Point and index are swapped: the point of a node is a number, and its index "
@@ -366,7 +367,9 @@ def _path_to(tree: object, node: TreeNode, expected: dict[str, TreeNode]) -> str
     for path, current in pending:  # the list grows inside the loop
         if current is None:
             continue
-        point = as_array(current.point, description="a point", max_count=MOST_OF_A_POINT).ravel()
+        point = as_array(
+            current.point, description="a point", max_count=MAX_NUMBERS_PER_POINT
+        ).ravel()
         if _same_point(point, node) and not (
             path in expected and _same_point(point, expected[path])
         ):

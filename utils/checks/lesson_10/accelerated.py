@@ -309,7 +309,7 @@ common_cluster_checks.promise_equal_points(
 common_cluster_checks.promise_untouched(_CASE, "leaves_its_input")
 
 
-# ---- in time -----------------------------------------------------------------------------------
+# ---- speed -------------------------------------------------------------------------------------
 
 
 @visible_check(
@@ -472,7 +472,7 @@ def leaves_no_gaps(euclidean_clustering_accelerated: Callable) -> None:
 )
 def numbers_by_appearance(euclidean_clustering_accelerated: Callable) -> None:
     assert_numbered_by_appearance(euclidean_clustering_accelerated)
-    # From near to far the points are in rows 1, 2 and 0; this order differs from its ranks.
+    # Sorted by distance, the points are in rows 1, 2 and 0. Their ranks are different: 2, 0 and 1.
     cloud = np.outer([9.0, 1.0, 5.0], [1.0, 0.0, 0.0])
     labels = as_labels(euclidean_clustering_accelerated(cloud.copy(), 1.0), 3)
     if not np.array_equal(labels, renumber_by_appearance(labels)):

@@ -439,7 +439,7 @@ def returns_whole_indices(match_boxes: Callable) -> None:
 
 # Eleven small calls that distinguish the usual mistakes: max_distance, previous centres (x, y),
 # current centres and the right partners. Each call has a different max_distance, which identifies
-# it. In "far" and "near" boxes are large, and their corners have another order in the second
+# it. In "far" and "near", boxes are large, and their corners have another order in the second
 # frame.
 _ROW = ((0, 0), (10, 0), (20, 0))
 _CALLS = {

@@ -19,7 +19,7 @@ from utils.replays.endings import describe_ending
 from utils.replays.player import Fault, Replay, ReplayStep
 from utils.replays.tracer import Ending, record
 
-MOST_STEPS = 200
+MAX_STEPS = 200
 
 
 def replay_clustering(euclidean_clustering: Callable) -> Replay:
@@ -38,7 +38,7 @@ def replay_clustering(euclidean_clustering: Callable) -> Replay:
         return _replay_answer(euclidean_clustering, ending, answer)
     frames = frames_of(labels, find_queue(observer.queues))
     wrong = find_first_fault(euclidean_clustering, frames, answer, ending)
-    count = max(MOST_STEPS, wrong.step + 1 if wrong else 0)
+    count = max(MAX_STEPS, wrong.step + 1 if wrong else 0)
     steps = [ReplayStep(frame.description, frame.draw) for frame in frames[:count]]
     return Replay(steps, wrong, _remark(ending, answer, frames, wrong))
 

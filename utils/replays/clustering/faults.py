@@ -1,4 +1,4 @@
-"""Mistakes that are certain because the answer contains them, each with its step."""
+"""Find mistakes that the answer proves, and the step of each."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from utils.replays.clustering.frames import ReplayFrame, format_label, named
+from utils.replays.clustering.frames import ReplayFrame, format_label, list_points
 from utils.replays.clustering.points import GAPS, GROUP_OF, NEAR, ROWS, THRESHOLD
 from utils.replays.endings import describe_ending
 from utils.replays.player import Fault, earliest_fault
@@ -16,7 +16,7 @@ from utils.replays.tracer import Ending
 def find_first_fault(
     function: Callable, frames: list[ReplayFrame], answer: list | None, ending: Ending
 ) -> Fault | None:
-    """Return the first step that is certainly wrong because its mistake is in the answer."""
+    """Return the first step with a mistake that the answer proves."""
     last = len(frames) - 1
     if ending.stopped:
         return _find_second_visit(frames)
@@ -77,7 +77,9 @@ def _find_split_cluster(frames: list[ReplayFrame], answer: list) -> Fault | None
                 return Fault(position, f"{gets}, but {has}. {near}. {apart}")
     without = [row for row in ROWS if not frames[-1].has_label(row)]
     if without and answer == list(frames[-1].labels):
-        return Fault(len(frames) - 1, f"The function ends here. {named(without)} got no label.")
+        return Fault(
+            len(frames) - 1, f"The function ends here. {list_points(without)} got no label."
+        )
     return None
 
 

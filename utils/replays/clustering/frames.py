@@ -54,7 +54,7 @@ class ReplayFrame:
         for label in dict.fromkeys(self.labels[row] for row in self.joined):
             rows = [row for row in self.joined if self.labels[row] == label]
             gets = "gets" if len(rows) == 1 else "get"
-            parts.append(f"{named(rows)} {gets} label {format_label(label)}.")
+            parts.append(f"{list_points(rows)} {gets} label {format_label(label)}.")
         if self.visited is not None and not self.joined:
             parts.append("No point gets a label.")
         if self.waiting is not None:
@@ -122,14 +122,14 @@ def frames_of(labels: VariableTrack, queue: VariableTrack | None) -> list[Replay
 
 
 def _begins_cluster(now: ReplayFrame, state: tuple) -> bool:
-    """Return whether the changed labels begin a cluster without the point visited last."""
+    """Return whether the changed labels begin a cluster that lacks the point visited last."""
     changed = [row for row in ROWS if state[row] != now.labels[row]]
     if now.visited is None or now.visited in changed:
         return False
     return all(state[row] != now.labels[now.visited] for row in changed)
 
 
-def named(rows: list[int]) -> str:
+def list_points(rows: list[int]) -> str:
     """List points in words, such as "Points 1, 2 and 5"."""
     if len(rows) == 1:
         return f"Point {rows[0]}"

@@ -16,7 +16,7 @@ import numpy as np
 from utils.replays.clustering.points import POINTS, ROWS
 from utils.replays.tracer import RecordingComplete, values_in
 
-MOST_MOMENTS, MOST_WAITING = 5_000, 300
+MAX_MOMENTS, MAX_WAITING = 5_000, 300
 
 
 @dataclass
@@ -52,7 +52,7 @@ class LabelObserver:
                 self._note(self.tracks, "labels", name, value, state)
             if (state := _as_rows(value)) is not None:
                 self._note(self.queues, "queue", name, value, state)
-        if self._moments > MOST_MOMENTS:
+        if self._moments > MAX_MOMENTS:
             raise RecordingComplete
 
     def _note(
@@ -88,7 +88,7 @@ def _as_entries(value: object) -> tuple | None:
 
 def _as_rows(value: object) -> tuple | None:
     """Return the rows of points in a deque, list or set; None for anything else."""
-    if type(value) not in (deque, list, set) or len(value) > MOST_WAITING:
+    if type(value) not in (deque, list, set) or len(value) > MAX_WAITING:
         return None
     if not all(_is_number(row) and row in ROWS for row in value):
         return None

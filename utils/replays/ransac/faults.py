@@ -1,4 +1,4 @@
-"""Mistakes that a search certainly made, each with its round."""
+"""Find mistakes that a search certainly made, and the round of each."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 
 from utils.replays.player import Fault, earliest_fault
-from utils.replays.ransac.observer import Round, as_mask, as_model, gaps_from
-from utils.replays.ransac.tasks import HAIR, ROUNDS, Task
+from utils.replays.ransac.observer import Round, as_mask, as_model, distances_from
+from utils.replays.ransac.tasks import ROUNDING, ROUNDS, Task
 
 
 @dataclass(frozen=True)
@@ -33,26 +33,26 @@ class ModelAndMask:
             return None
         return cls(task, known, np.array(mask))
 
-    def is_of(self, one: Round) -> bool:
+    def is_from(self, one: Round) -> bool:
         """Return whether the model equals a round's model, with either sign."""
         if self.model is None or one.model is None:
             return False
         mine, other = (model / np.linalg.norm(model[:-1]) for model in (self.model, one.model))
-        return any(np.allclose(mine, sign * other, rtol=0, atol=HAIR) for sign in (1, -1))
+        return any(np.allclose(mine, sign * other, rtol=0, atol=ROUNDING) for sign in (1, -1))
 
     @property
     def expected(self) -> np.ndarray:
         """Mask of the points near the model."""
         if self.model is None:
             return np.zeros(len(self.mask), dtype=bool)
-        return gaps_from(self.task.xyz, self.model) <= self.task.tolerance
+        return distances_from(self.task.xyz, self.model) <= self.task.tolerance
 
     @property
     def fits(self) -> bool:
         """Whether the mask matches the model; a point at the threshold may be in or out."""
         if self.model is None:
             return not self.mask.any()
-        gaps = gaps_from(self.task.xyz, self.model)
+        gaps = distances_from(self.task.xyz, self.model)
         clear = np.abs(gaps - self.task.tolerance) > 1e-6
         return bool((self.mask == self.expected)[clear].all())
 
@@ -78,7 +78,7 @@ class Rounds:
         """The round whose model was returned."""
         if self.answer is None:
             return None
-        return next((round_ for round_ in self.rounds if self.answer.is_of(round_)), None)
+        return next((round_ for round_ in self.rounds if self.answer.is_from(round_)), None)
 
     @cached_property
     def name_of_mask(self) -> Hashable:
@@ -126,7 +126,7 @@ class Rounds:
         if self.winner is None:
             place = f"within {task.tolerance} m of the {task.model} that you return"
             return Fault(self._last, f"Your mask has {both} {place}. They are not the same points.")
-        for round_ in self.rounds:  # earlier masks in the same variable
+        for round_ in self.rounds:  # the same variable in earlier rounds
             held = round_.masks.get(self.name_of_mask)
             if held is not None and round_.near is not None and tuple(round_.near.tolist()) != held:
                 return Fault(
@@ -144,7 +144,7 @@ class Rounds:
 
     def _find_wrong_normal_length(self) -> Fault | None:
         length = 1 if self.answer.model is None else np.linalg.norm(self.answer.model[:-1])
-        if abs(length - 1) < HAIR:
+        if abs(length - 1) < ROUNDING:
             return None
         return Fault(
             self._last, f"The normal of your {self.task.model} has length {length:.2f}, not 1."
@@ -162,7 +162,7 @@ class Rounds:
         """Return whether the winner has the lowest cost of MSAC, which the lesson mentions."""
         costs = {
             round_.number: np.sum(
-                np.minimum(gaps_from(self.task.xyz, round_.model), self.task.tolerance) ** 2
+                np.minimum(distances_from(self.task.xyz, round_.model), self.task.tolerance) ** 2
             )
             for round_ in self.rounds
             if round_.near is not None
@@ -196,15 +196,15 @@ def _find_mistake_in_round(round_: Round) -> Fault | None:
         return Fault(
             step, f"{task.through} returned no {task.model} for these points, but they define one."
         )
-    gaps = gaps_from(round_.sample, round_.model)
-    if gaps.max() > HAIR:
+    gaps = distances_from(round_.sample, round_.model)
+    if gaps.max() > ROUNDING:
         return Fault(
             step,
             f"The {task.model} does not run through its sample: point {rows[gaps.argmax()]} is "
             f"{gaps.max():.2f} m away from it. Look at {task.through}.",
         )
     length = np.linalg.norm(round_.model[:-1])
-    if abs(length - 1) > HAIR:
+    if abs(length - 1) > ROUNDING:
         return Fault(
             step,
             f"The normal of this {task.model} has length {length:.2f}, not 1. Look at "

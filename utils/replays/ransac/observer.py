@@ -14,10 +14,10 @@ from types import CodeType, FrameType
 
 import numpy as np
 
-from utils.replays.ransac.tasks import HAIR, ROUNDS, Task
+from utils.replays.ransac.tasks import ROUNDING, ROUNDS, Task
 from utils.replays.tracer import RecordingComplete, values_in
 
-MOST_ROUNDS = 3 * ROUNDS
+MAX_ROUNDS = 3 * ROUNDS
 
 
 @dataclass
@@ -41,14 +41,14 @@ class Round:
         if self.sample is None:
             return None
         gaps = np.linalg.norm(self.task.xyz[:, None] - self.sample, axis=2)
-        return gaps.argmin(axis=0).tolist() if (gaps.min(axis=0) < HAIR).all() else None
+        return gaps.argmin(axis=0).tolist() if (gaps.min(axis=0) < ROUNDING).all() else None
 
     @property
     def near(self) -> np.ndarray | None:
         """Mask of the points within the tolerance of the model; None if it is unknown."""
         if self.model is None or self.rows is None:
             return None
-        return gaps_from(self.task.xyz, self.model) <= self.task.tolerance
+        return distances_from(self.task.xyz, self.model) <= self.task.tolerance
 
     @property
     def count(self) -> int:
@@ -90,7 +90,7 @@ class SampleObserver:
                 self.rounds[-1].masks[name] = mask
 
     def _begin(self, rounds: list[Round], sample: np.ndarray | None) -> None:
-        if len(rounds) == MOST_ROUNDS:
+        if len(rounds) == MAX_ROUNDS:
             raise RecordingComplete
         rounds.append(Round(self._task, len(rounds) + 1, sample))
 
@@ -119,7 +119,7 @@ class SampleObserver:
         xyz = value[: self._task.size]
         if len(value) not in (self._task.size, self._task.points.shape[1]):
             return False
-        return bool((np.linalg.norm(self._task.xyz - xyz, axis=1) < HAIR).any())
+        return bool((np.linalg.norm(self._task.xyz - xyz, axis=1) < ROUNDING).any())
 
 
 def _model_through(sample: np.ndarray) -> np.ndarray:
@@ -164,7 +164,7 @@ def as_mask(value: object, count: int) -> tuple[bool, ...] | None:
     return tuple(map(bool, value))
 
 
-def gaps_from(points: np.ndarray, model: np.ndarray) -> np.ndarray:
+def distances_from(points: np.ndarray, model: np.ndarray) -> np.ndarray:
     """Return the distance of each point from a line or plane, with a normal of any length."""
     normal = model[:-1]
     return np.abs(points @ normal + model[-1]) / np.linalg.norm(normal)

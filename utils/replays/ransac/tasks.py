@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 ROUNDS = 10
-HAIR = 1e-3  # metres; single precision is finer
+ROUNDING = 1e-3  # metres; single precision is finer
 
 
 @dataclass(frozen=True)

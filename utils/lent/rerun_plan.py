@@ -1,4 +1,8 @@
-"""Find the statements to rerun so that a cell sees the state that right functions would leave."""
+"""Plan which statements to rerun, so that a cell runs as if all functions were right.
+
+A function is replaced when stored answers take its place, or when the student's own function does
+so again.
+"""
 
 from __future__ import annotations
 
@@ -23,13 +27,13 @@ class RerunPlan:
     Attributes
     ----------
     functions : frozenset of str
-        The functions in question on which the cell depends, directly or indirectly.
+        The replaced functions on which the cell depends, directly or indirectly.
     argument_takers : frozenset of str
-        Other functions in question that received a value the cell needs, and may have changed it.
+        Other replaced functions that received a value the cell needs, and may have changed it.
     statements : tuple of Statement
         The statements to rerun before the cell, in this order.
     names : frozenset of str
-        Names whose values depend on the functions in question, except definitions.
+        Names whose values depend on the replaced functions, except definitions.
     """
 
     functions: frozenset[str]
@@ -75,11 +79,11 @@ def plan_rerun(
     cells : sequence of str
         The cells of the lesson, in order; an empty string for a cell that did not run.
     callers : mapping of str to collection of str
-        For each function in question, its own name and the names of the functions that call it.
+        For each replaced function, its own name and the names of the functions that call it.
     failed_positions : collection of int
         Positions of cells that failed; their statements count as not run.
     include_changed : bool
-        Whether to recompute the arguments of functions in question, which may have changed them.
+        Whether to recompute the arguments of replaced functions, which may have changed them.
     """
     statements = slicing.parse_notebook(cells)[0]
     callables = {name for names in callers.values() for name in names}
