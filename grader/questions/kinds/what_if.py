@@ -68,8 +68,8 @@ def _affected_calls(behaviour: Behaviour, edits: list[Edit], random: Random) -> 
         if right and right != "none of them" and arranged:
             yield Question(
                 "what if",
-                f"Line {edit.first} becomes {quote_code(edit.after)}. For which of these calls does "
-                "the value of the last line change?",
+                f"Line {edit.first} becomes {quote_code(edit.after)}. For which of these calls "
+                "does the value of the last line change?",
                 "\n\n".join(
                     f"# call {letter}\n{shown_code(behaviour.cases[number].code)}"
                     for letter, number in zip(LETTERS, asked, strict=True)
