@@ -2,6 +2,7 @@
 
 import ast
 import collections
+import inspect
 import io
 import itertools
 import json
@@ -476,7 +477,8 @@ def test_the_error_about_a_stage_without_cases_suggests_a_fix(course, monkeypatc
 
 
 def test_every_kind_of_question_has_a_depth():
-    assert [kind.__name__.replace("_", " ") for kind in KINDS] == list(DEPTHS)
+    for questions, kind in zip(KINDS, DEPTHS, strict=True):
+        assert f'"{kind}",' in inspect.getsource(inspect.getmodule(questions))
 
 
 def test_quizzes_are_written_only_for_students_with_questions(tmp_path):
