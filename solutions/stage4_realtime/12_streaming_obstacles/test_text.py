@@ -412,7 +412,7 @@ def run_on_eight_streets(drives, lesson_names, name, *arguments):
     answers = []
     try:
         for detected, tracked_objects, truth in drives:
-            lesson_names.update(detected=detected, tracked_objects=tracked_objects, city=truth)
+            lesson_names.update(detected=detected, things=tracked_objects, city=truth)
             answers.append(lesson_names[name](*arguments))
     finally:
         lesson_names.update(kept)
