@@ -143,7 +143,7 @@ def report_of(course):
     page = (course.report / "index.html").read_text()
     page = re.sub(r"<h2>Slowest notebooks</h2>.*?</table>", "", page, flags=re.DOTALL)
     page = re.sub(r" \([^)]*judged [^)]*\)", "", page)  # notebooks judged now and earlier
-    return re.sub(r"\d+ \w+ \d{4}, \d\d:\d\d|\b\d+(\.\d)? s(econds)?\b", "", page)
+    return re.sub(r"\d+ \w+ \d{4}, \d\d:\d\d|\b\d+(\.\d)?(?: |&nbsp;)s(econds)?\b", "", page)
 
 
 def gradebook_of(course):
