@@ -525,8 +525,8 @@ def _add_site(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "site",
         commands.run_site,
-        "Write the course as a website. Run every lesson to include its outputs. This needs the "
-        "packages in requirements-site.txt, which `make site` installs.",
+        "Generate a website from the course. Run every lesson to include its outputs. This needs "
+        "the packages in requirements-site.txt, which `make site` installs.",
         "",
         "--to /var/www/course",
     )

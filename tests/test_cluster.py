@@ -405,7 +405,7 @@ def test_a_scheduler_that_does_not_answer_is_reported(course, sandbox, monkeypat
     monkeypatch.setattr(cluster, "CONNECTION_TIMEOUT", 1)
     for address in ("tcp://127.0.0.1:9", "carrier-pigeon://roof"):
         assert grade_on(address, course, sandbox) == commands.FAULT
-        assert f"No scheduler answers at {address}" in capsys.readouterr().err
+        assert f"No scheduler responded at {address}" in capsys.readouterr().err
     assert grade_on("tls://127.0.0.1:9", course, sandbox) == commands.FAULT
     assert "contains none" in capsys.readouterr().err
     with course_lock(course):  # fails if the run has kept the lock

@@ -1993,5 +1993,5 @@ def test_a_long_text_in_moodles_worksheet_is_read(course):
 def test_a_worksheet_that_is_not_a_table_is_refused(course):
     table = course.root / "worksheet.csv"
     table.write_text("a,b\n" + "x" * 2**25)
-    with pytest.raises(CollectError, match="is not a CSV file"):
+    with pytest.raises(CollectError, match="is not valid CSV"):
         collect(course, archive(course, [(f"ada/{SIX}.ipynb", notebook())]), times=table)

@@ -212,7 +212,7 @@ def test_failed_verdicts_are_not_entered_and_old_marks_stay(entered_course):
     path = entered_course.verdicts / "ada" / STAGE / f"{GROUND.name}.json"
     assert sentence == (
         f"ada, {STAGE}: not entered, because the judge failed on {GROUND.name}. "
-        f"See the reason in {path}"
+        f"For the reason, see {path}"
     )
     assert marks(entered_course) == expected_marks(earned)
 

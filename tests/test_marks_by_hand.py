@@ -100,8 +100,9 @@ def test_marks_and_comments_of_a_lost_gradebook_are_reported_and_restored(course
     assert enter_class(course) == [] and wrong_findings(course) == []
     lose_gradebook(course)
     message = (
-        f"{course.root / 'gradebook.db'} is missing 3 marks given by hand and 2 comments from "
-        f"marks.jsonl: write_up in {LESSON} for ada, bob; {MACHINE.name} in {LESSON} for bob. "
+        "marks.jsonl contains 3 marks given by hand and 2 comments that the gradebook "
+        f"{course.root / 'gradebook.db'} does not contain: "
+        f"write_up in {LESSON} for ada, bob; {MACHINE.name} in {LESSON} for bob. "
     )
     (finding,) = wrong_findings(course)  # also before the next run of `grade`
     assert finding.startswith(message) and "--restore-marks" in finding

@@ -82,7 +82,7 @@ def connect(address: str, sandbox: str, notify: Callable[[str], None]) -> Execut
         client = _client(address)
     except (OSError, ValueError, TypeError) as error:
         raise ExecutorLost(
-            f"No scheduler answers at {address} ({error}). Start one with: dask "
+            f"No scheduler responded at {address} ({error}). Start one with: dask "
             "scheduler\nand one or more workers with: dask worker ADDRESS\nVerdicts are "
             "kept. Run the same command again to continue."
         ) from None

@@ -131,9 +131,9 @@ def apply_edits(source: str, edits: str, name: str) -> str:
         ]
         if len(places) != 1:
             raise MalformedAnswers(
-                f"{name}: {before[0]!r} and the lines below it occur {len(places)} times in the "
-                "answer to edit, not once. To identify one place, add the line above, prefixed "
-                "with =."
+                f"{name}: {before[0]!r} and the lines below it must occur exactly once in the "
+                f"answer to edit, but occur {len(places)} times. If they occur more than once, "
+                "add the line above, prefixed with =."
             )
         changes.append((places[0], len(before), after))
     for start, count, after in reversed(changes):

@@ -152,11 +152,10 @@ def lost_sentence(course: Course, lost: Collection[MarkChange]) -> str:
     counts = [f"{marks} mark{'s' * (marks != 1)} given by hand"] * bool(marks)
     counts += [f"{comments} comment{'s' * (comments != 1)}"] * bool(comments)
     return (
-        f"{gradebook_location(course)} is missing {' and '.join(counts)} from marks.jsonl: "
-        f"{_list_exercises(lost)}. If this is the wrong gradebook, correct "
-        "c.CourseDirectory.db_url in "
-        "nbgrader_config.py. If the gradebook was lost, run: python -m grader grade "
-        "--restore-marks"
+        f"marks.jsonl contains {' and '.join(counts)} that the gradebook "
+        f"{gradebook_location(course)} does not contain: {_list_exercises(lost)}. "
+        "If this is the wrong gradebook, correct c.CourseDirectory.db_url in nbgrader_config.py. "
+        "If the gradebook was lost, run: python -m grader grade --restore-marks"
     )
 
 

@@ -75,5 +75,5 @@ def group_entries(
 def _reason(submission: Submission, verdict: Verdict, course: Course) -> str:
     name = submission.lesson.name
     if verdict.reason in ("", JUDGE_FAILED_NOTE):
-        return f"the judge failed on {name}. See the reason in {submission.verdict_path(course)}"
+        return f"the judge failed on {name}. For the reason, see {submission.verdict_path(course)}"
     return f"{name} was not judged. {verdict.reason}"

@@ -115,7 +115,7 @@ def read_submission_table(path: Path, zone: tzinfo | None) -> SubmissionTable:
         raise CollectError(f"{path} cannot be read: {error.strerror}.") from None
     except TableError as error:
         raise CollectError(
-            f"{path} is not a CSV file: line {error.line}: {error}. Download it again."
+            f"Line {error.line} of {path} is not valid CSV: {error}. Download it again."
             if error.line
             else f"{path} is not in UTF-8. Save it as CSV UTF-8."
         ) from None

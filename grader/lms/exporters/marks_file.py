@@ -74,7 +74,7 @@ def read_marks_file(path: Path) -> MarksFile:
         raise ExportError(f"{path} cannot be read: {error.strerror}.") from error
     except TableError as error:
         raise ExportError(
-            f"{path.name} is not a CSV file: line {error.line}: {error}. Download it again."
+            f"Line {error.line} of {path.name} is not valid CSV: {error}. Download it again."
             if error.line
             else _not_utf8(path)
         ) from error
