@@ -337,7 +337,7 @@ A_FEW_OF_MANY = {
     "test_at_seven_tenths_no_road_user_is_torn_and_a_moving_car_is_joined": (),
     "test_listing_pairs_is_faster_than_querying_and_joining": (),
     "test_statements_about_the_two_sweeps_are_true": (),
-    "test_a_lesson_is_added_with_a_folder_and_a_module_of_checks": (),
+    "test_adding_a_lesson_takes_only_a_folder_and_a_module_of_checks": (),
     "test_missing_workers_are_reported": (),
     "test_nbgrader_does_not_enter_a_submission_replaced_after_judging": (),
     "test_processor_time_of_orphaned_grandchildren_counts": (),

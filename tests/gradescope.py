@@ -343,7 +343,7 @@ def main(place):
             )
             score += 70.0 * (student == "right")
             found = results and results["score"]
-            if student == "hostile" and results:  # without the points for being one edit from right
+            if student == "hostile" and results:  # leave out what a single slip keeps
                 found = sum(test["score"] for test in results["tests"] if test.get("max_score"))
             check(f"{name} earns {score:g}", found == score, output + str(results))
             check(f"{name} leaves no process", "left: 0" in done.stdout, output)

@@ -104,7 +104,7 @@ def test_recordings_of_livox_scanners_are_read(tmp_path, kind, name):
 
 @pytest.mark.parametrize("length", range(10))  # the length of the name changes the alignment
 @pytest.mark.parametrize("order", ["ROS 1", "little", "big"])
-def test_messages_that_rosbags_packs_are_read(length, order):
+def test_messages_packed_by_the_rosbags_library_are_read(length, order):
     ros1 = order == "ROS 1"
     store = typestore(ros1)
     rng = np.random.default_rng(length)

@@ -169,7 +169,7 @@ def test_restoring_does_not_replace_existing_marks(course):
     with pytest.raises(GradebookError):
         enter_class(course)
     enter_manual_mark(course, "ada", "write_up", 3.0)
-    with pytest.raises(GradebookError, match="1 comment from"):
+    with pytest.raises(GradebookError, match="1 comment that the gradebook"):
         enter_class(course)
     enter_class(course, restore=True)
     assert manual_mark(course, "ada") == (3.0, False, "Good.")

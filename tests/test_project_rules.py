@@ -81,7 +81,7 @@ def test_a_cycle_is_found_for_every_form_of_import(line, tmp_path):
     assert cycle_in(imports_within(tmp_path, "ab")) == []
 
 
-def test_sandboxes_are_objects_and_not_names():
+def test_the_grader_never_compares_sandbox_names():
     """The grader never compares the name of a sandbox, so it treats all sandboxes alike."""
     for path in (PROJECT / "grader").rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text("utf-8"))):

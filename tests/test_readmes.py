@@ -54,7 +54,7 @@ def text_of(readme):
 
 
 def code_in(text):
-    """Return the code in the sentences of a text."""
+    """Return the inline code of a Markdown text."""
     return re.findall(r"`([^`\n]+)`", FENCED.sub("", text))
 
 

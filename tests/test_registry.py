@@ -199,7 +199,7 @@ def run(root, *arguments):
 
 
 @pytest.mark.slow
-def test_a_lesson_is_added_with_a_folder_and_a_module_of_checks(project_copy, sandbox):
+def test_adding_a_lesson_takes_only_a_folder_and_a_module_of_checks(project_copy, sandbox):
     guide = (PROJECT / "docs" / "authors.md").read_text("utf-8")
     listed_paths = {
         path.replace("stage4_realtime", "<stage>")

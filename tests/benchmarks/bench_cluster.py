@@ -65,7 +65,7 @@ def judge(course, submission, sandbox):
 
 
 def core_seconds(course, sandbox):
-    """Return the billed core seconds per notebook: cores times seconds from joining to the end."""
+    """Return the billed core seconds per notebook: cores times seconds until the last verdict."""
     with LocalCluster(
         n_workers=1, threads_per_worker=processor_count(), dashboard_address=None
     ) as cluster:

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from grader.classroom.similarity.answers import ComparedAnswer
 from grader.classroom.similarity.weights import Document, Weights
 
-# A pair is reported if the two answers share at least this fraction of their unusual parts. Their
-# common part must also have this many bits more than it takes to identify one pair in the class.
-# `tests/test_similarity.py` measures hits and false alarms.
+# A reported pair shares at least this fraction of its unusual parts, and at least this much
+# information, in bits above log2 of the number of pairs in the class. `tests/test_similarity.py`
+# measures hits and false alarms.
 MIN_SHARE = 0.6
 MIN_BITS = 7.0
 

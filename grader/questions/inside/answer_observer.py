@@ -137,7 +137,8 @@ def run_cases(versions: list, codes: list, watched: list) -> list:
             }
             recorder.watches_all = not watched
             runs.append(_run(code, recorder))
-            if version and runs[-1]["outcome"] == ["endless"]:  # other cases may not end either
+            # The other cases might not end either.
+            if version and runs[-1]["outcome"] == ["endless"]:
                 break
         results.append(runs)
     return results

@@ -35,7 +35,7 @@ from utils.checks.lesson_03.results import (
 from utils.checks.run_cache import once_per_run
 from utils.geometry import distances_from_plane
 
-# The small example of the notebook: five points on a floor and two above it.
+# The small example in the notebook: five points on a floor and two above it.
 _SEVEN_POINTS = frozen(
     np.array(
         [

@@ -21,7 +21,7 @@ MAX_MOMENTS, MAX_WAITING = 5_000, 300
 
 @dataclass
 class VariableTrack:
-    """History of one variable, even when it is passed to other functions.
+    """History of one variable, also in the functions to which it is passed.
 
     Attributes
     ----------
