@@ -30,8 +30,8 @@ MAX_WATCHED = 6  # variables whose values in a case are compared between version
 # Versions that are run with one request. If a request takes too long, its versions are left out.
 VERSIONS_PER_REQUEST = 10
 LIMITS = Limits(call_seconds=3.0)
-# No further versions are run after these processor seconds. The limit is rarely reached, because
-# questions must not depend on the speed of the machine.
+# No further versions are run after these processor seconds. The limit is generous, because the
+# questions should be the same on a slow machine.
 MAX_CPU_SECONDS = 4.0
 
 

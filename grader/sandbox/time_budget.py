@@ -177,7 +177,7 @@ def _is_any_ready(threads: dict[int, Thread]) -> bool:
 
 
 class TimeLimit:
-    """The time limit for an exchange of messages with a worker, counted from its creation.
+    """A time limit for one exchange of messages with a worker.
 
     Parameters
     ----------

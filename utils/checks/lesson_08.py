@@ -203,7 +203,7 @@ def numbers_the_corners(get_bounding_boxes: Callable) -> None:
         place = np.where(larger, _HIGH, _LOW)
         if np.abs(box[corner] - place).max() > 1e-3:
             raise CheckFailed(
-                f"Corner {corner} is in another place than in the lesson.",
+                f"Corner {corner} is not in the same place as in the lesson.",
                 yours=brief_text(box[corner]),
                 expected=brief_text(place),
             )

@@ -59,7 +59,7 @@ def street(distance: float = 0.0) -> Frame:
 
 
 def street_further_back() -> Frame:
-    """Return the street from 4 m further back. Its clear cars are where `street` has none."""
+    """Return a scan of `street` from 4 m further back, so all its cars have other coordinates."""
     return street(-4.0)
 
 

@@ -51,7 +51,7 @@ class StatedTime:
     def remark(
         self, earlier_time: datetime | None, current_time: datetime, file: str, is_by_hand: bool
     ) -> str:
-        """Explain whether this time was adopted, if the files have not changed.
+        """Explain which submission time counts for files that have not changed.
 
         Parameters
         ----------
@@ -74,16 +74,16 @@ class StatedTime:
         if earlier_time and format_timestamp(earlier_time) != shown_time:
             return (
                 f"The submission time was {format_timestamp(earlier_time)} and is now "
-                f"{shown_time}, because "
-                f"the table of submission times has {quote_beginning(self.text)}"
+                f"{shown_time}, because the table of submission times has "
+                f"{quote_beginning(self.text)}"
             )
         stated_time = format_timestamp(self.when)
         if shown_time == stated_time or (self.when < current_time and not is_by_hand):
             return ""
         return (
             f"The table of submission times has {quote_beginning(self.text)}, but {file} has "
-            f"{shown_time} for "
-            f"the same files. The time in {file} counts. To change it, write {stated_time} there"
+            f"{shown_time} for the same files. The time in {file} counts. To change it, write "
+            f"{stated_time} there"
         )
 
 
