@@ -230,6 +230,21 @@ def test_names_that_a_loop_assigns_are_not_recreated(loop, again):
     ] == again
 
 
+@pytest.mark.parametrize(
+    ("last", "again"),
+    [
+        ("axes = draw(free)\naxes.plot()", [2]),
+        ("axes = draw(axes, free)\naxes.plot()", [1, 2]),
+        ("axes.plot()\naxes = draw(free)", [1, 2]),
+        ("if free:\n    axes = draw(free)\naxes.plot()", [1, 2]),
+    ],
+)
+def test_a_name_that_the_cell_assigns_before_use_is_not_recreated(last, again):
+    """An earlier cell may have used the name, such as `axes`, for a call without stored answer."""
+    kept = plan_rerun(["axes = f(0)", "free = f(1)", last], {"f": ["f"]}, set()).statements
+    assert [statement.cell for statement in kept] == again
+
+
 def test_nothing_is_run_again_for_a_cell_that_uses_no_course_names():
     found = plan_rerun(["a = f(1)", "b = 2", "print(b)"], {"f": ["f"]}, set())
     assert not found.functions and not found.statements

@@ -113,6 +113,8 @@ def plan_rerun(
             if wanted or statement.binds & renewed:
                 kept.append(statement)
                 renewed = renewed | changes
+        elif isinstance(statement.node, ast.Assign):  # the cell does not need the earlier values
+            needed -= statement.binds
         needed |= _names_read_by(statement)
         if depends[position] and not defines:
             names |= statement.binds | statement.changes
