@@ -355,7 +355,7 @@ def test_rules_are_read_and_described(course):
         ),
         (
             '[stage1_ransac]\nwithout = ["drop_invalid", "horizontal_distance"]',
-            "this switches off all exercises of 01_point_clouds. To leave out the whole lesson",
+            "`without` switches off all exercises of 01_point_clouds. To leave out the whole",
         ),
         (
             "[01_point_clouds]",

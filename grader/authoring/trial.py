@@ -107,7 +107,7 @@ def _run_notebooks(lesson: Lesson) -> Iterator[Finding]:
         path.write_bytes(recorded)
         yield Finding(
             True,
-            "The results that students see instead of a missing answer were stored in "
+            "The results shown to students who have not written an answer were stored in "
             f"{path.relative_to(PROJECT)}.",
         )
     try:
@@ -245,7 +245,8 @@ def _quote_mismatches(
     shown = [sentence for sentence in known if sentence in result.cause]
     if len(shown) != bool(answer.told) or answer.told not in "".join(shown):
         wanted = f"the mistake {answer.told!r}" if answer.told else "no mistake"
-        yield f"The student should see {wanted}, but sees {shown or 'none'}."
+        seen = " and ".join(map(repr, shown)) or "none"
+        yield f"The student should see {wanted}, but sees {seen}."
 
 
 def _add_short_names(tests: Iterable[str]) -> set[str]:

@@ -253,8 +253,8 @@ def _parse_excluded_exercises(
     for lesson in counted_lessons:
         if {exercise.name for exercise in lesson.exercises} <= set(names):
             raise DeadlinesError(
-                f"{location}, without: this switches off all exercises of {lesson.name}. To leave "
-                "out the whole lesson, write lessons = [...] with the numbers of the others."
+                f"{location}: `without` switches off all exercises of {lesson.name}. To leave out "
+                "the whole lesson, write lessons = [...] with the numbers of the other lessons."
             )
     return names
 

@@ -100,8 +100,8 @@ def notes(course: Course, results: ClassResults, deadlines: Deadlines | None) ->
             yield (
                 f"{label}: the gradebook grants more time than {deadlines_path(course).name}, "
                 f"until {until:%Y-%m-%d %H:%M} UTC. The later date counts. To keep that date, add "
-                f'this line to the file below [{stage.stage}.students]: "{stage.student}" = '
-                f"{until:%Y-%m-%dT%H:%M:%S}Z. To change the date, write another one in that line."
+                f'this line below [{stage.stage}.students] in the file: "{stage.student}" = '
+                f"{until:%Y-%m-%dT%H:%M:%S}Z. To change the date, write a different one."
             )
     yield from _shared_time_notes(results)
     yield from assignment_notes(results, deadlines)

@@ -320,7 +320,7 @@ class StudentProxy:
         return ObservedCall(result, tuple(after), frozenset(parse_positions(shared)))
 
     def _stop_for_wrong_reply(self, name: str) -> NoReturn:
-        self._stop(self.exercise, f"{name} sent an invalid reply")
+        self._stop(self.exercise, f"the process sent an invalid reply to a call of {name}")
 
     def _remote_object(self, number: int, kind: object) -> RemoteObject:
         return RemoteObject(self, _Reference(number, self._worker), wire_format.known_type(kind))

@@ -236,8 +236,8 @@ def finds_the_directions(principal_axes: Callable) -> None:
     weight=4,
     title="Returns columns along the sides of a block that leans",
     why="On a hill, a car leans with the road, and its axes must lean with it.",
-    hint="Treat x, y and z alike, and change only columns of the matrix, because each axis is a "
-    "column.",
+    hint="Treat x, y and z alike. Each axis is a column of the matrix, so if you reorder or flip "
+    "axes, move or flip whole columns.",
 )
 def finds_leaning_directions(principal_axes: Callable) -> None:
     require_directions(principal_axes)

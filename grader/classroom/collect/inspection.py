@@ -144,7 +144,7 @@ def _unpack_zip(data: bytes, path: tuple[str, ...], depth: int) -> list[Unpacked
             UnpackedFile(
                 path,
                 SUBSTITUTE,
-                complaint=f"is inside more than {MAX_ZIP_DEPTH} nested zips, which are not opened. "
+                complaint=f"is inside {MAX_ZIP_DEPTH} other zips, so it was not opened. "
                 + _ASK_FOR_NOTEBOOK,
             )
         ]

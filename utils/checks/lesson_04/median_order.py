@@ -337,7 +337,7 @@ def takes_the_smallest(median_order: Callable) -> None:
     weight=1,
     title="Works on points with equal coordinates",
     why="A recording may contain the same point twice, and the points of a wall share coordinates.",
-    hint="Split the sorted rows into rows[:m] and rows[m + 1:], where m is the place of the "
+    hint="Split the sorted rows into rows[:m] and rows[m + 1:], where m is the position of the "
     "median. Do not compare coordinates.",
 )
 def handles_equal_points(median_order: Callable) -> None:

@@ -481,7 +481,7 @@ declare_mistakes(
         "every node.",
     ),
     Mistake(
-        "The tolerance is left out on the left: the left side is searched only if it contains the "
+        "The tolerance is ignored for the left side, which is searched only if it contains the "
         "target.",
         _prediction_from_rule(
             lambda node: _reaches_side(node) and (not node.is_left or node.target < node.split)
@@ -489,8 +489,8 @@ declare_mistakes(
         "Compare target[axis] - tolerance with the split.",
     ),
     Mistake(
-        "The tolerance is left out on the right: the right side is searched only if it contains "
-        "the target.",
+        "The tolerance is ignored for the right side, which is searched only if it contains the "
+        "target.",
         _prediction_from_rule(
             lambda node: _reaches_side(node) and (node.is_left or node.target >= node.split)
         ),

@@ -149,7 +149,7 @@ def separates_pairs_above_the_threshold(euclidean_clustering_accelerated: Callab
 @visible_check(
     _NAME,
     weight=5,
-    title="Does not join points that are too far apart when the cloud begins with a dense heap",
+    title="Does not join points that are too far apart, even if the cloud begins with a dense heap",
     why="A scan may begin with thousands of returns from one wall. They must not change which of "
     "the other points are joined.",
     hint="Compute the distance between points[first[i]] and points[first[j]]. Here i and j are "

@@ -170,7 +170,7 @@ _LONG_PATH = frozen(np.array([3, 1, 5, 6, 1, 4, 2, 0]))
 declare_mistakes(
     "root_of",
     Mistake(
-        "The code goes one step, to the parent: it has `if` instead of `while`, or `return` "
+        "The code goes only one step, to the parent: it has `if` instead of `while`, or `return` "
         "inside the loop.",
         _prediction_steps_up(1),
         "Write while parent[cell] != cell, and return after the loop.",
