@@ -1138,7 +1138,8 @@ def test_an_untouched_notebook_does_not_replace_work_that_was_collected_earlier(
     """A student who submits again often attaches notebooks that are only in the last submission."""
 
     def submission(number, data):
-        return archive(course, canvas_files("Lovelace, Ada", 4001, [(number, f"{SIX}.ipynb", data)]))
+        attachments = [(number, f"{SIX}.ipynb", data)]
+        return archive(course, canvas_files("Lovelace, Ada", 4001, attachments))
 
     collect(course, submission(1, notebook()))
     again = submission(2, released_notebook())
