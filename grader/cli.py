@@ -359,7 +359,7 @@ def _add_feedback(subparsers: argparse._SubParsersAction) -> None:
         "--for",
         dest="platform",
         choices=("moodle", "canvas"),
-        help="also write a zip to upload to Moodle or Canvas, which distributes the pages",
+        help="also write a zip to upload to Moodle or Canvas, which distributes the feedback",
     )
     _add_folder_option(feedback, "handed_back")
 
