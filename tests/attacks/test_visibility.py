@@ -94,15 +94,19 @@ def test_secret_files_cannot_be_opened(path):
 
 
 @needs_namespaces
-def test_submissions_in_the_exchange_cannot_be_listed(monkeypatch):
+def test_submissions_in_the_exchange_cannot_be_listed(monkeypatch, tmp_path):
     """By default, nbgrader's exchange is in a folder of the system that the sandbox shows."""
     root = ExchangeSubmit.root.default_value
     assert any(Path(root).is_relative_to(folder) for folder in HIDDEN_SYSTEM_FOLDERS)
     source = "import os\n" + function("return os.listdir(path)", parameters="path")
     folder = "/usr/share"  # a folder that every system has stands for the exchange
     assert outcome_of(source, folder)
-    monkeypatch.setattr(bubblewrap, "HIDDEN_SYSTEM_FOLDERS", (folder, "/usr/share/missing"))
-    assert outcome_of(source, folder) == []
+    link, outside = tmp_path / "link", tmp_path / "outside"
+    link.symlink_to(folder)
+    outside.mkdir()
+    for hidden in ((folder, "/usr/share/missing", str(outside)), (str(link),)):
+        monkeypatch.setattr(bubblewrap, "HIDDEN_SYSTEM_FOLDERS", hidden)
+        assert outcome_of(source, folder) == []
 
 
 # Code that lists everything that can be imported inside the sandbox, and where it comes from.
