@@ -195,8 +195,8 @@ def _add_release(subparsers: argparse._SubParsersAction) -> None:
     kind.add_argument(
         "--solutions",
         action="store_true",
-        help="write the executed solutions as notebooks and pages instead of zips; refused while "
-        "a student may still submit",
+        help="write zips with the executed solutions, as notebooks and pages; refused while a "
+        "student may still submit",
     )
     release.add_argument(
         "--anyway", action="store_true", help="write solutions even if students may still submit"
@@ -359,7 +359,7 @@ def _add_feedback(subparsers: argparse._SubParsersAction) -> None:
         "--for",
         dest="platform",
         choices=("moodle", "canvas"),
-        help="also write a zip to upload to Moodle or Canvas, which distributes the pages",
+        help="also write a zip to upload to Moodle or Canvas, which distributes the feedback",
     )
     _add_folder_option(feedback, "handed_back")
 
@@ -370,8 +370,9 @@ def _add_export(subparsers: argparse._SubParsersAction) -> None:
         "export",
         commands.run_export,
         "Write the marks to a table or to a file for a learning platform. Late penalties are "
-        "already subtracted, except in the exercises table. Students without a mark are listed, "
-        "but not exported.",
+        "already subtracted from totals and in files for platforms, but not from the points for a "
+        "lesson or an exercise in a table. Files for platforms contain only students with a mark "
+        "and, for Canvas, excused students.",
         "",
         "--format exercises",
         "--format canvas --assignment stage3_obstacles --into gradebook.csv",
@@ -481,8 +482,8 @@ def _add_viva(subparsers: argparse._SubParsersAction) -> None:
     viva.add_argument(
         "--student",
         metavar="X",
-        help="write only this student's questions, into viva/STAGE/ID/; X is an id, name, e-mail "
-        "address or login (default: whole class)",
+        help="write only this student's questions, with the pages in viva/STAGE/ID/; X is an id, "
+        "name, e-mail address or login (default: whole class)",
     )
     viva.add_argument(
         "--questions",
@@ -507,8 +508,9 @@ def _add_forget(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "forget",
         commands.run_forget,
-        "Delete all data about a student from the course folder. List the data first, and delete "
-        "nothing without --delete. Exit with status 1 if data about the student remains.",
+        "Delete all data about a student from the course folder, except lines in roster.csv and "
+        "deadlines.toml. Without --delete, only list the data. Exit with status 1 if data about "
+        "the student remains.",
         "anna",
         "anna --delete",
     )
@@ -525,8 +527,8 @@ def _add_site(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "site",
         commands.run_site,
-        "Generate a website from the course. Run every lesson to include its outputs. This needs "
-        "the packages in requirements-site.txt, which `make site` installs.",
+        "Generate a website from the course. Run new and changed lessons to include their outputs. "
+        "This needs the packages in requirements-site.txt, which `make site` installs.",
         "",
         "--to /var/www/course",
     )
@@ -582,7 +584,8 @@ def _add_build(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "build",
         commands.run_build,
-        "Write all generated files: the notebooks of all lessons, and parts of the documentation.",
+        "Write the notebooks of all lessons, and the generated parts of the documentation, except "
+        "docs/prices.md.",
         "",
         "--check",
     )

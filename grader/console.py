@@ -451,7 +451,7 @@ def _collection_sentences(report: CollectionReport) -> Iterator[str]:
         ("new", "new"),
         ("newer", "newer than the previous version, which is kept in .older/"),
         ("same", "unchanged"),
-        ("kept", "left out, because a newer version was already collected"),
+        ("kept", "left out, because a newer version, or one with work, was already collected"),
     )
     counted = [f"{counts[state]} {text}" for state, text in state_texts if counts[state]]
     yield f"Notebooks: {'; '.join(counted) or 'none'}."

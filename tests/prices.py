@@ -39,8 +39,8 @@ shows what share of the exercise's points an answer with each slip keeps.
 - If the judge proves that an answer has a single slip, the answer keeps at least {one_slip}, or at
   least {missed_task} if the slip misses the point of the exercise. See
   [grading a class](grading.md#what-happens-to-a-submission).
-- If no single edit corrects an answer, or the change leaves out the lesson's method, the answer
-  keeps only the points for the checks that it passes.
+- If the judge does not prove a single slip, or if the change leaves out the lesson's method, the
+  answer keeps only the points for the checks that it passes.
 
 ## By effect
 

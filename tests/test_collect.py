@@ -1134,6 +1134,26 @@ def test_an_untouched_copy_is_ignored(course):
     assert placed_files(course, "ada") == {f"{SIX}.ipynb": notebook()}
 
 
+def test_an_untouched_notebook_does_not_replace_work_that_was_collected_earlier(course):
+    """A student who submits again often attaches notebooks that are only in the last submission."""
+
+    def submission(number, data):
+        attachments = [(number, f"{SIX}.ipynb", data)]
+        return archive(course, canvas_files("Lovelace, Ada", 4001, attachments))
+
+    collect(course, submission(1, notebook()))
+    again = submission(2, released_notebook())
+    outcome = collect(course, again)
+    assert states(outcome) == {"ada": {"06": "kept"}}
+    assert placed_files(course, "ada") == {f"{SIX}.ipynb": notebook()}
+    ((name, text),) = [(remark.name, remark.text) for remark in outcome.remarks]
+    assert text.startswith("contains no work")
+    collect(course, again, lessons={name: "06"})  # the instructor's answer decides
+    assert placed_files(course, "ada") == {f"{SIX}.ipynb": released_notebook()}
+    outcome = collect(course, submission(3, notebook(text="x = 2")))
+    assert states(outcome) == {"ada": {"06": "newer"}}
+
+
 def test_a_damaged_file_is_placed_if_there_is_no_other(course):
     broken = notebook()[:60]
     files = moodle_files("Ada Lovelace", 1, [(f"{SIX}.ipynb", broken)])

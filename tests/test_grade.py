@@ -189,9 +189,13 @@ def test_commands_of_nbgrader_give_the_same_scores_without_hidden_tests(course, 
     assert (
         course.root / "notebooks" / LESSON.stage / f"{LESSON.name}.ipynb"
     ).read_bytes().strip() == LESSON.released.read_bytes().strip()
+    for name in ("page.HTML", "notes.txt"):
+        (course.submitted / "half" / LESSON.stage / name).write_text("<script>alert(1)</script>")
     done = run_nbgrader(course, "autograde", LESSON.stage)
     assert done.returncode == 0, done.stderr
     assert entered_scores(course) == scores_by_verdict(judge_course(course, sandbox))
+    copies = {path.name for path in (course.autograded / "half" / LESSON.stage).iterdir()}
+    assert copies == {f"{LESSON.name}.ipynb", "notes.txt"}  # Formgrader would serve the page
 
     feedback = run_nbgrader(course, "generate_feedback", LESSON.stage)
     assert feedback.returncode == 0, feedback.stderr

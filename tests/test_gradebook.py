@@ -675,6 +675,8 @@ def test_files_next_to_a_notebook_are_copied(course):
     (folder / "helper.py").write_bytes(b"x = 1  # caf\xe9")
     (folder / "README").write_text("read me")
     (folder / "distances.csv").write_text("1,2")
+    for page in ("page.html", "PAGE.HTM", "drawing.svg", "page.xhtml", "feed.xml"):
+        (folder / "figures" / page).write_text("<script>alert(1)</script>")
     for hidden in (".ipynb_checkpoints", "__pycache__"):
         (folder / hidden).mkdir()
         (folder / hidden / "old.txt").write_text("old")

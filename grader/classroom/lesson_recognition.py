@@ -71,6 +71,24 @@ def content_of(data: bytes, name: str) -> NotebookContent:
     return NotebookContent(lesson.name, untouched, notebook.repairs)
 
 
+def contains_work(path: Path) -> bool:
+    """Return whether a submitted notebook is readable and differs from its release.
+
+    The notebook is read in a separate process. If this machine cannot read it, it may contain work.
+    """
+    cache_releases()
+
+    def work() -> bool:
+        return not content_of(read_file(path), path.name).untouched
+
+    try:
+        return run_in_child(path.name, work)
+    except UnreadableNotebook:
+        return False
+    except ReadingFailed:
+        return True
+
+
 def cache_releases() -> None:
     """Fill the caches of `content_of`, so that forked processes inherit them."""
     for lesson in all_lessons():

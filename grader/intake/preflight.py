@@ -4,7 +4,7 @@ Each of the `STEPS` looks for one kind of damage, and yields a sentence for each
 what happened, how the grader treated it, and what the student can do. The judge and the gradebook
 use the same result, so a grader sees exactly the code that was judged.
 
-Code is untrusted. It is therefore parsed only in the sandbox, and searched here as text.
+Code is untrusted. The judge therefore parses it only in the sandbox. Here it is searched as text.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Messages about failed checks and about an exercise as a whole.
 
-Messages never contain test input or text that student code controls. They name the kind of mistake
+Messages never contain test input or text that student code computes. They name the kind of mistake
 and its line, and include the lesson's hint. They never show the student's answer, not even for
 visible checks, because the answer might contain the input of another check. In the notebook,
 `check()` shows everything.

@@ -1,9 +1,10 @@
 """Look for a single edit that makes a wrong answer right.
 
 The search applies one edit after another to the student's functions (see `utils.notebooks.edits`)
-and repeats the checks that the answer failed, all in one process. If these checks pass, the edited
-notebook is judged like a submission, including hidden tests. If it then earns full marks, the
-answer is proven to have a single slip, and the student keeps part of the points.
+and repeats the checks that the answer failed, in one process unless an edit ends it. If these
+checks pass, the edited notebook is judged like a submission, including hidden tests. If it then
+earns full marks, the answer is proven to have a single slip, and the student keeps part of the
+points.
 
 An empty answer gains nothing, because no edit repairs it. An answer that returns guesses gains
 nothing either, because an edit would have to make every guess right.

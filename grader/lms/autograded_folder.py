@@ -1,9 +1,15 @@
-"""Write the folder that Formgrader shows: autograded copies and the other submitted files."""
+"""Write the folder that Formgrader shows: autograded copies and the other submitted files.
+
+Formgrader serves every file in this folder from the grader's own server, and a written answer can
+link to a file. A script in a web page would then act as the grader, so web pages are left out.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import mimetypes
 import os
+import re
 import shutil
 import stat
 from collections.abc import Iterator
@@ -22,7 +28,7 @@ from utils.notebooks.reading import UnreadableNotebook
 def write_draft(
     course: Course, entry: StageEntry, copies: dict, modules: dict[Path, bytes], draft: Path
 ) -> None:
-    """Write the copies, the judged modules and all other submitted files to a draft folder."""
+    """Write the copies, the judged modules and the other submitted files to a draft folder."""
     shutil.rmtree(draft, ignore_errors=True)
     draft.mkdir(parents=True)
     for submitted in entry.folders(course):
@@ -51,8 +57,22 @@ def _other_files(root: Path) -> Iterator[Path]:
         for name in files:
             path = Path(folder) / name
             is_regular = stat.S_ISREG(path.lstat().st_mode)
-            if is_regular and not is_notebook_name(name) and not name.startswith("."):
+            is_left_out = is_notebook_name(name) or name.startswith(".") or _can_run_scripts(path)
+            if is_regular and not is_left_out:
                 yield path
+
+
+def _can_run_scripts(path: Path) -> bool:
+    """Return whether a browser runs scripts in a file, by the type with which it is served."""
+    kind, encoding = mimetypes.guess_type(path)
+    return encoding is None and bool(re.search("html|xml", kind or ""))
+
+
+def remove_web_pages(folder: Path) -> None:
+    """Remove web pages, which nbgrader's own commands copy from a submission."""
+    for path in folder.rglob("*"):
+        if path.is_file() and _can_run_scripts(path):
+            path.unlink()
 
 
 def replace_folder(draft: Path, folder: Path) -> None:

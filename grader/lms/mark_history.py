@@ -1,9 +1,10 @@
 """Keep a log of every changed mark: old and new points, time, and the verdict or person behind it.
 
-``marks.jsonl`` in the course folder has one line per change, and lines are only appended. Each run
-compares the last known marks with the gradebook, so the log includes marks and comments that a
-person entered in between. If a power cut loses or truncates a line, the next run logs the change
-again. If the gradebook is lost, `grader.lms.marks_by_hand` restores a person's work from the log.
+``marks.jsonl`` in the course folder has one line per change. Lines are only appended, except when
+`grader.lms.forget` deletes those about a student. Each run compares the last known marks with the
+gradebook, so the log includes marks and comments that a person entered in between. If a power cut
+loses or truncates a line, the next run logs the change again. If the gradebook is lost,
+`grader.lms.marks_by_hand` restores a person's work from the log.
 """
 
 from __future__ import annotations

@@ -32,6 +32,7 @@ from grader.lms.answer_fingerprints import (
     write_fingerprints,
 )
 from grader.lms.autograded_copy import build_copy_in_process, build_judged_copy
+from grader.lms.autograded_folder import remove_web_pages
 from grader.lms.gradebook_dates import enter_due_dates, set_extension
 from grader.lms.penalties import penalty_of
 from grader.lms.submission_times import lesson_times, naive_submission_time
@@ -75,6 +76,7 @@ class Judge(NbGraderPreprocessor):
         """
         names = resources["nbgrader"]
         course = Course(Path(self.parent.parent.coursedir.root))
+        remove_web_pages(course.autograded / names["student"] / names["assignment"])
         submission = _submission(course, names)
         verdict = current_verdict(
             course, submission, course_seed(course, self.seed), choose_sandbox(self.sandbox)

@@ -1,9 +1,9 @@
 """Sanitize untrusted text, so that browsers show it without interpreting it.
 
-Formgrader, feedback pages and the report convert Markdown to HTML, and keep any HTML in it. A
-zero-width space disarms everything that could become a tag, a script's address or a MathJax
-command. Text, code and formulas still look as typed. No Markdown parser is used, because each of
-these programs has a different one.
+Formgrader and feedback pages convert Markdown to HTML, and keep any HTML in it. A zero-width space
+disarms everything that could become a tag, a script's address or a MathJax command. Text, code and
+formulas still look as typed. No Markdown parser is used, because each of these programs has a
+different one.
 """
 
 from __future__ import annotations

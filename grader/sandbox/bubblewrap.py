@@ -17,6 +17,7 @@ from grader.course.paths import PROJECT
 from grader.sandbox import bubblewrap_program, users
 from grader.sandbox.boundary import (
     BASE_PREFIX,
+    HIDDEN_SYSTEM_FOLDERS,
     PREFIX,
     PYTHON,
     SHOWN_PATHS,
@@ -200,7 +201,9 @@ def _options_for_files(packages: tuple[str, ...], forbidden: Iterable[str]) -> l
     shown = [path for path in dict.fromkeys(ours) if os.path.exists(path)]
     # The project or a folder of packages may be inside a visible folder. Such folders are hidden
     # first, and then only the files in `shown` are added again.
-    covered = [str(PROJECT), *map(str, folders_of_packages())]
+    # A link to a folder outside the visible ones leads nowhere, and bubblewrap could not cover it.
+    covered = [*filter(os.path.isdir, map(os.path.realpath, HIDDEN_SYSTEM_FOLDERS)), str(PROJECT)]
+    covered += map(str, folders_of_packages())
     covered = [path for path in covered if _is_in_any(path, (*SYSTEM_FOLDERS, BASE_PREFIX))]
     options = [] if _is_in_any(BASE_PREFIX, SYSTEM_FOLDERS) else _options_to_show([BASE_PREFIX])
     options += itertools.chain(*(("--tmpfs", path) for path in covered))

@@ -22,7 +22,7 @@ class PlainProcess:
     )
 
     def check_available(self) -> None:
-        """Do nothing, because this works on every machine."""
+        """Do nothing, because nothing has to be installed."""
 
     def label(self) -> str:
         """Return "no sandbox"; see `grader.sandbox.protocol.Sandbox`."""

@@ -10,10 +10,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from nbgrader.exchange.default import ExchangeSubmit
 
 from grader.course.paths import PROJECT
 from grader.sandbox import Limits, bubblewrap, users
-from grader.sandbox.boundary import SHOWN_PATHS
+from grader.sandbox.boundary import HIDDEN_SYSTEM_FOLDERS, SHOWN_PATHS
 from grader.sandbox.failures import StudentError
 from grader.sandbox.program import INSTALLED_PACKAGES
 from grader.sandbox.usage import process_tree
@@ -90,6 +91,22 @@ def test_secret_files_cannot_be_opened(path):
     with attack(source) as student:
         assert student.f(str(PROJECT / "utils" / "clouds"))
         assert not student.f(str(PROJECT / path))
+
+
+@needs_namespaces
+def test_submissions_in_the_exchange_cannot_be_listed(monkeypatch, tmp_path):
+    """By default, nbgrader's exchange is in a folder of the system that the sandbox shows."""
+    root = ExchangeSubmit.root.default_value
+    assert any(Path(root).is_relative_to(folder) for folder in HIDDEN_SYSTEM_FOLDERS)
+    source = "import os\n" + function("return os.listdir(path)", parameters="path")
+    folder = "/usr/share"  # a folder that every system has stands for the exchange
+    assert outcome_of(source, folder)
+    link, outside = tmp_path / "link", tmp_path / "outside"
+    link.symlink_to(folder)
+    outside.mkdir()
+    for hidden in ((folder, "/usr/share/missing", str(outside)), (str(link),)):
+        monkeypatch.setattr(bubblewrap, "HIDDEN_SYSTEM_FOLDERS", hidden)
+        assert outcome_of(source, folder) == []
 
 
 # Code that lists everything that can be imported inside the sandbox, and where it comes from.

@@ -27,7 +27,7 @@ from grader.classroom.collect.selection import StudentFile, find_newest, rivals_
 from grader.classroom.collect.stated_time import NOTHING_STATED, StatedTime
 from grader.classroom.collect.storage import KEPT, StageFolder, UnclearVersion
 from grader.classroom.collect.submission_table import SubmissionRow
-from grader.classroom.lesson_recognition import lesson_by_name
+from grader.classroom.lesson_recognition import contains_work, lesson_by_name
 from grader.classroom.submissions import Submission
 from grader.classroom.timestamp_file import TIMESTAMP_FILE
 from grader.course.lessons import Lesson
@@ -183,8 +183,17 @@ class StudentCollector:
         if has_answer:
             outdated_digests = {newest_file.digest for newest_file in candidates} - {file.digest}
         origin = dataclasses.replace(file.origin, beaten=tuple(sorted(outdated_digests)))
+        current = self._existing.get(lesson)
+        may_replace_work = has_answer or not file.unpacked.content.untouched
+        if current and not may_replace_work and contains_work(current.path):
+            text = (
+                "contains no work, so the notebook that was collected earlier still counts. To use "
+                f"this file, add {lesson_option(file, lesson.number)}"
+            )
+            self._report.remarks.append(Question(file.name, text))
+            return KEPT
         try:
-            state = folder.place(name, file.unpacked.data, origin, self._existing.get(lesson))
+            state = folder.place(name, file.unpacked.data, origin, current)
         except UnclearVersion as question:
             self._report.add_question(file.name, str(question))
             return UNANSWERED_MARK

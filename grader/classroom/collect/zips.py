@@ -1,6 +1,8 @@
 """Read untrusted zips: check the declared sizes, and never use a name in a zip as a path.
 
-Only the roster and the lessons of the course determine where a file is written.
+The roster and the lessons of the course determine where a file is written. Without a roster, the
+name of a student's folder comes from the archive, without special characters. A module keeps its
+name, which must be an identifier.
 """
 
 from __future__ import annotations

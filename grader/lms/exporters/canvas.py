@@ -2,7 +2,8 @@
 
 An import writes every column that Canvas recognises, and a blank cell deletes a mark. The output
 therefore contains only the columns that identify a student, the assignment's column, and the rows
-of students with a mark. Other marks that were entered in the meantime do not change.
+of students who have a mark or are excused. Other marks that were entered in the meantime do not
+change.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """Fill one column of an LMS file with marks, and report marks and rows without a counterpart.
 
 This is the common part of the exporters for Canvas and Moodle. The rows of students without a mark
-are omitted, so an import does not change the marks that the LMS has stored for them.
+are omitted, so an import does not change the marks that the LMS has stored for them. Excused
+students keep their rows if the LMS has a text for them.
 """
 
 from __future__ import annotations
