@@ -528,7 +528,8 @@ def run_feedback(options: argparse.Namespace) -> int:
     if any(item.pages for item in feedback):  # students see which lessons count
         results = class_results(course)
         results = results.of_people(people) if people else results
-        console.print_notes([*assignment_notes(results, read_deadlines(course))])
+        notes = assignment_notes(results, read_deadlines(course), options.stages)
+        console.print_notes([*notes])
     if not any(item.pages for item in feedback):
         print("There is no feedback to write yet. Run: python -m grader grade", file=sys.stderr)
         return USAGE_ERROR
@@ -659,6 +660,11 @@ def run_forget(options: argparse.Namespace) -> int:
     for sentence in remaining:
         notice = f"{sentence} Otherwise, the next run of grade adds the student again."
         print(console.printable_text(notice))
+    if any(trace.is_class_page for trace in traces):
+        print(
+            "To write the pages and tables about the class again, run report, export, feedback, "
+            "similarity, viva or league."
+        )
     if traces and not options.delete:
         print("Nothing was deleted. To delete all of this, add --delete.", file=sys.stderr)
         return FAULT

@@ -233,11 +233,11 @@ def print_class(
     for student, verdicts in students.items():
         if student in enrolled:
             scores = [_mark_text(results.notebook(student, lesson)) for lesson in lessons]
-            first_fault = _first_fault(verdicts.values())
+            first_fault = _first_fault(verdicts.values(), results)
         else:
             scores = [_score_text(verdicts.get(lesson), results) for lesson in lessons]
             first_fault = "not on the roster, so no mark was entered" if results else ""
-            first_fault = first_fault or _first_fault(verdicts.values())
+            first_fault = first_fault or _first_fault(verdicts.values(), results)
         cells += scores
         lateness = (late.get(student, ""),) if late else ()
         table.add_row(escape(printable_text(student)), *scores, *lateness, first_fault)
@@ -551,11 +551,13 @@ def _score_text(verdict: Verdict | None, results: ClassResults | None) -> str:
     return rounded_points(points) if verdict.status == "judged" else "?"
 
 
-def _first_fault(verdicts: Iterable[Verdict]) -> str:
+def _first_fault(verdicts: Iterable[Verdict], results: ClassResults | None) -> str:
+    excluded = results.rules.excluded_exercises if results else ()
     faults = [
         cause if exercise.name in cause else f"{exercise.name}: {cause}"
         for verdict in verdicts
         for exercise in verdict.exercises
+        if exercise.name not in excluded
         for cause in exercise.cause.splitlines()[:1]
     ]
     problems = [

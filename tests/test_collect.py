@@ -684,8 +684,7 @@ def test_a_question_is_asked_if_two_levels_of_folders_may_be_named_after_student
     outcome = collect(course, path)
     assert questions(outcome) == {
         "submissions.zip": f"Add --folder-level {levels[0]} if the folders group A, group B are "
-        f"named after students, or --folder-level {levels[1]} if the folders x1, x2, x3 inside "
-        "them are"
+        f"named after students, or --folder-level {levels[1]} if the folders x1, x2, x3 are"
     }
     assert states(outcome) == {}
     for level, names in zip(levels, ({"group A", "group B"}, {"x1", "x2", "x3"}), strict=True):
@@ -717,6 +716,9 @@ def archive_of(course, paths):
         ("a/x1/6", "a/x2/6", "b/x3/8"),
         ("hw6/x1/6", "hw6/x2/6", "hw7/x1/7", "hw7/x2/7"),
         ("A/anna/6", "A/bo/6", "A/cy/6", "B/anna/6"),
+        ("try/x1/6", "try/x2/6", "new/x1/6", "new/x2/6"),
+        ("try/x1/6", "try/x2/6", "try/x3/6", "new/x1/6", "new/x2/6"),
+        ("week1/x1/work.ipynb", "week1/x2/work.ipynb", "week2/x1/work.ipynb"),
     ],
 )
 def test_different_lessons_of_several_students_are_never_attributed_to_one(
@@ -725,6 +727,33 @@ def test_different_lessons_of_several_students_are_never_attributed_to_one(
     path = archive_of(course_with_strangers, paths)
     outcome = collect(course_with_strangers, path)
     assert states(outcome) == {} and "--folder-level 2 if" in questions(outcome)["submissions.zip"]
+
+
+@pytest.mark.parametrize("names", [("x1 {}", "x2 {}"), ("{}_x1", "{}_x2"), ("x1", "x2")])
+@pytest.mark.parametrize("lessons", [(SIX, SEVEN), (SIX, SIX)])
+def test_files_without_folders_are_not_attributed_to_one_student(
+    course_with_strangers, names, lessons
+):
+    """Different words in the names, or a repeated lesson, may mean several students."""
+    files = [
+        (f"{name.format(lesson[:2])}.ipynb", notebook(lesson, text=name))
+        for name, lesson in zip(names, lessons, strict=True)
+    ]
+    outcome = collect(course_with_strangers, archive(course_with_strangers, files))
+    text = questions(outcome)["submissions"]
+    assert states(outcome) == {} and "a folder named after the student" in text
+    assert ("--who" in text) == (outcome.roster is None)
+
+
+@pytest.mark.parametrize("names", [("{}", "{} (1)"), ("Copy of {}", "{}-Copy2"), ("Untitled", "8")])
+def test_files_of_one_student_need_no_folder(anonymous_course, names):
+    """Words that a program or one student adds to the names do not name several students."""
+    files = [
+        (f"{name.format(lesson)}.ipynb", notebook(lesson))
+        for name, lesson in zip(names, (SIX, EIGHT), strict=True)
+    ]
+    outcome = collect(anonymous_course, archive(anonymous_course, files))
+    assert states(outcome) == {"submissions": {"06": "new", "08": "new"}}
 
 
 @pytest.mark.parametrize(
@@ -769,6 +798,12 @@ def test_the_roster_decides_which_folders_belong_to_students(course, ids, found)
     write_roster(course, *(f"{id},,,,," for id in ids))
     outcome = collect(course, archive_of(course, ("a/x1/6", "a/x2/7", "b/x3/8")))
     assert set(states(outcome)) == found and bool(outcome.questions) == (len(found) < 3)
+
+
+def test_the_roster_decides_even_if_the_students_folders_recur(course):
+    """Without the roster, the folders ada and cy look like folders of lessons."""
+    paths = ("week1/ada/6", "week1/cy/7", "week2/ada/6", "week2/cy/7")
+    assert set(states(collect(course, archive_of(course, paths)))) == {"ada", "cy"}
 
 
 @pytest.mark.parametrize(

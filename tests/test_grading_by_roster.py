@@ -302,6 +302,8 @@ def test_the_doctor_names_an_unreadable_file(course, monkeypatch, file):
     (course.root / file).write_text("?")
     wrong = {subject: text for subject, good, text in findings(course, monkeypatch) if not good}
     assert wrong[file.partition(".")[0]].startswith(file)
+    unchecked = {subject for subject, text in wrong.items() if text.startswith("not checked")}
+    assert unchecked == {"gradebook"} | ({"submitted"} if file == "roster.csv" else set())
 
 
 def test_the_doctor_lists_marks_of_students_who_are_not_on_the_roster(course, monkeypatch):

@@ -98,6 +98,7 @@ def test_nothing_is_deleted_without_the_option(course, monkeypatch, capsys):
         *("gradebook.db.2026-10-12", "roster.csv", "deadlines.toml"),
     ):
         assert part in printed.out
+    assert "To write the pages and tables about the class again, run report" in printed.out
     assert "Nothing was deleted" in printed.err and "--delete" in printed.err
 
 

@@ -19,6 +19,7 @@ from grader.classroom.item_analysis import (
 )
 from grader.classroom.submissions import Submission
 from grader.console import print_class
+from grader.course.deadlines import TermRules
 from grader.course.lessons import all_lessons, find_lesson
 from grader.course.paths import Course
 from grader.course.roster import Person
@@ -218,6 +219,15 @@ def test_the_terminal_names_the_exercise_of_the_first_problem(capsys):
     assert output.count("filter_ground") == 2
 
 
+def test_the_first_problem_is_in_an_exercise_that_counts(capsys):
+    results = class_of([result("ada", MARKED, 0.0)])
+    rules = TermRules(excluded_exercises=frozenset({"filter_ground"}))
+    wrong = submitted(verdict("ada", [check(False)], "2 rows are wrong."))
+    for excluding, shown in ((results, True), (dataclasses.replace(results, rules=rules), False)):
+        print_class([wrong], excluding)
+        assert ("2 rows are wrong." in capsys.readouterr().out) == shown
+
+
 def test_a_failed_judge_gives_no_mark():
     failed = dataclasses.replace(verdict("ada", []), status=FAILED)
     results = class_of([result("ada", WAITING, None)])
@@ -273,6 +283,13 @@ def test_the_page_names_the_sandbox(tmp_path):
     assert f"sandbox: {label}</p>" in report(tmp_path, verdicts, run=GradingRun(1, 0, 1.4, label))
     on_a_cluster = report(tmp_path, verdicts, run=GradingRun(1, 0, 1.4))
     assert "sandbox" not in on_a_cluster
+
+
+def test_unreadable_files_do_not_count_as_started():
+    wrong = verdict("dee", [check(False)], "2 rows are wrong.")
+    unreadable = verdict("cy", [])
+    assert [(c.failed, c.tried) for c in hardest_checks([unreadable, wrong])] == [(1, 1)]
+    assert [item.tried for item in items_of([unreadable, wrong])] == [1]
 
 
 UNTOUCHED = check(False, kind=MessageKind.NOT_STARTED, subject="filter_ground")
@@ -590,7 +607,7 @@ def test_the_sum_stays_visible_next_to_all_lessons_of_a_term(tmp_path):
         "</body>", f'<script type="module">{using}</script></body>'
     )
     shown, _ = rendered_page(page, tmp_path / "browser", "elsewhere")
-    assert re.findall("<title>(.*?)</title>", shown) == ["2 true true"]
+    assert re.findall("<title>(.*?)</title>", shown) == ["3 true true"]
 
 
 @pytest.mark.slow

@@ -276,6 +276,18 @@ def test_a_slow_comparison_is_interrupted_and_the_timer_restored(make_lesson, mo
     assert signal.getsignal(signal.SIGPROF) is before
 
 
+@pytest.mark.filterwarnings("error")
+def test_numbers_in_a_wrong_answer_cause_no_warnings(make_lesson):
+    """Otherwise, they would be printed on the instructor's terminal."""
+    overflow = "np.linalg.norm([1e300, 1e300]); np.sqrt(np.array(-1.0)); np.ones(1) / 0"
+    hidden = TWO_TESTS.replace('student.g("second")', overflow)
+    checks = [visible_check("shown", "g", lambda function: np.ones(1) / 0)]
+    outcomes = run_checks(
+        make_lesson(f"import numpy as np\n{hidden}", checks), RecordingStudent(), SEED
+    )
+    assert failure_types(outcomes) == {"test_first": CheckFailed}
+
+
 def test_waiting_for_student_code_does_not_count_as_work_of_the_judge(make_lesson, monkeypatch):
     monkeypatch.setattr(runner, "TEST_SECONDS", 0.2)
     hidden = TWO_TESTS.replace('student.g("second")', "time.sleep(0.4)")

@@ -219,8 +219,8 @@ def test_an_assigned_lesson_counts_even_if_no_student_submitted_it(course):
     assert results.stage("ada", STAGE).max_score == 50
 
 
-def assignment_advice(course):
-    return list(assignment_notes(class_results(course), read_deadlines(course)))
+def assignment_advice(course, *stages):
+    return list(assignment_notes(class_results(course), read_deadlines(course), stages))
 
 
 def test_lessons_that_may_not_be_assigned_are_listed(course):
@@ -228,6 +228,8 @@ def test_lessons_that_may_not_be_assigned_are_listed(course):
     without_work = f"{STAGE}: no student submitted {BOXES.name}"
     (sentence,) = assignment_advice(course)
     assert sentence.startswith(f"{without_work}. All") and 'lessons = ["06", "07"]' in sentence
+    assert assignment_advice(course, STAGE) == [sentence]
+    assert assignment_advice(course, "stage1_ransac") == []
     submit(course, "cleo", DISTANCE)
     (sentence,) = assignment_advice(course)
     assert sentence.startswith(f"{without_work}; only ada submitted {GROUND.name}. All")

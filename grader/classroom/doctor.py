@@ -28,6 +28,7 @@ from grader.sandbox import SANDBOXES, Sandbox, SandboxUnavailable
 from grader.sandbox.boundary import is_shown
 
 MIN_FREE_BYTES = 2**30
+NOT_CHECKED = "not checked. Correct roster.csv or deadlines.toml, and run doctor again"
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,7 @@ def examine(
         yield from _examine_files(course)
     except RosterError as error:
         yield Finding("roster", False, str(error))
+        yield Finding("submitted", False, NOT_CHECKED)
     yield _examine_deadlines(course)
 
 

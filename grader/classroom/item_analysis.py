@@ -121,7 +121,12 @@ def is_not_started(exercise: ExerciseResult) -> bool:
 
 
 def _started_exercises(verdict: Verdict) -> list[ExerciseResult]:
-    return [exercise for exercise in verdict.exercises if not is_not_started(exercise)]
+    """Return the exercises that a student started; none if the file could not be read."""
+    return [
+        exercise
+        for exercise in verdict.exercises
+        if exercise.tests and not is_not_started(exercise)
+    ]
 
 
 def count_not_started(verdicts: Sequence[Verdict]) -> list[tuple[str, int]]:

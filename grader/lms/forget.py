@@ -41,10 +41,13 @@ class Trace:
     sentence : str
         What the data is, and where it is stored.
     delete : callable
+    is_class_page : bool
+        Whether the data is a page or table about the whole class, which can be written again.
     """
 
     sentence: str
     delete: Callable[[], None]
+    is_class_page: bool = False
 
 
 def student_to_forget(course: Course, text: str) -> str:
@@ -196,7 +199,7 @@ def _class_page_traces(course: Course) -> Iterator[Trace]:
     for pattern in CLASS_PAGES:
         for path in sorted(course.root.glob(pattern)):
             sentence = f"pages or tables about the whole class: {_relative(course, path)}"
-            yield Trace(sentence, _make_deletion(path))
+            yield Trace(sentence, _make_deletion(path), is_class_page=True)
     url = make_url(database_url(course))
     if url.drivername == "sqlite" and url.database:
         database = Path(url.database)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from grader.classroom.doctor import Finding
+from grader.classroom.doctor import NOT_CHECKED, Finding
 from grader.classroom.submissions import find_submissions
 from grader.course.deadlines_file import DeadlinesError
 from grader.course.paths import Course
@@ -26,8 +26,9 @@ def check_gradebook(course: Course) -> Iterator[Finding]:
     except GradebookUnavailable as error:
         yield Finding("gradebook", False, str(error))
         return
-    except (RosterError, DeadlinesError):
-        return  # other examinations of `doctor` report these problems
+    except (RosterError, DeadlinesError):  # other findings of `doctor` describe these problems
+        yield Finding("gradebook", False, NOT_CHECKED)
+        return
     marked = {result.student for result in results.notebooks if result.score is not None}
     students = f"{len(marked)} student{'s' * (len(marked) != 1)}"
     yield Finding("gradebook", True, f"{gradebook_location(course)}, with marks for {students}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from datetime import UTC, timedelta, tzinfo
 
 from grader.course.deadlines import Deadlines
@@ -34,17 +34,25 @@ def counted_lessons(results: ClassResults) -> dict[str, str]:
     return sentences
 
 
-def assignment_notes(results: ClassResults, deadlines: Deadlines | None) -> Iterator[str]:
-    """Yield notes about lessons and work that may not count, and about outdated marks."""
+def assignment_notes(
+    results: ClassResults, deadlines: Deadlines | None, only: Collection[str] = ()
+) -> Iterator[str]:
+    """Yield notes about lessons and work that may not count, and about outdated marks.
+
+    `only` lists the stages to describe; by default, all stages are described.
+    """
     students: dict[str, list[str]] = {}
     for student, lesson in results.unassigned:
-        students.setdefault(lesson, []).append(student)
+        if not only or find_lesson(lesson).stage in only:
+            students.setdefault(lesson, []).append(student)
     for lesson, names in students.items():
         yield (
             f"{lesson} does not count for {', '.join(names)}, because {DEADLINES_FILE} does not "
             "list it below the stage."
         )
     for stage in dict.fromkeys(result.stage for result in results.notebooks):
+        if only and stage not in only:
+            continue
         if deadlines is None or deadlines.assigned_lessons(stage) is None:
             yield from _rarely_submitted(results, stage)
         yield from outdated_mark_notes(results, stage)

@@ -8,7 +8,12 @@ from pathlib import Path
 
 from grader.classroom.collect import open_archives
 from grader.classroom.collect.collection_report import CollectionReport, Question
-from grader.classroom.collect.folder import folders_of_lessons, named_folders, student_name_in
+from grader.classroom.collect.folder import (
+    extra_words,
+    folders_of_lessons,
+    named_folders,
+    student_name_in,
+)
 from grader.classroom.collect.inspection import OTHER, file_kind
 from grader.classroom.collect.instructor_answers import (
     InstructorAnswers,
@@ -165,14 +170,16 @@ def _decide_level(
         known = [owners.is_known(owner) for owner in set(inner_owners)]
         if 2 * sum(known) > len(known):
             return dataclasses.replace(archive, files=tuple(archive.levels[level]))
+    outer_names = {owner.label for owner in outer_owners}
+    lesson_folders = folders_of_lessons([file.entry for file in archive.files])
     for level, inner_owners in inner:
-        outer_names = {owner.label for owner in outer_owners}
-        if len(set(zip(outer_owners, inner_owners, strict=True))) > len(outer_names):
+        inner_names = {owner.label for owner in inner_owners}
+        has_several = len(set(zip(outer_owners, inner_owners, strict=True))) > len(outer_names)
+        if has_several and lesson_folders.isdisjoint(inner_names):
             report.add_question(
                 archive.path.name,
-                f"Add --folder-level {outer_level} if the folders {_format_names(outer_names)} are "
-                f"named after students, or --folder-level {level} if the folders "
-                f"{_format_names({owner.label for owner in inner_owners})} inside them are",
+                f"Add --folder-level {outer_level} if {_format_folders(outer_names)} named after "
+                f"students, or --folder-level {level} if {_format_folders(inner_names)}",
             )
             return dataclasses.replace(archive, files=())
     return archive
@@ -206,7 +213,7 @@ def _group_by_owner(
             and _may_belong_to_several(
                 [file.entry.path for _, file in files if may_be_notebook(file.entry)],
                 lesson_folders[archive],
-                has_roster=report.roster is not None,
+                is_named=report.roster is None and not is_unnamed,
             )
         ):
             report.add_question(owner.label, f"{count}. {owners.ambiguous_files_question(owner)}")
@@ -259,21 +266,25 @@ def _format_file_count(count: int) -> str:
     return "1 file" if count == 1 else f"{count} files"
 
 
-def _format_names(names: Collection[str]) -> str:
-    shown = sorted(names)[:MAX_SHOWN_NAMES]
-    return ", ".join(shown) + (", …" if len(names) > len(shown) else "")
+def _format_folders(names: Collection[str]) -> str:
+    """Return a subject and its verb, such as ``the folders ada, bo are``."""
+    shown = ", ".join(sorted(names)[:MAX_SHOWN_NAMES])
+    if len(names) == 1:
+        return f"the folder {shown} is"
+    return f"the folders {shown}{', …' if len(names) > MAX_SHOWN_NAMES else ''} are"
 
 
 def _may_belong_to_several(
-    paths: Collection[tuple[str, ...]], lesson_folders: Collection[str], has_roster: bool
+    paths: Collection[tuple[str, ...]], lesson_folders: Collection[str], is_named: bool
 ) -> bool:
     """Return whether the paths of notebooks show that several students may own them.
 
     One student's files have different names, and are in nested folders or in folders named after
-    lessons. Without a roster, no folder can be looked up. A second version, or a word that a
-    student added to a file name, is then not enough evidence.
+    lessons. If the files are in a folder that is named after a student (`is_named`), a second
+    version, or a word that the student added to a file name, is not enough evidence.
     """
     names = [lesson_by_name(path[-1]) or path[-1].lower() for path in paths]
+    words = {extra_words(path[-1]) for path in paths} - {""}
     students = {student_name_in(path[-1]) for path in paths} - {""}
     students_before = {student_name_in(path[-1], only_before=True) for path in paths} - {""}
     is_repeated = len(set(names)) < len(names)
@@ -281,8 +292,8 @@ def _may_belong_to_several(
     innermost = max(folders, key=len, default=())
     if any(innermost[: len(folder)] != folder for folder in folders):
         return True
-    if has_roster:
-        return is_repeated or len(students) > 1
+    if not is_named:
+        return is_repeated or len(words) > 1
     return len(students_before) > 1 or (is_repeated and len(students) > 1)
 
 

@@ -16,7 +16,11 @@ from pathlib import PurePath
 from grader.classroom.collect.models import Archive, ArchiveEntry, Owner, SubmittedFile
 from grader.classroom.collect.name_patterns import may_be_notebook
 from grader.classroom.lesson_recognition import lesson_by_name
-from grader.course.lessons import all_lessons, stages
+from grader.course.lessons import Lesson, all_lessons, stages
+
+_WORD_OF_A_PROGRAM = re.compile(
+    r"\d{0,2}|(?:untitled|copy|kopie)\d*|of|von|ipynb|txt|json|zip", re.IGNORECASE
+)
 
 
 def read_folder(archive: Archive, level: int = 0) -> list[SubmittedFile]:
@@ -56,13 +60,9 @@ def possible_levels(archive: Archive) -> dict[int, list[SubmittedFile]]:
 
     The outermost level is first. The result is empty if only one level is possible.
     """
-    lesson_folders = folders_of_lessons(archive.entries)
     chains = [named_folders(entry.path) for entry in _notebooks_in(archive.entries)]
-    levels = {
-        depth + 1: read_folder(archive, depth + 1)
-        for depth in range(_recognised_depth(archive.entries), min(map(len, chains)))
-        if not any(chain[depth] in lesson_folders for chain in chains)
-    }
+    depths = range(_recognised_depth(archive.entries), min(map(len, chains)))
+    levels = {depth + 1: read_folder(archive, depth + 1) for depth in depths}
     return levels if len(levels) > 1 else {}
 
 
@@ -72,18 +72,26 @@ def folders_of_lessons(entries: Sequence[ArchiveEntry]) -> frozenset[str]:
     Such a name occurs within several folders, each time with the same lesson, as in ``ada/hw6/…``
     and ``bo/hw6/…``. Two students may also share a name, so more than half of the names at a level
     must occur repeatedly.
+
+    If a folder contains a lesson several times, as in ``ada/try/…`` and ``ada/new/…``, the folders
+    above may be attempts with students inside them. A class has more students than attempts, so
+    there must then be more folders above than names inside them.
     """
-    places: dict[tuple[int, str], dict[object, set[tuple[str, ...]]]] = {}
+    levels: dict[int, set[tuple[tuple[str, ...], str, Lesson]]] = {}
     for entry in _notebooks_in(entries):
+        lesson = lesson_by_name(entry.path[-1])
         folders = named_folders(entry.path)
-        lesson = lesson_by_name(entry.path[-1]) or entry.path[-1].lower()
-        for depth, name in enumerate(folders):
-            parents = places.setdefault((depth, name), {}).setdefault(lesson, set())
-            parents.add(folders[:depth])
-    names = Counter(depth for depth, _ in places)
-    repeated = [place for place, parents in places.items() if max(map(len, parents.values())) > 1]
-    counts = Counter(depth for depth, _ in repeated)
-    return frozenset(name for depth, name in repeated if 2 * counts[depth] > names[depth])
+        for depth, name in enumerate(folders if lesson else ()):
+            levels.setdefault(depth, set()).add((folders[:depth], name, lesson))
+    found = set()
+    for level in levels.values():
+        parents, names = ({place[part] for place in level} for part in (0, 1))
+        counts = Counter((name, lesson) for _, name, lesson in level)
+        repeated = {name for (name, _), count in counts.items() if count > 1}
+        has_attempts = max(Counter((parent, lesson) for parent, _, lesson in level).values()) > 1
+        if 2 * len(repeated) > len(names) and (len(parents) > len(names) or not has_attempts):
+            found |= repeated
+    return frozenset(found)
 
 
 def named_folders(path: Sequence[str], others: Collection[str] = ()) -> tuple[str, ...]:
@@ -104,6 +112,19 @@ def student_name_in(name: str, *, only_before: bool = False) -> str:
     before, after = stem[: match.start()].strip(" _-."), stem[match.end() :].strip(" _-.")
     rest = before if only_before else before or after
     return "" if re.fullmatch(r"(?:copy of|copy|kopie von|kopie|\W|\d)*", rest.lower()) else rest
+
+
+def extra_words(name: str) -> str:
+    """Return the words in a file name that do not name its lesson; they may name a student.
+
+    Short numbers and the words that programs add to names, such as *copy*, do not count.
+    """
+    lesson = lesson_by_name(name)
+    ignored = lesson.name.split("_") if lesson else ()
+    words = re.split(r"[\W_]+", name.lower())
+    return " ".join(
+        word for word in words if word not in ignored and not _WORD_OF_A_PROGRAM.fullmatch(word)
+    )
 
 
 @functools.lru_cache(10_000)
