@@ -264,6 +264,11 @@ SLIPS = {
         "return x[(x >= y) & (x <= z)]",
         "return x[(x[:, :3] >= y) & (x[:, :3] <= z)]",
     ),
+    "columns shifted by one": ("return x[:, 1:4]", "return x[:, :3]"),
+    "columns shifted by one in each copy": (
+        "return x[:, 2:4] - x[:, 2:4].mean(axis=0)",
+        "return x[:, 1:3] - x[:, 1:3].mean(axis=0)",
+    ),
     "the ends of a range": ("return x < y <= z", "return z < y <= x"),
     "the last column for the third": ("return x[:, -1] > z", "return x[:, 2] > z"),
     "a statement after two calls": (
