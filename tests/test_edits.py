@@ -314,6 +314,9 @@ SLIPS = {
         "first, rows = f(x, first=y)\nz = g(rows)\nreturn np.unique(z)",
         "first, rows = f(x, first=y)\nz = g(rows)\nreturn np.unique(z[rows])",
     ),
+    "a decimal point that is missing": ("return f(x, 3) > 2", "return f(x, 0.3) > 2"),
+    "a decimal point one digit too far": ("return f(x) > 0.03", "return f(x) > 0.3"),
+    "a decimal point one digit too early": ("return f(x, y=2.5)", "return f(x, y=0.25)"),
     "the ends of a range": ("return x < y <= z", "return z < y <= x"),
     "the last column for the third": ("return x[:, -1] > z", "return x[:, 2] > z"),
     "a statement after two calls": (
