@@ -264,6 +264,59 @@ SLIPS = {
         "return x[(x >= y) & (x <= z)]",
         "return x[(x[:, :3] >= y) & (x[:, :3] <= z)]",
     ),
+    "columns shifted by one": ("return x[:, 1:4]", "return x[:, :3]"),
+    "columns shifted by one in each copy": (
+        "return x[:, 2:4] - x[:, 2:4].mean(axis=0)",
+        "return x[:, 1:3] - x[:, 1:3].mean(axis=0)",
+    ),
+    "a mask that is not used as an index": (
+        "near = x < y\nfar = z[:, :3]\nreturn far",
+        "near = x < y\nfar = z[:, :3][near]\nreturn far",
+    ),
+    "an inverted mask that is not used as an index": (
+        "near = x < y\nreturn z",
+        "near = x < y\nreturn z[~near]",
+    ),
+    "a loop variable that is not used": (
+        "for k in range(n):\n    z.append(f(x))",
+        "for k in range(n):\n    z.append(f(x[k]))",
+    ),
+    "a value in place of one that is not used": (
+        "rows = f(x)\nreturn z[n]",
+        "rows = f(x)\nreturn z[rows]",
+    ),
+    "an index missing on both sides": (
+        "axis = n % 2\nreturn x < node.point",
+        "axis = n % 2\nreturn x[axis] < node.point[axis]",
+    ),
+    "an index that another operand has": (
+        "split = node.point\nreturn x[n] < split",
+        "split = node.point[n]\nreturn x[n] < split",
+    ),
+    "an index missing in each operand": (
+        "split = z[n]\nreturn f(x, x - y < split, x + y > split)",
+        "split = z[n]\nreturn f(x, x[n] - y < split, x[n] + y > split)",
+    ),
+    "a tuple in place of its last part": (
+        "basis = np.linalg.svd(x)\nreturn basis @ y",
+        "basis = np.linalg.svd(x)[2]\nreturn basis @ y",
+    ),
+    "a table in place of its last row": ("least = x\nreturn least", "least = x[2]\nreturn least"),
+    "a tuple in place of one number": (
+        "normal, offset = x[:3], x\nreturn y @ normal + offset",
+        "normal, offset = x[:3], x[3]\nreturn y @ normal + offset",
+    ),
+    "another part of a result": (
+        "first, rows = f(x)\nreturn g(y[first], y[rows])",
+        "first, rows = f(x)\nreturn g(y[rows], y[rows])",
+    ),
+    "values of groups in place of points": (
+        "first, rows = f(x, first=y)\nz = g(rows)\nreturn np.unique(z)",
+        "first, rows = f(x, first=y)\nz = g(rows)\nreturn np.unique(z[rows])",
+    ),
+    "a decimal point that is missing": ("return f(x, 3) > 2", "return f(x, 0.3) > 2"),
+    "a decimal point one digit too far": ("return f(x) > 0.03", "return f(x) > 0.3"),
+    "a decimal point one digit too early": ("return f(x, y=2.5)", "return f(x, y=0.25)"),
     "the ends of a range": ("return x < y <= z", "return z < y <= x"),
     "the last column for the third": ("return x[:, -1] > z", "return x[:, 2] > z"),
     "a statement after two calls": (

@@ -142,6 +142,21 @@ def test_the_caller_of_a_wrong_function_can_also_be_repaired(sandbox):
     assert "max_iterations - 1" in exercises["ransac_line"].slip.before
 
 
+MATH_FOR_A_COLUMN = """
+import math
+
+def filter_by_distance(cloud, distance=10.0):
+    return cloud[math.sqrt(cloud[:, 0] ** 2 + cloud[:, 1] ** 2) <= distance]
+"""
+
+
+def test_an_edit_can_use_numpy_even_if_the_answers_do_not(sandbox):
+    lesson = find_lesson("07_filter_by_distance")
+    _, exercises = judge_with(sandbox, lesson, filter_by_distance=MATH_FOR_A_COLUMN)
+    slip = exercises["filter_by_distance"].slip
+    assert slip.after.strip().startswith("return cloud[np.sqrt(")
+
+
 KEEPS_LOST = """
 def drop_invalid(cloud):
     finite = np.isfinite(cloud)

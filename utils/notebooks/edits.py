@@ -21,6 +21,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
+from utils.notebooks.edits_of_indices import edits_of_indices
 from utils.notebooks.edits_of_nodes import Names, SourceText, edits_of_node, names_in
 from utils.notebooks.edits_of_several_nodes import edits_of_several_nodes
 from utils.notebooks.statements import Statement
@@ -128,7 +129,8 @@ def _changed_blocks(block: str, tree: ast.Module) -> Iterator[tuple[int, Callabl
     function = tree.body[0]
     docstrings = {id(node) for node in _docstrings(tree)}
     names = names_in(function)
-    for node, parent, field in _walk(function):
+    walked = list(_walk(function))
+    for node, parent, field in walked:
         if id(node) in docstrings:
             continue
         for rank, begin, end, text in edits_of_node(source, node, parent, field, names):
@@ -144,6 +146,8 @@ def _changed_blocks(block: str, tree: ast.Module) -> Iterator[tuple[int, Callabl
     for text in _with_new_defaults(block, function):
         yield 0, functools.partial(str, text)
     for rank, replacements in edits_of_several_nodes(source, function, names):
+        yield rank, functools.partial(_replace_texts, source, replacements)
+    for rank, replacements in edits_of_indices(source, walked, names):
         yield rank, functools.partial(_replace_texts, source, replacements)
 
 

@@ -225,6 +225,8 @@ def edits_of_node(
             yield 1, *source.span(node), word
     elif isinstance(node, ast.Constant):
         yield from _constant_edits(source, node)
+        if isinstance(parent, (ast.Call, ast.Compare, ast.keyword)):
+            yield from _decimal_point_edits(source, node)
     elif isinstance(node, ast.Call):
         yield from _call_edits(source, node, names)
     elif isinstance(node, (ast.Tuple, ast.List)):
@@ -419,6 +421,18 @@ def _constant_edits(source: SourceText, node: ast.Constant) -> Iterator[tuple[in
     elif isinstance(value, float):
         for changed in (value / 2, value * 2, value + 1, value - 1):
             yield 3, begin, end, f"({changed!r})"
+
+
+def _decimal_point_edits(
+    source: SourceText, node: ast.Constant
+) -> Iterator[tuple[int, int, int, str]]:
+    """Move the decimal point of a number such as a threshold by one digit: 3 becomes 0.3."""
+    value = node.value
+    if type(value) is float:
+        for factor in (10, 0.1):
+            yield 0, *source.span(node), f"{value * factor:.12g}"
+    elif type(value) is int and 1 < value < 10:
+        yield 0, *source.span(node), f"0.{value}"
 
 
 def _call_edits(

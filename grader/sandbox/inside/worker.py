@@ -68,7 +68,9 @@ def main(read_end: int, write_end: int) -> None:
     newer = explain_newer_names(statements, skipped, notebook)
     statements, redefined = replace_given_code(statements, notebook["names"], notebook["given"])
     statements, refusals = remove_forbidden_imports(statements, rules["forbidden"])
-    needed = slicing.slice_for(notebook["names"], statements)
+    # Edits may use NumPy, even if no answer uses it.
+    edited_names = ["np"] if notebook["edited"] else []
+    needed = slicing.slice_for([*notebook["names"], *edited_names], statements)
     # No student code has run yet, so these facts about the source can be trusted. An answer may be
     # a method of a redefined class, so the parts of an answer include all redefined names.
     uses = {
