@@ -1,5 +1,6 @@
 """Reading small ROS recordings, written by rosbags, both intact and damaged."""
 
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -126,9 +127,14 @@ def test_suffixes_may_have_capital_letters(tmp_path, kind):
 def test_the_only_recording_in_a_folder_is_read_despite_wrong_metadata(tmp_path, kind):
     folder = record(tmp_path / "street", kind).rename(tmp_path / "street.bag")
     np.testing.assert_array_equal(read_bag(folder)[2], cloud(2))
+    metadata = folder / "metadata.yaml"
+    text = metadata.read_text()
+    assert "storage_identifier: " in text
+    metadata.write_text(re.sub("storage_identifier: .*", "storage_identifier: ''", text))
+    np.testing.assert_array_equal(read_bag(folder)[2], cloud(2))
     next(folder.glob(f"*.{kind}")).rename(folder / f"my run.{kind}")  # the metadata are now wrong
     np.testing.assert_array_equal(read_bag(folder)[2], cloud(2))
-    (folder / "metadata.yaml").unlink()
+    metadata.unlink()
     np.testing.assert_array_equal(read_bag(folder)[2], cloud(2))
     (folder / f"second.{kind}").touch()
     with pytest.raises(CloudFileError, match="not an intact ROS recording"):
