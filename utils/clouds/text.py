@@ -137,7 +137,8 @@ def _decode_characters(data: bytes, name: str) -> str:
             name,
             f"character {position}",
             "found binary data, expected text",
-            "Give the file the suffix of its format: .bin, .pcd or .npz.",
+            "Give the file the suffix of its format: .bin, .pcd or .npz. If it is text, save it as "
+            "UTF-8.",
         )
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
