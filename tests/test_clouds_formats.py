@@ -237,6 +237,11 @@ class TestKitti:
         for part in ("a.bin", "not a KITTI scan", *parts):
             assert part in message
 
+    @pytest.mark.parametrize("factor", [1e9, 1e-15])
+    def test_absurd_coordinates_are_not_read_as_points(self, factor):
+        data = (self.scan * [factor, factor, factor, 1]).astype("<f4").tobytes()
+        assert "not a KITTI scan" in message_of(decode_kitti, data, "a.bin")
+
     def test_label_files_are_not_read_as_points(self):
         labels = np.random.default_rng(0).integers(1, 30, 4000).astype("<u4")
         assert "not a KITTI scan" in message_of(decode_kitti, labels.tobytes(), "a.bin")

@@ -181,6 +181,20 @@ def test_tracklets_and_times_are_optional(drive):
     assert recording[2].boxes == () and recording[2].time == pytest.approx(0.3)
 
 
+def test_text_scans_and_a_byte_order_mark_before_the_times_are_read(drive):
+    """KITTI's unsynchronised drives contain text, and some editors write the mark."""
+    data, times = drive / "velodyne_points" / "data", drive / "velodyne_points" / "timestamps.txt"
+    times.write_bytes(b"\xef\xbb\xbf" + times.read_bytes())
+    expected = [frame.cloud for frame in read_kitti_raw(drive)]
+    for path in data.glob("*.bin"):
+        write_cloud(path.with_suffix(".txt"), read_cloud(path))
+        path.unlink()
+    recording = read_kitti_raw(drive)
+    np.testing.assert_allclose(recording.times, [0, 0.1, 0.3], atol=1e-6)
+    for frame, cloud in zip(recording, expected, strict=True):
+        np.testing.assert_allclose(frame.cloud, cloud, rtol=1e-7)  # text has no float32
+
+
 def test_errors_explain_invalid_drives(drive):
     assert "2011_09_26_drive_0005_sync" in error_message(read_kitti_raw, drive.parent)
     assert "no files" in error_message(read_kitti_raw, drive / "none")

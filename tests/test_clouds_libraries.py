@@ -113,11 +113,11 @@ def examples(tmp_path_factory) -> list[Path]:
     folder = tmp_path_factory.mktemp("clouds")
     options = ["-n", "0", "-m", "", "-p", "no:cacheprovider", "-p", "tests.recorded_clouds"]
     options += ["-o", "faulthandler_timeout=7200"]
+    # If one of these tests fails, the files that the tests read are compared all the same.
     subprocess.run(
         [sys.executable, "-m", "pytest", "-q", *options, *OTHER_TESTS],
         cwd=PROJECT,
         env=os.environ | {"FOLDER_OF_CLOUDS": str(folder)},
-        check=True,
     )
     write_with_open3d(folder)
     write_with_pypcd4(folder)

@@ -261,6 +261,9 @@ def test_unusual_files_are_read_as_in_pcl(head, body):
     [
         (b"1,5 2,5 3,5 4\n", "decimal points instead of commas"),
         (b"1 2 3 -nan(ind)\n", "write nan for a missing value"),
+        (b"1 2 1.#QNAN 4\n", "write nan for a missing value"),
+        (b"1 2 3 4\n1 2 3 car\n", "Correct or delete the line"),
+        (b"# made by me\n1 2 3 4\n", "Correct or delete the line"),
         (b"1 2 3 4 5\n1 2 3 4\n", "or FIELDS and COUNT in the header"),
         (b"1 2 3 4\n1 2 3\n", "copied completely"),
     ],

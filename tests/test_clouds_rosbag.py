@@ -1,5 +1,6 @@
 """Reading small ROS recordings, written by rosbags, both intact and damaged."""
 
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -126,9 +127,14 @@ def test_suffixes_may_have_capital_letters(tmp_path, kind):
 def test_the_only_recording_in_a_folder_is_read_despite_wrong_metadata(tmp_path, kind):
     folder = record(tmp_path / "street", kind).rename(tmp_path / "street.bag")
     np.testing.assert_array_equal(read_bag(folder)[2], cloud(2))
+    metadata = folder / "metadata.yaml"
+    text = metadata.read_text()
+    assert "storage_identifier: " in text
+    metadata.write_text(re.sub("storage_identifier: .*", "storage_identifier: ''", text))
+    np.testing.assert_array_equal(read_bag(folder)[2], cloud(2))
     next(folder.glob(f"*.{kind}")).rename(folder / f"my run.{kind}")  # the metadata are now wrong
     np.testing.assert_array_equal(read_bag(folder)[2], cloud(2))
-    (folder / "metadata.yaml").unlink()
+    metadata.unlink()
     np.testing.assert_array_equal(read_bag(folder)[2], cloud(2))
     (folder / f"second.{kind}").touch()
     with pytest.raises(CloudFileError, match="not an intact ROS recording"):
@@ -213,18 +219,21 @@ class TestMessages:
             np.testing.assert_array_equal(decode_point_cloud(made, "a"), expected)
 
     @pytest.mark.parametrize(
-        "options",
+        ("options", "reason"),
         [
-            {"fields": layout()[:2]},
-            {"fields": layout(datatypes=(7, 7, 9, 7))},
-            {"width": 4},
-            {"width": 2**32 - 1, "height": 2**32 - 1},
-            {"point_step": 8},
-            {"point_step": 0, "width": 3},
-            {"height": 2, "row_step": 16},
-            {"fields": layout(offsets=(0, 4, 2**32 - 1, 12))},
+            ({"fields": layout()[:2]}, "the fields are y, x, expected x, y and z"),
+            ({"fields": layout(datatypes=(7, 7, 9, 7))}, "expected x, y and z as numbers"),
+            ({"width": 4}, "1 x 4 points of 16 bytes in rows of 64 bytes, but contains 48"),
+            ({"width": 2**32 - 1, "height": 2**32 - 1}, "4294967295 x 4294967295 points"),
+            ({"point_step": 8}, "end at byte 16, but a point has 8 bytes"),
+            ({"point_step": 0, "width": 3}, "end at byte 16, but a point has 0 bytes"),
+            ({"height": 2, "row_step": 16}, "2 x 3 points of 16 bytes in rows of 48 bytes"),
+            ({"height": 2, "width": 1, "row_step": 12}, "has 16 bytes, but row_step is 12"),
+            ({"fields": layout(offsets=(0, 4, 2**32 - 1, 12))}, "end at byte 4294967299"),
         ],
     )
-    def test_errors_explain_impossible_layouts(self, options):
-        with pytest.raises(CloudFileError, match="street.bag, message 7"):
+    def test_errors_explain_impossible_layouts(self, options, reason):
+        with pytest.raises(CloudFileError, match="street.bag, message 7") as caught:
             decode_point_cloud(message(bytes(48), **options), "street.bag", "message 7")
+        assert reason in str(caught.value)
+        assert ("cut off" in str(caught.value)) == ("in rows of" in str(caught.value))

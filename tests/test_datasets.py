@@ -46,7 +46,9 @@ def test_a_street_and_its_truth_belong_together(tmp_path, monkeypatch, capsys, i
 
 
 class TestLoadCloud:
-    def test_the_working_folder_takes_precedence_over_the_project(self, tmp_path, monkeypatch):
+    def test_the_working_folder_takes_precedence_over_the_project(
+        self, tmp_path, monkeypatch, capsys
+    ):
         project = tmp_path / "project" / "data"
         work = tmp_path / "work"
         project.mkdir(parents=True)
@@ -56,11 +58,17 @@ class TestLoadCloud:
         write_cloud(project / "cloud.txt", [[1, 1, 1]])
         write_cloud(project / "other.pcd", [[3, 3, 3]])
         assert datasets.load_cloud()[0, 0] == 1
+        assert capsys.readouterr().out == ""
         write_cloud(work / "cloud.txt", [[2, 2, 2, 2]])
         assert datasets.load_cloud()[0, 0] == 2
+        assert f"Reading {work / 'cloud.txt'}, not the course's file" in capsys.readouterr().out
         assert datasets.load_cloud("cloud.txt").shape == (1, 4)
         assert datasets.load_cloud(project / "cloud.txt")[0, 0] == 1
         assert datasets.load_cloud("other.pcd")[0, 0] == 3
+        capsys.readouterr()
+        monkeypatch.chdir(project)
+        assert datasets.load_cloud()[0, 0] == 1
+        assert capsys.readouterr().out == ""
 
     def test_the_error_about_a_missing_file_names_both_folders(self, tmp_path, monkeypatch):
         (tmp_path / "data").mkdir()

@@ -67,11 +67,12 @@ def test_folders_and_single_clouds_are_played(tmp_path, suffix, capsys):
     assert "only labelled recordings show boxes" in capsys.readouterr().out
 
 
-def test_bags_are_opened_with_their_topic(monkeypatch):
+@pytest.mark.parametrize("name", ["drive.bag", "DRIVE.BAG", "DRIVE.DB3", "drive.mcap"])
+def test_bags_are_opened_with_their_topic(monkeypatch, name):
     seen = []
     monkeypatch.setattr("utils.recordings.read_bag", lambda *given: seen.append(given) or [])
-    play.open_playback("drive.bag", topic="/points")
-    assert seen == [(Path("drive.bag"), "/points")]
+    play.open_playback(name, topic="/points")
+    assert seen == [(Path(name), "/points")]
 
 
 def test_folders_of_kitti_and_of_ros_are_recognised(tmp_path, monkeypatch):

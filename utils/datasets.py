@@ -35,7 +35,8 @@ def load_cloud(name: str | os.PathLike = "cloud.txt") -> np.ndarray:
     ----------
     name : str or path
         A path relative to the working folder or, if it does not exist there, to the project's
-        ``data`` folder. The file may have any format that `utils.clouds.read_cloud` reads.
+        ``data`` folder. The file may have any format that `utils.clouds.read_cloud` reads. If both
+        folders contain the file, a sentence says which of them is read.
 
     Returns
     -------
@@ -48,10 +49,13 @@ def load_cloud(name: str | os.PathLike = "cloud.txt") -> np.ndarray:
         The file is in neither folder or is malformed; the message gives the next step.
     """
     path = Path(name).expanduser()
-    for folder in (Path.cwd(), DATA):  # an absolute path overrides the folder
-        if os.path.exists(folder / path):
-            return read_cloud(folder / path)
-    raise missing_file_error(path, [Path.cwd(), DATA], SUFFIXES)
+    # An absolute path overrides the folder.
+    found = [file for file in (Path.cwd() / path, DATA / path) if os.path.exists(file)]
+    if not found:
+        raise missing_file_error(path, [Path.cwd(), DATA], SUFFIXES)
+    if len(found) == 2 and not os.path.samefile(*found):
+        print(f"Reading {found[0]}, not the course's file of the same name.")
+    return read_cloud(found[0])
 
 
 def load_street() -> tuple[np.ndarray, dict[str, np.ndarray]]:

@@ -23,7 +23,9 @@ SIGNATURES = (
         "Run git lfs pull in its repository, or download the raw file.",
     ),
     Signature(b"\x93NUMPY", "a NumPy array", "Give the file the suffix .npy.", (".npy",)),
-    Signature(b"PK\x03\x04", "a zip archive", "Unpack it first.", (".npz",)),
+    Signature(
+        b"PK\x03\x04", "a zip archive", "Unpack it, or save a spreadsheet as CSV.", (".npz",)
+    ),
     Signature(b"\x1f\x8b", "data compressed with gzip", "Unpack the file first."),
     Signature(b"\x28\xb5\x2f\xfd", "data compressed with zstd", "Unpack the file first."),
     Signature(b"# .PCD", "a PCD file", "Give the file the suffix .pcd.", (".pcd",)),

@@ -28,6 +28,7 @@ NAMES = {
     "scalar_field": "intensity",  # CloudCompare
     "scalar_intensity": "intensity",
 }
+LARGEST_INTENSITY = 1e6  # scanners give at most 65,535; times and packed colours are larger
 PTS_COLUMNS = {7: [0, 1, 2, 3], 6: [0, 1, 2]}  # x y z, then intensity, then red green blue
 
 
@@ -82,6 +83,14 @@ def decode_text(data: bytes, name: str = "cloud.txt") -> np.ndarray:
             "the first column numbers the lines, expected x",
             "Save the file without an index column, or name the columns in a header line.",
         )
+    if columns is None and (rows[:, 3:] > LARGEST_INTENSITY).sum() > len(rows) / 2:
+        raise file_error(
+            name,
+            f"line {start + 1}",
+            f"found {rows[0, 3]:.15g} in column 4, expected an intensity",
+            "If the column contains times or colours, name the columns in a header line, for "
+            "instance: x y z time",
+        )
     return rows
 
 
@@ -128,7 +137,8 @@ def _decode_characters(data: bytes, name: str) -> str:
             name,
             f"character {position}",
             "found binary data, expected text",
-            "Give the file the suffix of its format: .bin, .pcd or .npz.",
+            "Give the file the suffix of its format: .bin, .pcd or .npz. If it is text, save it as "
+            "UTF-8.",
         )
     return text.replace("\r\n", "\n").replace("\r", "\n")
 

@@ -99,18 +99,10 @@ def decode_point_cloud(message: Any, name: str, place: str = "message 0") -> np.
     shape, row_step = _layout(message)
     end = max(offset + kind.itemsize for offset, kind in zip(offsets, kinds, strict=True))
     height, width = shape
-    if height * width and (
-        end > message.point_step
-        or message.point_step * width > row_step
-        or row_step * (height - 1) + message.point_step * width > len(message.data)
-    ):
-        raise file_error(
-            name,
-            place,
-            f"the message announces {message.height} x {message.width} points of "
-            f"{message.point_step} bytes, but contains {len(message.data)} bytes",
-            "Was the recording cut off?",
-        )
+    if not height * width:
+        return np.empty((0, len(wanted)), np.result_type(np.float32, *kinds))
+    if problem := _layout_problem(message, shape, row_step, end):
+        raise file_error(name, place, *problem)
     data = np.ascontiguousarray(message.data)
 
     def decode(order: str) -> np.ndarray:
@@ -122,8 +114,6 @@ def decode_point_cloud(message: Any, name: str, place: str = "message 0") -> np.
             )
         return cloud.reshape(-1, len(wanted))
 
-    if not height * width:
-        return np.empty((0, len(wanted)), np.result_type(np.float32, *kinds))
     cloud = decode(">" if message.is_bigendian else "<")
     if not has_plausible_sizes(cloud[:, :3]):  # some drivers set the flag of the other byte order
         other = decode("<" if message.is_bigendian else ">")
@@ -142,6 +132,35 @@ def _layout(message: Any) -> tuple[tuple[int, int], int]:
         height, width = 1, size // step
     unpadded = height == 1 or size == height * width * step
     return (height, width), step * width if unpadded else message.row_step
+
+
+def _layout_problem(
+    message: Any, shape: tuple[int, int], row_step: int, end: int
+) -> tuple[str, str] | None:
+    """Return why points do not fit into the data, and advice; or None if they fit.
+
+    `end` is the first byte after the wanted fields, counted from the beginning of a point.
+    """
+    height, width = shape
+    step, size = message.point_step, len(message.data)
+    row = max(step * width, row_step)
+    if end > step:
+        return (
+            f"the fields of a point end at byte {end}, but a point has {step} bytes",
+            "Correct point_step or the fields in the program that publishes the points.",
+        )
+    if row * (height - 1) + step * width > size:
+        return (
+            f"the message announces {height} x {width} points of {step} bytes in rows of {row} "
+            f"bytes, but contains {size} bytes",
+            "Was the recording cut off?",
+        )
+    if row > row_step:
+        return (
+            f"a row of {width} points has {row} bytes, but row_step is {row_step}",
+            "Correct row_step in the program that publishes the points.",
+        )
+    return None
 
 
 def _decode_laser_scan(message: Any) -> np.ndarray:

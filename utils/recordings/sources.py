@@ -1,5 +1,6 @@
 """Real recordings that the course can use but does not ship: their addresses and licences."""
 
+import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +18,9 @@ UDACITY = (
     "https://raw.githubusercontent.com/udacity/SFND_Lidar_Obstacle_Detection/"
     "ef15da2bc172359e7d6edfdd156a2a243d10977e/src/sensors/data/pcd"
 )
+CHECKSUMS = Path(__file__).parent / "checksums.json"
+"""SHA-256 of each frame in these folders at this commit, by the name of the recording."""
+
 LICENCE = (
     "Recorded by the KITTI project (Geiger, Lenz, Stiller and Urtasun, IJRR 2013; "
     "www.cvlibs.net/datasets/kitti) and published under CC BY-NC-SA 3.0: use it only for "
@@ -49,12 +53,11 @@ class RecordingSource:
     licence: str = LICENCE
 
 
-def _source_of_frames(
-    folder: str, count: int, checksums: dict[int, str], about: str
-) -> RecordingSource:
+def _source_of_frames(name: str, folder: str, about: str) -> RecordingSource:
     """Return the source of a folder of numbered PCD files recorded at 10 Hz."""
-    names = {f"{number:010d}.pcd": checksums.get(number) for number in range(count)}
-    return RecordingSource(f"{UDACITY}/{folder}", names, _read_frames, about)
+    checksums = json.loads(CHECKSUMS.read_text())[name]
+    files = {f"{number:010d}.pcd": checksum for number, checksum in enumerate(checksums)}
+    return RecordingSource(f"{UDACITY}/{folder}", files, _read_frames, about)
 
 
 def _read_frames(folder: Path) -> Recording:
@@ -74,16 +77,13 @@ def _source_of_drive(day: str, number: str, about: str) -> RecordingSource:
     )
 
 
-CITY_CHECKSUMS = {
-    0: "cdb1878b94e0408c5cb13d3ba53fd24cb5617728a43f2bb0ef7531369189273f",
-    5: "d9684ebebcb1f515b2123c61c2639475c942fec078c7d3f8145c3620870c843e",
-    10: "8aa1bd48592830fb8c6c6e1629ee8b6dacef7f15f2a3009dd5e99708a166f6c0",
-}
 SOURCES = {
     "udacity_city": _source_of_frames(
-        "data_1", 22, CITY_CHECKSUMS, "22 frames of a street with parked cars"
+        "udacity_city", "data_1", "22 frames of a street with parked cars, 42 MB"
     ),
-    "udacity_cyclist": _source_of_frames("data_2", 154, {}, "154 frames behind a cyclist"),
+    "udacity_cyclist": _source_of_frames(
+        "udacity_cyclist", "data_2", "154 frames behind a cyclist, 301 MB"
+    ),
     "kitti_0002": _source_of_drive("2011_09_26", "0002", "77 labelled frames in the city"),
     "kitti_0005": _source_of_drive("2011_09_26", "0005", "154 labelled frames behind a cyclist"),
 }
