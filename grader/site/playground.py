@@ -1,7 +1,7 @@
-"""Build the playground on the front page, in which readers turn the course's scan and detect obstacles.
+"""Build the playground on the front page: the course's scan, which readers turn and divide.
 
-The scan is a script, because a page from a disk cannot fetch a file. ``static/playground.js`` decodes
-it, and computes and draws everything.
+The scan is a script, because a page from a disk cannot fetch a file. ``static/playground.js``
+decodes the scan, and computes and draws everything.
 """
 
 from __future__ import annotations
