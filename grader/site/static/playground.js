@@ -8,7 +8,7 @@
   // ---- in the worker -------------------------------------------------------------------------------
   // All lengths are in steps of the scan, so points and squared gaps are whole numbers.
   const work = () => {
-    const ROUNDS = 200, EVERY = 4, STEEPEST = 0.2;
+    const ROUNDS = 200, EVERY = 4, STEEPEST = 0.2; // planes, of which every fourth point is counted; slope
     let at, step, count;
 
     // The ground is a height z = a x + b y + c at each place. Steeper planes are walls.
@@ -120,7 +120,8 @@
         const right = Math.min(...aside), left = Math.max(...aside);
         if ((front - back) * (left - right) >= least) return;
         least = (front - back) * (left - right);
-        floor = [[back, right], [front, right], [front, left], [back, left]].map(([u, v]) => [c * u - s * v, s * u + c * v]);
+        floor = [[back, right], [front, right], [front, left], [back, left]]
+          .map(([u, v]) => [c * u - s * v, s * u + c * v]);
       });
       let low = Infinity, high = -Infinity;
       for (const i of some) {
@@ -136,7 +137,8 @@
         count = at.length / 3;
         return;
       }
-      const [reach, distance, gap] = [data.ground, data.distance, data.threshold].map((metres) => Math.round(metres / step));
+      const [reach, distance, gap] = [data.ground, data.distance, data.threshold]
+        .map((metres) => Math.round(metres / step));
       const [a, b, c] = findGround(reach), label = new Int32Array(count);
       let ground = 0, far = 0;
       for (let i = 0; i < count; i++) {
@@ -164,14 +166,14 @@
     precision mediump float; varying vec4 colour;
     void main() { gl_FragColor = vec4(colour.rgb * colour.a, colour.a); }`;
   const EDGES = [0, 1, 2, 3].flatMap((k) => [k, (k + 1) % 4, k + 4, ((k + 1) % 4) + 4, k, k + 4]);
-  const HEIGHTS = { // colours from low to high
+  const HEIGHTS = { // colours from low to high, in each theme
     light: [[44, 30, 130], [150, 30, 150], [205, 80, 80], [200, 120, 10]],
     dark: [[100, 120, 240], [200, 90, 200], [240, 130, 90], [240, 230, 60]],
   };
   const HUES = [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [230, 159, 0], [86, 180, 233]];
   const GREY = [128, 134, 142], GREEN = [0, 158, 115], LOWEST = -2.2, HIGHEST = 2.2; // metres
   const START = { heading: -2.3, height: 0.5, length: 32, target: [3, -1, -1] }; // radians and metres
-  const NEAREST = 0.3, FARTHEST = 500, ANGLE = 0.75, DOT = 0.045;
+  const NEAREST = 0.3, FARTHEST = 500, DOT = 0.045, ANGLE = 0.75; // metres, and radians from top to bottom
   const TURN = 0.12, STAGE = 5, FADE = 0.8, LAST = 4; // radians per second, seconds, seconds, last stage
 
   const canvas = root.querySelector("canvas"), form = root.querySelector("form");
@@ -180,7 +182,8 @@
   const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
   const view = { ...START };
   let gl, place, buffers, xyz, step, colours, result, worker;
-  let stage = still ? LAST : 0, moving = !still, visible = false, waiting = false, busy = false, outdated = false;
+  let stage = still ? LAST : 0, moving = !still, visible = false, waiting = false;
+  let busy = false, outdated = false, loaded = false; // the worker, its result, and the scan
   let lastFrame = 0, stageStart = 0, fadeStart = -Infinity, corners = 0, timer;
 
   const prepare = () => {
@@ -197,8 +200,9 @@
     gl.linkProgram(program);
     gl.useProgram(program);
     gl.enable(gl.DEPTH_TEST);
-    place = Object.fromEntries(["view", "blend", "size"].map((name) => [name, gl.getUniformLocation(program, name)]));
-    buffers = Object.fromEntries(["points", "before", "after", "boxes"].map((name) => [name, gl.createBuffer()]));
+    const named = (names, make) => Object.fromEntries(names.map((name) => [name, make(name)]));
+    place = named(["view", "blend", "size"], (name) => gl.getUniformLocation(program, name));
+    buffers = named(["points", "before", "after", "boxes"], () => gl.createBuffer());
     return true;
   };
   const fill = (name, data) => {
@@ -230,7 +234,10 @@
       if (label === LABELS.ground) colours[i] = ground;
       else if (label === LABELS.far && stage > 1) colours[i] = far;
       else if (stage > 2 && result) colours[i] = label === LABELS.small ? small : hues[label % hues.length];
-      else colours[i] = height[Math.max(0, Math.min(255, Math.round(((xyz[3 * i + 2] * step - LOWEST) / (HIGHEST - LOWEST)) * 255)))];
+      else {
+        const level = ((xyz[3 * i + 2] * step - LOWEST) / (HIGHEST - LOWEST)) * 255;
+        colours[i] = height[Math.max(0, Math.min(255, Math.round(level)))];
+      }
     }
     fill("before", before ?? colours);
     fill("after", colours);
@@ -246,7 +253,8 @@
     const eye = target.map((middle, k) => middle - length * ahead[k]);
     const aspect = canvas.width / canvas.height, focal = Math.min(1, aspect / 1.5) / Math.tan(ANGLE / 2);
     const depth = (FARTHEST + NEAREST) / (FARTHEST - NEAREST);
-    const rows = [right.map((k) => (k * focal) / aspect), up.map((k) => k * focal), ahead.map((k) => k * depth), ahead];
+    const scaled = (row, factor) => row.map((k) => k * factor);
+    const rows = [scaled(right, focal / aspect), scaled(up, focal), scaled(ahead, depth), ahead];
     const moved = rows.map((row) => -row.reduce((sum, k, n) => sum + k * eye[n], 0));
     moved[2] -= (2 * FARTHEST * NEAREST) / (FARTHEST - NEAREST);
     return [...[0, 1, 2].flatMap((k) => rows.map((row) => row[k] * step)), ...moved];
@@ -338,9 +346,11 @@
     busy = false;
     if (!result) stageStart = performance.now();
     result = data;
-    root.dataset.plane = data.plane.join(" ");
+    root.dataset.plane = data.plane.join(" "); // for tests/site_in_browser.py
     const ends = [];
-    for (let k = 0; k < data.boxes.length; k += 24) for (const n of EDGES) ends.push(...data.boxes.subarray(k + 3 * n, k + 3 * n + 3));
+    for (let box = 0; box < data.boxes.length; box += 24) {
+      for (const corner of EDGES) ends.push(...data.boxes.subarray(box + 3 * corner, box + 3 * corner + 3));
+    }
     corners = ends.length / 3;
     fill("boxes", new Float32Array(ends));
     tell();
@@ -372,7 +382,9 @@
       if (other) zoom(span(before) / span(event));
       else turn((event.clientX - before.clientX) * 0.008, (event.clientY - before.clientY) * 0.008);
     });
-    for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, (event) => fingers.delete(event.pointerId));
+    for (const name of ["pointerup", "pointercancel"]) {
+      canvas.addEventListener(name, (event) => fingers.delete(event.pointerId));
+    }
     canvas.addEventListener("wheel", (event) => {
       if (document.activeElement !== canvas) return; // before a click, the wheel scrolls the page
       event.preventDefault();
@@ -404,7 +416,8 @@
       canvas.height = Math.max(2, Math.round(canvas.clientHeight * scale));
       request();
     }).observe(canvas);
-    new MutationObserver(() => colour(false)).observe(document.documentElement, { attributeFilter: ["data-theme"] });
+    const theme = new MutationObserver(() => colour(false));
+    theme.observe(document.documentElement, { attributeFilter: ["data-theme"] });
   };
 
   // ---- the scan, or the film -----------------------------------------------------------------------
@@ -452,7 +465,6 @@
   form.elements.stage.value = stage;
   move(moving);
   listen();
-  let loaded = false;
   const observe = () => new IntersectionObserver(([entry]) => {
     visible = entry.isIntersecting;
     if (visible && !loaded) { loaded = true; load(); }
