@@ -1,17 +1,21 @@
 """Check a built site in a browser, offline; `.ci/site` runs this script, not pytest.
 
-    python -m tests.site_in_browser SITE AXE.js PICTURES
+    python -m tests.site_in_browser SITE PYTHON AXE.js PICTURES
 
 Every page is opened in four views. No page may load anything from another host, scroll sideways,
 have broken pictures or lines, load too much before scrolling, or have faults that axe-core finds.
 Then the script acts as a reader. It searches, enters a guess, moves a slider and chooses the dark
-theme, with and without a server.
+theme, with and without a server. On the front page, the playground must move, follow its sliders
+and find the same clusters as SciPy. Without WebGL, the film must replace it. PYTHON is an
+interpreter with the course's packages.
 """
 
 import functools
 import http.server
 import json
+import re
 import shutil
+import subprocess
 import sys
 import threading
 import time
@@ -31,7 +35,7 @@ PATIENCE = 600  # seconds, on a machine with other work
 SWITCHES = (
     *("--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--disable-quic"),
     *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
-    "--no-first-run",
+    *("--no-first-run", "--enable-unsafe-swiftshader"),  # WebGL without a graphics card
     "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
 )
 BROKEN_IMAGES = """
@@ -65,6 +69,24 @@ const input = field.querySelector('input'), icon = field.querySelector('.fa-magn
 const start = input.getBoundingClientRect().left + parseFloat(getComputedStyle(input).paddingLeft);
 return [start, icon.getBoundingClientRect().right];
 """
+PROJECT = Path(__file__).parent.parent
+DISTINCT_COLOURS = """
+const [picture, done] = arguments, image = new Image();
+image.onload = () => {
+  const canvas = document.createElement("canvas"), context = canvas.getContext("2d");
+  [canvas.width, canvas.height] = [image.width, image.height];
+  context.drawImage(image, 0, 0);
+  const {data} = context.getImageData(0, 0, image.width, image.height);
+  done(new Set(new Uint32Array(data.buffer)).size);
+};
+image.src = `data:image/png;base64,${picture}`;
+"""
+MOVE_SLIDERS = """
+const {elements} = document.querySelector("figure.playground form");
+for (const [name, value] of Object.entries(arguments[0])) elements[name].value = value;
+elements.ground.dispatchEvent(new Event("input", {bubbles: true}));
+"""
+SLIDERS = {"ground": 0.2, "distance": 25, "threshold": 0.3, "least": 20}
 SHOW_ALL = "for (const one of document.querySelectorAll('details')) one.open = true"
 
 
@@ -73,10 +95,10 @@ class _QuietHandler(http.server.SimpleHTTPRequestHandler):
         pass
 
 
-def browser():
+def browser(*switches):
     """Start a Chromium that can reach only this machine."""
     options = webdriver.ChromeOptions()
-    for switch in SWITCHES:
+    for switch in (*SWITCHES, *switches):
         options.add_argument(switch)
     options.binary_location = next(
         filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome")))
@@ -89,11 +111,12 @@ def browser():
     return driver
 
 
-def view(driver, width, theme):
-    """Set the width of the page and the preferred theme, light or dark."""
+def view(driver, width, theme, motion="no-preference"):
+    """Set the width of the page, the preferred theme (light or dark) and the preferred motion."""
     size = {"width": width, "height": HEIGHT, "deviceScaleFactor": 1, "mobile": False}
     driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
-    features = [{"name": "prefers-color-scheme", "value": theme}]
+    preferred = {"prefers-color-scheme": theme, "prefers-reduced-motion": motion}
+    features = [{"name": name, "value": value} for name, value in preferred.items()]
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
 
 
@@ -212,7 +235,83 @@ def faults_of_reading(driver, root):
         yield "the switch between light and dark does nothing"
 
 
-def main(site, axe, pictures):
+def playground_of(driver, root):
+    """Open the front page and return the playground's canvas, when its first result is there."""
+    driver.get(f"{root}index.html")
+    WebDriverWait(driver, PATIENCE).until(
+        lambda page: page.find_elements(By.CSS_SELECTOR, "figure.playground[data-plane]")
+    )
+    return driver.find_element(By.CSS_SELECTOR, "figure.playground canvas")
+
+
+def counts_after(driver, text):
+    """Return the text with the playground's counts, when it differs from `text`."""
+    shown = (By.CSS_SELECTOR, "figure.playground .counts")
+    WebDriverWait(driver, PATIENCE).until(lambda page: page.find_element(*shown).text != text)
+    return driver.find_element(*shown).text
+
+
+def faults_of_playground(driver, root, site, python):
+    """Play with the scan on the front page; yield a sentence for each fault."""
+    view(driver, 1200, "light")
+    driver.execute_cdp_cmd("Network.enable", {})
+    driver.execute_cdp_cmd("Network.setCacheDisabled", {"cacheDisabled": True})
+    requested_addresses(driver)
+    canvas = playground_of(driver, root)
+    addresses, weight = requested_addresses(driver)
+    if weight > HEAVIEST:
+        yield f"the front page and its scan weigh {weight:,} bytes"
+    for other in on_other_hosts(addresses):
+        yield f"the playground requests {other}"
+    picture = canvas.screenshot_as_base64
+    time.sleep(2)
+    if canvas.screenshot_as_base64 == picture:
+        yield "the scan does not move by itself"
+
+    view(driver, 1200, "light", "reduce")
+    canvas = playground_of(driver, root)
+    text = counts_after(driver, "Loading the scan")
+    picture = canvas.screenshot_as_base64
+    colours = driver.execute_async_script(DISTINCT_COLOURS, picture)
+    if colours < 50:
+        yield f"the picture of the scan has only {colours} colours"
+    time.sleep(7)  # longer than a stage
+    if canvas.screenshot_as_base64 != picture:
+        yield "the scan moves although the reader prefers reduced motion"
+    canvas.send_keys(Keys.ARROW_LEFT)
+    time.sleep(2)
+    if canvas.screenshot_as_base64 == picture:
+        yield "the left arrow key does not turn the scan"
+
+    driver.execute_script(MOVE_SLIDERS, SLIDERS)
+    text = counts_after(driver, text)
+    figure = driver.find_element(By.CSS_SELECTOR, "figure.playground")
+    plane = [float(number) for number in figure.get_attribute("data-plane").split()]
+    script, settings = site / figure.get_attribute("data-scan"), {**SLIDERS, "plane": plane}
+    command = [python, "-m", "tests.playground_oracle", script.resolve(), json.dumps(settings)]
+    counted = subprocess.run(command, cwd=PROJECT, check=True, capture_output=True, text=True)
+    expected = json.loads(counted.stdout)[2:]
+    found = [int(number.replace(",", "")) for number in re.findall(r"[\d,]*\d", text)][:2]
+    if found != expected:
+        yield f"SciPy finds {expected} points and clusters, and the playground says: {text}"
+
+
+def faults_of_film(driver, root):
+    """Open the front page in a browser without WebGL; yield a sentence if it shows no film."""
+    view(driver, 1200, "light")
+    driver.get(f"{root}index.html")
+    for scripts in ("with", "without"):
+        without = {"value": scripts == "without"}
+        driver.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", without)
+        driver.get(f"{root}index.html")
+        time.sleep(2)
+        films = driver.find_elements(By.CSS_SELECTOR, "figure.film img")
+        panels = driver.find_elements(By.CSS_SELECTOR, "figure.playground")
+        if not films or not films[0].size["height"] or any(one.size["height"] for one in panels):
+            yield f"{scripts} scripts, the front page without WebGL does not show the film alone"
+
+
+def main(site, python, axe, pictures):
     """Print each fault as soon as it is found, and return all faults."""
     pictures.mkdir(parents=True, exist_ok=True)
     handler = functools.partial(_QuietHandler, directory=str(site))
@@ -240,6 +339,16 @@ def main(site, axe, pictures):
             for fault in faults_of_reading(driver, place):
                 found.append(f"{place}: {fault}")
                 print(found[-1], flush=True)
+            for fault in faults_of_playground(driver, place, site, python):
+                found.append(f"{place}: {fault}")
+                print(found[-1], flush=True)
+    finally:
+        driver.quit()
+    driver = browser("--disable-3d-apis")
+    try:
+        for fault in faults_of_film(driver, root):
+            found.append(fault)
+            print(fault, flush=True)
     finally:
         driver.quit()
         server.shutdown()
@@ -247,7 +356,7 @@ def main(site, axe, pictures):
 
 
 if __name__ == "__main__":
-    place, script, folder = sys.argv[1:]
-    wrong = main(Path(place), Path(script).read_text("utf-8"), Path(folder))
+    place, interpreter, script, folder = sys.argv[1:]
+    wrong = main(Path(place), interpreter, Path(script).read_text("utf-8"), Path(folder))
     print(f"{len(wrong)} faults" if wrong else "No faults.")
     sys.exit(bool(wrong))

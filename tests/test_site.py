@@ -5,6 +5,7 @@ import html
 import io
 import json
 import re
+import struct
 from types import SimpleNamespace
 
 import ipywidgets
@@ -25,6 +26,7 @@ from grader.site import (
     front_page,
     glossary,
     guides,
+    playground,
     runs,
     sections,
     site_checks,
@@ -279,8 +281,75 @@ def test_the_front_page_has_every_lesson():
     assert re.findall(r'class="lesson-card" href="(\w+/\w+)\.html"', page) == [
         f"{lesson.stage}/{lesson.name}" for lesson in every_lesson()
     ]
+    _, film = page.split("</figure>", 1)
+    assert film.lstrip().startswith('<script defer src="_static/playground.js"></script>')
+    assert re.search(r'<noscript class="film"><figure class="film">.*\.webp.*</noscript>', film)
     _, optional = page.split("### Optional")
     assert "13 · Compiled loops" in optional and "<code>snuggest_turn</code>" in optional
+
+
+# ---- the playground ------------------------------------------------------------------------------
+
+
+def decoded(script):
+    """Return the points in the playground's script in metres."""
+    scan = json.loads(script.decode().removeprefix("const SCAN = ").removesuffix(";\n"))
+    steps = struct.iter_unpack("<3h", base64.b64decode(scan["xyz"]))
+    return np.array([*steps]) * scan["step"]
+
+
+def test_the_playground_has_every_point_of_the_scan():
+    pictures = Pictures()
+    panel = playground.panel(pictures)
+    ((name, script),) = pictures.files.items()
+    lines = (PROJECT / "data" / "cloud.txt").read_text().splitlines()
+    scan = np.array([[float(number) for number in line.split()[:3]] for line in lines])
+    points = decoded(script)
+    assert points.shape == scan.shape
+    assert np.abs(points - scan).max() <= 0.0011, "the caption promises at most 1 mm"
+    assert f"All {len(lines):,} points" in panel and "at most 1 mm" in panel
+    assert f'data-scan="{name}"' in panel and "<canvas" in panel
+    again = Pictures()
+    assert playground.panel(again) == panel and again.files == pictures.files
+
+
+def test_the_playground_refuses_a_scan_that_does_not_fit():
+    edge = np.array([[81.9, -81.9, 0.0]])
+    assert decoded(playground.scan_script(edge)) == pytest.approx(edge)
+    with pytest.raises(ValueError, match="within 81.9 m"):
+        playground.scan_script(np.array([[0.0, 83.0, 0.0]]))
+
+
+def test_every_slider_of_the_playground_has_a_label_and_a_valid_value():
+    panel = playground.panel(Pictures())
+    sliders = re.findall(r"<label>[^<]+<b></b>[^<]*<input type=\"range\" ([^>]+)></label>", panel)
+    assert len(sliders) == panel.count('type="range"') == 4
+    for slider in sliders:
+        about = dict(re.findall(r'([\w-]+)="([^"]*)"', slider))
+        least, most, step, value = (float(about[name]) for name in ("min", "max", "step", "value"))
+        assert least < value < most
+        assert (value - least) / step == pytest.approx(round((value - least) / step))
+
+
+def test_a_line_of_a_solution_is_found_in_the_playground_in_the_notation_of_javascript(tmp_path):
+    script = tmp_path / "playground.js"
+    script.write_bytes((builder.STATIC / "playground.js").read_bytes())
+    assert site_checks.find_faults(tmp_path) == []
+    line = "while parent[cell] != cell:"
+    assert line in set(secrets())
+    translated = script.read_text("utf-8") + "while (parent[cell] !== cell) { climb(); }\n"
+    script.write_text(translated, "utf-8")
+    (fault,) = site_checks.find_faults(tmp_path)
+    assert repr(line) in fault and "13_compiled_loops" in fault
+
+
+def test_a_missing_scan_is_found(tmp_path):
+    (tmp_path / "index.html").write_text('<figure data-scan="lost.js"></figure>', "utf-8")
+    (fault,) = site_checks.find_faults(tmp_path)
+    assert fault == "index.html links to lost.js, which does not exist."
+
+
+# ---- lessons that cannot run ---------------------------------------------------------------------
 
 
 def test_missing_packages_are_found_in_import_statements():

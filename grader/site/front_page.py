@@ -1,4 +1,4 @@
-"""Build the front page: the film, the goal of the course, and a card for each lesson."""
+"""Build the front page: the playground, the goal of the course, and a card for each lesson."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from grader.course.build import Origin
 from grader.course.lessons import OPTIONAL_FOLDER, Lesson, every_lesson, optional_lessons, stages
 from grader.course.paths import PROJECT
 from grader.course.settings import stage_title
+from grader.site import playground
 from grader.site.html_outputs import TEMPLATES
 from grader.site.lesson import title_of
 from grader.site.pictures import Pictures
@@ -50,6 +51,7 @@ def page(origin: Origin, pictures: Pictures) -> str:
         still=pictures.keep(_extract_still(film), ".png"),
         size=Image.open(io.BytesIO(film)).size,
         alt=alt,
+        playground=playground.panel(pictures),
         stages={
             name: [card(lesson, pictures) for lesson in _lessons_of(stage)]
             for stage, name in stage_titles()

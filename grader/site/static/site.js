@@ -1,5 +1,5 @@
-// Stores guesses in the browser and shows them next to the answers, pauses the film, and makes content
-// wider than the page accessible from the keyboard.
+// Stores guesses in the browser and shows them next to the answers, and makes content wider than the
+// page accessible from the keyboard.
 (() => {
   const key = (question) => `guess-${question}`;
   const known = (question) => { try { return localStorage.getItem(key(question)); } catch { return null; } };
@@ -31,20 +31,6 @@
       tell(question, shown(value));
     });
     form.addEventListener("submit", (event) => event.preventDefault());
-  }
-
-  for (const film of document.querySelectorAll("figure.film img[data-still]")) {
-    if (matchMedia("(prefers-reduced-motion: reduce)").matches) continue;
-    const moving = film.getAttribute("src");
-    const button = document.createElement("button");
-    button.type = "button";
-    button.textContent = "Pause the film";
-    button.addEventListener("click", () => {
-      const halted = film.getAttribute("src") !== moving;
-      film.setAttribute("src", halted ? moving : film.dataset.still);
-      button.textContent = halted ? "Pause the film" : "Play the film";
-    });
-    film.closest("figure").append(button);
   }
 
   for (const code of document.querySelectorAll("div.cell_input div.highlight, div.highlight-sh div.highlight")) {
