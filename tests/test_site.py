@@ -154,8 +154,8 @@ def test_a_scene_becomes_a_separate_page_that_loads_lazily():
     assert 'loading="lazy"' in page
     (view,) = (file for place, file in pictures.files.items() if place.endswith(".html"))
     assert view.lstrip().lower().startswith(b"<!doctype html>")
-    instead = html.unescape(page.partition("<noscript>")[2])
-    assert 'alt="A "corner" in space"' in instead, "without scripts, a picture is shown"
+    instead = html.unescape(page.partition('<div class="still">')[2])
+    assert 'alt="A "corner" in space"' in instead, "on paper, a picture is shown"
 
 
 def test_text_that_a_progress_bar_overwrote_is_not_shown():
