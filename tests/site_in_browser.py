@@ -192,6 +192,13 @@ def faults_of_reading(driver, root):
     yours = "return document.querySelector('details.answer .yours').textContent"
     if "41" not in driver.execute_script(yours):
         yield "a guess is not shown with the answer"
+    progress = driver.find_element(By.CSS_SELECTOR, ".progress-so-far").text
+    driver.get(f"{root}index.html")
+    card = driver.find_element(By.CSS_SELECTOR, "a.lesson-card[href*='05_euclidean']").text
+    if not (progress.startswith("So far: 1 of ") and "1 of " in card):
+        yield f"the progress is {progress!r}, and on the card {card!r}"
+    driver.back()
+    driver.execute_async_script(WAIT_UNTIL_SETTLED)
 
     chosen = driver.find_element(By.CSS_SELECTOR, ".positions input:checked")
     driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", chosen)
