@@ -72,6 +72,19 @@ class _QuietHandler(http.server.SimpleHTTPRequestHandler):
     def log_message(self, *about):
         pass
 
+    def send_error(self, code, message=None, explain=None):
+        """Show the site's page at missing addresses, as GitHub Pages does."""
+        page = Path(self.directory) / "404.html"
+        if code != http.HTTPStatus.NOT_FOUND:
+            super().send_error(code, message, explain)
+            return
+        self.send_response(code)
+        self.send_header("Content-Type", "text/html")
+        self.send_header("Content-Length", str(page.stat().st_size))
+        self.end_headers()
+        if self.command == "GET":
+            self.wfile.write(page.read_bytes())
+
 
 def browser():
     """Start a Chromium that can reach only this machine."""
@@ -219,6 +232,16 @@ def faults_of_reading(driver, root):
         yield "the switch between light and dark does nothing"
 
 
+def faults_of_missing_page(driver, root):
+    """Yield a sentence if the page for a missing address does not lead back to the front page."""
+    driver.get(f"{root}stage9/lost.html")
+    link = WebDriverWait(driver, PATIENCE).until(
+        lambda page: page.find_element(By.CSS_SELECTOR, "a#start[href]")
+    )
+    if link.get_attribute("href") != root or not link.is_displayed():
+        yield f"a missing page links to {link.get_attribute('href')}"
+
+
 def main(site, axe, pictures):
     """Print each fault as soon as it is found, and return all faults."""
     pictures.mkdir(parents=True, exist_ok=True)
@@ -247,6 +270,9 @@ def main(site, axe, pictures):
             for fault in faults_of_reading(driver, place):
                 found.append(f"{place}: {fault}")
                 print(found[-1], flush=True)
+        for fault in faults_of_missing_page(driver, root):
+            found.append(fault)
+            print(found[-1], flush=True)
     finally:
         driver.quit()
         server.shutdown()

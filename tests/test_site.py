@@ -27,6 +27,7 @@ from grader.site import (
     guides,
     runs,
     sections,
+    sharing,
     site_checks,
     widget_states,
 )
@@ -38,7 +39,7 @@ from tests.notebook_runs import errors_of, run
 from utils.scene3d import Scene, output
 
 LESSON = find_lesson("05_euclidean_clustering")
-PUBLIC = Origin("https://code.example.org/anna/lidar", "v1")
+PUBLIC = Origin("https://github.com/anna/lidar", "v1")
 
 
 def picture(colour, kind="PNG"):
@@ -261,7 +262,7 @@ def test_a_page_links_to_colab_if_the_repository_is_public():
     assert links_of(LESSON, Origin("", "main")).count("<a ") == 1
     there = links_of(LESSON, PUBLIC)
     assert f"/github/anna/lidar/blob/v1/notebooks/{LESSON.stage}/{LESSON.name}.ipynb" in there
-    assert "https://code.example.org/anna/lidar/issues/new" in there
+    assert "https://github.com/anna/lidar/issues/new" in there
 
 
 def test_a_guide_links_to_pages_and_if_possible_to_files():
@@ -269,7 +270,7 @@ def test_a_guide_links_to_pages_and_if_possible_to_files():
     there = guides.page("nbgrader", PUBLIC, Pictures())
     assert "(canvas_and_moodle.md)" in here
     assert "[late.py](" not in here and "late.py" in here
-    assert "[late.py](https://code.example.org/anna/lidar/blob/v1/grader/lms/late.py)" in there
+    assert "[late.py](https://github.com/anna/lidar/blob/v1/grader/lms/late.py)" in there
     assert "](name.png)" in guides.page("authors", PUBLIC, Pictures()), "code is not changed"
 
 
@@ -434,6 +435,21 @@ def test_a_page_has_the_stub_and_the_outputs(site):
     assert "raise NotImplementedError" in page and "def euclidean_clustering" in page
     assert "2 of 2" in page and "1 of 2" not in page
     assert "this machine" not in page
+
+
+@pytest.mark.slow
+def test_every_page_says_what_search_engines_and_messengers_show(site):
+    pages = [path for path in site.rglob("*.html") if "_static" not in path.parts]
+    described = [path for path in pages if path.name not in ("search.html", "404.html")]
+    texts = {path: path.read_text("utf-8") for path in described}
+    found = [re.findall('<meta name="description" content="(.+?)">', texts[path]) for path in texts]
+    assert {len(one) for one in found} == {1} and len(found) > 30
+    assert len({one[0] for one in found}) == len(found), "each page has its own description"
+    place = "https://anna.github.io/lidar/_static/sharing.png"
+    assert all(f'property="og:image" content="{place}"' in text for text in texts.values())
+    with Image.open(site / "_static" / "sharing.png") as shown:
+        assert shown.width == pytest.approx(1.91 * shown.height, rel=0.01)
+    assert sharing.address_on_github(Origin("https://code.example.org/anna/lidar", "v1")) == ""
 
 
 @pytest.mark.slow
