@@ -1,6 +1,7 @@
 """The website's pages show outputs, do not reveal solutions, and load nothing from other hosts."""
 
 import base64
+import dataclasses
 import html
 import io
 import json
@@ -32,6 +33,7 @@ from grader.site import (
     widget_states,
 )
 from grader.site.errors import SiteError
+from grader.site.films import film_of
 from grader.site.html_outputs import html_of, key_of, page_outputs
 from grader.site.lesson import links_of, page_of
 from grader.site.pictures import Pictures
@@ -249,6 +251,40 @@ def test_every_glossary_link_of_a_lesson_has_an_entry():
     for lesson in all_lessons():
         linked = glossary.link_terms(lesson.released.read_text("utf-8"))
         assert "(../words.md)" not in linked, lesson.name
+
+
+FILMED = [lesson for lesson in all_lessons() if (lesson.folder / "film.toml").exists()]
+
+
+def test_each_stage_with_a_drive_has_a_film_on_a_page():
+    assert {lesson.stage for lesson in FILMED} == {
+        "stage2_clustering",
+        "stage3_obstacles",
+        "stage4_realtime",
+    }
+
+
+@pytest.mark.parametrize("lesson", FILMED, ids=lambda lesson: lesson.name)
+def test_a_film_loads_only_when_a_reader_plays_it(lesson):
+    pictures = Pictures()
+    page = nbformat.reads(page_of(lesson, lesson.solved.read_bytes(), "", pictures), as_version=4)
+    (number,) = (n for n, cell in enumerate(page.cells) if "<video" in cell.source)
+    assert page.cells[number - 1].cell_type == "code"
+    (video,) = re.findall(r"<video (.+?)></video>", page.cells[number].source)
+    assert "controls" in video and 'preload="none"' in video and "autoplay" not in video
+    attributes = dict(re.findall(r'([\w-]+)="(.*?)"', video))
+    film, poster = (pictures.files[attributes[name][3:]] for name in ("src", "poster"))
+    assert len(film) + len(poster) < 1_500_000 and film[4:8] == b"ftyp"
+    with Image.open(io.BytesIO(poster)) as still:
+        assert still.size == (int(attributes["width"]), int(attributes["height"]))
+    assert len(attributes["aria-label"]) > 60
+
+
+def test_a_film_without_its_section_stops_the_build(monkeypatch):
+    wrong = dataclasses.replace(film_of(FILMED[0]), below="No such section")
+    monkeypatch.setattr("grader.site.lesson.film_of", lambda lesson: wrong)
+    with pytest.raises(SiteError, match="No such section"):
+        page_of(FILMED[0], FILMED[0].solved.read_bytes(), "", Pictures())
 
 
 def test_a_cell_without_a_counterpart_stops_the_build():

@@ -24,7 +24,7 @@ from grader.site.live.files import FOLDER as LIVE_FOLDER
 from grader.site.live.files import LiveFiles
 from grader.site.pictures import Pictures
 from grader.site.settings import conf_source
-from grader.site.sharing import address_on_github, picture
+from grader.site.sharing import PICTURE, address_on_github
 
 STATIC = Path(__file__).parent / "static"
 THEME = Path(__file__).parent / "templates" / "theme"
@@ -131,7 +131,7 @@ def source_files(
     sources |= {f"_templates/{path.name}": path.read_bytes() for path in sorted(THEME.iterdir())}
     if live:
         sources |= {f"extra/{LIVE_FOLDER}/{name}": file for name, file in live.files.items()}
-    sources["_static/sharing.png"] = picture()
+    sources["_static/sharing.png"] = PICTURE.read_bytes()
     missing = TEMPLATES.get_template("404.html").render(course=course_title(), marker=SITE_MARKER)
     sources["extra/404.html"] = missing.encode()  # most servers show it at missing addresses
     # Without this file, GitHub Pages does not serve files whose names begin with `_`.

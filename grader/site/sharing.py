@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import io
 import re
 import textwrap
-
-from PIL import Image
 
 from grader.course.build import Origin
 from grader.course.lessons import every_lesson
@@ -15,8 +12,7 @@ from grader.course.settings import course_title
 from grader.site.guides import PAGES
 
 README = PROJECT / "README.md"
-FILM = PROJECT / "solutions" / "stage4_realtime" / "12_streaming_obstacles" / "hero.gif"
-STILL_POSITION = 0.45  # position of the picture in the film, from 0 to 1
+PICTURE = PROJECT / "solutions" / "stage4_realtime" / "12_streaming_obstacles" / "film.png"
 GITHUB = "https://github.com/"
 MAX_LENGTH = 250  # letters of a description; search engines show fewer
 LINK = re.compile(r"\[([^\]]*)\]\([^)]*\)")
@@ -38,16 +34,6 @@ def descriptions() -> dict[str, str]:
         plain = re.sub("[`*]", "", LINK.sub(r"\1", paragraph))
         found[name] = textwrap.shorten(plain, MAX_LENGTH, placeholder=" …")
     return found
-
-
-def picture() -> bytes:
-    """Return one picture of the film in the README, as PNG."""
-    with Image.open(FILM) as film:
-        film.seek(int(film.n_frames * STILL_POSITION))
-        still = film.convert("RGB").quantize(128)
-    buffer = io.BytesIO()
-    still.save(buffer, "PNG", optimize=True)
-    return buffer.getvalue()
 
 
 def address_on_github(origin: Origin) -> str:
