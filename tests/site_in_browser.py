@@ -8,6 +8,7 @@ Then the script acts as a reader. It searches, enters a guess, moves a slider an
 theme, with and without a server.
 """
 
+import base64
 import functools
 import http.server
 import json
@@ -64,6 +65,21 @@ const field = document.querySelector('.bd-search-container form.bd-search');
 const input = field.querySelector('input'), icon = field.querySelector('.fa-magnifying-glass');
 const start = input.getBoundingClientRect().left + parseFloat(getComputedStyle(input).paddingLeft);
 return [start, icon.getBoundingClientRect().right];
+"""
+PICTURES_OF_SCENES = """
+const pictures = [...document.querySelectorAll('div.still img')];
+return pictures.length && pictures.every((one) => one.naturalWidth);
+"""
+ON_PAPER = """
+const shown = (selector) =>
+  [...document.querySelectorAll(selector)].filter((one) => one.offsetHeight);
+return [
+  shown('iframe.scene').length,
+  document.querySelectorAll('iframe.scene').length,
+  shown('div.still img').length,
+  shown('.bd-article pre').filter((one) => one.scrollWidth > one.clientWidth + 1)
+    .map((one) => one.innerText.slice(0, 40)),
+];
 """
 SHOW_ALL = "for (const one of document.querySelectorAll('details')) one.open = true"
 
@@ -242,6 +258,23 @@ def faults_of_missing_page(driver, root):
         yield f"a missing page links to {link.get_attribute('href')}"
 
 
+def faults_on_paper(driver, root, pictures):
+    """Print a lesson with a scene to PDF; yield a sentence for each part that is missing or cut."""
+    driver.get(f"{root}stage2_clustering/05_euclidean_clustering.html")
+    driver.execute_async_script(WAIT_UNTIL_SETTLED)
+    driver.execute_cdp_cmd("Page.printToPDF", {})  # begins to load pictures that are far below
+    WebDriverWait(driver, PATIENCE).until(lambda page: page.execute_script(PICTURES_OF_SCENES))
+    printed = driver.execute_cdp_cmd("Page.printToPDF", {})["data"]
+    (pictures / "lesson.pdf").write_bytes(base64.b64decode(printed))
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+    scenes, all_scenes, stills, cut = driver.execute_script(ON_PAPER)
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+    if scenes or stills != all_scenes or not stills:
+        yield f"paper shows {scenes} scenes and {stills} pictures of {all_scenes} scenes"
+    if cut:
+        yield f"paper cuts code: {cut}"
+
+
 def main(site, axe, pictures):
     """Print each fault as soon as it is found, and return all faults."""
     pictures.mkdir(parents=True, exist_ok=True)
@@ -270,7 +303,11 @@ def main(site, axe, pictures):
             for fault in faults_of_reading(driver, place):
                 found.append(f"{place}: {fault}")
                 print(found[-1], flush=True)
-        for fault in faults_of_missing_page(driver, root):
+        view(driver, 800, "light")
+        for fault in (
+            *faults_of_missing_page(driver, root),
+            *faults_on_paper(driver, root, pictures),
+        ):
             found.append(fault)
             print(found[-1], flush=True)
     finally:

@@ -37,6 +37,7 @@ from grader.site.films import film_of
 from grader.site.html_outputs import html_of, key_of, page_outputs
 from grader.site.lesson import links_of, page_of
 from grader.site.pictures import Pictures
+from tests import class_pictures
 from tests.notebook_runs import errors_of, run
 from utils.scene3d import Scene, output
 
@@ -157,7 +158,9 @@ def test_a_scene_becomes_a_separate_page_that_loads_lazily():
     assert 'loading="lazy"' in page
     (view,) = (file for place, file in pictures.files.items() if place.endswith(".html"))
     assert view.lstrip().lower().startswith(b"<!doctype html>")
-    instead = html.unescape(page.partition('<div class="still">')[2])
+    instead = html.unescape(page.partition("<iframe")[0])
+    assert instead.startswith('<div><div class="still"><img ')
+    assert page.endswith("</iframe></div>"), "a scene hides the element that follows it"
     assert 'alt="A "corner" in space"' in instead, "on paper, a picture is shown"
 
 
@@ -264,10 +267,10 @@ def test_each_stage_with_a_drive_has_a_film_on_a_page():
     }
 
 
-@pytest.mark.parametrize("lesson", FILMED, ids=lambda lesson: lesson.name)
-def test_a_film_loads_only_when_a_reader_plays_it(lesson):
+@pytest.mark.parametrize("filmed", FILMED, ids=lambda lesson: lesson.name)
+def test_a_film_loads_only_when_a_reader_plays_it(filmed):
     pictures = Pictures()
-    page = nbformat.reads(page_of(lesson, lesson.solved.read_bytes(), "", pictures), as_version=4)
+    page = nbformat.reads(page_of(filmed, filmed.solved.read_bytes(), "", pictures), as_version=4)
     (number,) = (n for n, cell in enumerate(page.cells) if "<video" in cell.source)
     assert page.cells[number - 1].cell_type == "code"
     (video,) = re.findall(r"<video (.+?)></video>", page.cells[number].source)
@@ -299,6 +302,23 @@ def test_a_page_links_to_colab_if_the_repository_is_public():
     there = links_of(LESSON, PUBLIC)
     assert f"/github/anna/lidar/blob/v1/notebooks/{LESSON.stage}/{LESSON.name}.ipynb" in there
     assert "https://github.com/anna/lidar/issues/new" in there
+
+
+def test_the_page_for_instructors_shows_each_drawn_picture():
+    text = (PROJECT / "docs" / "instructors.md").read_text("utf-8")
+    shown = re.findall(r"!\[(.{40,}?)\]\(pictures/(\w+)\.png\)", text)
+    assert [name for _, name in shown] == [one.name for one in class_pictures.PICTURES]
+    for one in class_pictures.PICTURES:
+        with Image.open(class_pictures.FOLDER / f"{one.name}.png") as drawn:
+            width, height = (length - 2 * class_pictures.BORDER for length in drawn.size)
+            assert width / height == pytest.approx(class_pictures.WIDTH / one.height, rel=0.01)
+    assert len(re.findall("^## .+\n\n`python -m grader ", text, re.M)) == len(shown)
+
+
+def test_a_picture_of_marks_has_no_empty_column():
+    page = class_pictures.marks_page("Student,E-mail,06_ground,Total\nada,,<3,30\n")
+    assert re.findall("<th>(.*?)</th>", page) == ["Student", "06_<wbr>ground", "Total"]
+    assert re.findall("<td>(.*?)</td>", page) == ["ada", "&lt;3", "30"]
 
 
 def test_a_guide_links_to_pages_and_if_possible_to_files():
