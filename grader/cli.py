@@ -152,8 +152,8 @@ def _add_demo(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "demo",
         commands.run_demo,
-        "Grade a sample class in demo/. Print the paths of the report, the feedback pages and the "
-        "similarity pages.",
+        "Grade a sample class in demo/. Print the paths of the report, the feedback pages, the "
+        "similarity pages, the question sheets and the marks.",
         "",
         "--students 30 --stages stage1_ransac",
     )

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from grader.lms.results import ClassResults
 
 SUCCESS, FAULT, USAGE_ERROR = 0, 1, 2
+SAMPLE_SEED, SAMPLE_QUESTIONS = 20_170_405, 3  # for the sample class of `demo`
 
 
 def run_new(options: argparse.Namespace) -> int:
@@ -710,10 +711,13 @@ def run_demo(options: argparse.Namespace) -> int:
         print(warning, file=sys.stderr)
     requested_stages = (STAGE,) if options.stages is None else options.stages or stages()
     course = make_class(options.students, not sandbox.warning, requested_stages)
-    status = grade_course(course, (), 20_170_405, sandbox, options.workers, warning)
+    status = grade_course(course, (), SAMPLE_SEED, sandbox, options.workers, warning)
     for stage in requested_stages:
         print(f"Feedback pages for {stage}: {_write_sample_feedback(course, stage)}")
         print(f"Similar answers in {stage}: {_write_sample_similarity(course, stage)}")
+        sheets = _write_sample_questions(course, stage, sandbox, options.workers)
+        print(f"Questions about students' code in {stage}: {sheets}")
+    print(f"Marks for a spreadsheet: {_write_sample_marks(course)}")
     return status
 
 
@@ -734,6 +738,35 @@ def _write_sample_similarity(course: Course, stage: str) -> Path:
 
     with console.progress_bar("Comparing") as advance:
         return write_similarity(course, compare_stage(course, stage, advance))
+
+
+def _write_sample_questions(course: Course, stage: str, sandbox: Sandbox, workers: int) -> Path:
+    """Write the questions for the sample class, and return the path of the sheets."""
+    from grader.classroom.executors import EXECUTORS
+    from grader.questions.pages import write_pages
+    from grader.questions.viva import make_sheets
+
+    with (
+        EXECUTORS["processes"](workers) as executor,
+        console.progress_bar("Asking") as advance,
+    ):
+        sheets = make_sheets(
+            course, stage, SAMPLE_SEED, sandbox, SAMPLE_QUESTIONS, executor, advance=advance
+        )
+    sheets_path, _ = write_pages(course, stage, sheets)
+    return sheets_path
+
+
+def _write_sample_marks(course: Course) -> Path:
+    """Write the marks of the sample class as a CSV file, and return its path."""
+    from grader.course.atomic_files import write_atomically
+    from grader.lms.exporters import EXPORTERS, ExportOptions
+    from grader.lms.results_reader import class_results
+
+    exported = EXPORTERS["csv"].write(ExportOptions(course, class_results(course)))
+    path = course.root / "scores.csv"
+    write_atomically(exported.content, path)
+    return path
 
 
 def grade_course(

@@ -215,6 +215,9 @@ def faults_of_solving(driver, root, python, axe, pictures, downloads):
         end = panel.run("check")
         if end != "Checked." or "passed" not in panel.outputs() or "failed" in panel.outputs():
             yield f"{name}: {end} {panel.outputs()}"
+    progress = driver.find_element(By.CSS_SELECTOR, ".progress-so-far").text
+    if f"{len(RIGHT)} exercises passed" not in progress:
+        yield f"after all checks have passed, the progress is {progress!r}"
     driver.execute_script("arguments[0].scrollIntoView({block: 'start'})", panel.box)
     driver.save_screenshot(str(pictures / "live_passed.png"))
     panel.press("download")

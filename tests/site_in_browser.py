@@ -10,6 +10,7 @@ and find the same clusters as SciPy. Without WebGL, the film must replace it. PY
 interpreter with the course's packages.
 """
 
+import base64
 import functools
 import http.server
 import json
@@ -87,12 +88,40 @@ for (const [name, value] of Object.entries(arguments[0])) elements[name].value =
 elements.ground.dispatchEvent(new Event("input", {bubbles: true}));
 """
 SLIDERS = {"ground": 0.2, "distance": 25, "threshold": 0.3, "least": 20}
+PICTURES_OF_SCENES = """
+const pictures = [...document.querySelectorAll('div.still img')];
+return pictures.length && pictures.every((one) => one.naturalWidth);
+"""
+ON_PAPER = """
+const shown = (selector) =>
+  [...document.querySelectorAll(selector)].filter((one) => one.offsetHeight);
+return [
+  shown('iframe.scene').length,
+  document.querySelectorAll('iframe.scene').length,
+  shown('div.still img').length,
+  shown('.bd-article pre').filter((one) => one.scrollWidth > one.clientWidth + 1)
+    .map((one) => one.innerText.slice(0, 40)),
+];
+"""
 SHOW_ALL = "for (const one of document.querySelectorAll('details')) one.open = true"
 
 
 class _QuietHandler(http.server.SimpleHTTPRequestHandler):
     def log_message(self, *about):
         pass
+
+    def send_error(self, code, message=None, explain=None):
+        """Show the site's page at missing addresses, as GitHub Pages does."""
+        page = Path(self.directory) / "404.html"
+        if code != http.HTTPStatus.NOT_FOUND:
+            super().send_error(code, message, explain)
+            return
+        self.send_response(code)
+        self.send_header("Content-Type", "text/html")
+        self.send_header("Content-Length", str(page.stat().st_size))
+        self.end_headers()
+        if self.command == "GET":
+            self.wfile.write(page.read_bytes())
 
 
 def browser(*switches):
@@ -215,6 +244,13 @@ def faults_of_reading(driver, root):
     yours = "return document.querySelector('details.answer .yours').textContent"
     if "41" not in driver.execute_script(yours):
         yield "a guess is not shown with the answer"
+    progress = driver.find_element(By.CSS_SELECTOR, ".progress-so-far").text
+    driver.get(f"{root}index.html")
+    card = driver.find_element(By.CSS_SELECTOR, "a.lesson-card[href*='05_euclidean']").text
+    if not (progress.startswith("So far: 1 of ") and "1 of " in card):
+        yield f"the progress is {progress!r}, and on the card {card!r}"
+    driver.back()
+    driver.execute_async_script(WAIT_UNTIL_SETTLED)
 
     chosen = driver.find_element(By.CSS_SELECTOR, ".positions input:checked")
     driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", chosen)
@@ -311,6 +347,33 @@ def faults_of_film(driver, root):
             yield f"{scripts} scripts, the front page without WebGL does not show the film alone"
 
 
+def faults_of_missing_page(driver, root):
+    """Yield a sentence if the page for a missing address does not lead back to the front page."""
+    driver.get(f"{root}stage9/lost.html")
+    link = WebDriverWait(driver, PATIENCE).until(
+        lambda page: page.find_element(By.CSS_SELECTOR, "a#start[href]")
+    )
+    if link.get_attribute("href") != root or not link.is_displayed():
+        yield f"a missing page links to {link.get_attribute('href')}"
+
+
+def faults_on_paper(driver, root, pictures):
+    """Print a lesson with a scene to PDF; yield a sentence for each part that is missing or cut."""
+    driver.get(f"{root}stage2_clustering/05_euclidean_clustering.html")
+    driver.execute_async_script(WAIT_UNTIL_SETTLED)
+    driver.execute_cdp_cmd("Page.printToPDF", {})  # begins to load pictures that are far below
+    WebDriverWait(driver, PATIENCE).until(lambda page: page.execute_script(PICTURES_OF_SCENES))
+    printed = driver.execute_cdp_cmd("Page.printToPDF", {})["data"]
+    (pictures / "lesson.pdf").write_bytes(base64.b64decode(printed))
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+    scenes, all_scenes, stills, cut = driver.execute_script(ON_PAPER)
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+    if scenes or stills != all_scenes or not stills:
+        yield f"paper shows {scenes} scenes and {stills} pictures of {all_scenes} scenes"
+    if cut:
+        yield f"paper cuts code: {cut}"
+
+
 def main(site, python, axe, pictures):
     """Print each fault as soon as it is found, and return all faults."""
     pictures.mkdir(parents=True, exist_ok=True)
@@ -342,6 +405,13 @@ def main(site, python, axe, pictures):
             for fault in faults_of_playground(driver, place, site, python):
                 found.append(f"{place}: {fault}")
                 print(found[-1], flush=True)
+        view(driver, 800, "light")
+        for fault in (
+            *faults_of_missing_page(driver, root),
+            *faults_on_paper(driver, root, pictures),
+        ):
+            found.append(fault)
+            print(found[-1], flush=True)
     finally:
         driver.quit()
     driver = browser("--disable-3d-apis")

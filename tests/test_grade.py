@@ -1,5 +1,6 @@
 """Grading a class, from submissions to nbgrader's gradebook and feedback."""
 
+import csv
 import json
 import os
 import shutil
@@ -559,6 +560,13 @@ def test_the_demo_grades_its_class(stage, students, sandbox, monkeypatch, tmp_pa
     assert len(by_student) == students
     assert 0 < by_student["chioma"] < most
     assert (course.report / "index.html").stat().st_size > 10_000
+    sheets = (course.root / "viva" / stage / "sheets.html").read_text("utf-8")
+    assert "<b>ada</b>" in sheets and 'class="question"' in sheets
+    with (course.root / "scores.csv").open(encoding="utf-8-sig", newline="") as file:
+        totals = {row["Student"]: row["Total"] for row in csv.DictReader(file)}
+    assert float(totals["ada"]) == most and totals.keys() == {"out of", *by_student}
+    for name in (f"viva/{stage}/sheets.html", f"report/similarity_{stage}.html", "scores.csv"):
+        assert str(course.root / name) in output
 
 
 def test_a_demo_of_all_stages_has_every_lesson(monkeypatch, tmp_path):

@@ -1,6 +1,7 @@
 """The website's pages show outputs, do not reveal solutions, and load nothing from other hosts."""
 
 import base64
+import dataclasses
 import html
 import io
 import json
@@ -29,18 +30,21 @@ from grader.site import (
     playground,
     runs,
     sections,
+    sharing,
     site_checks,
     widget_states,
 )
 from grader.site.errors import SiteError
+from grader.site.films import film_of
 from grader.site.html_outputs import html_of, key_of, page_outputs
 from grader.site.lesson import links_of, page_of
 from grader.site.pictures import Pictures
+from tests import class_pictures
 from tests.notebook_runs import errors_of, run
 from utils.scene3d import Scene, output
 
 LESSON = find_lesson("05_euclidean_clustering")
-PUBLIC = Origin("https://code.example.org/anna/lidar", "v1")
+PUBLIC = Origin("https://github.com/anna/lidar", "v1")
 
 
 def picture(colour, kind="PNG"):
@@ -156,8 +160,10 @@ def test_a_scene_becomes_a_separate_page_that_loads_lazily():
     assert 'loading="lazy"' in page
     (view,) = (file for place, file in pictures.files.items() if place.endswith(".html"))
     assert view.lstrip().lower().startswith(b"<!doctype html>")
-    instead = html.unescape(page.partition("<noscript>")[2])
-    assert 'alt="A "corner" in space"' in instead, "without scripts, a picture is shown"
+    instead = html.unescape(page.partition("<iframe")[0])
+    assert instead.startswith('<div><div class="still"><img ')
+    assert page.endswith("</iframe></div>"), "a scene hides the element that follows it"
+    assert 'alt="A "corner" in space"' in instead, "on paper, a picture is shown"
 
 
 def test_text_that_a_progress_bar_overwrote_is_not_shown():
@@ -252,6 +258,40 @@ def test_every_glossary_link_of_a_lesson_has_an_entry():
         assert "(../words.md)" not in linked, lesson.name
 
 
+FILMED = [lesson for lesson in all_lessons() if (lesson.folder / "film.toml").exists()]
+
+
+def test_each_stage_with_a_drive_has_a_film_on_a_page():
+    assert {lesson.stage for lesson in FILMED} == {
+        "stage2_clustering",
+        "stage3_obstacles",
+        "stage4_realtime",
+    }
+
+
+@pytest.mark.parametrize("filmed", FILMED, ids=lambda lesson: lesson.name)
+def test_a_film_loads_only_when_a_reader_plays_it(filmed):
+    pictures = Pictures()
+    page = nbformat.reads(page_of(filmed, filmed.solved.read_bytes(), "", pictures), as_version=4)
+    (number,) = (n for n, cell in enumerate(page.cells) if "<video" in cell.source)
+    assert page.cells[number - 1].cell_type == "code"
+    (video,) = re.findall(r"<video (.+?)></video>", page.cells[number].source)
+    assert "controls" in video and 'preload="none"' in video and "autoplay" not in video
+    attributes = dict(re.findall(r'([\w-]+)="(.*?)"', video))
+    film, poster = (pictures.files[attributes[name][3:]] for name in ("src", "poster"))
+    assert len(film) + len(poster) < 1_500_000 and film[4:8] == b"ftyp"
+    with Image.open(io.BytesIO(poster)) as still:
+        assert still.size == (int(attributes["width"]), int(attributes["height"]))
+    assert len(attributes["aria-label"]) > 60
+
+
+def test_a_film_without_its_section_stops_the_build(monkeypatch):
+    wrong = dataclasses.replace(film_of(FILMED[0]), below="No such section")
+    monkeypatch.setattr("grader.site.lesson.film_of", lambda lesson: wrong)
+    with pytest.raises(SiteError, match="No such section"):
+        page_of(FILMED[0], FILMED[0].solved.read_bytes(), "", Pictures())
+
+
 def test_a_cell_without_a_counterpart_stops_the_build():
     notebook = nbformat.read(LESSON.solved, as_version=4)
     lost = notebook.cells.pop(5).id
@@ -263,7 +303,24 @@ def test_a_page_links_to_colab_if_the_repository_is_public():
     assert links_of(LESSON, Origin("", "main")).count("<a ") == 1
     there = links_of(LESSON, PUBLIC)
     assert f"/github/anna/lidar/blob/v1/notebooks/{LESSON.stage}/{LESSON.name}.ipynb" in there
-    assert "https://code.example.org/anna/lidar/issues/new" in there
+    assert "https://github.com/anna/lidar/issues/new" in there
+
+
+def test_the_page_for_instructors_shows_each_drawn_picture():
+    text = (PROJECT / "docs" / "instructors.md").read_text("utf-8")
+    shown = re.findall(r"!\[(.{40,}?)\]\(pictures/(\w+)\.png\)", text)
+    assert [name for _, name in shown] == [one.name for one in class_pictures.PICTURES]
+    for one in class_pictures.PICTURES:
+        with Image.open(class_pictures.FOLDER / f"{one.name}.png") as drawn:
+            width, height = (length - 2 * class_pictures.BORDER for length in drawn.size)
+            assert width / height == pytest.approx(class_pictures.WIDTH / one.height, rel=0.01)
+    assert len(re.findall("^## .+\n\n`python -m grader ", text, re.M)) == len(shown)
+
+
+def test_a_picture_of_marks_has_no_empty_column():
+    page = class_pictures.marks_page("Student,E-mail,06_ground,Total\nada,,<3,30\n")
+    assert re.findall("<th>(.*?)</th>", page) == ["Student", "06_<wbr>ground", "Total"]
+    assert re.findall("<td>(.*?)</td>", page) == ["ada", "&lt;3", "30"]
 
 
 def test_a_guide_links_to_pages_and_if_possible_to_files():
@@ -271,7 +328,7 @@ def test_a_guide_links_to_pages_and_if_possible_to_files():
     there = guides.page("nbgrader", PUBLIC, Pictures())
     assert "(canvas_and_moodle.md)" in here
     assert "[late.py](" not in here and "late.py" in here
-    assert "[late.py](https://code.example.org/anna/lidar/blob/v1/grader/lms/late.py)" in there
+    assert "[late.py](https://github.com/anna/lidar/blob/v1/grader/lms/late.py)" in there
     assert "](name.png)" in guides.page("authors", PUBLIC, Pictures()), "code is not changed"
 
 
@@ -503,6 +560,21 @@ def test_a_page_has_the_stub_and_the_outputs(site):
     assert "raise NotImplementedError" in page and "def euclidean_clustering" in page
     assert "2 of 2" in page and "1 of 2" not in page
     assert "this machine" not in page
+
+
+@pytest.mark.slow
+def test_every_page_says_what_search_engines_and_messengers_show(site):
+    pages = [path for path in site.rglob("*.html") if "_static" not in path.parts]
+    described = [path for path in pages if path.name not in ("search.html", "404.html")]
+    texts = {path: path.read_text("utf-8") for path in described}
+    found = [re.findall('<meta name="description" content="(.+?)">', texts[path]) for path in texts]
+    assert {len(one) for one in found} == {1} and len(found) > 30
+    assert len({one[0] for one in found}) == len(found), "each page has its own description"
+    place = "https://anna.github.io/lidar/_static/sharing.png"
+    assert all(f'property="og:image" content="{place}"' in text for text in texts.values())
+    with Image.open(site / "_static" / "sharing.png") as shown:
+        assert shown.width == pytest.approx(1.91 * shown.height, rel=0.01)
+    assert sharing.address_on_github(Origin("https://code.example.org/anna/lidar", "v1")) == ""
 
 
 @pytest.mark.slow

@@ -14,14 +14,17 @@ from pathlib import Path
 
 from grader.course.build import Origin
 from grader.course.lessons import Lesson, every_lesson
+from grader.course.settings import course_title
 from grader.course.standalone import check_no_leaks, make_standalone
 from grader.site import front_page, glossary, guides, mathjax, sections, site_checks
 from grader.site.errors import SiteError
+from grader.site.html_outputs import TEMPLATES
 from grader.site.lesson import links_of, page_of
 from grader.site.live.files import FOLDER as LIVE_FOLDER
 from grader.site.live.files import LiveFiles
 from grader.site.pictures import Pictures
 from grader.site.settings import conf_source
+from grader.site.sharing import PICTURE, address_on_github
 
 STATIC = Path(__file__).parent / "static"
 THEME = Path(__file__).parent / "templates" / "theme"
@@ -111,7 +114,7 @@ def source_files(
     """Return all files that Sphinx reads, by path; see `write_site` for the parameters."""
     pictures = Pictures()
     files = {
-        "conf.py": conf_source(live.settings() if live else None),
+        "conf.py": conf_source(live.settings() if live else None, address_on_github(origin)),
         "index.md": front_page.page(origin, pictures),
     }
     files |= {f"{name}.md": guides.page(name, origin, pictures) for name in guides.PAGES}
@@ -128,6 +131,9 @@ def source_files(
     sources |= {f"_templates/{path.name}": path.read_bytes() for path in sorted(THEME.iterdir())}
     if live:
         sources |= {f"extra/{LIVE_FOLDER}/{name}": file for name, file in live.files.items()}
+    sources["_static/sharing.png"] = PICTURE.read_bytes()
+    missing = TEMPLATES.get_template("404.html").render(course=course_title(), marker=SITE_MARKER)
+    sources["extra/404.html"] = missing.encode()  # most servers show it at missing addresses
     # Without this file, GitHub Pages does not serve files whose names begin with `_`.
     sources["extra/.nojekyll"] = b""
     return sources | pictures.files | mathjax.mathjax_files()

@@ -102,11 +102,12 @@ def _extract_files(html: str, pictures: Pictures) -> str:
     def save_scene(match: re.Match) -> str:
         page, title, width, height, fallback = match.groups()
         place = pictures.keep(unescape(page).encode(), ".html")
-        # The scene needs JavaScript, and the fallback is a picture for readers without it.
+        # A style shows the picture instead of the scene on paper, and to readers without scripts.
+        # A scene hides the element that follows it, so the frame is the last element of a group.
         return (
+            f'<div><div class="still">{save_picture(EMBEDDED_PICTURE.search(fallback))}</div>'
             f'<iframe class="scene" src="{PATH_TO_ROOT}{place}" title="{title}" loading="lazy" '
-            f'width="{width}" height="{height}"></iframe>'
-            f"<noscript>{EMBEDDED_PICTURE.sub(save_picture, fallback)}</noscript>"
+            f'width="{width}" height="{height}"></iframe></div>'
         )
 
     def save_picture(match: re.Match) -> str:

@@ -8,12 +8,14 @@ import re
 
 import nbformat
 from nbformat import NotebookNode
+from nbformat.v4 import new_markdown_cell
 
 from grader.course.build import Origin
 from grader.course.lessons import Lesson
 from grader.site import glossary
 from grader.site.errors import SiteError
-from grader.site.html_outputs import page_outputs
+from grader.site.films import LessonFilm, film_of
+from grader.site.html_outputs import PATH_TO_ROOT, page_outputs
 from grader.site.pictures import Pictures
 from grader.site.widget_states import QUESTION_TYPE
 
@@ -39,7 +41,8 @@ def page_of(lesson: Lesson, solved_run: bytes, links: str, pictures: Pictures) -
     Raises
     ------
     SiteError
-        If the solved notebook does not contain a cell of the student's notebook.
+        If the solved notebook does not contain a cell of the student's notebook, or if the lesson
+        has no place for its film.
     """
     notebook = nbformat.read(lesson.released, as_version=4)
     solved = {cell["id"]: cell for cell in nbformat.reads(solved_run.decode(), as_version=4).cells}
@@ -69,9 +72,27 @@ def page_of(lesson: Lesson, solved_run: bytes, links: str, pictures: Pictures) -
             cell.source = glossary.link_terms(cell.source)
             _extract_pictures(cell, pictures)
         cells.append(cell)
+    if film := film_of(lesson):
+        _insert_film(cells, film, pictures)
     notebook.cells = cells
     notebook.metadata.pop("kernelspec", None)
     return nbformat.writes(notebook).encode()
+
+
+def _insert_film(cells: list[NotebookNode], film: LessonFilm, pictures: Pictures) -> None:
+    """Insert a film below the first code cell of its section."""
+    heading = re.compile(rf"^## {re.escape(film.below)}$", re.M)
+    in_section = False
+    for number, cell in enumerate(cells):
+        if cell.cell_type == "markdown" and heading.search(cell.source):
+            in_section = True
+        elif cell.cell_type == "code" and in_section:
+            html = film.html(pictures, PATH_TO_ROOT)
+            cells.insert(number + 1, new_markdown_cell(html, id="film"))
+            return
+    raise SiteError(
+        f"{film.lesson.name}: there is no code below the heading {film.below!r}. Correct film.toml."
+    )
 
 
 def is_exercise(cell: NotebookNode) -> bool:

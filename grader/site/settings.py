@@ -2,20 +2,23 @@
 
 from grader.course.lessons import every_lesson
 from grader.course.settings import course_title, version
+from grader.site.sharing import descriptions
 
 
-def conf_source(live: dict[str, object] | None = None) -> str:
-    """Return the source of Sphinx's ``conf.py``; see `settings` for the parameter."""
-    return "".join(f"{name} = {value!r}\n" for name, value in settings(live).items())
+def conf_source(live: dict[str, object] | None = None, website: str = "") -> str:
+    """Return the source of Sphinx's ``conf.py``; see `settings` for the parameters."""
+    return "".join(f"{name} = {value!r}\n" for name, value in settings(live, website).items())
 
 
-def settings(live: dict[str, object] | None = None) -> dict[str, object]:
+def settings(live: dict[str, object] | None = None, website: str = "") -> dict[str, object]:
     """Return Sphinx's settings by name.
 
     Parameters
     ----------
     live : dict, optional
         From `grader.site.live.files.LiveFiles.settings`, if lessons run in the browser.
+    website : str, optional
+        Public address of the site, from `grader.site.sharing.address_on_github`.
     """
     theme = {
         "use_download_button": False,  # the button would need the sources in the site
@@ -46,7 +49,12 @@ def settings(live: dict[str, object] | None = None) -> dict[str, object]:
         "templates_path": ["_templates"],
         # Sphinx's summaries need a server, so search.js shows summaries instead.
         "html_show_search_summary": False,
-        "html_context": {"descriptions": descriptions(), "live": live, "lessons": lesson_pages()},
+        "html_context": {
+            "descriptions": descriptions(),
+            "website": website,
+            "live": live,
+            "lessons": lesson_pages(),
+        },
         "html_favicon": "_static/icon.svg",
         "html_theme": "sphinx_book_theme",
         "html_theme_options": theme,
@@ -69,15 +77,3 @@ def settings(live: dict[str, object] | None = None) -> dict[str, object]:
 def lesson_pages() -> dict[str, str]:
     """Return the name of each lesson by the name of its page."""
     return {f"{lesson.stage}/{lesson.name}": lesson.name for lesson in every_lesson()}
-
-
-def descriptions() -> dict[str, str]:
-    """Return a sentence about each lesson, by the name of its page, for search engines."""
-    sentences = {}
-    for lesson in every_lesson():
-        names = [exercise.name for exercise in lesson.machine_graded] or list(lesson.steps)
-        sentences[f"{lesson.stage}/{lesson.name}"] = (
-            f"Lesson {lesson.number} of {course_title()}. You write {', '.join(names)} in Python, "
-            "from scratch."
-        )
-    return sentences

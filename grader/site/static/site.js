@@ -1,15 +1,43 @@
-// Stores guesses in the browser and shows them next to the answers, and makes content wider than the
-// page accessible from the keyboard.
+// Stores guesses in the browser and shows them next to the answers, shows the reader's progress, and
+// makes content wider than the page accessible from the keyboard.
 (() => {
-  const key = (question) => `guess-${question}`;
-  const known = (question) => { try { return localStorage.getItem(key(question)); } catch { return null; } };
-  const keep = (question, guess) => { try { localStorage.setItem(key(question), guess); } catch { /* do not store the guess */ } };
+  const stored = (name) => { try { return localStorage.getItem(name); } catch { return null; } };
+  const store = (name, text) => { try { localStorage.setItem(name, text); } catch { /* the browser refuses */ } };
+  const known = (question) => stored(`guess-${question}`);
+  const keep = (question, guess) => store(`guess-${question}`, guess);
 
   const tell = (question, guess) => {
     for (const answer of document.querySelectorAll(`details.answer[data-question="${question}"] .yours`)) {
       answer.textContent = guess ? `Your guess: ${guess}` : "";
     }
   };
+
+  // A lesson's page shows its progress below the links, and the front page on the lesson's card.
+  const lessonAt = (address) => new URL(address, location).pathname.split("/").pop().replace(".html", "");
+  const questions = [...document.querySelectorAll("form.guess")].map((form) => form.dataset.question);
+  const progress = document.createElement("p");
+  progress.className = "progress-so-far";
+  document.querySelector("nav.run")?.after(progress);
+  const showProgress = () => {
+    const lesson = lessonAt(location);
+    const guessed = questions.filter((question) => known(question) !== null).length;
+    const passed = JSON.parse(stored(`passed-${lesson}`) ?? "[]").length;
+    const parts = [];
+    if (guessed) parts.push(`${guessed} of ${questions.length} guesses made`);
+    if (passed) parts.push(`${passed} ${passed === 1 ? "exercise" : "exercises"} passed`);
+    if (!parts.length) return;
+    progress.textContent = `So far: ${parts.join(", ")}.`;
+    store(`progress-${lesson}`, parts.join(", "));
+  };
+  showProgress();
+  document.addEventListener("exercise-passed", showProgress); // from live.js
+  for (const card of document.querySelectorAll("a.lesson-card")) {
+    const text = stored(`progress-${lessonAt(card.href)}`);
+    if (!text) continue;
+    const line = document.createElement("b");
+    line.textContent = ` · ${text}`;
+    card.querySelector(".about").append(line);
+  }
 
   for (const form of document.querySelectorAll("form.guess")) {
     const question = form.dataset.question;
@@ -29,6 +57,7 @@
       keep(question, value);
       if (output) output.textContent = shown(value);
       tell(question, shown(value));
+      showProgress();
     });
     form.addEventListener("submit", (event) => event.preventDefault());
   }

@@ -16,6 +16,14 @@
     return written.get(id);
   };
   const keep = (id, text) => { written.set(id, text); try { localStorage.setItem(key(id), text); } catch { /* see above */ } };
+  const keepPassed = (id) => {
+    try {
+      const name = `passed-${lesson}`;
+      const passed = new Set(JSON.parse(localStorage.getItem(name) ?? "[]"));
+      localStorage.setItem(name, JSON.stringify([...passed.add(id)]));
+    } catch { return; }
+    document.dispatchEvent(new Event("exercise-passed")); // site.js shows the progress
+  };
   const forget = (id) => { written.set(id, null); try { localStorage.removeItem(key(id)); } catch { /* see above */ } };
   const element = (tag, attributes = {}, ...children) => {
     const made = document.createElement(tag);
@@ -200,6 +208,8 @@
           if (checking) {
             tell("Checking");
             ok = await runCell(check, sourceOf(check), show);
+            const card = outputs.textContent;
+            if (ok && card.includes("✓ passed") && !/✗ failed|… waiting/.test(card)) keepPassed(id);
           }
         }
         tell(checking ? "Checked." : ok ? "Done." : "Your code has an error.");

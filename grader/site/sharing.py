@@ -1,0 +1,47 @@
+"""What search engines and messengers show about a page: a description and a picture."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+
+from grader.course.build import Origin
+from grader.course.lessons import every_lesson
+from grader.course.paths import PROJECT
+from grader.course.settings import course_title
+from grader.site.guides import PAGES
+
+README = PROJECT / "README.md"
+PICTURE = PROJECT / "solutions" / "stage4_realtime" / "12_streaming_obstacles" / "film.png"
+GITHUB = "https://github.com/"
+MAX_LENGTH = 250  # letters of a description; search engines show fewer
+LINK = re.compile(r"\[([^\]]*)\]\([^)]*\)")
+
+
+def descriptions() -> dict[str, str]:
+    """Return a description of each page, by the page's name."""
+    found = {"index": re.search(r"^\*\*(.+)\*\*$", README.read_text("utf-8"), re.M)[1]}
+    for lesson in every_lesson():
+        names = [exercise.name for exercise in lesson.machine_graded] or list(lesson.steps)
+        found[f"{lesson.stage}/{lesson.name}"] = (
+            f"Lesson {lesson.number} of {course_title()}. You write {', '.join(names)} in Python, "
+            "from scratch."
+        )
+    found["words"] = "The terms of the course and their meanings."
+    for name, path in PAGES.items():
+        blocks = (PROJECT / path).read_text("utf-8").split("\n\n")
+        paragraph = next(block for block in blocks if re.match(r"`?[\w[]", block))
+        plain = re.sub("[`*]", "", LINK.sub(r"\1", paragraph))
+        found[name] = textwrap.shorten(plain, MAX_LENGTH, placeholder=" …")
+    return found
+
+
+def address_on_github(origin: Origin) -> str:
+    """Return the address at which GitHub publishes the site; empty on other hosts.
+
+    Messengers only show a picture if the page contains its whole address.
+    """
+    if not origin.repository.startswith(GITHUB):
+        return ""
+    owner, name = origin.owner_and_name.split("/")
+    return f"https://{owner.lower()}.github.io/{name}/"
