@@ -1,9 +1,11 @@
 """Exports to Canvas and Moodle lose no marks and change no other marks."""
 
 import dataclasses
+import re
 
 import pytest
 
+from grader.classroom.collect.owners import safe_folder
 from grader.classroom.collect.record import FileOrigin, Record, write_record
 from grader.course import paths
 from grader.course.deadlines import TermRules
@@ -13,6 +15,7 @@ from grader.lms.exporters.canvas import export_canvas
 from grader.lms.exporters.moodle import export_moodle
 from grader.lms.exporters.protocol import ExportError, ExportOptions
 from grader.lms.results import EXCUSED, MARKED, MISSING, ClassResults, NotebookResult, StageResult
+from tests.archives import canvas_prefix
 from tests.platforms import ENGLISH, GERMAN, Canvas, CanvasStudent, Moodle, MoodleStudent
 
 STAGE, LESSON = "stage3_obstacles", "06_filter_ground"
@@ -281,7 +284,29 @@ def test_a_namesake_with_another_number_gets_no_mark(fill_file):
     course.import_(exported.content)
     assert (course.scores.get((7777, 42)), course.scores[9001, 42]) == (None, 8.5)
     assert exported.failures == ()
-    assert "In the file but not on the roster: Schmidt, Anna." in exported.notes
+    assert "In the file, but not among your students: Schmidt, Anna." in exported.notes
+
+
+def folders_without_a_roster(course):
+    """Return the ids that `collect` gives to the students in an archive, without a roster."""
+    names = ("Anna", "Björn", "Jane", "Ilse")
+    students = [student for student in course.students if any(n in student.name for n in names)]
+    if isinstance(course, Canvas):
+        return [canvas_prefix(student.name, student.id) for student in students]
+    return [safe_folder(f"{student.name}_{student.number}") for student in students]
+
+
+@pytest.mark.parametrize("make_course", [canvas_course, lambda: moodle_course()])
+def test_students_are_found_by_the_names_of_their_folders_without_a_roster(fill_file, make_course):
+    course = make_course()
+    ids = folders_without_a_roster(course)
+    points = {id: float(number) for number, id in enumerate(ids, 1)}
+    namesake = re.sub(r"\d+$", "7", ids[0])
+    results = marks(points | {namesake: 50.0}, [*map(Person, ids), Person(namesake)], excused=())
+    exported = fill_file(course, results)
+    assert (exported.mark_count, len(exported.failures)) == (4, 1)
+    assert exported.failures[0].startswith(namesake)
+    assert not any("name in the file" in note for note in exported.notes)
 
 
 def test_an_lms_id_from_another_platform_is_ignored(fill_file):
@@ -344,8 +369,8 @@ def test_students_missing_from_the_file_or_the_roster_are_listed(fill_file):
     assert exported.failures == (
         "anna (Anna Schmidt), 8.5 points: the file has no row for this student.",
     )
-    assert "In the file but not on the roster: Gast, Gerd." in exported.notes
-    absent = "On the roster but not in the file: noshow (Noah Show)."
+    assert "In the file, but not among your students: Gast, Gerd." in exported.notes
+    absent = "Among your students, but not in the file: noshow (Noah Show)."
     assert absent in exported.notes
 
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
+from grader.course.roster import letters_and_digits
 from grader.lms.exporters.assignment_marks import collect_marks
 from grader.lms.exporters.column_writer import (
     Column,
@@ -117,7 +118,12 @@ def _name(row: tuple[str, ...], people: tuple[str, ...]) -> str:
 
 
 def _person_row(sheet: MarksFile, row: tuple[str, ...], name: str) -> PersonRow:
-    claims = tuple(
+    """Identify the owner of a row.
+
+    Without a roster, a student's id is the beginning of the names in Canvas's archive, which
+    consists of the name and the number.
+    """
+    certain, *others = (
         tuple(
             (attribute, row[sheet.head.index(title)])
             for title, attributes in rank.items()
@@ -127,7 +133,8 @@ def _person_row(sheet: MarksFile, row: tuple[str, ...], name: str) -> PersonRow:
         for rank in CLAIM_COLUMNS
     )
     number = row[sheet.head.index("ID")].strip() if "ID" in sheet.head else ""
-    return PersonRow(name, claims, name, number)
+    in_archive = f"{letters_and_digits(name)}_{number}"
+    return PersonRow(name, ((*certain, ("id", in_archive)), *others), name, number)
 
 
 def _refusal(column: int) -> Callable[[tuple[str, ...], float], str]:

@@ -125,9 +125,9 @@ def fill_column(
         list_sentence("Excused, but not marked as excused in the file", unexcused),
         list_sentence("Matched only by name", matches.by_name),
         list_sentence("Under another name in the file", matches.renamed),
-        list_sentence("In the file but not on the roster", matches.unknown_rows),
+        list_sentence("In the file, but not among your students", matches.unknown_rows),
         list_sentence(
-            "On the roster but not in the file",
+            "Among your students, but not in the file",
             [name for id, name in absent.items() if id not in matches.doubts],
         ),
         *(f"{name}: {matches.doubts[id]}." for id, name in absent.items() if id in matches.doubts),

@@ -141,10 +141,14 @@ def _row(row: tuple[str, ...], column: int, hidden: bool, owners: Mapping[str, s
 
     The first cell contains a word and Moodle's participant number, and the second contains the
     name. The next cells are fields that the site has chosen, such as e-mail address and ID number.
+    Without a roster, a student's id consists of the name and the number, as in Moodle's archive.
     """
     fields = row[1:column]
     name = "" if hidden else row[1]
     certain = [(attribute, cell) for cell in fields for attribute in ("id", "email")]
+    label = letters_and_digits(name + re.sub(r"\D", "", row[0])) if name else ""
+    if letters_and_digits(owners.get(label, "")) == label:
+        certain.append(("id", owners.get(label, "")))
     claims = (
         (*certain, ("id", owners.get(letters_and_digits(row[0]), "")), ("lms_id", row[0])),
         tuple(("lms_id", cell) for cell in fields),
