@@ -317,6 +317,12 @@ SLIPS = {
     "a decimal point that is missing": ("return f(x, 3) > 2", "return f(x, 0.3) > 2"),
     "a decimal point one digit too far": ("return f(x) > 0.03", "return f(x) > 0.3"),
     "a decimal point one digit too early": ("return f(x, y=2.5)", "return f(x, y=0.25)"),
+    "a rest that begins one too early": ("return x[y:]", "return x[(y) + 1:]"),
+    "differences that are not a table": (
+        "return x.mean(axis=1) - y.mean(axis=1)",
+        "return x.mean(axis=1)[:, None] - y.mean(axis=1)",
+    ),
+    "an index and a value exchanged": ("z[x] = y\nreturn z", "z[y] = x\nreturn z"),
     "the ends of a range": ("return x < y <= z", "return z < y <= x"),
     "the last column for the third": ("return x[:, -1] > z", "return x[:, 2] > z"),
     "a statement after two calls": (

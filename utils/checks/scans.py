@@ -129,6 +129,23 @@ def climbing_road(seed: int) -> Frame:
     return observe(world_of(Ground(slope=CLIMB), obstacles), half_sensor(), seed)
 
 
+@functools.lru_cache(maxsize=64)
+def people_around_ego_car(seed: int) -> Frame:
+    """Return a scan of a level road, with a person ahead of the ego car and another next to it.
+
+    A box of the ego car that is much too long or too wide contains one of them.
+    """
+    from utils.simulator.frames import observe
+    from utils.simulator.ground import Ground
+    from utils.simulator.streets import placed, random_pedestrian, world_of
+
+    rng = np.random.default_rng((seed, 55))
+    ahead = rng.uniform((3.6, -0.6), (4.2, 0.6))
+    beside = rng.uniform((-0.8, 2.5), (1.9, 2.7)) * [1, rng.choice([-1, 1])]
+    people = [placed(random_pedestrian(rng), *place) for place in (ahead, beside)]
+    return observe(world_of(Ground(), people), half_sensor(), seed)
+
+
 def car_across(frame: Frame) -> Box:
     """Return the true box of the car across the road in `car_crossing`."""
     return min(

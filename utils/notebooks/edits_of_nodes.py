@@ -521,8 +521,10 @@ def _slice_edits(source: SourceText, node: ast.Slice) -> Iterator[tuple[int, int
         if bound is not None:
             yield 1, *source.span(bound), ""
             if not isinstance(bound, ast.Constant):
-                for change in ("{} + 1", "{} - 1"):
-                    yield 1, *source.span(bound), change.format(f"({source.text_of(bound)})")
+                # `rows[middle:]` may never end, and such an answer has fewer edits.
+                is_rest = bound is node.lower and node.upper is None
+                for rank, change in ((0 if is_rest else 1, "{} + 1"), (1, "{} - 1")):
+                    yield rank, *source.span(bound), change.format(f"({source.text_of(bound)})")
     if isinstance(node.upper, ast.Constant) and node.upper.value == 1:  # :1 is x; :3 is x, y and z
         yield 1, *source.span(node.upper), "3"
     if node.lower is None:
@@ -592,6 +594,8 @@ def _assignment_edits(
             yield rank, begin + at, begin + at + 1, sign
     if isinstance(target, ast.Name) and isinstance(node.value, ast.Name):
         yield 2, *_swap(source, target, node.value)
+    if isinstance(target, ast.Subscript) and isinstance(node.value, ast.Name):
+        yield 1, *_swap(source, target.slice, node.value)
     if isinstance(target, ast.Name):
         yield 1, *source.span(node.value), f"{target.id}[{source.text_of(node.value)}]"
         for whole in names.arguments:
@@ -654,7 +658,10 @@ def _wrapping_edits(
             yield 1 if divides else 3, begin, end, inner + "[:, None]"
         for part in _ROW_TESTS if placed and not _is_arithmetic(node) else ():
             yield 2, begin, end, inner + part
-        if atom and isinstance(getattr(parent, "op", None), ast.MatMult):
+        operator = getattr(parent, "op", None)
+        if atom and not name and field == "left" and isinstance(operator, (ast.Sub, ast.BitAnd)):
+            yield 1, begin, end, inner + "[:, None]"
+        if atom and isinstance(operator, ast.MatMult):
             yield 1, begin, end, f"{inner}.T"
         for change in ("{} + 1", "{} - 1") if placed else ():
             yield 1 if isinstance(node, ast.Name) else 3, begin, end, f"({change.format(inner)})"

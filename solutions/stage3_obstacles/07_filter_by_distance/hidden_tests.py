@@ -1,7 +1,8 @@
 """Hidden tests of lesson 07. Students see the titles and hints but not the code.
 
-Each test covers one property. No point is on a border. Only the tests about heights and intensities
-use values that are large enough to matter.
+Each test covers one property. No point is on a border. Heights and intensities are large enough to
+matter only in the tests about them. In the course's scan and on new streets, heights are as the
+scanner measured them.
 """
 
 import copy
@@ -79,7 +80,7 @@ def test_filters_the_course_scan(student):
     hint="Keep exactly the rows with sqrt(x² + y²) <= distance.",
 )
 def test_filters_a_new_street(student, seed):
-    assert_distance_filtered(student, flatten(samples.fresh_street(seed)[::5]))
+    assert_distance_filtered(student, samples.fresh_street(seed)[::5] * [1, 1, 1, 0.01])
 
 
 @hidden(

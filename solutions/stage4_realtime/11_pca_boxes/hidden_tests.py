@@ -202,17 +202,19 @@ def test_handedness(student, seed):
 @hidden(
     "principal_axes",
     weight=26,
-    title="Returns the right axes for scanned vehicles",
-    hint="Centre the points, return the eigenvectors as columns, and put the largest spread first.",
+    title="Returns the right axes for scanned vehicles, whose points have intensities",
+    hint="Centre the first three columns, return the eigenvectors as columns, and put the largest "
+    "spread first.",
 )
 def test_axes_of_scanned_vehicles(student, seed):
     checked = 0
-    for points in (car[:, :3] for car in scanned_cars(seed) + scanned_cars(seed + 1)):
+    for car in scanned_cars(seed) + scanned_cars(seed + 1):
+        points = car[:, :3]
         spread = np.linalg.svd(centre(points), compute_uv=False)
         if (spread[1:] > 0.85 * spread[:-1]).any() or checked == 6:
             continue  # with nearly equal spreads, the order of two axes is uncertain
         checked += 1
-        assert_axes(student.principal_axes(points.copy()), axes_by_svd(points))
+        assert_axes(student.principal_axes(car.copy()), axes_by_svd(points))
     points = next(blocks_in_space(np.random.default_rng(seed))) + [9.0, -5.0, 2.0]
     assert_axes(student.principal_axes(points.copy()), axes_by_svd(points))
 
@@ -320,9 +322,11 @@ def test_any_heading(student, seed):
 
 
 def assert_contained_and_tight(student, cloud, labels, areas):
+    """Compare the answer's boxes with the points, seen from above, and return the boxes."""
     answer = student.get_oriented_boxes(cloud.copy(), labels.copy())
     assert_contains_points(answer, cloud, labels)
     assert_snug(answer, cloud, labels, areas)
+    return answer
 
 
 @hidden(
@@ -360,8 +364,9 @@ def test_tall_objects(student, seed):
         points = turn_about_z(leaning, np.radians(heading))
         clusters.append(points + [4.0 * row - 10, rng.uniform(-6, 6), 0.3])
         areas.append(smallest_area(points))
+    cloud = np.vstack(clusters)
     labels = np.repeat(np.arange(1, len(clusters) + 1), 64)
-    assert_contained_and_tight(student, np.vstack(clusters), labels, areas)
+    assert_heights(assert_contained_and_tight(student, cloud, labels, areas), cloud, labels)
 
 
 @hidden(
@@ -378,7 +383,7 @@ def test_fresh_street(student, seed):
     labels = np.concatenate([labels, label + labels.max()])
     # Sensible methods agree on the size of the box only for the block, so only its area is checked.
     areas = [np.inf] * (labels.max() - 1) + [smallest_area(car)]
-    assert_contained_and_tight(student, cloud, labels, areas)
+    assert_heights(assert_contained_and_tight(student, cloud, labels, areas), cloud, labels)
 
 
 @functools.lru_cache(maxsize=64)

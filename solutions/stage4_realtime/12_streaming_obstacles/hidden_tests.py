@@ -45,6 +45,7 @@ from utils.checks.scans import (
     ego_car_points,
     half_sensor,
     insert_invalid,
+    people_around_ego_car,
     raindrops,
     remove_car,
     square,
@@ -154,11 +155,13 @@ def test_reach(student, seed):
 @hidden(
     "detect_obstacles",
     weight=3,
-    title="Finds a person next to the bumper, on either side",
+    title="Finds people close to the ego car, ahead of it and on either side",
     hint="Let remove_ego_returns remove the points in the box of the ego car and no others.",
 )
-def test_person_at_the_bumper(student, seed):
+def test_people_close_to_the_ego_car(student, seed):
     assert_found_on_climbs(student, seed, "pedestrian")
+    frame = people_around_ego_car(seed)
+    assert_kind_contained(detect_once(student.detect_obstacles, frame), "pedestrian", frame)
 
 
 @hidden(

@@ -41,6 +41,7 @@ from utils.checks.scans import (
     climbing_road,
     ego_car_points,
     insert_invalid,
+    people_around_ego_car,
     raindrops,
     square,
     square_with_people,
@@ -131,14 +132,16 @@ def _assert_found_on_the_climb(detect_obstacles: Callable, kind: str) -> None:
 @visible_check(
     "detect_obstacles",
     weight=3,
-    title="Finds a person next to the bumper",
-    why="If the detector misses a person right in front of the ego car, the car may start and hit "
-    "them.",
+    title="Finds people close to the ego car",
+    why="If the detector misses a person right in front of the ego car or next to it, the car may "
+    "start and hit them.",
     hint="Let remove_ego_returns remove the points in the box of the ego car, from (-1.5, -1.7, "
     "-1.0) to (2.6, 1.7, -0.4), and no others.",
 )
 def finds_the_person_at_the_bumper(detect_obstacles: Callable) -> None:
     _assert_found_on_the_climb(detect_obstacles, "pedestrian")
+    frame = people_around_ego_car(CLIMB_SEED)
+    assert_kind_contained(detect_once(detect_obstacles, frame), "pedestrian", frame)
 
 
 @visible_check(
