@@ -237,9 +237,10 @@ for name, place, text in (("cyclist", (3.2, 1.9), (0, 2.5)), ("turning\ncar", (7
                           ("parked car", (-5.3, -2.9), (-9, -5.3)), ("lorry", (16, 4.1), (17, 7)),
                           ("house front", (2, -8.2), (5, -9.8))):
     axes.annotate(name, place, text, ha="center", va="center", arrowprops={"arrowstyle": "-"})
-axes = plots.from_above(cloud, values=cloud[:, 3], span=(0, 0.6), label="intensity", limits=street,
+intensity = cloud[:, 3] if cloud.shape[1] == 4 else np.zeros(len(cloud))  # not all files have one
+axes = plots.from_above(cloud, values=intensity, span=(0, 0.6), label="intensity", limits=street,
                         title="The same points, coloured by intensity")
-bright = cloud[cloud[:, 3] > 0.9]
+bright = cloud[intensity > 0.9]
 axes.plot(bright[:, 0], bright[:, 1], "s", color="black", markersize=3)
 plots.ring(axes, 5.1, -2.9, radius=1.2, text="number plate")
 print(f"{len(bright)} of {len(cloud):,} returns are brighter than 0.9 (black squares)");

@@ -175,13 +175,13 @@ show_table(["threshold", "neighbours per point", "pairs", "memory"], table)
 # @title One car: all pairs of neighbours, and the cells (you need not read this)
 x, y = xyz[:, 0], xyz[:, 1]
 car = xyz[(x > 5) & (x < 10) & (y > -5) & (y < 0.5), :2]
-car = car[np.random.default_rng(2).choice(len(car), 250, replace=False)]
+car = car[np.random.default_rng(2).choice(len(car), min(250, len(car)), replace=False)]
 web = cKDTree(car).query_pairs(0.5, output_type="ndarray")
 side = 0.5 / np.sqrt(2)
 first_in_cell = {}
 for row, cell in enumerate(map(tuple, np.floor(car / side))):
     first_in_cell.setdefault(cell, row)  # the first point represents its cell
-representatives = np.array(list(first_in_cell.values()))
+representatives = np.array(list(first_in_cell.values()), dtype=int)
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(8.5, 5.2), layout="compressed")
 window = ((5, 9.6), (-4.2, 0.3))
