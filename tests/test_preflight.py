@@ -1084,6 +1084,15 @@ def test_an_answer_in_a_code_cell_is_read_as_text_with_a_note(source, shown_text
     assert write_up(code("YOUR ANSWER HERE", **OWN["metadata"]))[::4] == ("", [])
 
 
+def test_text_from_an_earlier_release_is_not_an_answer():
+    """The lesson's text may change after students have downloaded it."""
+    old = text("## Write-up, as it was called in the first release") | {"id": "fdc3655c352f"}
+    assert write_up(OWN, old, text("Second."))[0] == ""
+    assert write_up(prompt(), old)[:2] == ("", True)
+    edited = old | {"source": f"{old['source']}. It finds 14 of 17."}
+    assert write_up(OWN, edited)[0] == edited["source"]
+
+
 def test_an_answer_below_its_cell_ends_at_the_next_cell_of_the_course():
     footer = released_text_cell(index_of("write_up") + 1)
     cells = [OWN, text("First."), text(" "), code("x = 1"), text("Second."), footer, text("Third.")]

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import base64
 import functools
-import hashlib
 import json
 import re
 import tempfile
@@ -22,6 +21,7 @@ from grader.course import durations, earlier_lessons
 from grader.course.lessons import Lesson, all_lessons, every_lesson, registry_faults
 from grader.course.paths import PROJECT
 from grader.course.settings import course_settings
+from utils.notebooks.reading import id_of_text
 
 if TYPE_CHECKING:
     from nbformat import NotebookNode
@@ -402,7 +402,7 @@ def _attach_pictures(cell: NotebookNode, folder: Path) -> None:
 def _stable_id(cell: NotebookNode, seen: dict[str, int]) -> str:
     """Return an ID that depends only on the cell: its nbgrader ID, or a digest of its text."""
     grade_id = cell.metadata.get("nbgrader", {}).get("grade_id")
-    name = grade_id or hashlib.sha256(cell.source.encode()).hexdigest()[:12]
+    name = grade_id or id_of_text(cell.source)
     seen[name] = seen.get(name, 0) + 1
     return name if seen[name] == 1 else f"{name}-{seen[name]}"
 

@@ -548,7 +548,7 @@ def _new_text_cells(draft: _Draft, begin: int, released: list[list[str]]) -> Ite
     """Yield the indices of the student's own text cells up to the next released cell."""
     for index in range(begin + 1, len(draft.cells)):
         cell = draft.cells[index]
-        if cell.grade_id or (cell.source.split() in released and cell.source.strip()):
+        if cell.grade_id or (cell.source.strip() and _is_released_text(cell, released)):
             return
         if cell.kind != "code" and cell.source.strip():
             yield index
@@ -569,8 +569,14 @@ def _has_same_source(draft: _Draft, index: int, cell: Cell) -> bool:
 
 def _has_stray_text(draft: _Draft, released: list[list[str]]) -> bool:
     return any(
-        cell.kind != "code" and cell.source.split() not in [[], *released] for cell in draft.cells
+        cell.kind != "code" and cell.source.strip() and not _is_released_text(cell, released)
+        for cell in draft.cells
     )
+
+
+def _is_released_text(cell: Cell, released: list[list[str]]) -> bool:
+    """Return whether a cell is part of this release, or of an earlier one, and is unchanged."""
+    return cell.source.split() in released or cell.has_id_of_text
 
 
 def _remove_cells(draft: _Draft, indices: set[int]) -> None:

@@ -9,6 +9,7 @@ library and only patterns that do not backtrack.
 
 from __future__ import annotations
 
+import hashlib
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -21,7 +22,14 @@ from utils.notebooks.file_formats import (
     replace_surrogates,
 )
 
-__all__ = ["Cell", "Notebook", "UnreadableNotebook", "decode_notebook", "is_lfs_pointer"]
+__all__ = [
+    "Cell",
+    "Notebook",
+    "UnreadableNotebook",
+    "decode_notebook",
+    "id_of_text",
+    "is_lfs_pointer",
+]
 
 # Each bracket becomes an object of about a hundred bytes, so a small file could fill the memory.
 MAX_BRACKETS = 2_000_000
@@ -41,12 +49,20 @@ class Cell:
         ID of the cell in nbgrader; empty if it has none.
     attachments : dict
         Attached pictures as stored in the file; untrusted and not validated.
+    id : str
+        The cell's ID in the file; editors change it or leave it out.
     """
 
     kind: str
     source: str
     grade_id: str = ""
     attachments: dict = field(default_factory=dict, hash=False)
+    id: str = field(default="", compare=False)
+
+    @property
+    def has_id_of_text(self) -> bool:
+        """Return whether the cell is unchanged since the release that it came from."""
+        return self.id.partition("-")[0] == id_of_text(self.source)
 
 
 @dataclass(frozen=True)
@@ -243,7 +259,13 @@ def _cell(cell: dict, old: bool) -> Cell:
         next((_source(cell[place]) for place in places if place in cell), ""),
         _as_text(grading.get("grade_id")),
         _as_dict(cell.get("attachments")),
+        _as_text(cell.get("id")),
     )
+
+
+def id_of_text(text: str) -> str:
+    """Return the ID that a cell with this text has in a released notebook."""
+    return hashlib.sha256(text.encode()).hexdigest()[:12]
 
 
 def _source(source: object) -> str:

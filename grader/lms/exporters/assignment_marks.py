@@ -113,11 +113,7 @@ def collect_marks(options: ExportOptions) -> Marks:
         )
     waiting = [result for result in notebooks if result.status == WAITING]
     if waiting and not options.provisional:
-        raise ExportError(
-            f"Not fully graded: {'; '.join(_list_by_lesson(waiting))}. Grade the written answers "
-            "in Formgrader, and run `python -m grader grade` to enter other submissions. To export "
-            "the points so far, add --provisional."
-        )
+        raise ExportError(_waiting_sentences(waiting))
     marks, unmarked = [], {status: [] for status in UNMARKED_TITLES}
     for person in results.people:
         status, points = _status_and_points(results, person, assignment)
@@ -190,6 +186,25 @@ def _status_and_points(
 ) -> tuple[str, float | None]:
     result = results.stage(person.id, assignment) or results.notebook(person.id, assignment)
     return (result.status, result.points) if result else (MISSING, None)
+
+
+def _waiting_sentences(waiting: Sequence[NotebookResult]) -> str:
+    """Return which marks are not final, why, and what to do."""
+    incomplete = "; ".join(_list_by_lesson([one for one in waiting if one.score is not None]))
+    not_entered = "; ".join(_list_by_lesson([one for one in waiting if one.score is None]))
+    sentences = []
+    if incomplete:
+        sentences.append(
+            f"Not fully graded: {incomplete}. Grade the written answers in Formgrader."
+        )
+    if not_entered:
+        sentences.append(
+            f"Not in the gradebook yet: {not_entered}. Run `python -m grader grade`, which enters "
+            "these submissions or gives the reason."
+        )
+    return " ".join(
+        [*sentences, "To export the other marks and the points so far, add --provisional."]
+    )
 
 
 def _list_by_lesson(notebooks: Iterable[NotebookResult], everyone: int = 0) -> list[str]:
