@@ -65,6 +65,7 @@ SLIPS = {
             "np.linalg.norm(cloud[:, :2], axis=0)",
             USELESS,
         ),
+        Slip("math.sqrt of a column", "np.sqrt(x", "math.sqrt(x", USELESS),
     ],
     "drop_invalid": [
         Slip("| instead of &", "is_somewhere & ~", "is_somewhere | ~", USELESS),
@@ -98,5 +99,12 @@ SLIPS = {
             PARTLY,
         ),
         Slip("and instead of &", "is_somewhere & ~", "is_somewhere and ~", USELESS),
+        Slip("columns shifted by one", "cloud[:, :3]", "cloud[:, 1:4]", USELESS),
+        Slip(
+            "computes a mask but does not use it",
+            "return cloud[is_somewhere & ~is_origin]",
+            "is_kept = is_somewhere & ~is_origin\n    return cloud",
+            USELESS,
+        ),
     ],
 }

@@ -33,6 +33,7 @@ SLIPS = {
         Slip("a and b swapped", "return a, b, -(a", "return b, a, -(a", USELESS),
         Slip("no return statement", "return a, b, -(a", "line = a, b, -(a", USELESS),
         Slip("returns None if dx or dy is 0", "not length > 0", "dx == 0 or dy == 0", PARTLY),
+        Slip("no [1] after a point", "q[1] - p[1]", "q[1] - p", USELESS),
     ],
     "point_line_distance": [
         Slip("no absolute value", f"np.abs({_VALUE})", _VALUE, USELESS),
@@ -164,5 +165,6 @@ SLIPS = {
             "line_through(first, second)",
             USELESS,
         ),
+        Slip("all points instead of the second", "points[second]", "points", USELESS),
     ],
 }

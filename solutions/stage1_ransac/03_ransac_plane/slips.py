@@ -105,6 +105,8 @@ SLIPS = {
             "        return np.array(distances)",
             USELESS,
         ),
+        Slip("columns shifted by one", "points[:, :3]", "points[:, 1:4]", USELESS),
+        Slip("no [3] after the plane", "plane[3]", "plane", USELESS),
     ],
     "ransac_plane": [
         Slip("returns the last plane", f"if {_BETTER}", "if True", USELESS),
@@ -190,6 +192,7 @@ SLIPS = {
             "\n    return model, np.flatnonzero(inliers)",
             USELESS,
         ),
+        Slip("columns shifted by one", "points[sample, :3]", "points[sample, 1:4]", USELESS),
     ],
     "fit_plane": [
         Slip("not centred", "points[:, :3] - centre,", "points[:, :3],", USELESS),
@@ -242,6 +245,19 @@ SLIPS = {
             "points[:, :3].mean(axis=0)",
             "np.median(points[:, :3], axis=0)",
             PARTLY,
+        ),
+        Slip(
+            "columns shifted by one",
+            "np.linalg.svd(points[:, :3]",
+            "np.linalg.svd(points[:, 1:4]",
+            USELESS,
+        ),
+        Slip("no [2] after the SVD", "full_matrices=False)[2]", "full_matrices=False)", USELESS),
+        Slip(
+            "all directions instead of the last",
+            "least = by_spread[2]",
+            "least = by_spread",
+            USELESS,
         ),
     ],
     "iterations_needed": [

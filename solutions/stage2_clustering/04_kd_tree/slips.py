@@ -49,6 +49,7 @@ SLIPS = {
             "parent.point[axis - 1]",
             PARTLY,
         ),
+        Slip("no [axis] after the parent's point", "parent.point[axis]", "parent.point", USELESS),
     ],
     "search": [
         Slip("> instead of >=", _RIGHT, "target[axis] + tolerance > split", SMALL),
@@ -123,6 +124,12 @@ SLIPS = {
             MISSING,
         ),
         Slip("returns a generator", "return found", "return (index for index in found)", USELESS),
+        Slip(
+            "no [axis] after the node's point",
+            "split = node.point[axis]",
+            "split = node.point",
+            USELESS,
+        ),
     ],
     "median_order": [
         Slip("uses the upper median", _MIDDLE, "len(rows) // 2", SMALL),

@@ -34,6 +34,12 @@ SLIPS = {
             "cloud = cloud[stands_above]",
             USELESS,
         ),
+        Slip(
+            "computes a mask but does not use it",
+            "return cloud[stands_above]",
+            "return cloud",
+            USELESS,
+        ),
     ],
     "voxel_grid": [
         Slip(
@@ -110,5 +116,6 @@ SLIPS = {
             "return (sums / count[:, None])[:-1]",
             USELESS,
         ),
+        Slip("columns shifted by one", "np.floor(cloud[:, :3]", "np.floor(cloud[:, 1:4]", USELESS),
     ],
 }

@@ -78,6 +78,24 @@ SLIPS = {
             USELESS,
         ),
         Slip("no return statement", "return cloud[along", "cloud = cloud[along", USELESS),
+        Slip(
+            "columns shifted by one",
+            "np.hypot(cloud[:, 0], cloud[:, 1])",
+            "np.linalg.norm(cloud[:, 1:3], axis=1)",
+            USELESS,
+        ),
+        Slip(
+            "computes a mask but does not use it",
+            "return cloud[along_the_road <= distance]",
+            "is_near = along_the_road <= distance\n    return cloud",
+            USELESS,
+        ),
+        Slip(
+            "math.sqrt of a column",
+            "np.hypot(cloud[:, 0], cloud[:, 1])",
+            "math.sqrt(cloud[:, 0] ** 2 + cloud[:, 1] ** 2)",
+            USELESS,
+        ),
     ],
     "crop_region": [
         Slip("any instead of all", ".all(axis=1)", ".any(axis=1)", USELESS),
@@ -109,6 +127,10 @@ SLIPS = {
             "(xyz >= minimum) & (xyz <= maximum)",
             "(xyz >= (-10, -5, -2)) & (xyz <= (30, 6, 1))",
             PARTLY,
+        ),
+        Slip("columns shifted by one", "cloud[:, :3]", "cloud[:, 1:4]", USELESS),
+        Slip(
+            "computes a mask but does not use it", "return cloud[inside]", "return cloud", USELESS
         ),
     ],
     "remove_ego_returns": [
@@ -149,5 +171,9 @@ SLIPS = {
             PARTLY,
         ),
         Slip("compares all four columns", "cloud[:, :3]", "cloud", USELESS),
+        Slip("columns shifted by one", "cloud[:, :3]", "cloud[:, 1:4]", USELESS),
+        Slip(
+            "computes a mask but does not use it", "return cloud[~is_ours]", "return cloud", USELESS
+        ),
     ],
 }

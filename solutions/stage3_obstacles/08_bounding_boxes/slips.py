@@ -65,5 +65,18 @@ SLIPS = {
         ),
         Slip("rounds to centimetres", ".reshape(-1, 8, 3)", ".reshape(-1, 8, 3).round(2)", SMALL),
         Slip("no return statement", "return np.array", "boxes = np.array", USELESS),
+        Slip("columns shifted by one", "== label), :3]", "== label), 1:4]", USELESS),
+        Slip(
+            "computes a mask but does not use it",
+            "points = cloud[measured & (cluster_labels == label), :3]",
+            "chosen = measured & (cluster_labels == label)\n        points = cloud[:, :3]",
+            USELESS,
+        ),
+        Slip(
+            "no [:, None] after the numbers of the corners",
+            "np.arange(8)[:, None]",
+            "np.arange(8)",
+            USELESS,
+        ),
     ],
 }

@@ -78,5 +78,18 @@ SLIPS = {
             USELESS,
         ),
         Slip("no return statement", "return np.argsort", "labels = np.argsort", USELESS),
+        Slip(
+            "columns shifted by one",
+            "np.asarray(cloud)[:, :3]",
+            "np.asarray(cloud)[:, 1:4]",
+            USELESS,
+        ),
+        Slip(
+            "label[first] instead of label[cell_of_point]",
+            "label[cell_of_point]",
+            "label[first]",
+            USELESS,
+        ),
+        Slip("one label per cluster", "(start))[which]", "(start))", USELESS),
     ],
 }

@@ -60,6 +60,8 @@ SLIPS = {
             "",
             SMALL,
         ),
+        Slip("columns shifted by one", "(axis=1), :3]", "(axis=1), 1:4]", USELESS),
+        Slip("uses all four columns", "(axis=1), :3]", "(axis=1)]", PARTLY),
     ],
     "get_oriented_boxes": [
         Slip("turns by minus yaw twice", _CORNERS, _CORNERS.replace("yaw", "-yaw"), USELESS),
@@ -130,6 +132,16 @@ SLIPS = {
             "    return np.array(boxes)",
             "        return np.array(boxes)",
             USELESS,
+        ),
+        Slip("columns shifted by one", "== label), :3]", "== label), 1:4]", USELESS),
+        Slip(
+            "computes a mask but does not use it",
+            "points = cloud[measured & (cluster_labels == label), :3]",
+            "chosen = measured & (cluster_labels == label)\n        points = cloud[:, :3]",
+            USELESS,
+        ),
+        Slip(
+            "roof at the height of the floor", "(bottom, top) for", "(bottom, bottom) for", PARTLY
         ),
     ],
 }

@@ -76,6 +76,26 @@ boxes = []
             "points[points[:, 2] > ground_level]",
             USELESS,
         ),
+        Slip("columns shifted by one", "cloud[:, :3]", "cloud[:, 1:4]", USELESS),
+        Slip("3 instead of 0.3", "> 0.3]", "> 3]", USELESS),
+        Slip(
+            "voxels of 2 m instead of 0.2 m",
+            "voxel_grid(points, 0.2)",
+            "voxel_grid(points, 2)",
+            USELESS,
+        ),
+        Slip(
+            "a box 17 m wide for the ego car",
+            "(-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)",
+            "(-1.5, -8.5, -1.0), (2.6, 8.5, -0.4)",
+            SMALL,
+        ),
+        Slip(
+            "a box 15 m long for the ego car",
+            "(-1.5, -1.7, -1.0), (2.6, 1.7, -0.4)",
+            "(-7.5, -1.7, -1.0), (7.5, 1.7, -0.4)",
+            SMALL,
+        ),
     ],
     "match_boxes": [
         Slip(
@@ -135,5 +155,9 @@ boxes = []
             USELESS,
         ),
         Slip("no return statement", "return partners", "pairs = partners", USELESS),
+        Slip("no [:, None] after the centres", "axis=1)[:, None] -", "axis=1) -", USELESS),
+        Slip(
+            "index and value exchanged", "partners[row] = column", "partners[column] = row", USELESS
+        ),
     ],
 }
