@@ -621,6 +621,7 @@ def cost_of(name, n):
 
 # %%
 counts = np.array([125, 250, 500, 1000, 2000, 4000, 8000])
+counts = counts[counts <= len(obstacles)]  # your own cloud may be smaller
 # A tree that is a list takes long to grow, so the wall stops at 1,000 points.
 costs = {name: np.array([cost_of(name, n) for n in counts if n <= 1000 or "wall" not in name])
          for name in ORDERS}
