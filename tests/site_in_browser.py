@@ -202,6 +202,9 @@ def faults_of_reading(driver, root):
     first = search_results(driver, root, "corner order")[0][1]
     if not first.startswith("Eight corners in an agreed order"):
         yield f"a search for the order of corners begins with {first}"
+    first = search_results(driver, root, "how many iterations")[0][1]
+    if "iterations_needed" not in first.splitlines()[0]:
+        yield f"a search for the number of iterations begins with {first}"
     start, end = driver.execute_script(ICON_AND_TEXT)
     if end > start:
         yield f"the icon in the search field ends at {end} pixels, and the text starts at {start}"
