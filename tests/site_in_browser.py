@@ -261,6 +261,18 @@ def faults_of_missing_page(driver, root):
         yield f"a missing page links to {link.get_attribute('href')}"
 
 
+def faults_of_copying(driver, root):
+    """Yield a sentence if the button next to code does not copy the code."""
+    driver.get(f"{root}instructors.html")
+    rights = {"permissions": ["clipboardReadWrite", "clipboardSanitizedWrite"], "origin": root}
+    driver.execute_cdp_cmd("Browser.grantPermissions", rights)
+    driver.find_element(By.CSS_SELECTOR, "button.copy").send_keys(Keys.ENTER)
+    time.sleep(1)
+    copied = driver.execute_async_script("navigator.clipboard.readText().then(arguments[0])")
+    if copied.strip() != "make demo":
+        yield f"the button copies {copied!r}"
+
+
 def faults_on_paper(driver, root, pictures):
     """Print a lesson with a scene to PDF; yield a sentence for each part that is missing or cut."""
     driver.get(f"{root}stage2_clustering/05_euclidean_clustering.html")
@@ -309,6 +321,7 @@ def main(site, axe, pictures):
         view(driver, 800, "light")
         for fault in (
             *faults_of_missing_page(driver, root),
+            *faults_of_copying(driver, root),
             *faults_on_paper(driver, root, pictures),
         ):
             found.append(fault)
