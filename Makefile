@@ -19,7 +19,7 @@ help:
 	@echo "make bench        measure speed and memory, compared with other libraries"
 	@echo "make build        write the notebooks and other generated files"
 	@echo "make check        find notebooks that are out of date, lint errors and wrong formatting"
-	@echo "make pictures     draw the film in README.md and the previews of the lessons"
+	@echo "make pictures     draw the previews of the lessons, and the film and pictures in the guides"
 	@echo "make constraints  pin the versions of all packages that the requirements need"
 
 # .venv/ready* are stamp files, which are newer than the requirements that were installed.
@@ -96,6 +96,8 @@ check: .venv/ready-dev
 pictures: .venv/ready-dev
 	$(BIN)/python -m grader.course.previews
 	PYTHONPATH=. $(BIN)/python solutions/stage4_realtime/12_streaming_obstacles/hero.py
+	$(BIN)/python -m grader.course.films
+	$(BIN)/python -m tests.class_pictures
 	$(BIN)/python -m grader build
 
 # Write one file for all versions of Python, with the newest packages that requirements*.txt allow.

@@ -89,6 +89,19 @@ def printed_lines(page, folder):
     return [sheet.split("\n") for sheet in text.split("\f")[:-1]]
 
 
+def save_screenshot(address, path, width, height):
+    """Save the upper part of a page as a picture with 1.5 pixels per CSS pixel."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = [
+            BROWSER,
+            *("--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"),
+            *("--disable-background-networking", "--no-first-run", f"--user-data-dir={folder}"),
+            *("--hide-scrollbars", "--force-device-scale-factor=1.5"),
+            *(f"--window-size={width},{height}", f"--screenshot={path}", address),
+        ]
+        _run(command, capture_output=True, check=True)
+
+
 def rendered_page(page, folder, elsewhere):
     """Return the page after its scripts have run, and the paths requested from other hosts."""
     server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), _Handler)

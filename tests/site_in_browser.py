@@ -225,6 +225,9 @@ def faults_of_reading(driver, root):
     first = search_results(driver, root, "corner order")[0][1]
     if not first.startswith("Eight corners in an agreed order"):
         yield f"a search for the order of corners begins with {first}"
+    first = search_results(driver, root, "how many iterations")[0][1]
+    if "iterations_needed" not in first.splitlines()[0]:
+        yield f"a search for the number of iterations begins with {first}"
     start, end = driver.execute_script(ICON_AND_TEXT)
     if end > start:
         yield f"the icon in the search field ends at {end} pixels, and the text starts at {start}"
@@ -357,6 +360,18 @@ def faults_of_missing_page(driver, root):
         yield f"a missing page links to {link.get_attribute('href')}"
 
 
+def faults_of_copying(driver, root):
+    """Yield a sentence if the button next to code does not copy the code."""
+    driver.get(f"{root}instructors.html")
+    rights = {"permissions": ["clipboardReadWrite", "clipboardSanitizedWrite"], "origin": root}
+    driver.execute_cdp_cmd("Browser.grantPermissions", rights)
+    driver.find_element(By.CSS_SELECTOR, "button.copy").send_keys(Keys.ENTER)
+    time.sleep(1)
+    copied = driver.execute_async_script("navigator.clipboard.readText().then(arguments[0])")
+    if copied.strip() != "make demo":
+        yield f"the button copies {copied!r}"
+
+
 def faults_on_paper(driver, root, pictures):
     """Print a lesson with a scene to PDF; yield a sentence for each part that is missing or cut."""
     driver.get(f"{root}stage2_clustering/05_euclidean_clustering.html")
@@ -408,6 +423,7 @@ def main(site, python, axe, pictures):
         view(driver, 800, "light")
         for fault in (
             *faults_of_missing_page(driver, root),
+            *faults_of_copying(driver, root),
             *faults_on_paper(driver, root, pictures),
         ):
             found.append(fault)

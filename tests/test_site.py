@@ -604,7 +604,7 @@ def test_search_finds_words_of_titles_and_of_text(site):
 def test_every_file_that_a_page_loads_is_in_the_site(site):
     assert (site / "_static" / "mathjax" / "tex-chtml.js").is_file()
     assert len([*(site / "_static" / "mathjax").rglob("*.woff")]) > 10
-    assert not [*site.rglob("*.map"), *site.rglob("fontawesome.js")]
+    assert not [*site.rglob("*.map"), *site.rglob("fontawesome.js"), *site.glob("_sources")]
     for lesson in every_lesson():
         notebook = json.loads((site / "notebooks" / f"{lesson.name}.ipynb").read_text("utf-8"))
         assert notebook["metadata"]["lidar_obstacle_lab"]["standalone"]

@@ -6,6 +6,7 @@ Each lesson has a ``preview.py`` with a function `draw` that returns a matplotli
 import importlib
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 
 import matplotlib
 
@@ -33,10 +34,15 @@ def main(numbers: Sequence[str]) -> None:
         # The file does not contain matplotlib's version, so that it changes only with the picture.
         figure.savefig(path, dpi=DOTS_PER_INCH, metadata={"Software": None})
         plt.close(figure)
-        with Image.open(path) as drawn:
-            reduced = drawn.convert("RGB").quantize(PALETTE_SIZE, dither=Image.Dither.NONE)
-        reduced.save(path, optimize=True)
+        reduce_colours(path)
         print(f"drew {path.name}")
+
+
+def reduce_colours(path: Path) -> None:
+    """Reduce the colours of a picture to a palette, which makes its file smaller."""
+    with Image.open(path) as drawn:
+        reduced = drawn.convert("RGB").quantize(PALETTE_SIZE, dither=Image.Dither.NONE)
+    reduced.save(path, optimize=True)
 
 
 if __name__ == "__main__":

@@ -49,6 +49,7 @@ DELETED_PATTERNS = (
     ".buildinfo",
     "objects.inv",
     "locales",
+    "_sources",
 )
 
 

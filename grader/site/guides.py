@@ -13,6 +13,7 @@ from grader.site.pictures import Pictures
 PAGES = {
     "students": "notebooks/README.md",
     "data": "data/README.md",
+    "instructors": "docs/instructors.md",
     "teaching": "docs/teaching.md",
     "grading": "docs/grading.md",
     "prices": "docs/prices.md",
