@@ -20,8 +20,8 @@ from pathlib import Path
 
 from grader.classroom.collect.canvas import read_canvas
 from grader.classroom.collect.folder import possible_levels, read_folder
-from grader.classroom.collect.github import read_github
-from grader.classroom.collect.gradescope import read_gradescope
+from grader.classroom.collect.github import ROSTER, read_github
+from grader.classroom.collect.gradescope import METADATA, read_gradescope
 from grader.classroom.collect.models import (
     Archive,
     ArchiveReader,
@@ -58,6 +58,8 @@ ARCHIVE_READERS: dict[str, ArchiveReader] = {
 `folder` reads any archive that no reader recognises.
 """
 
+LISTS_OF_STUDENTS = (ROSTER, METADATA)  # files of a platform that the readers use
+
 
 def open_archives(paths: Iterable[Path], folder_level: int = 0) -> Iterator[SubmittedArchive]:
     """Open archives, and yield the submitted files of each.
@@ -80,7 +82,11 @@ def open_archives(paths: Iterable[Path], folder_level: int = 0) -> Iterator[Subm
         submitted = _read(archive, folder_level)
         read = {file.entry for file in submitted.files}
         others = [entry for entry in archive.entries if entry not in read]
-        unneeded = tuple(entry for entry in others if not may_be_notebook(entry))
+        unneeded = tuple(
+            entry
+            for entry in others
+            if not may_be_notebook(entry) and entry.path[-1] not in LISTS_OF_STUDENTS
+        )
         yield dataclasses.replace(submitted, other_entries=unneeded)
         depth = len(shared_folders(archive.entries))
         notebooks = tuple(
