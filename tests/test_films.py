@@ -120,9 +120,9 @@ def test_a_detector_that_fails_later_loses_one_frame(tmp_path, frames):
         return box_of_everything(cloud)
 
     film = record(frames, tmp_path / "f.gif", detect, size=SIZE, renderer="matplotlib")
-    assert film.problems == ("frame 2, IndexError: too far",)
+    assert film.problems == ("frame 2, the detector failed: IndexError: too far",)
     assert film.boxes == (1, 1)
-    assert "the detector failed: 1. The first failure: frame 2" in film.recap
+    assert "failed: 1. The first failure: frame 2, the detector failed: Index" in film.recap
 
 
 def test_a_scan_that_cannot_be_read_loses_one_frame(tmp_path):
@@ -133,7 +133,10 @@ def test_a_scan_that_cannot_be_read_loses_one_frame(tmp_path):
     seen = list(watch(read_sequence(tmp_path), box_of_everything))
     assert [frame.number for frame in seen] == [1, 2, 3, 4]
     assert [bool(frame.problem) for frame in seen] == [False, False, True, False]
-    assert "2.bin" in seen[2].problem and seen[2].cloud.shape == (0, 4)
+    assert seen[2].problem.startswith("the scan cannot be read: 2.bin") and seen[2].cloud.shape == (
+        0,
+        4,
+    )
     (tmp_path / "0.bin").write_bytes(b"cut")
     with pytest.raises(CloudFileError, match=r"0\.bin"):
         list(watch(read_sequence(tmp_path), box_of_everything))

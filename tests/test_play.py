@@ -67,7 +67,9 @@ def test_folders_and_single_clouds_are_played(tmp_path, suffix, capsys):
     assert "only labelled recordings show boxes" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("name", ["drive.bag", "DRIVE.BAG", "DRIVE.DB3", "drive.mcap"])
+@pytest.mark.parametrize(
+    "name", ["drive.bag", "DRIVE.BAG", "DRIVE.DB3", "drive.mcap", "a.bag.active"]
+)
 def test_bags_are_opened_with_their_topic(monkeypatch, name):
     seen = []
     monkeypatch.setattr("utils.recordings.read_bag", lambda *given: seen.append(given) or [])

@@ -130,7 +130,9 @@ def _recorded_frames(name: str, topic: str | None) -> Sequence:
     path = Path(name).expanduser()
     if name in RECORDING_NAMES and not path.exists():
         return fetch_recording(name)
-    if path.suffix.lower() in rosbag.SUFFIXES or rosbag.is_recording_folder(path):
+    # read_bag knows what to do with a .bag.active, which was not closed.
+    is_recording = path.suffix.lower() in (*rosbag.SUFFIXES, ".active")
+    if is_recording or rosbag.is_recording_folder(path):
         return read_bag(path, topic)
     if path.name == "velodyne_points":
         path = path.parent

@@ -61,9 +61,8 @@ def watch(
             if number == 1:
                 raise frame
             moment = float(times[number - 1])
-            yield DetectedFrame(
-                number, len(frames), moment, np.empty((0, 4)), (), problem=f"{frame}"
-            )
+            problem = f"the scan cannot be read: {frame}"
+            yield DetectedFrame(number, len(frames), moment, np.empty((0, 4)), (), problem=problem)
             continue
         cloud = np.asarray(getattr(frame, "cloud", frame))
         moment = float(getattr(frame, "time", times[number - 1]))
@@ -84,7 +83,7 @@ def watch(
             except Exception as error:
                 if number == 1:
                     raise
-                found, problem = None, f"{type(error).__name__}: {error}"
+                found, problem = None, f"the detector failed: {type(error).__name__}: {error}"
         before = moment
         yield DetectedFrame(
             number, len(frames), moment, cloud, boxes, found, seconds, problem, names, trails

@@ -25,7 +25,7 @@ class DetectedFrame:
     seconds : float
         Computing time of the detector.
     problem : str
-        Reason why the detector failed; empty if it did not.
+        Why the scan could not be read, or why the detector failed; empty if neither happened.
     track_ids : tuple of int or None
         Track ID of each box; None without a tracker.
     trails : tuple of ndarray, shape (m, 3)
@@ -52,7 +52,7 @@ class DetectedFrame:
         """Caption with the position in the stream, the computing time and the number of boxes."""
         words = [f"frame {self.number} of {self.total}", f"{self.time:.1f} s"]
         if self.problem:
-            words.append(f"the detector failed: {self.problem}"[:90])
+            words.append(self.problem[:90])
         elif self.boxes is not None:
             words.append(f"detected in {1000 * self.seconds:.0f} ms")
             words.append(f"{len(self.boxes)} box" + ("" if len(self.boxes) == 1 else "es"))

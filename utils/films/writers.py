@@ -32,7 +32,7 @@ class Film:
     boxes : tuple of int
         Number of boxes found in each frame.
     problems : tuple of str
-        One sentence for each frame in which the detector failed.
+        One sentence for each frame whose scan could not be read, or in which the detector failed.
     description : str
         Description of the picture, for readers who cannot see it.
     """
@@ -57,9 +57,10 @@ class Film:
                 f"detection took {middle:.0f} ms (median), at most {slowest:.0f} ms."
             )
         if self.problems:
+            first = self.problems[0]
             words.append(
-                f"Frames in which the detector failed: {len(self.problems)}. The first failure: "
-                f"{self.problems[0]}."
+                f"Frames that failed: {len(self.problems)}. The first failure: "
+                f"{first}{'' if first.endswith(('.', '?')) else '.'}"
             )
         return " ".join(words)
 
