@@ -372,6 +372,24 @@ def faults_of_copying(driver, root):
         yield f"the button copies {copied!r}"
 
 
+def faults_of_film(driver, root):
+    """Play the film of a lesson; yield a sentence if it does not play, or loads too early."""
+    requested_addresses(driver)
+    driver.get(f"{root}stage3_obstacles/09_filter_clusters.html")
+    film = driver.find_element(By.CSS_SELECTOR, "figure.lesson-film video")
+    driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", film)
+    driver.execute_async_script(WAIT_UNTIL_SETTLED)
+    if [address for address in requested_addresses(driver)[0] if address.endswith(".mp4")]:
+        yield "a film loads before a reader plays it"
+    driver.execute_script("arguments[0].play()", film)
+    state = "return [arguments[0].error?.message ?? '', arguments[0].currentTime]"
+    error, _ = WebDriverWait(driver, PATIENCE).until(
+        lambda page: next((s for s in [page.execute_script(state, film)] if s[0] or s[1] > 0), None)
+    )
+    if error:
+        yield f"a film does not play: {error}"
+
+
 def faults_on_paper(driver, root, pictures):
     """Print a lesson with a scene to PDF; yield a sentence for each part that is missing or cut."""
     driver.get(f"{root}stage2_clustering/05_euclidean_clustering.html")
@@ -424,6 +442,7 @@ def main(site, python, axe, pictures):
         for fault in (
             *faults_of_missing_page(driver, root),
             *faults_of_copying(driver, root),
+            *faults_of_film(driver, root),
             *faults_on_paper(driver, root, pictures),
         ):
             found.append(fault)
