@@ -6,6 +6,7 @@ The only server in these tests listens on the loopback address.
 import errno
 import hashlib
 import io
+import pickle
 import shutil
 import ssl
 import struct
@@ -19,6 +20,8 @@ import numpy as np
 import pytest
 
 from utils import datasets, scenes
+from utils.checks import lesson_11
+from utils.checks.lesson_10 import accelerated
 from utils.clouds import CloudFileError, write_cloud
 from utils.clouds.pcd import encode_pcd
 from utils.recordings import sources
@@ -43,6 +46,18 @@ def test_a_street_and_its_truth_belong_together(tmp_path, monkeypatch, capsys, i
     np.testing.assert_array_equal(cloud, own)
     assert {len(truth[name]) for name in ("classes", "objects", "beams")} == {len(own)}
     assert ("not the course's scan" in capsys.readouterr().out) == is_replaced
+
+
+@pytest.mark.parametrize("place", ["data", "work"])
+@pytest.mark.parametrize("points", [accelerated._end_of_the_street, lesson_11._vehicles])
+def test_checks_use_the_courses_scan_whatever_replaces_it(tmp_path, monkeypatch, place, points):
+    expected = points()
+    for folder in ("data", "work"):
+        shutil.copytree(datasets.DATA, tmp_path / folder, ignore=shutil.ignore_patterns("pictures"))
+    write_cloud(tmp_path / place / "cloud.txt", datasets.load_cloud()[::2] + 1)
+    monkeypatch.setattr(datasets, "DATA", tmp_path / "data")
+    monkeypatch.chdir(tmp_path / "work")
+    assert pickle.dumps(points.__wrapped__()) == pickle.dumps(expected)
 
 
 class TestLoadCloud:

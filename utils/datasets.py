@@ -71,19 +71,26 @@ def load_street() -> tuple[np.ndarray, dict[str, np.ndarray]]:
     truth : dict of str to ndarray
         The arrays of ``cloud_truth.npz``, which ``data/README.md`` describes.
     """
-    cloud, truth = _read_street(DATA)
-    if len(cloud) != len(truth["classes"]):
+    cloud, truth, is_simulated = course_street()
+    if is_simulated:
         print(
             "data/cloud.txt is not the course's scan. This lesson compares a scan with its true "
             "labels, so it uses the course's scan. To read your own file, pass its path to "
             "load_cloud."
         )
-        from utils.simulator.scenes import write_lesson_cloud
-
-        with tempfile.TemporaryDirectory() as folder:
-            write_lesson_cloud(Path(folder))
-            cloud, truth = _read_street(Path(folder))
     return cloud, truth
+
+
+def course_street() -> tuple[np.ndarray, dict[str, np.ndarray], bool]:
+    """Return what `load_street` returns, and whether it was simulated again; print nothing."""
+    cloud, truth = _read_street(DATA)
+    if len(cloud) == len(truth["classes"]):
+        return cloud, truth, False
+    from utils.simulator.scenes import write_lesson_cloud
+
+    with tempfile.TemporaryDirectory() as folder:
+        write_lesson_cloud(Path(folder))
+        return *_read_street(Path(folder)), True
 
 
 def _read_street(folder: Path) -> tuple[np.ndarray, dict[str, np.ndarray]]:

@@ -341,9 +341,10 @@ def _vehicles() -> tuple[tuple[str, np.ndarray, np.ndarray], ...]:
     columns. A vehicle with two nearly equal spreads is left out, because its axes have no clear
     order.
     """
-    from utils.datasets import DATA, load_cloud
+    from utils.datasets import course_street
 
-    cloud, truth = load_cloud("cloud.txt")[:, :3], np.load(DATA / "cloud_truth.npz")
+    cloud, truth, _ = course_street()
+    cloud = cloud[:, :3]
     near = (cloud[:, 2] >= -1.2) & (np.hypot(cloud[:, 0], cloud[:, 1]) < 20)
     vehicles = []
     for label, kind in zip(truth["box_identities"], truth["box_kinds"], strict=True):

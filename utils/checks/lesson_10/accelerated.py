@@ -504,9 +504,9 @@ def _end_of_the_street() -> tuple[np.ndarray, np.ndarray]:
     """
     from scipy.spatial import cKDTree
 
-    from utils.datasets import load_cloud
+    from utils.datasets import course_street
 
-    xyz = load_cloud("cloud.txt")[:, :3]
+    xyz = course_street()[0][:, :3]
     x, y, z = xyz.T
     xyz = xyz[(x > 20) & (x < 40) & (np.abs(y) < 7) & (z > -1.2)]
     pairs = cKDTree(xyz).query_pairs(0.501, output_type="ndarray")
