@@ -335,7 +335,7 @@ def faults_of_playground(driver, root, site, python):
         yield f"SciPy finds {expected} points and clusters, and the playground says: {text}"
 
 
-def faults_of_film(driver, root):
+def faults_without_webgl(driver, root):
     """Open the front page in a browser without WebGL; yield a sentence if it shows no film."""
     view(driver, 1200, "light")
     driver.get(f"{root}index.html")
@@ -451,7 +451,7 @@ def main(site, python, axe, pictures):
         driver.quit()
     driver = browser("--disable-3d-apis")
     try:
-        for fault in faults_of_film(driver, root):
+        for fault in faults_without_webgl(driver, root):
             found.append(fault)
             print(fault, flush=True)
     finally:
