@@ -52,8 +52,8 @@ def test_a_street_and_its_truth_belong_together(tmp_path, monkeypatch, capsys, i
 @pytest.mark.parametrize("points", [accelerated._end_of_the_street, lesson_11._vehicles])
 def test_checks_use_the_courses_scan_whatever_replaces_it(tmp_path, monkeypatch, place, points):
     expected = points()
-    for folder in ("data", "work"):
-        shutil.copytree(datasets.DATA, tmp_path / folder, ignore=shutil.ignore_patterns("pictures"))
+    shutil.copytree(datasets.DATA, tmp_path / "data", ignore=shutil.ignore_patterns("pictures"))
+    (tmp_path / "work").mkdir()
     write_cloud(tmp_path / place / "cloud.txt", datasets.load_cloud()[::2] + 1)
     monkeypatch.setattr(datasets, "DATA", tmp_path / "data")
     monkeypatch.chdir(tmp_path / "work")
