@@ -19,7 +19,7 @@ from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import Program
 from grader.sandbox.student import StudentProxy
 from utils.questions.cases import Case, cases_of
-from utils.questions.choices import is_readable
+from utils.questions.changed_lines import as_written, is_plausible, is_readable
 from utils.questions.texts import outcome_text, same_answer, value_text
 
 OBSERVER = Path(__file__).parent / "inside" / "answer_observer.py"
@@ -128,10 +128,20 @@ class Edit:
     after: str
     row: tuple[int, int, int, str]
 
+    @functools.cached_property
+    def shown(self) -> str:
+        """The new text as questions show it."""
+        return as_written(self.before, self.after).strip()
+
+    @property
+    def is_plausible(self) -> bool:
+        """Whether a person might write the new text."""
+        return is_plausible(self.before, self.after)
+
     @property
     def can_be_shown(self) -> bool:
         """Whether the edit replaces one line with one other line that a person might write."""
-        return self.first == self.last and is_readable(self.before, self.after)
+        return self.first == self.last and is_readable(self.before, self.shown)
 
 
 @dataclass(frozen=True)
@@ -227,7 +237,8 @@ def observe(answer: Answer, sandbox: Sandbox, peers: tuple[tuple[str, ...], ...]
         number_of = {(line.cell, line.line): line.number for line in lines}
         (own,) = _runs(student.run_cases([None], codes, []), number_of) or [()]
         own = (*own, *[Run(counts={})] * (len(codes) - len(own)))
-        edits = _edits(lines, number_of, description.get("edits"))[:MAX_EDITS]
+        edits = _edits(lines, number_of, description.get("edits"))
+        edits = [edit for edit in edits if edit.is_plausible][:MAX_EDITS]
         deletions = _edits(lines, number_of, description.get("deletions"))
         watched = list(_watched(own, lines))
         versions = [*deletions, *edits]

@@ -1,9 +1,8 @@
-"""Select plausible wrong choices, and changes of a line that a person might write."""
+"""Select plausible wrong choices, and put edits in a fair order."""
 
 from __future__ import annotations
 
 import itertools
-import re
 from collections import Counter
 from collections.abc import Iterable
 from random import Random
@@ -12,10 +11,6 @@ from typing import TypeVar
 from utils.questions.texts import reversed_vector, same_answer, similarity
 
 MAX_CHOICES, MIN_CHOICES = 4, 3
-MAX_LINE_LENGTH = 110
-# Code that edits insert but few people write: `~`, `- 1 + 1` and `with np:`.
-_UNUSUAL = (re.compile("~"), re.compile(r"[-+] ?1\)? ?[-+] ?1\b"), re.compile(r"with \w+:"))
-
 
 AnyEdit = TypeVar("AnyEdit")
 
@@ -53,18 +48,6 @@ def arrange(right: str, wrong: Iterable[str], random: Random) -> tuple[tuple[str
         return None
     random.shuffle(choices)
     return tuple(choices), choices.index(right)
-
-
-def is_readable(before: str, after: str) -> bool:
-    """Return whether an edit replaces one line with one other line that a person might write."""
-    return (
-        "\n" not in before + after
-        and after.split() != before.split()
-        and len(after.strip()) <= MAX_LINE_LENGTH
-        and not any(
-            len(unusual.findall(after)) > len(unusual.findall(before)) for unusual in _UNUSUAL
-        )
-    )
 
 
 def in_rounds(edits: Iterable[AnyEdit]) -> list[AnyEdit]:

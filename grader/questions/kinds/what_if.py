@@ -38,7 +38,7 @@ def _values(behaviour: Behaviour, edits: list[Edit], random: Random) -> Iterator
         if arranged:
             yield Question(
                 "what if",
-                f"Line {edit.first} becomes {quote_code(edit.after)}. What is "
+                f"Line {edit.first} becomes {quote_code(edit.shown)}. What is "
                 f"{value_of(case.code)} now?",
                 shown_code(case.code),
                 *arranged,
@@ -68,7 +68,7 @@ def _affected_calls(behaviour: Behaviour, edits: list[Edit], random: Random) -> 
         if right and right != "none of them" and arranged:
             yield Question(
                 "what if",
-                f"Line {edit.first} becomes {quote_code(edit.after)}. For which of these calls "
+                f"Line {edit.first} becomes {quote_code(edit.shown)}. For which of these calls "
                 "does the value of the last line change?",
                 "\n\n".join(
                     f"# call {letter}\n{shown_code(behaviour.cases[number].code)}"

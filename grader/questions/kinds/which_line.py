@@ -95,7 +95,7 @@ def _spread(right: Edit, others: list[Edit], outcomes: dict[Edit, str], own: str
 
 
 def _choice(edit: Edit) -> str:
-    return f"line {edit.first} becomes {quote_code(edit.after)}"
+    return f"line {edit.first} becomes {quote_code(edit.shown)}"
 
 
 def _without_run(behaviour: Behaviour, number: int, random: Random) -> Iterator[Question]:
