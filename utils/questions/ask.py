@@ -66,7 +66,7 @@ def predict(versions: Versions, random: Random) -> Iterator[Card]:
     """Ask for the value of each case."""
     for number in random.sample(range(len(versions.cases)), len(versions.cases)):
         right, code = versions.own[number], versions.cases[number].code
-        arranged = arrange(right, distractors(right, versions.values_near(number)), random)
+        arranged = arrange(right, distractors(right, versions.values_near(number), code), random)
         if is_value(right) and arranged:
             wrong = (
                 f"No. These lines were run, and the value is `{right}`. With one small change in "
@@ -92,7 +92,7 @@ def what_if(versions: Versions, random: Random) -> Iterator[Card]:
     for change, number in pairs:
         before, right = versions.own[number], change.outcomes[number]
         code = versions.cases[number].code
-        nearby = distractors(right, versions.values_near(number))
+        nearby = distractors(right, versions.values_near(number), code)
         arranged = arrange(right, with_first(before, nearby), random)
         if arranged and versions.confirms(number, right, change):
             yield Card(

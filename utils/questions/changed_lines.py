@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import functools
 import re
+import warnings
 from itertools import takewhile
 
 MAX_LINE_LENGTH = 110
@@ -81,7 +82,8 @@ def _meaning(line: str) -> str:
     text = re.sub(r"^elif\b", "if", line.strip())
     for statement in (text, f"{text}\n    pass"):
         try:
-            return ast.dump(ast.parse(statement))
+            with warnings.catch_warnings(action="ignore"):
+                return ast.dump(ast.parse(statement))
         except (SyntaxError, ValueError, RecursionError, MemoryError):
             continue
     return ""

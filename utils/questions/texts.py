@@ -30,6 +30,11 @@ def outcome_text(outcome: object) -> str:
     return ""
 
 
+def outcome_texts(outcomes: object) -> list[str]:
+    """Return the texts of several untrusted outcomes."""
+    return [outcome_text(outcome) for outcome in (outcomes if isinstance(outcomes, list) else ())]
+
+
 def value_text(value: object) -> str:
     """Return a value as a text with at most three decimals; empty if it is not plain or too long.
 
@@ -97,6 +102,11 @@ def reversed_vector(text: str) -> str:
 def is_easy(text: str) -> bool:
     """Return whether a text has only short numbers, with at most two decimals, and few of them."""
     return not re.search(r"\.\d{3}", text) and text.count(",") < MAX_EASY_NUMBERS
+
+
+def adds_nan(text: str, before: str) -> bool:
+    """Return whether a result contains nan, unlike the result before; nan reveals the operation."""
+    return "nan" in text and "nan" not in before
 
 
 def similarity(text: str, other: str) -> int:

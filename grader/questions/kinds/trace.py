@@ -10,6 +10,7 @@ from grader.questions.kinds.wording import format_times
 from grader.questions.question import Question, ValueClaim
 from utils.questions.cases import shown_code
 from utils.questions.choices import arrange, distractors
+from utils.questions.shown_values import shown_values
 
 MAX_TURNS = 6  # runs of a line that a student can trace on paper in reasonable time
 ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth")
@@ -28,10 +29,11 @@ def trace_questions(behaviour: Behaviour, random: Random) -> Iterator[Question]:
                 continue
             turn = random.randrange(turns)
             right = values[turn]
-            if not right or right in behaviour.text_of(line) or name == "_":
+            is_readable = right in behaviour.text_of(line) or right in shown_values(case.code)
+            if not right or is_readable or name == "_" or behaviour.decomposes(statements[line]):
                 continue
             nearby = _values_in_edited_versions(behaviour, number, line, name, turn)
-            wrong = distractors(right, [*nearby, *values])
+            wrong = distractors(right, [*nearby, *values], case.code)
             arranged = arrange(right, wrong, random)
             if arranged:
                 yield Question(
@@ -48,10 +50,10 @@ def trace_questions(behaviour: Behaviour, random: Random) -> Iterator[Question]:
 
 def _sentence(line: int, name: str, turn: int, turns: int) -> str:
     if turns == 1:
-        return f"What is the value of `{name}` after line {line} has run?"
+        return f"What is the value of `{name}` after line {line} of your code has run?"
     return (
-        f"While the code below runs, line {line} runs {format_times(turns)}. What is the value of "
-        f"`{name}` after line {line} has run for the {ORDINALS[turn]} time?"
+        f"The code below runs line {line} of your code {format_times(turns)}. What is the value of "
+        f"`{name}` after the {ORDINALS[turn]} time?"
     )
 
 

@@ -9,9 +9,9 @@ from random import Random
 from grader.questions.answer import Behaviour, Edit, Run
 from grader.questions.kinds.wording import quote_code
 from grader.questions.question import OutcomeClaim, Question
-from utils.questions.cases import shown_code, value_of
+from utils.questions.cases import shown_code, shown_together, value_of
 from utils.questions.choices import arrange, distractors, in_rounds, with_first
-from utils.questions.texts import is_value, same_answer
+from utils.questions.texts import adds_nan, is_easy, is_value, reversed_vector, same_answer
 
 MAX_EDITS = 6  # changes to ask about in each of the two ways
 LETTERS = "ABC"
@@ -31,10 +31,10 @@ def _values(behaviour: Behaviour, edits: list[Edit], random: Random) -> Iterator
         if case.run or number >= len(runs) or not is_value(own):
             continue
         right = runs[number].outcome
-        if not is_value(right) or same_answer(right, own):
+        if not is_value(right) or same_answer(right, own) or adds_nan(right, own):
             continue
         nearby = filter(is_value, behaviour.edited_outcomes(number))
-        arranged = arrange(right, with_first(own, distractors(right, nearby)), random)
+        arranged = arrange(right, with_first(own, distractors(right, nearby, case.code)), random)
         if arranged:
             yield Question(
                 "what if",
@@ -70,9 +70,11 @@ def _affected_calls(behaviour: Behaviour, edits: list[Edit], random: Random) -> 
                 "what if",
                 f"Line {edit.first} becomes {quote_code(edit.shown)}. For which of these calls "
                 "does the value of the last line change?",
-                "\n\n".join(
-                    f"# call {letter}\n{shown_code(behaviour.cases[number].code)}"
-                    for letter, number in zip(LETTERS, asked, strict=True)
+                shown_together(
+                    {
+                        f"call {letter}": behaviour.cases[number].code
+                        for letter, number in zip(LETTERS, asked, strict=True)
+                    }
                 ),
                 *arranged,
                 _results_sentence(behaviour, edit, asked),
@@ -86,8 +88,14 @@ def _affected_calls(behaviour: Behaviour, edits: list[Edit], random: Random) -> 
 
 
 def _affected(own: Sequence[Run], runs: Sequence[Run], numbers: list[int]) -> str:
-    """Return the letters of the calls whose value an edit changes; empty if one has no value."""
-    if any(number >= len(runs) or not is_value(runs[number].outcome) for number in numbers):
+    """Return the letters of the calls whose value an edit changes; empty if this is hard to see.
+
+    It is hard if a value is an error, does not suit paper, or is the reversed vector.
+    """
+    if any(
+        number >= len(runs) or not _is_clear(own[number].outcome, runs[number].outcome)
+        for number in numbers
+    ):
         return ""
     letters = [
         letter
@@ -103,6 +111,13 @@ def _affected(own: Sequence[Run], runs: Sequence[Run], numbers: list[int]) -> st
         if letters
         else "none of them"
     )
+
+
+def _is_clear(before: str, after: str) -> bool:
+    if not is_value(after) or adds_nan(after, before):
+        return False
+    is_reversed = not same_answer(after, before) and same_answer(after, reversed_vector(before))
+    return is_easy(before) and is_easy(after) and not is_reversed
 
 
 def _claims(behaviour: Behaviour, edit: Edit, number: int) -> tuple[OutcomeClaim, OutcomeClaim]:
