@@ -8,6 +8,7 @@ from pathlib import Path
 from grader.classroom.pages import format_code, render
 from grader.course.atomic_files import write_atomically
 from grader.course.paths import Course
+from grader.questions.helpers import sentence_about
 from grader.questions.question import Question
 from grader.questions.viva import Sheet, viva_folder
 
@@ -41,6 +42,7 @@ def _render(template: str, stage: str, sheets: Sequence[Sheet]) -> str:
         format_code=format_code,
         format_lines=format_lines,
         subject=key_basis,
+        sentence_about=sentence_about,
     )
 
 
