@@ -9,16 +9,23 @@ import warnings
 from itertools import takewhile
 
 MAX_LINE_LENGTH = 110
-# Code that edits insert but few people write: `~`, `- 1 + 1`, `3 + 1`, `with np:`, roots and
-# squares of any value, and a mask from row numbers.
-_UNUSUAL = (
-    re.compile("~"),
-    re.compile(r"[-+] ?1\)? ?[-+] ?1\b"),
-    re.compile(r"(?<![\w.])\d+\)? ?[-+] ?1\b"),
-    re.compile(r"with \w+:"),
-    re.compile(r"\*\* ?0\.5"),
-    re.compile(r"\*\* ?2\b"),
-    re.compile(r"np\.isin\(np\.arange\("),
+# Code that edits insert but few people write.
+_UNUSUAL = tuple(
+    map(
+        re.compile,
+        (
+            "~",
+            r"[-+] ?1\)? ?[-+] ?1\b",  # n - 1 + 1
+            r"(?<![\w.])\d+\)? ?[-+] ?1\b",  # 3 + 1
+            r"\b1 - ",  # 1 - x
+            r"\*\* ?0\.5",  # the root and the square of any value
+            r"\*\* ?2\b",
+            r"np\.isin\(np\.arange\(",
+            r"with \w+:",
+            r"return (?:warnings\.|[\"'])",  # print("x") becomes return "x"
+            r"^ *\w+\.\w+ = ",  # x = 0 becomes cloud.x = 0
+        ),
+    )
 )
 
 

@@ -33,7 +33,7 @@ def distractors(right: str, candidates: Iterable[str], code: str = "") -> list[s
         The code of the case.
     """
     counted: Counter[str] = Counter()
-    has_shown_rows = right.startswith("[[") and is_selection(right, code)
+    has_shown_rows = is_selection(right, code)
     for candidate in candidates:
         is_right = any(same_answer(candidate, text) for text in (right, reversed_vector(right)))
         is_alike = not has_shown_rows or is_selection(candidate, code)

@@ -46,11 +46,10 @@ def _is_literal(node: ast.AST) -> bool:
 
 def is_selection(text: str, code: str) -> bool:
     """Return whether a value is a list of rows that a case shows, such as points of a cloud."""
-    if text != "[]" and not text.startswith("[["):
-        return False
-    rows = {row for shown in shown_values(code) for row in _rows(shown)}
-    return rows.issuperset(_rows(text))
+    rows = {row for shown in shown_values(code) if shown.startswith("[[") for row in _rows(shown)}
+    is_list = text == "[]" or text.startswith("[[")
+    return bool(rows) and is_list and rows.issuperset(_rows(text))
 
 
 def _rows(text: str) -> list[str]:
-    return re.findall(r"\[[^][]*\]", text)
+    return re.findall(r"\[[^][]+\]", text)

@@ -8,8 +8,9 @@ from random import Random
 from grader.questions.answer import Behaviour, Edit
 from grader.questions.kinds.wording import quote_code
 from grader.questions.question import CountClaim, OutcomeClaim, Question
-from utils.questions.cases import shown_code, value_of
+from utils.questions.cases import Case, shown_code, value_of
 from utils.questions.choices import MAX_CHOICES, MIN_CHOICES, arrange
+from utils.questions.shown_values import is_selection
 from utils.questions.texts import (
     ENDLESS,
     ERROR,
@@ -47,7 +48,7 @@ def _with_symptom(behaviour: Behaviour, number: int, random: Random) -> Iterator
     symptoms = [
         text
         for text in dict.fromkeys(edits.values())
-        if is_value(text) and not same_answer(text, own) and not adds_nan(text, own)
+        if is_value(text) and not same_answer(text, own) and not _reveals_cause(text, own, case)
     ]
     # The sort is stable, so equally similar results stay in the order of the likeliest edits.
     symptoms.sort(key=lambda text: -similarity(own, text))
@@ -106,6 +107,12 @@ def _spread(right: Edit, others: list[Edit], outcomes: dict[Edit, str], own: str
 
 def _choice(edit: Edit) -> str:
     return f"line {edit.first} becomes {quote_code(edit.shown)}"
+
+
+def _reveals_cause(symptom: str, own: str, case: Case) -> bool:
+    """Return whether only an operation on all numbers, such as a sign or a root, has a result."""
+    is_changed = is_selection(own, case.code) and not is_selection(symptom, case.code)
+    return adds_nan(symptom, own) or is_changed
 
 
 def _effect(outcome: str) -> str:
