@@ -211,7 +211,7 @@ def test_changes_and_values_in_questions_are_easy_to_read():
         ("for i in range(n):  # (all)", "for i in range((n) + 1):  # (all)",
          "for i in range(n + 1):  # (all)"),
         ("f(cloud, 0)", "f((-cloud), (-1))", "f(-cloud, -1)"),
-        ("return x", "return (abs(x))", "return abs(x)"),
+        ("return x", "return (f(x))", "return f(x)"),
         ("x = (a - b) // 2", "x = (a - b)", "x = a - b"),
         # Necessary parentheses, a sign after a sign, and what the student wrote.
         ("return x * y", "return (x + 1) * y", "return (x + 1) * y"),
@@ -236,6 +236,9 @@ def test_a_changed_line_has_no_parentheses_that_nobody_writes(before, after, wri
     [
         ("x = labels", "x = (labels ** 2)"),
         ("x = labels", "x = labels ** 0.5"),
+        ("x = labels", "x = (abs(labels))"),
+        ("print('a', n)", "return 'a', n"),
+        ("kept = []", "cloud.kept = []"),
         ("return kept", "return np.isin(np.arange(len(cloud)), kept)"),
         ("for i in range(3):", "for i in range((3) + 1):"),
         ("x = a - 1", "x = (a - 1) + 1"),
@@ -243,7 +246,7 @@ def test_a_changed_line_has_no_parentheses_that_nobody_writes(before, after, wri
 )
 def test_code_that_nobody_writes_is_not_a_change_to_ask_about(before, after):
     assert not is_plausible(before, after) and not is_readable(before, as_written(before, after))
-    assert is_plausible(after, before) and is_plausible("x = y ** 2", "x = abs(z ** 2)")
+    assert is_plausible(after, before) and is_plausible("x = y ** 2", "x = z ** 2")
 
 
 # The lessons.

@@ -46,7 +46,7 @@ def behaviour(outcomes, own="5", lines=LINES, cases=CASES, **facts):
 
     facts = {"words": (), "notes": (), "counts": {}, "deleted": {}, **facts}
     return Behaviour(
-        None,
+        Answer(None, "select", (), {}),
         tuple(ListedLine(number, 1, number, text) for number, text in enumerate(lines, start=1)),
         tuple(Statement(n, n, ()) for n in range(2, len(lines) + 1)),
         facts["words"],
@@ -96,7 +96,8 @@ def test_a_trace_does_not_ask_for_a_value_that_the_case_shows(value):
         notes = [(2, "kept", text)]
         counts = {2: 1}
         edits = {(2, f"    kept = {n}"): ("",) for n in range(4)}
-        known = behaviour(edits, cases=(Case(CLOUD),), notes=notes, counts=counts)
+        lines = (LINES[0], "    kept = moved(cloud)", LINES[2])
+        known = behaviour(edits, "5", lines, (Case(CLOUD),), notes=notes, counts=counts)
         for number, runs in enumerate(known.edited.values()):
             object.__setattr__(runs[0], "notes", ((2, "kept", f"[[{number}, 2, 0.5]]"),))
         return [question.right_choice for question in trace_questions(known, Random(1))]
@@ -104,8 +105,11 @@ def test_a_trace_does_not_ask_for_a_value_that_the_case_shows(value):
     assert traced(value) == [] and traced("[[7, 2, 0.5]]") == ["[[7, 2, 0.5]]"]
 
 
-@pytest.mark.parametrize("name", ["np.linalg.svd", "eigh", "np.linalg.eig"])
-def test_a_trace_does_not_ask_for_a_decomposition(name):
+@pytest.mark.parametrize(
+    "value",
+    ["np.linalg.svd(cloud)", "eigh(cloud)", "np.linalg.eig(a)[1]", "len(cloud)", "cloud[:, 2]"],
+)
+def test_a_trace_does_not_ask_for_a_decomposition_or_a_slice(value):
     def traced(line):
         lines = (LINES[0], line, LINES[2])
         known = behaviour(OTHERS, lines=lines, notes=[(2, "kept", "9")], counts={2: 1})
@@ -113,7 +117,8 @@ def test_a_trace_does_not_ask_for_a_decomposition(name):
             object.__setattr__(runs[0], "notes", ((2, "kept", str(number + 2)),))
         return len(list(trace_questions(known, Random(1))))
 
-    assert traced(f"    kept = {name}(cloud)") == 0 and traced("    kept = solved(cloud)") == 1
+    assert traced(f"    kept = {value}") == 0
+    assert traced("    kept = solved(cloud)") == traced("    kept = cloud[order]") == 1
 
 
 # Choices and results.
@@ -168,11 +173,14 @@ def test_the_affected_calls_have_easy_results_that_clearly_differ(own, after, is
         (2, "    kept = a"): (after, own, own),
         (2, "    kept = b"): (own, "[0, 3]", "[0, 3]"),
         (2, "    kept = c"): (own, own, "[0, 3]"),
-        (2, "    kept = d"): ("[0, 3]", "[0, 3]", "[0, 3]"),
+        (2, "    kept = d"): ("[0, 3]", "[0, 3]", own),
+        (2, "    kept = all"): ("[0, 3]", "[0, 3]", "[0, 3]"),
+        (2, "    kept = none"): (own, own, own),
     }
     known = behaviour(outcomes, own=own, cases=tuple(Case(f"f({n})") for n in range(3)))
     texts = [q.text for q in what_if_questions(known, Random(1)) if "For which" in q.text]
     assert any("`kept = a`" in text for text in texts) == is_asked
+    assert not any("`kept = all`" in text or "`kept = none`" in text for text in texts)
 
 
 @pytest.mark.parametrize(
@@ -203,7 +211,7 @@ def test_a_name_keeps_a_value_if_a_line_is_deleted():
     )
     (statement,), _ = slicing.parse_notebook([source])
     deleted = [first for _, first, _, _ in answer_observer._deletions(statement)]
-    assert deleted == [3, 4, 5, 6, 7]
+    assert deleted == [3, 4, 5, 6], "and the last return leaves nothing to ask about"
 
 
 @pytest.mark.parametrize(
@@ -211,17 +219,22 @@ def test_a_name_keeps_a_value_if_a_line_is_deleted():
     [("a lambda function", False), ("a generator expression", False), ("try", True)],
 )
 def test_lines_with_an_inner_loop_are_not_counted(construct, is_asked):
-    known = behaviour({}, words=((2, "construct", construct),), counts={2: 3, 3: 1})
+    known = behaviour({}, words=((3, "construct", construct),), counts={2: 1, 3: 3})
     assert len(list(cost_questions(known, Random(1)))) == is_asked
+
+
+def test_a_line_that_runs_once_per_call_is_not_counted():
+    known = behaviour({}, counts={2: 3, 3: 3})
+    assert not list(cost_questions(known, Random(1)))
 
 
 def test_the_only_line_that_differs_is_marked():
     part = "points = np.zeros(3)\nf(points, {})"
     known = behaviour({}, cases=(Case(part.format(3), larger=part.format(6)),))
-    known = Behaviour(**{**vars(known), "own": (Run("5", {2: 3}), Run("5", {2: 6}))})
+    known = Behaviour(**{**vars(known), "own": (Run("5", {3: 3}), Run("5", {3: 6}))})
     (question,) = [q for q in cost_questions(known, Random(1)) if "part 2" in q.text]
     assert question.text == (
-        "Part 1 runs line 2 of your code 3 times. How many times does part 2 run line 2?"
+        "Part 1 runs line 3 of your code 3 times. How many times does part 2 run line 3?"
     )
     assert "f(points, 6)  # differs from part 1" in question.code
     assert question.code.count("differs") == 1 and question.right_choice == "6 times"

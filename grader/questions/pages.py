@@ -11,6 +11,7 @@ from grader.course.paths import Course
 from grader.questions.helpers import sentence_about
 from grader.questions.question import Question
 from grader.questions.viva import Sheet, viva_folder
+from utils.questions.texts import NOTATION
 
 LETTERS = "ABCD"
 SHEETS, KEY = "sheets.html", "key.html"
@@ -43,6 +44,7 @@ def _render(template: str, stage: str, sheets: Sequence[Sheet]) -> str:
         format_lines=format_lines,
         subject=key_basis,
         sentence_about=sentence_about,
+        notation=NOTATION,
     )
 
 

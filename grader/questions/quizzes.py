@@ -17,6 +17,7 @@ from grader.course.paths import Course
 from grader.questions.helpers import sentence_about
 from grader.questions.question import Question
 from grader.questions.viva import Sheet, viva_folder
+from utils.questions.texts import NOTATION
 
 LETTERS = "ABCD"
 # XML 1.0 does not allow these characters, not even as references.
@@ -111,7 +112,7 @@ def _question_html(sheet: Sheet, question: Question) -> str:
     code = "\n".join(f"{line.number:>3}  {line.text}" for line in sheet.lines)
     helpers = f"<p>{format_code(sentence_about(sheet.helpers))}</p>" if sheet.helpers else ""
     return (
-        f"<p>Your code:</p><pre>{escape(code)}</pre>"
+        f"<p>{NOTATION}</p><p>Your code:</p><pre>{escape(code)}</pre>"
         f"{helpers}<p>{format_code(question.text)}</p><pre>{escape(question.code)}</pre>"
     )
 

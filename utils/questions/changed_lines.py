@@ -22,7 +22,8 @@ _UNUSUAL = tuple(
             r"\*\* ?2\b",
             r"np\.isin\(np\.arange\(",
             r"with \w+:",
-            r"return (?:warnings\.|[\"'])",  # print("x") becomes return "x"
+            r"\babs\(",  # the absolute value of any value
+            r"\breturn\b",  # print("x") becomes return "x"
             r"^ *\w+\.\w+ = ",  # x = 0 becomes cloud.x = 0
         ),
     )

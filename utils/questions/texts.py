@@ -10,6 +10,10 @@ ENDLESS, ERROR = "it never ends", "an error: "
 TRIVIAL_ERRORS = (f"{ERROR}NameError", f"{ERROR}UnboundLocalError")
 MAX_VALUE_LENGTH = 150
 MAX_EASY_NUMBERS = 16
+NOTATION = (
+    "Numbers are shown with at most three decimal places. Brackets stand for lists, tuples and "
+    "arrays."
+)
 
 
 def outcome_text(outcome: object) -> str:
@@ -105,8 +109,11 @@ def is_easy(text: str) -> bool:
 
 
 def adds_nan(text: str, before: str) -> bool:
-    """Return whether a result contains nan, unlike the result before; nan reveals the operation."""
-    return "nan" in text and "nan" not in before
+    """Return whether a result contains nan or inf, unlike the result before.
+
+    Such a result reveals the operation, and students exclude it without reading the code.
+    """
+    return any(name in text and name not in before for name in ("nan", "inf"))
 
 
 def similarity(text: str, other: str) -> int:
@@ -116,6 +123,7 @@ def similarity(text: str, other: str) -> int:
     return 1 + (_form(text) == _form(other))
 
 
-def _form(text: str) -> tuple[int, int, bool, bool]:
-    """Return the brackets and commas of a value, and whether it has decimals or is None."""
-    return text.count("["), text.count(","), "." in text, text == "None"
+def _form(text: str) -> tuple[int, int, bool, bool, bool]:
+    """Return the brackets and commas of a value, and whether it has decimals or words."""
+    has_truth = "True" in text or "False" in text
+    return text.count("["), text.count(","), "." in text, text == "None", has_truth

@@ -331,13 +331,16 @@ def _bound_names(tree: ast.AST) -> Iterator[str]:
 def _deletions(statement: slicing.Statement) -> Iterator[list]:
     """Yield an edit for each simple statement that can be deleted from its block."""
     bound = collections.Counter(_bound_names(statement.node))
+    functions = [node for node in ast.walk(statement.node) if isinstance(node, _FUNCTIONS)]
+    results = [node.body[-1] for node in functions if isinstance(node.body[-1], ast.Return)]
     for body in _blocks(statement.node):
         for node in body:
             own = collections.Counter(_bound_names(node))
             # Without its only value, a name might have one from another cell of the notebook.
             keeps_names = all(own[name] < bound[name] for name in own)
             is_simple = isinstance(node, _SIMPLE) and not _is_docstring(node)
-            if len(body) > 1 and is_simple and keeps_names:
+            # Without its result, the function would only return None.
+            if len(body) > 1 and is_simple and keeps_names and node not in results:
                 blank = "\n" * (node.end_lineno - node.lineno)
                 text = f"{' ' * node.col_offset}pass{blank}"
                 yield [statement.cell, node.lineno, node.end_lineno, text]

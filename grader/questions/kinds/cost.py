@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from random import Random
 
@@ -46,7 +47,8 @@ def _counts(
     for line in sorted(lines & run.counts.keys()):
         right = run.counts[line]
         before = behaviour.own[first].counts.get(line, 0) if smaller else 0
-        if not 1 < right <= MAX_COUNT or (smaller and before < 1):
+        is_call_count = right == _calls(behaviour, run.counts)
+        if not 1 < right <= MAX_COUNT or is_call_count or (smaller and before < 1):
             continue
         others = [
             runs[number].counts.get(line, 0)
@@ -76,6 +78,14 @@ def _counts(
                     *([CountClaim(smaller, line, before)] if smaller else []),
                 ),
             )
+
+
+def _calls(behaviour: Behaviour, counts: dict[int, int]) -> int:
+    """Return how often the exercise is called: as often as its first statement runs."""
+    definition = re.compile(rf"\s*def {behaviour.answer.exercise}\(")
+    begin = next((line.number for line in behaviour.lines if definition.match(line.text)), 0)
+    first = min((one.first for one in behaviour.statements if one.first > begin), default=0)
+    return counts.get(first, 0)
 
 
 def _with_difference(code: str, smaller: str) -> str:

@@ -40,7 +40,7 @@ def deletion_questions(behaviour: Behaviour, random: Random) -> Iterator[Questio
                     f"{lines_with_verb(edit)} deleted. What is {value_of(case.code)} now?",
                     shown_code(case.code),
                     *arranged,
-                    f"Before the change, the value is `{own}`.",
+                    f"Without the deletion, the value is `{own}`.",
                     True,
                     (
                         OutcomeClaim(case.executed, edit, right),

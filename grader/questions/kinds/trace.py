@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from random import Random
 
@@ -13,6 +14,8 @@ from utils.questions.choices import arrange, distractors
 from utils.questions.shown_values import shown_values
 
 MAX_TURNS = 6  # runs of a line that a student can trace on paper in reasonable time
+# Lines that only slice an array at fixed places, or take its length.
+READS = re.compile(r"= (?:len\(\w+\)|\w+\[[\d:, -]*\])$")
 ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth")
 
 
@@ -25,12 +28,15 @@ def trace_questions(behaviour: Behaviour, random: Random) -> Iterator[Question]:
         for line, name in pairs:
             values = run.values(line, name)
             turns = run.counts.get(line, 0)
-            if line not in statements or not len(values) == turns <= MAX_TURNS or case.run:
+            if line not in statements or not len(values) == turns <= MAX_TURNS:
+                continue
+            if case.run or name == "_":
                 continue
             turn = random.randrange(turns)
             right = values[turn]
             is_readable = right in behaviour.text_of(line) or right in shown_values(case.code)
-            if not right or is_readable or name == "_" or behaviour.decomposes(statements[line]):
+            is_computed = not (READS.search(behaviour.text_of(line)) or is_readable)
+            if not right or not is_computed or behaviour.decomposes(statements[line]):
                 continue
             nearby = _values_in_edited_versions(behaviour, number, line, name, turn)
             wrong = distractors(right, [*nearby, *values], case.code)

@@ -63,13 +63,12 @@ def _affected_calls(behaviour: Behaviour, edits: list[Edit], random: Random) -> 
         asked = sorted(random.sample(numbers, len(LETTERS)))
         right = _affected(behaviour.own, behaviour.edited[edit], asked)
         others = (_affected(behaviour.own, runs, asked) for runs in behaviour.edited.values())
-        wrong = distractors(right, [text for text in others if text != "none of them"])
-        arranged = arrange(right, wrong, random)
-        if right and right != "none of them" and arranged:
+        arranged = arrange(right, distractors(right, others), random)
+        if right and arranged:
             yield Question(
                 "what if",
                 f"Line {edit.first} becomes {quote_code(edit.shown)}. For which of these calls "
-                "does the value of the last line change?",
+                "does the result change?",
                 shown_together(
                     {
                         f"call {letter}": behaviour.cases[number].code
@@ -88,9 +87,10 @@ def _affected_calls(behaviour: Behaviour, edits: list[Edit], random: Random) -> 
 
 
 def _affected(own: Sequence[Run], runs: Sequence[Run], numbers: list[int]) -> str:
-    """Return the letters of the calls whose value an edit changes; empty if this is hard to see.
+    """Return the letters of the calls whose value an edit changes; empty if this is no question.
 
-    It is hard if a value is an error, does not suit paper, or is the reversed vector.
+    It is too easy if all values change or none does, and too hard if a value is an error, does not
+    suit paper or is the reversed vector.
     """
     if any(
         number >= len(runs) or not _is_clear(own[number].outcome, runs[number].outcome)
@@ -102,15 +102,9 @@ def _affected(own: Sequence[Run], runs: Sequence[Run], numbers: list[int]) -> st
         for letter, number in zip(LETTERS, numbers, strict=True)
         if not same_answer(runs[number].outcome, own[number].outcome)
     ]
-    if len(letters) == len(LETTERS):
-        return "all three"
-    return (
-        " and ".join(letters)
-        if len(letters) > 1
-        else f"only {letters[0]}"
-        if letters
-        else "none of them"
-    )
+    if len(letters) in (0, len(LETTERS)):
+        return ""
+    return " and ".join(letters) if len(letters) > 1 else f"only {letters[0]}"
 
 
 def _is_clear(before: str, after: str) -> bool:
