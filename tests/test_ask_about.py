@@ -242,6 +242,7 @@ def test_a_changed_line_has_no_parentheses_that_nobody_writes(before, after, wri
         ("return kept", "return np.isin(np.arange(len(cloud)), kept)"),
         ("for i in range(3):", "for i in range((3) + 1):"),
         ("x = a - 1", "x = (a - 1) + 1"),
+        ("x = np.full(n, -1)", "x = np.full(n, -0)"),
     ],
 )
 def test_code_that_nobody_writes_is_not_a_change_to_ask_about(before, after):

@@ -150,6 +150,14 @@ def test_which_line_asks_for_other_rows_and_not_for_other_numbers():
     assert "[[1, 2, 0.5]]" in texts and "[[9, 16, 0]]" not in texts
 
 
+def test_which_line_is_not_asked_if_all_signs_are_reversed():
+    outcomes = {(2, f"    kept = {n}"): (f"[{n}, 2]",) for n in (-1, 5, 6, 7)}
+    outcomes[3, "    return -kept"] = ("[-1, -2]",)
+    known = behaviour(outcomes, own="[1, 2]")
+    texts = " ".join(question.text for question in which_line_questions(known, Random(1)))
+    assert "is `[-1, 2]`" in texts and "is `[-1, -2]`" not in texts
+
+
 def test_the_key_says_what_each_wrong_change_does():
     errors = {(2, "    kept = x[9]"): ("an error: IndexError",), (2, "    a"): ("it never ends",)}
     known = behaviour({(3, "    return 9"): ("9",), **errors})

@@ -18,6 +18,7 @@ _UNUSUAL = tuple(
             r"[-+] ?1\)? ?[-+] ?1\b",  # n - 1 + 1
             r"(?<![\w.])\d+\)? ?[-+] ?1\b",  # 3 + 1
             r"\b1 - ",  # 1 - x
+            r"-0\b(?!\.)",
             r"\*\* ?0\.5",  # the root and the square of any value
             r"\*\* ?2\b",
             r"np\.isin\(np\.arange\(",

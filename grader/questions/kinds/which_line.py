@@ -18,6 +18,7 @@ from utils.questions.texts import (
     adds_nan,
     is_easy,
     is_value,
+    reversed_vector,
     same_answer,
     similarity,
 )
@@ -112,7 +113,8 @@ def _choice(edit: Edit) -> str:
 def _reveals_cause(symptom: str, own: str, case: Case) -> bool:
     """Return whether only an operation on all numbers, such as a sign or a root, has a result."""
     is_changed = is_selection(own, case.code) and not is_selection(symptom, case.code)
-    return adds_nan(symptom, own) or is_changed
+    is_reversed = same_answer(symptom, reversed_vector(own))
+    return adds_nan(symptom, own) or is_changed or is_reversed
 
 
 def _effect(outcome: str) -> str:
