@@ -12,8 +12,7 @@ from utils.questions.cases import shown_code, value_of
 from utils.questions.choices import arrange, distractors, with_first
 from utils.questions.texts import ERROR, TRIVIAL_ERRORS, is_value, same_answer
 
-# Outcomes that are easy to guess, because the deleted statement is the last `return` or defines a
-# name.
+# Outcomes that are easy to guess, because the deleted statement is a `return` or defines a name.
 TRIVIAL = ("None", *TRIVIAL_ERRORS)
 
 
