@@ -124,6 +124,12 @@ def test_a_trace_does_not_ask_for_a_decomposition_or_a_slice(value):
 # Choices and results.
 
 
+def test_wrong_choices_are_as_easy_as_the_right_one_and_of_its_type():
+    values = ["[0.176, 0.975]", "[0.176, 0.975]", "[True, False]", "[True, False]"]
+    assert distractors("[0.6, 0.8]", [*values, "[0.8, 0.6]"])[0] == "[0.8, 0.6]"
+    assert distractors("[2, 0]", [*values, "[0, 2]"])[0] == "[0, 2]"
+
+
 def test_wrong_choices_come_from_changes_that_a_person_might_write(sandbox):
     answer = "def filter_clusters(cluster_labels, min_num_points=100):\n    kept = cluster_labels\n"
     answer += "    return np.array([label if (kept == label).sum() >= min_num_points else 0 "

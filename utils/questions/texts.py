@@ -123,7 +123,8 @@ def similarity(text: str, other: str) -> int:
     return 1 + (_form(text) == _form(other))
 
 
-def _form(text: str) -> tuple[int, int, bool, bool, bool]:
+def _form(text: str) -> tuple[int, int, bool, bool, bool, bool]:
     """Return the brackets and commas of a value, and whether it has decimals or words."""
+    brackets, commas = text.count("["), text.count(",")
     has_truth = "True" in text or "False" in text
-    return text.count("["), text.count(","), "." in text, text == "None", has_truth
+    return brackets, commas, "." in text, is_easy(text), text == "None", has_truth
