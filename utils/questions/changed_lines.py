@@ -1,4 +1,4 @@
-"""Print changed lines of code as a person might write them, and leave out those nobody writes."""
+"""Print changed lines of code as a person might write them, and leave out unusual ones."""
 
 from __future__ import annotations
 

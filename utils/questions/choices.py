@@ -21,8 +21,8 @@ def distractors(right: str, candidates: Iterable[str], code: str = "") -> list[s
 
     A vector with all signs reversed is left out, because a line and a plane have two right vectors.
     If the right choice consists of rows that the case shows, the wrong ones do so too. Otherwise,
-    students would find the right choice without reading the function. For the same reason, nan is
-    no wrong choice if all numbers of the case and the right choice are known.
+    students would find the right choice without reading the function. For the same reason, nan
+    is a wrong choice only if the case or the right choice contains it, or the right choice is None.
 
     Parameters
     ----------
