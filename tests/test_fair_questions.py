@@ -28,6 +28,7 @@ from utils.notebooks.reading import decode_notebook
 from utils.questions.cases import Case, cases_of, shown_together
 from utils.questions.choices import distractors
 from utils.questions.shown_values import is_selection, shown_values
+from utils.questions.texts import is_alike
 
 CLOUD = "cloud = np.array([[1.0, 2.0, 0.5], [3.0, -4.0, 0.0], [np.nan, 0.0, 0.0]])\nselect(cloud)"
 CASES = (Case("f(1)"),)
@@ -121,6 +122,25 @@ def test_a_trace_does_not_ask_for_a_decomposition_or_a_slice(value):
     assert traced("    kept = solved(cloud)") == traced("    kept = cloud[order]") == 1
 
 
+def test_a_trace_offers_values_of_one_type():
+    alike = [("[False]", "[True, False]"), ("[1]", "[]"), ("3", "-0.5"), ("{1: 2}", "{}")]
+    assert all(is_alike(*pair) for pair in alike)
+    different = [("[False]", "[1]"), ("3", "True"), ("3", "[3]"), ("[3]", "[[3]]"), ("3", "None")]
+    assert not any(is_alike(*pair) for pair in different)
+
+    def traced(*values):
+        notes = [(2, "kept", "[9]")]
+        lines = (LINES[0], "    kept = moved(cloud)", LINES[2])
+        edits = {(2, f"    kept = {value}"): ("",) for value in values}
+        known = behaviour(edits, "5", lines, notes=notes, counts={2: 1})
+        for value, runs in zip(values, known.edited.values(), strict=True):
+            object.__setattr__(runs[0], "notes", ((2, "kept", value),))
+        return [set(question.choices) for question in trace_questions(known, Random(1))]
+
+    assert traced("[8]", "True", "None", "[7]") == [{"[9]", "[8]", "[7]"}]
+    assert traced("[8]", "True", "None", "[[7]]") == []
+
+
 # Choices and results.
 
 
@@ -162,6 +182,9 @@ def test_which_line_is_not_asked_if_all_signs_are_reversed():
     known = behaviour(outcomes, own="[1, 2]")
     texts = " ".join(question.text for question in which_line_questions(known, Random(1)))
     assert "is `[-1, 2]`" in texts and "is `[-1, -2]`" not in texts
+    known = behaviour({(3, "    return -kept"): ("-5",), **OTHERS})
+    texts = " ".join(question.text for question in which_line_questions(known, Random(1)))
+    assert "is `6`" in texts and "is `-5`" not in texts
 
 
 def test_the_key_says_what_each_wrong_change_does():

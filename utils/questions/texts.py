@@ -123,8 +123,16 @@ def similarity(text: str, other: str) -> int:
     return 1 + (_form(text) == _form(other))
 
 
+def is_alike(text: str, other: str) -> bool:
+    """Return whether two values may be of one type: numbers, truths, or equally deep lists."""
+    return _type(text) == _type(other)
+
+
+def _type(text: str) -> tuple[str, bool, bool]:
+    brackets = re.match(r"[\[{]*", text)[0]
+    return brackets, text == "None", "True" in text or "False" in text
+
+
 def _form(text: str) -> tuple[int, int, bool, bool, bool, bool]:
     """Return the brackets and commas of a value, and whether it has decimals or words."""
-    brackets, commas = text.count("["), text.count(",")
-    has_truth = "True" in text or "False" in text
-    return brackets, commas, "." in text, is_easy(text), text == "None", has_truth
+    return text.count("["), text.count(","), "." in text, is_easy(text), *_type(text)[1:]

@@ -12,6 +12,7 @@ from grader.questions.question import Question, ValueClaim
 from utils.questions.cases import shown_code
 from utils.questions.choices import arrange, distractors
 from utils.questions.shown_values import shown_values
+from utils.questions.texts import is_alike
 
 MAX_TURNS = 6  # runs of a line that a student can trace on paper in reasonable time
 # Lines that only slice an array at fixed places, or take its length.
@@ -39,7 +40,8 @@ def trace_questions(behaviour: Behaviour, random: Random) -> Iterator[Question]:
             if not right or not is_computed or behaviour.decomposes(statements[line]):
                 continue
             nearby = _values_in_edited_versions(behaviour, number, line, name, turn)
-            wrong = distractors(right, [*nearby, *values], case.code)
+            likely = (text for text in [*nearby, *values] if is_alike(text, right))
+            wrong = distractors(right, likely, case.code)
             arranged = arrange(right, wrong, random)
             if arranged:
                 yield Question(

@@ -113,7 +113,7 @@ def _choice(edit: Edit) -> str:
 def _reveals_cause(symptom: str, own: str, case: Case) -> bool:
     """Return whether only an operation on all numbers, such as a sign or a root, has a result."""
     is_changed = is_selection(own, case.code) and not is_selection(symptom, case.code)
-    is_reversed = same_answer(symptom, reversed_vector(own))
+    is_reversed = same_answer(symptom, reversed_vector(own)) or symptom == f"-{own}"
     return adds_nan(symptom, own) or is_changed or is_reversed
 
 
