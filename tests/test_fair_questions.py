@@ -331,6 +331,10 @@ def observed(exercise, source, sandbox):
     return observe(Answer(lesson, exercise, cells, {}), sandbox)
 
 
+def right_source(exercise):
+    return next(answer.source for answer in answers_to(exercise) if answer.right)
+
+
 def kept_source(exercise, words):
     (source,) = [answer.source for answer in answers_to(exercise) if answer.name == words]
     return source
@@ -359,6 +363,17 @@ def test_a_key_does_not_depend_on_the_choice_of_singular_vectors(sandbox):
         assert verifier.confirms(question(normal)) and verifier.has_free_signs(question(normal))
         both = (opposite, *choices[1:])
         assert not verifier.confirms(question(normal, choices=both)), "both normals are right"
+
+
+@pytest.mark.slow
+def test_signs_are_not_free_without_a_decomposition(sandbox):
+    known = observed("plane_through", right_source("plane_through"), sandbox)
+    code, own = cases_of("plane_through")[0].code, known.own[0].outcome
+    assert own == "[0, 0, 1, 0]"
+    claims = (OutcomeClaim(code, None, own),)
+    question = Question("what if", "?", code, ("[0, 0, -1, 0]", own, "1"), 0, "", True, claims)
+    with Verifier(known, sandbox) as verifier:
+        assert verifier.confirms(question) and not verifier.has_free_signs(question)
 
 
 @pytest.mark.slow

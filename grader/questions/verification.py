@@ -79,15 +79,15 @@ class Verifier:
 
     def has_free_signs(self, question: Question) -> bool:
         """Return whether the result of a question might as well have all signs reversed."""
-        results = []
+        others = []  # results with other vectors than NumPy's
         for claim in question.claims:
             match claim:
                 case OutcomeClaim(code, edit, _, True):
-                    results += self._outcomes(code, edit and edit.row)
+                    others += self._outcomes(code, edit and edit.row)[1:]
                 case ValueClaim(code, line, name, turn, _):
-                    results += self._values(code, line, name, turn)
+                    others += self._values(code, line, name, turn)[1:]
         opposite = reversed_vector(question.right_choice)
-        return opposite != question.right_choice and opposite in results
+        return opposite != question.right_choice and opposite in others
 
     def _values(self, code: str, line: int, name: str, turn: int) -> list[str]:
         """Return the value of a variable in each trace; empty if it has none."""
