@@ -23,7 +23,8 @@ from utils.notebooks import slicing
 from utils.notebooks.reading import decode_notebook
 from utils.questions import ask, versions
 from utils.questions.cases import cases_of, exercises_with_cases
-from utils.questions.choices import in_rounds, is_readable
+from utils.questions.changed_lines import as_written, is_plausible, is_readable
+from utils.questions.choices import in_rounds
 from utils.questions.texts import is_easy, value_text
 
 GROUND = """def filter_ground(cloud, ground_level=-1.2):
@@ -200,6 +201,53 @@ def test_changes_and_values_in_questions_are_easy_to_read():
     edits = [versions.Change(line, "", str(n), print, ()) for n, line in enumerate((4, 4, 7, 4))]
     lines = [type("Edit", (), {"first": edit.line, "n": edit.after}) for edit in edits]
     assert [edit.n for edit in in_rounds(lines)] == ["0", "2", "1", "3"]
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "written"),
+    [
+        ("while queue:", "while (not queue):", "while not queue:"),
+        ("    elif x:", "    elif (not x):", "    elif not x:"),
+        ("for i in range(n):  # (all)", "for i in range((n) + 1):  # (all)",
+         "for i in range(n + 1):  # (all)"),
+        ("f(cloud, 0)", "f((-cloud), (-1))", "f(-cloud, -1)"),
+        ("return x", "return (f(x))", "return f(x)"),
+        ("x = (a - b) // 2", "x = (a - b)", "x = a - b"),
+        # Necessary parentheses, a sign after a sign, and what the student wrote.
+        ("return x * y", "return (x + 1) * y", "return (x + 1) * y"),
+        ("x = a - b", "x = a - (-b)", "x = a - (-b)"),
+        ("return (a) + f(b)", "return (a) + (f(-b))", "return (a) + f(-b)"),
+        ("print('(a)')", "print('(b)')", "print('(b)')"),
+        # One line of a longer statement.
+        ("    for row in rows]", "    for row in cloud]", "    for row in cloud]"),
+        ("    for row in rows]", "    for row in (-rows)]", ""),
+    ],
+)  # fmt: skip
+def test_a_changed_line_has_no_parentheses_that_nobody_writes(before, after, written):
+    assert as_written(before, after) == written
+    if written and not before.startswith("  "):
+        bodies = [f"{line}\n    pass" if ":" in line else line for line in (after, written)]
+        first, second = (ast.dump(ast.parse(body)) for body in bodies)
+        assert first == second
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ("x = labels", "x = (labels ** 2)"),
+        ("x = labels", "x = labels ** 0.5"),
+        ("x = labels", "x = (abs(labels))"),
+        ("print('a', n)", "return 'a', n"),
+        ("kept = []", "cloud.kept = []"),
+        ("return kept", "return np.isin(np.arange(len(cloud)), kept)"),
+        ("for i in range(3):", "for i in range((3) + 1):"),
+        ("x = a - 1", "x = (a - 1) + 1"),
+        ("x = np.full(n, -1)", "x = np.full(n, -0)"),
+    ],
+)
+def test_code_that_nobody_writes_is_not_a_change_to_ask_about(before, after):
+    assert not is_plausible(before, after) and not is_readable(before, as_written(before, after))
+    assert is_plausible(after, before) and is_plausible("x = y ** 2", "x = z ** 2")
 
 
 # The lessons.

@@ -22,6 +22,7 @@ NEEDED_BY = {
     "grader/": "requirements.txt",
     "grader/classroom/cluster.py": "requirements-cluster.txt",
     "grader/classroom/worker_plugin.py": "requirements-cluster.txt",
+    "grader/course/films.py": "requirements-3d.txt",
     "grader/site/": "requirements-site.txt",
     "grader/site/live/": "requirements-live.txt",
     "tests/": "requirements-dev.txt",

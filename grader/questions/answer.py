@@ -7,6 +7,7 @@ plain data, is left out. Nothing in this module affects a mark.
 from __future__ import annotations
 
 import functools
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -19,13 +20,20 @@ from grader.sandbox.failures import StudentStopped
 from grader.sandbox.program import Program
 from grader.sandbox.student import StudentProxy
 from utils.questions.cases import Case, cases_of
-from utils.questions.choices import is_readable
-from utils.questions.texts import outcome_text, same_answer, value_text
+from utils.questions.changed_lines import as_written, is_plausible, is_readable
+from utils.questions.texts import outcome_text, outcome_texts, same_answer, value_text
 
 OBSERVER = Path(__file__).parent / "inside" / "answer_observer.py"
 TASKS = ("read_answer", "run_cases", "evaluate", "trace_case")
 MAX_EDITS = 150
 MAX_LISTING = 150  # lines of an answer that fit on two pages
+# Functions of `numpy.linalg` with results that students cannot compute on paper.
+DECOMPOSITION = re.compile(r"\b(svd|eigh?)\b")
+# Constructs that run some code once for each element.
+LOOPS = frozenset(
+    ["a lambda function", "a generator expression"]
+    + ["a list comprehension", "a set comprehension", "a dict comprehension"]
+)
 MAX_WATCHED = 6  # variables whose values in a case are compared between versions
 # Versions that are run with one request. If a request takes too long, its versions are left out.
 VERSIONS_PER_REQUEST = 10
@@ -128,10 +136,20 @@ class Edit:
     after: str
     row: tuple[int, int, int, str]
 
+    @functools.cached_property
+    def shown(self) -> str:
+        """The new text as questions show it."""
+        return as_written(self.before, self.after).strip()
+
+    @property
+    def is_plausible(self) -> bool:
+        """Whether a person might write the new text."""
+        return is_plausible(self.before, self.after)
+
     @property
     def can_be_shown(self) -> bool:
         """Whether the edit replaces one line with one other line that a person might write."""
-        return self.first == self.last and is_readable(self.before, self.after)
+        return self.first == self.last and is_readable(self.before, self.shown)
 
 
 @dataclass(frozen=True)
@@ -191,6 +209,16 @@ class Behaviour:
         """Return the text of a listed line."""
         return self.lines[line - 1].text
 
+    def decomposes(self, statement: Statement) -> bool:
+        """Return whether a statement computes singular values or eigenvectors."""
+        lines = range(statement.first, statement.last + 1)
+        return any(DECOMPOSITION.search(self.text_of(line)) for line in lines)
+
+    def loops(self, statement: Statement) -> bool:
+        """Return whether a part of a statement may run several times each time the line runs."""
+        lines = range(statement.first, statement.last + 1)
+        return any(line in lines and word in LOOPS for line, _, word in self.words)
+
     def edited_outcomes(self, case: int) -> Iterator[str]:
         """Yield the outcome of each edited version in a case, the likeliest edits first."""
         for runs in self.edited.values():
@@ -227,7 +255,8 @@ def observe(answer: Answer, sandbox: Sandbox, peers: tuple[tuple[str, ...], ...]
         number_of = {(line.cell, line.line): line.number for line in lines}
         (own,) = _runs(student.run_cases([None], codes, []), number_of) or [()]
         own = (*own, *[Run(counts={})] * (len(codes) - len(own)))
-        edits = _edits(lines, number_of, description.get("edits"))[:MAX_EDITS]
+        edits = _edits(lines, number_of, description.get("edits"))
+        edits = [edit for edit in edits if edit.is_plausible][:MAX_EDITS]
         deletions = _edits(lines, number_of, description.get("deletions"))
         watched = list(_watched(own, lines))
         versions = [*deletions, *edits]
@@ -268,7 +297,7 @@ def outcomes_of(answer: Answer, sandbox: Sandbox) -> tuple[str, ...]:
     codes = case_codes(cases_of(answer.exercise))
     with StudentProxy(answer.program, sandbox) as student:
         student.read_answer(*answer.request)
-        return tuple(outcome_text(student.evaluate(None, code)) for code in codes)
+        return tuple((outcome_texts(student.evaluate(None, code)) or [""])[0] for code in codes)
 
 
 # ---- untrusted replies ---------------------------------------------------------------------------

@@ -8,8 +8,10 @@ from pathlib import Path
 from grader.classroom.pages import format_code, render
 from grader.course.atomic_files import write_atomically
 from grader.course.paths import Course
+from grader.questions.helpers import sentence_about
 from grader.questions.question import Question
 from grader.questions.viva import Sheet, viva_folder
+from utils.questions.texts import NOTATION
 
 LETTERS = "ABCD"
 SHEETS, KEY = "sheets.html", "key.html"
@@ -41,6 +43,8 @@ def _render(template: str, stage: str, sheets: Sequence[Sheet]) -> str:
         format_code=format_code,
         format_lines=format_lines,
         subject=key_basis,
+        sentence_about=sentence_about,
+        notation=NOTATION,
     )
 
 

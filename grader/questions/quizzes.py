@@ -14,8 +14,10 @@ from grader.classroom.pages import format_code
 from grader.course.archives import make_zip
 from grader.course.atomic_files import write_atomically
 from grader.course.paths import Course
+from grader.questions.helpers import sentence_about
 from grader.questions.question import Question
 from grader.questions.viva import Sheet, viva_folder
+from utils.questions.texts import NOTATION
 
 LETTERS = "ABCD"
 # XML 1.0 does not allow these characters, not even as references.
@@ -108,9 +110,10 @@ def _qti_item(sheet: Sheet, question: Question, number: int) -> str:
 
 def _question_html(sheet: Sheet, question: Question) -> str:
     code = "\n".join(f"{line.number:>3}  {line.text}" for line in sheet.lines)
+    helpers = f"<p>{format_code(sentence_about(sheet.helpers))}</p>" if sheet.helpers else ""
     return (
-        f"<p>Your code:</p><pre>{escape(code)}</pre>"
-        f"<p>{format_code(question.text)}</p><pre>{escape(question.code)}</pre>"
+        f"<p>{NOTATION}</p><p>Your code:</p><pre>{escape(code)}</pre>"
+        f"{helpers}<p>{format_code(question.text)}</p><pre>{escape(question.code)}</pre>"
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import functools
 from collections.abc import Iterator
+from dataclasses import replace
 from random import Random
 
 from grader.course.kept_answers import answers_to, fill_in
@@ -24,6 +25,8 @@ MAX_PEERS = 4
 EASY, HARD = ("predict", "trace", "cost"), ("what if", "necessary", "which line")
 # Candidates of one kind to verify before trying another kind.
 MAX_TRIES = 5
+# Added to a question about a vector that has two right directions.
+FREE_SIGNS = " Your result may have all signs reversed."
 # Two questions of these kinds must not share a case, because one may contain the other's answer.
 REVEALING = ({"predict", "which line"}, {"trace", "cost"}, {"cost"})
 
@@ -87,7 +90,10 @@ def _next_question(
     for question in possible[:MAX_TRIES]:
         questions.remove(question)
         if verifier.confirms(question):
-            return question
+            has_free_signs = verifier.has_free_signs(question)
+            return (
+                replace(question, text=question.text + FREE_SIGNS) if has_free_signs else question
+            )
     return None
 
 

@@ -1,6 +1,8 @@
 """Verify the key of each question with a second method, in a new process.
 
-Outcomes come from code that is not instrumented. Counts and values come from `sys.settrace`.
+Outcomes come from code that is not instrumented. Counts and values come from `sys.settrace`. Both
+are computed with several choices of eigenvectors, because students cannot know which ones NumPy
+returns.
 """
 
 from __future__ import annotations
@@ -12,7 +14,7 @@ from grader.questions.question import CountClaim, OutcomeClaim, Question, ValueC
 from grader.sandbox import Limits, Sandbox
 from grader.sandbox.failures import StudentError, StudentStopped
 from grader.sandbox.student import StudentProxy
-from utils.questions.texts import outcome_text, same_answer, value_text
+from utils.questions.texts import outcome_texts, reversed_vector, same_answer, value_text
 
 CALL_SECONDS = 0.5  # for one case; a right answer needs some milliseconds
 
@@ -34,8 +36,8 @@ class Verifier:
         self._places = {line.number: [line.cell, line.line] for line in behaviour.lines}
         self._student = StudentProxy(answer.program, sandbox, limits)
         self._request = answer.request
-        self._outcome = functools.cache(self._compute_outcome)
-        self._trace = functools.cache(self._compute_trace)
+        self._outcomes = functools.cache(self._compute_outcomes)
+        self._traces = functools.cache(self._compute_traces)
 
     def __enter__(self) -> Verifier:
         self._read()
@@ -50,9 +52,12 @@ class Verifier:
         self._student.close()
 
     def confirms(self, question: Question) -> bool:
-        """Return whether all claims of a question hold."""
+        """Return whether all claims of a question hold, and only one choice can be right."""
         try:
-            return all(map(self._holds, question.claims))
+            if not all(map(self._holds, question.claims)):
+                return False
+            opposite = reversed_vector(question.right_choice)
+            return not (self.has_free_signs(question) and opposite in question.choices)
         except StudentError:
             return False
         except StudentStopped:
@@ -61,24 +66,46 @@ class Verifier:
 
     def _holds(self, claim: OutcomeClaim | CountClaim | ValueClaim) -> bool:
         match claim:
-            case OutcomeClaim(code, edit, text, holds):
-                outcome = self._outcome(code, edit and edit.row)
-                return bool(outcome) and same_answer(outcome, text) == holds
+            case OutcomeClaim(code, edit, text, True):
+                return _are_all(text, self._outcomes(code, edit and edit.row))
+            case OutcomeClaim(code, edit, text, False):
+                outcomes = self._outcomes(code, edit and edit.row)
+                return all(outcomes) and not any(same_answer(one, text) for one in outcomes)
             case CountClaim(code, line, count):
-                return self._count(code, line) == count
+                return {self._count(trace, line) for trace in self._traces(code)} == {count}
             case ValueClaim(code, line, name, turn, text):
-                place = self._places[line]
-                rows = self._trace(code).get("notes")
-                values = [
-                    value_text(row[3])
-                    for row in (rows if isinstance(rows, list) else ())
-                    if isinstance(row, list) and len(row) == 4 and row[:3] == [*place, name]
-                ]
-                return turn < len(values) and values[turn] == text
+                return _are_all(text, self._values(code, line, name, turn))
         return False
 
-    def _count(self, code: str, line: int) -> int:
-        rows = self._trace(code).get("counts")
+    def has_free_signs(self, question: Question) -> bool:
+        """Return whether the result of a question might as well have all signs reversed."""
+        others = []  # results with other vectors than NumPy's
+        for claim in question.claims:
+            match claim:
+                case OutcomeClaim(code, edit, _, True):
+                    others += self._outcomes(code, edit and edit.row)[1:]
+                case ValueClaim(code, line, name, turn, _):
+                    others += self._values(code, line, name, turn)[1:]
+        opposite = reversed_vector(question.right_choice)
+        return opposite != question.right_choice and opposite in others
+
+    def _values(self, code: str, line: int, name: str, turn: int) -> list[str]:
+        """Return the value of a variable in each trace; empty if it has none."""
+        results = []
+        for trace in self._traces(code):
+            rows = trace.get("notes")
+            values = [
+                value_text(row[3])
+                for row in (rows if isinstance(rows, list) else ())
+                if isinstance(row, list)
+                and len(row) == 4
+                and row[:3] == [*self._places[line], name]
+            ]
+            results.append(values[turn] if turn < len(values) else "")
+        return results
+
+    def _count(self, trace: dict, line: int) -> int:
+        rows = trace.get("counts")
         counts = [
             row[2]
             for row in (rows if isinstance(rows, list) else ())
@@ -86,9 +113,17 @@ class Verifier:
         ]
         return counts[0] if counts else 0
 
-    def _compute_outcome(self, code: str, row: tuple | None) -> str:
-        return outcome_text(self._student.evaluate(row and list(row), code))
+    def _compute_outcomes(self, code: str, row: tuple | None) -> list[str]:
+        return outcome_texts(self._student.evaluate(row and list(row), code))
 
-    def _compute_trace(self, code: str) -> dict:
+    def _compute_traces(self, code: str) -> list[dict]:
         reply = self._student.trace_case(code)
-        return reply if isinstance(reply, dict) else {}
+        return [one for one in (reply if isinstance(reply, list) else ()) if isinstance(one, dict)]
+
+
+def _are_all(text: str, results: list[str]) -> bool:
+    """Return whether the first result has this text, and the others too, or all signs reversed."""
+    return bool(results) and all(
+        same_answer(result, text) or (index and same_answer(result, reversed_vector(text)))
+        for index, result in enumerate(results)
+    )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from random import Random
 
@@ -16,6 +16,7 @@ from grader.intake.preflight import prepare_to_judge
 from grader.intake.reader_process import ReadingFailed
 from grader.judging.verdict import JUDGED, read_verdict
 from grader.questions.answer import Answer, ListedLine, observe
+from grader.questions.helpers import called_helpers
 from grader.questions.question import Question
 from grader.questions.remarks import Remark, remarks_on
 from grader.questions.selection import choose_questions, peer_outcomes
@@ -44,6 +45,8 @@ class Sheet:
     remarks : tuple of Remark
     problem : str
         The reason why there are no questions, or fewer than requested.
+    helpers : tuple of str
+        Functions and classes of the lesson that the code calls but that the sheet does not print.
     """
 
     student: str
@@ -53,6 +56,7 @@ class Sheet:
     questions: tuple[Question, ...] = ()
     remarks: tuple[Remark, ...] = ()
     problem: str = ""
+    helpers: tuple[str, ...] = ()
 
 
 def viva_folder(course: Course, stage: str) -> Path:
@@ -152,7 +156,7 @@ def make_sheet(
             "No exercise in this stage earned full points, so there is no correct code to ask "
             "about."
         )
-    return Sheet(student, name, best.exercise, best.lines, best.questions, best.remarks, problem)
+    return replace(best, problem=problem)
 
 
 def _quality(sheet: Sheet) -> tuple[int, bool]:
@@ -203,11 +207,13 @@ def _sheet_about(
     judged = prepare_to_judge(submitted_files, lesson)
     answer = Answer(lesson, exercise.name, judged.code, judged.modules)
     behaviour = observe(answer, sandbox, peer_outcomes(lesson, exercise.name, sandbox))
+    questions = tuple(choose_questions(behaviour, sandbox, count, random))
     return Sheet(
         submission.student,
         name,
         exercise.name,
         behaviour.lines,
-        tuple(choose_questions(behaviour, sandbox, count, random)),
+        questions,
         remarks_on(behaviour),
+        helpers=called_helpers(lesson, exercise.name, behaviour.lines, questions),
     )

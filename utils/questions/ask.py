@@ -21,7 +21,7 @@ from utils.display import show
 from utils.lent.stubs import own
 from utils.questions.cases import cases_of, exercises_with_cases, shown_code, value_of
 from utils.questions.choices import arrange, distractors, with_first
-from utils.questions.texts import is_easy, is_value, same_answer
+from utils.questions.texts import NOTATION, is_easy, is_value, same_answer
 from utils.questions.versions import OWN_SECONDS, Versions
 from utils.remote_objects import ENDLESS_LOOP_HINT
 
@@ -66,13 +66,13 @@ def predict(versions: Versions, random: Random) -> Iterator[Card]:
     """Ask for the value of each case."""
     for number in random.sample(range(len(versions.cases)), len(versions.cases)):
         right, code = versions.own[number], versions.cases[number].code
-        arranged = arrange(right, distractors(right, versions.values_near(number)), random)
+        arranged = arrange(right, distractors(right, versions.values_near(number), code), random)
         if is_value(right) and arranged:
             wrong = (
-                f"No. These lines were run, and the value is `{right}`. With one small change in "
-                "the function, the value would be the one that you chose."
+                f"No. The notebook ran these lines, and the value is `{right}`. With one small "
+                "change in the function, the value would be the one that you chose."
             )
-            texts = ["Right. These lines were run, and this is the value." if text == right
+            texts = ["Right. The notebook ran these lines, and this is the value." if text == right
                      else wrong for text in arranged[0]]  # fmt: skip
             question = f"What is {value_of(code)}?"
             yield Card(number, question, "", "", shown_code(code), *arranged, tuple(texts))
@@ -92,13 +92,13 @@ def what_if(versions: Versions, random: Random) -> Iterator[Card]:
     for change, number in pairs:
         before, right = versions.own[number], change.outcomes[number]
         code = versions.cases[number].code
-        nearby = distractors(right, versions.values_near(number))
+        nearby = distractors(right, versions.values_near(number), code)
         arranged = arrange(right, with_first(before, nearby), random)
         if arranged and versions.confirms(number, right, change):
             yield Card(
                 number,
-                f"Suppose that you change line {change.line} of the cell with your function. "
-                f"What is {value_of(code)} then?",
+                f"Suppose that you change line {change.line} of the cell with your function as "
+                f"shown here. What is {value_of(code)} then?",
                 change.before,
                 change.after,
                 shown_code(code),
@@ -108,7 +108,7 @@ def what_if(versions: Versions, random: Random) -> Iterator[Card]:
 
 
 def _explain_change(choice: str, before: str, after: str) -> str:
-    ran = "The changed function was run,"
+    ran = "The notebook ran the changed function,"
     if choice == after:
         return f"Right. {ran} and this is the value. Without the change, it is `{before}`."
     if choice == before:
@@ -160,9 +160,10 @@ def ask_about(
     if not cards:
         print(f"No question about this version of {exercise} has one clear answer.")
         return
+    numbered = list(enumerate(cards, start=1))
     show(
-        "".join(_as_html(number, card) for number, card in enumerate(cards, start=1)),
-        "\n\n".join(_as_text(number, card) for number, card in enumerate(cards, start=1)),
+        "".join([*itertools.starmap(_as_html, numbered), f"<p>{NOTATION}</p>"]),
+        "\n\n".join([*itertools.starmap(_as_text, numbered), NOTATION]),
     )
 
 

@@ -6,9 +6,11 @@ paper and contain no answers. They share no data with hidden tests, because stud
 
 from __future__ import annotations
 
+import ast
 import functools
 import importlib
 import pkgutil
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 
@@ -46,6 +48,28 @@ class Case:
 def shown_code(code: str) -> str:
     """Return the statements of a case as students read them, with a value for `rng`."""
     return f"rng = 7  # the result is the same for every seed\n{code}" if "rng" in code else code
+
+
+def shown_together(cases: Mapping[str, str]) -> str:
+    """Return the codes of several cases, each below its heading; shared definitions come first."""
+    shared = _shared_definitions([*cases.values()])
+    parts = [
+        f"# {heading}\n{shown_code(code.removeprefix(shared).lstrip())}"
+        for heading, code in cases.items()
+    ]
+    return "\n\n".join([shared.rstrip(), *parts] if shared else parts)
+
+
+def _shared_definitions(codes: Sequence[str]) -> str:
+    """Return the text with which all codes begin, up to the last function or class in it."""
+    lines = codes[0].split("\n")
+    ends = [
+        node.end_lineno
+        for node in ast.parse(codes[0]).body
+        if isinstance(node, (ast.FunctionDef, ast.ClassDef))
+    ]
+    texts = ["\n".join(lines[:end]) + "\n" for end in ends]
+    return next((text for text in texts[::-1] if all(c.startswith(text) for c in codes)), "")
 
 
 def value_of(code: str) -> str:

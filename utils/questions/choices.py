@@ -1,40 +1,44 @@
-"""Select plausible wrong choices, and changes of a line that a person might write."""
+"""Select plausible wrong choices, and put edits in a fair order."""
 
 from __future__ import annotations
 
 import itertools
-import re
 from collections import Counter
 from collections.abc import Iterable
 from random import Random
 from typing import TypeVar
 
-from utils.questions.texts import reversed_vector, same_answer, similarity
+from utils.questions.shown_values import is_selection
+from utils.questions.texts import adds_nan, reversed_vector, same_answer, similarity
 
 MAX_CHOICES, MIN_CHOICES = 4, 3
-MAX_LINE_LENGTH = 110
-# Code that edits insert but few people write: `~`, `- 1 + 1` and `with np:`.
-_UNUSUAL = (re.compile("~"), re.compile(r"[-+] ?1\)? ?[-+] ?1\b"), re.compile(r"with \w+:"))
-
 
 AnyEdit = TypeVar("AnyEdit")
 
 
-def distractors(right: str, candidates: Iterable[str]) -> list[str]:
+def distractors(right: str, candidates: Iterable[str], code: str = "") -> list[str]:
     """Return up to three wrong choices: those that look most like the right one and occur most.
 
     A vector with all signs reversed is left out, because a line and a plane have two right vectors.
+    If the right choice consists of rows that the case shows, the wrong ones do so too. Otherwise,
+    students would find the right choice without reading the function. For the same reason, nan
+    is a wrong choice only if the case or the right choice contains it, or the right choice is None.
 
     Parameters
     ----------
     right : str
     candidates : iterable of str
         Answers of functions with one changed line, the likeliest first; empty texts are ignored.
+    code : str
+        The code of the case.
     """
     counted: Counter[str] = Counter()
+    has_shown_rows = is_selection(right, code)
     for candidate in candidates:
         is_right = any(same_answer(candidate, text) for text in (right, reversed_vector(right)))
-        if candidate and not is_right:
+        is_alike = not has_shown_rows or is_selection(candidate, code)
+        is_silly = right != "None" and adds_nan(candidate, right + code)
+        if candidate and is_alike and not is_right and not is_silly:
             same = next((known for known in counted if same_answer(known, candidate)), candidate)
             counted[same] += 1
     ranked = sorted(counted, key=lambda text: (-similarity(right, text), -counted[text]))
@@ -53,18 +57,6 @@ def arrange(right: str, wrong: Iterable[str], random: Random) -> tuple[tuple[str
         return None
     random.shuffle(choices)
     return tuple(choices), choices.index(right)
-
-
-def is_readable(before: str, after: str) -> bool:
-    """Return whether an edit replaces one line with one other line that a person might write."""
-    return (
-        "\n" not in before + after
-        and after.split() != before.split()
-        and len(after.strip()) <= MAX_LINE_LENGTH
-        and not any(
-            len(unusual.findall(after)) > len(unusual.findall(before)) for unusual in _UNUSUAL
-        )
-    )
 
 
 def in_rounds(edits: Iterable[AnyEdit]) -> list[AnyEdit]:

@@ -26,15 +26,15 @@ CASES = {
         Case("point_line_distance(np.array([[0.0, 0.0], [10.0, 5.0]]), (0.6, -0.8, 3.0))"),
     ),
     "ransac_line": (
-        Case(_ransac(ROW, 30, 0.1)),
-        Case(_ransac("[[0.0, 0.0], [2.0, 0.0], [0.0, 3.0], [0.0, 6.0], [0.0, 7.0]]", 30, 0.1)),
+        Case(_ransac(ROW, 100, 0.1)),
+        Case(_ransac("[[0.0, 0.0], [2.0, 0.0], [0.0, 3.0], [0.0, 6.0], [0.0, 7.0]]", 100, 0.1)),
         Case(
             _ransac("[[0.0, 0.0], [4.0, 0.0]]", 3, 0.1),
             larger=_ransac("[[0.0, 0.0], [4.0, 0.0]]", 6, 0.1),
         ),
         Case(_ransac("[[1.0, 2.0]]", 5, 0.1)),
         Case(_ransac("[[1.0, 2.0], [1.0, 2.0]]", 3, 0.1, "line, inliers")),
-        Case(_ransac(ROW, 30, 0.1, "sum(inliers)")),
+        Case(_ransac(ROW, 100, 0.1, "sum(inliers)")),
         Case(_ransac("[[0.0, 0.0], [4.0, 0.0]]", 3, 0.1, "np.abs(line)")),
     ),
 }

@@ -44,8 +44,8 @@ CASES = {
         ),
     ),
     "ransac_plane": (
-        Case(_ransac(_cloud(*FLOOR, "1.0, 1.0, 5.0"), 40)),
-        Case(_ransac(_cloud("0.0, 0.0, 9.0", *FLOOR), 40, "sum(inliers)")),
+        Case(_ransac(_cloud(*FLOOR, "1.0, 1.0, 5.0"), 100)),
+        Case(_ransac(_cloud("0.0, 0.0, 9.0", *FLOOR), 100, "sum(inliers)")),
         Case(_ransac(TRIANGLE, 3), larger=_ransac(TRIANGLE, 6)),
         Case(_ransac(TRIANGLE, 3, "np.abs(plane)")),
         Case(_ransac(_cloud("0.0, 0.0, 1.0", "1.0, 0.0, 1.0"), 5)),

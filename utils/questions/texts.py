@@ -10,6 +10,10 @@ ENDLESS, ERROR = "it never ends", "an error: "
 TRIVIAL_ERRORS = (f"{ERROR}NameError", f"{ERROR}UnboundLocalError")
 MAX_VALUE_LENGTH = 150
 MAX_EASY_NUMBERS = 16
+NOTATION = (
+    "Numbers are shown with at most three decimal places. Brackets stand for lists, tuples and "
+    "arrays."
+)
 
 
 def outcome_text(outcome: object) -> str:
@@ -28,6 +32,11 @@ def outcome_text(outcome: object) -> str:
         case ["endless"]:
             return ENDLESS
     return ""
+
+
+def outcome_texts(outcomes: object) -> list[str]:
+    """Return the texts of several untrusted outcomes."""
+    return [outcome_text(outcome) for outcome in (outcomes if isinstance(outcomes, list) else ())]
 
 
 def value_text(value: object) -> str:
@@ -99,6 +108,14 @@ def is_easy(text: str) -> bool:
     return not re.search(r"\.\d{3}", text) and text.count(",") < MAX_EASY_NUMBERS
 
 
+def adds_nan(text: str, before: str) -> bool:
+    """Return whether a result contains nan or inf, unlike the result before.
+
+    Such a result reveals the operation, and students exclude it without reading the code.
+    """
+    return any(name in text and name not in before for name in ("nan", "inf"))
+
+
 def similarity(text: str, other: str) -> int:
     """Return how similar two answers look: 2 for the same form, 1 for two values, otherwise 0."""
     if not (is_value(text) and is_value(other)):
@@ -106,6 +123,16 @@ def similarity(text: str, other: str) -> int:
     return 1 + (_form(text) == _form(other))
 
 
-def _form(text: str) -> tuple[int, int, bool, bool]:
-    """Return the brackets and commas of a value, and whether it has decimals or is None."""
-    return text.count("["), text.count(","), "." in text, text == "None"
+def is_alike(text: str, other: str) -> bool:
+    """Return whether two values may be of one type: numbers, truths, or equally deep lists."""
+    return _type(text) == _type(other)
+
+
+def _type(text: str) -> tuple[str, bool, bool]:
+    brackets = re.match(r"[\[{]*", text)[0]
+    return brackets, text == "None", "True" in text or "False" in text
+
+
+def _form(text: str) -> tuple[int, int, bool, bool, bool, bool]:
+    """Return the brackets and commas of a value, and whether it has decimals or words."""
+    return text.count("["), text.count(","), "." in text, is_easy(text), *_type(text)[1:]

@@ -17,7 +17,8 @@ from utils.checks.limits import TimeUp, limit_resources
 from utils.notebooks.edited_functions import edited_functions, function_with_code, read_definition
 from utils.notebooks.small_cases import SEEDS, plain_value
 from utils.questions.cases import Case
-from utils.questions.choices import in_rounds, is_readable
+from utils.questions.changed_lines import as_written, is_readable
+from utils.questions.choices import in_rounds
 from utils.questions.texts import is_value, outcome_text
 
 # Limits for all cases of one version; a right answer needs some milliseconds.
@@ -89,12 +90,16 @@ class Versions:
                 text if self._confirms(function, case.code, text) else ""
                 for case, text in zip(cases, own, strict=True)
             )
-        readable = [
-            edit
+        shown = {
+            edit: as_written(definition.lines[edit.first - 1], edit.text)
             for edit in definition.edits
             if edit.first == edit.last
             and edit.first > definition.statement.node.lineno  # not the `def` line
-            and is_readable(definition.lines[edit.first - 1], edit.text)
+        }
+        readable = [
+            edit
+            for edit, text in shown.items()
+            if is_readable(definition.lines[edit.first - 1], text)
         ]
         self.changes = []
         until = time.process_time() + MAX_CPU_SECONDS
@@ -107,7 +112,8 @@ class Versions:
                 outcomes = tuple(self._outcome(changed, case.code) for case in cases)
                 before = definition.lines[edit.first - 1].strip()
                 line = definition.first + edit.first - 1
-                self.changes.append(Change(line, before, edit.text.strip(), changed, outcomes))
+                after = shown[edit].strip()
+                self.changes.append(Change(line, before, after, changed, outcomes))
 
     def values_near(self, case: int) -> Iterator[str]:
         """Yield the value of each changed version in a case."""

@@ -14,7 +14,7 @@ import collections
 import contextlib
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -27,6 +27,8 @@ MAX_STEPS = 10_000
 MAX_SECONDS = 0.3
 """Processor seconds after which a small case counts as endless, even if it runs few statements."""
 MAX_NOTES = 400
+DECOMPOSITIONS = 2
+"""Number of other choices of singular vectors and eigenvectors to try."""
 _SIMPLE = (ast.Assign, ast.AugAssign, ast.AnnAssign, ast.Expr, ast.Return, ast.Continue, ast.Break)
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 _ENDS = (ast.Return, ast.Continue, ast.Break, ast.Raise)
@@ -145,7 +147,22 @@ def run_cases(versions: list, codes: list, watched: list) -> list:
 
 
 def evaluate(version: list | None, code: str) -> list:
-    """Return the outcome of a case with a version of the answer that is not instrumented."""
+    """Return the outcomes of a case with a version of the answer that is not instrumented.
+
+    There is one outcome for each choice of singular vectors and eigenvectors.
+    """
+    return _with_each_decomposition(lambda: _evaluate(version, code))
+
+
+def trace_case(code: str) -> list:
+    """Return how often each line runs, and the values after it, as seen by Python's own tracing.
+
+    There is one result for each choice of singular vectors and eigenvectors.
+    """
+    return _with_each_decomposition(lambda: _trace_case(code))
+
+
+def _evaluate(version: list | None, code: str) -> list:
     try:
         _define(version, None)
     except Exception:
@@ -156,8 +173,7 @@ def evaluate(version: list | None, code: str) -> list:
     )
 
 
-def trace_case(code: str) -> dict:
-    """Return how often each line runs, and the values after it, as seen by Python's own tracing."""
+def _trace_case(code: str) -> dict:
     _define(None, None)
     tracer = _Tracer({name for statement in _statements for name in _all_names(statement.node)})
     sys.settrace(tracer.enter)
@@ -167,6 +183,74 @@ def trace_case(code: str) -> dict:
         sys.settrace(None)
     counts = [[*place, count] for place, count in tracer.counts.items()]
     return {"outcome": outcome, "counts": counts, "notes": tracer.notes[:MAX_NOTES]}
+
+
+# ---- decompositions ------------------------------------------------------------------------------
+
+
+def _with_each_decomposition(run: Callable) -> list:
+    """Return the results of a function with different singular vectors and eigenvectors.
+
+    The signs of these vectors are free, and so are the vectors for equal values. LAPACK chooses
+    them, so students cannot know them. There is one result if the function needs no such vectors.
+    """
+    results = []
+    for variant in range(1 + DECOMPOSITIONS):
+        with _other_vectors(variant) as calls:
+            results.append(run())
+        if not calls:
+            break
+    return results
+
+
+@contextlib.contextmanager
+def _other_vectors(variant: int) -> Iterator[list]:
+    """Replace NumPy's decompositions, and yield a list with the name of each call."""
+    originals = {name: getattr(np.linalg, name) for name in ("svd", "eig", "eigh")}
+    calls = []
+
+    def replace(name: str) -> None:
+        def decompose(matrix: object, *arguments: object, **keywords: object) -> object:
+            calls.append(name)
+            matrix = _disturbed(matrix, variant) if variant else matrix
+            parts = originals[name](matrix, *arguments, **keywords)
+            if not variant or not isinstance(parts, tuple):
+                return parts
+            return type(parts)(*_with_other_signs(name, parts, variant))
+
+        setattr(np.linalg, name, decompose)
+
+    for name in originals:
+        replace(name)
+    try:
+        yield calls
+    finally:
+        for name, original in originals.items():
+            setattr(np.linalg, name, original)
+
+
+def _disturbed(matrix: object, variant: int) -> np.ndarray:
+    """Return a matrix with changes far below all tolerances, which make its values different."""
+    matrix = np.asarray(matrix, dtype=float)
+    noise = np.random.default_rng(variant).standard_normal(matrix.shape)
+    if matrix.ndim > 1 and matrix.shape[-1] == matrix.shape[-2]:
+        noise = noise + noise.swapaxes(-1, -2)
+    return matrix + 1e-13 * np.abs(matrix).max(initial=0.0) * noise
+
+
+def _with_other_signs(name: str, parts: tuple, variant: int) -> Iterator[np.ndarray]:
+    """Yield the parts of a decomposition, with the opposite sign of every second vector."""
+    for part in parts:
+        if np.ndim(part) < 2:
+            yield part
+        elif name == "svd" and part is parts[-1]:
+            yield part * _signs(part.shape[-2], variant)[:, None]
+        else:
+            yield part * _signs(part.shape[-1], variant)
+
+
+def _signs(count: int, variant: int) -> np.ndarray:
+    return np.where((np.arange(count) + variant) % 2, 1.0, -1.0)
 
 
 # ---- source --------------------------------------------------------------------------------------
@@ -235,11 +319,28 @@ def _all_names(node: ast.AST) -> set:
     return {name.id for name in ast.walk(node) if isinstance(name, ast.Name)}
 
 
+def _bound_names(tree: ast.AST) -> Iterator[str]:
+    """Yield each argument, and each name that gets a value."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.arg):
+            yield node.arg
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            yield node.id
+
+
 def _deletions(statement: slicing.Statement) -> Iterator[list]:
     """Yield an edit for each simple statement that can be deleted from its block."""
+    bound = collections.Counter(_bound_names(statement.node))
+    functions = [node for node in ast.walk(statement.node) if isinstance(node, _FUNCTIONS)]
+    results = [node.body[-1] for node in functions if isinstance(node.body[-1], ast.Return)]
     for body in _blocks(statement.node):
         for node in body:
-            if len(body) > 1 and isinstance(node, _SIMPLE) and not _is_docstring(node):
+            own = collections.Counter(_bound_names(node))
+            # Without its only value, a name might have one from another cell of the notebook.
+            keeps_names = all(own[name] < bound[name] for name in own)
+            is_simple = isinstance(node, _SIMPLE) and not _is_docstring(node)
+            # Without its result, the function would only return None.
+            if len(body) > 1 and is_simple and keeps_names and node not in results:
                 blank = "\n" * (node.end_lineno - node.lineno)
                 text = f"{' ' * node.col_offset}pass{blank}"
                 yield [statement.cell, node.lineno, node.end_lineno, text]

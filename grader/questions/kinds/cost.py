@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from random import Random
 
@@ -9,7 +10,7 @@ from grader.questions.answer import Behaviour
 from grader.questions.kinds.trace import _keeps_lines
 from grader.questions.kinds.wording import format_times
 from grader.questions.question import CountClaim, Question
-from utils.questions.cases import shown_code
+from utils.questions.cases import shown_code, shown_together
 from utils.questions.choices import arrange, distractors
 
 MAX_COUNT = 40
@@ -39,10 +40,15 @@ def _counts(
     first: int | None = None,
 ) -> Iterator[Question]:
     run = behaviour.own[number]
-    for line in sorted({statement.first for statement in behaviour.statements} & run.counts.keys()):
+    # A part of the other lines may run more often than the line itself.
+    lines = {
+        statement.first for statement in behaviour.statements if not behaviour.loops(statement)
+    }
+    for line in sorted(lines & run.counts.keys()):
         right = run.counts[line]
         before = behaviour.own[first].counts.get(line, 0) if smaller else 0
-        if not 1 < right <= MAX_COUNT or (smaller and before < 1):
+        is_call_count = right == _calls(behaviour, run.counts)
+        if not 1 < right <= MAX_COUNT or is_call_count or (smaller and before < 1):
             continue
         others = [
             runs[number].counts.get(line, 0)
@@ -55,21 +61,37 @@ def _counts(
         wrong = distractors(format_times(right), map(format_times, likely))
         arranged = arrange(format_times(right), wrong, random)
         if arranged:
-            calls = shown_code(code)
-            if smaller:
-                calls = f"# part 1\n{shown_code(smaller)}\n\n# part 2\n{calls}"
             yield Question(
                 "cost",
-                f"While part 1 runs, line {line} runs {format_times(before)}. How many times does "
-                "it run while part 2 runs?"
+                f"Part 1 runs line {line} of your code {format_times(before)}. How many times does "
+                f"part 2 run line {line}?"
                 if smaller
-                else f"How many times does line {line} run while the code below runs?",
-                calls,
+                else f"How many times does the code below run line {line} of your code?",
+                shown_together({"part 1": smaller, "part 2": _with_difference(code, smaller)})
+                if smaller
+                else shown_code(code),
                 *arranged,
-                f"The grader ran the code and counted how often line {line} ran.",
+                "",
                 True,
                 (
                     CountClaim(code, line, right),
                     *([CountClaim(smaller, line, before)] if smaller else []),
                 ),
             )
+
+
+def _calls(behaviour: Behaviour, counts: dict[int, int]) -> int:
+    """Return how often the exercise is called: as often as its first statement runs."""
+    definition = re.compile(rf"\s*def {behaviour.answer.exercise}\(")
+    begin = next((line.number for line in behaviour.lines if definition.match(line.text)), 0)
+    first = min((one.first for one in behaviour.statements if one.first > begin), default=0)
+    return counts.get(first, 0)
+
+
+def _with_difference(code: str, smaller: str) -> str:
+    """Return a larger case with a comment if only one of its lines differs from the smaller one."""
+    lines, others = code.split("\n"), smaller.split("\n")
+    different = [number for number, line in enumerate(lines) if line not in others]
+    if len(lines) > len(different) == 1:
+        lines[different[0]] += "  # differs from part 1"
+    return "\n".join(lines)

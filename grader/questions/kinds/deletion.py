@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from random import Random
 
-from grader.questions.answer import Behaviour
+from grader.questions.answer import Behaviour, Edit
 from grader.questions.kinds.wording import lines_with_verb
 from grader.questions.question import OutcomeClaim, Question
 from utils.questions.cases import shown_code, value_of
 from utils.questions.choices import arrange, distractors, with_first
-from utils.questions.texts import TRIVIAL_ERRORS, is_value, same_answer
+from utils.questions.texts import ERROR, TRIVIAL_ERRORS, is_value, same_answer
 
-# Outcomes that are easy to guess, because the deleted statement is the last `return` or defines a
-# name.
+# Outcomes that are easy to guess, because the deleted statement is a `return` or defines a name.
 TRIVIAL = ("None", *TRIVIAL_ERRORS)
 
 
@@ -29,10 +28,10 @@ def deletion_questions(behaviour: Behaviour, random: Random) -> Iterator[Questio
             if number < len(runs)
         }
         for edit, right in outcomes.items():
-            if not right or same_answer(right, own) or right in TRIVIAL:
+            if not right or same_answer(right, own) or _is_trivial(edit, right):
                 continue
-            others = [text for text in outcomes.values() if text not in TRIVIAL]
-            nearby = distractors(right, [*others, *behaviour.edited_outcomes(number)])
+            others = [text for other, text in outcomes.items() if not _is_trivial(other, text)]
+            nearby = distractors(right, [*others, *behaviour.edited_outcomes(number)], case.code)
             arranged = arrange(right, with_first(own, nearby), random)
             if arranged:
                 yield Question(
@@ -40,10 +39,16 @@ def deletion_questions(behaviour: Behaviour, random: Random) -> Iterator[Questio
                     f"{lines_with_verb(edit)} deleted. What is {value_of(case.code)} now?",
                     shown_code(case.code),
                     *arranged,
-                    f"Before the change, the value is `{own}`.",
+                    f"Without the deletion, the value is `{own}`.",
                     True,
                     (
                         OutcomeClaim(case.executed, edit, right),
                         OutcomeClaim(case.executed, None, own),
                     ),
                 )
+
+
+def _is_trivial(edit: Edit, outcome: str) -> bool:
+    """Return whether an outcome is easy to guess: a caller may get None, or a name is undefined."""
+    deletes_result = edit.before.lstrip().startswith("return")
+    return outcome in TRIVIAL or (deletes_result and outcome.startswith(ERROR))

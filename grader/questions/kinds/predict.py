@@ -16,7 +16,8 @@ def prediction_questions(behaviour: Behaviour, random: Random) -> Iterator[Quest
     """Ask for the value of each case, or ask the case's own question if it has one."""
     for number, case in enumerate(behaviour.cases):
         right = behaviour.own[number].outcome
-        wrong = distractors(right, filter(is_value, behaviour.edited_outcomes(number)))
+        nearby = filter(is_value, behaviour.edited_outcomes(number))
+        wrong = distractors(right, nearby, case.code)
         arranged = arrange(right, wrong, random)
         if is_value(right) and arranged:
             yield Question(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from random import Random
 
@@ -10,8 +11,12 @@ from grader.questions.kinds.wording import format_times
 from grader.questions.question import Question, ValueClaim
 from utils.questions.cases import shown_code
 from utils.questions.choices import arrange, distractors
+from utils.questions.shown_values import shown_values
+from utils.questions.texts import is_alike
 
 MAX_TURNS = 6  # runs of a line that a student can trace on paper in reasonable time
+# Lines that only slice an array at fixed places, or take its length.
+READS = re.compile(r"= (?:len\(\w+\)|\w+\[[\d:, -]*\])$")
 ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth")
 
 
@@ -24,14 +29,19 @@ def trace_questions(behaviour: Behaviour, random: Random) -> Iterator[Question]:
         for line, name in pairs:
             values = run.values(line, name)
             turns = run.counts.get(line, 0)
-            if line not in statements or not len(values) == turns <= MAX_TURNS or case.run:
+            if line not in statements or not len(values) == turns <= MAX_TURNS:
+                continue
+            if case.run or name == "_":
                 continue
             turn = random.randrange(turns)
             right = values[turn]
-            if not right or right in behaviour.text_of(line) or name == "_":
+            is_readable = right in behaviour.text_of(line) or right in shown_values(case.code)
+            is_computed = not (READS.search(behaviour.text_of(line)) or is_readable)
+            if not right or not is_computed or behaviour.decomposes(statements[line]):
                 continue
             nearby = _values_in_edited_versions(behaviour, number, line, name, turn)
-            wrong = distractors(right, [*nearby, *values])
+            likely = (text for text in [*nearby, *values] if is_alike(text, right))
+            wrong = distractors(right, likely, case.code)
             arranged = arrange(right, wrong, random)
             if arranged:
                 yield Question(
@@ -48,10 +58,10 @@ def trace_questions(behaviour: Behaviour, random: Random) -> Iterator[Question]:
 
 def _sentence(line: int, name: str, turn: int, turns: int) -> str:
     if turns == 1:
-        return f"What is the value of `{name}` after line {line} has run?"
+        return f"What is the value of `{name}` after line {line} of your code has run?"
     return (
-        f"While the code below runs, line {line} runs {format_times(turns)}. What is the value of "
-        f"`{name}` after line {line} has run for the {ORDINALS[turn]} time?"
+        f"The code below runs line {line} of your code {format_times(turns)}. What is the value of "
+        f"`{name}` after the {ORDINALS[turn]} time?"
     )
 
 

@@ -9,9 +9,9 @@ from random import Random
 from grader.questions.answer import Behaviour, Edit, Run
 from grader.questions.kinds.wording import quote_code
 from grader.questions.question import OutcomeClaim, Question
-from utils.questions.cases import shown_code, value_of
+from utils.questions.cases import shown_code, shown_together, value_of
 from utils.questions.choices import arrange, distractors, in_rounds, with_first
-from utils.questions.texts import is_value, same_answer
+from utils.questions.texts import adds_nan, is_easy, is_value, reversed_vector, same_answer
 
 MAX_EDITS = 6  # changes to ask about in each of the two ways
 LETTERS = "ABC"
@@ -31,14 +31,14 @@ def _values(behaviour: Behaviour, edits: list[Edit], random: Random) -> Iterator
         if case.run or number >= len(runs) or not is_value(own):
             continue
         right = runs[number].outcome
-        if not is_value(right) or same_answer(right, own):
+        if not is_value(right) or same_answer(right, own) or adds_nan(right, own):
             continue
         nearby = filter(is_value, behaviour.edited_outcomes(number))
-        arranged = arrange(right, with_first(own, distractors(right, nearby)), random)
+        arranged = arrange(right, with_first(own, distractors(right, nearby, case.code)), random)
         if arranged:
             yield Question(
                 "what if",
-                f"Line {edit.first} becomes {quote_code(edit.after)}. What is "
+                f"Line {edit.first} becomes {quote_code(edit.shown)}. What is "
                 f"{value_of(case.code)} now?",
                 shown_code(case.code),
                 *arranged,
@@ -63,16 +63,17 @@ def _affected_calls(behaviour: Behaviour, edits: list[Edit], random: Random) -> 
         asked = sorted(random.sample(numbers, len(LETTERS)))
         right = _affected(behaviour.own, behaviour.edited[edit], asked)
         others = (_affected(behaviour.own, runs, asked) for runs in behaviour.edited.values())
-        wrong = distractors(right, [text for text in others if text != "none of them"])
-        arranged = arrange(right, wrong, random)
-        if right and right != "none of them" and arranged:
+        arranged = arrange(right, distractors(right, others), random)
+        if right and arranged:
             yield Question(
                 "what if",
-                f"Line {edit.first} becomes {quote_code(edit.after)}. For which of these calls "
-                "does the value of the last line change?",
-                "\n\n".join(
-                    f"# call {letter}\n{shown_code(behaviour.cases[number].code)}"
-                    for letter, number in zip(LETTERS, asked, strict=True)
+                f"Line {edit.first} becomes {quote_code(edit.shown)}. For which of these calls "
+                "does the result change?",
+                shown_together(
+                    {
+                        f"call {letter}": behaviour.cases[number].code
+                        for letter, number in zip(LETTERS, asked, strict=True)
+                    }
                 ),
                 *arranged,
                 _results_sentence(behaviour, edit, asked),
@@ -86,23 +87,31 @@ def _affected_calls(behaviour: Behaviour, edits: list[Edit], random: Random) -> 
 
 
 def _affected(own: Sequence[Run], runs: Sequence[Run], numbers: list[int]) -> str:
-    """Return the letters of the calls whose value an edit changes; empty if one has no value."""
-    if any(number >= len(runs) or not is_value(runs[number].outcome) for number in numbers):
+    """Return the letters of the calls whose value an edit changes; empty without a fair question.
+
+    It is too easy if all values change or none does, and too hard if a value is an error, does not
+    suit paper or is the reversed vector.
+    """
+    if any(
+        number >= len(runs) or not _is_clear(own[number].outcome, runs[number].outcome)
+        for number in numbers
+    ):
         return ""
     letters = [
         letter
         for letter, number in zip(LETTERS, numbers, strict=True)
         if not same_answer(runs[number].outcome, own[number].outcome)
     ]
-    if len(letters) == len(LETTERS):
-        return "all three"
-    return (
-        " and ".join(letters)
-        if len(letters) > 1
-        else f"only {letters[0]}"
-        if letters
-        else "none of them"
-    )
+    if len(letters) in (0, len(LETTERS)):
+        return ""
+    return " and ".join(letters) if len(letters) > 1 else f"only {letters[0]}"
+
+
+def _is_clear(before: str, after: str) -> bool:
+    if not is_value(after) or adds_nan(after, before):
+        return False
+    is_reversed = not same_answer(after, before) and same_answer(after, reversed_vector(before))
+    return is_easy(before) and is_easy(after) and not is_reversed
 
 
 def _claims(behaviour: Behaviour, edit: Edit, number: int) -> tuple[OutcomeClaim, OutcomeClaim]:

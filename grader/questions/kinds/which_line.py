@@ -8,9 +8,20 @@ from random import Random
 from grader.questions.answer import Behaviour, Edit
 from grader.questions.kinds.wording import quote_code
 from grader.questions.question import CountClaim, OutcomeClaim, Question
-from utils.questions.cases import shown_code, value_of
+from utils.questions.cases import Case, shown_code, value_of
 from utils.questions.choices import MAX_CHOICES, MIN_CHOICES, arrange
-from utils.questions.texts import TRIVIAL_ERRORS, is_value, same_answer, similarity
+from utils.questions.shown_values import is_selection
+from utils.questions.texts import (
+    ENDLESS,
+    ERROR,
+    TRIVIAL_ERRORS,
+    adds_nan,
+    is_easy,
+    is_value,
+    reversed_vector,
+    same_answer,
+    similarity,
+)
 
 MAX_SYMPTOMS = 4  # wrong results of a case to ask about
 
@@ -33,11 +44,12 @@ def _with_symptom(behaviour: Behaviour, number: int, random: Random) -> Iterator
         if number < len(runs)
         and runs[number].outcome not in ("", *TRIVIAL_ERRORS)
         and edit.can_be_shown
+        and is_easy(runs[number].outcome)
     }
     symptoms = [
         text
         for text in dict.fromkeys(edits.values())
-        if is_value(text) and not same_answer(text, own)
+        if is_value(text) and not same_answer(text, own) and not _reveals_cause(text, own, case)
     ]
     # The sort is stable, so equally similar results stay in the order of the likeliest edits.
     symptoms.sort(key=lambda text: -similarity(own, text))
@@ -51,12 +63,12 @@ def _with_symptom(behaviour: Behaviour, number: int, random: Random) -> Iterator
             outcomes = {edit: edits[edit] for edit in (right, *wrong)}
             yield Question(
                 "which line",
-                f"One line of the code was changed. Now {value_of(case.code)} is `{symptom}` "
+                f"One line of your code was changed. Now {value_of(case.code)} is `{symptom}` "
                 f"instead of `{own}`. Which change was made?",
                 shown_code(case.code),
                 *arranged,
                 " ".join(
-                    f"If {_choice(edit)}, the result is {quote_code(text)}."
+                    f"If {_choice(edit)}, {_effect(text)}."
                     for edit, text in outcomes.items()
                     if edit != right
                 ),
@@ -95,7 +107,22 @@ def _spread(right: Edit, others: list[Edit], outcomes: dict[Edit, str], own: str
 
 
 def _choice(edit: Edit) -> str:
-    return f"line {edit.first} becomes {quote_code(edit.after)}"
+    return f"line {edit.first} becomes {quote_code(edit.shown)}"
+
+
+def _reveals_cause(symptom: str, own: str, case: Case) -> bool:
+    """Return whether only an operation on all numbers, such as a sign or a root, has a result."""
+    is_changed = is_selection(own, case.code) and not is_selection(symptom, case.code)
+    is_reversed = same_answer(symptom, reversed_vector(own)) or symptom == f"-{own}"
+    return adds_nan(symptom, own) or is_changed or is_reversed
+
+
+def _effect(outcome: str) -> str:
+    if outcome == ENDLESS:
+        return "the code never ends"
+    if outcome.startswith(ERROR):
+        return f"the code raises {quote_code(outcome.removeprefix(ERROR))}"
+    return f"the result is {quote_code(outcome)}"
 
 
 def _without_run(behaviour: Behaviour, number: int, random: Random) -> Iterator[Question]:
@@ -110,7 +137,7 @@ def _without_run(behaviour: Behaviour, number: int, random: Random) -> Iterator[
     arranged = arrange(f"line {right}", [f"line {line}" for line in wrong], random)
     yield Question(
         "which line",
-        "Which of these lines does not run while the code below runs?",
+        "Which of these lines of your code does not run when the code below runs?",
         shown_code(case.code),
         *arranged,
         "The other lines run at least once.",
