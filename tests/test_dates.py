@@ -288,7 +288,7 @@ def test_a_manual_extension_counts_until_the_file_names_the_student(course):
     assert "ada" not in grade_with(course, HEAD)
     (sentence,) = note_texts(course)
     assert sentence.startswith(f"ada, {STAGE}: the gradebook grants more time than deadlines.toml")
-    line = sentence.partition("students]: ")[2].partition(". To change")[0]
+    line = sentence.partition("students] in the file: ")[2].partition(". To change")[0]
     assert line == '"ada" = 2026-03-04T11:00:00Z'
     assert "ada" not in grade_with(course, f"{HEAD}[{STAGE}.students]\n{line}\n")
     assert note_texts(course) == []
