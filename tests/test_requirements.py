@@ -35,7 +35,7 @@ FILES = (
     *sorted({*NEEDED_BY.values()} - {"requirements.txt"}),
 )
 INSIDE = {path.stem for path in (PROJECT / "grader" / "sandbox" / "inside").glob("*.py")}
-OWN_PACKAGES = {"extension", "grader", "utils", "tests"} | INSIDE
+OWN_PACKAGES = {"extension", "grader", "solutions", "utils", "tests"} | INSIDE
 # Optional packages that are used if installed: libraries in benchmarks and proofs, lesson 13's
 # numba, and the viewer Rerun.
 PEERS = {"dbscan", "mcap", "mcap_ros2", "numba", "open3d", "pypcd4", "rerun"}

@@ -27,7 +27,6 @@ from grader.site import (
     front_page,
     glossary,
     guides,
-    playground,
     runs,
     sections,
     sharing,
@@ -39,6 +38,7 @@ from grader.site.films import film_of
 from grader.site.html_outputs import html_of, key_of, page_outputs
 from grader.site.lesson import links_of, page_of
 from grader.site.pictures import Pictures
+from solutions.front_page import panel as playground
 from tests import class_pictures
 from tests.notebook_runs import errors_of, run
 from utils.scene3d import Scene, output
@@ -339,7 +339,7 @@ def test_the_front_page_has_every_lesson():
         f"{lesson.stage}/{lesson.name}" for lesson in every_lesson()
     ]
     _, film = page.split("</figure>", 1)
-    assert film.lstrip().startswith('<script defer src="_static/playground.js"></script>')
+    assert re.match(r'\s*<script defer src="_static/shown/\w+\.js"></script>', film)
     assert re.search(r'<noscript class="film"><figure class="film">.*\.webp.*</noscript>', film)
     _, optional = page.split("### Optional")
     assert "13 · Compiled loops" in optional and "<code>snuggest_turn</code>" in optional
@@ -357,17 +357,18 @@ def decoded(script):
 
 def test_the_playground_has_every_point_of_the_scan():
     pictures = Pictures()
-    panel = playground.panel(pictures)
-    ((name, script),) = pictures.files.items()
+    panel = playground.panel(pictures.keep)
+    name = re.search('data-scan="(.+?)"', panel)[1]
+    script = pictures.files[name]
     lines = (PROJECT / "data" / "cloud.txt").read_text().splitlines()
     scan = np.array([[float(number) for number in line.split()[:3]] for line in lines])
     points = decoded(script)
     assert points.shape == scan.shape
     assert np.abs(points - scan).max() <= 0.0011, "the caption promises at most 1 mm"
     assert f"All {len(lines):,} points" in panel and "at most 1 mm" in panel
-    assert f'data-scan="{name}"' in panel and "<canvas" in panel
+    assert "<canvas" in panel
     again = Pictures()
-    assert playground.panel(again) == panel and again.files == pictures.files
+    assert playground.panel(again.keep) == panel and again.files == pictures.files
 
 
 def test_the_playground_refuses_a_scan_that_does_not_fit():
@@ -378,7 +379,7 @@ def test_the_playground_refuses_a_scan_that_does_not_fit():
 
 
 def test_every_slider_of_the_playground_has_a_label_and_a_valid_value():
-    panel = playground.panel(Pictures())
+    panel = playground.panel(Pictures().keep)
     sliders = re.findall(r"<label>[^<]+<b></b>[^<]*<input type=\"range\" ([^>]+)></label>", panel)
     assert len(sliders) == panel.count('type="range"') == 4
     for slider in sliders:
@@ -389,8 +390,9 @@ def test_every_slider_of_the_playground_has_a_label_and_a_valid_value():
 
 
 def test_a_line_of_a_solution_is_found_in_the_playground_in_the_notation_of_javascript(tmp_path):
-    script = tmp_path / "playground.js"
-    script.write_bytes((builder.STATIC / "playground.js").read_bytes())
+    script = tmp_path / "shown" / "playground.js"
+    script.parent.mkdir()
+    script.write_bytes((playground.HERE / "playground.js").read_bytes())
     assert site_checks.find_faults(tmp_path) == []
     line = "while parent[cell] != cell:"
     assert line in set(secrets())
@@ -574,7 +576,9 @@ def test_every_page_says_what_search_engines_and_messengers_show(site):
     assert all(f'property="og:image" content="{place}"' in text for text in texts.values())
     with Image.open(site / "_static" / "sharing.png") as shown:
         assert shown.width == pytest.approx(1.91 * shown.height, rel=0.01)
-    assert sharing.address_on_github(Origin("https://code.example.org/anna/lidar", "v1")) == ""
+    assert (
+        sharing.picture_address(Origin("https://code.example.org/anna/lidar", "v1"), "a.png") == ""
+    )
 
 
 @pytest.mark.slow

@@ -24,9 +24,10 @@ from grader.site.live.files import FOLDER as LIVE_FOLDER
 from grader.site.live.files import LiveFiles
 from grader.site.pictures import Pictures
 from grader.site.settings import conf_source
-from grader.site.sharing import PICTURE, address_on_github
+from grader.site.sharing import picture, picture_address
 
 STATIC = Path(__file__).parent / "static"
+SHARED_PICTURE = "_static/sharing.png"
 THEME = Path(__file__).parent / "templates" / "theme"
 SITE_MARKER = "searchindex.js"  # a folder that contains this file is recognised as a site
 # 1 January 1980, in seconds since 1970. With a fixed date, the site does not depend on the clock.
@@ -113,9 +114,12 @@ def source_files(
     solved_runs: Mapping[Lesson, bytes], origin: Origin, live: LiveFiles | None
 ) -> dict[str, bytes]:
     """Return all files that Sphinx reads, by path; see `write_site` for the parameters."""
-    pictures = Pictures()
+    pictures, shared = Pictures(), picture()
     files = {
-        "conf.py": conf_source(live.settings() if live else None, address_on_github(origin)),
+        "conf.py": conf_source(
+            live.settings() if live else None,
+            picture_address(origin, SHARED_PICTURE) if shared else "",
+        ),
         "index.md": front_page.page(origin, pictures),
     }
     files |= {f"{name}.md": guides.page(name, origin, pictures) for name in guides.PAGES}
@@ -132,7 +136,8 @@ def source_files(
     sources |= {f"_templates/{path.name}": path.read_bytes() for path in sorted(THEME.iterdir())}
     if live:
         sources |= {f"extra/{LIVE_FOLDER}/{name}": file for name, file in live.files.items()}
-    sources["_static/sharing.png"] = PICTURE.read_bytes()
+    if shared:
+        sources[SHARED_PICTURE] = shared
     missing = TEMPLATES.get_template("404.html").render(course=course_title(), marker=SITE_MARKER)
     sources["extra/404.html"] = missing.encode()  # most servers show it at missing addresses
     # Without this file, GitHub Pages does not serve files whose names begin with `_`.

@@ -1,8 +1,9 @@
-"""Build the front page: the playground, the goal of the course, and a card for each lesson."""
+"""Build the front page: the goal and the panel of the course, and a card for each lesson."""
 
 from __future__ import annotations
 
 import base64
+import importlib
 import io
 import json
 import re
@@ -16,12 +17,13 @@ from grader.course.build import Origin
 from grader.course.lessons import OPTIONAL_FOLDER, Lesson, every_lesson, optional_lessons, stages
 from grader.course.paths import PROJECT
 from grader.course.settings import stage_title
-from grader.site import playground
 from grader.site.html_outputs import TEMPLATES
 from grader.site.lesson import title_of
 from grader.site.pictures import Pictures
 
 README = PROJECT / "README.md"
+# A course may have a panel at the top of its front page, with scripts of its own.
+PANEL = PROJECT / "solutions" / "front_page" / "panel.py"
 FILM = re.compile(r"^!\[(.+?)\]\((\S+\.gif)\)$", re.M)
 PREVIEW = re.compile(r"!\[(.*?)\]\(attachment:(\S+?)\)")
 CARD_PIXELS = 480  # longer side of a card's picture in pixels
@@ -51,7 +53,7 @@ def page(origin: Origin, pictures: Pictures) -> str:
         still=pictures.keep(_extract_still(film), ".png"),
         size=Image.open(io.BytesIO(film)).size,
         alt=alt,
-        playground=playground.panel(pictures),
+        panel=_panel(pictures),
         stages={
             name: [card(lesson, pictures) for lesson in _lessons_of(stage)]
             for stage, name in stage_titles()
@@ -59,6 +61,13 @@ def page(origin: Origin, pictures: Pictures) -> str:
         lessons={name: _lessons_of(stage) for stage, name in stage_titles()},
         origin=origin,
     )
+
+
+def _panel(pictures: Pictures) -> str:
+    """Return the HTML of the course's own panel, or "" if the course has none."""
+    if not PANEL.exists():
+        return ""
+    return importlib.import_module("solutions.front_page.panel").panel(pictures.keep)
 
 
 def stage_titles() -> list[tuple[str, str]]:

@@ -5,20 +5,23 @@ from grader.course.settings import course_title, version
 from grader.site.sharing import descriptions
 
 
-def conf_source(live: dict[str, object] | None = None, website: str = "") -> str:
+def conf_source(live: dict[str, object] | None = None, shared_picture: str = "") -> str:
     """Return the source of Sphinx's ``conf.py``; see `settings` for the parameters."""
-    return "".join(f"{name} = {value!r}\n" for name, value in settings(live, website).items())
+    return "".join(
+        f"{name} = {value!r}\n" for name, value in settings(live, shared_picture).items()
+    )
 
 
-def settings(live: dict[str, object] | None = None, website: str = "") -> dict[str, object]:
+def settings(live: dict[str, object] | None = None, shared_picture: str = "") -> dict[str, object]:
     """Return Sphinx's settings by name.
 
     Parameters
     ----------
     live : dict, optional
         From `grader.site.live.files.LiveFiles.settings`, if lessons run in the browser.
-    website : str, optional
-        Public address of the site, from `grader.site.sharing.address_on_github`.
+    shared_picture : str, optional
+        Public address of the picture that messengers show, from
+        `grader.site.sharing.picture_address`.
     """
     theme = {
         "use_download_button": False,  # the button would need the sources in the site
@@ -51,7 +54,7 @@ def settings(live: dict[str, object] | None = None, website: str = "") -> dict[s
         "html_show_search_summary": False,
         "html_context": {
             "descriptions": descriptions(),
-            "website": website,
+            "shared_picture": shared_picture,
             "live": live,
             "lessons": lesson_pages(),
         },

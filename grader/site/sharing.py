@@ -6,13 +6,13 @@ import re
 import textwrap
 
 from grader.course.build import Origin
-from grader.course.lessons import every_lesson
+from grader.course.films import POSTER
+from grader.course.lessons import all_lessons, every_lesson
 from grader.course.paths import PROJECT
 from grader.course.settings import course_title
 from grader.site.guides import PAGES
 
 README = PROJECT / "README.md"
-PICTURE = PROJECT / "solutions" / "stage4_realtime" / "12_streaming_obstacles" / "film.png"
 GITHUB = "https://github.com/"
 MAX_LENGTH = 250  # letters of a description; search engines show fewer
 LINK = re.compile(r"\[([^\]]*)\]\([^)]*\)")
@@ -36,12 +36,18 @@ def descriptions() -> dict[str, str]:
     return found
 
 
-def address_on_github(origin: Origin) -> str:
-    """Return the address at which GitHub publishes the site; empty on other hosts.
+def picture() -> bytes:
+    """Return the picture of the last film in the course, as PNG; empty if there is no film."""
+    posters = [lesson.folder / POSTER for lesson in all_lessons()]
+    return next((path.read_bytes() for path in reversed(posters) if path.exists()), b"")
+
+
+def picture_address(origin: Origin, path: str) -> str:
+    """Return the address of a file of the site; empty if GitHub does not publish the site.
 
     Messengers only show a picture if the page contains its whole address.
     """
     if not origin.repository.startswith(GITHUB):
         return ""
     owner, name = origin.owner_and_name.split("/")
-    return f"https://{owner.lower()}.github.io/{name}/"
+    return f"https://{owner.lower()}.github.io/{name}/{path}"

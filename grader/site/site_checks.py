@@ -13,11 +13,13 @@ from grader.course.build import lines_of, secret_lines
 from grader.course.lessons import every_lesson
 from grader.course.paths import PROJECT
 from grader.site.guides import PAGES
+from grader.site.pictures import FOLDER
 
 CHECKED_SUFFIXES = {".html", ".js", ".css", ".json", ".txt", ".ipynb", ".xml"}
 FETCHED_ATTRIBUTES = {"src", "srcset", "poster", "data", "data-scan"}
-# This script computes what students write, in another language, so it is compared more strictly.
-TRANSLATED = "playground.js"
+# The scripts of the course's own panel may compute what students write, in another language. They
+# are in this folder, and are compared more strictly.
+PANEL_FOLDER = Path(FOLDER).name
 NOTATION = re.compile(r"[\s();:]|\b(?:np|math|Math)\.|=(?==)")
 OTHER_HOST = re.compile(r"\s*(?:[a-z][a-z0-9+.-]*:)?//", re.I)
 STYLE_REFERENCE = re.compile(r"(?:url\(|@import)\s*[\"']?\s*((?:https?:)?//[^\"')\s]*)", re.I)
@@ -92,7 +94,8 @@ def _revealed_lines(folder: Path, pages: dict[Path, ParsedPage]) -> Iterator[str
             continue
         raw = path.read_text("utf-8")
         text = "".join(pages[path].text) if path in pages else raw.replace('\\"', '"')
-        code = _without_notation(raw) if path.name == TRANSLATED else ""
+        is_of_panel = path.suffix == ".js" and path.parent.name == PANEL_FOLDER
+        code = _without_notation(raw) if is_of_panel else ""
         for line, lesson in secret.items():
             if line in text or line in raw or _without_notation(line) in code:
                 name = path.relative_to(folder)

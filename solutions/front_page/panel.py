@@ -1,29 +1,37 @@
-"""Build the playground on the front page: the course's scan, which readers turn and divide.
+"""Build the panel at the top of the website's front page: a scan that readers turn and divide.
 
-The scan is a script, because a page from a disk cannot fetch a file. ``static/playground.js``
-decodes the scan, and computes and draws everything.
+The scan is a script, because a page from a disk cannot fetch a file. ``playground.js`` decodes the
+scan, and computes and draws everything.
 """
 
 from __future__ import annotations
 
 import base64
 import json
+from collections.abc import Callable
+from pathlib import Path
 
+import jinja2
 import numpy as np
 
-from grader.course.paths import PROJECT
-from grader.site.html_outputs import TEMPLATES
-from grader.site.pictures import Pictures
-
-CLOUD = PROJECT / "data" / "cloud.txt"
+HERE = Path(__file__).parent
+CLOUD = HERE.parents[1] / "data" / "cloud.txt"
 STEP = 0.0025  # metres; with it, 16 bits reach 82 m in each direction
 
 
-def panel(pictures: Pictures) -> str:
-    """Render the playground as HTML, and add its scan to the collection of files."""
+def panel(keep: Callable[[bytes, str], str]) -> str:
+    """Render the panel as HTML.
+
+    Parameters
+    ----------
+    keep : callable
+        Stores the content of a file with a suffix, and returns its path in the site.
+    """
     cloud = np.loadtxt(CLOUD, usecols=(0, 1, 2))
-    return TEMPLATES.get_template("playground.html").render(
-        scan=pictures.keep(scan_script(cloud), ".js"),
+    template = jinja2.Template((HERE / "playground.html").read_text("utf-8"), autoescape=True)
+    return template.render(
+        scan=keep(scan_script(cloud), ".js"),
+        script=keep((HERE / "playground.js").read_bytes(), ".js"),
         count=f"{len(cloud):,}",
         error=f"{1000 * np.abs(cloud - STEP * np.round(cloud / STEP)).max():.0f}",
     )
