@@ -19,6 +19,7 @@ NEEDED_BY = {
     "utils/scene3d/opengl.py": "requirements-3d.txt",
     "utils/scene3d/with_pyvista.py": "requirements-3d.txt",
     "solutions/": "requirements.txt",
+    "docs/": "requirements-site.txt",
     "grader/": "requirements.txt",
     "grader/classroom/cluster.py": "requirements-cluster.txt",
     "grader/classroom/worker_plugin.py": "requirements-cluster.txt",
@@ -35,7 +36,7 @@ FILES = (
     *sorted({*NEEDED_BY.values()} - {"requirements.txt"}),
 )
 INSIDE = {path.stem for path in (PROJECT / "grader" / "sandbox" / "inside").glob("*.py")}
-OWN_PACKAGES = {"extension", "grader", "solutions", "utils", "tests"} | INSIDE
+OWN_PACKAGES = {"docs", "extension", "grader", "utils", "tests"} | INSIDE
 # Optional packages that are used if installed: libraries in benchmarks and proofs, lesson 13's
 # numba, and the viewer Rerun.
 PEERS = {"dbscan", "mcap", "mcap_ros2", "numba", "open3d", "pypcd4", "rerun"}

@@ -17,6 +17,7 @@ import pytest
 from nbformat.v4 import new_code_cell, new_output
 from PIL import Image
 
+from docs.front_page import panel as playground
 from grader import cli
 from grader.course.build import Origin, read_origin
 from grader.course.lessons import all_lessons, every_lesson, find_lesson, optional_lessons
@@ -38,7 +39,6 @@ from grader.site.films import film_of
 from grader.site.html_outputs import html_of, key_of, page_outputs
 from grader.site.lesson import links_of, page_of
 from grader.site.pictures import Pictures
-from solutions.front_page import panel as playground
 from tests import class_pictures
 from tests.notebook_runs import errors_of, run
 from utils.scene3d import Scene, output

@@ -23,7 +23,7 @@ from grader.site.pictures import Pictures
 
 README = PROJECT / "README.md"
 # A course may have a panel at the top of its front page, with scripts of its own.
-PANEL = PROJECT / "solutions" / "front_page" / "panel.py"
+PANEL = PROJECT / "docs" / "front_page" / "panel.py"
 FILM = re.compile(r"^!\[(.+?)\]\((\S+\.gif)\)$", re.M)
 PREVIEW = re.compile(r"!\[(.*?)\]\(attachment:(\S+?)\)")
 CARD_PIXELS = 480  # longer side of a card's picture in pixels
@@ -67,7 +67,7 @@ def _panel(pictures: Pictures) -> str:
     """Return the HTML of the course's own panel, or "" if the course has none."""
     if not PANEL.exists():
         return ""
-    return importlib.import_module("solutions.front_page.panel").panel(pictures.keep)
+    return importlib.import_module("docs.front_page.panel").panel(pictures.keep)
 
 
 def stage_titles() -> list[tuple[str, str]]:
