@@ -417,7 +417,7 @@ def course(tmp_path, monkeypatch):
 @pytest.mark.slow
 def test_one_command_writes_the_sheets_of_a_class(course, sandbox, monkeypatch, capsys):
     monkeypatch.setattr(commands, "choose_sandbox", lambda *_: sandbox)
-    make_class(course.root, 13)
+    make_class(course.root, 5)
     (course.submitted / "late" / STAGE).mkdir(parents=True)
     (course.submitted / "late" / STAGE / "06_filter_ground.ipynb").write_text(
         fill_in(lesson_of("filter_ground"), {}), "utf-8"
@@ -429,9 +429,9 @@ def test_one_command_writes_the_sheets_of_a_class(course, sandbox, monkeypatch, 
     assert "06_filter_ground has not been graded. Run: python -m grader grade" in printed.err
     folder = course.root / "viva" / STAGE
     sheets, key = ((folder / name).read_text("utf-8") for name in ("sheets.html", "key.html"))
-    assert sheets.count("<section>") == 13 and sheets.count('class="question"') == 39
-    assert 'class="right"' not in sheets and key.count('class="right"') == 39
-    assert len(list((folder / "quizzes").iterdir())) == 26
+    assert sheets.count("<section>") == 5 and sheets.count('class="question"') == 15
+    assert 'class="right"' not in sheets and key.count('class="right"') == 15
+    assert len(list((folder / "quizzes").iterdir())) == 10
     assert len(set(re.findall(r"<code>(\w+)</code></p>\n<p class=\"name\">", sheets))) > 2
     assert {path: path.read_bytes() for path in course.verdicts.rglob("*.json")} == verdicts
 
