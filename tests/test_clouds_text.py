@@ -106,6 +106,8 @@ def test_an_empty_cloud_needs_a_header(text, shape):
         ),
         ("1 2 3 4278190080\n4 5 6 nan\n7 8 9 4278190335\n", ["line 1", "colours", "header line"]),
         ("z y x\n1 2 3 4\n", ["line 1", "3 columns 'z y x'", "4 numbers"]),
+        ("lon,lat,alt\n13.4,52.5,34\n", ["line 1", "'lon lat alt'", "lat and lon are in degrees"]),
+        ("Latitude Longitude height\n\n1 2 3\n", ["latitude and longitude", "x, y and z"]),
         ("1 2 3 4 5 6\n", ["line 1", "6 columns", "header line"]),
         ("12\t3\t-1,5\n", ["line 1", "decimal commas"]),
         ("1,37 -2,302 -4,59\n", ["line 1", "decimal commas"]),

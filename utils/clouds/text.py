@@ -28,6 +28,7 @@ NAMES = {
     "scalar_field": "intensity",  # CloudCompare
     "scalar_intensity": "intensity",
 }
+DEGREES = {"lat", "latitude", "lon", "lng", "longitude"}
 LARGEST_INTENSITY = 1e6  # scanners give at most 65,535; times and packed colours are larger
 PTS_COLUMNS = {7: [0, 1, 2, 3], 6: [0, 1, 2]}  # x y z, then intensity, then red green blue
 
@@ -165,6 +166,15 @@ def _named_columns(names: list[str], count: int, start: int, name: str) -> list[
     such as ``# my cloud: x y z``, which announces the usual order.
     """
     if not {"x", "y", "z"} <= set(names):
+        degrees = DEGREES & set(names)
+        if len(names) == count and len(degrees) == 2:
+            raise file_error(
+                name,
+                f"line {start}",
+                f"the header names the columns {excerpt(' '.join(names))}, but "
+                f"{' and '.join(sorted(degrees))} are in degrees, not in metres",
+                "Convert the positions to metres, and name the columns x, y and z.",
+            )
         return None
     if len(names) == count:
         intensity = [name for name in INTENSITY_NAMES if name in names][:1]
