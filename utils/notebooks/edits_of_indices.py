@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import itertools
 from collections.abc import Iterator
 
 from utils.notebooks.edits_of_nodes import Names, SourceText
@@ -142,11 +143,10 @@ def _edits_with_parts_of_results(
             continue
         parts = [part.id for part in target.elts if getattr(part, "id", "_") != "_"]
         earlier |= dict.fromkeys(parts, node.lineno)
-        for used, _, _ in walked:
-            if isinstance(used, ast.Name) and _is_read(used) and used.id in parts:
-                for other in parts:
-                    if other != used.id:
-                        yield 1, [(*source.span(used), other)]
+        names = (used for used, _, _ in walked if isinstance(used, ast.Name) and _is_read(used))
+        for used, other in itertools.product(names, parts):
+            if used.id in parts and used.id != other:
+                yield 1, [(*source.span(used), other)]
     for node, parent, field in values:
         is_argument = field == "args" and isinstance(parent.func, ast.Attribute)
         if is_argument and isinstance(node, ast.Name) and node is parent.args[0]:
