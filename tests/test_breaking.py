@@ -8,7 +8,7 @@ import pytest
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial.distance import cdist
 
-from tests.lesson_texts import source_of
+from tests.lesson_texts import run_statements_for, source_of
 from utils import breaking
 from utils.breaking.puzzles import PUZZLES
 
@@ -37,6 +37,11 @@ REVEALING_CLOUDS = {
         "C": [[0, 0, 0], [0.85, 0, 0]],
     },
     "get_bounding_boxes": {"A": [[1, 1, 1, 1]], "B": [[1, 1, 1, 2]], "C": [[1, 1, 1, 0]]},
+    "get_oriented_boxes": {
+        "A": [[0, 0, 0, 1]] * 5 + [[3, 0, 0, 1]],
+        "B": [[0, 0, 0, 1], [1, 0, 0, 1], [3, 0, 0, 1]],
+        "C": [[0, 0, 0, 1], [2, 0, 0, 1]],
+    },
     "euclidean_clustering_accelerated": {
         "A": [[0.05, 0, 0], [0.42, 0, 0], [1.2, 0, 0]],
         "B": [[0, 0, 0], [0.9, 0, 0]],
@@ -55,6 +60,9 @@ def function_of(exercise, name="the hints followed to the letter"):
         cluster_with_scipy.__name__ = exercise
         return cluster_with_scipy
     space = {"np": np, "deque": deque}
+    if exercise == "get_oriented_boxes":
+        space |= run_statements_for("11_pca_boxes", "turned", "floor_area_at", "closeness_at")
+        name += "" if ", " in name else ", the closest rectangle"
     helpers = ("line_through", "point_line_distance") if exercise == "ransac_line" else ()
     for helper in helpers:
         exec(source_of(helper), space)
@@ -66,7 +74,7 @@ def some_cloud(rng, exercise, count):
     """Return random points that are often close together, above each other or on a grid."""
     size = PUZZLES[exercise].example.shape[1]
     cloud = rng.integers(0, 9, (count, size)) * rng.choice([0.2, 0.31, 0.45])
-    if exercise == "get_bounding_boxes":
+    if PUZZLES[exercise].columns.endswith("label"):
         cloud[:, 3] = rng.integers(0, 4, count)
     return cloud + rng.choice([0, 1]) * rng.normal(0, 0.05, cloud.shape) * [1, 1, 1, 0][:size]
 
@@ -93,8 +101,15 @@ def test_the_smallest_cloud_shows_the_mistake_and_smaller_clouds_do_not(exercise
     assert len(cloud) == smallest and answers_differ(exercise, letter, function, cloud)
     rng = np.random.default_rng(1)
     for count in range(1, smallest):
-        for _ in range(40 if exercise == "ransac_line" else 400):
+        for _ in range(40 if exercise in ("ransac_line", "get_oriented_boxes") else 400):
             assert not answers_differ(exercise, letter, function, some_cloud(rng, exercise, count))
+
+
+@pytest.mark.parametrize("way", ["principal axes in the plane", "the smallest rectangle"])
+def test_the_smallest_clouds_do_not_depend_on_how_the_yaw_is_found(way):
+    function = function_of("get_oriented_boxes", f"the hints followed to the letter, {way}")
+    for letter, cloud in REVEALING_CLOUDS["get_oriented_boxes"].items():
+        assert answers_differ("get_oriented_boxes", letter, function, np.array(cloud, dtype=float))
 
 
 @pytest.mark.parametrize(("exercise", "letter"), BROKEN_VERSIONS)

@@ -4,7 +4,9 @@ import copy
 import importlib
 import json
 import re
+import sys
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -26,6 +28,7 @@ from utils.drive.rules import stopping_distance
 from utils.drive.standards import DriveResult, reference_results
 from utils.drive.streets import Street
 from utils.play import load_detector
+from utils.progress import progress
 from utils.simulator.pose import Pose
 from utils.simulator.scanner import CLASSES
 from utils.simulator.sensor import Sensor, layers
@@ -513,7 +516,7 @@ def test_a_car_that_sees_nothing_hits_a_crossing_child():
     assert trip.drive.hit_identity is not None
     assert street.kind_of(trip.drive.hit_identity) == "pedestrian"
     assert "The car hits a person at 30 km/h." in trip.report.collision
-    assert re.search(r"never had a box", trip.report.collision)
+    assert re.search(r"The person was in \d+ .*never had a box", trip.report.collision)
     assert trip.drive.metres < 45
 
 
@@ -697,7 +700,18 @@ def test_films_and_pages_are_written(tmp_path):
 def test_the_command_drives_and_compares(capsys, monkeypatch):
     assert command.main(["--street", "1", "--seconds", "1"]) == 0
     output = capsys.readouterr().out
-    assert "Street 1 · A quiet street: 8 m in 1 s." in output and "yours" in output
+    assert "Street 1 · A quiet street: 8 m in 1 s.\n  Mean speed: 30 km/h." in output
+    assert "yours" in output
+
+
+def test_the_progress_bar_says_how_many_seconds_are_left(capsys, monkeypatch):
+    ticks = iter((0.0, 6.0, 12.0, 18.0))
+    monkeypatch.setattr("utils.progress.time", SimpleNamespace(monotonic=lambda: next(ticks)))
+    monkeypatch.setitem(sys.modules, "ipykernel", None)
+    assert list(progress("abc", "Driving")) == ["a", "b", "c"]
+    _, first, second, last = capsys.readouterr().out.split("\r")
+    assert "1/3, 12 s left" in first and "2/3, 6 s left" in second
+    assert last.rstrip().endswith("3/3") and len(last) == len(first) + 1, "first is overwritten"
 
 
 def test_the_command_explains_errors(tmp_path, capsys):

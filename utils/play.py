@@ -316,8 +316,8 @@ def build_parser() -> argparse.ArgumentParser:
         "--record",
         type=Path,
         metavar="FILE",
-        help="write a film (.mp4 or .gif), a picture (.png), or a file for Rerun (.rrd) or for "
-        "Foxglove and RViz (.mcap) instead of opening a window",
+        help="write a film (.mp4 or .gif), a picture of the first frame (.png), or a file for "
+        "Rerun (.rrd) or for Foxglove and RViz (.mcap) instead of opening a window",
     )
     parser.add_argument(
         "--camera",

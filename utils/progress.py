@@ -1,13 +1,14 @@
 """A progress bar made of text, for work that takes a while."""
 
 import sys
+import time
 from collections.abc import Collection, Iterator
 
 WIDTH = 24  # characters
 
 
 def progress(items: Collection, title: str) -> Iterator:
-    """Yield the items and update a progress bar after each.
+    """Yield the items and update a progress bar, with the seconds that are left, after each.
 
     The bar appears only in a terminal or a notebook. It is written to standard output, because
     some graders count output on standard error as a failure.
@@ -19,11 +20,13 @@ def progress(items: Collection, title: str) -> Iterator:
     title : str
         Description of the work, for instance ``"Making the scene city"``.
     """
-    total = len(items)
+    total, begin = len(items), time.monotonic()
     interactive = sys.stdout.isatty() or "ipykernel" in sys.modules
     for done, item in enumerate(items, 1):
         yield item
         if interactive:
             bar = ("█" * (WIDTH * done // total)).ljust(WIDTH, "·")
-            end = "\n" if done == total else ""
-            print(f"\r{title} {bar} {done}/{total}", end=end, flush=True)
+            seconds = (time.monotonic() - begin) / done * (total - done)
+            left, end = (f", {seconds:.0f} s left", "") if done < total else ("", "\n")
+            # The padding overwrites the end of a longer line.
+            print(f"\r{title} {bar} {done}/{total}{left:14}", end=end, flush=True)

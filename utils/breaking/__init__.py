@@ -29,7 +29,7 @@ def show_broken(function: Callable) -> None:
     Parameters
     ----------
     function : callable
-        `ransac_line`, `euclidean_clustering`, `get_bounding_boxes` or
+        `ransac_line`, `euclidean_clustering`, `get_bounding_boxes`, `get_oriented_boxes` or
         `euclidean_clustering_accelerated`.
     """
     if (puzzle := _puzzle_of(function)) is None:

@@ -171,24 +171,31 @@ def _bounding_boxes(get_bounding_boxes: Callable, rows: np.ndarray) -> np.ndarra
     return np.asarray(get_bounding_boxes(rows[:, :3].copy(), rows[:, 3].astype(int)))
 
 
+def _labels_of(rows: np.ndarray) -> np.ndarray:
+    return np.unique(rows[rows[:, 3] > 0, 3])
+
+
 def _bounding_boxes_with_noise(get_bounding_boxes: Callable, rows: np.ndarray) -> np.ndarray:
     return _bounding_boxes(get_bounding_boxes, rows + [0, 0, 0, 1])
 
 
 def _bounding_boxes_without_gaps(get_bounding_boxes: Callable, rows: np.ndarray) -> np.ndarray:
-    count = len(np.unique(rows[rows[:, 3] > 0, 3]))
+    count = len(_labels_of(rows))
     return _bounding_boxes(get_bounding_boxes, rows[rows[:, 3] <= count])
 
 
 def _bounding_boxes_from_origin(get_bounding_boxes: Callable, rows: np.ndarray) -> np.ndarray:
-    labels = np.unique(rows[rows[:, 3] > 0, 3])
+    labels = _labels_of(rows)
     origins = np.column_stack([np.zeros((len(labels), 3)), labels])
     return _bounding_boxes(get_bounding_boxes, np.vstack([rows, origins]))
 
 
 def _sorted_corners(boxes: np.ndarray) -> np.ndarray:
     """Return the corners of each box, sorted so that their order does not matter."""
-    ordered = [box[np.lexsort(box.T)] for box in np.asarray(boxes, dtype=float).reshape(-1, 8, 3)]
+    ordered = [
+        box[np.lexsort(box.round(6).T)]  # rounding errors do not change the order
+        for box in np.asarray(boxes, dtype=float).reshape(-1, 8, 3)
+    ]
     return np.array(ordered).reshape(-1, 8, 3)
 
 
@@ -203,6 +210,40 @@ def _draw_boxes(rows: np.ndarray, boxes: np.ndarray, _: np.ndarray, axes: Axes) 
 
 _LABELLED_POINTS = [[2, 1, 0, 1], [3.5, 1.5, 0, 1], [3, 2.2, 1, 1], [5, -1, 0, 3], [6.5, -2, 1, 3],
              [5.4, -2.4, 0, 3], [1, -2.5, 0, 0], [7, 2.5, 0, 0], [4, 0.1, 0, 0]]  # fmt: skip
+
+# ---- 11: get_oriented_boxes --------------------------------------------------------------------
+
+
+def _boxes_around_means(get_oriented_boxes: Callable, rows: np.ndarray) -> np.ndarray:
+    boxes = _bounding_boxes(get_oriented_boxes, rows)
+    means = [rows[rows[:, 3] == label, :3].mean(axis=0) for label in _labels_of(rows)]
+    return boxes + np.reshape(means, (-1, 1, 3)) - boxes.mean(axis=1, keepdims=True)
+
+
+def _boxes_without_outliers(get_oriented_boxes: Callable, rows: np.ndarray) -> np.ndarray:
+    near = np.ones(len(rows), dtype=bool)
+    for label in _labels_of(rows):
+        mine = rows[:, 3] == label
+        off = np.abs(rows[mine, :3] - rows[mine, :3].mean(axis=0))
+        near[mine] = (off <= 2 * rows[mine, :3].std(axis=0) + 1e-9).all(axis=1)
+    return _bounding_boxes(get_oriented_boxes, rows[near])
+
+
+def _boxes_turned_sideways(get_oriented_boxes: Callable, rows: np.ndarray) -> np.ndarray:
+    boxes = _bounding_boxes(get_oriented_boxes, rows)
+    middle = boxes.mean(axis=1, keepdims=True)
+    x, y, z = np.moveaxis(boxes - middle, 2, 0)
+    return middle + np.stack([-y, x, z], axis=2)
+
+
+# Two sides of a car at an angle of 25°, and a person with an outstretched arm.
+_CAR_AND_PERSON = [
+    [1.9, -2.2, 0, 1], [2.35, -1.99, 0, 1], [2.81, -1.78, 0, 1], [3.26, -1.57, 0, 1],
+    [3.71, -1.35, 0, 1], [4.17, -1.14, 0, 1], [4.62, -0.93, 0, 1], [5.07, -0.72, 0, 1],
+    [5.53, -0.51, 0, 1], [1.65, -1.66, 0, 1], [1.39, -1.11, 0, 1], [1.14, -0.57, 0, 1],
+    [4, 2.2, 0, 3], [4.3, 2.1, 0, 3], [4.1, 2.5, 0, 3], [4.4, 2.4, 0, 3], [4.2, 2.3, 0, 3],
+    [4.3, 2.5, 0, 3], [5.4, 2.7, 0, 3], [6.5, -2.5, 0, 0], [0.5, 2, 0, 0],
+]  # fmt: skip
 
 
 PUZZLES = {
@@ -258,6 +299,22 @@ PUZZLES = {
                 1,
             ),
             "C": Version(_bounding_boxes_with_noise, "It also draws a box around label 0.", 1),
+        },
+    ),
+    "get_oriented_boxes": Puzzle(
+        _bounding_boxes,
+        _sorted_corners,
+        _draw_boxes,
+        "x, y, z, label",
+        np.array(_CAR_AND_PERSON, dtype=float),
+        {
+            "A": Version(
+                _boxes_without_outliers,
+                "It ignores points more than two standard deviations from the mean.",
+                6,
+            ),
+            "B": Version(_boxes_around_means, "It centres each box at the mean of the points.", 3),
+            "C": Version(_boxes_turned_sideways, "It swaps the length and the width.", 2),
         },
     ),
     "euclidean_clustering_accelerated": Puzzle(

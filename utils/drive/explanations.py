@@ -205,10 +205,12 @@ def describe_collision(drive: Drive) -> str:
         return ""
     end = drive.moments[-1]
     text = KINDS_IN_WORDS[drive.street.kind_of(drive.hit_identity)]
-    return f"The car hits {text} at {3.6 * end.speed:.0f} km/h. {_describe_detections(drive)}"
+    subject = f"The {text.partition(' ')[2]}"
+    seen = _describe_detections(drive, subject)
+    return f"The car hits {text} at {3.6 * end.speed:.0f} km/h. {seen}"
 
 
-def _describe_detections(drive: Drive) -> str:
+def _describe_detections(drive: Drive, subject: str) -> str:
     """Describe in one sentence how often the object that was hit had returns and a box."""
     examined = [m for m in drive.moments[-SCANS_BEFORE_COLLISION:-1] if not m.is_busy]
     seen, boxed = [], []
@@ -223,12 +225,12 @@ def _describe_detections(drive: Drive) -> str:
         if len(moment.boxes) and within.any(axis=1).mean() >= 0.3:
             boxed.append(moment.number)
     if not seen:
-        return "It had too few returns in each of the last scans."
+        return f"{subject} had too few returns in each of the last scans."
     if not boxed:
-        return f"It was in {len(seen)} of the last scans, but never had a box."
+        return f"{subject} was in {len(seen)} of the last scans, but never had a box."
     end = drive.moments[-1]
     age = (end.number - (end.latest_scan or 0)) / 10
     if age > 0.35:
-        return f"It had a box, but the latest boxes that the car received were {age:.1f} s old."
-    share = f"It was in {len(seen)} of the last scans and had a box in {len(boxed)} of them"
+        return f"{subject} had a box, but the car's latest boxes were {age:.1f} s old."
+    share = f"{subject} was in {len(seen)} of the last scans and had a box in {len(boxed)} of them"
     return f"{share}, for the first time {(end.number - boxed[0]) / 10:.1f} s before the collision."

@@ -42,6 +42,8 @@ class Report:
         Seconds of uncomfortably hard braking.
     scan_age : float
         Median age in seconds of the scan that the planner used.
+    mean_speed : float
+        Mean speed in m/s.
     """
 
     street: int
@@ -55,6 +57,7 @@ class Report:
     hardest_braking: float = 0.0
     harsh_seconds: float = 0.0
     scan_age: float = TICK
+    mean_speed: float = 0.0
 
     @property
     def needless(self) -> int:
@@ -92,4 +95,5 @@ def measure(drive: Drive) -> Report:
         max(slowing),
         TICK * sum(deceleration > COMFORTABLE_DECELERATION + 0.01 for deceleration in slowing),
         TICK * float(np.median(ages)) if ages else np.inf,
+        float(np.mean([moment.speed for moment in drive.moments])),
     )

@@ -93,8 +93,8 @@ class Trip:
 
 
 def comfort_sentences(report: Report) -> list[str]:
-    """Describe the comfort, the closest pass and the detector's delay in sentences."""
-    words = []
+    """Describe the speed, the comfort, the closest pass and the detector's delay in sentences."""
+    words = [f"Mean speed: {3.6 * report.mean_speed:.0f} km/h."]
     if report.hardest_braking > 1.0:
         words.append(
             f"Hardest braking: {report.hardest_braking:.1f} m/s². "

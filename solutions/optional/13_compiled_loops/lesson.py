@@ -18,7 +18,7 @@
 # - write code that the compiler accepts, and say what the first call costs,
 # - join groups with union-find, and stop as soon as the answer is known.
 #
-# **You write** five small functions. All packages are allowed, but Numba can compile only numbers, arrays, tuples, loops and NumPy. **You need** lessons 10 to 12. **Time:** (time), in two sittings of about 70 and 60 minutes.
+# **You write** five small functions. All packages are allowed, but Numba can compile only numbers, arrays, tuples, loops and NumPy. **You need** lessons 10 to 12. **Time:** (time), in two sittings of about 70 and 50 minutes.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -373,7 +373,8 @@ def ascending(numbers):
         shift += 11
     return order
 
-
+# %% tags=["folded"]
+# @title Sort points into cells (you need not read this)
 @njit
 def sort_by_cell(points, side):
     """Sort points into cells.
@@ -422,7 +423,8 @@ def sort_by_cell(points, side):
 #
 # `join_cells` first compares one point of each cell. Then, for pairs that are still apart, `any_close` compares all points if the boxes around them are close enough. For crowded cells, a kd-tree is faster, so `join_cells` returns their pairs.
 
-# %%
+# %% tags=["folded"]
+# @title Define boxes around cells, and number the clusters (you need not read this)
 @njit
 def boxes_of(points, starts):
     """Return the smallest and largest x, y, z of the points of each cell, two arrays (m, 3)."""
@@ -445,6 +447,23 @@ def are_near(low, high, a, b, limit):
     return square < limit
 
 
+@njit
+def numbered(parent, order, starts):
+    """Return labels 1, 2, ... of the points, in order of first appearance."""
+    root, number = np.empty(len(order), np.int64), np.zeros(len(parent), np.int64)
+    for cell in range(len(parent)):
+        mine = root_of(parent, cell)
+        for i in range(starts[cell], starts[cell + 1]):
+            root[order[i]] = mine
+    labels, last = np.empty(len(order), np.int64), 0
+    for i in range(len(order)):
+        if number[root[i]] == 0:
+            last += 1
+            number[root[i]] = last
+        labels[i] = number[root[i]]
+    return labels
+
+# %%
 @njit
 def join_cells(points, starts, numbers, next_x, next_y, limit, crowd):
     """Join cells; return the parents (m,), and the pairs of cells with too many points."""
@@ -477,23 +496,6 @@ def join_cells(points, starts, numbers, next_x, next_y, limit, crowd):
             elif any_close(points, starts[a], starts[a + 1], starts[b], starts[b + 1], limit):
                 unite(parent, a, b)
     return parent, too_many[1:]
-
-
-@njit
-def numbered(parent, order, starts):
-    """Return labels 1, 2, ... of the points, in order of first appearance."""
-    root, number = np.empty(len(order), np.int64), np.zeros(len(parent), np.int64)
-    for cell in range(len(parent)):
-        mine = root_of(parent, cell)
-        for i in range(starts[cell], starts[cell + 1]):
-            root[order[i]] = mine
-    labels, last = np.empty(len(order), np.int64), 0
-    for i in range(len(order)):
-        if number[root[i]] == 0:
-            last += 1
-            number[root[i]] = last
-        labels[i] = number[root[i]]
-    return labels
 
 
 def cluster_compiled(cloud, threshold=0.5):

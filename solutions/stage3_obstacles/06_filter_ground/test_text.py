@@ -5,7 +5,7 @@ import pytest
 from sklearn.cluster import DBSCAN
 
 from tests.lesson_texts import kept_function, run_statements_for
-from utils.drive import STREETS
+from utils.drive import STREETS, chain, drive_street, on_time
 
 LESSON = "06_filter_ground"
 
@@ -175,3 +175,14 @@ def test_a_climb_of_six_per_cent_reaches_the_level_nine_metres_ahead():
     assert street.slope == 0.06
     margin = 1.73 - 1.2
     assert margin == pytest.approx(0.53) and margin / street.slope == pytest.approx(9, abs=0.5)
+
+
+@pytest.mark.proof
+def test_with_the_default_the_car_gets_less_than_half_as_far_uphill(filter_ground):
+    def report_with(level):
+        detect = chain(ground=lambda points: filter_ground(points, level))
+        return drive_street(6, detect, seconds=10, clock=on_time).report
+
+    high, default = report_with(-0.6), report_with(-1.2)
+    assert round(high.metres) == 82 and not high.brakings
+    assert default.metres < high.metres / 2 and default.brakings

@@ -237,26 +237,51 @@ from utils.scene3d import Scene
 # *Two boxes collide if they overlap on every axis, and only then. This test takes six comparisons.*
 #
 # The car is going to drive straight ahead, through a corridor 2 m wide and 16 m long. Which obstacles are in it? Two boxes overlap on an axis if the low end of each box is below the high end of the other box.
+#
+# The function below tests only x, so it finds every obstacle ahead of us. Change its last line so that it tests all three axes. This task has no check. Of the four blocks below the function, only the first is in the corridor. The others are behind it, to the left of it and above it.
 
 # %%
-corridor_low, corridor_high = np.array([2.0, -1.0, -1.5]), np.array([18.0, 1.0, 0.3])
-low, high = boxes.min(axis=1), boxes.max(axis=1)  # (N, 3) each
-in_the_way = ((low < corridor_high) & (high > corridor_low)).all(axis=1)
-for row in np.flatnonzero(in_the_way):
-    # The bumper is 2.6 m ahead of the sensor.
-    print(f"{kinds[present[row]]} {present[row]}: {low[row, 0] - 2.6:.1f} m ahead of the bumper")
+corridor = np.array([[2.0, -1.0, -1.5], [18.0, 1.0, 0.3]])  # its smallest and largest x, y, z
 
+
+def in_corridor(boxes, corridor):
+    """Return for each box (N, 8, 3) whether it overlaps the corridor, as a mask (N,)."""
+    low, high = boxes.min(axis=1), boxes.max(axis=1)  # (N, 3) each
+    # Change this line, which tests only x.
+    return (low[:, 0] < corridor[1, 0]) & (high[:, 0] > corridor[0, 0])
+
+
+places = np.array([[8, -1, -1.5], [-8, -1, -1.5], [8, 3, -1.5], [8, -1, 2]])
+print("yours:   ", in_corridor(np.array(block) + places[:, None], corridor))
+print("expected: [ True False False False]")
+
+# %% tags=["folded"]
+# @title Draw the obstacles in your corridor (you need not read this)
+blocked = in_corridor(boxes, corridor)
+for row in np.flatnonzero(blocked):
+    # The bumper is 2.6 m ahead of the sensor.
+    gap = boxes[row, :, 0].min() - 2.6
+    print(f"{kinds[present[row]]} {present[row]}: {gap:.1f} m ahead of the bumper")
+axes = plots.boxes(boxes[blocked], cloud=cloud[labels > 0], limits=((-2, 20), (-9, 9)),
+                   names=[present[row] for row in np.flatnonzero(blocked)],
+                   title="The corridor (dashed), and the obstacles that you find in it")
+# Your function makes the eight corners of the corridor from just two points.
+plots.boxes(get_bounding_boxes(corridor, np.array([1, 1])), reference=True, label="corridor",
+            axes=axes);
+
+# %% [markdown]
+# <details><summary>An answer</summary>
+#
+# Write `return ((low < corridor[1]) & (high > corridor[0])).all(axis=1)`. Only the cyclist and a pedestrian are then left.
+# </details>
+#
+# How many comparisons do the boxes save?
+
+# %%
 by_point, by_box = 6 * np.count_nonzero(labels), 6 * len(boxes)
 show_table(["paths", "comparisons with points", "building the boxes", "comparisons with boxes"],
            [[paths, f"{paths * by_point:,}", f"{by_point:,}", f"{paths * by_box:,}"]
             for paths in (1, 100)])
-
-corridor = np.array([corridor_low, corridor_high])
-axes = plots.boxes(boxes, cloud=cloud[labels > 0], limits=((-2, 20), (-6, 6)),
-                   title="The corridor (dashed) and the obstacles in it")
-# Your function makes the eight corners of the corridor from just two points.
-plots.boxes(get_bounding_boxes(corridor, np.array([1, 1])), reference=True, label="corridor",
-            names=["corridor"], axes=axes);
 
 # %% [markdown]
 # Building the boxes costs as much as one test of all points, because minimum and maximum look at every coordinate. But you build them only once per scan, and the car may test a hundred paths.
@@ -349,7 +374,7 @@ largest.compare(degrees[theory.argmax()],
                 "largest when 2θ is 90°. At that heading, the box is a square.")
 
 # %% [markdown]
-# The boxes of the scanned points are smaller, because a scanner sees only the sides that face it. Real systems add a margin, or fit a box as large as a car to the two visible sides.
+# The boxes of the scanned points are smaller, because a scanner sees only the sides that face it.
 #
 # So an axis-aligned box is wrong in two ways. It contains air, so it blocks parts of the street that are free. It does not contain parts that the scanner missed, so the real obstacle may stick out. How large are these two errors in this street?
 
@@ -373,7 +398,7 @@ for name in (10, 4, 13):
     print(f"{kinds[name]} {name}: {outside.mean():.0%} of its footprint is outside its box")
 
 # %% [markdown]
-# On a straight street, nearly every vehicle is parallel to us, and axis-aligned boxes contain little air. The larger error is the part of a vehicle that is outside its box. The scanner sees only the back or one side of many vehicles, so their boxes are too short or too narrow. At a junction, many vehicles would be at an angle to us. Lesson 11 turns the box with the car.
+# On a straight street, nearly every vehicle is parallel to us, and axis-aligned boxes contain little air. The larger error is the part of a vehicle that is outside its box. The scanner sees only the back or one side of many vehicles, so their boxes are too short or too narrow. Lesson 11 turns the box with the car.
 
 # %% [markdown]
 # ## Common mistakes
@@ -433,7 +458,7 @@ plots.boxes(get_bounding_boxes(cloud, labels + 1), limits=((-82, 82), (-82, 30))
 
 # %%
 from utils.drive import askew, chain, drive_street, on_time
-from utils.lent import is_written, own
+from utils.lent import is_written, own  # own(f) is your function f, never a stored answer
 
 
 def drive_with(degrees):

@@ -193,11 +193,23 @@ def test_boxes_of_parallel_vehicles_hold_little_air():
     assert max(air.values()) < 0.25 and np.median(list(air.values())) < 0.1 < 0.5 < diagonal
 
 
-def test_the_corridor_has_the_stated_size():
-    names = run_statements_for("08_bounding_boxes", "corridor_low", "corridor_high")
-    size = (names["corridor_high"] - names["corridor_low"]).tolist()
+def test_only_a_cyclist_and_a_pedestrian_are_in_the_corridor(boxes):
+    """The answer in the text is right for the blocks and for the street; the first line is not."""
+    names = run_statements_for("08_bounding_boxes", "in_corridor", "corridor", "places", "block")
+    corridor, blocks = names["corridor"], np.array(names["block"]) + names["places"][:, None]
     text = find_lesson("08_bounding_boxes").source.read_text()
+    size = (corridor[1] - corridor[0]).tolist()
     assert f"a corridor {size[1]:g} m wide and {size[0]:g} m long" in text
+    answer = re.search(r"Write `return (\(\(low < corridor.*?)`", text)[1]
+
+    def in_corridor(some_boxes):
+        low, high = some_boxes.min(axis=1), some_boxes.max(axis=1)
+        return eval(answer, {"low": low, "high": high, "corridor": corridor})
+
+    assert in_corridor(blocks).tolist() == [True, False, False, False]
+    found = [KINDS[PRESENT[row]] for row in np.flatnonzero(in_corridor(boxes))]
+    assert sorted(found) == ["cyclist", "pedestrian"]
+    assert names["in_corridor"](boxes, corridor).sum() > 5 * len(found)
 
 
 @pytest.mark.proof

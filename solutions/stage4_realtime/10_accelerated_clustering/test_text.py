@@ -16,6 +16,7 @@ from grader.intake.preflight import prepare
 from grader.intake.submission import SubmittedFiles
 from grader.judging.runner import limited_cpu_time
 from grader.lms.autograded_copy import build_copy
+from tests.lesson_texts import run_statements_for
 from utils import load_cloud
 from utils.checks.core import notes_of, run_check
 from utils.checks.lesson_10.accelerated import _seconds_to_find_neighbours
@@ -261,6 +262,22 @@ def test_larger_thresholds_give_fewer_cells_and_open_pairs(obstacles):
         LESSON.after_two_steps(obstacles[::3], threshold)[1:] for threshold in (0.2, 0.5, 1.0)
     ]
     assert (np.diff(counts, axis=0) < 0).all()
+
+
+def test_a_growing_threshold_repairs_four_of_five_cars_and_joins_two():
+    """Run the cells as given, and with the answer of the text."""
+    text = find_lesson(NAME).source.read_text("utf-8")
+    answer = re.search(r"Write `(limit = [^`]*)`", text)[1]
+    given = run_statements_for(NAME, "torn", "shared", "pieces", "far_points", "far_objects")
+    assert (len(given["pieces"]), given["torn"], given["shared"]) == (5, 5, 0)
+    function = re.search(r"def cluster_far.*?\+ 1\n", text, re.S)[0]
+    assert function.count("limit = 0.5 + 0 * distance") == 1
+    exec(function.replace("limit = 0.5 + 0 * distance", answer), given)
+    labels, objects = given["cluster_far"](given["far_points"]), given["far_objects"]
+    cars = [number for number in (94, 95, 96, 119, 154) if (objects == number).sum() >= 10]
+    pieces = [set(labels[objects == car].tolist()) for car in cars]
+    assert len(pieces) == 5 and sum(len(names) > 1 for names in pieces) == 1
+    assert sum(any(a & b for b in pieces if b is not a) for a in pieces) == 2
 
 
 def test_joining_without_measuring_acts_like_a_larger_threshold(obstacles):

@@ -42,6 +42,7 @@ import numpy as np
 from ipywidgets import IntSlider, interact
 
 from utils import check, load_street, plots, predict, show_table
+from utils.breaking import show_broken, tell_apart
 
 cloud, truth = load_street()  # `truth` says what each return hit
 stands_near = (cloud[:, 2] >= -1.2) & (np.hypot(cloud[:, 0], cloud[:, 1]) < 20)
@@ -245,41 +246,21 @@ check(principal_axes)
 # %% [markdown]
 # **A good place to stop.** Save the notebook. You can now find the principal axes of any cluster. When you come back, run all cells from the top.
 #
-# ## One rotation, three notations
+# ## Why only yaw
 #
-# *You can write a rotation as nine, four or three numbers. Only the nine are unique.*
+# *A real car tilts by only a degree or two. If its box tilts more, the box is wrong.*
 #
-# Your `principal_axes` returns a matrix $A$ with the axes in its columns. As a rotation, $A$ turns the x axis into the first principal axis. You can write the same rotation as
-#
-# - a **rotation matrix**: nine numbers, with $A^{\mathsf T}A = I$ and $\det A = 1$,
-# - a **quaternion** $q = (x, y, z, w) = \left(n\sin\tfrac\varphi2, \cos\tfrac\varphi2\right)$ for a rotation by $\varphi$ about the unit vector $n$, where $q$ and $-q$ are the same rotation,
-# - three **Euler angles**: yaw about z, pitch about y and roll about x. The *order* of the three rotations matters.
-#
-# For the axes of the turning car in space, they are:
+# Your `principal_axes` returns a rotation, which turns the x axis into the first principal axis. You can split a rotation into three angles: yaw about z, *pitch* about y and *roll* about x. Here they are for the turning car, in the order that is usual for vehicles:
 
 # %%
 from scipy.spatial.transform import Rotation
 
 turn = Rotation.from_matrix(principal_axes(car))
-quaternion = turn.as_quat()
-same = np.allclose(Rotation.from_quat(-quaternion).as_matrix(), turn.as_matrix())
-print("quaternion:", quaternion.round(3), "  its negative is the same rotation:", same)
 yaw, pitch, roll = turn.as_euler("ZYX", degrees=True)
-print(f"as Z, then Y, then X: yaw {yaw:7.1f}°, pitch {pitch:6.1f}°, roll {roll:7.1f}°")
-other_roll, other_pitch, other_yaw = turn.as_euler("XYZ", degrees=True)
-print(f"as X, then Y, then Z: yaw {other_yaw:7.1f}°, pitch {other_pitch:6.1f}°, "
-      f"roll {other_roll:7.1f}°")
-first = turn.as_matrix()[:, 0]
-print(f"first axis, seen from above: {np.degrees(np.arctan2(first[1], first[0])):.1f}°")
+print(f"yaw {yaw:.1f}°, pitch {pitch:.1f}°, roll {roll:.1f}°")
 
 # %% [markdown]
-# The two yaws differ. In the order ZYX, which is usual for vehicles, the yaw is the direction of the first axis seen from above: $\psi = \operatorname{atan2}(A_{21}, A_{11})$.
-#
-# ## Why only yaw
-#
-# *A real car tilts by only a degree or two. If its box tilts more, the box is wrong.*
-#
-# Look at pitch and roll above. No car is tilted like that. The box tilts because the points are on two sides, the bonnet and the windscreen, but not on the underside. The first axis of a pedestrian is vertical, so its yaw is arbitrary.
+# No car has such a pitch and roll. The box tilts because the points are on two sides, the bonnet and the windscreen, but not on the underside. The first axis of a pedestrian is vertical, so its yaw is arbitrary.
 #
 # A tempting solution is to compute the box in 3-D first, with length, width and height along the principal axes, and then to set pitch and roll to zero. Are all points still inside?
 
@@ -929,6 +910,46 @@ ask_about(get_oriented_boxes)
 #
 # 1. **The exact smallest rectangle.** One of its sides is always on an edge of the convex hull ([rotating calipers](https://en.wikipedia.org/wiki/Rotating_calipers)). Use `scipy.spatial.ConvexHull` and try only the headings of these edges. `ConvexHull` does not work if all points are on a line.
 # 2. **Two sides only.** A scanner sees at most two sides of a car. So [Zhang et al. 2017](https://www.ri.cmu.edu/publications/efficient-l-shape-fitting-for-vehicle-detection-using-laser-scanners/) choose the nearer side from each pair of opposite sides, judged by all points together. They measure distances only to these two sides. Change `closeness_at` to do this.
+
+# %% [markdown]
+# ### Breaking it on purpose
+#
+# *About 15 minutes. A good test is the smallest input that separates a right version from a wrong one.*
+#
+# Three colleagues have written their own `get_oriented_boxes`, but do not show their code. Here are their boxes around two sides of a car (dots, label 1) and a person with an outstretched arm (squares, label 3). Crosses have label 0. What is wrong with A, B and C?
+
+# %%
+show_broken(get_oriented_boxes)
+
+# %% [markdown]
+# For each version, write a cloud on which its boxes differ from yours. Use as few rows as you can. When a cloud catches a version, you see what this version does wrong.
+
+# %%
+# For A, B and C, write a list of rows [x, y, z, label]: A=[[...], [...]].
+tell_apart(get_oriented_boxes, A=None, B=None, C=None)
+
+# %% [markdown]
+# ### One rotation, three notations
+#
+# *About 5 minutes. You can write a rotation as nine, four or three numbers. Only the nine are unique.*
+#
+# - A **rotation matrix** $A$ has nine numbers, with $A^{\mathsf T}A = I$ and $\det A = 1$. Your `principal_axes` returns one.
+# - A **quaternion** has four: $q = (x, y, z, w) = \left(n\sin\tfrac\varphi2, \cos\tfrac\varphi2\right)$ for a rotation by $\varphi$ about the unit vector $n$. $q$ and $-q$ are the same rotation.
+# - Yaw, pitch and roll are **Euler angles**. The *order* of the three rotations matters.
+
+# %%
+quaternion = turn.as_quat()
+same = np.allclose(Rotation.from_quat(-quaternion).as_matrix(), turn.as_matrix())
+print("quaternion:", quaternion.round(3), "  its negative is the same rotation:", same)
+other_roll, other_pitch, other_yaw = turn.as_euler("XYZ", degrees=True)
+print(f"as Z, then Y, then X: yaw {yaw:7.1f}°, pitch {pitch:6.1f}°, roll {roll:7.1f}°")
+print(f"as X, then Y, then Z: yaw {other_yaw:7.1f}°, pitch {other_pitch:6.1f}°, "
+      f"roll {other_roll:7.1f}°")
+first = turn.as_matrix()[:, 0]
+print(f"first axis, seen from above: {np.degrees(np.arctan2(first[1], first[0])):.1f}°")
+
+# %% [markdown]
+# The two yaws differ. In the order ZYX, the yaw is the direction of the first axis seen from above: $\psi = \operatorname{atan2}(A_{21}, A_{11})$.
 
 # %% [markdown] tags=["footer"]
 # (footer)
