@@ -24,9 +24,10 @@ BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 GLOSSARY = "words.html"
 ARTICLE = re.compile(r'<article class="bd-article">(.*?)</article>', re.S)
 TITLE = re.compile(r"<h1>(.*?)</h1>", re.S)
-HEADING_LINK = re.compile(r'<a class="headerlink".*?</a>', re.S)
-FOLDED = re.compile(r'<details( class="answer"|>)')  # hints and answers, but not folded code
-SCENE = re.compile(r'<iframe class="scene".*?</iframe>', re.S)  # a picture replaces it on paper
+# Pages have a picture of each scene for paper.
+FOR_SCREENS = re.compile(
+    r'<a class="headerlink".*?</a>|<iframe class="scene".*?</iframe>| loading="lazy"', re.S
+)
 TAG = re.compile(r"<[a-zA-Z][^>]*>")
 ADDRESS = re.compile(r' (id|href|src|poster)="([^"]*)"')
 STYLE = re.compile(r'<link (?=[^>]*rel="stylesheet")[^>]*>')
@@ -86,7 +87,7 @@ def whole_course(folder: Path) -> str:
         for name, page in pages.items()
         for tag in (*STYLE.findall(page), *FORMULAS.findall(page))
     ]
-    articles = {name: HEADING_LINK.sub("", ARTICLE.search(page)[1]) for name, page in pages.items()}
+    articles = {name: FOR_SCREENS.sub("", ARTICLE.search(page)[1]) for name, page in pages.items()}
     stages = {
         title: [name for name in names if names[name] == stage] for stage, title in stage_titles()
     }
@@ -118,5 +119,4 @@ def _moved(html: str, name: str, pages: dict[str, str]) -> str:
             return ""  # other pages of the site are not in the file
         return f' href="#{path}:{parts.fragment}"' if parts.fragment else f' href="#{path}"'
 
-    html = FOLDED.sub(r"<details open\1", SCENE.sub("", html))
-    return TAG.sub(lambda tag: ADDRESS.sub(adapt, tag[0].replace(' loading="lazy"', "")), html)
+    return TAG.sub(lambda tag: ADDRESS.sub(adapt, tag[0]), html)
