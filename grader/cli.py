@@ -538,6 +538,11 @@ def _add_site(subparsers: argparse._SubParsersAction) -> None:
         action="store_true",
         help="add Run and Check buttons under each exercise, with Python in the browser; needs npm",
     )
+    site.add_argument(
+        "--pdf",
+        action="store_true",
+        help="also print all lessons into one file, course.pdf, in the folder; needs Chromium",
+    )
     add_workers_option(site, "lessons executed")
 
 

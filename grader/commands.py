@@ -173,7 +173,7 @@ def _release_solutions(options: argparse.Namespace) -> int:
 
 
 def run_site(options: argparse.Namespace) -> int:
-    """Run the command ``site [--to DIR] [--live]``."""
+    """Run the command ``site [--to DIR] [--live] [--pdf]``."""
     from grader.course.build import read_origin
     from grader.course.lessons import all_lessons, optional_lessons
     from grader.course.standalone import ReleaseError
@@ -181,6 +181,7 @@ def run_site(options: argparse.Namespace) -> int:
     from grader.site.errors import SiteError
     from grader.site.live.files import FOLDER as LIVE_FOLDER
     from grader.site.live.files import pack
+    from grader.site.pdf import find_browser, print_site
     from grader.site.runs import CACHE, missing_packages, solved_runs
 
     folder = options.to or PROJECT / "site"
@@ -188,10 +189,12 @@ def run_site(options: argparse.Namespace) -> int:
     can_run = [lesson for lesson, packages in missing.items() if not packages]
     try:
         check_ready(folder)
+        browser = find_browser() if options.pdf else ""
         live = pack(CACHE) if options.live else None
         with console.progress_bar("Running the lessons") as advance:
             ran = solved_runs([*all_lessons(), *can_run], options.workers, advance)
         write_site(folder, ran, read_origin(), live)
+        printed = print_site(folder, browser) if browser else None
     except (ReleaseError, SiteError) as error:
         print(error, file=sys.stderr)
         return FAULT
@@ -204,6 +207,8 @@ def run_site(options: argparse.Namespace) -> int:
     if live:
         for name, content in live.files.items():
             print(f"wrote {folder / LIVE_FOLDER / name} ({len(content) / 1e6:.1f} MB)")
+    if printed:
+        print(f"wrote {printed} ({printed.stat().st_size / 1e6:.1f} MB)")
     print(f"wrote {folder / 'index.html'}")
     return SUCCESS
 

@@ -11,9 +11,9 @@ from pathlib import Path
 import nbformat
 from nbconvert.exporters import HTMLExporter
 
-BROWSER = next(
-    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
-)
+from grader.site import pdf
+
+BROWSER = next(filter(None, map(shutil.which, pdf.BROWSERS)), None)
 PDF_TO_TEXT = shutil.which("pdftotext")
 # Debian's package libjs-mathjax by default. MATHJAX can name a folder with MathJax 2, or the folder
 # `es5` of MathJax 3.
@@ -80,12 +80,13 @@ def printed_lines(page, folder):
         (folder / "page.html").as_uri(),
     ]
     _run(command, capture_output=True, check=True)
-    text = subprocess.run(
-        [PDF_TO_TEXT, "-layout", folder / "page.pdf", "-"],
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stdout
+    return sheets_of(folder / "page.pdf")
+
+
+def sheets_of(path):
+    """Return the lines on each sheet of a PDF file, extracted with `pdftotext`."""
+    command = [PDF_TO_TEXT, "-layout", path, "-"]
+    text = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     return [sheet.split("\n") for sheet in text.split("\f")[:-1]]
 
 

@@ -6,8 +6,8 @@ Every page is opened in four views. No page may load anything from another host,
 have broken pictures or lines, load too much before scrolling, or have faults that axe-core finds.
 Then the script acts as a reader. It searches, enters a guess, moves a slider and chooses the dark
 theme, with and without a server. On the front page, the playground must move, follow its sliders
-and find the same clusters as SciPy. Without WebGL, the film must replace it. PYTHON is an
-interpreter with the course's packages.
+and find the same clusters as SciPy. Without WebGL, the film must replace it. An address must show
+what the reader saw who sends it. PYTHON is an interpreter with the course's packages.
 """
 
 import base64
@@ -21,7 +21,7 @@ import sys
 import threading
 import time
 from pathlib import Path
-from urllib.parse import urlsplit
+from urllib.parse import parse_qsl, urlencode, urlsplit
 
 from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
@@ -87,6 +87,7 @@ const {elements} = document.querySelector("figure.playground form");
 for (const [name, value] of Object.entries(arguments[0])) elements[name].value = value;
 elements.ground.dispatchEvent(new Event("input", {bubbles: true}));
 """
+HEADING = -2.3  # radians, of the playground's first view
 SLIDERS = {"ground": 0.2, "distance": 25, "threshold": 0.3, "least": 20}
 PICTURES_OF_SCENES = """
 const pictures = [...document.querySelectorAll('div.still img')];
@@ -335,6 +336,101 @@ def faults_of_playground(driver, root, site, python):
         yield f"SciPy finds {expected} points and clusters, and the playground says: {text}"
 
 
+def fragment_after(driver, fragment):
+    """Return the part of the page's address after #, when it differs from `fragment`."""
+    WebDriverWait(driver, PATIENCE).until(
+        lambda page: urlsplit(page.current_url).fragment != fragment
+    )
+    return urlsplit(driver.current_url).fragment
+
+
+def open_address(driver, address):
+    """Open an address from scratch, even if the current page differs only in the fragment."""
+    driver.get("about:blank")
+    driver.get(address)
+    driver.execute_async_script(WAIT_UNTIL_SETTLED)
+
+
+def faults_of_shared_playground(driver, root):
+    """Open addresses of views of the playground; yield a sentence for each fault."""
+    view(driver, 1200, "light", "reduce")
+    open_address(driver, f"{root}index.html")
+    start = playground_of(driver, root).screenshot_as_base64
+    length = driver.execute_script("return history.length")
+    if urlsplit(driver.current_url).fragment:
+        yield "the address of the front page changes before the reader moves anything"
+    driver.execute_script(MOVE_SLIDERS, SLIDERS)
+    driver.find_element(By.CSS_SELECTOR, "input[name=stage][value='3']").click()
+    driver.find_element(By.CSS_SELECTOR, "figure.playground canvas").send_keys(Keys.ARROW_LEFT)
+    shared = fragment_after(driver, "")
+    found = dict(parse_qsl(shared))
+    if not found.items() >= {name: str(value) for name, value in SLIDERS.items()}.items():
+        yield f"the address of the playground has no sliders: {shared}"
+    if driver.execute_script("return history.length") != length:
+        yield "moving the playground adds to the browser's history"
+
+    # A turn to the left changes the heading in an address that the playground has read.
+    wrong = urlencode(found | {"height": 9})
+    text = driver.find_element(By.CSS_SELECTOR, "figure.playground .counts").text
+    for sent, read in ((shared, True), (wrong, False), (f"{shared}x", False)):
+        open_address(driver, f"{root}index.html#{sent}")
+        canvas = driver.find_element(By.CSS_SELECTOR, "figure.playground canvas")
+        counts = counts_after(driver, "Loading the scan")
+        time.sleep(2)  # until the points have their colours
+        if (canvas.screenshot_as_base64 == start) == read or (counts == text) != read:
+            yield f"the playground shows {counts!r} at #{sent}"
+        canvas.send_keys(Keys.ARROW_LEFT)
+        turned = float(dict(parse_qsl(fragment_after(driver, sent)))["heading"])
+        before = float(found["heading"]) if read else HEADING
+        if abs(turned - before - 0.1) > 0.001:
+            yield f"after a turn by 0.1 to the left, the heading at #{sent} is {turned}"
+    open_address(driver, f"{root}index.html#for-instructors")
+    if not driver.execute_script("return scrollY"):
+        yield "the address of a heading does not lead to the heading"
+
+
+def faults_of_shared_scene(driver, root):
+    """Open addresses of views of a lesson's scene; yield a sentence for each fault."""
+    view(driver, 1200, "light")
+    page = f"{root}stage2_clustering/05_euclidean_clustering.html"
+
+    def camera(*keys):
+        """Press keys in the scene, and return its camera."""
+        frame = driver.find_element(By.CSS_SELECTOR, "iframe.scene")
+        driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", frame)
+        driver.switch_to.frame(frame)
+        canvas = WebDriverWait(driver, PATIENCE).until(
+            lambda scene: scene.find_element(By.TAG_NAME, "canvas")
+        )
+        driver.execute_async_script("setTimeout(arguments[0], 1000)")
+        if keys:
+            canvas.send_keys(*keys)
+        text = driver.execute_script("return cameraText()")
+        driver.switch_to.default_content()
+        return text
+
+    open_address(driver, page)
+    start, length = camera(), driver.execute_script("return history.length")
+    if urlsplit(driver.current_url).fragment:
+        yield "the address of a lesson changes before the reader moves a scene"
+    moved = camera(Keys.ARROW_LEFT, "+", Keys.SHIFT + Keys.ARROW_UP)
+    shared = fragment_after(driver, "")
+    if moved == start or shared != f"scene-1={moved}":
+        yield f"the scene has the camera {moved}, and the address {shared}"
+    if driver.execute_script("return history.length") != length:
+        yield "moving a scene adds to the browser's history"
+    open_address(driver, f"{page}#{shared}")
+    place = driver.execute_script(
+        "return document.querySelector('iframe.scene').getBoundingClientRect().top"
+    )
+    if not 0 <= place < HEIGHT or camera() != moved:
+        yield f"#{shared} shows {camera()}, {place} pixels below the upper edge"
+    for wrong in ("scene-1=1,2", f"scene-9={moved}", "scene-1=0,0,0,0,0,0,0,0,1,0.8"):
+        open_address(driver, f"{page}#{wrong}")
+        if camera() != start:
+            yield f"the wrong address #{wrong} shows {camera()}"
+
+
 def faults_without_webgl(driver, root):
     """Open the front page in a browser without WebGL; yield a sentence if it shows no film."""
     view(driver, 1200, "light")
@@ -443,6 +539,8 @@ def main(site, python, axe, pictures):
             *faults_of_missing_page(driver, root),
             *faults_of_copying(driver, root),
             *faults_of_film(driver, root),
+            *faults_of_shared_playground(driver, root),
+            *faults_of_shared_scene(driver, root),
             *faults_on_paper(driver, root, pictures),
         ):
             found.append(fault)

@@ -371,6 +371,13 @@ def test_the_playground_has_every_point_of_the_scan():
     assert playground.panel(again.keep) == panel and again.files == pictures.files
 
 
+def test_the_styles_of_the_playground_come_with_it():
+    pictures = Pictures()
+    name = re.search('<link rel="stylesheet" href="(.+?)">', playground.panel(pictures.keep))[1]
+    assert b"figure.playground canvas {" in pictures.files[name]
+    assert "playground" not in (builder.STATIC / "site.css").read_text("utf-8")
+
+
 def test_the_playground_refuses_a_scan_that_does_not_fit():
     edge = np.array([[81.9, -81.9, 0.0]])
     assert decoded(playground.scan_script(edge)) == pytest.approx(edge)

@@ -152,7 +152,8 @@ def test_the_grader_does_not_name_the_subject_of_a_course():
     )
     found = [
         f"{path.relative_to(PROJECT)}: {line.strip()}"
-        for path in sorted((PROJECT / "grader").rglob("*.py"))
+        for path in sorted((PROJECT / "grader").rglob("*.*"))
+        if path.suffix in (".py", ".css", ".js")
         for line in path.read_text("utf-8").splitlines()
         if subject.search(others.sub("", line.lower()).replace("_", " "))
     ]

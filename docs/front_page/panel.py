@@ -31,6 +31,7 @@ def panel(keep: Callable[[bytes, str], str]) -> str:
     template = jinja2.Template((HERE / "playground.html").read_text("utf-8"), autoescape=True)
     return template.render(
         scan=keep(scan_script(cloud), ".js"),
+        style=keep((HERE / "playground.css").read_bytes(), ".css"),
         script=keep((HERE / "playground.js").read_bytes(), ".js"),
         count=f"{len(cloud):,}",
         error=f"{1000 * np.abs(cloud - STEP * np.round(cloud / STEP)).max():.0f}",

@@ -173,6 +173,7 @@
   const HUES = [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [230, 159, 0], [86, 180, 233]];
   const GREY = [128, 134, 142], GREEN = [0, 158, 115], LOWEST = -2.2, HIGHEST = 2.2; // metres
   const START = { heading: -2.3, height: 0.5, length: 32, target: [3, -1, -1] }; // radians and metres
+  const LIMITS = { heading: [-7, 7], height: [0.03, 1.55], length: [3, 150] }; // of views
   const NEAREST = 0.3, FARTHEST = 500, DOT = 0.045, ANGLE = 0.75; // metres, and radians from top to bottom
   const TURN = 0.12, STAGE = 5, FADE = 0.8, LAST = 4; // radians per second, seconds, seconds, last stage
 
@@ -184,7 +185,7 @@
   let gl, place, buffers, xyz, step, colours, result, worker;
   let stage = still ? LAST : 0, moving = !still, visible = false, waiting = false;
   let busy = false, outdated = false, loaded = false; // the worker, its result, and the scan
-  let lastFrame = 0, stageStart = 0, fadeStart = -Infinity, corners = 0, timer;
+  let lastFrame = 0, stageStart = 0, fadeStart = -Infinity, corners = 0, timer, writing;
 
   const prepare = () => {
     gl = canvas.getContext("webgl", { antialias: false }); // four times as fast without a graphics card
@@ -264,7 +265,7 @@
     const seconds = Math.min(0.1, (now - lastFrame) / 1000);
     lastFrame = now;
     if (moving) {
-      view.heading += TURN * seconds;
+      view.heading = (view.heading + TURN * seconds) % (2 * Math.PI);
       if (result && now - stageStart > STAGE * 1000) show((stage + 1) % (LAST + 1));
     }
     const blend = Math.min(1, Math.max(0, (now - fadeStart) / (FADE * 1000)));
@@ -358,14 +359,41 @@
     if (outdated) ask();
   };
 
-  const turn = (across, down) => {
-    view.heading -= across;
-    view.height = Math.max(0.03, Math.min(1.55, view.height + down));
+  // ---- the view in the address ---------------------------------------------------------------------
+  // Once the reader has moved something, the address has the camera, the stage and the sliders.
+  const write = () => { // once the view rests, because browsers limit how often an address changes
+    clearTimeout(writing);
+    writing = setTimeout(() => {
+      const camera = Object.keys(LIMITS).map((name) => [name, view[name].toFixed(2)]);
+      const values = sliders.map(({ name, value }) => [name, value]);
+      const parts = new URLSearchParams([...camera, ["stage", stage], ...values]);
+      history.replaceState(history.state, "", `#${parts}`);
+    }, 300);
+  };
+  const openAddress = () => {
+    const found = Object.fromEntries(new URLSearchParams(location.hash.slice(1)));
+    const isWithin = (name, least, most) => +found[name] >= least && +found[name] <= most;
+    const isView = Object.entries(LIMITS).every(([name, limits]) => isWithin(name, ...limits))
+      && /^[0-4]$/.test(found.stage) && sliders.every(({ name, min, max }) => isWithin(name, min, max));
+    if (!isView) return;
+    for (const name of Object.keys(LIMITS)) view[name] = +found[name];
+    for (const slider of sliders) { slider.value = found[slider.name]; describe(slider); }
     move(false);
+    show(+found.stage);
+    ask();
+    root.scrollIntoView({ block: "nearest" });
+  };
+
+  const clip = (name, number) => Math.max(LIMITS[name][0], Math.min(LIMITS[name][1], number));
+  const stop = () => { move(false); write(); };
+  const turn = (across, down) => {
+    view.heading = (view.heading - across) % (2 * Math.PI);
+    view.height = clip("height", view.height + down);
+    stop();
   };
   const zoom = (factor) => {
-    view.length = Math.max(3, Math.min(150, view.length * factor));
-    move(false);
+    view.length = clip("length", view.length * factor);
+    stop();
   };
   const fingers = new Map();
   const listen = () => {
@@ -396,19 +424,19 @@
       const factor = { "+": 1 / 1.15, "=": 1 / 1.15, "-": 1.15 }[event.key];
       if (arrow) turn(...arrow);
       else if (factor) zoom(factor);
-      else if (event.key === "0") { Object.assign(view, START); move(false); }
+      else if (event.key === "0") { Object.assign(view, START); stop(); }
       else return;
       event.preventDefault();
     });
     form.addEventListener("submit", (event) => event.preventDefault());
     form.addEventListener("input", ({ target }) => {
-      move(false);
+      stop();
       if (target.type === "radio") { show(+target.value); return; }
       describe(target);
       if (stage < +target.dataset.stage) show(+target.dataset.stage);
       ask();
     });
-    button.addEventListener("click", () => move(!moving));
+    button.addEventListener("click", () => (moving ? stop() : move(true)));
     canvas.addEventListener("webglcontextlost", showFilm);
     new ResizeObserver(() => {
       const scale = Math.min(2, devicePixelRatio);
@@ -416,6 +444,7 @@
       canvas.height = Math.max(2, Math.round(canvas.clientHeight * scale));
       request();
     }).observe(canvas);
+    addEventListener("hashchange", openAddress);
     const theme = new MutationObserver(() => colour(false));
     theme.observe(document.documentElement, { attributeFilter: ["data-theme"] });
   };
@@ -465,6 +494,7 @@
   form.elements.stage.value = stage;
   move(moving);
   listen();
+  openAddress();
   const observe = () => new IntersectionObserver(([entry]) => {
     visible = entry.isIntersecting;
     if (visible && !loaded) { loaded = true; load(); }

@@ -1,5 +1,6 @@
-// Stores guesses in the browser and shows them next to the answers, shows the reader's progress, and
-// makes content wider than the page accessible from the keyboard.
+// Stores guesses in the browser and shows them next to the answers, shows the reader's progress, keeps
+// the cameras of scenes in the address, and makes content wider than the page accessible from the
+// keyboard.
 (() => {
   const stored = (name) => { try { return localStorage.getItem(name); } catch { return null; } };
   const store = (name, text) => { try { localStorage.setItem(name, text); } catch { /* the browser refuses */ } };
@@ -97,13 +98,39 @@
     }
   }
 
+  // The address keeps the cameras of the scenes that the reader has moved, by their number on the page.
+  // Each scene is a page in a frame, and sends its camera when the reader has moved it.
+  const scenes = new Map([...document.querySelectorAll("iframe.scene")].map(
+    (frame, index) => [`scene-${index + 1}`, frame]));
+  const cameras = new Map(); // the scene that was moved last is at the end
+  const send = (name) => {
+    if (cameras.has(name)) scenes.get(name).contentWindow.postMessage({ camera: cameras.get(name) }, "*");
+  };
+  const openAddress = () => {
+    const found = [...new URLSearchParams(location.hash.slice(1))].filter(([name]) => scenes.has(name));
+    for (const [name, camera] of found) {
+      cameras.set(name, camera);
+      send(name);
+    }
+    if (found.length) scenes.get(found.at(-1)[0]).scrollIntoView({ block: "center" });
+  };
+  for (const [name, frame] of scenes) frame.addEventListener("load", () => send(name));
+  addEventListener("hashchange", openAddress);
+  addEventListener("message", ({ source, data }) => {
+    const [name] = [...scenes].find(([, frame]) => frame.contentWindow === source) ?? [];
+    if (!name || !data?.camera) return;
+    cameras.delete(name);
+    cameras.set(name, data.camera);
+    history.replaceState(history.state, "", `#${[...cameras].map((pair) => pair.join("=")).join("&")}`);
+  });
+
   const reach = () => {
     for (const wide of document.querySelectorAll('mjx-container[display="true"], .cell_output .output')) {
       if (wide.scrollWidth > wide.clientWidth) wide.tabIndex = 0;
     }
   };
   addEventListener("load", () => {
-    (window.MathJax?.startup?.promise ?? Promise.resolve()).then(reach);
+    (window.MathJax?.startup?.promise ?? Promise.resolve()).then(() => { reach(); openAddress(); });
   });
   addEventListener("resize", reach);
 
