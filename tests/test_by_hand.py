@@ -145,7 +145,9 @@ def test_the_browser_gets_the_board(board):
 def test_a_function_gets_the_circle(widget, board):
     seen = []
     round_board = Board(board.limits, board.points, (0.0, 0.0, 1.0))
-    widget(lambda *circle: seen.append(circle) or Drawing(), message(circle=[1, 2, 3]), on=round_board)
+    widget(
+        lambda *circle: seen.append(circle) or Drawing(), message(circle=[1, 2, 3]), on=round_board
+    )
     assert seen == [(1.0, 2.0, 3.0)]
 
 
@@ -293,7 +295,7 @@ def test_a_figure_has_the_circle_and_its_square(board):
 @pytest.mark.slow
 def test_only_a_drawing_in_a_notebook_imports_anywidget():
     program = (
-        "import sys, utils; from utils import check; from utils.by_hand import Drawing, drag_points\n"
+        "import sys, utils; from utils import check; from utils.by_hand import drag_points\n"
         "assert not {'anywidget', 'ipywidgets', 'psygnal'} & sys.modules.keys()"
     )
     subprocess.run([sys.executable, "-c", program], cwd=PROJECT, check=True)

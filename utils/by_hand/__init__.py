@@ -26,8 +26,8 @@ from utils.plots.style import spans_from_limits
 __all__ = ["Drawing", "can_drag", "drag_circle", "drag_points"]
 
 MOTIONLESS = (
-    "The points of this figure do not move here. In JupyterLab or VS Code, you can drag them if the "
-    "package anywidget is installed."
+    "The points of this figure do not move here. In JupyterLab and VS Code, you can drag them, if "
+    "the package anywidget is installed."
 )
 
 
@@ -94,7 +94,7 @@ def drag_circle(
 
     def slider(value: float, low: float, high: float, title: str) -> FloatSlider:
         return FloatSlider(
-            value=value, min=low, max=high, step=0.2, description=title, continuous_update=False
+            value=value, min=low, max=high, step=0.1, description=title, continuous_update=False
         )
 
     x, y, radius = board.circle

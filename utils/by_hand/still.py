@@ -44,7 +44,7 @@ def draw_still(board: Board, drawing: Drawing) -> Axes:
             write(axes, *board.points[row], group["number"], offset=(9, 9))
     if not shapes["groups"]:
         dots(axes, *board.points.T, "o", INK, size, zorder=3)
-    for one, dashes in zip(shapes["lines"], ("-", "--", ":")):
+    for one, dashes in zip(shapes["lines"], ("-", "--", ":"), strict=False):
         across, up = np.transpose(one["ends"])
         style = {"color": INK, "linestyle": dashes, "linewidth": 1.8, "zorder": 2.5}
         axes.plot(across, up, scalex=False, scaley=False, label=one["name"], **style)
@@ -58,7 +58,8 @@ def draw_still(board: Board, drawing: Drawing) -> Axes:
         for left, low, right, high in one["boxes"]:
             corner = (left, low)
             axes.add_patch(Rectangle(corner, right - left, high - low, zorder=0.9, **style))
-        axes.add_patch(Rectangle((0, 0), 0, 0, label=f"{one['name']}: {len(one['boxes'])}", **style))
+        label = f"{one['name']}: {len(one['boxes'])}"
+        axes.add_patch(Rectangle((0, 0), 0, 0, label=label, **style))
     if len(board.movable) < len(board.points):
         style = {"color": INK, "fillstyle": "none", "linestyle": "none", "zorder": 4}
         axes.plot(*board.points[list(board.movable)].T, "o", markersize=2.2 * size, **style)

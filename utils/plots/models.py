@@ -146,7 +146,7 @@ def ends_of_line(line: np.ndarray, view: np.ndarray) -> np.ndarray:
 
 
 def _draw_line(axes: Axes, line: np.ndarray, tolerance: float | None, name: str) -> None:
-    """Draw the line a u + b v + c = 0 across the view, and the band |a u + b v + c| <= tolerance."""
+    """Draw the line a u + b v + c = 0 and the band |a u + b v + c| <= tolerance."""
     normal = line[:2]
     ends = ends_of_line(line, np.array([axes.get_xlim(), axes.get_ylim()]))
     if tolerance is not None:
