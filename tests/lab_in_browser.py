@@ -17,7 +17,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from selenium.common.exceptions import StaleElementReferenceException, TimeoutException
+from selenium.common.exceptions import TimeoutException, WebDriverException
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
@@ -53,7 +53,9 @@ def notebook_with(source, html=""):
         "metadata": {},
         "outputs": [output] if html else [],
     }
-    return {"cells": [cell], "metadata": {}, "nbformat": 4, "nbformat_minor": 5}
+    kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
+    metadata = {"kernelspec": kernel}  # otherwise, JupyterLab asks for a kernel
+    return {"cells": [cell], "metadata": metadata, "nbformat": 4, "nbformat_minor": 5}
 
 
 def free_port():
@@ -132,8 +134,8 @@ def faults_of_drawing(address, picture):
 
         def wait(condition):
             with contextlib.suppress(TimeoutException):
-                again = [StaleElementReferenceException]
-                return WebDriverWait(driver, PATIENCE, ignored_exceptions=again).until(condition)
+                patient = WebDriverWait(driver, PATIENCE, ignored_exceptions=[WebDriverException])
+                return patient.until(condition)
 
         def one(selector):
             return driver.find_element(By.CSS_SELECTOR, selector)
@@ -153,8 +155,8 @@ def faults_of_drawing(address, picture):
         wait(
             lambda _: one(".jp-Notebook-ExecutionIndicator").get_attribute("data-status") == "idle"
         )
-        one(".jp-CodeCell .cm-content").click()
-        ActionChains(driver).key_down(Keys.SHIFT).send_keys(Keys.ENTER).perform()
+        wait(lambda _: one(".jp-CodeCell .cm-content").click() or True)
+        ActionChains(driver).key_down(Keys.SHIFT).send_keys(Keys.ENTER).key_up(Keys.SHIFT).perform()
         if not wait(lambda _: one(".by-hand-handle").is_displayed()):
             yield "the drawing does not appear"
             return
@@ -171,12 +173,14 @@ def faults_of_drawing(address, picture):
         if not wait(lambda _: place() < 0.5 and has_followed()) or line_height() < before + 20:
             yield f"the line does not follow the mouse: {title()}"
         dragged = place()
-        ActionChains(driver).key_up(Keys.SHIFT).send_keys(Keys.ARROW_UP).perform()
+        ActionChains(driver).send_keys(Keys.ARROW_UP).perform()
         if not wait(lambda _: place() > dragged + 0.05 and has_followed()):
             yield f"the line does not follow the keyboard: {title()}"
         driver.save_screenshot(picture)
+        upwards = ActionChains(driver).key_down(Keys.SHIFT)
         for _ in range(10):
-            ActionChains(driver).key_down(Keys.SHIFT).send_keys(Keys.ARROW_UP).perform()
+            upwards.send_keys(Keys.ARROW_UP)
+        upwards.key_up(Keys.SHIFT).perform()
         if not wait(lambda _: "level raised ValueError: too high" in one(".by-hand-message").text):
             yield f"the exception is not shown: {one('.by-hand-message').text}"
         one(".by-hand button").click()

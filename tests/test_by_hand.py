@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 from importlib import util
+from types import SimpleNamespace
 
 import ipywidgets
 import matplotlib.pyplot as plt
@@ -16,6 +17,7 @@ from utils import by_hand
 from utils.by_hand import Drawing, drag_circle, drag_points
 from utils.by_hand.drawing import Board
 from utils.by_hand.still import draw_still
+from utils.plots.regions import pruned_regions
 from utils.plots.style import BLUE, PALE, VERMILION
 
 LIMITS = ((-4, 6), (-2, 3))
@@ -100,6 +102,19 @@ def test_everything_to_draw_can_be_sent_to_the_browser(board):
     shapes = json.loads(json.dumps(drawing.shapes(board), allow_nan=False))
     assert shapes["edges"] == [[0, 2]]
     assert shapes["rectangles"] == [{"name": "pruned", "boxes": [[1, 1, 1, 1]] * 2}]
+
+
+def test_pruned_regions_are_those_of_the_branches_that_a_search_leaves_out():
+    def node(index, point, left=None, right=None):
+        return SimpleNamespace(index=index, point=point, left=left, right=right)
+
+    low, high = node(2, (2.0, -1.0)), node(3, (3.0, 2.0))
+    root = node(0, (0.0, 0.0), node(1, (-2.0, 1.0)), node(4, (1.0, 0.5), low, high))
+    assert sorted(pruned_regions(root, [0, 4, 3], LIMITS).tolist()) == [
+        [-4, -2, 0, 3],  # to the left of the root
+        [0, -2, 6, 0.5],  # to the right of the root and below node 4
+    ]
+    assert pruned_regions(root, [0, 1, 2, 3, 4], LIMITS).shape == (0, 4)
 
 
 # ---- messages -----------------------------------------------------------------------------------
