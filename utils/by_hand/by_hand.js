@@ -399,7 +399,7 @@ function render({ model, el }) {
   }
   button("Start again", startAgain);
   below.append(html("span", "", (canAdd ? "Click to add a point. Drag it, or"
-    : circle ? "Drag the cross or the edge, or" : "Drag, or")
+    : board.circle ? "Drag the cross or the edge, or" : "Drag, or")
     + " press Tab and use the arrow keys." + (canAdd ? " Delete removes it." : "")));
 
   function updateButtons() {
