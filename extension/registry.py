@@ -6,6 +6,7 @@ COMMANDS = (add_league,)
 REPORT_LINKS = (league_links,)
 OPTIONAL_PACKAGES = (
     ("utils/breaking", "utils.breaking"),
+    ("utils/by_hand", "utils.by_hand"),
     ("utils/drive", "utils.drive"),
     ("utils/replays", "replay"),
     ("utils/replays/clustering", "replay(euclidean_clustering)"),

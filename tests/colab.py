@@ -145,7 +145,7 @@ def course_files():
         path.relative_to(PROJECT).as_posix(): path.read_bytes()
         for folder in ("data", "solutions", "utils")
         for path in (PROJECT / folder).rglob("*")
-        if path.is_file() and path.suffix in (".py", ".md", ".html", ".json", ".txt", ".npz")
+        if path.is_file() and path.suffix in (".py", ".md", ".html", ".js", ".json", ".txt", ".npz")
     }
 
 

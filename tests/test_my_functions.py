@@ -112,6 +112,21 @@ def test_sliders_and_failing_lines_are_skipped(folder):
         functions.needs(1)
 
 
+def test_drawings_to_change_by_hand_are_left_out(folder, monkeypatch):
+    shown = []
+    monkeypatch.setattr("utils.by_hand.drag_points", lambda *about, **more: shown.append(about))
+    write(
+        folder / "a.ipynb",
+        "from utils.by_hand import Drawing, drag_points",
+        "def level(points):\n    return Drawing(str(f(points)))",
+        "drag_points(level, [[0, 0]], limits=(0, 1, 0, 1))",
+        "def f(points):\n    return len(points)",
+    )
+    functions = load_my_functions("a.ipynb")
+    assert functions.f([1, 2]) == 2 and functions.level([1]).title == "1"
+    assert not shown
+
+
 def test_a_stub_raises_when_it_is_called(folder):
     write(
         folder / "a.ipynb",

@@ -229,6 +229,8 @@ def show(n):
     plt.plot([n])
     plt.show()
 guess.compare(7, "So it is.")
+from utils.by_hand import Drawing, drag_points
+drag_points(lambda points: Drawing("Two points"), [[0, 0], [1, 1]], limits=(0, 1, 0, 1))
 print(sorted(name for name in globals() if "record" in name or name == "np"))
 """
     sources = (setup, runs.recorder_code(), lesson)
@@ -237,10 +239,12 @@ print(sorted(name for name in globals() if "record" in name or name == "np"))
     assert not errors_of(notebook)
     outputs = notebook.cells[2].outputs
     kinds = [max(output.get("data", {}).keys() - {"text/plain"}, default="") for output in outputs]
-    question, *between, answer, _ = kinds
+    question, *between, answer, drawing, note, _ = kinds
     assert (question, answer) == (widget_states.QUESTION_TYPE, widget_states.ANSWER_TYPE)
     assert between == [widget_states.POSITION_TYPE, "image/png"] * 5
-    assert outputs[-2].data[widget_states.ANSWER_TYPE] == {
+    assert (drawing, note) == ("image/png", "text/html"), "points do not move on a page"
+    assert "Two points" in outputs[-3].metadata["image/png"]["alt"]
+    assert outputs[-4].data[widget_states.ANSWER_TYPE] == {
         "question": "How many?",
         "answer": "7 m",
         "why": "So it is.",

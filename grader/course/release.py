@@ -16,7 +16,7 @@ TOP_FOLDER = "lidar_obstacle_lab"
 """Top folder in every zip, so that the zips of several stages can be unpacked into one course."""
 README = PROJECT / "solutions" / "student_readme.md"
 TOOLS = {
-    "utils": (".py", ".html", ".json", ".md"),
+    "utils": (".py", ".html", ".js", ".json", ".md"),
     "data": (".md", ".txt", ".npz", ".png"),
 }
 PROGRAMS = ("jupyterlab", "ipykernel")  # needed to open and run a notebook

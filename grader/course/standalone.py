@@ -133,7 +133,7 @@ def packed_tools(lesson: str) -> bytes:
             name = path.relative_to(PROJECT)
             is_of_other_lesson = others & {name.stem, *name.parts}
             if (
-                path.suffix not in (".py", ".html", ".json")
+                path.suffix not in (".py", ".html", ".js", ".json")
                 or is_of_other_lesson
                 or not path.is_file()
             ):

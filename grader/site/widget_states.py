@@ -32,12 +32,13 @@ def record() -> None:
     import ipywidgets
     from IPython import get_ipython
 
-    from utils import predictions
+    from utils import by_hand, predictions
     from utils.questions import ask
 
     # A question about a change would show a line of the course's answer.
     ask.ask_about = functools.partial(ask.ask_about, kinds=(ask.predict, ask.predict))
     ipywidgets.interact = interact
+    by_hand.can_drag = lambda: False  # a page has no kernel that could answer
     predictions.predict = predict
     predictions.Prediction.compare = compare
     shell = get_ipython()

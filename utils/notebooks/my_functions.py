@@ -27,6 +27,7 @@ _PROJECT = Path(__file__).resolve().parents[2]
 # streets that take seconds to simulate.
 _PRESENTATION_MODULES = (
     "matplotlib.pyplot",
+    "utils.by_hand",
     "utils.drive",
     "utils.films",
     "utils.plots",

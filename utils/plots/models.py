@@ -47,7 +47,7 @@ def line_model(
     groups = _inlier_groups(inliers, len(points), VERMILION)
     axes = draw_groups(points, groups, view="above", limits=limits, axes=axes, title=title)
     if line is not None:
-        _draw_line(axes, _coefficients(line, 3, "line"), tolerance, "line")
+        _draw_line(axes, as_coefficients(line, 3, "line"), tolerance, "line")
     return finish(axes, title)
 
 
@@ -88,7 +88,7 @@ def plane_model(
     axes = draw_groups(cloud, groups, view=view, limits=limits, axes=axes, title=title)
     if plane is None:
         return axes
-    a, b, c, d = _coefficients(plane, 4, "plane")
+    a, b, c, d = as_coefficients(plane, 4, "plane")
     if view == "side":
         cut = np.array([a, c, d])
     else:
@@ -112,7 +112,7 @@ def _inlier_groups(inliers: ArrayLike | None, count: int, outlier_colour: str) -
     )
 
 
-def _coefficients(model: ArrayLike, count: int, name: str) -> np.ndarray:
+def as_coefficients(model: ArrayLike, count: int, name: str) -> np.ndarray:
     """Return the coefficients of a model, scaled to a normal of length 1."""
     letters = ", ".join("abcd"[:count])
     try:
@@ -130,21 +130,27 @@ def _coefficients(model: ArrayLike, count: int, name: str) -> np.ndarray:
     return model / length
 
 
-def _draw_line(axes: Axes, line: np.ndarray, tolerance: float | None, name: str) -> None:
-    """Draw the line a u + b v + c = 0 across the view, and the band |a u + b v + c| <= tolerance.
+def ends_of_line(line: np.ndarray, view: np.ndarray) -> np.ndarray:
+    """Return two points (2, 2) of the line a u + b v + c = 0 that are outside the view.
 
-    The coordinates u and v are the horizontal and the vertical coordinate of the drawing.
+    The coordinates u and v are the horizontal and the vertical coordinate of the drawing. The view
+    has shape (2, 2): low and high u, then low and high v.
     """
     normal = line[:2]
     squared = normal @ normal
     along = np.array([-normal[1], normal[0]]) / np.sqrt(squared)
-    view = np.array([axes.get_xlim(), axes.get_ylim()])
     middle = view.mean(axis=1)
     foot = middle - (normal @ middle + line[2]) / squared * normal
-    # At any slope, the line is longer than the view; the axes clip it.
-    ends = foot + np.outer([-2, 2], along) * np.linalg.norm(view[:, 1] - view[:, 0])
+    # At any slope, the line is longer than the view, which clips it.
+    return foot + np.outer([-2, 2], along) * np.linalg.norm(view[:, 1] - view[:, 0])
+
+
+def _draw_line(axes: Axes, line: np.ndarray, tolerance: float | None, name: str) -> None:
+    """Draw the line a u + b v + c = 0 and the band |a u + b v + c| <= tolerance."""
+    normal = line[:2]
+    ends = ends_of_line(line, np.array([axes.get_xlim(), axes.get_ylim()]))
     if tolerance is not None:
-        offset = float(tolerance) / squared * normal
+        offset = float(tolerance) / (normal @ normal) * normal
         corners = np.concatenate([ends + offset, ends[::-1] - offset])
         axes.add_patch(
             Polygon(

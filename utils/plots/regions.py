@@ -31,6 +31,7 @@ from utils.plots.style import (
     finish,
     frame,
     key,
+    spans_from_limits,
     styled,
 )
 from utils.visits import NOT_YET, PRUNED, VISITED, node_states
@@ -192,20 +193,49 @@ def _draw_window(axes: Axes, target: np.ndarray, tolerance: float) -> None:
     key(axes, "target", "+", colour=INK, size=9, markeredgewidth=1.8)
 
 
+def pruned_regions(root: Node | None, visited: Iterable[int], limits: ArrayLike) -> np.ndarray:
+    """Return the largest cells that a search prunes.
+
+    Parameters
+    ----------
+    root : node or None
+        An object with `point`, `index`, `left` and `right`.
+    visited : sequence of int
+        Indices of the nodes that the search visits.
+    limits : ((x_low, x_high), (y_low, y_high)) or four numbers
+        Region in metres that the root divides.
+
+    Returns
+    -------
+    ndarray, shape (m, 4)
+        Corners (x_low, y_low, x_high, y_high) of each cell, in metres.
+    """
+    cells = _cells(spans_from_limits(limits), root)
+    pruned = _largest_cells(cells, node_states(root, list(visited)), PRUNED)
+    return np.array([[*cell.lower, *cell.upper] for cell in pruned]).reshape(-1, 4)
+
+
+def _largest_cells(cells: list[_Cell], state_of: dict[int, str], state: str) -> list[_Cell]:
+    """Return the cells of nodes in a state whose parents were visited."""
+    return [
+        cell
+        for cell in cells
+        if state_of[id(cell.node)] == state
+        and (cell.parent is None or state_of[id(cell.parent)] == VISITED)
+    ]
+
+
 def _draw_unvisited_regions(
     axes: Axes, root: Node | None, visited: list[int], steps: int | None
 ) -> None:
     """Hatch the largest cells that the search prunes, and dot those that it enters later."""
-    cells, state_of = _cells(axes, root), node_states(root, visited, steps)
+    cells, state_of = _cells(_view_of(axes), root), node_states(root, visited, steps)
     for state, style in REGION_STYLES.items():
-        branches = 0
-        for cell in cells:
-            above = VISITED if cell.parent is None else state_of[id(cell.parent)]
-            if state_of[id(cell.node)] == state and above == VISITED:
-                size = cell.upper - cell.lower
-                axes.add_patch(Rectangle(cell.lower, *size, linewidth=0, zorder=0.9, **style))
-                branches += 1
-        if branches:
+        largest = _largest_cells(cells, state_of, state)
+        for cell in largest:
+            size = cell.upper - cell.lower
+            axes.add_patch(Rectangle(cell.lower, *size, linewidth=0, zorder=0.9, **style))
+        if branches := len(largest):
             count = sum(node_fate == state for node_fate in state_of.values())
             label = f"{state}: {branches} branch{'es' * (branches > 1)}, {counted(count, 'point')}"
             axes.add_patch(Rectangle((0, 0), 0, 0, label=label, linewidth=0.6, **style))
@@ -213,7 +243,7 @@ def _draw_unvisited_regions(
 
 def _draw_splits(axes: Axes, root: Node | None, *, strength: float) -> None:
     cuts, widths = ([], []), ([], [])
-    for cell in _cells(axes, root):
+    for cell in _cells(_view_of(axes), root):
         axis = cell.depth % 2
         cut = np.stack([cell.lower, cell.upper])
         cut[:, axis] = np.ravel(cell.node.point)[axis]
@@ -254,11 +284,14 @@ def _as_rows(rows: Iterable[int], count: int, name: str) -> np.ndarray:
     return rows
 
 
-def _cells(axes: Axes, root: Node | None) -> list[_Cell]:
+def _view_of(axes: Axes) -> np.ndarray:
+    return np.array([axes.get_xlim(), axes.get_ylim()])
+
+
+def _cells(view: np.ndarray, root: Node | None) -> list[_Cell]:
     """Return a :class:`_Cell` for each node, parents first; the root divides the whole view."""
-    view = np.sort([axes.get_xlim(), axes.get_ylim()], axis=1)
     cells, seen = [], set()
-    waiting = [_Cell(root, None, 0, *view.T)]
+    waiting = [_Cell(root, None, 0, *np.sort(view, axis=1).T)]
     while waiting:
         cell = waiting.pop()
         if cell.node is None or id(cell.node) in seen:

@@ -160,7 +160,7 @@ def frame(
     if equal:
         axes.set_aspect("equal", adjustable="box")
     if limits is not None:
-        spans = _spans_from_limits(limits)
+        spans = spans_from_limits(limits)
     elif axes.has_data():
         return
     else:
@@ -175,7 +175,7 @@ def frame(
     axes.set_ylim(*spans[1])
 
 
-def _spans_from_limits(limits: ArrayLike) -> np.ndarray:
+def spans_from_limits(limits: ArrayLike) -> np.ndarray:
     """Return limits in either notation as a (2, 2) array, or raise ValueError with the format."""
     try:
         spans = np.asarray(limits, dtype=float).reshape(2, 2)

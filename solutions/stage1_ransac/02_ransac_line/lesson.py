@@ -458,6 +458,23 @@ check(ransac_line)
 replay(ransac_line)
 
 # %% [markdown]
+# **By hand.** Drag the ringed point up. At which heights does your RANSAC line take it in, and let go of it? What does the least-squares line do?
+
+# %%
+from utils.by_hand import Drawing, drag_points
+
+
+def two_lines(eleven):
+    line, inliers = ransac_line(eleven, 200, 1.0, 0)
+    slope, height = np.polyfit(eleven[:, 0], eleven[:, 1], 1)
+    return Drawing(f"RANSAC: {np.sum(inliers)} of {len(eleven)} points within 1 m",
+                   labels=np.where(inliers, 1, 2), names={1: "inliers", 2: "outliers"},
+                   lines={"RANSAC": line, "least squares": (slope, -1, height)}, tolerance=1.0)
+
+
+drag_points(two_lines, np.vstack([points[:10], (4, -5)]), movable=[10], limits=window)
+
+# %% [markdown]
 # **A good place to stop.** Your RANSAC works. Save the notebook. The second sitting takes 25 minutes. When you come back, first run all the cells above this one.
 
 # %% [markdown]

@@ -89,6 +89,19 @@ def test_one_run_in_ten_fails(lesson_run):
     assert 0.06 < 1 - np.mean(found) < 0.15
 
 
+def test_the_line_takes_the_dragged_point_in_and_lets_go_of_it(lesson_run):
+    low, high = lesson_run.names["window"][1]
+    wall, kept, slopes = lesson_run.names["points"][:10], [], []
+    for y in np.arange(low, high + 0.1, 0.5):
+        drawing = lesson_run.names["two_lines"](np.vstack([wall, (4, y)]))
+        kept.append(drawing.labels[10] == 1)
+        a, b, _ = drawing.lines["least squares"]
+        slopes.append(-a / b)
+    assert not kept[0] and not kept[-1]
+    assert 5 < sum(kept) < 12 and np.count_nonzero(np.diff(kept)) == 2
+    assert (np.diff(slopes) > 0).all(), "the least-squares line never lets go"
+
+
 def test_all_seeds_agree_after_two_thousand_rounds(lesson_run):
     assert lesson_run.names["always_the_same"] == ["2,000 rounds"]
     line_through, distance = (

@@ -42,7 +42,6 @@ from time import process_time
 
 import matplotlib.pyplot as plt
 import numpy as np
-from ipywidgets import FloatSlider, interact
 
 from utils import check, is_written, load_cloud, plots, predict, show_table
 from utils.replays import play, walk
@@ -430,30 +429,37 @@ check(KdTree, exercise="search")
 # Here are 120 points of the street, seen from above and inserted in random order. Move the circle and change its radius. Even a search that finds nothing looks at some nodes, because it has to walk down to the place where a point would be.
 
 # %%
+from utils.by_hand import Drawing, drag_circle
+from utils.plots.regions import pruned_regions
+
 rng = np.random.default_rng(4)
 near = obstacles[(np.abs(obstacles[:, 0] - 7.5) < 17) & (np.abs(obstacles[:, 1]) < 11), :2]
 one_per_metre = np.unique(np.floor(near), axis=0, return_index=True)[1]
 flat = np.round(near[rng.permutation(one_per_metre)[:120]], 2)
 garden = grow(flat)
 
-
-def draw_search(x, radius, axes=None):
-    visited, found = trace(garden, [x, -0.3], radius)
-    plots.kd_search(flat, garden.root, [x, -0.3], radius, visited, found=found, names=False,
-                    limits=((-13, 29), (-12, 12)), axes=axes,
-                    title=f"within {radius:.1f} m of x = {x:.1f} m")
+view = ((-13, 29), (-12, 12))
 
 
-@interact(x=FloatSlider(value=8.8, min=-2, max=18, step=0.2, description="x (m)",
-                        continuous_update=False),
-          radius=FloatSlider(value=2.0, min=0.2, max=10, step=0.2, description="radius (m)",
-                             continuous_update=False))
-def show_search(x, radius):
-    draw_search(x, radius)
-    plt.show()
+def search_around(x, y, radius):
+    visited, found = trace(garden, [x, y], radius)
+    labels = np.zeros(len(flat), dtype=int)
+    labels[visited], labels[found] = 1, 3
+    return Drawing(f"looked at {len(visited)} of {len(flat)} points", labels=labels,
+                   names={0: "not looked at", 1: "far", 3: "found"},
+                   rectangles={"pruned": pruned_regions(garden.root, visited, view)})
+
+
+drag_circle(search_around, (8.8, -0.3, 2.0), flat, limits=view)
 
 # %%
-# The same without sliders, for two radii.
+# The same for two radii, with the cuts of the tree.
+def draw_search(x, radius, axes):
+    visited, found = trace(garden, [x, -0.3], radius)
+    plots.kd_search(flat, garden.root, [x, -0.3], radius, visited, found=found, names=False,
+                    limits=view, axes=axes, title=f"within {radius:.1f} m of x = {x:.1f} m")
+
+
 figure, panels = plt.subplots(2, 1, figsize=(8.5, 11), layout="compressed")
 for metres, axes in zip((2.0, 8.0), panels):
     draw_search(8.8, metres, axes)

@@ -279,6 +279,21 @@ check(euclidean_clustering)
 replay(euclidean_clustering)
 
 # %% [markdown]
+# **By hand.** Click into the drawing to add a point, and drag it. Where does a single new point join all seven into one cluster?
+
+# %%
+from utils.by_hand import Drawing, drag_points
+
+
+def draw_clusters(flat):
+    labels = euclidean_clustering(np.column_stack([flat, np.zeros(len(flat))]), 0.8)
+    return Drawing(f"clusters: {len(np.unique(labels))}", labels=labels,
+                   edges=close_pairs(flat, 0.8))
+
+
+drag_points(draw_clusters, seven, can_add=True, limits=((-0.3, 2.7), (-1.5, 0.5)))
+
+# %% [markdown]
 # The scan is simulated, so we know which object each return comes from.
 
 # %% tags=["folded"]

@@ -5,7 +5,8 @@ from collections import deque
 import numpy as np
 import pytest
 from scipy.cluster.hierarchy import cophenet, linkage
-from scipy.spatial.distance import squareform
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial.distance import pdist, squareform
 from sklearn.cluster import DBSCAN
 
 from tests.lesson_texts import kept_function, run_statements_for
@@ -91,6 +92,17 @@ def labelled_on_leaving(points, threshold, most):
         queue.extend(new)
         entries += new
     return entries, labelled.sum()
+
+
+def test_one_more_point_can_join_all_seven_points(street):
+    def pieces(points):
+        return connected_components(squareform(pdist(points)) < 0.8)[0]
+
+    seven = street["seven"]
+    assert pieces(seven) == 3
+    grid = np.stack(np.meshgrid(np.arange(0, 2.4, 0.05), np.arange(-1.1, 0.2, 0.05)), -1)
+    joins = [pieces(np.vstack([seven, place])) == 1 for place in grid.reshape(-1, 2)]
+    assert 0 < np.mean(joins) < 0.1, "possible, but only in a small region"
 
 
 def test_a_point_labelled_on_leaving_enters_the_queue_again(street):
