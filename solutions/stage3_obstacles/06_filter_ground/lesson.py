@@ -223,7 +223,7 @@ print(f"the curves cross at {crossing:.2f} m; half of the ground is below "
       f"{np.median(ground[:, 2]):.2f} m")
 
 # %% [markdown]
-# The default is to the right of the crossing on purpose. A phantom obstacle makes the car brake for nothing, whereas we can do without the lowest half metre of an obstacle. Even so, some ground points stay. Where are they?
+# The default is to the right of the crossing on purpose. A phantom obstacle makes the car brake for nothing. Losing the lowest half metre of an obstacle costs little. Even so, some ground points stay. Where are they?
 
 # %%
 left_over = filter_ground(ground)
@@ -264,7 +264,7 @@ def by_skipping(rows):
 show_what_is_left({"every fifth": by_skipping})
 
 # %% [markdown]
-# Skipping rows thins out everything by the same factor. The wall still has more points than its shape needs, but the last car has only about thirty. We want the same density everywhere.
+# Skipping rows thins out everything by the same factor. The wall still has more points than its shape needs, but the last two cars have only about twenty and thirty. We want the same density everywhere.
 #
 # ## The idea: one point per cube of space
 #
@@ -274,7 +274,7 @@ show_what_is_left({"every fifth": by_skipping})
 #
 # The brackets mean *round down*, even below zero, so $\lfloor -0.2 \rfloor = -1$. Points with the same three whole numbers are in the same cell. We replace them by their mean in all columns, the *centroid*.
 #
-# `np.unique` finds the different numbers in an array, counts them, and says which of them each entry is. A cell is three numbers, so the folded function `as_numbers` first turns each row into one number.
+# `np.unique` finds the different numbers in an array, counts them, and gives for each entry its place among them. A cell is three numbers, so the folded function `as_numbers` first turns each row into one number.
 
 # %% tags=["folded"]
 # @title Turn each row into one number (you need not read this)
@@ -295,7 +295,7 @@ print("a number for each row:", as_numbers(cells), "  different ones:", differen
 print("row by row:", which, "  how many of each:", how_many)
 
 # %% [markdown]
-# Rows 0, 2 and 3 are of kind 0, and row 1 is of kind 1. Now we add up four prices by kind. There is a trap:
+# The values of these numbers mean nothing. Rows 0, 2 and 3 have the first of them, so they are of kind 0, and row 1 is of kind 1. Now we add up four prices by kind. There is a trap:
 
 # %%
 prices = np.array([10, 1, 5, 2])
@@ -462,7 +462,7 @@ fewer.compare(left[2] / left[3], "A LiDAR sees surfaces, not volumes. With cells
               "A street has both.")
 
 # %% [markdown]
-# A surface of area $A$ touches about $A / s^2$ cubes, and a pole of length $L$ touches about $L / s$ cubes. At the left end, your curve rises less than either line, because most of these small cells contain a single point.
+# A surface of area $A$ touches about $A / s^2$ cubes, and a pole of length $L$ touches about $L / s$ cubes. At the left end, your squares rise less than either line, because most of these small cells contain a single point.
 
 # %% [markdown]
 # ## Common mistakes
@@ -505,7 +505,7 @@ drive_with(-0.6) if is_written(filter_ground) else print(
     "filter_ground is not written, or has not passed its check.")
 
 # %% [markdown]
-# With -0.6 m, the car drives 82 m without braking. Now try the default, `drive_with(-1.2)`. The car brakes for bare asphalt, and gets less than half as far. The level is 0.53 m above the road under the car, and a road that climbs by 6 % reaches this level 9 m ahead of the sensor. Open a braking event below the strip to see its frame. (The strip shows shorter distances, because it measures them from the bumper, 2.6 m ahead of the sensor.)
+# With -0.6 m, the car drives 82 m without braking. Now try the default, `drive_with(-1.2)`. The car brakes for bare asphalt, and gets less than half as far. The level is 0.53 m above the road under the car, and a road that climbs by 6 % reaches this level 9 m ahead of the sensor. Open a braking event below the strip to see its frame. (The strip measures distances from the bumper, which is 2.6 m ahead of the sensor. So 9 m from the sensor is 6.4 m there.)
 #
 # Is -0.6 m the better level? Try it downhill, where a pedestrian crosses after ten seconds, with `drive_with(-0.6, street=16, seconds=13)`. Is there a level with which the car drives 82 m uphill and stops in time downhill?
 #

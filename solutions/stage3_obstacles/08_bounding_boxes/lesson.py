@@ -56,10 +56,10 @@ plots.clusters(cloud[labels > 0], labels[labels > 0], names=True, limits=street,
                title="The obstacles around us, from above")
 print(f"{len(cloud):,} returns, {np.count_nonzero(labels):,} of them on {len(present)} obstacles")
 print("labels:", present)
-print(f"car 10 is {length:.1f} m long and {width:.1f} m wide, and covers {length * width:.1f} m²")
+print(f"car 10 is {length:.2f} m long and {width:.2f} m wide, and covers {length * width:.1f} m²")
 
 # %% [markdown]
-# Some labels are missing, because those objects are hidden or too far away. Ahead on the left, a car with label 10 is turning out of a drive. Imagine a box around its points, with sides parallel to x and y.
+# Some numbers are missing from the printed list, because those objects are hidden or too far away. Ahead on the left, a car with label 10 is turning out of a drive. Imagine a box around its points, with sides parallel to x and y.
 
 # %%
 area = predict("How many square metres will the box around car 10 cover?",
@@ -128,7 +128,7 @@ print("coldest on each day: ", temperatures.min(axis=1))
 #
 # Corners 0 to 3 are the floor, and corners 4 to 7 are the roof. You can fill in this table with three nested loops, with x in the innermost loop. You can also write the number $k$ of a corner as a sum of 1, 2 and 4, such as 5 = 4 + 1. Corner $k$ has the larger x if its sum contains 1, the larger y if it contains 2, and the larger z if it contains 4.
 #
-# Python tests this with `&`, which combines binary digits in the same way as masks. So `5 & 4` is 4, because 5 contains the 4, and `5 & 2` is 0, because 5 does not contain the 2. An `if` treats 0 as False and every other number as True. In this example, two binary digits choose a trip of 2 km or 5 km, on foot or by train.
+# Python tests this with `&`: `a & b` has a binary 1 only where both numbers have a 1. So `5 & 4` is 4, because 5 contains the 4, and `5 & 2` is 0, because 5 does not contain the 2. An `if` treats 0 as False and every other number as True. In this example, two binary digits choose a trip of 2 km or 5 km, on foot or by train.
 
 # %%
 for number in range(4):
@@ -261,7 +261,8 @@ blocked = in_corridor(boxes, corridor)
 for row in np.flatnonzero(blocked):
     # The bumper is 2.6 m ahead of the sensor.
     gap = boxes[row, :, 0].min() - 2.6
-    print(f"{kinds[present[row]]} {present[row]}: {gap:.1f} m ahead of the bumper")
+    print(f"{kinds[present[row]]} {present[row]}: {abs(gap):.1f} m",
+          "ahead of the bumper" if gap > 0 else "behind the bumper")
 axes = plots.boxes(boxes[blocked], cloud=cloud[labels > 0], limits=((-2, 20), (-9, 9)),
                    names=[present[row] for row in np.flatnonzero(blocked)],
                    title="The corridor (dashed), and the obstacles that you find in it")
@@ -272,7 +273,7 @@ plots.boxes(get_bounding_boxes(corridor, np.array([1, 1])), reference=True, labe
 # %% [markdown]
 # <details><summary>An answer</summary>
 #
-# Write `return ((low < corridor[1]) & (high > corridor[0])).all(axis=1)`. Only the cyclist and a pedestrian are then left.
+# Write `return ((low < corridor[1]) & (high > corridor[0])).all(axis=1)`. Only a cyclist and a pedestrian are then left.
 # </details>
 #
 # How many comparisons do the boxes save?

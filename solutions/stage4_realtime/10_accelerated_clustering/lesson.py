@@ -156,7 +156,7 @@ for threshold in (0.25, 0.5, 1.0, 2.0):
 show_table(["threshold", "neighbours per point", "pairs", "memory"], table)
 
 # %% [markdown]
-# If you double the threshold, the list becomes two or three times as long, although there are *fewer* clusters to find. Twice as many points in the same street give *four* times as many pairs.
+# If you double the threshold, the list becomes two to three and a half times as long, although there are *fewer* clusters to find. Twice as many points in the same street give *four* times as many pairs.
 #
 # ## Nearly all pairs tell us nothing new
 #
@@ -325,7 +325,7 @@ print(cKDTree(five).query_pairs(2, p=np.inf, output_type="ndarray"))
 # %% [markdown]
 # Cells 0, 1 and 2 are within two steps of each other. Cells 3 and 4 are too far from cell 0, but they are two steps from cell 2.
 #
-# Neighbouring cells do not always belong together, because their points may be nearly three cells apart along each axis. So you measure, in two steps:
+# Neighbouring cells do not always belong together, because the points of two cells that are two steps apart may be nearly three sides apart along each axis. So you measure, in two steps:
 #
 # - **Cheap.** Are the two *representatives* closer than $r$? Then join the cells. This takes one distance for each pair of cells. Cells that are joined, directly or through others, form a **piece**.
 # - **Exact.** Even if two representatives are farther apart than $r$, two other points of their cells may be close. But you need not measure cells that are already in the same piece. Two neighbouring cells in *different* pieces are called an **open pair**. Only open pairs are compared point by point.
@@ -638,7 +638,7 @@ plots.clusters(obstacles, labels, names=True, limits=street, title="Your cluster
 check(euclidean_clustering_accelerated)
 
 # %% [markdown]
-# Are these *exactly* the clusters from all pairs? If so, each of your labels always occurs with the same label from all pairs, and the other way round. Then there are as many combinations as labels on either side.
+# Are these *exactly* the clusters from all pairs? Put the two labels of each point side by side. If the clusters are the same, there are as many different pairs of labels as labels on either side.
 
 # %%
 def same_clusters(labels, others):
@@ -702,7 +702,7 @@ measure_ways()
 print(f"compared {len(agree)} times: {'always' if all(agree) else 'NOT always'} the same clusters")
 axes = plots.timing(series, title=f"{len(ways)} ways to the same clusters")
 axes.axhline(0.1, color="black", linestyle=":")
-axes.text(0.99, 0.11, "one turn of the scanner", ha="right", va="bottom",
+axes.text(0.01, 0.11, "one turn of the scanner", ha="left", va="bottom",
           transform=axes.get_yaxis_transform());
 
 # %% tags=["folded"]
@@ -724,7 +724,7 @@ if "yours" in series and series["yours"][0][-1] == len(everything):
           if spent < 0.1 else "more than one turn")
 
 # %% [markdown]
-# The legend gives the exponents. The line of the tree bends upwards, because each search returns more neighbours as the cloud becomes denser. Compiled code lists and joins all pairs several times as fast. Your line is the flattest, because a denser cloud mostly puts more points into the same cells. On such data, its exponent can even be below 1. For a few thousand points, listing all pairs is fastest.
+# The legend gives the exponents. In theory, the time of the two ways that compare or list all pairs grows as n². Their exponents are smaller here, because each call of NumPy also takes a fixed time, which matters for small n. The line of the tree bends upwards, because each search returns more neighbours as the cloud becomes denser. Compiled code lists and joins all pairs several times as fast. Your line is the flattest, because a denser cloud mostly puts more points into the same cells. On such data, its exponent can even be below 1. For a few thousand points, listing all pairs is fastest.
 #
 # ## A threshold that grows
 #
@@ -770,7 +770,7 @@ axes.get_legend().remove()
 #
 # Usually a cell holds a handful of points. But a wet wall just in front of the sensor, or several merged scans, can put thousands of points into one cell. Comparing all of them with each other is the old problem again. So the next cells cluster two heaps, first a little *more* than the threshold apart, then a little less.
 #
-# **Estimate before you run it.** With 20,000 points in each heap, a list of all pairs could fill your computer's memory. So the cell first tries heaps of 1,000 points and then of 3,000. The larger heaps should take at most four times as long, not nine times.
+# **Estimate before you run it.** With 20,000 points in each heap, a list of all pairs could fill your computer's memory. So the cell first tries heaps of 1,000 points and then of 3,000. With three times as many points, the time may grow four times. If it grows nine times, your function compares all pairs.
 
 # %%
 def two_heaps(n, gap):
@@ -1160,7 +1160,7 @@ else:
           "and a half of the time of the three steps.")
 
 # %% [markdown]
-# In lesson 13, `notebooks/optional/13_compiled_loops.ipynb`, you write this grid as loops, and [Numba](https://numba.pydata.org) compiles them. Do not use Numba in the graded function, because the judge does not have it.
+# In lesson 13, `notebooks/optional/13_compiled_loops.ipynb`, you write this grid as loops, and [Numba](https://numba.pydata.org) compiles them. Do not use Numba in the graded function, because the grader does not have it.
 
 # %% [markdown]
 # ### How the threshold changes the time

@@ -232,7 +232,7 @@ def test_statements_about_pairs_are_true(obstacles):
         return (tree.query_ball_point(points, threshold, return_length=True) - 1).mean()
 
     assert mean_neighbours(tree, few, 0.5) / 2 > 100  # n - 1 pairs would be enough
-    for threshold in (0.25, 0.5, 1.0):  # the text says "two or three times as long"
+    for threshold in (0.25, 0.5, 1.0):  # the text says "two to three and a half times"
         longer = mean_neighbours(tree, few, 2 * threshold) / mean_neighbours(tree, few, threshold)
         assert 2 < longer < 3.4
     half = np.random.default_rng(0).permutation(obstacles)[: len(obstacles) // 2]

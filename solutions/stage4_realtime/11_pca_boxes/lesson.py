@@ -125,7 +125,7 @@ axes.legend()
 true_yaw = truth["box_yaws"][truth["box_identities"] == 10][0]
 print(f"largest at {best}°, smallest at {worst}°: {abs(best - worst)}° apart")
 heading.compare(np.degrees(true_yaw) % 180,
-                "You see a corner and two straight sides. The variance knows nothing about sides. "
+                "You see parts of two straight sides. The variance knows nothing about sides. "
                 "It only measures how far the points are from their mean.")
 
 # %% [markdown]
@@ -260,7 +260,7 @@ yaw, pitch, roll = turn.as_euler("ZYX", degrees=True)
 print(f"yaw {yaw:.1f}°, pitch {pitch:.1f}°, roll {roll:.1f}°")
 
 # %% [markdown]
-# No car has such a pitch and roll. The box tilts because the points are on two sides, the bonnet and the windscreen, but not on the underside. The first axis of a pedestrian is vertical, so its yaw is arbitrary.
+# No car has such a pitch and roll. (180° of the roll only mean that two axes point the other way. The rest is a tilt.) The box tilts because the points are on two sides, the bonnet and the windscreen, but not on the underside. The first axis of a pedestrian is vertical, so its yaw is arbitrary.
 #
 # A tempting solution is to compute the box in 3-D first, with length, width and height along the principal axes, and then to set pitch and roll to zero. Are all points still inside?
 
@@ -280,7 +280,7 @@ plots.compare(shares, label="points outside their own box (%)",
               title="Points outside a 3-D box that was set upright afterwards");
 
 # %% [markdown]
-# Boxes of cars lose a few points. Boxes of pedestrians, poles and walls lose most of their points. A pole's longest axis is vertical, so setting the box upright swaps its length, width and height. Therefore, **first decide that the box is upright, then measure it.**
+# Boxes of cars lose few points or none. Boxes of pedestrians, poles and walls lose most of their points. A pole's longest axis is vertical, and so is a wall's second axis. Setting such a box upright swaps its length, width and height. Therefore, **first decide that the box is upright, then measure it.**
 #
 # To find the yaw, look at the points from above by setting their heights to zero:
 
@@ -453,7 +453,7 @@ plots.curves(curves, marks, across="angle of the rectangle (°)", up="area (m²)
              title="Area of the rectangle around two cars");
 
 # %% [markdown]
-# The curve of car 9 has a sharp minimum at the true angle. Suppose that the whole outline of a car is visible, with sides $L$ and $W$. If you turn the rectangle away from it by a small angle $\delta$ (in radians), its area grows by $(L^2 + W^2)\,\delta$. For a car, that is about 0.36 m² for each degree. Only the outline matters, not the density of the points.
+# The curve of car 9 has a sharp minimum within 1° of the true angle. Suppose that the whole outline of a car is visible, with sides $L$ and $W$. If you turn the rectangle away from it by a small angle $\delta$ (in radians), its area grows by $(L^2 + W^2)\,\delta$. For a car, that is about 0.36 m² for each degree. Only the outline matters, not the density of the points.
 #
 # The curve of car 10 has a wide minimum, and it is not at the true angle, because much of the car is hidden. What about all nine vehicles?
 
@@ -779,9 +779,9 @@ flips.compare("all three" if min(jumps.values()) > 0 else "both of them, but not
               "rectangle looks the same after a quarter turn.")
 
 # %% [markdown]
-# The true yaw jumps by 360°, and the smallest rectangle by 90°. The first axis jumps by 180° or, like the true yaw, by 360°.
+# The true yaw jumps by 360°, and the smallest rectangle by 90°. The first axis jumps by 180° or, like the true yaw, by 360°. When the scanner sees only one end of the car, the first axis even lies across the car: look at 0.8 s.
 #
-# These jumps do not change the corners of the box, but a tracker needs a steady heading. With `np.unwrap` and a period of a quarter turn, each heading becomes the one nearest to the previous heading. Which of the four sides is the front? On the road, the direction of motion tells you. Here we take the true heading of the first frame.
+# These jumps do not change the corners of the box, but a tracker needs a steady heading. With `np.unwrap` and a period of a quarter turn, quarter turns are added to each heading until it is nearest to the previous one. Which of the four sides is the front? On the road, the direction of motion tells you. Here we take the true heading of the first frame.
 
 # %%
 def steady(values, start):
@@ -861,7 +861,7 @@ drive_with(0) if is_written(get_oriented_boxes) else print(
     "get_oriented_boxes is not written, or has not passed its check.")
 
 # %% [markdown]
-# The goal is 59 m without braking needlessly. Then let your function find the yaw in another way, and drive again. The points of the oncoming lorry form a thin L, as those of lorry 7 did. Finally, turn the scanner as in lesson 08, with `drive_with(12, street=1)`.
+# The goal is 59 m, braking only for the car ahead. Then let your function find the yaw in another way, and drive again. The points of the oncoming lorry form a thin L, as those of lorry 7 did. Finally, turn the scanner as in lesson 08, with `drive_with(12, street=1)`.
 #
 # <details><summary>An answer</summary>
 #
@@ -897,7 +897,7 @@ ask_about(get_oriented_boxes)
 # - Principal axes are the eigenvectors of the covariance matrix. Sort them, and make them right-handed. Their signs are free.
 # - The box of a car needs only a yaw. First decide that the box is upright, then measure it.
 # - The points are on two sides of a car, so its first axis leans, by 13° or more for most cars in our street.
-# - A first axis gives the heading up to half turns, and a rectangle up to quarter turns. Choose the heading nearest to the previous one.
+# - A first axis gives the heading up to half turns, as long as the scanner sees a long side. A rectangle gives it up to quarter turns. Choose the heading nearest to the previous one.
 #
 # **Sources.** Principal components: [Jolliffe and Cadima 2016](https://doi.org/10.1098/rsta.2015.0202). Limits of PCA boxes: [Dimitrov, Knauer, Kriegel and Rote 2006](https://www.researchgate.net/publication/235758825_On_the_bounding_boxes_obtained_by_principal_component_analysis). Quaternions and Euler angles: [SciPy, Rotation](https://docs.scipy.org/doc/scipy/reference/generated/scipy.spatial.transform.Rotation.html).
 #
