@@ -593,7 +593,7 @@ ask_about(euclidean_clustering)
 #   ```
 #
 #   In the Point Cloud Library (PCL), it is called `EuclideanClusterExtraction`.
-# - [Beams](#Words-of-the-course) spread out. Near the horizon, our beams are a third of a degree apart. That is 17 cm at 30 m, and 47 cm at 80 m, the range of our scanner. In our scan, every car beyond 40 m with at least ten returns is in pieces at 0.5 m. Real systems therefore let the threshold grow with distance, or use the *angle* of the step to the next return.
+# - [Beams](#Words-of-the-course) spread out. Near the horizon, our beams are a third of a degree apart. That is 17 cm at 30 m, and 47 cm at 80 m, the range of our scanner. In our scan, every car beyond 40 m with at least ten returns is in pieces at 0.5 m. Real systems therefore let the threshold grow with distance, as you do in lesson 10, or use the *angle* of the step to the next return.
 # - Detectors that were trained on labelled scans are better at separating people and cars. Clustering remains as a safety net. It also finds the sofa that fell off a lorry, which no training set contains.
 #
 # ## Summary
@@ -612,9 +612,8 @@ ask_about(euclidean_clustering)
 #
 # Each task takes about half an hour, and *Breaking it on purpose* takes about 15 minutes.
 #
-# 1. Let the threshold grow with the distance `r` from the sensor, as `0.3 + 0.01 * r`. Does either of the two errors become smaller?
-# 2. Let only points with at least five neighbours pass on their label. That is the full DBSCAN algorithm. Does it separate the two pedestrians? What happens to points that are never reached?
-# 3. Find the neighbours with your `KdTree` from lesson 04. (It compares distances with `<=`, but here the threshold needs `<`.) With how many points does the tree become faster than NumPy?
+# 1. Let only points with at least five neighbours pass on their label. That is the full DBSCAN algorithm. Does it separate the two pedestrians? What happens to points that are never reached?
+# 2. Find the neighbours with your `KdTree` from lesson 04. (It compares distances with `<=`, but here the threshold needs `<`.) With how many points does the tree become faster than NumPy?
 
 # %% [markdown]
 # ### Breaking it on purpose
