@@ -314,8 +314,9 @@ def test_points_and_lines_have_boxes():
 
 @pytest.mark.slow
 def test_headings_of_a_stream_jump_and_can_be_unwrapped():
-    truth, found = [], {"axis": [], "rectangle": []}
+    times, truth, found = [], [], {"axis": [], "rectangle": []}
     for frame in cyclist(seed=0)[::2]:
+        times.append(frame.time)
         box = next(box for box in frame.boxes if box.identity == 1)
         points = frame.cloud[frame.scan.objects == 1, :3]
         points = points[points[:, 2] > box.centre[2] - box.size[2] / 2 + 0.35]
@@ -332,6 +333,8 @@ def test_headings_of_a_stream_jump_and_can_be_unwrapped():
         jumps = jumps[jumps > 60]
         # The heading of the car and the lean of the axis also change between two frames.
         assert len(jumps) and abs(np.subtract.outer(jumps, steps)).min(axis=1).max() < 30
+    off = np.degrees(abs((found["axis"] - truth + quarter) % np.pi - quarter))
+    assert off[np.isclose(times, 0.8)] > 80, "the first axis lies across the car"
     truth = np.unwrap(truth)
     wrong = {}
     for name, values in found.items():
