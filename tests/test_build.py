@@ -317,6 +317,46 @@ def test_minutes_are_estimated_from_the_content_of_cells(toy):
     assert durations.section_minutes(cells)["Long"] == pytest.approx(34.26 + 15, abs=0.05)
 
 
+@pytest.mark.parametrize(
+    "code, minutes",
+    [
+        ("level = 0  # change this number", 3 + 1.8),
+        ("# Change this line.", 3 + 1.8),
+        ("# roughly 1 line", 3 + 1.8),
+        ("# the tree to change", 0),
+        ("ask_about(search)", 3),
+        ("drive_street(1)", 2),
+    ],
+)
+def test_tasks_outside_of_exercises_count(code, minutes):
+    cells = jupytext.reads(f"# %%\n{code}\n", fmt="py:percent")
+    assert sum(durations.section_minutes(cells).values()) == pytest.approx(minutes + 1 / 8)
+
+
+def test_common_cells_are_not_read():
+    text = '# %% [markdown] tags=["footer"]\n# ## Words\n#\n# ' + "word " * 500
+    assert durations.section_minutes(jupytext.reads(text, fmt="py:percent")) == {}
+
+
+def test_every_lesson_counts_its_two_questions(lesson):
+    """Find their section in the table that the lesson shows, and its minutes in the total."""
+    head = nbformat.read(lesson.released, as_version=4).cells[0].source
+    minutes = dict(re.findall(r"<td>([^<]*)</td><td>(\d+)</td>", head))
+    assert int(minutes["Two questions about your code"]) in (3, 4)
+    stated = int(re.search(r"about (\d+) minutes", head)[1])
+    # Each row, and the total, is rounded.
+    assert sum(map(int, minutes.values())) == pytest.approx(stated, abs=6)
+
+
+def test_a_lesson_may_state_the_minutes_of_readers():
+    long = "\n".join(["# ## Long", "#", "# " + "word " * 1000])
+    cells = jupytext.reads(f"# %% [markdown]\n# (time: 30)\n#\n{long}\n", fmt="py:percent")
+    durations.insert_durations(cells)
+    assert "about 30 minutes" in cells.cells[0].source
+    assert "<td>Long</td><td>30</td>" in cells.cells[0].source
+    assert durations.stated_minutes(cells) == 30
+
+
 def test_optional_sections_are_listed_but_not_counted():
     long, more = (
         "\n".join([f"# ## {title}", "#", "# " + "word " * 1500])

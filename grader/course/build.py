@@ -164,10 +164,11 @@ def solved_notebook(lesson: Lesson, origin: Origin) -> NotebookNode:
     notebook.nbformat, notebook.nbformat_minor = 4, 5
     id_counts = {}
     _insert_points(notebook)
-    durations.insert_durations(notebook)
     for cell in notebook.cells:
         for tag in COMMON_CELLS.keys() & set(cell.metadata.get("tags", ())):
             cell.source = common_cell(tag, lesson, origin)
+    durations.insert_durations(notebook)
+    for cell in notebook.cells:
         if earlier_lessons.TAG in cell.metadata.get("tags", ()):
             cell.source = earlier_lessons.insert_functions(cell.source)
         if cell.cell_type == "markdown":

@@ -18,7 +18,7 @@
 # - write code that the compiler accepts, and say what the first call costs,
 # - join groups with union-find, and stop as soon as the answer is known.
 #
-# **You write** five small functions. All packages are allowed, but Numba can compile only numbers, arrays, tuples, loops and NumPy. **You need** lessons 10 to 12. **Time:** (time), in two sittings of about 70 and 50 minutes.
+# **You write** five small functions. All packages are allowed, but Numba can compile only numbers, arrays, tuples, loops and NumPy. **You need** lessons 10 to 12. **Time:** (time), in two sittings of about 70 and 55 minutes.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)

@@ -20,7 +20,7 @@
 # - find the ground among cars, walls and people with RANSAC, and notice when it has found a wall instead,
 # - refine a plane, distinguish scatter from bias, and say how many rounds RANSAC needs.
 #
-# **You write** `plane_through` (points), `point_plane_distance` (points), `ransac_plane` (points), `fit_plane` (points) and `iterations_needed` (points). You may use any package listed at the end of this notebook. **You need** the idea of RANSAC from lesson 02. **Time:** (time), in two sittings of about 70 and 55 minutes.
+# **You write** `plane_through` (points), `point_plane_distance` (points), `ransac_plane` (points), `fit_plane` (points) and `iterations_needed` (points). You may use any package listed at the end of this notebook. **You need** the idea of RANSAC from lesson 02. **Time:** (time), in two sittings of about 70 and 60 minutes.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)

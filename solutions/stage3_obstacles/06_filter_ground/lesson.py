@@ -19,7 +19,7 @@
 # - remove the ground from a scan with a single comparison, and say when that is not enough,
 # - thin out a cloud to a fifth of its points, and say which objects keep the largest share of their points.
 #
-# **You write** `filter_ground` (points) and `voxel_grid` (points). **You need** NumPy arrays and boolean masks (lesson 01). All packages listed at the end are allowed. **Time:** about 55 minutes.
+# **You write** `filter_ground` (points) and `voxel_grid` (points). **You need** NumPy arrays and boolean masks (lesson 01). All packages listed at the end are allowed. **Time:** (time: 60).
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)

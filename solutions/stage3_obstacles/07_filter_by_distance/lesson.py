@@ -18,7 +18,7 @@
 # - cut a straight or bent region of interest out of a street,
 # - find and remove [returns](#Words-of-the-course) that do not come from obstacles.
 #
-# **You write** `filter_by_distance` (points), `crop_region` (points) and `remove_ego_returns` (points). **You need** boolean masks (lesson 01 or 06). All packages listed at the end are allowed. **Time:** about 45 minutes.
+# **You write** `filter_by_distance` (points), `crop_region` (points) and `remove_ego_returns` (points). **You need** boolean masks (lesson 01 or 06). All packages listed at the end are allowed. **Time:** (time: 50).
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)

@@ -21,7 +21,7 @@
 # - cluster fifty thousand points exactly, in three steps that leave few pairs to compare,
 # - explain why the result is exact, and find an input that breaks a careless shortcut.
 #
-# **You write** three small functions (checked, not graded) and `euclidean_clustering_accelerated` (points), which calls them. **You need** lesson 05, and the idea of lesson 04 but not its code. **Time:** (time), in two sittings of 45 and 55 minutes.
+# **You write** three small functions (checked, not graded) and `euclidean_clustering_accelerated` (points), which calls them. **You need** lesson 05, and the idea of lesson 04 but not its code. **Time:** (time), in two sittings of 50 and 60 minutes.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)

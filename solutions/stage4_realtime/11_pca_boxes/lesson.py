@@ -21,7 +21,7 @@
 # - put an upright, rotated box around any cluster, with every point inside,
 # - choose between principal axes, the smallest rectangle and the closest one, and explain your choice.
 #
-# **You write** `principal_axes` (points) and `get_oriented_boxes` (points). **You need** axis-aligned boxes (lesson 08) and matrix products. **Time:** (time), in two sittings of 35 and 80 minutes.
+# **You write** `principal_axes` (points) and `get_oriented_boxes` (points). **You need** axis-aligned boxes (lesson 08) and matrix products. **Time:** (time: 130), in two sittings of 40 and 90 minutes.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
