@@ -355,6 +355,63 @@ def test_level_lines_and_marks_are_labelled():
     assert "road: −1.73" in texts(plots.histogram([1, 2], marks={"road": -1.73}))
 
 
+def outlines(axes, wanted):
+    """Return the lower left and upper right corner of some texts of a figure, in pixels."""
+    axes.figure.canvas.draw()
+    boxes = [text.get_window_extent() for text in axes.texts if text.get_text() in wanted]
+    assert len(boxes) == len(wanted)
+    return [box.get_points() for box in boxes]
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_names_in_a_histogram_are_above_its_bars(count):
+    marks = {f"mark {number}": 5.0 for number in range(count)}
+    axes = plots.histogram(np.repeat([0.0, 5.0, 9.0], [1, 100, 1]), marks=marks)
+    tallest = max(bar.get_window_extent().y1 for bar in axes.patches)
+    written = outlines(axes, [f"{name}: 5" for name in marks])
+    assert min(low[1] for low, _ in written) > tallest
+
+
+@pytest.mark.parametrize(
+    "draw",
+    [
+        lambda cloud, labels: plots.clusters(cloud, labels, names=True, limits=((-3, 9), (-3, 3))),
+        lambda cloud, labels: plots.boxes(
+            [BOX * [0.1, 0.1, 1] + [0, 0.5 * row, 0] for row in range(4)],
+            cloud=cloud,
+            names=range(1, 5),
+            limits=((-3, 9), (-3, 3)),
+        ),
+    ],
+)
+def test_names_cover_neither_each_other_nor_their_points(draw):
+    """Draw a column of four clusters, in which a name above a cluster would cover the next one."""
+    labels = np.repeat([1, 2, 3, 4], 25)
+    spots = np.stack(np.meshgrid(*[np.linspace(-0.2, 0.2, 5)] * 2), axis=-1).reshape(-1, 2)
+    places = np.array([(0.6, 0.2), (0.6, 0.7), (0.6, 1.2), (0.6, 1.7)])
+    cloud = np.column_stack([(places[:, None] + spots).reshape(-1, 2), np.zeros(100)])
+    axes = draw(cloud, labels)
+    written = outlines(axes, ["1", "2", "3", "4"])
+    pixels = axes.transData.transform(cloud[:, :2])
+    for low, high in written:
+        assert not ((pixels > low) & (pixels < high)).all(axis=1).any()
+        overlaps = [(low < other[1]).all() and (high > other[0]).all() for other in written]
+        assert sum(overlaps) == 1  # with itself
+
+
+def test_names_of_boxes_do_not_cover_those_of_an_earlier_call():
+    axes = plots.boxes(BOX[None], names=["before"], reference=True, limits=((0, 12), (-3, 6)))
+    plots.boxes(BOX[None], names=["after"], axes=axes)
+    (first, second) = outlines(axes, ["before", "after"])
+    assert (first[0] > second[1]).any() or (first[1] < second[0]).any()
+
+
+def test_names_of_boxes_outside_the_view_are_left_out():
+    corners = [BOX, BOX + [100, 0, 0]]
+    axes = plots.boxes(corners, names=["near", "far"], limits=((0, 10), (0, 5)))
+    assert "near" in texts(axes) and "far" not in texts(axes)
+
+
 def test_timing_writes_the_exponent_and_the_names():
     n = np.array([100, 1000, 10_000])
     axes = plots.timing({"naive": (n, 1e-6 * n**2.0), "cells": (n, 1e-6 * n)})
@@ -564,10 +621,14 @@ def colours_of(axes):
     return points.norm.vmin, points.norm.vmax
 
 
-def test_heights_have_the_same_colours_in_every_figure():
-    for cloud in (BOX, BOX[:2], BOX + 1):
-        assert colours_of(plots.from_above(cloud)) == colours_of(plots.from_side(cloud)) == (-2, 2)
+def test_colours_cover_the_values_of_the_visible_points():
+    cloud = np.column_stack([np.arange(101.0), np.zeros(101), np.linspace(-2, 8, 101)])
+    for draw in (plots.from_above, plots.from_side):
+        assert colours_of(draw(cloud)) == pytest.approx((-1.9, 7.9))
+        assert colours_of(draw(cloud, limits=((-1, 50), (-9, 9)))) == pytest.approx((-1.95, 2.95))
+        assert colours_of(draw(cloud, span=(-2, 2))) == (-2, 2)
     assert colours_of(plots.from_above(BOX, values=BOX[:, 0], span=(0, 9))) == (0, 9)
+    assert colours_of(plots.from_above(BOX, limits=(50, 60, 50, 60))) == (0, 1)  # no point
 
 
 def test_side_views_say_when_they_are_stretched_and_can_be_to_scale():

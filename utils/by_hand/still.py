@@ -8,9 +8,9 @@ from matplotlib.collections import LineCollection
 from matplotlib.patches import Circle, Polygon, Rectangle
 
 from utils.by_hand.drawing import Board, Drawing
+from utils.plots.annotations import write
 from utils.plots.arguments import marker_size
 from utils.plots.clouds import dots
-from utils.plots.clusters import write
 from utils.plots.style import (
     GREEN,
     GRID,

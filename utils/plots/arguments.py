@@ -137,7 +137,7 @@ def drawn_rows(axes: Axes, across: np.ndarray, up: np.ndarray) -> tuple[np.ndarr
         Text for the corner of the figure; empty if all points are drawn.
     """
     finite = np.isfinite(across) & np.isfinite(up)
-    inside = finite & _is_between(across, axes.get_xlim()) & _is_between(up, axes.get_ylim())
+    inside = is_in_view(axes, across, up)
     rows, step = _thin(np.flatnonzero(inside))
     others, _ = _thin(np.flatnonzero(finite & ~inside))
     remarks = []
@@ -147,6 +147,11 @@ def drawn_rows(axes: Axes, across: np.ndarray, up: np.ndarray) -> tuple[np.ndarr
     if missing:
         remarks.append(f"{counted(missing, 'invalid row')} not shown")
     return np.sort(np.concatenate([rows, others])), " · ".join(remarks)
+
+
+def is_in_view(axes: Axes, across: np.ndarray, up: np.ndarray) -> np.ndarray:
+    """Return whether each point is in the visible region of `axes`; NaN is not."""
+    return _is_between(across, axes.get_xlim()) & _is_between(up, axes.get_ylim())
 
 
 def _is_between(values: np.ndarray, limits: tuple[float, float]) -> np.ndarray:

@@ -10,7 +10,15 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection
 from numpy.typing import ArrayLike
 
-from utils.plots.arguments import as_cloud, as_mask, as_values, drawn_rows, marker_size, project
+from utils.plots.arguments import (
+    as_cloud,
+    as_mask,
+    as_values,
+    drawn_rows,
+    is_in_view,
+    marker_size,
+    project,
+)
 from utils.plots.style import (
     BLUE,
     COLOURS,
@@ -51,8 +59,8 @@ def from_above(
     values : (n,) array_like of float, optional
         Values that the colours show; by default the height.
     span : (float, float), optional
-        Values at both ends of the colour scale. For heights the default is -2 and 2 m, so that a
-        car has the same colours in all figures; for other values, it is percentiles 1 and 99.
+        Values at both ends of the colour scale; by default percentiles 1 and 99 of the visible
+        points. Figures with the same span have the same colours.
     label : str, optional
         Name and unit of `values`, written next to the colour bar.
     title : str, optional
@@ -129,10 +137,6 @@ def kept_and_removed(
     keep = as_mask(keep, len(cloud))
     groups = (Group("removed", ~keep, "x", PALE), Group("kept", keep, "o", BLUE))
     return draw_groups(cloud, groups, view=view, title=title, limits=limits, axes=axes)
-
-
-# In metres, from below the road to the roof of a lorry: the same colours in every figure.
-HEIGHTS = (-2.0, 2.0)
 
 
 class Group(NamedTuple):
@@ -251,7 +255,7 @@ def _draw_coloured(
 ) -> Axes:
     cloud = as_cloud(cloud)
     if values is None:
-        values, label, span = cloud[:, 2], label or "height z (m)", span or HEIGHTS
+        values, label = cloud[:, 2], label or "height z (m)"
     values = as_values(values, len(cloud))
     across, up, across_label, up_label = project(cloud, view)
     axes = canvas(axes)
@@ -259,7 +263,7 @@ def _draw_coloured(
     levels = [] if level is None else [float(level)]
     frame(axes, across, np.append(up, levels), limits, equal=view != "side")
     rows, remark = drawn_rows(axes, across, up)
-    low, high, extend = _colour_range(values, span)
+    low, high, extend = _colour_range(values[is_in_view(axes, across, up)], span)
     size = marker_size(len(rows))
     points = axes.scatter(
         across[rows],

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-import matplotlib.patheffects
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from matplotlib.text import Annotation
 from numpy.typing import ArrayLike
 
-from utils.plots.arguments import as_cloud, as_labels, drawn_rows, marker_size, project
+from utils.plots.annotations import write_names, write_rows
+from utils.plots.arguments import (
+    as_cloud,
+    as_labels,
+    drawn_rows,
+    is_in_view,
+    marker_size,
+    project,
+)
 from utils.plots.clouds import dots, mark_sensor
 from utils.plots.style import (
     BLUE,
@@ -21,7 +27,6 @@ from utils.plots.style import (
     MUTED,
     PALE,
     PALETTE,
-    PAPER,
     VERMILION,
     WIDTH,
     canvas,
@@ -64,7 +69,7 @@ def clusters(
         1 and above for clusters; 0 (or less) for noise.
     view : {"above", "side", "side to scale"}
     names : bool
-        Write the label at each of the twelve biggest clusters.
+        Write the label next to each of the twelve biggest clusters in view.
     like : (n,) array_like of int, optional
         Labels of the same points in another figure. Clusters that share most of their points get
         the same colour in both figures.
@@ -81,13 +86,13 @@ def clusters(
     draw_labels(axes, across[rows], up[rows], shown[rows])
     if cloud.shape[1] > 2:
         mark_sensor(axes)
-    if names:
-        _write_names(axes, across, up, labels)
     count, noise = len(np.unique(labels[labels > 0])), np.count_nonzero(labels <= 0)
     key(axes, counted(count, "cluster"))  # without a marker, because clusters differ in colour
     if noise:
         key(axes, counted(noise, "noise point"), "x", colour=PALE)
     note(axes, remark)
+    if names:
+        _write_names(axes, across, up, labels)
     return finish(axes, title, across_label, up_label)
 
 
@@ -142,55 +147,14 @@ def renumber_like(yours: np.ndarray, expected: np.ndarray) -> np.ndarray:
 
 
 def _write_names(axes: Axes, across: np.ndarray, up: np.ndarray, labels: np.ndarray) -> None:
+    visible = is_in_view(axes, across, up)
+    places, labels = np.stack([across, up], axis=1)[visible], labels[visible]
     found, counts = np.unique(labels[labels > 0], return_counts=True)
-    for label in found[np.argsort(-counts, kind="stable")[:MAX_NAMES]]:
-        chosen = (labels == label) & np.isfinite(across) & np.isfinite(up)
-        if chosen.any():
-            write(axes, np.median(across[chosen]), np.median(up[chosen]), str(label), weight="bold")
-
-
-def write(
-    axes: Axes,
-    across: float,
-    up: float,
-    text: str,
-    *,
-    offset: ArrayLike = (0, 0),
-    size: float = 10.5,
-    weight: str = "normal",
-    ha: str = "center",
-) -> Annotation:
-    """Write `text` at a position in data coordinates, with a white edge that keeps it readable.
-
-    `offset` is the distance from this position in typographic points.
-    """
-    annotation = axes.annotate(
-        text,
-        (across, up),
-        xytext=offset,
-        textcoords="offset points",
-        ha=ha,
-        va="center",
-        fontsize=size,
-        fontweight=weight,
-        color=INK,
-        zorder=8,
-        annotation_clip=True,
-    )
-    annotation.set_path_effects([matplotlib.patheffects.withStroke(linewidth=3, foreground=PAPER)])
-    return annotation
-
-
-def write_rows(axes: Axes, points: np.ndarray) -> None:
-    """Write the row number next to each point, on the side away from its neighbours."""
-    for row in np.flatnonzero(np.isfinite(points).all(axis=1)):
-        away = points[row] - points
-        distances = np.linalg.norm(away, axis=1)
-        distinct = distances > 0
-        push = np.sum(away[distinct] / distances[distinct, None] ** 3, axis=0)
-        strength = np.linalg.norm(push)
-        offset = 11 * push / strength if strength > 0 else (8, 8)
-        write(axes, *points[row], str(row), offset=offset, size=10)
+    largest = found[np.argsort(-counts, kind="stable")[:MAX_NAMES]]
+    regions = [
+        (own.min(axis=0), own.max(axis=0)) for own in (places[labels == label] for label in largest)
+    ]
+    write_names(axes, regions, [str(label) for label in largest], places)
 
 
 @styled

@@ -9,9 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from numpy.typing import ArrayLike
 
+from utils.plots.annotations import write, write_names
 from utils.plots.arguments import as_cloud, as_names, drawn_rows, marker_size, project
 from utils.plots.clouds import dots, mark_sensor
-from utils.plots.clusters import write
 from utils.plots.style import (
     BLUE,
     INK,
@@ -52,7 +52,7 @@ def boxes(
         In metres; drawn in a pale colour below the boxes.
     view : {"above", "side", "side to scale"}
     names : bool or sequence of str or int, optional
-        Names to write at the boxes; True for the row numbers.
+        Names to write next to the boxes; True for the row numbers.
     label : str, optional
         Entry in the legend; the number of boxes is added.
     reference : bool
@@ -66,11 +66,10 @@ def boxes(
     names = as_names(names, len(corners))
     across, up, across_label, up_label = project(corners, view)
     axes = canvas(axes)
-    remark = ""
+    remark, cloud_2d = "", np.empty((2, 0))
     focus = (across, up)
     if cloud is not None:
-        cloud = as_cloud(cloud)
-        cloud_2d = project(cloud, view)[:2]
+        cloud_2d = np.stack(project(as_cloud(cloud), view)[:2])
         focus = focus if len(corners) else cloud_2d
     frame(axes, *focus, limits, equal=view != "side")
     if cloud is not None:
@@ -83,11 +82,11 @@ def boxes(
         LineCollection(outlines, colors=colour, linestyles=line, linewidths=1.8, zorder=4),
         autolim=False,
     )
-    for box in finite if names else ():
-        write(axes, across[box].mean(), up[box].max(), names[box], offset=(0, 8), weight="bold")
     key(axes, f"{label or 'boxes'}: {len(corners):,}", colour=colour, line=line, linewidth=1.8)
     mark_sensor(axes)
     note(axes, remark)
+    if names:
+        _write_names(axes, outlines, [names[box] for box in finite], cloud_2d.T)
     return finish(axes, title, across_label, up_label)
 
 
@@ -133,6 +132,15 @@ def corner_numbers(box: ArrayLike, *, title: str | None = None, axes: Axes | Non
         )
     _draw_directions(axes, start, 0.18 * extent)
     return finish(axes, title)
+
+
+def _write_names(
+    axes: Axes, outlines: list[np.ndarray], names: list[str], points: np.ndarray
+) -> None:
+    """Write names next to outlines, off `points` (m, 2) and off the outlines."""
+    regions = [(outline.min(axis=0), outline.max(axis=0)) for outline in outlines]
+    lines = [np.linspace(line[:-1], line[1:], 50).reshape(-1, 2) for line in outlines]
+    write_names(axes, regions, names, np.concatenate([points, *lines]))
 
 
 def _as_corners(corners: ArrayLike) -> np.ndarray:

@@ -23,6 +23,9 @@ from utils.plots.style import (
     styled,
 )
 
+MAX_ROWS_OF_NAMES = 6  # above a histogram
+ROW_OF_NAMES = 0.09  # share of the height of the axes
+
 
 @styled
 def histogram(
@@ -63,8 +66,9 @@ def histogram(
 
 
 def _draw_marks(axes: Axes, marks: Mapping[str, float]) -> None:
-    """Draw named vertical lines, with each name on the side that has more room."""
+    """Draw named vertical lines, with each name above the bars, on the side with more room."""
     marks = {name: float(value) for name, value in marks.items() if np.isfinite(value)}
+    axes.set_ylim(top=axes.get_ylim()[1] / (1 - ROW_OF_NAMES * min(len(marks), MAX_ROWS_OF_NAMES)))
     for index, value in enumerate(marks.values()):
         dashes = ("--", "-.", ":")[index % 3]
         axes.axvline(value, color=VERMILION, linewidth=1.6, linestyle=dashes)
@@ -75,7 +79,7 @@ def _draw_marks(axes: Axes, marks: Mapping[str, float]) -> None:
         left = room_left > room_right
         axes.annotate(
             f"{name}: {number(value)}",
-            (value, 0.98 - 0.09 * (index % 6)),
+            (value, 0.98 - ROW_OF_NAMES * (index % MAX_ROWS_OF_NAMES)),
             xycoords=axes.get_xaxis_transform(),
             xytext=(-5 if left else 5, 0),
             textcoords="offset points",

@@ -15,9 +15,9 @@ from matplotlib.collections import LineCollection
 from matplotlib.patches import Circle, Rectangle
 from numpy.typing import ArrayLike
 
+from utils.plots.annotations import write_rows
 from utils.plots.arguments import as_points, marker_size
 from utils.plots.clouds import dots
-from utils.plots.clusters import write_rows
 from utils.plots.style import (
     BLUE,
     GREEN,

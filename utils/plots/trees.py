@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
-from utils.plots.clusters import write
+from utils.plots.annotations import write
 from utils.plots.style import (
     BLUE,
     GREEN,

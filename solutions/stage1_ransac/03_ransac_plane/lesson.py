@@ -441,7 +441,7 @@ def show_threshold(threshold):
 figure, panels = plt.subplots(3, 1, figsize=(8.5, 8), layout="compressed")
 for threshold, axes in zip((0.03, 0.2, 0.8), panels):
     found, near = ransac_plane(street, 50, threshold, 1)
-    plots.from_above(street[~near], limits=((-10, 30), (-5, 5)), axes=axes,
+    plots.from_above(street[~near], limits=((-10, 30), (-5, 5)), span=(-2, 0.5), axes=axes,
                      title=f"A threshold of {threshold} m removes {shares(near)}")
     print(f"threshold {threshold} m: the plane climbs by {-100 * found[0] / found[2]:.1f} %")
 

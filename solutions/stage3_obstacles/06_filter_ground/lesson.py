@@ -169,13 +169,14 @@ check(filter_ground)
 
 # %%
 thin = cloud[::12]  # every twelfth point is enough for a picture
+heights = (-2, 0.5)  # the heights in metres at both ends of the colour scale
 
 
 @interact(level=FloatSlider(value=-1.2, min=-2.2, max=0.6, step=0.1, description="level (m)",
                             continuous_update=False))
 def show_level(level):
     kept = filter_ground(thin, level)
-    plots.from_above(kept, limits=street,
+    plots.from_above(kept, limits=street, span=heights,
                      title=f"{len(kept) / len(thin):.0%} of the points are above {level:.1f} m")
     plt.show()
 
@@ -186,7 +187,7 @@ def show_level(level):
 figure, rows = plt.subplots(3, 1, figsize=(8.5, 10.5), layout="compressed")
 for level, axes in zip((-1.6, -1.2, -0.5), rows):
     kept = filter_ground(thin, level)
-    plots.from_above(kept, limits=street, axes=axes,
+    plots.from_above(kept, limits=street, span=heights, axes=axes,
                      title=f"ground_level = {level} m keeps {len(kept) / len(thin):.0%}")
 plots.ring(rows[1], -11.7, -2.7, radius=2.5, text="a car")
 plots.ring(rows[2], -11.7, -2.7, radius=2.5, text="no car");

@@ -183,7 +183,7 @@ thin = obstacles[::4]  # every fourth point is enough for a picture
                            continuous_update=False))
 def show_radius(radius):
     plots.from_above(filter_by_distance(thin, radius), limits=((-35, 55), (-20, 25)),
-                     title=f"Obstacles within {radius} m")
+                     span=(-1.2, 0.8), title=f"Obstacles within {radius} m")
     plt.show()
 
 # %% tags=["folded"]

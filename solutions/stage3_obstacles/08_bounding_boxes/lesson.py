@@ -207,13 +207,8 @@ plots.corner_numbers(one[0], title="The box of seven points");
 # %%
 boxes = get_bounding_boxes(cloud, labels)
 print("shape:", boxes.shape)
-beside = (9, 16)  # these labels would cover another box, so they are written on the right
-axes = plots.boxes(boxes, cloud=cloud[labels > 0], limits=street,
-                   names=["" if label in beside else label for label in present],
-                   title="Your boxes, from above")
-for label in beside:
-    x, y = boxes[present.index(label), :, :2].T
-    axes.text(x.max() + 0.3, y.mean(), label, fontweight="bold", va="center")
+plots.boxes(boxes, cloud=cloud[labels > 0], limits=street, names=present,
+            title="Your boxes, from above")
 turning = boxes[present.index(10)]
 area.compare(np.prod(np.ptp(turning[:, :2], axis=0)),
              "A box that cannot turn must be larger when the car is at an angle. This box would "
