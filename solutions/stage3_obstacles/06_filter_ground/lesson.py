@@ -86,7 +86,7 @@ plots.from_side(near, level=0.0, limits=((-15, 40), (-3, 3)),
                 title="Above z = 0 hardly any part of a car is left");
 
 # %% [markdown]
-# Whole cars are below the line. In this cloud, z = 0 is the height of our sensor, and their roofs are lower. Other cars carry their sensor higher or lower, so the level must be a parameter.
+# Whole cars are below the line. In this cloud, z = 0 is the height of our sensor, and the roofs of these cars are lower. Other cars carry their sensor higher or lower, so the level must be a parameter.
 #
 # ## The idea: one level, a little above the road
 #
@@ -181,7 +181,7 @@ def show_level(level):
     plt.show()
 
 # %% [markdown]
-# The same without a slider, for three levels. A colour means the same height in all three pictures.
+# Here is the same without a slider, for three levels. A colour means the same height in all three pictures.
 
 # %%
 figure, rows = plt.subplots(3, 1, figsize=(8.5, 10.5), layout="compressed")
@@ -275,7 +275,7 @@ show_what_is_left({"every fifth": by_skipping})
 #
 # The brackets mean *round down*, even below zero, so $\lfloor -0.2 \rfloor = -1$. Points with the same three whole numbers are in the same cell. We replace them by their mean in all columns, the *centroid*.
 #
-# `np.unique` finds the different numbers in an array, counts them, and gives for each entry its place among them. A cell is three numbers, so the folded function `as_numbers` first turns each row into one number.
+# `np.unique` lists the different numbers in an array and counts them. It also says where in this list each entry is. A cell is three numbers, so the folded function `as_numbers` first turns each row into one number.
 
 # %% tags=["folded"]
 # @title Turn each row into one number (you need not read this)
@@ -296,7 +296,7 @@ print("a number for each row:", as_numbers(cells), "  different ones:", differen
 print("row by row:", which, "  how many of each:", how_many)
 
 # %% [markdown]
-# The values of these numbers mean nothing. Rows 0, 2 and 3 have the first of them, so they are of kind 0, and row 1 is of kind 1. Now we add up four prices by kind. There is a trap:
+# These numbers have no meaning of their own. Rows 0, 2 and 3 have the first number, so they are of kind 0. Row 1 has the second number, so it is of kind 1. Each row also has a price, and now we add up the prices of each kind. There is a trap:
 
 # %%
 prices = np.array([10, 1, 5, 2])
@@ -506,7 +506,7 @@ drive_with(-0.6) if is_written(filter_ground) else print(
     "filter_ground is not written, or has not passed its check.")
 
 # %% [markdown]
-# With -0.6 m, the car drives 82 m without braking. Now try the default, `drive_with(-1.2)`. The car brakes for bare asphalt, and gets less than half as far. The level is 0.53 m above the road under the car, and a road that climbs by 6 % reaches this level 9 m ahead of the sensor. Open a braking event below the strip to see its frame. (The strip measures distances from the bumper, which is 2.6 m ahead of the sensor. So 9 m from the sensor is 6.4 m there.)
+# With -0.6 m, the car drives 82 m without braking. Now try the default, `drive_with(-1.2)`. The car brakes for bare asphalt, and gets less than half as far. The level is 0.53 m above the road under the car, and a road that climbs by 6 % reaches this level 9 m ahead of the sensor. Open a braking event below the strip to see its frame. (The strip measures distances from the bumper, which is 2.6 m ahead of the sensor. So 9 m from the sensor is 6.4 m in the strip.)
 #
 # Is -0.6 m the better level? Try it downhill, where a pedestrian crosses after ten seconds, with `drive_with(-0.6, street=16, seconds=13)`. Is there a level with which the car drives 82 m uphill and stops in time downhill?
 #

@@ -13,7 +13,7 @@
 #
 # ![A street from above. An orange box surrounds each car, person, pole and wall. One car is at an angle to the street. Its true outline is dashed, and much of its box is empty.](08_preview.png)
 #
-# A [cluster](#Words-of-the-course) has hundreds or thousands of points. A car that has to brake has no time to compare all of them with its path, so it compares a box around them.
+# A [cluster](#Words-of-the-course) has hundreds or thousands of points. A car that has to brake has no time to compare all of these points with its path. It compares only a box around them.
 #
 # **After this lesson you can**
 # - put a box around every obstacle, and compute its eight corners from six numbers,
@@ -59,7 +59,7 @@ print("labels:", present)
 print(f"car 10 is {length:.2f} m long and {width:.2f} m wide, and covers {length * width:.1f} m²")
 
 # %% [markdown]
-# Some numbers are missing from the printed list, because those objects are hidden or too far away. Ahead on the left, a car with label 10 is turning out of a drive. Imagine a box around its points, with sides parallel to x and y.
+# Some numbers are missing from the printed list, because those objects are hidden or too far away. Ahead on the left, a car with label 10 is turning out of a driveway. Imagine a box around its points, with sides parallel to x and y.
 
 # %%
 area = predict("How many square metres will the box around car 10 cover?",
@@ -233,7 +233,7 @@ from utils.scene3d import Scene
 #
 # The car is going to drive straight ahead, through a corridor 2 m wide and 16 m long. Which obstacles are in it? Two boxes overlap on an axis if the low end of each box is below the high end of the other box.
 #
-# The function below tests only x, so it finds every obstacle ahead of us. Change its last line so that it tests all three axes. This task has no check. Of the four blocks below the function, only the first is in the corridor. The others are behind it, to the left of it and above it.
+# The function below tests only x, so it finds every obstacle ahead of us. Change its last line so that it tests all three axes. This task has no check. Of the four blocks below the function, only the first is in the corridor. The others are behind it, to the left of it and above it. The next cell then lists the obstacles of the street that your function finds. In this list, a `truck` is a lorry.
 
 # %%
 corridor = np.array([[2.0, -1.0, -1.5], [18.0, 1.0, 0.3]])  # its smallest and largest x, y, z
@@ -330,7 +330,7 @@ def show_turned(degrees):
     plt.show()
 
 # %% [markdown]
-# The same without a slider. The true outline of the car is dashed, and its scanned points are grey. (At another heading, a real scanner would see other parts of the car.)
+# Here is the same without a slider. The true outline of the car is dashed, and its scanned points are grey. (At another heading, a real scanner would see other parts of the car.)
 
 # %%
 figure, panels = plt.subplots(1, 2, figsize=(8.5, 4), layout="compressed")
