@@ -12,7 +12,14 @@ from matplotlib.figure import Figure
 from matplotlib.text import Annotation
 from numpy.typing import ArrayLike
 
-from utils.plots.arguments import as_cloud, as_labels, drawn_rows, marker_size, project
+from utils.plots.arguments import (
+    as_cloud,
+    as_labels,
+    as_names,
+    drawn_rows,
+    marker_size,
+    project,
+)
 from utils.plots.clouds import dots, mark_sensor
 from utils.plots.style import (
     BLUE,
@@ -181,8 +188,8 @@ def write(
     return annotation
 
 
-def write_rows(axes: Axes, points: np.ndarray) -> None:
-    """Write the row number next to each point, on the side away from its neighbours."""
+def write_point_names(axes: Axes, points: np.ndarray, names: Sequence[str]) -> None:
+    """Write a name next to each point, on the side away from its neighbours."""
     for row in np.flatnonzero(np.isfinite(points).all(axis=1)):
         away = points[row] - points
         distances = np.linalg.norm(away, axis=1)
@@ -190,7 +197,7 @@ def write_rows(axes: Axes, points: np.ndarray) -> None:
         push = np.sum(away[distinct] / distances[distinct, None] ** 3, axis=0)
         strength = np.linalg.norm(push)
         offset = 11 * push / strength if strength > 0 else (8, 8)
-        write(axes, *points[row], str(row), offset=offset, size=10)
+        write(axes, *points[row], names[row], offset=offset, size=10)
 
 
 @styled
@@ -200,7 +207,7 @@ def graph(
     *,
     view: str = "above",
     labels: ArrayLike | None = None,
-    names: bool = False,
+    names: bool | Sequence[str] = False,
     title: str | None = None,
     limits: ArrayLike | None = None,
     axes: Axes | None = None,
@@ -218,13 +225,14 @@ def graph(
     view : {"above", "side", "side to scale"}
     labels : (n,) array_like of int, optional
         Colour and marker as in :func:`clusters`.
-    names : bool
-        Write the row number at each point.
+    names : bool or sequence of str
+        Names to write at the points; True for the row numbers.
     title, limits, axes
         As in :func:`utils.plots.from_above`.
     """
     cloud = as_cloud(cloud, planar=True)
     labels = np.ones(len(cloud), int) if labels is None else as_labels(labels, len(cloud))
+    names = as_names(names, len(cloud), "point")
     edges = _as_edges(edges, len(cloud))
     across, up, across_label, up_label = project(cloud, view)
     axes = canvas(axes)
@@ -234,7 +242,7 @@ def graph(
     axes.add_collection(LineCollection(ends, colors=MUTED, linewidths=1.0, zorder=1), autolim=False)
     draw_labels(axes, across, up, labels)
     if names:
-        write_rows(axes, np.stack([across, up], axis=1))
+        write_point_names(axes, np.stack([across, up], axis=1), names)
     key(axes, counted(len(edges), "pair") + " of neighbours", colour=MUTED, line="-")
     return finish(axes, title, across_label, up_label)
 
