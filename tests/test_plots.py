@@ -270,6 +270,7 @@ WRONG = {
     "values": (lambda: plots.from_above(np.zeros((5, 3)), values=[1]), "one entry per point"),
     "edges": (lambda: plots.graph(QUIZ, [(0, 11)]), "row numbers from 0 to 10"),
     "edge shape": (lambda: plots.graph(QUIZ, [0, 1]), r"shape \(m, 2\)"),
+    "point names": (lambda: plots.graph(QUIZ, names=["a", "b"]), "one name per point"),
     "line of 4": (lambda: plots.line_model(QUIZ, (1, 2, 3, 4)), r"3 numbers \(a, b, c\)"),
     "no direction": (lambda: plots.line_model(QUIZ, (0, 0, 3)), r"\(a, b\) must be finite"),
     "points": (lambda: plots.line_model(np.zeros((5, 3)), None), r"\(n, 2\)"),
@@ -410,6 +411,16 @@ def test_names_of_boxes_outside_the_view_are_left_out():
     corners = [BOX, BOX + [100, 0, 0]]
     axes = plots.boxes(corners, names=["near", "far"], limits=((0, 10), (0, 5)))
     assert "near" in texts(axes) and "far" not in texts(axes)
+
+
+def test_points_are_named_by_row_or_by_letter():
+    assert {"0", "1", "2"} <= set(texts(plots.graph(QUIZ[:3], names=True)))
+    assert {"a", "b", "c"} <= set(texts(plots.graph(QUIZ[:3], names="abc")))
+
+
+def test_bars_have_their_numbers_with_all_digits_of_thousands():
+    axes = plots.compare({"a": 7_100_000, "b": 58_658, "c": -1234.4, "d": 0.12346, "e": 1e12})
+    assert texts(axes) == ["7,100,000", "58,658", "−1,234", "0.1235", "1e+12"]
 
 
 def test_timing_writes_the_exponent_and_the_names():

@@ -89,8 +89,8 @@ def write(
     return annotation
 
 
-def write_rows(axes: Axes, points: np.ndarray) -> None:
-    """Write the row number next to each point, on the side away from its neighbours."""
+def write_point_names(axes: Axes, points: np.ndarray, names: Sequence[str]) -> None:
+    """Write a name next to each point, on the side away from its neighbours."""
     for row in np.flatnonzero(np.isfinite(points).all(axis=1)):
         away = points[row] - points
         distances = np.linalg.norm(away, axis=1)
@@ -98,7 +98,7 @@ def write_rows(axes: Axes, points: np.ndarray) -> None:
         push = np.sum(away[distinct] / distances[distinct, None] ** 3, axis=0)
         strength = np.linalg.norm(push)
         offset = 11 * push / strength if strength > 0 else (8, 8)
-        write(axes, *points[row], str(row), offset=offset, size=10)
+        write(axes, *points[row], names[row], offset=offset, size=10)
 
 
 def write_names(axes: Axes, regions: ArrayLike, names: Sequence[str], points: np.ndarray) -> None:

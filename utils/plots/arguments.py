@@ -90,13 +90,15 @@ def as_values(values: ArrayLike, count: int, name: str = "values") -> np.ndarray
     return _check_length(values, count, name)
 
 
-def as_names(names: bool | Sequence[str | int] | None, count: int) -> list[str]:
-    """Return a name for each of `count` boxes, or an empty list; True means the row numbers."""
+def as_names(names: bool | Sequence[str | int] | None, count: int, noun: str = "box") -> list[str]:
+    """Return a name for each of `count` objects, or an empty list; True means the row numbers."""
     if names is None or names is False:
         return []
     texts = [str(name) for name in (range(count) if names is True else names)]
     if len(texts) != count:
-        raise ValueError(f"names must contain one name per box: {count} names, not {len(texts)}.")
+        raise ValueError(
+            f"names must contain one name per {noun}: {count} names, not {len(texts)}."
+        )
     return texts
 
 

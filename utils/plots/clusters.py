@@ -10,10 +10,11 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
-from utils.plots.annotations import write_names, write_rows
+from utils.plots.annotations import write_names, write_point_names
 from utils.plots.arguments import (
     as_cloud,
     as_labels,
+    as_names,
     drawn_rows,
     is_in_view,
     marker_size,
@@ -164,7 +165,7 @@ def graph(
     *,
     view: str = "above",
     labels: ArrayLike | None = None,
-    names: bool = False,
+    names: bool | Sequence[str] = False,
     title: str | None = None,
     limits: ArrayLike | None = None,
     axes: Axes | None = None,
@@ -182,13 +183,14 @@ def graph(
     view : {"above", "side", "side to scale"}
     labels : (n,) array_like of int, optional
         Colour and marker as in :func:`clusters`.
-    names : bool
-        Write the row number at each point.
+    names : bool or sequence of str
+        Names to write at the points; True for the row numbers.
     title, limits, axes
         As in :func:`utils.plots.from_above`.
     """
     cloud = as_cloud(cloud, planar=True)
     labels = np.ones(len(cloud), int) if labels is None else as_labels(labels, len(cloud))
+    names = as_names(names, len(cloud), "point")
     edges = _as_edges(edges, len(cloud))
     across, up, across_label, up_label = project(cloud, view)
     axes = canvas(axes)
@@ -198,7 +200,7 @@ def graph(
     axes.add_collection(LineCollection(ends, colors=MUTED, linewidths=1.0, zorder=1), autolim=False)
     draw_labels(axes, across, up, labels)
     if names:
-        write_rows(axes, np.stack([across, up], axis=1))
+        write_point_names(axes, np.stack([across, up], axis=1), names)
     key(axes, counted(len(edges), "pair") + " of neighbours", colour=MUTED, line="-")
     return finish(axes, title, across_label, up_label)
 

@@ -15,8 +15,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.patches import Circle, Rectangle
 from numpy.typing import ArrayLike
 
-from utils.plots.annotations import write_rows
-from utils.plots.arguments import as_points, marker_size
+from utils.plots.annotations import write_point_names
+from utils.plots.arguments import as_names, as_points, marker_size
 from utils.plots.clouds import dots
 from utils.plots.style import (
     BLUE,
@@ -260,7 +260,7 @@ def _draw_splits(axes: Axes, root: Node | None, *, strength: float) -> None:
 def _draw_points(axes: Axes, points: np.ndarray, names: bool | None) -> None:
     dots(axes, *points.T, "o", INK, marker_size(len(points)), zorder=3)
     if names or (names is None and len(points) <= MAX_NAMES):
-        write_rows(axes, points)
+        write_point_names(axes, points, as_names(True, len(points)))
 
 
 def _draw_ring(

@@ -255,8 +255,12 @@ def finish(
 
 
 def number(value: float) -> str:
-    """Return a number as text with four significant digits and a real minus sign."""
-    return f"{value:.4g}".replace("-", "−")
+    """Return a number as text with four significant digits and a real minus sign.
+
+    A number of thousands, millions or billions is rounded to a whole number, as in "58,658".
+    """
+    text = f"{value:,.0f}" if 1e3 <= abs(value) < 1e12 else f"{value:.4g}"
+    return text.replace("-", "−")
 
 
 def counted(count: int, noun: str) -> str:

@@ -69,7 +69,7 @@ neighbours_guess = predict("How many neighbours within half a metre does a point
 #
 # *A tree makes each search fast, but there are still fifty thousand searches.*
 #
-# The next cells time two ways to find all neighbours. The first compares each point with all others. The second searches a [kd-tree](#Words-of-the-course). SciPy's `cKDTree` is the tree from lesson 04 in compiled code. Each way is timed on a sample of the points, and the time is scaled up. It is processor time, which other programs hardly affect.
+# The next cells time two ways to find all neighbours. The first compares each point with all others. The second searches a [kd-tree](#Words-of-the-course). SciPy's `cKDTree` is the tree from lesson 04 in compiled code. Each way is timed on a sample of the points, and the time is scaled up. The cell measures processor time, which other programs hardly affect.
 
 # %%
 def neighbours_by_comparing(points, asked):
@@ -107,13 +107,13 @@ seconds_guess.compare(
     f"distances. NumPy needs about {1e9 * seconds / len(xyz) ** 2:.0f} nanoseconds for each.")
 
 # %% [markdown]
-# The tree is far faster, but still far too slow. And joining the neighbours into clusters takes even more time.
+# The tree is far faster, but still far too slow. And you must still join the neighbours into clusters, which takes additional time.
 #
 # ## All pairs at once
 #
 # *Compiled code can list and join all pairs, but the list is long.*
 #
-# Two SciPy functions do both in compiled code. `query_pairs` lists all pairs of points that are within a given distance of each other. `connected_components` finds the [components](#Words-of-the-course) of a graph. Below, `components` calls `connected_components` for pairs of nodes, and `join_all_pairs` calls both:
+# Two SciPy functions find and join all pairs in compiled code. `query_pairs` lists all pairs of points that are within a given distance of each other. `connected_components` finds the [components](#Words-of-the-course) of a graph. Below, `components` calls `connected_components` for pairs of nodes. `join_all_pairs` calls `query_pairs` and then `components`:
 
 # %%
 def components(count, pairs):
@@ -150,13 +150,14 @@ for threshold in (0.25, 0.5, 1.0, 2.0):
     table.append((f"{threshold} m", f"{neighbours.mean():,.0f}", f"{pairs / 1e6:.1f} million",
                   f"{16 * pairs / 1e6:,.0f} MB"))
     if threshold == 0.5:
+        close_pairs = round(pairs, -5)  # to the nearest hundred thousand
         neighbours_guess.compare(
             neighbours.mean(), "Points are dense near the scanner. The side of a parked car has "
             "thousands of returns, so each of them has hundreds of neighbours.")
 show_table(["threshold", "neighbours per point", "pairs", "memory"], table)
 
 # %% [markdown]
-# If you double the threshold, the list becomes two to three and a half times as long, although there are *fewer* clusters to find. Twice as many points in the same street give *four* times as many pairs.
+# If you double the threshold, the list becomes 2 to 3.5 times as long, although there are *fewer* clusters to find. Twice as many points in the same street give *four* times as many pairs.
 #
 # ## Nearly all pairs tell us nothing new
 #
@@ -200,9 +201,10 @@ right.grid(which="minor", color="black", alpha=0.4, linewidth=0.8)  # behind the
 #
 # *Three whole numbers identify a cell.*
 #
-# For a threshold of 0.5 m, a cell in space is 0.5 / √3 = 0.289 m wide. Along one axis, a point at 1.2 m is in cell 4, because 1.2 / 0.289 = 4.15 is rounded down. Sorting single numbers is several times faster than sorting rows, so `as_numbers` from lesson 06 turns each row into one number. `np.unique` then finds the different numbers, and on request it returns two more arrays:
+# For a threshold of 0.5 m, a cell in space is 0.5 / √3 = 0.289 m wide. Along one axis, a point at 1.2 m is in cell 4, because 1.2 / 0.289 = 4.15 is rounded down. Sorting single numbers is several times faster than sorting rows, so the folded function `as_numbers` from lesson 06 turns each row into one number. `np.unique` then finds the different numbers, and on request it returns two more arrays:
 
-# %%
+# %% tags=["folded"]
+# @title Turn each row into one number (you need not read this)
 def as_numbers(rows):
     """Return one whole number for each row of whole numbers; only equal rows share a number."""
     rows = np.asfortranarray(rows)  # stored column by column, which is faster here
@@ -212,7 +214,7 @@ def as_numbers(rows):
         return np.unique(rows, axis=0, return_inverse=True)[1].ravel()
     return np.ravel_multi_index(rows.T.astype(int), extent.astype(int))
 
-
+# %%
 rows = np.array([[4, 1], [0, 2], [4, 1], [4, 0]])
 numbers, first, which = np.unique(as_numbers(rows), return_index=True, return_inverse=True)
 print("a number for each row:           ", as_numbers(rows))
@@ -257,12 +259,13 @@ def points_in_cells(points, threshold):
 # `np.floor(points / side)` does step 2 for all points at once. Use the result in place of `rows` above. Then `rows[first]` are the different cells. Do not replace `np.floor` with `.astype(int)`, because that rounds −0.4 to 0.
 # </details>
 #
-# **Try it on seven points**, which are all at z = 0. With a threshold of √3 m, a cell is 1 m wide, so you can read the cell of each point off its coordinates.
+# **Try it on seven points**, called a to g, which are all at z = 0. Point a is in row 0 of the array, and point g is in row 6. With a threshold of √3 m, a cell is 1 m wide, so the coordinates of a point show its cell.
 
 # %% tags=["folded"]
 # @title Seven points, and how they are drawn (you need not read this)
 seven = np.array([[0.1, 0.2, 0], [1.2, 0.9, 0], [2.7, 0.5, 0], [2.95, 0.3, 0], [4.6, 0.2, 0],
                   [6.1, 0.7, 0], [-0.4, 2.6, 0]])
+letters = np.array(list("abcdefg"))  # the names of the points, in the order of the rows
 
 
 def show_both(name, yours, expected):
@@ -274,7 +277,7 @@ def show_both(name, yours, expected):
 
 def draw_seven(cells, first, joined=(), still_open=(), pieces=(), close=(), title=None):
     """Draw the points in their cells, with lines for pairs and colours for pieces."""
-    axes = plots.graph(seven[:, :2], names=True, limits=((-1.3, 7.3), (-0.3, 3.3)), title=title)
+    axes = plots.graph(seven[:, :2], names=letters, limits=((-1.3, 7.3), (-0.3, 3.3)), title=title)
     axes.set_xticks(range(-1, 8))
     axes.set_yticks(range(0, 4))
     axes.get_legend().remove()
@@ -301,12 +304,12 @@ def groups_of(label):
 cells, first, cell_of_point = points_in_cells(seven, np.sqrt(3))
 show_both("cells, x and y", cells[:, :2].astype(int).tolist(),
           [[-1, 2], [0, 0], [1, 0], [2, 0], [4, 0], [6, 0]])
-show_both("representatives", first.tolist(), [6, 0, 1, 2, 4, 5])
-show_both("cell of each point", cell_of_point.tolist(), [1, 2, 3, 3, 4, 5, 0])
+show_both("representatives", letters[first].tolist(), ["g", "a", "b", "c", "e", "f"])
+show_both("cells of a to g", cell_of_point.tolist(), [1, 2, 3, 3, 4, 5, 0])
 draw_seven(cells, first, title="Seven points in six cells");
 
 # %% [markdown]
-# Points 2 and 3 share cell 3, and point 2 represents both. If your point 6 is in a different cell, check how you round negative numbers.
+# Points c and d share cell 3, and point c represents both. If your point g is in a different cell, check how you round negative numbers.
 
 # %%
 check(points_in_cells)
@@ -325,7 +328,7 @@ print(cKDTree(five).query_pairs(2, p=np.inf, output_type="ndarray"))
 # %% [markdown]
 # Cells 0, 1 and 2 are within two steps of each other. Cells 3 and 4 are too far from cell 0, but they are two steps from cell 2.
 #
-# Neighbouring cells do not always belong together, because the points of two cells that are two steps apart may be nearly three sides apart along each axis. So you measure, in two steps:
+# Neighbouring cells do not always belong together. If two cells are two steps apart, their points may be nearly $3s$ apart along each axis. So you measure, in two steps:
 #
 # - **Cheap.** Are the two *representatives* closer than $r$? Then join the cells. This takes one distance for each pair of cells. Cells that are joined, directly or through others, form a **piece**.
 # - **Exact.** Even if two representatives are farther apart than $r$, two other points of their cells may be close. But you need not measure cells that are already in the same piece. Two neighbouring cells in *different* pieces are called an **open pair**. Only open pairs are compared point by point.
@@ -430,6 +433,18 @@ print(f"{len(xyz):,} points in {cell_count:,} cells; {pair_count:,} pairs of nei
       f"of which {open_count:,} ({open_count / pair_count:.1%}) are open")
 print(f"{nearly.max()} pieces so far; there should be {from_pairs.max() + 1} clusters")
 
+# %% [markdown]
+# How many pairs did you save? Each bar counts the pairs that one way must look at. Each vertical line stands for ten times as many pairs as the line before it.
+
+# %%
+axes = plots.compare({"all pairs of points": len(xyz) * (len(xyz) - 1) // 2,
+                      "pairs of neighbouring points": close_pairs,
+                      "pairs of neighbouring cells": pair_count,
+                      "open pairs of cells": open_count},
+                     label="number of pairs", title="Each idea leaves far fewer pairs")
+axes.set(xscale="log", xlim=(1, 1e11))
+axes.set_xticks(10.0 ** np.arange(12));
+
 # %% tags=["folded"]
 # @title Draw the pieces, with rings around torn clusters (you need not read this)
 def ring_parts(axes, points, whole, parts):
@@ -459,7 +474,7 @@ axes.get_legend().remove()
 ring_parts(axes, xyz[seen], from_pairs[seen], nearly[seen])
 
 # %% [markdown]
-# The cheap step leaves about one pair in fifty open. Without the exact step, clusters stay torn where points are sparse.
+# The cheap step leaves about one pair in fifty open. Without the exact step, clusters stay torn where points are sparse. Each ring is around a piece that is separated from the rest of its cluster, so its colour differs from the colour of the rest.
 #
 # **A good place to stop.** Save the notebook. You have the grid and the cheap join. When you come back, run all cells from the top.
 #
@@ -474,7 +489,7 @@ ring_parts(axes, xyz[seen], from_pairs[seen], nearly[seen])
 # %%
 p, q = seven[:4], seven[4:]
 distances, nearest = cKDTree(p).query(q)
-print("from points 4, 5, 6 to the nearest of 0 to 3:", distances.round(2), "  these are", nearest)
+print("from e, f, g to the nearest of a to d:", distances.round(2), "  these are", letters[nearest])
 
 
 def smallest_distance(p, q):
@@ -489,7 +504,7 @@ print(f"smallest distance: {smallest_distance(p, q):.2f} m")
 # %% [markdown]
 # Find this distance for each open pair, in a loop. The loop follows three rules:
 #
-# - **Relabel the whole piece.** If a point of cell `a` is close to a point of cell `b`, all cells in the piece of `b` get the label of `a`: `label[label == label[b]] = label[a]`.
+# - **Relabel the whole piece.** If a point of cell `i` is close to a point of cell `j`, all cells in the piece of `j` get the label of `i`: `label[label == label[j]] = label[i]`.
 # - **Compare the labels again before you measure.** The loop may have joined the two pieces in the meantime.
 # - **Change a copy of `label`**, so that you can run the cell below twice.
 #
@@ -532,23 +547,23 @@ def join_exactly(points, cell_of_point, pairs, label, threshold):
     # roughly 5 lines
     ### BEGIN SOLUTION
     inside, label = points_by_cell(points, cell_of_point), label.copy()
-    for a, b in pairs[label[pairs[:, 0]] != label[pairs[:, 1]]]:
-        if label[a] != label[b] and smallest_distance(inside[a], inside[b]) < threshold:
-            label[label == label[b]] = label[a]
+    for i, j in pairs[label[pairs[:, 0]] != label[pairs[:, 1]]]:
+        if label[i] != label[j] and smallest_distance(inside[i], inside[j]) < threshold:
+            label[label == label[j]] = label[i]
     return label
     ### END SOLUTION
 
 # %% [markdown]
 # <details><summary>A hint for step 3</summary>
 #
-# `pairs[mask]` are the open pairs. Compute the mask in the same way as `differs` for the seven points. `for a, b in pairs[mask]:` goes through the open pairs. After `inside = points_by_cell(points, cell_of_point)`, the points of the two cells are `inside[a]` and `inside[b]`.
+# `pairs[mask]` are the open pairs. Compute the mask in the same way as `differs` for the seven points. `for i, j in pairs[mask]:` goes through the open pairs. After `inside = points_by_cell(points, cell_of_point)`, the points of the two cells are `inside[i]` and `inside[j]`.
 # </details>
 
 # %%
 exact = join_exactly(seven, cell_of_point, pairs, label, np.sqrt(3))
 show_both("pieces", groups_of(exact), [[0], [1, 2, 3, 4, 5]])
 draw_seven(cells, first, pieces=exact.tolist(), close=[(3, 4)],
-           title=f"Dotted: points 3 and 4 are {dist(seven[3], seven[4]):.2f} m apart. "
+           title=f"Dotted: points d and e are {dist(seven[3], seven[4]):.2f} m apart. "
                  "Same colour: same piece");
 
 # %%
@@ -559,7 +574,7 @@ check(join_exactly)
 #
 # *Find exactly the same clusters as in lesson 05.*
 #
-# Put the three steps together. A scan of 50,000 points must take well under ten seconds. A dense heap of tens of thousands of points, such as a wall right in front of the sensor, must neither fill the memory nor take minutes. The three steps meet these demands, but you may use any other method that does. The clouds contain no NaN rows.
+# Put the three steps together. A scan of 50,000 points must take well under ten seconds. A dense heap of tens of thousands of points, such as a wall right in front of the sensor, must neither fill the memory nor take minutes. The three steps meet these demands, but you may use any other method that meets them. The clouds contain no NaN rows.
 #
 # - **Allowed:** NumPy, `scipy.spatial`, `scipy.sparse` with `connected_components`, the other packages named at the end of this notebook, and helper functions of your own.
 # - **Not allowed:** libraries that do the clustering: `sklearn.cluster`, `scipy.cluster`, `hdbscan`, `dbscan`, `open3d`, `pcl`.
@@ -638,7 +653,7 @@ plots.clusters(obstacles, labels, names=True, limits=street, title="Your cluster
 check(euclidean_clustering_accelerated)
 
 # %% [markdown]
-# Are these *exactly* the clusters from all pairs? Put the two labels of each point side by side. If the clusters are the same, there are as many different pairs of labels as labels on either side.
+# Are these *exactly* the clusters from all pairs? Put the two labels of each point side by side. If the clusters are the same, each label on one side is always next to the same label on the other side. Then there are as many different pairs of labels as there are labels on each side.
 
 # %%
 def same_clusters(labels, others):
@@ -724,13 +739,18 @@ if "yours" in series and series["yours"][0][-1] == len(everything):
           if spent < 0.1 else "more than one turn")
 
 # %% [markdown]
-# The legend gives the exponents. In theory, the time of the two ways that compare or list all pairs grows as n². Their exponents are smaller here, because each call of NumPy also takes a fixed time, which matters for small n. The line of the tree bends upwards, because each search returns more neighbours as the cloud becomes denser. Compiled code lists and joins all pairs several times as fast. Your line is the flattest, because a denser cloud mostly puts more points into the same cells. On such data, its exponent can even be below 1. For a few thousand points, listing all pairs is fastest.
+# A straight dashed line is fitted to the markers of each way. The legend gives its slope, which is the exponent of n.
+#
+# - **Compare with all.** In theory, this time grows as n². The exponent is a little smaller here, because each call of NumPy also takes a fixed time, which matters for small n.
+# - **A tree, point by point.** The markers bend upwards, because each search returns more neighbours as the cloud becomes denser.
+# - **All pairs.** Compiled code makes this way several times as fast. The markers rise slowly at first, and about as n² at the end, so the fitted exponent is between 1 and 2. In a sample of 500 points, there is only about one pair for each point. Most of the time goes into other work, which grows about as n. In the whole scan, there are more than a hundred pairs for each point. Most of the time goes into the pairs, whose number grows as n².
+# - **Yours.** This line is the flattest, because a denser cloud mostly puts more points into the same cells. On such data, its exponent can even be below 1. For a few thousand points, however, listing all pairs is fastest.
 #
 # ## A threshold that grows
 #
 # *Far away, the beams are farther apart, so 0.5 m is too small there.*
 #
-# In lesson 05, every car beyond 40 m was in pieces. There are few points that far away, so you can list all pairs and give each pair a threshold of its own. Change the line with `limit`, so that the threshold is 0.2 m at the sensor and grows by 2 cm with each metre of distance. This task has no check. What does the larger threshold repair, and what does it cost?
+# In lesson 05, every car beyond 40 m was in pieces. Beyond 40 m, there are few points, so you can list all pairs and give each pair a threshold of its own. Change the line with `limit`, so that the threshold is 0.2 m at the sensor and grows by 2 cm with each metre of distance. This task has no check. What does the larger threshold repair, and what does it cost?
 
 # %%
 def cluster_far(points):
@@ -770,7 +790,7 @@ axes.get_legend().remove()
 #
 # Usually a cell holds a handful of points. But a wet wall just in front of the sensor, or several merged scans, can put thousands of points into one cell. Comparing all of them with each other is the old problem again. So the next cells cluster two heaps, first a little *more* than the threshold apart, then a little less.
 #
-# **Estimate before you run it.** With 20,000 points in each heap, a list of all pairs could fill your computer's memory. So the cell first tries heaps of 1,000 points and then of 3,000. With three times as many points, the time may grow four times. If it grows nine times, your function compares all pairs.
+# **Estimate before you run it.** With 20,000 points in each heap, a list of all pairs could fill your computer's memory. So the cell first tries heaps of 1,000 points and then of 3,000. With three times as many points, the time may be four times as long. If it is nine times as long, your function compares all pairs.
 
 # %%
 def two_heaps(n, gap):
@@ -818,11 +838,11 @@ if is_written(euclidean_clustering_accelerated):
 # | representatives only, no exact step | objects are torn where points are sparse, and if the cloud moves by 10 cm, other objects are torn |
 # | only the 26 cells around a cell are searched | pairs two cells apart are missed, and one object in five is torn |
 # | `.astype(int)` without `np.floor` | cells around the sensor are twice as wide |
-# | `label[b] = label[a]` | only one cell changes its label, and the rest of its piece keeps the old one |
+# | `label[j] = label[i]` | only one cell changes its label, and the rest of its piece keeps the old one |
 # | a list of all pairs | the clusters are right, until the memory is full |
 # | the points thinned first | the clusters are right for the thinned cloud, but not for the full cloud |
 #
-# In the pictures, rings show what the first three mistakes change.
+# The pictures show the first three mistakes. Compare the colours inside each ring with the first picture. The first two mistakes give an object the colour of a larger neighbour, so the two are merged. The third mistake gives a part of an object a colour of its own, so the object is torn.
 
 # %% tags=["folded"]
 # @title Three mistakes on the street (you need not read this)
@@ -967,12 +987,11 @@ for rows, style, name in ((p, "o", "at home, in p"), (q, "s", "on a visit, in q"
     axes.plot(*place(rows[:, 0], rows[:, 1], rows[:, 3]), style, color="black", markersize=7,
               markerfacecolor="black" if style == "o" else "white", label=name)
     for row in rows:
-        number = np.flatnonzero((seven == row[:3]).all(axis=1))[0]
-        axes.annotate(f"{number}", place(row[0], row[1], row[3]), (-5, 7),
-                      textcoords="offset points")
+        letter = letters[(seven == row[:3]).all(axis=1)][0]
+        axes.annotate(letter, place(row[0], row[1], row[3]), (-5, 7), textcoords="offset points")
 axes.legend(loc="center right")
 axes.set_axis_off()
-axes.set_title("Two storeys: only points 3 and 4 are close", loc="left", fontweight="bold");
+axes.set_title("Two storeys: only points d and e are close", loc="left", fontweight="bold");
 
 # %% [markdown]
 # Compare the two ways on the street:

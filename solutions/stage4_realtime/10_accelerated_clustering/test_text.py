@@ -38,7 +38,7 @@ GIVEN = (
     "spring_the_trap",
 )
 LESSON = load_reference(
-    NAME, *STEPS, *GIVEN, "clustering_at_full_speed", "seven", "after_two_steps"
+    NAME, *STEPS, *GIVEN, "clustering_at_full_speed", "seven", "letters", "after_two_steps"
 )
 
 
@@ -63,7 +63,8 @@ def test_the_steps_give_the_printed_results_on_seven_points():
     text, seven, wide = find_lesson(NAME).source.read_text("utf-8"), LESSON.seven, np.sqrt(3)
     cells, first, cell_of_point = LESSON.points_in_cells(seven, wide)
     assert f"[{', '.join(str(cell) for cell in cells[:, :2].astype(int).tolist())}]" in text
-    assert str(first.tolist()) in text and str(cell_of_point.tolist()) in text
+    letters = [LESSON.letters[row] for row in first]
+    assert json.dumps(letters) in text and str(cell_of_point.tolist()) in text
     pairs, label = LESSON.join_cheaply(seven, cells, first, wide)
     assert str(sorted(pairs.tolist())) in text
     gaps = np.linalg.norm(seven[first[pairs[:, 0]]] - seven[first[pairs[:, 1]]], axis=1)
@@ -164,9 +165,10 @@ def test_smallest_distance_agrees_with_all_distances(sizes):
     assert LESSON.smallest_distance(p, q) == pytest.approx(min(distances))
 
 
-def test_points_3_and_4_are_close_but_their_representatives_are_not():
+def test_points_d_and_e_are_close_but_their_representatives_are_not():
     """The picture of step 3 draws a line between the points, not between representatives."""
     seven = LESSON.seven
+    assert "".join(LESSON.letters[[3, 4]]) == "de"
     _, first, cell_of_point = LESSON.points_in_cells(seven, np.sqrt(3))
     assert np.linalg.norm(seven[3] - seven[4]) < np.sqrt(3)
     representatives = first[cell_of_point[[3, 4]]]
@@ -232,7 +234,7 @@ def test_statements_about_pairs_are_true(obstacles):
         return (tree.query_ball_point(points, threshold, return_length=True) - 1).mean()
 
     assert mean_neighbours(tree, few, 0.5) / 2 > 100  # n - 1 pairs would be enough
-    for threshold in (0.25, 0.5, 1.0):  # the text says "two to three and a half times"
+    for threshold in (0.25, 0.5, 1.0):  # the text says "2 to 3.5 times"
         longer = mean_neighbours(tree, few, 2 * threshold) / mean_neighbours(tree, few, threshold)
         assert 2 < longer < 3.4
     half = np.random.default_rng(0).permutation(obstacles)[: len(obstacles) // 2]
@@ -240,6 +242,34 @@ def test_statements_about_pairs_are_true(obstacles):
     assert pairs / (len(half) * mean_neighbours(cKDTree(half), half[::10], 0.5)) == pytest.approx(
         4, rel=0.1
     )
+
+
+def test_each_idea_leaves_far_fewer_pairs(obstacles):
+    """The bar chart compares these numbers of pairs."""
+    _, _, of_cells, still_open = LESSON.after_two_steps(obstacles)
+    few, n = obstacles[::20], len(obstacles)
+    neighbours = cKDTree(obstacles).query_ball_point(few, 0.5, return_length=True) - 1
+    counts = n * (n - 1) / 2, n * neighbours.mean() / 2, of_cells, still_open
+    assert (np.divide(counts[:-1], counts[1:]) > 40).all()
+    assert counts[-1] > 1 and counts[0] < 1e11  # the ends of the axis
+
+
+def test_a_denser_cloud_has_more_pairs_for_each_point(obstacles):
+    """The text compares the smallest sample of the chart of times with the whole scan."""
+    few = np.random.default_rng(10).permutation(obstacles)[:500]
+    pairs = len(cKDTree(few).query_pairs(0.5)) / len(few)
+    tree = cKDTree(obstacles)
+    neighbours = tree.query_ball_point(obstacles[::20], 0.5, return_length=True) - 1
+    assert 0.7 < pairs < 1.5 and neighbours.mean() / 2 > 100
+
+
+@pytest.mark.slow
+def test_the_time_to_list_and_join_all_pairs_grows_faster_and_faster(obstacles):
+    points = np.random.default_rng(10).permutation(obstacles)
+    sizes = 500, 2000, 8000, len(points)
+    times = [LESSON.seconds_of(LESSON.join_all_pairs, points[:n]) for n in sizes]
+    slopes = np.diff(np.log(times)) / np.diff(np.log(sizes))
+    assert slopes[0] < 1.5 < slopes[-1] < 2.5
 
 
 @pytest.mark.slow

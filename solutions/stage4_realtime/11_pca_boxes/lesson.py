@@ -21,7 +21,7 @@
 # - put an upright, rotated box around any cluster, with every point inside,
 # - choose between principal axes, the smallest rectangle and the closest one, and explain your choice.
 #
-# **You write** `principal_axes` (points) and `get_oriented_boxes` (points). **You need** axis-aligned boxes (lesson 08) and matrix products. **Time:** (time: 130), in two sittings of 40 and 90 minutes.
+# **You write** `principal_axes` (points) and `get_oriented_boxes` (points). **You need** axis-aligned boxes (lesson 08) and matrix products. **Time:** (time: 130), in three sittings of 40, 30 and 60 minutes.
 
 # %% [markdown] tags=["badge"]
 # (where to run this notebook)
@@ -131,7 +131,7 @@ heading.compare(np.degrees(true_yaw) % 180,
 # %% [markdown]
 # The directions of the largest and the smallest variance are at right angles. This is always so, because they are *eigenvectors* of $C$, and the eigenvectors of a symmetric matrix are at right angles. These eigenvectors are called the **principal axes**, and the eigenvalues are the variances along them. Computing them is called *principal component analysis* (PCA).
 #
-# The direction of the largest variance is not the true heading. The second half explains why.
+# The direction of the largest variance is not the true heading. The second sitting explains why.
 
 # %% [markdown]
 # ## Two ways to compute, three things to watch
@@ -329,19 +329,19 @@ lean.compare(np.median([degrees_off(axis_yaws[label], label) for label in vehicl
              "The points are on two sides, and the short side turns the axis.")
 
 # %% [markdown]
-# The first axis is nearly right only for car 5. The scanner is next to this car and sees only one side. It sees two sides of all the others.
+# The first axis is nearly right only for car 5. The scanner is next to this car and sees only one side. It sees two sides of each other vehicle.
 #
 # ### Why it leans
 #
-# The two visible sides of a car form an L with a long side $a$ and a short side $b$. Put the corner at the origin and the long side along x, and spread the points evenly along both sides. Then
+# The two visible sides of a car form an L with a long side $a$ and a short side $b$. Put the corner at the origin, the long side along x and the short side along y. Spread the points evenly along both sides. Then
 #
 # $$\begin{aligned} C_{xx} &= \frac{a^3/3}{a+b} - \left(\frac{a^2/2}{a+b}\right)^2\!, \\ C_{yy} &= \frac{b^3/3}{a+b} - \left(\frac{b^2/2}{a+b}\right)^2\!, \\ C_{xy} &= -\frac{a^2 b^2}{4(a+b)^2}. \end{aligned}$$
 #
-# $C_{xy}$ is not zero, so the first axis leans away from the long side by the angle
+# $C_{xy}$ is not zero, so the first axis leans. Its angle is measured from the x axis, anticlockwise as seen from above:
 #
 # $$\theta = \tfrac12 \operatorname{atan2}\bigl(2\,C_{xy},\ C_{xx} - C_{yy}\bigr).$$
 #
-# Compare this formula with your own `principal_axes`:
+# $C_{xy}$ is negative, and so is $\theta$. So the first axis is turned clockwise from the long side, towards the line through the two ends of the L. Compare this formula with your own `principal_axes`. The plot shows angles without their signs:
 
 # %%
 def lean_of_l(ratio):
@@ -372,7 +372,7 @@ axes.axvline(1.8 / 4.2, color="black", linestyle=":", label=f"a car: {lean_of_l(
 axes.legend();
 
 # %% [markdown]
-# More points do not reduce this error. If the scanner sees two sides of a car, its first axis leans even more, because the points are not spread evenly.
+# More points do not reduce this error. If the scanner sees two sides of a real car, the first axis leans even more than in the plot, because the points are not spread evenly.
 #
 # ## The smallest rectangle
 #
@@ -438,14 +438,16 @@ def turn_the_rectangle(degrees):
 
 # %%
 trials = np.arange(-20, 70)
-curves, marks = {}, {"truth": ([], []), "smallest": ([], []), "first axis": ([], [])}
+curves = {}
+marks = {name: ([], []) for name in ("truth", "smallest", "first axis", "along the street")}
 for label in (9, 10):
     points = cloud[labels == label]
     curves[f"car {label}"] = trials, floor_area_at(points, np.radians(trials))
     least = trials[curves[f"car {label}"][1].argmin()]
     print(f"car {label}: the smallest rectangle is at {least}°")
     for name, degrees in (("truth", np.degrees(true_boxes[label].yaw)), ("smallest", least),
-                          ("first axis", np.degrees(axis_yaws[label]))):
+                          ("first axis", np.degrees(axis_yaws[label])),
+                          ("along the street", 0.0)):
         shown = (degrees + 20) % 90 - 20
         marks[name][0].append(shown)
         marks[name][1].append(floor_area_at(points, np.radians(shown)))
@@ -453,9 +455,11 @@ plots.curves(curves, marks, across="angle of the rectangle (°)", up="area (m²)
              title="Area of the rectangle around two cars");
 
 # %% [markdown]
-# The curve of car 9 has a sharp minimum within 1° of the true angle. Suppose that the whole outline of a car is visible, with sides $L$ and $W$. If you turn the rectangle away from it by a small angle $\delta$ (in radians), its area grows by $(L^2 + W^2)\,\delta$. For a car, that is about 0.36 m² for each degree. Only the outline matters, not the density of the points.
+# The markers show the true angle, the angles of the smallest rectangle and of the first axis, and the direction of the street (0°). The curve of car 9 has a sharp minimum within 1° of the true angle, so the square and the diamond are next to each other.
 #
-# The curve of car 10 has a wide minimum, and it is not at the true angle, because much of the car is hidden. What about all nine vehicles?
+# Suppose that the whole outline of a car is visible, with sides $L$ and $W$. If you turn the rectangle away from the true angle by a small angle $\delta$ (in radians), its area grows by $(L^2 + W^2)\,\delta$. For a car, that is about 0.36 m² for each degree. Only the outline matters, not the density of the points.
+#
+# The curve of car 10 has a wide minimum. The diamond is not at the square, because much of the car is hidden. What about all nine vehicles?
 
 # %%
 angles = np.radians(np.arange(90))
@@ -527,6 +531,9 @@ for name, yaws in (("first axis", axis_yaws), ("smallest rectangle", rectangle_y
 draw_rectangles(cloud[labels == 7], [(rectangle_yaws[7], "smallest"), (closest_yaws[7], "closest")],
                 ((x - half, x + half), (y - 0.8 * half, y + 0.8 * half)), "lorry 7",
                 box=true_boxes[7])
+
+# %% [markdown]
+# **A good place to stop.** Save the notebook. You know three ways to find the yaw of a car. In the last sitting, you write the boxes. When you come back, run all cells from the top.
 
 # %% [markdown]
 # ## Turn the points, then box them
@@ -609,7 +616,7 @@ axes = plots.boxes(tiny, limits=((4.5, 11.5), (-2.5, 2.5)), title="Five points i
 axes.plot(five[:, 0], five[:, 1], "o", color="black", markersize=7);
 
 # %% [markdown]
-# **Look before you check.** Every point should be inside the box of its obstacle, and the boxes should be turned like the cars. Rectangles around parked cars should be parallel to the street. Boxes along first axes have the angle errors of the table above, which is not your mistake.
+# **Look before you check.** Every point should be inside the box of its obstacle, and the boxes should be turned like the cars. Rectangles around parked cars should be parallel to the street. If you use first axes, your boxes have the angle errors of the table above. These errors are not your mistake.
 
 # %%
 boxes = get_oriented_boxes(cloud, labels)
@@ -733,14 +740,19 @@ print(f"third axis of {len(ground):,} returns of the ground: "
 # - **Cars and lorries:** use the closest rectangle. The smallest rectangle is nearly as good for cars, but it can be wrong for a thin L.
 # - **Cyclists:** none of the three is reliable. The first axis is best for the two cyclists in this scan. In forty other streets with seventeen cyclists, however, each way has a median error of 8° to 10°, and the first axis has errors of up to 32°.
 # - **Pedestrians, poles and tree trunks:** none of the three works, because these obstacles are nearly round from above.
-# - **Walls:** all three work for a straight wall. The corner of a house is a thin L, like the lorry. There, the first axis leans, the smallest rectangle may lean, and the closest rectangle does not.
+# - **Walls:** use the closest rectangle. The table mixes two kinds of walls. Three of the eight walls are straight, and there, all three ways are at most 2° off. The other five are corners of houses, each a thin L like the lorry. There, the first axis is off by 5° to 23°, the smallest rectangle by 0° to 38°, and the closest rectangle by at most 1°.
 # - **Planes:** use principal axes in space. The third axis of the ground is its normal, as in lesson 03.
 #
 # ## From frame to frame
 #
 # *A heading that is right in one frame can jump in the next.*
 #
-# In the next scene, a car drives in circles. Each yaw is computed from a single frame. The cell takes five to ten seconds.
+# In the next scene, a car drives in circles, so the scanner sees a different part of it in each frame. Each yaw is computed from a single frame, in two ways:
+#
+# - **The first axis**, as in a PCA box. It depends on the sides that the scanner sees, so its error changes from frame to frame.
+# - **The smallest rectangle.** It depends only on the outline of the points, so it suits a tracker better. (The closest rectangle is as good: in each of these frames, it is within 2° of the smallest rectangle. But it takes more time.)
+#
+# The cell takes five to ten seconds.
 
 # %%
 flips = predict("Plot three yaws over time: of the truth, the first axis and the smallest rectangle. "
@@ -768,8 +780,9 @@ def headings_of_stream():
 
 
 times, headings = headings_of_stream()
-axes = plots.curves({"truth, without jumps": (times, np.degrees(np.unwrap(headings["truth"])))},
-                    {name: (times, np.degrees(values)) for name, values in headings.items()},
+axes = plots.curves({"truth": (times, np.degrees(headings["truth"]))},
+                    {name: (times, np.degrees(headings[name]))
+                     for name in ("first axis", "smallest rectangle")},
                     across="time (s)", up="yaw (°)", title="The yaw from each single frame")
 jumps = {name: int((abs(np.diff(values)) > np.radians(60)).sum())
          for name, values in headings.items()}
@@ -779,9 +792,9 @@ flips.compare("all three" if min(jumps.values()) > 0 else "both of them, but not
               "rectangle looks the same after a quarter turn.")
 
 # %% [markdown]
-# The true yaw jumps by 360°, and the smallest rectangle by 90°. The first axis jumps by 180° or, like the true yaw, by 360°. When the scanner sees only one end of the car, the first axis even lies across the car: look at 0.8 s.
+# The line of the true yaw jumps by 360°, and the smallest rectangle by 90°. The first axis jumps by 180° or, like the true yaw, by 360°. When the scanner sees only one end of the car, the first axis even lies across the car: look at 0.8 s.
 #
-# These jumps do not change the corners of the box, but a tracker needs a steady heading. With `np.unwrap` and a period of a quarter turn, quarter turns are added to each heading until it is nearest to the previous one. Which of the four sides is the front? On the road, the direction of motion tells you. Here we take the true heading of the first frame.
+# These jumps do not change the corners of the box, but a tracker needs a steady heading. With a period of a quarter turn, `np.unwrap` adds quarter turns to each heading, or subtracts them, until it is as close as possible to the previous heading. Which of the four sides is the front? On the road, the direction of motion tells you. Here we take the true heading of the first frame.
 
 # %%
 def steady(values, start):
@@ -802,22 +815,20 @@ for name, values in followed.items():
           f"worst {errors.max():4.1f}°")
 
 # %% [markdown]
-# Now both curves follow the car. The first axis still leans to one side or the other, depending on which corner the scanner sees. The smallest rectangle is almost always right. So use a rectangle to track a car.
+# Now both curves follow the car. The first axis still leans to one side or the other, depending on which corner the scanner sees. The smallest rectangle is almost always right. So use a rectangle, not a PCA box, to track a car.
 
 # %% [markdown]
 # ## Common mistakes
 #
 # | mistake | what you see |
 # |---|---|
-# | turned by −yaw both times | the box has the right size, but it is turned clockwise around the sensor by twice the yaw |
-# | turned by +yaw both times | the box is turned anticlockwise around the sensor by twice the yaw, and it is too large |
+# | turned by the same sign both times | the box is turned around the sensor by twice the yaw: clockwise with −yaw; anticlockwise, and too large, with +yaw |
 # | degrees mixed with radians, or the index of the smallest area used as its angle | the boxes contain their points, but at a wrong angle |
 # | largest area instead of smallest | the box is at 45° to its car and, for a full outline, more than twice as large |
-# | divided by the standard deviation (z-score) | computed from x and y alone, the first axis is at 45° or −45° for every cluster; if z was set to 0 before, NumPy reports an error because of 0 / 0 |
+# | divided by the standard deviation (z-score) | from x and y alone, the first axis is at 45° or −45° for every cluster; with z set to 0, NumPy reports an error (0 / 0) |
 # | not centred | the first axis points from the sensor to the car |
 # | columns left in ascending order | the "first" axis has the smallest variance; if z was set to 0 before, it is vertical, and the yaw is arbitrary |
 # | determinant −1 | the box is right, but SciPy refuses to convert the axes into a quaternion or Euler angles |
-# | size measured in 3-D, box set upright afterwards | some points are outside their box |
 
 # %% tags=["folded"]
 # @title A picture of three mistakes (you need not read this)
@@ -861,7 +872,7 @@ drive_with(0) if is_written(get_oriented_boxes) else print(
     "get_oriented_boxes is not written, or has not passed its check.")
 
 # %% [markdown]
-# The goal is 59 m, braking only for the car ahead. Then let your function find the yaw in another way, and drive again. The points of the oncoming lorry form a thin L, as those of lorry 7 did. Finally, turn the scanner as in lesson 08, with `drive_with(12, street=1)`.
+# The goal is to drive 59 m, and to brake only for the car ahead. Then let your function find the yaw in another way, and drive again. The points of the oncoming lorry form a thin L, as those of lorry 7 did. Finally, turn the scanner as in lesson 08, with `drive_with(12, street=1)`.
 #
 # <details><summary>An answer</summary>
 #
@@ -897,7 +908,7 @@ ask_about(get_oriented_boxes)
 # - Principal axes are the eigenvectors of the covariance matrix. Sort them, and make them right-handed. Their signs are free.
 # - The box of a car needs only a yaw. First decide that the box is upright, then measure it.
 # - The points are on two sides of a car, so its first axis leans, by 13° or more for most cars in our street.
-# - A first axis gives the heading up to half turns, as long as the scanner sees a long side. A rectangle gives it up to quarter turns. Choose the heading nearest to the previous one.
+# - If the scanner sees a long side, a first axis gives the heading, except for half turns. A rectangle gives the heading, except for quarter turns. Choose the heading nearest to the previous one.
 #
 # **Sources.** Principal components: [Jolliffe and Cadima 2016](https://doi.org/10.1098/rsta.2015.0202). Limits of PCA boxes: [Dimitrov, Knauer, Kriegel and Rote 2006](https://www.researchgate.net/publication/235758825_On_the_bounding_boxes_obtained_by_principal_component_analysis). Quaternions and Euler angles: [SciPy, Rotation](https://docs.scipy.org/doc/scipy/reference/generated/scipy.spatial.transform.Rotation.html).
 #

@@ -200,8 +200,8 @@ def separates_pairs_around_the_sensor(euclidean_clustering_accelerated: Callable
     why="A single pair of close points may connect two parts of a car. If you compare only one "
     "point of each cell, the car may become two obstacles.",
     hint="If two neighbouring cells are still in different pieces, compare all their points. If "
-    "any two are closer than the threshold, relabel the whole piece: label[label == label[b]] = "
-    "label[a].",
+    "any two are closer than the threshold, relabel the whole piece: label[label == label[j]] = "
+    "label[i].",
 )
 def finds_the_close_pair(euclidean_clustering_accelerated: Callable) -> None:
     require_simplest_clusters(euclidean_clustering_accelerated)

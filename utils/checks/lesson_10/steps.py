@@ -39,6 +39,7 @@ SEVEN_POINTS = frozen(
         ]
     )
 )
+_LETTERS = "abcdefg"  # the names of the points in the lesson
 # Results of the steps for these points, as the lesson prints them.
 _CELLS = frozen(np.array([[-1, 2, 0], [0, 0, 0], [1, 0, 0], [2, 0, 0], [4, 0, 0], [6, 0, 0]]))
 _FIRST = frozen(np.array([6, 0, 1, 2, 4, 5]))
@@ -101,7 +102,7 @@ def _assert_cells(answer: object, points: np.ndarray, threshold: float, input_te
     if len(wrong):
         row = wrong[0]
         raise CheckFailed(
-            f"The cell of point {row}, at {brief_text(points[row])}, is wrong.",
+            f"The cell of point {_LETTERS[row]}, at {brief_text(points[row])}, is wrong.",
             input_text=input_text,
             yours=f"cell {brief_text(cells[cell_rows[row]])}",
             expected=f"cell {brief_text(right[row])}",
@@ -222,7 +223,8 @@ def joins_close_representatives(join_cheaply: Callable) -> None:
 @visible_check(
     "join_cheaply",
     title="Measures distances between representatives",
-    why="Cell 3 is not point 3. Code that confuses the two joins objects that are far apart.",
+    why="Cell 3 is not the point in row 3. Code that confuses the two joins objects that are far "
+    "apart.",
     hint="Measure between points[first[pairs[:, 0]]] and points[first[pairs[:, 1]]], with x, y "
     "and z. pairs contains rows of cells, and first turns them into rows of points.",
 )
@@ -255,15 +257,15 @@ def _exact_arguments(label: np.ndarray) -> tuple:
 
 @visible_check(
     "join_exactly",
-    title="Joins all cells of the two pieces that points 3 and 4 connect",
+    title="Joins all cells of the two pieces that points d and e connect",
     why="If a close pair is missed, or only one cell of a piece gets the new label, a car stays "
     "split into two clusters.",
     hint="Go through the pairs whose two labels differ. If smallest_distance is below the "
-    "threshold, give all cells of both pieces the same label: label[label == label[b]] = label[a].",
+    "threshold, give all cells of both pieces the same label: label[label == label[j]] = label[i].",
 )
 def joins_exactly(join_exactly: Callable) -> None:
     # Pieces may be numbered in any order, so either of the two pieces may have the larger number.
-    # If the pair of points 3 and 4 is the last, no later pair can relabel a forgotten cell.
+    # If the pair of points d and e is the last, no later pair can relabel a forgotten cell.
     for label, order in ((_PIECES, [0, 1, 2, 3, 4, 5, 6]), (2 - _PIECES, [0, 1, 2, 3, 4, 6, 5])):
         answer = join_exactly(
             SEVEN_POINTS.copy(), _CELL_OF_POINT.copy(), _PAIRS[order], label.copy(), WIDE_THRESHOLD
@@ -281,7 +283,7 @@ def joins_exactly(join_exactly: Callable) -> None:
     hint="Write label = label.copy() before you change any label.",
 )
 def keeps_the_labels_unchanged(join_exactly: Callable) -> None:
-    with precondition("the function joins the two pieces that points 3 and 4 connect"):
+    with precondition("the function joins the two pieces that points d and e connect"):
         joins_exactly(join_exactly)
     assert_arguments_unchanged(
         observe(join_exactly, *_exact_arguments(_PIECES)), *_exact_arguments(_PIECES)
@@ -294,7 +296,7 @@ def keeps_the_labels_unchanged(join_exactly: Callable) -> None:
     why="After step 2, a wall may consist of dozens of pieces, each of them close only to the "
     "next.",
     hint="In each round, compare the two labels in the copy that the loop changes, and relabel "
-    "the whole piece: label[label == label[b]] = label[a].",
+    "the whole piece: label[label == label[j]] = label[i].",
 )
 def joins_a_row_of_pieces(join_exactly: Callable) -> None:
     label = np.array([3, 0, 4, 1, 2])
